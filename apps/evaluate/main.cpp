@@ -1,0 +1,11 @@
+#include "apps/cli/program.h"
+
+int main(int argc, char** argv) {
+  loci::Program program("loci-evaluate", "Measures every claim against its peers.");
+  program.add_planned("changes", "What the memory says happened, beside the truth");
+  program.add_planned("nbv", "Next best view against its peers");
+  program.add_planned("registration", "Registration against its peers");
+  program.add_planned("identity", "The identity experiment");
+  program.add_planned("normals", "Normal estimation against its peers");
+  return program.run(argc, argv);
+}

@@ -1,0 +1,15 @@
+#include "apps/cli/program.h"
+
+int main(int argc, char** argv) {
+  loci::Program program("loci-map", "Builds and checks semantic URDF maps.");
+  program.add_planned("check", "Says what a URDF holds, or why it is refused");
+  program.add_planned("fuse", "Posed depth frames to a scan set");
+  program.add_planned("interpret", "A scan set to a map: floor, walls, supports");
+  program.add_planned("compare", "Compares a map with another map or with the truth");
+  program.add_planned("explore", "Scans an unknown kitchen by next best view and maps it");
+  program.add_planned("next-view", "Where to scan next");
+  program.add_planned("register", "Scans to poses");
+  program.add_planned("articulate", "Joints from tracks");
+  program.add_planned("export", "SDF, OWL, PLY, grid, link graph");
+  return program.run(argc, argv);
+}

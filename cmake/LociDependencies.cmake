@@ -1,0 +1,36 @@
+# All outside libraries, found once. Versions are those of Debian 12.
+
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(yaml-cpp REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs calib3d)
+find_package(urdfdom REQUIRED)
+find_package(assimp REQUIRED)
+find_package(SQLiteCpp REQUIRED)
+
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(tinyxml2 REQUIRED IMPORTED_TARGET tinyxml2)
+pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
+
+# PCL's io and 2d components would bring 38 VTK libraries and Qt into programs that draw nothing.
+foreach(package VTK OpenNI OpenNI2 libusb Pcap)
+  set(CMAKE_DISABLE_FIND_PACKAGE_${package} ON)
+endforeach()
+find_package(PCL 1.13 QUIET REQUIRED COMPONENTS common kdtree search filters segmentation sample_consensus)
+set(CMAKE_DISABLE_FIND_PACKAGE_VTK OFF)
+
+if(LOCI_GUI)
+  find_package(Qt5 5.15 REQUIRED COMPONENTS Widgets Test)
+  find_package(VTK 9.1 REQUIRED COMPONENTS
+    CommonCore CommonDataModel CommonExecutionModel FiltersSources FiltersGeneral InteractionStyle
+    InteractionWidgets RenderingCore RenderingOpenGL2 RenderingFreeType RenderingAnnotation IOImage GUISupportQt)
+endif()
+
+if(LOCI_TESTS)
+  find_package(GTest REQUIRED)
+  include(GoogleTest)
+endif()

@@ -1,0 +1,89 @@
+# One verb per kind of target:
+#   loci_room(FOLDER)                         add a folder of the house that has a CMakeLists.txt
+#   loci_library(LINKS ... PRIVATE_LINKS ...) all *.cpp of this folder as one static library, named after the folder
+#   loci_program(NAME [SOURCES ...] LINKS ...) a program in bin/
+#   loci_test(LINKS ...)                      all *_test.cpp of this folder as one GoogleTest program
+#
+# The library of mapping/base is the target loci_mapping_base, and so on.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+# Same bytes on every build: floating-point expressions are not contracted.
+add_compile_options(-ffp-contract=off)
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+endif()
+
+if(LOCI_SANITIZE)
+  add_compile_options(-fsanitize=${LOCI_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${LOCI_SANITIZE})
+endif()
+
+function(loci_warnings target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion)
+  if(LOCI_WARNINGS_AS_ERRORS)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+endfunction()
+
+function(loci_room folder)
+  if(EXISTS ${CMAKE_SOURCE_DIR}/${folder}/CMakeLists.txt)
+    add_subdirectory(${CMAKE_SOURCE_DIR}/${folder})
+  endif()
+endfunction()
+
+function(loci_folder_name result)
+  file(RELATIVE_PATH folder ${CMAKE_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  string(REPLACE "/" "_" name ${folder})
+  set(${result} ${name} PARENT_SCOPE)
+endfunction()
+
+function(loci_library)
+  cmake_parse_arguments(ARG "" "" "LINKS;PRIVATE_LINKS" ${ARGN})
+  loci_folder_name(name)
+  file(GLOB sources CONFIGURE_DEPENDS *.cpp)
+  file(GLOB_RECURSE nested CONFIGURE_DEPENDS */*.cpp)
+  if(NOT sources AND NOT nested)
+    add_library(loci_${name} INTERFACE)  # Headers only: a contract whose implementation has not come yet.
+    target_include_directories(loci_${name} INTERFACE ${CMAKE_SOURCE_DIR})
+    target_link_libraries(loci_${name} INTERFACE ${ARG_LINKS} ${ARG_PRIVATE_LINKS})
+    return()
+  endif()
+  add_library(loci_${name} STATIC ${sources} ${nested})
+  target_include_directories(loci_${name} PUBLIC ${CMAKE_SOURCE_DIR})
+  target_link_libraries(loci_${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
+  loci_warnings(loci_${name})
+endfunction()
+
+function(loci_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  if(NOT ARG_SOURCES)
+    file(GLOB ARG_SOURCES CONFIGURE_DEPENDS *.cpp)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_LINKS})
+  loci_warnings(${name})
+endfunction()
+
+function(loci_test)
+  cmake_parse_arguments(ARG "" "" "LINKS" ${ARGN})
+  loci_folder_name(name)
+  file(GLOB sources CONFIGURE_DEPENDS *_test.cpp)
+  add_executable(${name} ${sources})
+  target_link_libraries(${name} PRIVATE ${ARG_LINKS} loci_mapping_base GTest::gmock GTest::gtest_main)
+  target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR})
+  target_compile_definitions(${name} PRIVATE
+    LOCI_SOURCE_DIR="${CMAKE_SOURCE_DIR}"
+    LOCI_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}"
+    LOCI_SHARED_DIR="${LOCI_SHARED_DIR}")
+  loci_warnings(${name})
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${name}." PROPERTIES TIMEOUT 300)
+endfunction()

@@ -1,0 +1,79 @@
+#include "mapping/base/config.h"
+
+#include "mapping/base/files.h"
+
+namespace loci {
+
+Config Config::read(const std::filesystem::path& path) {
+  return parse(read_file(path), path.string());
+}
+
+Config Config::parse(const std::string& text, const std::string& file) {
+  try {
+    YAML::Node node = YAML::Load(text);
+    if (!node || node.IsNull()) node = YAML::Node(YAML::NodeType::Map);
+    return {node, file, {}};
+  } catch (const YAML::Exception& error) {
+    throw Error("not valid YAML: " + error.msg, {file, error.mark.is_null() ? 0 : error.mark.line + 1, {}});
+  }
+}
+
+Config::Config(YAML::Node node, std::string file, std::string path)
+    : node_(std::move(node)), file_(std::move(file)), path_(std::move(path)) {
+  if (node_ && !node_.IsMap())
+    throw Error("a map of keys and values was expected here", {file_, node_.Mark().line + 1, path_});
+}
+
+YAML::Node Config::node_for(const std::string& key) const {
+  known_.insert(key);
+  const YAML::Node& node = node_;  // The const operator[] does not insert.
+  YAML::Node child = node[key];
+  return child && child.IsNull() ? YAML::Node(YAML::NodeType::Undefined) : child;
+}
+
+bool Config::has(const std::string& key) const {
+  return static_cast<bool>(node_for(key));
+}
+
+Config Config::map(const std::string& key) const {
+  const YAML::Node child = node_for(key);
+  return {child ? child : YAML::Node(YAML::NodeType::Map), file_, place(key).key};
+}
+
+std::vector<Config> Config::list(const std::string& key) const {
+  std::vector<Config> result;
+  const YAML::Node child = node_for(key);
+  if (!child) return result;
+  if (!child.IsSequence()) throw Error("a list was expected here", place(key));
+  for (size_t i = 0; i < child.size(); ++i)
+    result.push_back(Config(child[i], file_, place(key).key + "[" + std::to_string(i) + "]"));
+  return result;
+}
+
+std::vector<std::string> Config::keys() const {
+  std::vector<std::string> names;
+  for (const auto& entry : node_) names.push_back(entry.first.as<std::string>());
+  return names;
+}
+
+void Config::finish() const {
+  const std::vector<std::string> candidates(known_.begin(), known_.end());
+  for (const auto& entry : node_) {
+    const auto key = entry.first.as<std::string>();
+    if (known_.contains(key)) continue;
+    throw Error("unknown key '" + key + "'", {file_, entry.first.Mark().line + 1, path_},
+                did_you_mean(key, candidates));
+  }
+}
+
+Place Config::place(const std::string& key) const {
+  Place result{file_, node_ && !node_.Mark().is_null() ? node_.Mark().line + 1 : 0, path_};
+  if (key.empty()) return result;
+  const YAML::Node& node = node_;
+  if (const YAML::Node child = node[key]; child && !child.Mark().is_null())
+    result.line = child.Mark().line + 1;
+  result.key = path_.empty() ? key : path_ + "." + key;
+  return result;
+}
+
+}  // namespace loci

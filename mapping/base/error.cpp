@@ -1,0 +1,69 @@
+#include "mapping/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <numeric>
+
+namespace loci {
+namespace {
+
+size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), size_t{0});
+  for (size_t i = 1; i <= a.size(); ++i) {
+    size_t diagonal = row[0];
+    row[0] = i;
+    for (size_t j = 1; j <= b.size(); ++j) {
+      const bool same = std::tolower(static_cast<unsigned char>(a[i - 1])) ==
+                        std::tolower(static_cast<unsigned char>(b[j - 1]));
+      const size_t replaced = diagonal + (same ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+    }
+  }
+  return row[b.size()];
+}
+
+}  // namespace
+
+std::string Place::text() const {
+  std::string text = file;
+  if (line > 0) text += fmt::format(":{}", line);
+  if (!key.empty()) text += text.empty() ? key : ": " + key;
+  return text;
+}
+
+Error::Error(std::string what, Place place, std::string hint)
+    : message_(std::move(what)), place_(std::move(place)), hint_(std::move(hint)) {
+  const std::string where = place_.text();
+  text_ = where.empty() ? message_ : where + ": " + message_;
+  if (!hint_.empty()) text_ += "; " + hint_;
+  std::replace(text_.begin(), text_.end(), '\n', ' ');
+}
+
+void Warnings::add(std::string text, const Place& place) {
+  const std::string where = place.text();
+  texts_.push_back(where.empty() ? std::move(text) : where + ": " + text);
+}
+
+std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates) {
+  std::string best;
+  size_t best_distance = std::max<size_t>(2, name.size() / 3) + 1;
+  for (const std::string& candidate : candidates) {
+    const size_t distance = edit_distance(name, candidate);
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+std::string did_you_mean(std::string_view name, const std::vector<std::string>& candidates) {
+  const std::string nearest = nearest_name(name, candidates);
+  return nearest.empty() ? "" : fmt::format("did you mean '{}'?", nearest);
+}
+
+}  // namespace loci

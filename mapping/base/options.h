@@ -1,0 +1,80 @@
+#pragma once
+
+#include <limits>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "mapping/base/config.h"
+#include "mapping/base/json.h"
+
+namespace loci {
+
+/// One option of a stage: where its value lives, and all that is to be said about it.
+struct Option {
+  using Value = std::variant<bool*, int*, double*, std::string*, std::vector<std::string>*>;
+
+  std::string name;  ///< snake_case, with the unit where it is not SI ("yaw_deg"); also the YAML key
+  Value value;       ///< points into the options struct; holds the default when declared on a fresh struct
+  std::string unit;  ///< "m", "deg", "px", "" for none
+  std::string sentence;
+  double minimum = -std::numeric_limits<double>::infinity();  ///< of numbers, inclusive
+  double maximum = std::numeric_limits<double>::infinity();
+  std::vector<std::string> choices;  ///< of strings; empty = any
+};
+
+/// The options of one stage, declared once; YAML, command line, documentation and outputs are made from it.
+///
+///   struct ClusterOptions {
+///     double tolerance_m = 0.02;
+///     void declare(OptionTable& table) {
+///       table.number("tolerance_m", tolerance_m, "m", "Largest gap inside one object.", 0.001, 1);
+///     }
+///   };
+class OptionTable {
+ public:
+  void flag(std::string name, bool& value, std::string sentence);
+  void integer(std::string name, int& value, std::string unit, std::string sentence, int minimum,
+               int maximum);
+  void number(std::string name, double& value, std::string unit, std::string sentence, double minimum,
+              double maximum);
+  void text(std::string name, std::string& value, std::string sentence,
+            std::vector<std::string> choices = {});
+  void texts(std::string name, std::vector<std::string>& value, std::string sentence);
+
+  const std::vector<Option>& options() const { return options_; }
+
+  /// Sets what the map gives and checks it; unknown keys are left to config.finish().
+  void read(const Config& config);
+  /// Throws one Error that names all values outside their bounds; `place` says whose options they are.
+  void validate(const Place& place = {}) const;
+  /// The effective configuration, for outputs and listings.
+  Json to_json() const;
+
+ private:
+  std::vector<Option> options_;
+};
+
+/// The value of an option as text, as it would be written in YAML.
+std::string option_text(const Option& option);
+
+/// The declared table of an options struct.
+template <class Options>
+OptionTable table_of(Options& options) {
+  OptionTable table;
+  options.declare(table);
+  return table;
+}
+
+/// Fresh options from a YAML map, read strictly and validated.
+template <class Options>
+Options read_options(const Config& config) {
+  Options options;
+  OptionTable table = table_of(options);
+  table.read(config);
+  config.finish();
+  table.validate(config.place());
+  return options;
+}
+
+}  // namespace loci

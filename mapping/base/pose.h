@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <string>
+
+#include "mapping/base/error.h"
+
+namespace loci {
+
+using Eigen::Isometry3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+/// A pose from `x y z qx qy qz qw`. The quaternion is normalised when its length is within 1e-2 of one;
+/// otherwise, and for values that are not finite, Error at `place`.
+Isometry3d pose_from_values(const std::array<double, 7>& values, const Place& place = {});
+
+/// A pose from a 4x4 matrix. A rotation that is off orthonormal by less than 1e-2 is re-orthonormalised
+/// (nearest rotation in the Frobenius norm); otherwise, and for values that are not finite, Error at `place`.
+Isometry3d pose_from_matrix(const Eigen::Matrix4d& matrix, const Place& place = {});
+
+/// `x y z qx qy qz qw` with qw >= 0.
+std::array<double, 7> values_from_pose(const Isometry3d& pose);
+
+/// Fixed-axis roll, pitch, yaw (URDF): R = Rz(yaw) Ry(pitch) Rx(roll).
+Eigen::Matrix3d rotation_from_rpy(const Vector3d& rpy);
+Vector3d rpy_from_rotation(const Eigen::Matrix3d& rotation);
+
+}  // namespace loci

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace loci {
+
+/// A colour picture (CV_8UC3, BGR) from PNG or JPEG. Error when it is missing, truncated or not a picture.
+cv::Mat read_color(const std::filesystem::path& path);
+
+/// A 16-bit picture (CV_16UC1) from PNG: raw depth or labels. Error when it is missing, truncated or of
+/// another kind.
+cv::Mat read_uint16(const std::filesystem::path& path);
+
+/// Writes PNG or JPEG by the file's ending, atomically; same pixels, same bytes.
+void write_image(const std::filesystem::path& path, const cv::Mat& image);
+
+/// In memory, for blobs: ".png" or ".jpg".
+std::vector<unsigned char> encode_image(const cv::Mat& image, const std::string& ending);
+/// Any depth and number of channels as stored. Error when the bytes are no whole picture; `name` is for the
+/// message.
+cv::Mat decode_image(const std::vector<unsigned char>& bytes, const std::string& name);
+
+}  // namespace loci

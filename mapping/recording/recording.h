@@ -1,0 +1,66 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mapping/base/json.h"
+#include "mapping/sensor/frame.h"
+
+namespace loci {
+
+/// What a reader found and what it had to guess.
+struct RecordingInfo {
+  std::string format;  ///< "loci", "7-scenes", …
+  std::string path;
+  std::string map_frame;  ///< frame of the poses; "" when there are none
+  RgbdCamera camera;
+  size_t frames = 0;
+  size_t frames_with_pose = 0;
+  TimeNs first_time = 0;
+  TimeNs last_time = 0;
+  bool time_assumed = false;          ///< the stamps were made up
+  std::vector<std::string> guesses;   ///< e.g. "no cameras.yaml: Kinect intrinsics assumed"
+  std::vector<std::string> problems;  ///< what is odd but can be lived with, with the row or file
+};
+
+Json to_json(const RecordingInfo& info);
+
+/// Posed RGB-D frames in order of time, whatever the files look like. Opening checks what can be checked
+/// without reading pictures; a frame is read when it is asked for.
+class Recording {
+ public:
+  virtual ~Recording() = default;
+  virtual const RecordingInfo& info() const = 0;
+  virtual size_t size() const = 0;
+  /// Frame number `i` in [0, size()), not its index in the recording. Error when a picture is missing or
+  /// broken.
+  virtual RgbdFrame frame(size_t i) const = 0;
+  /// Time and index without reading pictures.
+  virtual TimeNs time_of(size_t i) const = 0;
+  virtual int64_t index_of(size_t i) const = 0;
+};
+
+/// Opens a folder or file of any known layout, guessed from what is there. Error that says what was looked
+/// for when nothing fits. Layouts: loci (recording.yaml), 7-Scenes (*.depth.png).
+std::unique_ptr<Recording> open_recording(const std::filesystem::path& path);
+
+/// Writes our own layout frame by frame; recording.yaml and frames.csv appear at finish().
+class RecordingWriter {
+ public:
+  RecordingWriter(std::filesystem::path folder, const RgbdCamera& camera, std::string map_frame,
+                  bool time_assumed = false);
+  void add(const RgbdFrame& frame);
+  void finish();
+
+ private:
+  std::filesystem::path folder_;
+  RgbdCamera camera_;
+  std::string map_frame_;
+  bool time_assumed_;
+  std::string frames_csv_;
+  std::string joints_csv_;
+};
+
+}  // namespace loci
