@@ -136,8 +136,22 @@ void Program::add_planned(const std::string& name, const std::string& descriptio
   planned_.push_back(name);
 }
 
+std::vector<std::string> Program::commands() const {
+  std::vector<std::string> names;
+  for (const CLI::App* sub : app_.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(sub->get_name());
+  return names;
+}
+
 int Program::run(int argc, char** argv) {
   install_interrupt_handler();
+  const auto names = commands();
+  if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end()) {
+    const std::string nearest = did_you_mean(argv[1], names);
+    fmt::print(stderr, "{}: unknown command '{}'; {}\n", name_, argv[1],
+               nearest.empty() ? name_ + " --help lists the commands" : nearest);
+    return 2;
+  }
   try {
     app_.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -67,6 +67,8 @@ class Program {
   int run(int argc, char** argv);
 
  private:
+  std::vector<std::string> commands() const;
+
   std::string name_;
   CLI::App app_;
   CommonFlags flags_;
