@@ -1,8 +1,8 @@
-#include "apps/cli/program.h"
+#include "apps/perceive/commands.h"
 
 int main(int argc, char** argv) {
   loci::Program program("loci-perceive", "Runs perception experts over recordings.");
-  program.add_planned("info", "What a recording holds and what was guessed");
+  program.add(loci::info_command());
   program.add_planned("run", "Recording to memory through a pipeline of annotators");
   program.add_planned("types", "Loads and lists type systems");
   program.add_planned("list", "Lists the annotators");

@@ -14,6 +14,18 @@ cv::Mat read_color(const std::filesystem::path& path);
 /// another kind.
 cv::Mat read_uint16(const std::filesystem::path& path);
 
+/// What the head of a picture's file says.
+struct ImageHeader {
+  int width = 0;     ///< pixels
+  int height = 0;    ///< pixels
+  int channels = 0;  ///< 1 grey, 2 grey and alpha, 3 colour, 4 colour and alpha
+  int bits = 0;      ///< per channel
+};
+
+/// Size and kind of a PNG or JPEG, without decoding it. Error when it is missing, no picture, or when its end
+/// is not there (cheap: head and tail are read).
+ImageHeader read_image_header(const std::filesystem::path& path);
+
 /// Writes PNG or JPEG by the file's ending, atomically; same pixels, same bytes.
 void write_image(const std::filesystem::path& path, const cv::Mat& image);
 

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mapping/base/json.h"
@@ -46,21 +47,35 @@ class Recording {
 /// for when nothing fits. Layouts: loci (recording.yaml), 7-Scenes (*.depth.png).
 std::unique_ptr<Recording> open_recording(const std::filesystem::path& path);
 
-/// Writes our own layout frame by frame; recording.yaml and frames.csv appear at finish().
+/// Writes our own layout. Everything goes to a neighbour FOLDER.partial, which takes the folder's name at
+/// finish(): until then, and when finish() is never reached, what was there before stays.
 class RecordingWriter {
  public:
+  /// Error when the folder exists, is not empty and holds no recording (an older recording is replaced).
   RecordingWriter(std::filesystem::path folder, const RgbdCamera& camera, std::string map_frame,
                   bool time_assumed = false);
+  ~RecordingWriter();
+  RecordingWriter(const RecordingWriter&) = delete;
+  RecordingWriter& operator=(const RecordingWriter&) = delete;
+
+  /// Depth is stored in millimetres as 16-bit PNG; colour, if there is any, as PNG. Frames come in order of
+  /// time.
   void add(const RgbdFrame& frame);
+  /// A further file of the recording, e.g. truth.jsonl.
+  void add_file(const std::string& name, std::string_view bytes);
   void finish();
 
  private:
+  void replace_folder() const;
+
   std::filesystem::path folder_;
+  std::filesystem::path partial_;
   RgbdCamera camera_;
   std::string map_frame_;
   bool time_assumed_;
   std::string frames_csv_;
   std::string joints_csv_;
+  JointState joints_;
 };
 
 }  // namespace loci

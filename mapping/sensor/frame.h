@@ -12,7 +12,8 @@ namespace loci {
 
 /// One moment of an RGB-D recording.
 struct RgbdFrame {
-  int64_t index = 0;  ///< as in the recording (the number in a file name where there is one)
+  int64_t index = 0;  ///< as in the recording: its index column, or the position where there is none
+  std::string name;   ///< of its depth picture without "depth": "frame-000012", "learn33"
   TimeNs time_ns = 0;
   RgbdCamera camera;
   cv::Mat depth;  ///< CV_32F, z-depth in metres, NaN = no measurement; camera.depth.height × width

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mapping/recording/recording.h"
+
+namespace loci {
+
+/// Where the parts of one frame are.
+struct FrameFiles {
+  int64_t index = 0;
+  TimeNs time_ns = 0;
+  std::filesystem::path depth;
+  std::filesystem::path color;  ///< empty = none
+  std::optional<Isometry3d> map_from_camera;
+  JointState joints;
+  Place place;  ///< row that names the frame, for messages
+};
+
+/// What a reader of a layout of single pictures fills in; the rest is the same for all of them.
+struct FileRecordingContent {
+  RecordingInfo info;                    ///< format, path, map_frame, camera, time_assumed, guesses, problems
+  double depth_scale = 0.001;            ///< metres per unit
+  std::vector<int> invalid_depth = {0};  ///< raw values that are no measurement
+  std::vector<FrameFiles> frames;
+};
+
+/// A recording of single PNG and JPEG files.
+class FileRecording : public Recording {
+ public:
+  /// Sorts by time, checks heads, tails and sizes of all pictures, and completes info.
+  explicit FileRecording(FileRecordingContent content);
+
+  const RecordingInfo& info() const override { return content_.info; }
+  size_t size() const override { return content_.frames.size(); }
+  RgbdFrame frame(size_t i) const override;
+  TimeNs time_of(size_t i) const override { return files(i).time_ns; }
+  int64_t index_of(size_t i) const override { return files(i).index; }
+
+ private:
+  const FrameFiles& files(size_t i) const;
+  void check_pictures() const;
+  void complete_info();
+
+  FileRecordingContent content_;
+  std::vector<float> metres_from_raw_;  ///< by raw value, NaN = no measurement
+};
+
+/// The last number in a file's name, without its ending: "frame-000012.depth.png" → 12.
+std::optional<int64_t> number_in_name(const std::filesystem::path& path);
+
+/// The stamp of frame `number` where there are none: from 2000-01-01T00:00:00Z at 30 Hz.
+TimeNs assumed_time(int64_t number);
+
+/// "frame-000012" from "frame-000012.depth.png", "learn33" from "learn33_depth.png".
+std::string frame_name(const std::filesystem::path& depth_file);
+
+}  // namespace loci

@@ -1,0 +1,173 @@
+#include "mapping/recording/loci_layout.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "mapping/base/csv.h"
+
+namespace loci {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<const char*, 7> kPoseColumns = {"x", "y", "z", "qx", "qy", "qz", "qw"};
+
+void read_cameras(const Config& cameras, RecordingInfo& info) {
+  const Config depth = cameras.map("depth");
+  if (!cameras.has("depth")) throw Error("the depth camera is missing", cameras.place());
+  info.camera.depth = read_pinhole(depth);
+  depth.finish();
+  if (cameras.has("color")) {
+    const Config color = cameras.map("color");
+    info.camera.color = read_pinhole(color);
+    if (color.has("depth_from_color"))
+      info.camera.depth_from_color = pose_from_values(
+          color.require<std::array<double, 7>>("depth_from_color"), color.place("depth_from_color"));
+    color.finish();
+  } else {
+    info.camera.color = info.camera.depth;
+    info.guesses.emplace_back("no colour camera described: colour is taken as registered with depth");
+  }
+  for (const std::string& key : cameras.keys())  // Further pictures per frame are listed, not read.
+    if (key.starts_with("color")) cameras.node(key);
+  cameras.finish();
+}
+
+void read_description(const fs::path& path, FileRecordingContent& content) {
+  const Config config = Config::read(path);
+  const int version = config.get<int>("version", 1);
+  if (version != 1)
+    throw Error(fmt::format("this recording has version {}, version 1 is read", version),
+                config.place("version"));
+  content.depth_scale = config.get<double>("depth_scale", 0.001);
+  if (!(content.depth_scale > 0 && content.depth_scale < 1))
+    throw Error("depth_scale is out of bounds", config.place("depth_scale"),
+                "it is metres per unit, e.g. 0.001");
+  content.invalid_depth = config.get<std::vector<int>>("invalid_depth", {0});
+  for (const int raw : content.invalid_depth)
+    if (raw < 0 || raw > 65535) throw Error("depth values are 0 to 65535", config.place("invalid_depth"));
+  content.info.time_assumed = config.get<bool>("time_assumed", false);
+  content.info.map_frame = config.get<std::string>("map_frame", "map");
+  if (!config.has("cameras")) throw Error("the key 'cameras' is missing", config.place());
+  read_cameras(config.map("cameras"), content.info);
+  config.finish();
+}
+
+/// The pose in a row; unset when all its cells are empty.
+std::optional<Isometry3d> read_pose(const CsvTable& table, size_t row) {
+  std::array<double, 7> values{};
+  size_t empty = 0;
+  for (size_t i = 0; i < values.size(); ++i) {
+    const size_t column = table.require_column(kPoseColumns[i]);
+    if (table.cell(row, column).empty())
+      ++empty;
+    else
+      values[i] = table.number(row, column);
+  }
+  if (empty == values.size()) return std::nullopt;
+  if (empty > 0)
+    throw Error("the pose is not complete", table.place(row), "give all of x y z qx qy qz qw, or none");
+  return pose_from_values(values, table.place(row));
+}
+
+void check_columns(const CsvTable& table, const std::set<std::string>& known, RecordingInfo& info) {
+  for (const std::string& name : table.header()) {
+    if (known.contains(name)) continue;
+    info.problems.push_back(name.starts_with("color")
+                                ? fmt::format("the pictures of column '{}' are not read", name)
+                                : fmt::format("frames.csv: the column '{}' is not known", name));
+  }
+}
+
+void read_frames(const fs::path& folder, FileRecordingContent& content) {
+  const CsvTable table = CsvTable::read(folder / "frames.csv");
+  check_columns(table, {"index", "time_ns", "color", "depth", "x", "y", "z", "qx", "qy", "qz", "qw"},
+                content.info);
+  const int index = table.column("index");
+  const int time = table.column("time_ns");
+  const int color = table.column("color");
+  const size_t depth = table.require_column("depth");
+  const bool posed = std::any_of(kPoseColumns.begin(), kPoseColumns.end(),
+                                 [&](const char* name) { return table.column(name) >= 0; });
+  std::set<int64_t> indices;
+  for (size_t row = 0; row < table.rows(); ++row) {
+    FrameFiles frame;
+    frame.place = table.place(row);
+    if (table.cell(row, depth).empty()) throw Error("this frame has no depth picture", frame.place);
+    frame.depth = folder / table.cell(row, depth);
+    if (color >= 0 && !table.cell(row, static_cast<size_t>(color)).empty())
+      frame.color = folder / table.cell(row, static_cast<size_t>(color));
+    frame.index = index >= 0 ? table.integer(row, static_cast<size_t>(index)) : static_cast<int64_t>(row);
+    if (!indices.insert(frame.index).second)
+      throw Error(fmt::format("the index {} is there twice", frame.index), frame.place);
+    if (time >= 0 && !table.cell(row, static_cast<size_t>(time)).empty()) {
+      frame.time_ns = table.integer(row, static_cast<size_t>(time));
+    } else {
+      frame.time_ns = assumed_time(number_in_name(frame.depth).value_or(static_cast<int64_t>(row)));
+      content.info.time_assumed = true;
+    }
+    if (posed) frame.map_from_camera = read_pose(table, row);
+    content.frames.push_back(std::move(frame));
+  }
+}
+
+/// Gives each frame the joint positions that were latest at its time.
+void read_joints(const fs::path& path, std::vector<FrameFiles>& frames) {
+  if (!fs::exists(path)) return;
+  const CsvTable table = CsvTable::read(path);
+  const size_t time = table.require_column("time_ns");
+  const size_t joint = table.require_column("joint");
+  const size_t position = table.require_column("position");
+  std::map<std::string, std::map<TimeNs, double>> tracks;
+  for (size_t row = 0; row < table.rows(); ++row)
+    tracks[table.cell(row, joint)][table.integer(row, time)] = table.number(row, position);
+  for (FrameFiles& frame : frames) {
+    for (const auto& [name, track] : tracks) {
+      const auto after = track.upper_bound(frame.time_ns);
+      if (after != track.begin()) frame.joints[name] = std::prev(after)->second;
+    }
+  }
+}
+
+/// Transforms are kept for programs that want them; a broken one is told when the recording is opened.
+void check_transforms(const fs::path& path) {
+  if (!fs::exists(path)) return;
+  const CsvTable table = CsvTable::read(path);
+  for (const char* name : {"time_ns", "parent", "child"}) table.require_column(name);
+  for (size_t row = 0; row < table.rows(); ++row)
+    if (!read_pose(table, row)) throw Error("a transform needs a pose", table.place(row));
+}
+
+}  // namespace
+
+PinholeCamera read_pinhole(const Config& config) {
+  PinholeCamera camera;
+  camera.width = config.require<int>("width");
+  camera.height = config.require<int>("height");
+  camera.fx = config.require<double>("fx");
+  camera.fy = config.require<double>("fy");
+  camera.cx = config.require<double>("cx");
+  camera.cy = config.require<double>("cy");
+  const bool finite = std::isfinite(camera.fx) && std::isfinite(camera.fy) && std::isfinite(camera.cx) &&
+                      std::isfinite(camera.cy);
+  if (camera.width < 1 || camera.height < 1 || !finite || camera.fx <= 0 || camera.fy <= 0)
+    throw Error("a camera has positive sizes and focal lengths (pixels)", config.place());
+  return camera;
+}
+
+FileRecordingContent read_loci_layout(const fs::path& folder) {
+  FileRecordingContent content;
+  content.info.format = "loci";
+  content.info.path = folder.string();
+  read_description(folder / "recording.yaml", content);
+  read_frames(folder, content);
+  read_joints(folder / "joints.csv", content.frames);
+  check_transforms(folder / "transforms.csv");
+  if (content.info.time_assumed) content.info.guesses.emplace_back("the time stamps were made up");
+  return content;
+}
+
+}  // namespace loci

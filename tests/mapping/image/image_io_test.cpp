@@ -1,0 +1,111 @@
+#include "mapping/image/image_io.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "mapping/base/error.h"
+#include "mapping/base/files.h"
+
+namespace loci {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+cv::Mat gradient(int type) {
+  cv::Mat image(48, 64, type);
+  for (int v = 0; v < image.rows; ++v) {
+    for (int u = 0; u < image.cols; ++u) {
+      if (type == CV_16UC1)
+        image.at<uint16_t>(v, u) = static_cast<uint16_t>(u * 1000 + v);
+      else
+        image.at<cv::Vec3b>(v, u) = cv::Vec3b(static_cast<uchar>(u), static_cast<uchar>(v), 200);
+    }
+  }
+  return image;
+}
+
+class ImageIo : public testing::Test {
+ protected:
+  ImageIo() { make_folder(folder_); }
+  ~ImageIo() override { fs::remove_all(folder_); }
+
+  std::string message_of(const std::function<void()>& call) {
+    try {
+      call();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  fs::path folder_ =
+      fs::path(testing::TempDir()) /
+      (std::string("image_io_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+};
+
+TEST_F(ImageIo, PngComesBackEqualAndTwiceTheSameBytes) {
+  for (const int type : {CV_16UC1, CV_8UC3}) {
+    const cv::Mat image = gradient(type);
+    write_image(folder_ / "a.png", image);
+    write_image(folder_ / "b.png", image);
+    EXPECT_EQ(read_file(folder_ / "a.png"), read_file(folder_ / "b.png"));
+    const cv::Mat back = type == CV_16UC1 ? read_uint16(folder_ / "a.png") : read_color(folder_ / "a.png");
+    EXPECT_EQ(cv::norm(image, back, cv::NORM_INF), 0);
+  }
+}
+
+TEST_F(ImageIo, HeaderTellsSizeAndKindWithoutDecoding) {
+  write_image(folder_ / "d.png", gradient(CV_16UC1));
+  write_image(folder_ / "c.jpg", gradient(CV_8UC3));
+  const ImageHeader depth = read_image_header(folder_ / "d.png");
+  EXPECT_EQ(depth.width, 64);
+  EXPECT_EQ(depth.height, 48);
+  EXPECT_EQ(depth.channels, 1);
+  EXPECT_EQ(depth.bits, 16);
+  const ImageHeader color = read_image_header(folder_ / "c.jpg");
+  EXPECT_EQ(color.width, 64);
+  EXPECT_EQ(color.height, 48);
+  EXPECT_EQ(color.channels, 3);
+  EXPECT_EQ(color.bits, 8);
+}
+
+TEST_F(ImageIo, TruncatedPicturesAreRefusedWhereverTheyEnd) {
+  for (const char* name : {"a.png", "a.jpg"}) {
+    write_image(folder_ / name, gradient(CV_8UC3));
+    const std::string whole = read_file(folder_ / name);
+    for (const size_t part : {size_t{1}, size_t{20}, whole.size() / 2, whole.size() - 2}) {
+      write_file_atomically(folder_ / name, whole.substr(0, part));
+      EXPECT_THAT(message_of([&] { read_color(folder_ / name); }), HasSubstr(name)) << part;
+      EXPECT_THAT(message_of([&] { read_image_header(folder_ / name); }), HasSubstr(name)) << part;
+    }
+    write_file_atomically(folder_ / name, whole.substr(0, whole.size() / 2));
+    EXPECT_THAT(message_of([&] { read_color(folder_ / name); }), HasSubstr("truncated"));
+  }
+}
+
+TEST_F(ImageIo, FlippedBitInPngIsFound) {
+  write_image(folder_ / "a.png", gradient(CV_16UC1));
+  std::string bytes = read_file(folder_ / "a.png");
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 4);
+  write_file_atomically(folder_ / "a.png", bytes);
+  EXPECT_THAT(message_of([&] { read_uint16(folder_ / "a.png"); }), HasSubstr("damaged"));
+}
+
+TEST_F(ImageIo, OtherFilesAndOtherKindsAreRefused) {
+  write_file_atomically(folder_ / "text.png", "no picture");
+  EXPECT_THAT(message_of([&] { read_color(folder_ / "text.png"); }), HasSubstr("not a PNG or JPEG"));
+  EXPECT_THAT(message_of([&] { read_color(folder_ / "absent.png"); }), HasSubstr("absent.png: no such file"));
+  write_image(folder_ / "c.png", gradient(CV_8UC3));
+  EXPECT_THAT(message_of([&] { read_uint16(folder_ / "c.png"); }), HasSubstr("16-bit grey"));
+  EXPECT_THAT(message_of([&] { write_image(folder_ / "c.bmp", gradient(CV_8UC3)); }),
+              HasSubstr(".png or .jpg"));
+}
+
+TEST(ImageBytes, EncodeAndDecodeInMemory) {
+  const cv::Mat image = gradient(CV_16UC1);
+  EXPECT_EQ(cv::norm(image, decode_image(encode_image(image, ".png"), "blob"), cv::NORM_INF), 0);
+}
+
+}  // namespace
+}  // namespace loci

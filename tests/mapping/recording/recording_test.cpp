@@ -1,0 +1,300 @@
+#include "mapping/recording/recording.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "mapping/base/files.h"
+#include "mapping/image/image_io.h"
+
+namespace loci {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+RgbdCamera small_camera() {
+  RgbdCamera camera;
+  camera.depth = {8, 6, 10, 10, 4, 3};
+  camera.color = {8, 6, 9, 9, 4, 3};
+  camera.depth_from_color.translation().x() = 0.022;
+  return camera;
+}
+
+RgbdFrame small_frame(int64_t index) {
+  RgbdFrame frame;
+  frame.index = index;
+  frame.time_ns = 1000 * kSecond + index * kSecond;
+  frame.camera = small_camera();
+  frame.depth = cv::Mat(6, 8, CV_32F, cv::Scalar(1.5));
+  frame.depth.at<float>(2, 3) = std::numeric_limits<float>::quiet_NaN();
+  frame.color = cv::Mat(6, 8, CV_8UC3, cv::Scalar(1, 2, 3));
+  frame.map_from_camera = Isometry3d(Eigen::AngleAxisd(0.5, Vector3d::UnitX()));
+  frame.map_from_camera->translation() << static_cast<double>(index), 0, 1;
+  return frame;
+}
+
+class RecordingFiles : public testing::Test {
+ protected:
+  ~RecordingFiles() override { fs::remove_all(root_); }
+
+  fs::path write_small(int frames = 3) {
+    RecordingWriter writer(rec_, small_camera(), "map");
+    for (int i = 0; i < frames; ++i) writer.add(small_frame(i));
+    writer.finish();
+    return rec_;
+  }
+  /// A 7-Scenes folder of three frames.
+  void write_seven_scenes() {
+    make_folder(rec_);
+    for (int i : {0, 3, 7}) {
+      const std::string stem = (rec_ / ("frame-00000" + std::to_string(i))).string();
+      write_image(stem + ".depth.png", cv::Mat(480, 640, CV_16UC1, cv::Scalar(1500)));
+      write_image(stem + ".color.png", cv::Mat(480, 640, CV_8UC3, cv::Scalar(9, 9, 9)));
+      write_file_atomically(stem + ".pose.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+    }
+  }
+  void replace_in(const char* file, const std::string& from, const std::string& to) {
+    std::string text = read_file(rec_ / file);
+    ASSERT_NE(text.find(from), std::string::npos);
+    write_file_atomically(rec_ / file, text.replace(text.find(from), from.size(), to));
+  }
+  std::string refusal() {
+    try {
+      open_recording(rec_);
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+      return error.what();
+    }
+    return "no error";
+  }
+
+  fs::path root_ =
+      fs::path(testing::TempDir()) /
+      (std::string("recording_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+  fs::path rec_ = root_ / "REC";
+};
+
+TEST_F(RecordingFiles, WrittenOnesComeBackEqual) {
+  write_small();
+  const auto recording = open_recording(rec_);
+  EXPECT_EQ(recording->info().format, "loci");
+  EXPECT_EQ(recording->info().map_frame, "map");
+  EXPECT_EQ(recording->info().frames_with_pose, 3U);
+  EXPECT_FALSE(recording->info().time_assumed);
+  ASSERT_EQ(recording->size(), 3U);
+  const RgbdFrame frame = recording->frame(2);
+  const RgbdFrame expected = small_frame(2);
+  EXPECT_EQ(frame.index, 2);
+  EXPECT_EQ(frame.name, "000002");
+  EXPECT_EQ(frame.time_ns, expected.time_ns);
+  EXPECT_EQ(frame.camera.depth, expected.camera.depth);
+  EXPECT_TRUE(frame.map_from_camera->isApprox(*expected.map_from_camera, 1e-8));
+  EXPECT_TRUE(std::isnan(frame.depth.at<float>(2, 3)));
+  EXPECT_FLOAT_EQ(frame.depth.at<float>(0, 0), 1.5F);
+  EXPECT_EQ(cv::norm(frame.color, expected.color, cv::NORM_INF), 0);
+}
+
+TEST_F(RecordingFiles, UnfinishedWritingLeavesTheOldRecording) {
+  write_small(3);
+  {
+    RecordingWriter writer(rec_, small_camera(), "map");
+    writer.add(small_frame(0));
+  }
+  EXPECT_EQ(open_recording(rec_)->size(), 3U);
+  write_small(2);
+  EXPECT_EQ(open_recording(rec_)->size(), 2U);
+  EXPECT_FALSE(fs::exists(rec_ / "frames/000002_depth.png"));
+}
+
+TEST_F(RecordingFiles, WriterRefusesFolderWithOtherThings) {
+  make_folder(rec_);
+  write_file_atomically(rec_ / "thesis.txt", "precious");
+  EXPECT_THROW(RecordingWriter(rec_, small_camera(), "map"), Error);
+}
+
+TEST_F(RecordingFiles, JointsAreTheLatestAtTheTimeOfTheFrame) {
+  RecordingWriter writer(rec_, small_camera(), "map");
+  for (int i = 0; i < 4; ++i) {
+    RgbdFrame frame = small_frame(i);
+    if (i == 1 || i == 2) frame.joints["drawer_1_joint"] = 0.3;
+    writer.add(frame);
+  }
+  writer.finish();
+  const auto recording = open_recording(rec_);
+  EXPECT_TRUE(recording->frame(0).joints.empty());
+  EXPECT_EQ(recording->frame(1).joints.at("drawer_1_joint"), 0.3);
+  EXPECT_EQ(recording->frame(2).joints.at("drawer_1_joint"), 0.3);
+  EXPECT_EQ(recording->frame(3).joints.at("drawer_1_joint"), 0);
+}
+
+TEST_F(RecordingFiles, EmptyPosesAreUnknown) {
+  RecordingWriter writer(rec_, small_camera(), "map");
+  RgbdFrame frame = small_frame(0);
+  frame.map_from_camera.reset();
+  writer.add(frame);
+  writer.finish();
+  const auto recording = open_recording(rec_);
+  EXPECT_FALSE(recording->frame(0).map_from_camera.has_value());
+  EXPECT_EQ(recording->info().map_frame, "");
+}
+
+TEST_F(RecordingFiles, WithoutStampsTimeComesFromTheNumberInTheName) {
+  write_small();
+  write_file_atomically(rec_ / "frames.csv", "depth\nframes/000000_depth.png\nframes/000002_depth.png\n");
+  const auto recording = open_recording(rec_);
+  EXPECT_TRUE(recording->info().time_assumed);
+  EXPECT_EQ(format_time(recording->time_of(0)), "2000-01-01T00:00:00Z");
+  EXPECT_EQ(format_time(recording->time_of(1)), "2000-01-01T00:00:00.066666666Z");
+}
+
+TEST_F(RecordingFiles, MissingAndEmptyFoldersAreRefused) {
+  EXPECT_THAT(refusal(), HasSubstr("no such recording"));
+  make_folder(rec_);
+  EXPECT_THAT(refusal(), HasSubstr("the folder is empty"));
+  write_small();
+  fs::rename(rec_, root_ / "inner");
+  rec_ = root_;
+  EXPECT_THAT(refusal(), HasSubstr("inner'?"));
+}
+
+TEST_F(RecordingFiles, BadRowsAreRefusedWithTheirLine) {
+  write_small();
+  const std::string good = read_file(rec_ / "frames.csv");
+  const auto with_row = [&](const std::string& row) {
+    write_file_atomically(rec_ / "frames.csv", "index,time_ns,color,depth,x,y,z,qx,qy,qz,qw\n" + row + "\n");
+    return refusal();
+  };
+  const std::string pictures = "0,1,frames/000000_color.png,frames/000000_depth.png,";
+  EXPECT_THAT(with_row(pictures + "nan,0,0,0,0,0,1"), HasSubstr("frames.csv:2"));
+  EXPECT_THAT(with_row(pictures + "0,0,0,0.5,0,0,1"), HasSubstr("not of unit length"));
+  EXPECT_THAT(with_row(pictures + "0,0,0,,,,"), HasSubstr("the pose is not complete"));
+  EXPECT_THAT(with_row("0,1,,frames/absent.png,,,,,,,"), HasSubstr("absent.png: no such picture"));
+  EXPECT_THAT(with_row("0,1,,frames/000000_color.png,,,,,,,"), HasSubstr("16-bit grey"));
+  write_file_atomically(rec_ / "frames.csv", "index,time_ns,color,dpth\n");
+  EXPECT_THAT(refusal(), HasSubstr("the column 'depth' is missing; did you mean 'dpth'?"));
+  write_file_atomically(rec_ / "frames.csv", good.substr(0, good.find('\n') + 1));
+  EXPECT_THAT(refusal(), HasSubstr("has no frames"));
+}
+
+TEST_F(RecordingFiles, SlightlyLongQuaternionIsNormalised) {
+  write_small();
+  write_file_atomically(rec_ / "frames.csv",
+                        "index,time_ns,color,depth,x,y,z,qx,qy,qz,qw\n"
+                        "0,1,,frames/000000_depth.png,0,0,0,0,0,0,1.005\n");
+  EXPECT_TRUE(open_recording(rec_)->frame(0).map_from_camera->linear().isIdentity(1e-12));
+}
+
+TEST_F(RecordingFiles, TruncatedPictureIsNamedWhenOpening) {
+  write_small();
+  const fs::path picture = rec_ / "frames/000001_depth.png";
+  const std::string bytes = read_file(picture);
+  write_file_atomically(picture, bytes.substr(0, bytes.size() / 2));
+  EXPECT_THAT(refusal(), HasSubstr("000001_depth.png: the picture is truncated"));
+}
+
+TEST_F(RecordingFiles, PictureThatBreaksLaterIsNamedWhenAskedFor) {
+  write_small();
+  const auto recording = open_recording(rec_);
+  fs::remove(rec_ / "frames/000001_color.png");
+  try {
+    recording->frame(1);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("000001_color.png"));
+  }
+}
+
+TEST_F(RecordingFiles, PicturesOfAnotherSizeDoNotBelong) {
+  write_small();
+  write_image(rec_ / "frames/000001_color.png", cv::Mat(12, 16, CV_8UC3, cv::Scalar(0, 0, 0)));
+  EXPECT_THAT(refusal(), HasSubstr("16 x 12, the colour camera 8 x 6"));
+}
+
+TEST_F(RecordingFiles, DescriptionIsReadStrictly) {
+  write_small();
+  replace_in("recording.yaml", "depth_scale", "depth_scal");
+  EXPECT_THAT(refusal(), HasSubstr("unknown key 'depth_scal'; did you mean 'depth_scale'?"));
+  write_small();
+  replace_in("recording.yaml", "cx:", "cxx:");
+  EXPECT_THAT(refusal(), HasSubstr("cx"));
+}
+
+TEST_F(RecordingFiles, SevenScenesWithoutDescriptionIsAKinect) {
+  write_seven_scenes();
+  const auto recording = open_recording(rec_);
+  EXPECT_EQ(recording->info().format, "7-scenes");
+  EXPECT_EQ(recording->info().camera.color.fx, 528);
+  EXPECT_EQ(recording->info().map_frame, "world");
+  EXPECT_THAT(recording->info().guesses, testing::Contains(HasSubstr("Kinect")));
+  EXPECT_EQ(recording->time_of(1) - recording->time_of(0), kSecond / 10);
+}
+
+TEST_F(RecordingFiles, SevenScenesPartsMustBelongTogether) {
+  write_seven_scenes();
+  fs::remove(rec_ / "frame-000003.pose.txt");
+  EXPECT_THAT(refusal(), HasSubstr("frame-000003 has no pose (3 frames, 2 poses)"));
+  write_seven_scenes();
+  fs::rename(rec_ / "frame-000003.color.png", rec_ / "frame-000004.color.png");
+  EXPECT_THAT(refusal(), HasSubstr("do not belong together"));
+  fs::remove(rec_ / "frame-000004.color.png");
+  EXPECT_THAT(refusal(), HasSubstr("frame-000003 has no colour picture (3 depth, 2 colour files)"));
+}
+
+TEST_F(RecordingFiles, SevenScenesPosesAreChecked) {
+  const auto with_pose = [&](const std::string& text) {
+    write_seven_scenes();
+    write_file_atomically(rec_ / "frame-000003.pose.txt", text);
+    return refusal();
+  };
+  EXPECT_EQ(with_pose("1.004 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"), "no error");
+  EXPECT_THAT(with_pose("1.1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"), HasSubstr("not orthonormal"));
+  EXPECT_THAT(with_pose("nan 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"), HasSubstr("not a finite number"));
+  EXPECT_THAT(with_pose("1 0 0 0\n0 1 0 0\n"),
+              HasSubstr("000003.pose.txt: a pose is 16 numbers, this file has 8"));
+}
+
+TEST(SharedRecordings, RedkitchenIsEqualInBothLayouts) {
+  const fs::path folder = fs::path(LOCI_SHARED_DIR) / "data/redkitchen_rgbd";
+  if (!fs::exists(folder)) GTEST_SKIP() << "no shared data";
+  const auto own = open_recording(folder);
+  const auto seven = open_recording(folder / "frames");
+  EXPECT_EQ(own->info().format, "loci");
+  EXPECT_EQ(seven->info().format, "7-scenes");
+  EXPECT_EQ(own->info().map_frame, seven->info().map_frame);
+  EXPECT_EQ(own->info().camera.color, seven->info().camera.color);
+  EXPECT_TRUE(own->info().camera.depth_from_color.isApprox(seven->info().camera.depth_from_color, 1e-12));
+  ASSERT_EQ(own->size(), 160U);
+  ASSERT_EQ(seven->size(), 160U);
+  for (size_t i = 0; i < own->size(); ++i) {
+    EXPECT_EQ(own->time_of(i), seven->time_of(i));
+    EXPECT_EQ(own->index_of(i), seven->index_of(i));
+    if (i % 20 != 0 && i != 26) continue;  // 26 is original frame 163, the first with 65535.
+    const RgbdFrame a = own->frame(i);
+    const RgbdFrame b = seven->frame(i);
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_LT((a.map_from_camera->matrix() - b.map_from_camera->matrix()).cwiseAbs().maxCoeff(), 1e-6);
+    EXPECT_EQ(cv::norm(a.color, b.color, cv::NORM_INF), 0);
+    EXPECT_EQ(cv::countNonZero(a.depth != b.depth), cv::countNonZero(a.depth != a.depth));  // NaN differs.
+    EXPECT_EQ(cv::countNonZero((a.depth == a.depth) != (b.depth == b.depth)), 0);
+    double largest = 0;
+    cv::minMaxLoc(a.depth, nullptr, &largest, nullptr, nullptr, a.depth == a.depth);
+    EXPECT_LT(largest, 4.0);
+  }
+}
+
+TEST(SharedRecordings, OsdChangesHasAFixedCamera) {
+  const fs::path folder = fs::path(LOCI_SHARED_DIR) / "data/osd_changes";
+  if (!fs::exists(folder)) GTEST_SKIP() << "no shared data";
+  const auto recording = open_recording(folder);
+  EXPECT_EQ(recording->size(), 10U);
+  EXPECT_EQ(recording->info().map_frame, "table");
+  EXPECT_TRUE(recording->info().time_assumed);
+  EXPECT_EQ(recording->frame(3).name, "learn36");
+  EXPECT_EQ(recording->time_of(1) - recording->time_of(0), 60 * kSecond);
+}
+
+}  // namespace
+}  // namespace loci
