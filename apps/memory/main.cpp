@@ -1,8 +1,8 @@
-#include "apps/cli/program.h"
+#include "apps/memory/commands.h"
 
 int main(int argc, char** argv) {
   loci::Program program("loci-memory", "Asks and keeps the spatio-temporal memory.");
-  program.add_planned("resolve", "Solves one identity problem exactly");
+  program.add(loci::resolve_command());
   program.add_planned("where", "Where an object is");
   program.add_planned("history", "Where an object was, over time");
   program.add_planned("on", "What is on a place");

@@ -1,0 +1,40 @@
+#include <algorithm>
+#include <chrono>
+
+#include "apps/memory/commands.h"
+#include "memory/identity/vector_file.h"
+
+namespace loci {
+
+Command resolve_command() {
+  return {"resolve",
+          "Solves one identity problem exactly",
+          {"loci-memory resolve tests/data/identity/two_by_two.json",
+           "loci-memory resolve tests/data/identity/two_by_two.json --best 3"},
+          [](CLI::App& app) {
+            struct Arguments {
+              std::string file;
+              int best = 5;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("file", arguments->file, "Problem, JSON")->required();
+            app.add_option("--best", arguments->best, "Ranked matchings to list [5]")
+                ->check(CLI::Range(0, 10000));
+            return [arguments](Session& session) {
+              IdentityVector vector = identity_vector_from_json(read_json(arguments->file), arguments->file);
+              vector.options.best = arguments->best;
+              const auto start = std::chrono::steady_clock::now();
+              const IdentitySolution solution = solve(vector.problem, vector.options);
+              session.timing("resolve",
+                             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+              if (solution.gate_bound > std::max(1e-6, 2 * vector.options.gate))
+                session.warnings().add(
+                    "probabilities are approximate: the problem is too large to solve without dropping pairs",
+                    {arguments->file, 0, {}});
+              const Json answer = to_json(solution);
+              session.answer(answer.dump(), answer);
+            };
+          }};
+}
+
+}  // namespace loci

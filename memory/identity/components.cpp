@@ -1,0 +1,189 @@
+#include "memory/identity/components.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace loci {
+namespace {
+
+/// Sets of rows and columns that are joined by pairs.
+class Groups {
+ public:
+  explicit Groups(size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), size_t{0}); }
+  size_t find(size_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(size_t a, size_t b) { parent_[find(a)] = find(b); }
+
+ private:
+  std::vector<size_t> parent_;
+};
+
+struct Pair {
+  double log_odds;
+  Eigen::Index row, column;
+};
+
+/// The weight that a row or column is divided by: that of staying unmatched, or where that is impossible the
+/// largest of its pairs.
+std::vector<double> scales(const std::vector<double>& log_alone, const std::vector<double>& log_largest) {
+  std::vector<double> scale = log_alone;
+  for (size_t i = 0; i < scale.size(); ++i)
+    if (scale[i] == kNever) scale[i] = log_largest[i];
+  return scale;
+}
+
+class Splitter {
+ public:
+  Splitter(const PairTable& log_pair, const std::vector<double>& log_row,
+           const std::vector<double>& log_column)
+      : log_row_(log_row), log_column_(log_column), log_ratio_(log_pair) {
+    const Eigen::Index m = log_pair.rows(), n = log_pair.cols();
+    std::vector<double> largest(log_column.size(), kNever);
+    for (Eigen::Index o = 0; o < m; ++o)
+      for (Eigen::Index k = 0; k < n; ++k)
+        largest[static_cast<size_t>(k)] = std::max(largest[static_cast<size_t>(k)], log_pair(o, k));
+    column_scale_ = scales(log_column, largest);
+    largest.assign(log_row.size(), kNever);
+    for (Eigen::Index o = 0; o < m; ++o)
+      for (Eigen::Index k = 0; k < n; ++k) {
+        if (log_pair(o, k) == kNever) continue;
+        log_ratio_(o, k) -= column_scale_[static_cast<size_t>(k)];
+        largest[static_cast<size_t>(o)] = std::max(largest[static_cast<size_t>(o)], log_ratio_(o, k));
+      }
+    row_scale_ = scales(log_row, largest);
+    for (Eigen::Index o = 0; o < m; ++o)
+      for (Eigen::Index k = 0; k < n; ++k)
+        if (log_ratio_(o, k) != kNever) log_ratio_(o, k) -= row_scale_[static_cast<size_t>(o)];
+    for (const auto* scale : {&row_scale_, &column_scale_})
+      if (std::find(scale->begin(), scale->end(), kNever) != scale->end())
+        throw Error("invalid_value: something must be matched but has no possible partner");
+  }
+
+  /// Drops the weakest pairs while the bound stays within the budget.
+  void gate(double budget) {
+    if (budget <= 0) return;
+    if (!sorted_) sort();
+    while (dropped_ < order_.size()) {
+      const Pair& pair = order_[dropped_];
+      const double odds = std::exp(pair.log_odds);
+      const double cost = std::isinf(odds) ? 1 : odds / (1 + odds);
+      if (bound_ + cost > budget) break;
+      bound_ += cost;
+      log_ratio_(pair.row, pair.column) = kNever;
+      ++dropped_;
+    }
+  }
+
+  /// The smaller side of the largest connected part.
+  size_t largest_side() {
+    const auto m = static_cast<size_t>(log_ratio_.rows()), n = static_cast<size_t>(log_ratio_.cols());
+    if (std::min(m, n) == 0) return 0;
+    const std::vector<size_t> group = groups();
+    std::vector<size_t> rows(m + n, 0), columns(m + n, 0);
+    for (size_t o = 0; o < m; ++o) ++rows[group[o]];
+    for (size_t k = 0; k < n; ++k) ++columns[group[m + k]];
+    size_t largest = 0;
+    for (size_t g = 0; g < m + n; ++g) largest = std::max(largest, std::min(rows[g], columns[g]));
+    return largest;
+  }
+
+  IdentityComponents components() {
+    const auto m = log_row_.size(), n = log_column_.size();
+    const std::vector<size_t> group = groups();
+    std::vector<std::vector<size_t>> rows(m + n), columns(m + n);
+    for (size_t o = 0; o < m; ++o) rows[group[o]].push_back(o);
+    for (size_t k = 0; k < n; ++k) columns[group[m + k]].push_back(k);
+    IdentityComponents result;
+    result.gate_bound = std::min(1.0, bound_);
+    for (size_t g = 0; g < m + n; ++g) {
+      if (rows[g].empty() || columns[g].empty()) {
+        for (const size_t o : rows[g]) result.log_alone += log_row_[o];
+        for (const size_t k : columns[g]) result.log_alone += log_column_[k];
+      } else {
+        result.parts.push_back(part(rows[g], columns[g]));
+      }
+    }
+    return result;
+  }
+
+ private:
+  void sort() {
+    for (Eigen::Index o = 0; o < log_ratio_.rows(); ++o)
+      for (Eigen::Index k = 0; k < log_ratio_.cols(); ++k) {
+        // A pair of something that must be matched cannot be dropped: its odds have no bound.
+        const bool needed =
+            log_row_[static_cast<size_t>(o)] == kNever || log_column_[static_cast<size_t>(k)] == kNever;
+        if (log_ratio_(o, k) != kNever && !needed) order_.push_back({log_ratio_(o, k), o, k});
+      }
+    std::stable_sort(order_.begin(), order_.end(),
+                     [](const Pair& a, const Pair& b) { return a.log_odds < b.log_odds; });
+    sorted_ = true;
+  }
+
+  std::vector<size_t> groups() {
+    const auto m = log_row_.size(), n = log_column_.size();
+    Groups groups(m + n);
+    for (size_t o = 0; o < m; ++o)
+      for (size_t k = 0; k < n; ++k)
+        if (log_ratio_(static_cast<Eigen::Index>(o), static_cast<Eigen::Index>(k)) != kNever)
+          groups.join(o, m + k);
+    std::vector<size_t> result(m + n);
+    for (size_t i = 0; i < m + n; ++i) result[i] = groups.find(i);
+    return result;
+  }
+
+  IdentityComponent part(const std::vector<size_t>& olds, const std::vector<size_t>& news) const {
+    IdentityComponent part;
+    part.transposed = news.size() < olds.size();
+    part.rows = part.transposed ? news : olds;
+    part.columns = part.transposed ? olds : news;
+    const auto& row_alone = part.transposed ? log_column_ : log_row_;
+    const auto& column_alone = part.transposed ? log_row_ : log_column_;
+    for (const size_t row : part.rows) part.row_free.push_back(row_alone[row] != kNever);
+    for (const size_t column : part.columns) part.column_free.push_back(column_alone[column] != kNever);
+    for (const size_t o : olds) part.log_scale += row_scale_[o];
+    for (const size_t k : news) part.log_scale += column_scale_[k];
+    // Beyond this a product of odds would leave the range of a double.
+    const double limit = 700.0 / static_cast<double>(part.rows.size());
+    part.log_ratio.resize(static_cast<Eigen::Index>(part.rows.size()),
+                          static_cast<Eigen::Index>(part.columns.size()));
+    for (Eigen::Index i = 0; i < part.log_ratio.rows(); ++i)
+      for (Eigen::Index j = 0; j < part.log_ratio.cols(); ++j) {
+        const auto row = static_cast<Eigen::Index>(part.rows[static_cast<size_t>(i)]);
+        const auto column = static_cast<Eigen::Index>(part.columns[static_cast<size_t>(j)]);
+        const double ratio = part.transposed ? log_ratio_(column, row) : log_ratio_(row, column);
+        part.log_ratio(i, j) = ratio < -700 ? kNever : std::min(ratio, limit);
+      }
+    return part;
+  }
+
+  const std::vector<double>& log_row_;
+  const std::vector<double>& log_column_;
+  PairTable log_ratio_;
+  std::vector<double> row_scale_, column_scale_;
+  std::vector<Pair> order_;
+  bool sorted_ = false;
+  size_t dropped_ = 0;
+  double bound_ = 0;
+};
+
+}  // namespace
+
+IdentityComponents split(const PairTable& log_pair, const std::vector<double>& log_row,
+                         const std::vector<double>& log_column, double budget, size_t largest_side) {
+  Splitter splitter(log_pair, log_row, log_column);
+  splitter.gate(budget);
+  const double most = static_cast<double>(log_pair.size());
+  for (double enlarged = std::max(2 * budget, 1e-12); splitter.largest_side() > largest_side; enlarged *= 2) {
+    if (enlarged > 4 * most)
+      throw Error("invalid_value: more than " + std::to_string(largest_side) +
+                  " things that must all be matched depend on each other");
+    splitter.gate(enlarged);
+  }
+  return splitter.components();
+}
+
+}  // namespace loci
