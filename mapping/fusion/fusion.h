@@ -13,6 +13,7 @@ struct FusionOptions {
   double range_max_m = 4.0;
   int min_observations = 2;
   int frames_per_scan = 20;
+  bool edge_filter = true;
   int threads = 0;
 
   void declare(OptionTable& table);
@@ -21,13 +22,25 @@ struct FusionOptions {
 struct FusionResult {
   ScanSet scans;
   size_t frames_used = 0;
-  size_t frames_without_pose = 0;
+  size_t frames_without_pose = 0;  ///< left out
+  size_t pixels_at_edges = 0;      ///< left out: between foreground and background, or alone
+  size_t voxels_seldom_seen = 0;   ///< left out: fewer frames than min_observations
+  double seconds = 0;
+
+  size_t points() const;
   std::string summary() const;
+  Json report() const;
 };
 
-/// Posed depth frames to a scan set: consecutive frames become one scan, thinned to voxels; a voxel keeps the
-/// mean of its points, its colour and the origin that saw it best. Frames without pose are left out and
-/// counted.
+/// Posed depth frames to a scan set: consecutive frames become one scan, thinned to voxels. A voxel keeps the
+/// mean of its points, near ones weighing more, their colour, and the origin that saw it best; what was
+/// measured beyond range_max is kept as a ray without return. Frames without pose are left out and counted.
+/// The scan's frame is the camera's of its middle frame. Same result on any number of threads.
+/// Error when no frame has a pose or nothing was measured.
 FusionResult fuse(const Recording& recording, const FusionOptions& options, Progress& progress);
+
+/// Sets pixels to NaN that stand between a nearer and a farther neighbour, or with fewer than three of the
+/// eight neighbours near their depth: flying pixels. Returns how many. `depth` is CV_32F, metres.
+size_t drop_flying_pixels(cv::Mat& depth);
 
 }  // namespace loci

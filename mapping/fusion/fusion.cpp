@@ -1,0 +1,261 @@
+#include "mapping/fusion/fusion.h"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <mutex>
+
+#include "mapping/base/cell_index.h"
+#include "mapping/base/parallel.h"
+
+namespace loci {
+namespace {
+
+/// Rays that end beyond the range are thinned to cells of this size at the range.
+constexpr double kFreeRayCell = 0.1;
+
+struct Voxel {
+  Vector3d sum = Vector3d::Zero();
+  Vector3d color = Vector3d::Zero();
+  double weight = 0;
+  double color_weight = 0;
+  double best_weight = 0;
+  int last_frame = -1;
+  int frames = 0;
+  uint16_t best_origin = 0;
+};
+
+/// One scan in the making: voxels in the map frame.
+class ScanBuilder {
+ public:
+  explicit ScanBuilder(const FusionOptions& options)
+      : options_(options), index_(1U << 17U), free_(1U << 10U) {}
+
+  void add(const RgbdFrame& frame) {
+    const auto origin = static_cast<uint16_t>(origins_.size());
+    const Isometry3d& pose = *frame.map_from_camera;
+    origins_.push_back(pose);
+    const cv::Mat color = color_in_depth(frame);
+    for (int v = 0; v < frame.depth.rows; ++v) {
+      const auto* row = frame.depth.ptr<float>(v);
+      for (int u = 0; u < frame.depth.cols; ++u) {
+        const auto z = static_cast<double>(row[u]);
+        if (!(z > 0)) continue;
+        const Vector3d ray = frame.camera.depth.unproject(u, v, z);
+        if (z > options_.range_max_m)
+          add_free(pose * (ray * (options_.range_max_m / z)), origin);
+        else
+          add_point(pose * ray, z, color.at<cv::Vec3b>(v, u), origin);
+      }
+    }
+  }
+
+  /// The finished scan in the frame of its middle camera; counts what was seen too seldom.
+  Scan finish(size_t number, size_t& seldom_seen) const {
+    Scan scan;
+    scan.name = fmt::format("scan_{:03d}", number);
+    scan.map_from_scan = origins_[origins_.size() / 2];
+    const Isometry3d scan_from_map = scan.map_from_scan.inverse();
+    for (const Isometry3d& origin : origins_)
+      scan.origins.emplace_back((scan_from_map * origin.translation()).cast<float>());
+    const int wanted = std::min(options_.min_observations, static_cast<int>(origins_.size()));
+    for (const Voxel& voxel : voxels_) {
+      if (voxel.frames < wanted)
+        ++seldom_seen;
+      else
+        scan.points.push_back(point_of(voxel, scan_from_map));
+    }
+    for (const auto& [position, origin] : free_ends_) {
+      ScanPoint point;
+      point.position = (scan_from_map * position).cast<float>();
+      point.origin_index = origin;
+      point.returned = false;
+      scan.points.push_back(point);
+    }
+    return scan;
+  }
+
+ private:
+  void add_point(const Vector3d& point, double z, const cv::Vec3b& color, uint16_t origin) {
+    const uint32_t number = index_.insert(cell_of(point, options_.voxel_m));
+    if (number == voxels_.size()) voxels_.emplace_back();
+    Voxel& voxel = voxels_[number];
+    const double weight = 1 / (z * z * z * z);  // disparity noise gives a depth variance that grows with z^4
+    voxel.sum += weight * point;
+    voxel.weight += weight;
+    if (color != cv::Vec3b(0, 0, 0)) {
+      voxel.color += weight * Vector3d(color[2], color[1], color[0]);
+      voxel.color_weight += weight;
+    }
+    if (voxel.last_frame != origin) ++voxel.frames;
+    voxel.last_frame = origin;
+    if (weight > voxel.best_weight) {
+      voxel.best_weight = weight;
+      voxel.best_origin = origin;
+    }
+  }
+
+  void add_free(const Vector3d& end, uint16_t origin) {
+    const size_t before = free_.size();
+    if (free_.insert(cell_of(end, kFreeRayCell)) == before) free_ends_.emplace_back(end, origin);
+  }
+
+  static ScanPoint point_of(const Voxel& voxel, const Isometry3d& scan_from_map) {
+    ScanPoint point;
+    point.position = (scan_from_map * Vector3d(voxel.sum / voxel.weight)).cast<float>();
+    point.origin_index = voxel.best_origin;
+    if (voxel.color_weight > 0) {
+      const Vector3d color = voxel.color / voxel.color_weight;
+      point.r = static_cast<uint8_t>(std::lround(color.x()));
+      point.g = static_cast<uint8_t>(std::lround(color.y()));
+      point.b = static_cast<uint8_t>(std::lround(color.z()));
+    }
+    return point;
+  }
+
+  const FusionOptions& options_;
+  CellIndex index_;
+  std::vector<Voxel> voxels_;
+  CellIndex free_;
+  std::vector<std::pair<Vector3d, uint16_t>> free_ends_;
+  std::vector<Isometry3d> origins_;
+};
+
+/// Depth beyond which two neighbours do not lie on one surface: noise and quantisation grow with z².
+float jump_at(float z) {
+  return 0.02F + 0.006F * z * z;
+}
+
+}  // namespace
+
+size_t drop_flying_pixels(cv::Mat& depth) {
+  static constexpr std::array<std::array<int, 2>, 4> kSteps = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
+  const cv::Mat source = depth.clone();
+  size_t dropped = 0;
+  for (int v = 1; v + 1 < source.rows; ++v) {
+    for (int u = 1; u + 1 < source.cols; ++u) {
+      const float z = source.at<float>(v, u);
+      if (std::isnan(z)) continue;
+      const float jump = jump_at(z);
+      int near = 0;
+      bool between = false;
+      for (const auto& [du, dv] : kSteps) {
+        const float before = source.at<float>(v - dv, u - du) - z;
+        const float after = source.at<float>(v + dv, u + du) - z;
+        near += (std::abs(before) <= jump ? 1 : 0) + (std::abs(after) <= jump ? 1 : 0);
+        between = between || (before > jump && after < -jump) || (before < -jump && after > jump);
+      }
+      if (!between && near >= 3) continue;
+      depth.at<float>(v, u) = std::numeric_limits<float>::quiet_NaN();
+      ++dropped;
+    }
+  }
+  return dropped;
+}
+
+void FusionOptions::declare(OptionTable& table) {
+  table.integer("every", every, "frames", "Takes every n-th frame that has a pose.", 1, 100000);
+  table.number("voxel_m", voxel_m, "m", "Points are thinned to one per cube of this size and scan.", 0.001,
+               0.5);
+  table.number("range_max_m", range_max_m, "m",
+               "Farther measurements only say that the way there is free (a Kinect's noise is 4 cm at 4 m).",
+               0.5, 100);
+  table.integer("min_observations", min_observations, "frames",
+                "A voxel seen by fewer frames of its scan is left out as noise.", 1, 1000);
+  table.integer("frames_per_scan", frames_per_scan, "frames", "So many consecutive frames become one scan.",
+                1, 65535);
+  table.flag("edge_filter", edge_filter, "Leaves out flying pixels at depth edges.");
+  table.integer("threads", threads, "", "Threads; 0 = all cores.", 0, 1024);
+}
+
+FusionResult fuse(const Recording& recording, const FusionOptions& options, Progress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  FusionOptions checked = options;
+  table_of(checked).validate({"", 0, "fuse"});
+  const RecordingInfo& info = recording.info();
+  const Place place{info.path, 0, ""};
+  if (recording.size() == 0) throw Error("the recording has no frames", place);
+
+  // Poses come with the frames, so a scan is a run of frames of which those without pose are skipped.
+  const size_t taken =
+      (recording.size() + static_cast<size_t>(options.every) - 1) / static_cast<size_t>(options.every);
+  const auto per_scan = static_cast<size_t>(options.frames_per_scan);
+  const size_t count = (taken + per_scan - 1) / per_scan;
+  struct Part {
+    Scan scan;
+    size_t used = 0, without_pose = 0, at_edges = 0, seldom = 0;
+  };
+  std::vector<Part> parts(count);
+  std::atomic<size_t> done = 0;
+  std::mutex mutex;
+  progress.check(0, "fusing frames");
+  const auto build = [&](size_t number) {
+    Part& part = parts[number];
+    ScanBuilder builder(options);
+    for (size_t i = number * per_scan; i < std::min(taken, (number + 1) * per_scan); ++i) {
+      RgbdFrame frame = recording.frame(i * static_cast<size_t>(options.every));
+      if (frame.map_from_camera) {
+        if (options.edge_filter) part.at_edges += drop_flying_pixels(frame.depth);
+        builder.add(frame);
+        ++part.used;
+      } else {
+        ++part.without_pose;
+      }
+      const size_t now_done = ++done;
+      const std::lock_guard lock(mutex);
+      progress.check(static_cast<double>(now_done) / static_cast<double>(taken),
+                     fmt::format("fused {} of {} frames", now_done, taken));
+    }
+    if (part.used > 0) part.scan = builder.finish(number, part.seldom);
+  };
+  parallel_for(count, options.threads, [&](size_t begin, size_t end) {
+    for (size_t number = begin; number < end; ++number) build(number);
+  });
+
+  FusionResult result;
+  for (Part& part : parts) {
+    result.frames_used += part.used;
+    result.frames_without_pose += part.without_pose;
+    result.pixels_at_edges += part.at_edges;
+    result.voxels_seldom_seen += part.seldom;
+    if (!part.scan.points.empty()) result.scans.scans.push_back(std::move(part.scan));
+  }
+  if (result.frames_used == 0)
+    throw Error("no frame of the recording has a pose", place,
+                "fusing needs to know where the camera stood: add poses, or register the scans first");
+  if (result.scans.scans.empty())
+    throw Error("the recording has no depth within the range that was seen often enough", place,
+                "look at --range-max-m and --min-observations");
+  result.scans.sensor = "kinect";
+  result.scans.levelled = info.map_frame == "map";
+  result.scans.range_max = options.range_max_m;
+  result.scans.resolution = options.voxel_m;
+  result.scans.free_space = true;
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+size_t FusionResult::points() const {
+  size_t count = 0;
+  for (const Scan& scan : scans.scans)
+    for (const ScanPoint& point : scan.points) count += point.returned ? 1 : 0;
+  return count;
+}
+
+std::string FusionResult::summary() const {
+  std::string text =
+      fmt::format("{} frames became {} scans with {} points", frames_used, scans.scans.size(), points());
+  if (frames_without_pose > 0) text += fmt::format("; {} frames without pose left out", frames_without_pose);
+  return text;
+}
+
+Json FusionResult::report() const {
+  return {{"frames_used", frames_used},         {"frames_without_pose", frames_without_pose},
+          {"scans", scans.scans.size()},        {"points", points()},
+          {"pixels_at_edges", pixels_at_edges}, {"voxels_seldom_seen", voxels_seldom_seen},
+          {"levelled", scans.levelled},         {"seconds", seconds}};
+}
+
+}  // namespace loci
