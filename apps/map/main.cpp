@@ -1,9 +1,9 @@
-#include "apps/cli/program.h"
+#include "apps/map/commands.h"
 
 int main(int argc, char** argv) {
   loci::Program program("loci-map", "Builds and checks semantic URDF maps.");
   program.add_planned("check", "Says what a URDF holds, or why it is refused");
-  program.add_planned("fuse", "Posed depth frames to a scan set");
+  program.add(loci::fuse_command());
   program.add_planned("interpret", "A scan set to a map: floor, walls, supports");
   program.add_planned("compare", "Compares a map with another map or with the truth");
   program.add_planned("explore", "Scans an unknown kitchen by next best view and maps it");

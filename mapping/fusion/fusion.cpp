@@ -167,7 +167,6 @@ void FusionOptions::declare(OptionTable& table) {
   table.integer("frames_per_scan", frames_per_scan, "frames", "So many consecutive frames become one scan.",
                 1, 65535);
   table.flag("edge_filter", edge_filter, "Leaves out flying pixels at depth edges.");
-  table.integer("threads", threads, "", "Threads; 0 = all cores.", 0, 1024);
 }
 
 FusionResult fuse(const Recording& recording, const FusionOptions& options, Progress& progress) {

@@ -14,7 +14,7 @@ struct FusionOptions {
   int min_observations = 2;
   int frames_per_scan = 20;
   bool edge_filter = true;
-  int threads = 0;
+  int threads = 0;  ///< 0 = all cores; not declared as an option: the result is the same on any number
 
   void declare(OptionTable& table);
 };

@@ -10,11 +10,21 @@ namespace loci {
 
 struct InterpretationOptions {
   double support_min_area_m2 = 0.05;
+  double support_min_side_m = 0.15;
+  double support_max_height_m = 2.0;
   double wall_min_area_m2 = 0.5;
+  double wall_min_top_m = 1.2;
   double plane_tolerance_m = 0.02;
-  int threads = 0;
+  double slab_thickness_m = 0.04;
+  int threads = 0;  ///< 0 = all cores; not declared as an option: the result is the same on any number
 
   void declare(OptionTable& table);
+};
+
+/// Where the time of an interpretation went.
+struct StageTime {
+  std::string stage;
+  double seconds = 0;
 };
 
 /// A map out of scans: what was recognised, with evidence, and what was not.
@@ -22,11 +32,19 @@ struct InterpretedMap {
   World world;                     ///< floor, walls, supports as links with visual, collision and inertia
   SemanticMap semantics;           ///< class, geometry, confidence, evidence of each link
   std::vector<std::string> notes;  ///< e.g. "no free-space evidence: the input is a bare cloud"
+  Json configuration;              ///< the effective options
+  std::vector<StageTime> times;
+
+  /// Whether anything was recognised; otherwise the notes say why not.
+  bool usable() const { return !semantics.links.empty(); }
   std::string summary() const;
+  /// Links by class, notes, configuration.
+  Json report() const;
 };
 
 /// Floor, walls and horizontal supports (counter, table, shelf) with outlines from a scan set (§7.4). Never
-/// invents: every link says which points and scans it rests on.
+/// invents: every link says which points and scans it rests on. Input that is not levelled is levelled by its
+/// floor (semantics.map_from_input). Error for a scan set without points.
 InterpretedMap interpret(const ScanSet& scans, const InterpretationOptions& options, Progress& progress);
 
 }  // namespace loci

@@ -1,0 +1,156 @@
+#include "mapping/interpretation/levelling.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "mapping/base/cell_index.h"
+
+namespace loci {
+namespace {
+
+constexpr double kBin = 0.02;  // m, of heights
+
+/// Directions that many normals share, most first.
+std::vector<Vector3d> normal_peaks(const Surface& surface, const Vector3d& up, size_t most) {
+  CellIndex bins;
+  std::vector<Vector3d> sums;
+  for (const SurfacePoint& point : surface.points) {
+    const Vector3d normal = point.normal.cast<double>();
+    if (normal.dot(up) < 0.5) continue;
+    const uint32_t number = bins.insert(cell_of(normal, 0.1));
+    if (number == sums.size()) sums.emplace_back(Vector3d::Zero());
+    sums[number] += normal;
+  }
+  std::stable_sort(sums.begin(), sums.end(),
+                   [](const auto& a, const auto& b) { return a.norm() > b.norm(); });
+  if (sums.size() > most) sums.resize(most);
+  for (Vector3d& sum : sums) sum.normalize();
+  return sums;
+}
+
+struct FloorPlane {
+  Vector3d normal;
+  double offset = 0;  ///< normal · p
+  size_t inliers = 0;
+};
+
+/// The lowest height along `normal` with many fitting points and nearly none below.
+std::optional<FloorPlane> floor_along(const Surface& surface, const Vector3d& normal) {
+  double lowest = 1e9;
+  double highest = -1e9;
+  for (const SurfacePoint& point : surface.points) {
+    const double height = normal.dot(point.position.cast<double>());
+    lowest = std::min(lowest, height);
+    highest = std::max(highest, height);
+  }
+  std::vector<size_t> all(static_cast<size_t>((highest - lowest) / kBin) + 2, 0);
+  std::vector<size_t> fitting(all.size(), 0);
+  for (const SurfacePoint& point : surface.points) {
+    const auto bin = static_cast<size_t>((normal.dot(point.position.cast<double>()) - lowest) / kBin);
+    ++all[bin];
+    if (point.normal.cast<double>().dot(normal) > 0.95) ++fitting[bin];
+  }
+  const size_t peak_wanted = *std::max_element(fitting.begin(), fitting.end()) / 5;
+  size_t below = 0;
+  for (size_t bin = 0; bin + 1 < all.size(); ++bin) {
+    const size_t inliers = fitting[bin] + fitting[bin + 1];
+    if (inliers > peak_wanted && inliers > 200)
+      return FloorPlane{normal, lowest + kBin * static_cast<double>(bin + 1), inliers};
+    below += all[bin];
+    if (below > surface.points.size() / 20) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+/// Least squares over the points near the plane, a few times.
+FloorPlane refined(const Surface& surface, FloorPlane plane) {
+  for (const double tolerance : {0.06, 0.03, 0.03}) {
+    Vector3d sum = Vector3d::Zero();
+    Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+    size_t count = 0;
+    for (const SurfacePoint& point : surface.points) {
+      const Vector3d position = point.position.cast<double>();
+      if (std::abs(plane.normal.dot(position) - plane.offset) > tolerance) continue;
+      if (point.normal.cast<double>().dot(plane.normal) < 0.95) continue;
+      sum += position;
+      squares += position * position.transpose();
+      ++count;
+    }
+    if (count < 100) break;
+    const Vector3d mean = sum / static_cast<double>(count);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(squares / static_cast<double>(count) -
+                                                                mean * mean.transpose());
+    Vector3d normal = solver.eigenvectors().col(0);
+    if (normal.dot(plane.normal) < 0) normal = -normal;
+    plane = {normal, normal.dot(mean), count};
+  }
+  return plane;
+}
+
+}  // namespace
+
+std::optional<Isometry3d> level_by_floor(const Surface& surface, const Vector3d& up) {
+  std::optional<FloorPlane> best;
+  for (const Vector3d& direction : normal_peaks(surface, up, 8)) {
+    auto plane = floor_along(surface, direction);
+    if (!plane) continue;
+    plane = refined(surface, *plane);
+    if (!best || plane->inliers > best->inliers) best = plane;
+  }
+  if (!best) return std::nullopt;
+  Isometry3d levelled = Isometry3d::Identity();
+  levelled.linear() = Eigen::Quaterniond::FromTwoVectors(best->normal, Vector3d::UnitZ()).toRotationMatrix();
+  levelled.translation().z() = -best->offset;
+  return levelled;
+}
+
+Vector3d up_hint(const ScanSet& scans) {
+  if (scans.sensor != "kinect") return Vector3d::UnitZ();
+  Vector3d sum = Vector3d::Zero();
+  for (const Scan& scan : scans.scans) sum -= scan.map_from_scan.linear().col(1);
+  return sum.norm() > 1e-6 ? Vector3d(sum.normalized()) : Vector3d(Vector3d::UnitZ());
+}
+
+double room_yaw(const Surface& surface) {
+  // Directions modulo 90° are directions of four times the angle modulo 360°.
+  constexpr size_t kBins = 180;
+  constexpr double kTurn = 2 * std::numbers::pi;
+  std::array<double, kBins> histogram{};
+  std::vector<double> angles;
+  for (const SurfacePoint& point : surface.points) {
+    if (point.normal.isZero() || std::abs(point.normal.z()) > 0.2F) continue;
+    const double angle =
+        4 * std::atan2(static_cast<double>(point.normal.y()), static_cast<double>(point.normal.x()));
+    const double fraction = angle / kTurn - std::floor(angle / kTurn);
+    angles.push_back(fraction * kTurn);
+    ++histogram[std::min(kBins - 1, static_cast<size_t>(fraction * kBins))];
+  }
+  if (angles.empty()) return 0;
+  size_t peak = 0;
+  double most = -1;
+  for (size_t bin = 0; bin < kBins; ++bin) {
+    double sum = 0;
+    for (size_t d = 0; d < 9; ++d) sum += histogram[(bin + kBins + d - 4) % kBins];
+    if (sum > most) {
+      most = sum;
+      peak = bin;
+    }
+  }
+  double centre = (static_cast<double>(peak) + 0.5) / kBins * kTurn;
+  for (const double window : {0.35, 0.2, 0.14}) {
+    double sum = 0;
+    double count = 0;
+    for (const double angle : angles) {
+      const double difference = std::remainder(angle - centre, kTurn);
+      if (std::abs(difference) > window) continue;
+      sum += difference;
+      ++count;
+    }
+    if (count > 0) centre += sum / count;
+  }
+  return std::remainder(centre, kTurn) / 4;
+}
+
+}  // namespace loci
