@@ -6,11 +6,13 @@
 
 namespace loci {
 
-/// The pose of every link in the root's frame, by index into world.links. Mimic joints follow; a joint that
-/// the state does not name is at 0; a state that names an unknown joint is an Error.
+/// The pose of every link in the root's frame, by index into world.links. Mimic joints follow the joint that
+/// they mimic, whatever the state says of them; a joint that the state does not name is at 0. A state that
+/// names an unknown joint or a value that is not finite is an Error.
 std::vector<Isometry3d> root_from_links(const World& world, const JointState& state);
 
-/// Motion of a joint at a position: rotation about, or translation along, its axis.
+/// Motion of a joint at a position: rotation about, or translation along, its axis (normalised here). Fixed
+/// joints do not move; floating and planar joints have no single position and stay at their origin.
 Isometry3d joint_motion(const Joint& joint, double position);
 
 }  // namespace loci

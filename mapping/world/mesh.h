@@ -19,15 +19,15 @@ struct TriangleMesh {
 };
 
 /// Where mesh files are looked for: `package://NAME/…` below each package path (a folder that holds NAME, or
-/// is NAME), relative names beside the URDF.
+/// is NAME) and in the folder NAME that the URDF lies in, relative names beside the URDF.
 struct MeshSearch {
   std::vector<std::filesystem::path> package_paths;
   std::filesystem::path urdf_folder;
 };
 
-/// Reads STL, OBJ or COLLADA with assimp, in the file's own axes as RViz shows them (the turn that assimp
-/// gives Z_UP files is undone). A missing or unreadable file adds a warning with its name and gives an empty
-/// mesh.
+/// Reads STL, OBJ or COLLADA (what else assimp knows is not refused) with assimp, in the file's own axes as
+/// RViz shows them (the turn that assimp gives Z_UP files is undone). A missing or unreadable file adds a
+/// warning with its name and gives an empty mesh.
 TriangleMesh load_mesh(const Mesh& mesh, const MeshSearch& search, Warnings& warnings);
 
 /// Any geometry as triangles: primitives are tessellated (cylinder and sphere with `segments` around), meshes

@@ -27,11 +27,14 @@ struct SemanticLink {
 struct SemanticMap {
   std::string frame = "map";
   std::map<std::string, SemanticLink> links;  ///< by link name
-  std::optional<Isometry3d> map_from_input;   ///< set when the input had to be levelled
+  std::optional<Isometry3d> map_from_input;   ///< set when the input had to be levelled; x y z qx qy qz qw
+  Json extra = Json::object();                ///< fields that this version does not know; kept
 };
 
+/// Error with file and key for what is missing or of the wrong type, and for another version.
 SemanticMap read_semantic_map(const std::filesystem::path& path);
 void write_semantic_map(const SemanticMap& map, const std::filesystem::path& path);
+
 Json to_json(const SemanticMap& map);
 SemanticMap semantic_map_from_json(const Json& json, const std::string& file);
 

@@ -22,8 +22,7 @@ struct Cylinder {  ///< axis along z, centred
 struct Sphere {
   double radius = 0;
 };
-/// Triangles from a file; resolved at reading. `triangles` is empty when the file is missing (a warning says
-/// so).
+/// Triangles from a file, which load_mesh() reads.
 struct Mesh {
   std::string uri;  ///< as in the URDF ("package://…", "file://…", or relative)
   Vector3d scale = Vector3d::Ones();
@@ -44,12 +43,14 @@ struct Visual {
   Isometry3d link_from_visual = Isometry3d::Identity();
   Geometry geometry;
   std::optional<Material> material;
+  std::vector<std::string> extensions = {};  ///< elements that URDF does not define, as XML text
 };
 
 struct Collision {
   std::string name;
   Isometry3d link_from_collision = Isometry3d::Identity();
   Geometry geometry;
+  std::vector<std::string> extensions = {};  ///< as in Visual
 };
 
 struct Inertial {
@@ -63,6 +64,8 @@ struct Link {
   std::vector<Visual> visuals;
   std::vector<Collision> collisions;
   std::optional<Inertial> inertial;
+  std::map<std::string, std::string> attributes = {};  ///< other than the name
+  std::vector<std::string> extensions = {};            ///< elements that URDF does not define, as XML text
 };
 
 enum class JointType { fixed, revolute, continuous, prismatic, floating, planar };
@@ -96,6 +99,10 @@ struct Joint {
   std::optional<JointSafety> safety;
   std::optional<JointCalibration> calibration;
   std::optional<JointDynamics> dynamics;
+  /// Attributes that URDF does not define, by "ATTRIBUTE" or "ELEMENT/ATTRIBUTE"
+  /// ("limit/drake:acceleration").
+  std::map<std::string, std::string> attributes = {};
+  std::vector<std::string> extensions = {};  ///< elements that URDF does not define, as XML text
 };
 
 /// A URDF model as plain values: the map, a robot, or a piece of furniture. A joint state is apart from it.
@@ -104,9 +111,13 @@ struct World {
   std::vector<Link> links;    ///< in the order of the file
   std::vector<Joint> joints;  ///< in the order of the file
   std::string root;           ///< the one link that is no joint's child
-  /// Namespaces of the robot element and elements that URDF does not define or that say nothing about
-  /// geometry (gazebo, transmission, sensor, …): kept as XML text and written back.
+  /// Declared at the top of the file, used or not. A visual carries its own copy of what it uses; one name
+  /// means one material in the whole file.
+  std::vector<Material> materials;
+  /// Attributes of the robot element other than its name (namespaces, version).
   std::map<std::string, std::string> attributes;
+  /// Elements that URDF does not define or that say nothing about geometry (gazebo, transmission, sensor, …):
+  /// kept as XML text and written back.
   std::vector<std::string> extensions;
 
   const Link* find_link(const std::string& link_name) const;

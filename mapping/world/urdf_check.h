@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+namespace tinyxml2 {
+class XMLDocument;
+class XMLElement;
+}  // namespace tinyxml2
+
+namespace loci::urdf_detail {
+
+/// Parses XML; Error with the line when it is none.
+void parse_xml(tinyxml2::XMLDocument& document, const std::string& text, const std::string& file);
+
+/// Refuses what urdfdom refuses, and what it lets pass although it is no tree or no number, with the line and
+/// the names: urdfdom's own messages have neither lines nor, for cycles, names. Returns the robot element.
+const tinyxml2::XMLElement& check_urdf(const tinyxml2::XMLDocument& document, const std::string& file);
+
+}  // namespace loci::urdf_detail
