@@ -1,0 +1,370 @@
+-- The memory of loci: one SQLite file per memory (*.loci).
+--
+-- Conventions
+--   time      INTEGER, nanoseconds since the Unix epoch, UTC
+--   lengths   REAL, metres; frames: map (z up, floor at z = 0), camera optical (x right, y down, z forward)
+--   poses     seven columns x, y, z, qx, qy, qz, qw; always target_from_source as the column prefix says
+--   colour    hue 0 to 360, saturation and value 0 to 1
+--   NULL      unset, unknown; never zero or identity
+--   ids       INTEGER here; object 12 is "object_12" for people
+--
+-- Two clocks. association, event, object, belief and fact rows say when something held (valid_from, valid_to;
+-- valid_to NULL = open) and when the memory knew it (known_from, known_to). Rows are only added. A row that is
+-- found wrong is not changed: a later row names it in `supersedes`, and from that row's known_from on the older
+-- one is no longer known (the views *_known compute that end into known_to). Probability 0, or a NULL value,
+-- takes something back without putting anything in its place.
+
+-- One value per key: format ("loci-memory"), created (ISO 8601), written_by ("loci 0.1.0"), time_zone_minutes
+-- (minutes east of UTC in which people's times are meant).
+CREATE TABLE meta (
+  key TEXT PRIMARY KEY,
+  value TEXT NOT NULL
+) STRICT;
+
+-- One execution of a program that added rows.
+CREATE TABLE run (
+  id INTEGER PRIMARY KEY,
+  program TEXT NOT NULL,           -- "loci-perceive run"
+  version TEXT NOT NULL,           -- "0.1.0"
+  configuration TEXT NOT NULL,     -- JSON: the effective configuration
+  started INTEGER NOT NULL,        -- known time
+  finished INTEGER                 -- known time; NULL = still running or killed
+) STRICT;
+
+-- Bytes, stored once per content.
+CREATE TABLE blob (
+  id INTEGER PRIMARY KEY,
+  hash TEXT NOT NULL UNIQUE,       -- SHA-256 of the original bytes, hexadecimal
+  media TEXT NOT NULL,             -- "image/jpeg", "image/png", "depth/uint16-mm", "application/octet-stream"
+  size INTEGER NOT NULL,           -- original bytes
+  encoding INTEGER NOT NULL CHECK (encoding IN (0, 1)),  -- 0 = as is, 1 = zstd
+  content BLOB NOT NULL
+) STRICT;
+
+-- A static world that scenes were perceived against.
+CREATE TABLE map (
+  id INTEGER PRIMARY KEY,
+  hash TEXT NOT NULL UNIQUE,       -- SHA-256 of URDF and sidecar
+  name TEXT NOT NULL,              -- file name
+  urdf INTEGER NOT NULL REFERENCES blob,
+  sidecar INTEGER REFERENCES blob  -- semantic.json
+) STRICT;
+
+-- A named surface or container: a link of a map, or found while perceiving (plane_1, plane_2, ...).
+CREATE TABLE place (
+  id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL UNIQUE,       -- "table_1"
+  class TEXT NOT NULL,             -- table, counter, shelf, drawer, plane, floor, ...
+  map INTEGER REFERENCES map,      -- NULL = found without a map
+  height REAL,                     -- of the supporting surface above the floor
+  outline TEXT,                    -- JSON [[x, y], ...] in the map frame
+  x REAL, y REAL, z REAL, qx REAL, qy REAL, qz REAL, qw REAL,  -- map_from_place
+  container INTEGER NOT NULL CHECK (container IN (0, 1)),      -- things are in it rather than on it
+  joint TEXT,                      -- the joint that moves it
+  known_from INTEGER NOT NULL,
+  run INTEGER NOT NULL REFERENCES run
+) STRICT;
+
+-- A source of frames, known by its content, wherever it lies.
+CREATE TABLE recording (
+  id INTEGER PRIMARY KEY,
+  fingerprint TEXT NOT NULL UNIQUE,  -- hash of its list of frames
+  name TEXT NOT NULL,                -- folder or file name
+  kind TEXT NOT NULL,                -- reader: "loci", "7-scenes", ...
+  time_assumed INTEGER NOT NULL CHECK (time_assumed IN (0, 1)),  -- its stamps were made up
+  frames INTEGER                     -- how many it has
+) STRICT;
+
+-- One moment at which a camera looked.
+CREATE TABLE scene (
+  id INTEGER PRIMARY KEY,
+  recording INTEGER REFERENCES recording,
+  frame_index INTEGER,             -- in the recording
+  time INTEGER NOT NULL,
+  map INTEGER REFERENCES map,
+  camera_width INTEGER, camera_height INTEGER,              -- pixels, of the depth camera
+  fx REAL, fy REAL, cx REAL, cy REAL,                       -- pixels; pixel centres at integers
+  range_min REAL, range_max REAL,                           -- what the sensor can measure
+  x REAL, y REAL, z REAL, qx REAL, qy REAL, qz REAL, qw REAL,  -- map_from_camera; NULL = unknown
+  depth INTEGER REFERENCES blob,   -- thumbnail: uint16 little endian, row by row, millimetres of z-depth, 0 = none
+  depth_width INTEGER, depth_height INTEGER,                -- of the thumbnail; its intrinsics scale with it
+  picture INTEGER REFERENCES blob, -- JPEG or PNG
+  joints TEXT,                     -- JSON {joint: position}
+  known_from INTEGER NOT NULL,
+  run INTEGER NOT NULL REFERENCES run,
+  UNIQUE (recording, frame_index)
+) STRICT;
+CREATE INDEX scene_time ON scene (time);
+
+-- One thing that was seen in one scene (a cluster), before asking which object it is.
+CREATE TABLE observation (
+  id INTEGER PRIMARY KEY,
+  scene INTEGER NOT NULL REFERENCES scene,
+  number INTEGER NOT NULL,         -- within the scene, from 0
+  place INTEGER REFERENCES place,
+  x REAL, y REAL, z REAL,          -- centre, map frame
+  box_x REAL, box_y REAL, box_z REAL, box_qx REAL, box_qy REAL, box_qz REAL, box_qw REAL,  -- map_from_box
+  size_x REAL, size_y REAL, size_z REAL,                    -- of the box, along its axes
+  hue REAL, saturation REAL, value REAL,
+  color TEXT,                      -- name of the dominant colour
+  points INTEGER,                  -- depth points
+  crop INTEGER REFERENCES blob,    -- picture of it
+  mask INTEGER REFERENCES blob,    -- PNG, 8 bit, of the depth image's region of interest
+  roi_x INTEGER, roi_y INTEGER, roi_width INTEGER, roi_height INTEGER,  -- pixels in the depth image
+  sentence TEXT,                   -- where it is, in words
+  UNIQUE (scene, number)
+) STRICT;
+CREATE INDEX observation_place ON observation (place);
+
+-- What an annotator says, as a searchable value; all of it is in feature_structure.
+CREATE TABLE annotation (
+  id INTEGER PRIMARY KEY,
+  scene INTEGER NOT NULL REFERENCES scene,
+  observation INTEGER REFERENCES observation,  -- NULL = about the scene
+  type TEXT NOT NULL,              -- type name: "loci.Shape", "loci.Text", ...
+  value TEXT NOT NULL,
+  confidence REAL,                 -- uncalibrated
+  feature_structure INTEGER REFERENCES feature_structure
+) STRICT;
+CREATE INDEX annotation_scene ON annotation (scene);
+CREATE INDEX annotation_value ON annotation (type, value);
+
+-- A type system that feature structures were written with: XML in UIMA's format, or JSON.
+CREATE TABLE type_system (
+  id INTEGER PRIMARY KEY,
+  hash TEXT NOT NULL UNIQUE,
+  content INTEGER NOT NULL REFERENCES blob
+) STRICT;
+
+-- Any feature structure, with all that it refers to, as canonical JSON.
+CREATE TABLE feature_structure (
+  id INTEGER PRIMARY KEY,
+  scene INTEGER REFERENCES scene,
+  observation INTEGER REFERENCES observation,
+  type TEXT NOT NULL,              -- type name
+  type_system INTEGER NOT NULL REFERENCES type_system,
+  encoding INTEGER NOT NULL CHECK (encoding IN (0, 1)),  -- 0 = UTF-8 text, 1 = zstd of it
+  content BLOB NOT NULL            -- large arrays are {"blob": HASH}
+) STRICT;
+CREATE INDEX feature_structure_scene ON feature_structure (scene, type);
+CREATE INDEX feature_structure_observation ON feature_structure (observation);
+-- Which blobs it refers to.
+CREATE TABLE feature_structure_blob (
+  feature_structure INTEGER NOT NULL REFERENCES feature_structure,
+  blob INTEGER NOT NULL REFERENCES blob,
+  PRIMARY KEY (feature_structure, blob)
+) STRICT, WITHOUT ROWID;
+
+-- A thing that persists: what observations are believed to be of.
+CREATE TABLE object (
+  id INTEGER PRIMARY KEY,
+  valid_from INTEGER NOT NULL,     -- first seen
+  valid_to INTEGER,
+  known_from INTEGER NOT NULL,
+  known_to INTEGER,
+  supersedes INTEGER REFERENCES object,
+  run INTEGER NOT NULL REFERENCES run,
+  source TEXT NOT NULL             -- "perceive", "ingest", a person's name
+) STRICT;
+
+-- Which observation is which object, and why: the whole distribution, not only its mode. A row without
+-- observation is an object that was not matched (disappear, missed, hidden); a row without object is a false
+-- detection (clutter).
+CREATE TABLE association (
+  id INTEGER PRIMARY KEY,
+  scene INTEGER NOT NULL REFERENCES scene,
+  observation INTEGER REFERENCES observation,
+  object INTEGER REFERENCES object,
+  explanation TEXT NOT NULL CHECK (explanation IN
+    ('stay', 'move', 'newview', 'appear', 'clutter', 'disappear', 'missed', 'hidden')),
+  probability REAL NOT NULL CHECK (probability BETWEEN 0 AND 1),
+  chosen INTEGER NOT NULL CHECK (chosen IN (0, 1)),  -- part of the one consistent story that was acted on
+  valid_from INTEGER NOT NULL,
+  valid_to INTEGER,
+  known_from INTEGER NOT NULL,
+  known_to INTEGER,
+  supersedes INTEGER REFERENCES association,
+  run INTEGER NOT NULL REFERENCES run,
+  source TEXT NOT NULL
+) STRICT;
+CREATE INDEX association_scene ON association (scene);
+CREATE INDEX association_object ON association (object, valid_from);
+CREATE INDEX association_observation ON association (observation);
+CREATE INDEX association_supersedes ON association (supersedes) WHERE supersedes IS NOT NULL;
+
+-- What happened.
+CREATE TABLE event (
+  id INTEGER PRIMARY KEY,
+  scene INTEGER REFERENCES scene,  -- in which it was noticed
+  kind TEXT NOT NULL CHECK (kind IN
+    ('appeared', 'moved', 'looks_different', 'gone', 'hidden', 'reappeared', 'joint_changed')),
+  object INTEGER REFERENCES object,
+  observation INTEGER REFERENCES observation,
+  place INTEGER REFERENCES place,       -- where it is after it
+  from_place INTEGER REFERENCES place,  -- where it was before it
+  x REAL, y REAL, z REAL,
+  from_x REAL, from_y REAL, from_z REAL,
+  joint TEXT,                      -- of joint_changed
+  position REAL, from_position REAL,    -- of the joint: metres or radians
+  probability REAL NOT NULL CHECK (probability BETWEEN 0 AND 1),
+  since INTEGER,                   -- it happened after this time (last look before) and until valid_from
+  valid_from INTEGER NOT NULL,
+  valid_to INTEGER,
+  known_from INTEGER NOT NULL,
+  known_to INTEGER,
+  supersedes INTEGER REFERENCES event,
+  run INTEGER NOT NULL REFERENCES run,
+  source TEXT NOT NULL
+) STRICT;
+CREATE INDEX event_time ON event (valid_from);
+CREATE INDEX event_object ON event (object, valid_from);
+CREATE INDEX event_scene ON event (scene);
+CREATE INDEX event_supersedes ON event (supersedes) WHERE supersedes IS NOT NULL;
+
+-- What is believed about an object from a scene on, until the next row of the object.
+CREATE TABLE belief (
+  id INTEGER PRIMARY KEY,
+  object INTEGER NOT NULL REFERENCES object,
+  scene INTEGER REFERENCES scene,
+  status TEXT NOT NULL CHECK (status IN ('seen', 'missed', 'hidden', 'out_of_view', 'gone')),
+  probability REAL NOT NULL CHECK (probability BETWEEN 0 AND 1),  -- that it still is at this place
+  place INTEGER REFERENCES place,
+  x REAL, y REAL, z REAL,          -- where it is believed to be, map frame
+  sigma REAL,                      -- standard deviation of that position
+  last_scene INTEGER REFERENCES scene,              -- in which it was last seen
+  last_observation INTEGER REFERENCES observation,  -- and as what
+  hue REAL, saturation REAL, value REAL,
+  color TEXT,
+  size_x REAL, size_y REAL, size_z REAL,
+  valid_from INTEGER NOT NULL,
+  valid_to INTEGER,
+  known_from INTEGER NOT NULL,
+  known_to INTEGER,
+  supersedes INTEGER REFERENCES belief,
+  run INTEGER NOT NULL REFERENCES run,
+  source TEXT NOT NULL
+) STRICT;
+CREATE INDEX belief_object ON belief (object, valid_from);
+CREATE INDEX belief_scene ON belief (scene);
+CREATE INDEX belief_supersedes ON belief (supersedes) WHERE supersedes IS NOT NULL;
+
+-- What a scene could tell about an object's last place, or about a place as a whole.
+CREATE TABLE visibility (
+  id INTEGER PRIMARY KEY,
+  scene INTEGER NOT NULL REFERENCES scene,
+  object INTEGER REFERENCES object,
+  place INTEGER REFERENCES place,
+  status TEXT NOT NULL CHECK (status IN ('seen', 'missed', 'hidden', 'out_of_view')),
+  probability REAL CHECK (probability BETWEEN 0 AND 1),  -- object: that the status is right
+  fraction REAL CHECK (fraction BETWEEN 0 AND 1),        -- place: observed part of its surface
+  known_from INTEGER NOT NULL,
+  run INTEGER NOT NULL REFERENCES run,
+  CHECK ((object IS NULL) <> (place IS NULL))
+) STRICT;
+CREATE INDEX visibility_object ON visibility (object, scene) WHERE object IS NOT NULL;
+CREATE INDEX visibility_place ON visibility (place, scene) WHERE place IS NOT NULL;
+CREATE INDEX visibility_scene ON visibility (scene);
+
+-- What people or programs say about an object or a place: owner, state, alias, taxonomy, class, text, ...
+CREATE TABLE fact (
+  id INTEGER PRIMARY KEY,
+  object INTEGER REFERENCES object,
+  place INTEGER REFERENCES place,
+  key TEXT NOT NULL,
+  value TEXT,                      -- NULL = taken back
+  probability REAL CHECK (probability BETWEEN 0 AND 1),
+  valid_from INTEGER NOT NULL,
+  valid_to INTEGER,
+  known_from INTEGER NOT NULL,
+  known_to INTEGER,
+  supersedes INTEGER REFERENCES fact,
+  run INTEGER NOT NULL REFERENCES run,
+  source TEXT NOT NULL,
+  CHECK ((object IS NULL) <> (place IS NULL))
+) STRICT;
+CREATE INDEX fact_key ON fact (key, value);
+CREATE INDEX fact_object ON fact (object) WHERE object IS NOT NULL;
+CREATE INDEX fact_supersedes ON fact (supersedes) WHERE supersedes IS NOT NULL;
+
+-- Rows with two clocks are only added.
+CREATE TRIGGER association_is_kept BEFORE UPDATE ON association BEGIN SELECT RAISE(ABORT, 'rows are only added'); END;
+CREATE TRIGGER event_is_kept BEFORE UPDATE ON event BEGIN SELECT RAISE(ABORT, 'rows are only added'); END;
+CREATE TRIGGER object_is_kept BEFORE UPDATE ON object BEGIN SELECT RAISE(ABORT, 'rows are only added'); END;
+CREATE TRIGGER belief_is_kept BEFORE UPDATE ON belief BEGIN SELECT RAISE(ABORT, 'rows are only added'); END;
+CREATE TRIGGER fact_is_kept BEFORE UPDATE ON fact BEGIN SELECT RAISE(ABORT, 'rows are only added'); END;
+
+-- The same rows with the effective end of knowing them: WHERE known_to IS NULL is what is known now,
+-- WHERE known_from <= T AND (known_to IS NULL OR known_to > T) is what was known at T.
+CREATE VIEW association_known AS
+  SELECT a.id, a.scene, a.observation, a.object, a.explanation, a.probability, a.chosen, a.valid_from, a.valid_to,
+    a.known_from, coalesce(a.known_to, (SELECT min(b.known_from) FROM association b WHERE b.supersedes = a.id)) AS known_to,
+    a.supersedes, a.run, a.source
+  FROM association a;
+CREATE VIEW event_known AS
+  SELECT a.id, a.scene, a.kind, a.object, a.observation, a.place, a.from_place, a.x, a.y, a.z, a.from_x, a.from_y,
+    a.from_z, a.joint, a.position, a.from_position, a.probability, a.since, a.valid_from, a.valid_to, a.known_from,
+    coalesce(a.known_to, (SELECT min(b.known_from) FROM event b WHERE b.supersedes = a.id)) AS known_to,
+    a.supersedes, a.run, a.source
+  FROM event a;
+CREATE VIEW object_known AS
+  SELECT a.id, a.valid_from, a.valid_to, a.known_from,
+    coalesce(a.known_to, (SELECT min(b.known_from) FROM object b WHERE b.supersedes = a.id)) AS known_to,
+    a.supersedes, a.run, a.source
+  FROM object a;
+CREATE VIEW belief_known AS
+  SELECT a.id, a.object, a.scene, a.status, a.probability, a.place, a.x, a.y, a.z, a.sigma, a.last_scene,
+    a.last_observation, a.hue, a.saturation, a.value, a.color, a.size_x, a.size_y, a.size_z, a.valid_from, a.valid_to,
+    a.known_from, coalesce(a.known_to, (SELECT min(b.known_from) FROM belief b WHERE b.supersedes = a.id)) AS known_to,
+    a.supersedes, a.run, a.source
+  FROM belief a;
+CREATE VIEW fact_known AS
+  SELECT a.id, a.object, a.place, a.key, a.value, a.probability, a.valid_from, a.valid_to, a.known_from,
+    coalesce(a.known_to, (SELECT min(b.known_from) FROM fact b WHERE b.supersedes = a.id)) AS known_to,
+    a.supersedes, a.run, a.source
+  FROM fact a;
+
+-- For people: sqlite3, Python, R, DuckDB. These stay as they are within a major version; times are ISO 8601, UTC.
+
+-- What is believed now, one row per object.
+CREATE VIEW v_objects AS
+  SELECT 'object_' || b.object AS object, b.status, b.probability, p.name AS place, b.x, b.y, b.z, b.color,
+    b.size_x, b.size_y, b.size_z,
+    strftime('%Y-%m-%dT%H:%M:%SZ', s.time / 1000000000, 'unixepoch') AS last_seen
+  FROM belief_known b LEFT JOIN place p ON p.id = b.place LEFT JOIN scene s ON s.id = b.last_scene
+  WHERE b.known_to IS NULL AND b.id = (SELECT c.id FROM belief_known c WHERE c.object = b.object AND c.known_to IS NULL
+    ORDER BY c.valid_from DESC, c.id DESC LIMIT 1);
+
+-- Every time that an object was seen, as believed now.
+CREATE VIEW v_sightings AS
+  SELECT 'object_' || a.object AS object, strftime('%Y-%m-%dT%H:%M:%SZ', s.time / 1000000000, 'unixepoch') AS time,
+    s.id AS scene, s.frame_index, p.name AS place, o.x, o.y, o.z, o.color, o.size_x, o.size_y, o.size_z,
+    a.explanation, a.probability
+  FROM association_known a JOIN observation o ON o.id = a.observation JOIN scene s ON s.id = a.scene
+    LEFT JOIN place p ON p.id = o.place
+  WHERE a.known_to IS NULL AND a.chosen = 1 AND a.object IS NOT NULL AND a.probability > 0;
+
+-- What happened, as believed now.
+CREATE VIEW v_events AS
+  SELECT strftime('%Y-%m-%dT%H:%M:%SZ', e.valid_from / 1000000000, 'unixepoch') AS time, e.kind,
+    'object_' || e.object AS object, p.name AS place, f.name AS from_place, e.x, e.y, e.z, e.from_x, e.from_y, e.from_z,
+    e.joint, e.position, e.from_position, e.probability, e.scene
+  FROM event_known e LEFT JOIN place p ON p.id = e.place LEFT JOIN place f ON f.id = e.from_place
+  WHERE e.known_to IS NULL AND e.probability > 0;
+
+-- Scenes with what was seen in them.
+CREATE VIEW v_scenes AS
+  SELECT s.id AS scene, strftime('%Y-%m-%dT%H:%M:%SZ', s.time / 1000000000, 'unixepoch') AS time,
+    r.name AS recording, s.frame_index, s.x, s.y, s.z, s.qx, s.qy, s.qz, s.qw,
+    (SELECT count(*) FROM observation o WHERE o.scene = s.id) AS observations
+  FROM scene s LEFT JOIN recording r ON r.id = s.recording;
+
+-- Which scene looked at which place, and how much of it was seen.
+CREATE VIEW v_looks AS
+  SELECT p.name AS place, s.id AS scene, strftime('%Y-%m-%dT%H:%M:%SZ', s.time / 1000000000, 'unixepoch') AS time,
+    v.fraction, v.status
+  FROM visibility v JOIN place p ON p.id = v.place JOIN scene s ON s.id = v.scene;
+
+-- What people and programs say, as known now.
+CREATE VIEW v_facts AS
+  SELECT coalesce('object_' || f.object, p.name) AS about, f.key, f.value, f.probability, f.source
+  FROM fact_known f LEFT JOIN place p ON p.id = f.place WHERE f.known_to IS NULL AND f.value IS NOT NULL;

@@ -1,0 +1,124 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mapping/base/progress.h"
+#include "memory/store/rows.h"
+
+namespace loci {
+
+/// Which part of the two clocks a read sees. Unset = everything up to the end.
+struct AsOf {
+  std::optional<TimeNs> at;        ///< what held at this time (rows that begin later are left out)
+  std::optional<TimeNs> known_at;  ///< as the memory knew it at this time
+};
+
+struct WriteOptions {
+  std::optional<TimeNs> now;  ///< known time of what is added; unset = the machine's clock
+};
+
+/// What Store::verify() found.
+struct VerifyReport {
+  std::vector<std::string> problems;                    ///< empty = all is well; one line each
+  std::vector<std::pair<std::string, int64_t>> counts;  ///< rows per table
+  int major = 0, minor = 0;                             ///< of the file
+};
+
+/// One memory file. Errors of the database come out as one-line loci::Error with the file's name. A Store is
+/// used by one thread at a time; several Stores may read one file while one writes.
+class Store {
+ public:
+  /// Opens for reading; changes nothing. Error when it is missing, no memory, truncated, or of a newer major
+  /// version (which is named).
+  static Store open_read(const std::filesystem::path& path);
+  /// Opens for writing: creates what is missing, migrates older versions, keeps other writers out until it is
+  /// closed. Error also for a newer minor version and while another writer has it.
+  static Store open_write(const std::filesystem::path& path, const WriteOptions& options = {});
+
+  Store(Store&&) noexcept;
+  Store& operator=(Store&&) noexcept;
+  ~Store();  ///< a clean close leaves the one file that can be copied
+
+  const std::filesystem::path& path() const;
+  bool writable() const;
+  int major() const;
+  int minor() const;
+
+  // Writing outside a scene; each call is one transaction.
+  Id begin_run(const std::string& program, const std::string& configuration_json);
+  void finish_run(Id run);
+  /// The recording of this fingerprint, added when it is new.
+  Id add_recording(const RecordingRow& row);
+  /// The map of this content, added when it is new. `sidecar` may be empty.
+  Id add_map(const std::string& name, std::string_view urdf, std::string_view sidecar);
+  /// The place of this name, added when it is new (its geometry is that of the first time).
+  Id add_place(const PlaceRow& row, Id run);
+  Id add_fact(const FactRow& row, Id run);
+  void set_meta(const std::string& key, const std::string& value);
+
+  // Reading.
+  std::optional<std::string> meta(const std::string& key) const;
+  /// Minutes east of UTC in which people's times are meant; 0 when nobody said.
+  int time_zone_minutes() const;
+  std::vector<RunRow> runs() const;
+  std::vector<RecordingRow> recordings() const;
+  std::optional<RecordingRow> recording(const std::string& fingerprint) const;
+  /// Frame indexes of a recording that are in the memory, for resuming.
+  std::set<int64_t> frames(Id recording) const;
+  std::vector<MapRow> maps() const;
+  std::vector<PlaceRow> places() const;
+
+  /// Scenes with from <= time <= to, in order of time.
+  std::vector<SceneRow> scenes(const AsOf& as_of = {}, std::optional<TimeNs> from = {},
+                               std::optional<TimeNs> to = {}) const;
+  SceneRow scene(Id id) const;
+  std::vector<ObservationRow> observations(Id scene) const;
+  ObservationRow observation(Id id) const;
+  std::vector<AnnotationRow> annotations(Id scene) const;
+
+  std::vector<ObjectRow> objects(const AsOf& as_of = {}) const;
+  /// The belief that holds per object, in order of object; objects without one are left out.
+  std::vector<BeliefRow> beliefs(const AsOf& as_of = {}) const;
+  /// All beliefs of one object up to `at`, in order of time.
+  std::vector<BeliefRow> belief_history(Id object, const AsOf& as_of = {}) const;
+  /// When the chosen story saw an object, in order of time.
+  std::vector<Sighting> sightings(Id object, const AsOf& as_of = {}) const;
+  /// Everything that was considered in a scene.
+  std::vector<AssociationRow> associations(Id scene, const AsOf& as_of = {}) const;
+  /// Events with from <= valid_from <= to, in order of time; those taken back (probability 0) are left out.
+  std::vector<EventRow> events(const AsOf& as_of = {}, std::optional<TimeNs> from = {},
+                               std::optional<TimeNs> to = {}) const;
+  std::vector<VisibilityRow> visibility(Id scene) const;
+  std::vector<VisibilityRow> visibility_of_object(Id object) const;  ///< in order of scene
+  std::vector<VisibilityRow> visibility_of_place(Id place) const;    ///< in order of scene
+  /// Facts that hold at `at`; those taken back are left out.
+  std::vector<FactRow> facts(const AsOf& as_of = {}) const;
+
+  BlobRow blob(Id id) const;
+  std::optional<Id> find_blob(const std::string& hash) const;
+  FeatureStructureRow feature_structure(Id id) const;
+  /// Of a scene, in order of id; `type` empty = all.
+  std::vector<FeatureStructureRow> feature_structures(Id scene, const std::string& type = {}) const;
+  std::string type_system(Id id) const;
+
+  /// Integrity, references, hashes of blobs, agreement between tables.
+  VerifyReport verify(Progress& progress) const;
+
+ private:
+  friend class SceneTransaction;
+  struct Implementation;
+  explicit Store(std::unique_ptr<Implementation> implementation);
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// "object_12".
+std::string object_name(Id object);
+/// The id in "object_12"; unset when it is no such name.
+std::optional<Id> object_id(std::string_view name);
+
+}  // namespace loci
