@@ -1,0 +1,295 @@
+#include "mapping/render/render.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <unordered_map>
+
+#include "mapping/base/parallel.h"
+#include "mapping/render/rasterizer.h"
+
+namespace loci {
+
+using render_detail::Chunk;
+using render_detail::kNoTriangle;
+using render_detail::PlacedChunk;
+using render_detail::Raster;
+
+namespace {
+
+constexpr size_t kChunkTriangles = 1024;
+constexpr float kDefaultGrey = 0.7f;
+
+std::array<uint8_t, 3> bgr_from(const Rgba& color) {
+  const auto byte = [](float value) {
+    return static_cast<uint8_t>(std::lround(std::clamp(value, 0.f, 1.f) * 255.f));
+  };
+  return {byte(color[2]), byte(color[1]), byte(color[0])};
+}
+
+void bound(Chunk& chunk) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3f& vertex : chunk.vertices) box.extend(vertex.cast<double>());
+  chunk.centre = box.center();
+  for (const Eigen::Vector3f& vertex : chunk.vertices)
+    chunk.radius = std::max(chunk.radius, (vertex.cast<double>() - chunk.centre).norm());
+}
+
+/// Cuts a mesh into chunks in the order of its triangles, which in files mostly follows the surface.
+void append_chunks(const TriangleMesh& mesh, const Isometry3d& link_from_mesh,
+                   const std::optional<Rgba>& color, size_t link, uint32_t& triangle_count,
+                   std::vector<Chunk>& chunks) {
+  std::vector<Eigen::Vector3f> vertices;
+  vertices.reserve(mesh.vertices.size());
+  for (const Eigen::Vector3f& vertex : mesh.vertices)
+    vertices.push_back((link_from_mesh * vertex.cast<double>()).cast<float>());
+  const Rgba plain = color.value_or(Rgba(kDefaultGrey, kDefaultGrey, kDefaultGrey, 1));
+  const bool own_colors = !color && mesh.colors.size() == mesh.triangles.size();
+  std::vector<uint32_t> local(vertices.size(), kNoTriangle);
+  for (size_t begin = 0; begin < mesh.triangles.size(); begin += kChunkTriangles) {
+    const size_t end = std::min(begin + kChunkTriangles, mesh.triangles.size());
+    Chunk chunk;
+    chunk.link = link;
+    chunk.first_triangle = triangle_count;
+    if (!own_colors) chunk.colors = {bgr_from(plain)};
+    std::vector<uint32_t> used;
+    for (size_t i = begin; i < end; ++i) {
+      std::array<uint32_t, 3> triangle{};
+      for (size_t k = 0; k < 3; ++k) {
+        uint32_t& index = local[mesh.triangles[i][k]];
+        if (index == kNoTriangle) {
+          index = static_cast<uint32_t>(chunk.vertices.size());
+          chunk.vertices.push_back(vertices[mesh.triangles[i][k]]);
+          used.push_back(mesh.triangles[i][k]);
+        }
+        triangle[k] = index;
+      }
+      chunk.triangles.push_back(triangle);
+      if (own_colors) chunk.colors.push_back(bgr_from(mesh.colors[i]));
+    }
+    for (const uint32_t vertex : used) local[vertex] = kNoTriangle;
+    triangle_count += static_cast<uint32_t>(end - begin);
+    bound(chunk);
+    chunks.push_back(std::move(chunk));
+  }
+}
+
+}  // namespace
+
+struct RenderScene::Impl {
+  struct Part {
+    World world;  ///< kept for its joints; a free mesh is a world of one link
+    Isometry3d map_from_part = Isometry3d::Identity();
+    std::vector<Isometry3d> part_from_links;
+    size_t first_link = 0;
+    bool visible = true;
+  };
+
+  std::vector<Part> parts;
+  std::vector<Chunk> chunks;
+  std::vector<std::string> names;    ///< by link id, as shown
+  std::vector<size_t> part_of_link;  ///< by link id
+  uint32_t triangle_count = 0;
+
+  Part& part(size_t number) {
+    if (number >= parts.size()) throw Error("the scene has no part " + std::to_string(number));
+    return parts[number];
+  }
+
+  size_t add_part(Part added) {
+    added.first_link = part_of_link.size();
+    added.part_from_links = root_from_links(added.world, {});
+    part_of_link.insert(part_of_link.end(), added.world.links.size(), parts.size());
+    parts.push_back(std::move(added));
+    rename();
+    return parts.size() - 1;
+  }
+
+  void rename();
+
+  Isometry3d map_from_link(size_t link) const {
+    const Part& part = parts[part_of_link[link]];
+    return part.map_from_part * part.part_from_links[link - part.first_link];
+  }
+
+  std::vector<PlacedChunk> visible_chunks(const Isometry3d& camera_from_map) const;
+  void shade(const Raster& raster, const PinholeCamera& camera, const Isometry3d& camera_from_map,
+             const RenderOptions& options, size_t row_begin, size_t row_end, RenderedView& view) const;
+};
+
+/// Link names that more than one part has get their world's name in front, and where that is not enough the
+/// part's number.
+void RenderScene::Impl::rename() {
+  std::unordered_map<std::string, int> bare, full;
+  for (const Part& part : parts)
+    for (const Link& link : part.world.links) {
+      ++bare[link.name];
+      ++full[part.world.name + "/" + link.name];
+    }
+  names.clear();
+  for (size_t i = 0; i < parts.size(); ++i)
+    for (const Link& link : parts[i].world.links) {
+      const std::string with_world = parts[i].world.name + "/" + link.name;
+      if (bare[link.name] == 1)
+        names.push_back(link.name);
+      else if (full[with_world] == 1)
+        names.push_back(with_world);
+      else
+        names.push_back(parts[i].world.name + "#" + std::to_string(i) + "/" + link.name);
+    }
+}
+
+/// Nearest first, so that what is near hides what is behind before that is drawn.
+std::vector<PlacedChunk> RenderScene::Impl::visible_chunks(const Isometry3d& camera_from_map) const {
+  std::vector<std::pair<double, PlacedChunk>> sorted;
+  sorted.reserve(chunks.size());
+  size_t link = part_of_link.size();
+  Isometry3d camera_from_link = Isometry3d::Identity();
+  for (const Chunk& chunk : chunks) {
+    if (!parts[part_of_link[chunk.link]].visible) continue;
+    if (chunk.link != link) {
+      link = chunk.link;
+      camera_from_link = camera_from_map * map_from_link(link);
+    }
+    const double z = (camera_from_link * chunk.centre).z();
+    if (z + chunk.radius > 0) sorted.push_back({z - chunk.radius, {&chunk, camera_from_link}});
+  }
+  std::ranges::stable_sort(sorted, {}, &std::pair<double, PlacedChunk>::first);
+  std::vector<PlacedChunk> placed;
+  placed.reserve(sorted.size());
+  for (const auto& entry : sorted) placed.push_back(entry.second);
+  return placed;
+}
+
+void RenderScene::Impl::shade(const Raster& raster, const PinholeCamera& camera,
+                              const Isometry3d& camera_from_map, const RenderOptions& options,
+                              size_t row_begin, size_t row_end, RenderedView& view) const {
+  const Chunk* chunk = nullptr;
+  uint32_t shown = kNoTriangle;
+  Eigen::Matrix3d camera_from_link;
+  Vector3d normal = Vector3d::Zero();
+  for (size_t row = row_begin; row < row_end; ++row) {
+    const int v = static_cast<int>(row);
+    for (int u = 0; u < camera.width; ++u) {
+      const size_t pixel = row * static_cast<size_t>(camera.width) + static_cast<size_t>(u);
+      const uint32_t triangle = raster.triangle[pixel];
+      if (triangle == kNoTriangle) continue;
+      if (triangle != shown) {
+        if (!chunk || triangle < chunk->first_triangle ||
+            triangle - chunk->first_triangle >= chunk->triangles.size()) {
+          chunk = &*std::prev(std::ranges::upper_bound(chunks, triangle, {}, &Chunk::first_triangle));
+          if (options.normals) camera_from_link = (camera_from_map * map_from_link(chunk->link)).linear();
+        }
+        if (options.normals) {
+          const auto& [a, b, c] = chunk->triangles[triangle - chunk->first_triangle];
+          const Vector3d origin = chunk->vertices[a].cast<double>();
+          normal = camera_from_link * (chunk->vertices[b].cast<double>() - origin)
+                                          .cross(chunk->vertices[c].cast<double>() - origin)
+                                          .normalized();
+        }
+        shown = triangle;
+      }
+      view.depth.at<float>(v, u) = 1.f / raster.inverse_depth[pixel];
+      view.link.at<int32_t>(v, u) = static_cast<int32_t>(chunk->link);
+      if (options.normals) {
+        const Vector3d towards = normal.dot(camera.unproject(u, v, 1)) > 0 ? Vector3d(-normal) : normal;
+        view.normal.at<cv::Vec3f>(v, u) = {static_cast<float>(towards.x()), static_cast<float>(towards.y()),
+                                           static_cast<float>(towards.z())};
+      }
+      if (options.colors) {
+        const auto& bgr =
+            chunk->colors.size() == 1 ? chunk->colors[0] : chunk->colors[triangle - chunk->first_triangle];
+        view.color.at<cv::Vec3b>(v, u) = {bgr[0], bgr[1], bgr[2]};
+      }
+    }
+  }
+}
+
+RenderScene::RenderScene() : impl_(std::make_unique<Impl>()) {}
+RenderScene::~RenderScene() = default;
+RenderScene::RenderScene(RenderScene&&) noexcept = default;
+RenderScene& RenderScene::operator=(RenderScene&&) noexcept = default;
+
+size_t RenderScene::add(const World& world, const MeshSearch& search, const Isometry3d& map_from_root,
+                        Warnings& warnings) {
+  const size_t number = impl_->add_part({world, map_from_root, {}, 0, true});
+  const size_t first_link = impl_->parts[number].first_link;
+  std::map<std::string, TriangleMesh> loaded;  // A mesh is often used many times.
+  for (size_t i = 0; i < world.links.size(); ++i)
+    for (const Visual& visual : world.links[i].visuals) {
+      TriangleMesh own;
+      const TriangleMesh* triangles = &own;
+      if (const Mesh* mesh = std::get_if<Mesh>(&visual.geometry)) {
+        const Vector3d& s = mesh->scale;
+        const std::string key = mesh->uri + " " + std::to_string(s.x()) + " " + std::to_string(s.y()) + " " +
+                                std::to_string(s.z());
+        if (!loaded.contains(key)) loaded[key] = load_mesh(*mesh, search, warnings);
+        triangles = &loaded[key];
+      } else {
+        own = triangulate(visual.geometry, search, warnings);
+      }
+      append_chunks(*triangles, visual.link_from_visual,
+                    visual.material ? visual.material->color : std::nullopt, first_link + i,
+                    impl_->triangle_count, impl_->chunks);
+    }
+  return number;
+}
+
+size_t RenderScene::add(const std::string& name, const TriangleMesh& mesh, const Isometry3d& map_from_mesh) {
+  World world;
+  world.name = world.root = name;
+  world.links.emplace_back().name = name;
+  const size_t number = impl_->add_part({std::move(world), map_from_mesh, {}, 0, true});
+  append_chunks(mesh, Isometry3d::Identity(), std::nullopt, impl_->parts[number].first_link,
+                impl_->triangle_count, impl_->chunks);
+  return number;
+}
+
+void RenderScene::set_joints(size_t part, const JointState& state) {
+  Impl::Part& changed = impl_->part(part);
+  changed.part_from_links = root_from_links(changed.world, state);
+}
+
+void RenderScene::set_pose(size_t part, const Isometry3d& map_from_part) {
+  impl_->part(part).map_from_part = map_from_part;
+}
+
+void RenderScene::set_visible(size_t part, bool visible) {
+  impl_->part(part).visible = visible;
+}
+
+const std::vector<std::string>& RenderScene::link_names() const {
+  return impl_->names;
+}
+
+Isometry3d RenderScene::map_from_link(size_t link) const {
+  if (link >= impl_->part_of_link.size()) throw Error("the scene has no link " + std::to_string(link));
+  return impl_->map_from_link(link);
+}
+
+RenderedView RenderScene::render(const PinholeCamera& camera, const Isometry3d& map_from_camera,
+                                 const RenderOptions& options, int threads) const {
+  if (camera.width <= 0 || camera.height <= 0 || !(camera.fx > 0) || !(camera.fy > 0))
+    throw Error("a camera needs a positive size and focal length");
+  if (!(options.near_m > 0) || !(options.far_m > options.near_m))
+    throw Error("rendering needs 0 < near < far");
+  RenderedView view;
+  view.depth = cv::Mat(camera.height, camera.width, CV_32F, cv::Scalar(std::nanf("")));
+  view.link = cv::Mat(camera.height, camera.width, CV_32S, cv::Scalar(-1));
+  if (options.normals) view.normal = cv::Mat::zeros(camera.height, camera.width, CV_32FC3);
+  if (options.colors) view.color = cv::Mat::zeros(camera.height, camera.width, CV_8UC3);
+
+  const Isometry3d camera_from_map = map_from_camera.inverse();
+  const std::vector<PlacedChunk> chunks = impl_->visible_chunks(camera_from_map);
+  const size_t pixels = static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height);
+  Raster raster{std::vector<float>(pixels, 0.f), std::vector<uint32_t>(pixels, kNoTriangle)};
+  parallel_for(static_cast<size_t>(camera.height), threads, [&](size_t begin, size_t end) {
+    render_detail::draw_rows(chunks, camera, options.near_m, options.far_m, static_cast<int>(begin),
+                             static_cast<int>(end), raster);
+    impl_->shade(raster, camera, camera_from_map, options, begin, end, view);
+  });
+  return view;
+}
+
+}  // namespace loci
