@@ -4,6 +4,7 @@
 
 namespace loci {
 
+Command check_command();
 Command fuse_command();
 
 }  // namespace loci

@@ -2,7 +2,7 @@
 
 int main(int argc, char** argv) {
   loci::Program program("loci-map", "Builds and checks semantic URDF maps.");
-  program.add_planned("check", "Says what a URDF holds, or why it is refused");
+  program.add(loci::check_command());
   program.add(loci::fuse_command());
   program.add_planned("interpret", "A scan set to a map: floor, walls, supports");
   program.add_planned("compare", "Compares a map with another map or with the truth");

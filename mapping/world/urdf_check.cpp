@@ -279,9 +279,13 @@ class Checker {
       if (cycle.empty()) continue;
       std::string text;
       for (const std::string& link : cycle) text += link + " → ";
-      const std::string& joint = parent_joint_.at(cycle.front());
-      fail(*joints_.at(joint).element, "the links form a cycle: " + text + cycle.front(),
-           "joint '" + joint + "' closes it");
+      const XMLElement* last = nullptr;  // The joint that comes last in the file is the likeliest culprit.
+      for (const std::string& link : cycle) {
+        const XMLElement* joint = joints_.at(parent_joint_.at(link)).element;
+        if (!last || joint->GetLineNum() > last->GetLineNum()) last = joint;
+      }
+      fail(*last, "the links form a cycle: " + text + cycle.front(),
+           std::string("joint '") + last->Attribute("name") + "' closes it");
     }
     if (roots.size() > 1)
       fail(*links_.at(roots[1]),

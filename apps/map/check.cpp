@@ -1,0 +1,34 @@
+#include "apps/map/commands.h"
+#include "mapping/world/inspection.h"
+#include "mapping/world/urdf.h"
+
+namespace loci {
+
+Command check_command() {
+  return {"check",
+          "Says what a URDF holds, or why it is refused",
+          {"loci-map check ../shared/data/iai_apartment/apartment.urdf --package-path ../shared/data",
+           "loci-map check ../shared/data/robots/ur5.urdf --json"},
+          [](CLI::App& app) {
+            struct Arguments {
+              std::string urdf;
+              std::vector<std::string> package_paths;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("FILE", arguments->urdf, "URDF file")->required();
+            app.add_option("--package-path", arguments->package_paths,
+                           "Folder that holds packages (package://NAME/…); can be given several times");
+            return [arguments](Session& session) {
+              const std::filesystem::path path = arguments->urdf;
+              const MeshSearch search = {{arguments->package_paths.begin(), arguments->package_paths.end()},
+                                         path.parent_path()};
+              const World world = read_urdf(path);
+              WorldInspection inspection = inspect(world, search, session.warnings());
+              if (const auto sidecar = sidecar_path(path); std::filesystem::exists(sidecar))
+                inspect_sidecar(read_semantic_map(sidecar), world, inspection, session.warnings());
+              session.answer(inspection.report(), inspection.to_json());
+            };
+          }};
+}
+
+}  // namespace loci

@@ -1,0 +1,135 @@
+#include "mapping/world/mesh.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <numbers>
+
+#include "mapping/base/files.h"
+
+namespace loci {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Signed volume: positive when triangles are counter-clockwise seen from outside.
+double volume(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const auto& [a, b, c] : mesh.triangles)
+    sum += mesh.vertices[a].cast<double>().dot(
+        mesh.vertices[b].cast<double>().cross(mesh.vertices[c].cast<double>()));
+  return sum / 6;
+}
+
+/// Whether every edge is met once in each direction.
+bool closed(const TriangleMesh& mesh) {
+  std::map<std::pair<uint32_t, uint32_t>, int> edges;
+  for (const auto& t : mesh.triangles)
+    for (size_t i = 0; i < 3; ++i) ++edges[{t[i], t[(i + 1) % 3]}];
+  for (const auto& [edge, count] : edges) {
+    const auto back = edges.find({edge.second, edge.first});
+    if (count != 1 || back == edges.end() || back->second != 1) return false;
+  }
+  return true;
+}
+
+fs::path folder_with(const std::string& name, const std::string& text) {
+  const fs::path folder = fs::path(testing::TempDir()) / "loci_mesh_test" / "shapes";
+  fs::create_directories(folder);
+  write_file_atomically(folder / name, text);
+  return folder;
+}
+
+const std::string kTetrahedron =
+    "mtllib t.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl red\nf 1 3 2\nf 1 2 4\nusemtl blue\nf 1 4 3\nf "
+    "2 3 4\n";
+
+TEST(Mesh, PrimitivesAreClosedAndWoundOutwards) {
+  Warnings warnings;
+  const TriangleMesh box = triangulate(Box{{1, 2, 3}}, {}, warnings);
+  EXPECT_TRUE(closed(box));
+  EXPECT_NEAR(volume(box), 6, 1e-6);
+  const TriangleMesh cylinder = triangulate(Cylinder{0.5, 2}, {}, warnings, 64);
+  EXPECT_TRUE(closed(cylinder));
+  EXPECT_NEAR(volume(cylinder), std::numbers::pi * 0.25 * 2, 0.01);
+  const TriangleMesh sphere = triangulate(Sphere{2}, {}, warnings, 64);
+  EXPECT_TRUE(closed(sphere));
+  EXPECT_NEAR(volume(sphere), 4.0 / 3 * std::numbers::pi * 8, 0.3);
+}
+
+TEST(Mesh, ObjIsReadWithItsMaterialsAndScale) {
+  folder_with("t.mtl", "newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\n");
+  const fs::path folder = folder_with("t.obj", kTetrahedron);
+  Warnings warnings;
+  const TriangleMesh mesh = load_mesh({"t.obj", {2, 3, 4}}, {{}, folder}, warnings);
+  EXPECT_TRUE(warnings.empty());
+  EXPECT_TRUE(closed(mesh));
+  EXPECT_NEAR(volume(mesh), 24.0 / 6, 1e-6);
+  ASSERT_EQ(mesh.colors.size(), 4u);
+  EXPECT_EQ(std::ranges::count(mesh.colors, Rgba(1, 0, 0, 1)), 2);
+  EXPECT_EQ(std::ranges::count(mesh.colors, Rgba(0, 0, 1, 1)), 2);
+}
+
+TEST(Mesh, MirroredMeshStaysWoundOutwards) {
+  const fs::path folder = folder_with("t.obj", kTetrahedron);
+  Warnings warnings;
+  EXPECT_NEAR(volume(load_mesh({"t.obj", {1, 1, -1}}, {{}, folder}, warnings)), 1.0 / 6, 1e-6);
+}
+
+TEST(Mesh, StlHasNoColourOfItsOwn) {
+  const fs::path folder = folder_with("t.stl",
+                                      "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 "
+                                      "0\nvertex 0 1 0\nendloop\nendfacet\nendsolid t\n");
+  Warnings warnings;
+  const TriangleMesh mesh = load_mesh({"t.stl"}, {{}, folder}, warnings);
+  EXPECT_EQ(mesh.triangles.size(), 1u);
+  EXPECT_TRUE(mesh.colors.empty());
+}
+
+TEST(Mesh, PackagesAreFoundBelowPathsByNameAndAroundTheUrdf) {
+  const fs::path folder = folder_with("t.obj", kTetrahedron);
+  const Mesh mesh{"package://shapes/t.obj"};
+  for (const MeshSearch& search : {MeshSearch{{folder.parent_path()}, {}}, MeshSearch{{folder}, {}},
+                                   MeshSearch{{folder / ""}, {}}, MeshSearch{{}, folder / "urdf"}}) {
+    Warnings warnings;
+    EXPECT_EQ(load_mesh(mesh, search, warnings).triangles.size(), 4u);
+    EXPECT_TRUE(warnings.empty());
+  }
+  Warnings warnings;
+  EXPECT_EQ(load_mesh({"file://" + (folder / "t.obj").string()}, {}, warnings).triangles.size(), 4u);
+}
+
+TEST(Mesh, MissingAndBrokenFilesAreWarnedAboutByName) {
+  const fs::path folder = folder_with("broken.dae", "<COLLADA><oops");
+  for (const std::string uri : {"package://none/cup.stl", "cup.stl", "broken.dae"}) {
+    Warnings warnings;
+    EXPECT_TRUE(load_mesh({uri}, {{}, folder}, warnings).triangles.empty());
+    ASSERT_EQ(warnings.texts().size(), 1u);
+    EXPECT_THAT(warnings.texts()[0], testing::HasSubstr(uri));
+  }
+}
+
+TEST(Mesh, ColladaKeepsItsOwnAxes) {
+  const std::string collada = R"(<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset><unit name="cm" meter="0.01"/><up_axis>UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh><source id="p"><float_array id="pa" count="9">0 0 0 100 0 0 0 0 300</float_array>
+<technique_common><accessor source="#pa" count="3" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
+  for (const std::string up : {"Z_UP", "Y_UP"}) {
+    std::string text = collada;
+    text.replace(text.find("<up_axis>UP"), 11, "<up_axis>" + up);
+    const fs::path folder = folder_with("axes.dae", text);
+    Warnings warnings;
+    const TriangleMesh mesh = load_mesh({"axes.dae"}, {{}, folder}, warnings);
+    ASSERT_EQ(mesh.vertices.size(), 3u) << (warnings.empty() ? "" : warnings.texts()[0]);
+    EXPECT_TRUE(mesh.vertices[1].isApprox(Eigen::Vector3f(1, 0, 0), 1e-6f)) << up;
+    EXPECT_TRUE(mesh.vertices[2].isApprox(Eigen::Vector3f(0, 0, 3), 1e-6f)) << up;
+  }
+}
+
+}  // namespace
+}  // namespace loci
