@@ -1,6 +1,8 @@
 # One verb per kind of target:
 #   loci_room(FOLDER)                         add a folder of the house that has a CMakeLists.txt
 #   loci_library(LINKS ... PRIVATE_LINKS ...) all *.cpp of this folder as one static library, named after the folder
+#                                             (but those under EXCLUDE folders; with GENERATED sources)
+#   loci_proxies(FOLDER NAMESPACE XML ...)    typed proxies from type systems: FOLDER/generated.{h,cpp} in the build folder
 #   loci_program(NAME [SOURCES ...] LINKS ...) a program in bin/
 #   loci_test(LINKS ...)                      all *_test.cpp of this folder as one GoogleTest program
 #
@@ -47,20 +49,33 @@ function(loci_folder_name result)
 endfunction()
 
 function(loci_library)
-  cmake_parse_arguments(ARG "" "" "LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "LINKS;PRIVATE_LINKS;EXCLUDE;GENERATED" ${ARGN})
   loci_folder_name(name)
   file(GLOB sources CONFIGURE_DEPENDS *.cpp)
   file(GLOB_RECURSE nested CONFIGURE_DEPENDS */*.cpp)
+  foreach(excluded ${ARG_EXCLUDE})
+    list(FILTER nested EXCLUDE REGEX "/${excluded}/")
+  endforeach()
   if(NOT sources AND NOT nested)
     add_library(loci_${name} INTERFACE)  # Headers only: a contract whose implementation has not come yet.
     target_include_directories(loci_${name} INTERFACE ${CMAKE_SOURCE_DIR})
     target_link_libraries(loci_${name} INTERFACE ${ARG_LINKS} ${ARG_PRIVATE_LINKS})
     return()
   endif()
-  add_library(loci_${name} STATIC ${sources} ${nested})
+  add_library(loci_${name} STATIC ${sources} ${nested} ${ARG_GENERATED})
   target_include_directories(loci_${name} PUBLIC ${CMAKE_SOURCE_DIR})
   target_link_libraries(loci_${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
   loci_warnings(loci_${name})
+endfunction()
+
+function(loci_proxies folder namespace)
+  set(output ${CMAKE_BINARY_DIR}/generated/${folder})
+  list(TRANSFORM ARGN PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ OUTPUT_VARIABLE files)
+  add_custom_command(
+    OUTPUT ${output}/generated.h ${output}/generated.cpp
+    COMMAND loci_generate_types proxies ${namespace} ${folder} ${CMAKE_BINARY_DIR}/generated ${files}
+    DEPENDS loci_generate_types ${files}
+    COMMENT "Generating the proxies of ${folder}")
 endfunction()
 
 function(loci_program name)

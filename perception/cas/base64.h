@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace loci::cas {
+
+/// RFC 4648, with padding.
+std::string base64_from_bytes(std::string_view bytes);
+
+/// Throws Error when the text is not base64.
+std::string bytes_from_base64(std::string_view text);
+
+}  // namespace loci::cas

@@ -1,0 +1,159 @@
+#include "perception/cas/type_system.h"
+
+#include <algorithm>
+
+namespace loci::cas {
+
+namespace {
+
+template <typename T>
+std::optional<T> find_sorted(const std::vector<std::pair<std::string_view, T>>& entries,
+                             std::string_view name) {
+  const auto found =
+      std::lower_bound(entries.begin(), entries.end(), name,
+                       [](const auto& entry, std::string_view key) { return entry.first < key; });
+  if (found == entries.end() || found->first != name) return std::nullopt;
+  return found->second;
+}
+
+}  // namespace
+
+const std::string& Type::name() const {
+  return data_->name;
+}
+
+std::string Type::short_name() const {
+  return data_->name.substr(data_->name.rfind('.') + 1);
+}
+
+const std::string& Type::description() const {
+  return data_->description;
+}
+
+Type Type::supertype() const {
+  return Type(data_->supertype);
+}
+
+Kind Type::kind() const {
+  return data_->kind;
+}
+
+Kind Type::component_kind() const {
+  return data_->component;
+}
+
+bool Type::is_builtin() const {
+  return data_->builtin;
+}
+
+const Place& Type::place() const {
+  return data_->place;
+}
+
+const std::vector<Feature>& Type::features() const {
+  return data_->features;
+}
+
+std::vector<Feature> Type::own_features() const {
+  std::vector<Feature> own;
+  for (const auto& feature : data_->own) own.emplace_back(feature.get());
+  return own;
+}
+
+std::optional<Feature> Type::find_feature(std::string_view name) const {
+  return find_sorted(data_->by_name, name);
+}
+
+Feature Type::feature(std::string_view name) const {
+  if (const auto found = find_feature(name)) return *found;
+  std::vector<std::string> names;
+  for (const Feature& each : features()) names.push_back(each.name());
+  throw Error("type " + this->name() + " has no feature '" + std::string(name) + "'", {},
+              did_you_mean(name, names));
+}
+
+const std::vector<std::string>& Type::allowed_values() const {
+  return data_->allowed_values;
+}
+
+int Type::order() const {
+  return data_->order;
+}
+
+int Type::last_order() const {
+  return data_->last_order;
+}
+
+const std::string& Feature::name() const {
+  return data_->name;
+}
+
+const std::string& Feature::description() const {
+  return data_->description;
+}
+
+Type Feature::range() const {
+  return Type(data_->range);
+}
+
+Type Feature::element_type() const {
+  return Type(data_->element);
+}
+
+bool Feature::has_element_type() const {
+  return data_->has_element;
+}
+
+bool Feature::multiple_references_allowed() const {
+  return data_->multiple_references;
+}
+
+Type Feature::owner() const {
+  return Type(data_->owner);
+}
+
+size_t Feature::slot() const {
+  return data_->slot;
+}
+
+std::optional<Type> TypeSystem::find(std::string_view name) const {
+  return find_sorted(by_name_, name);
+}
+
+Type TypeSystem::type(std::string_view name) const {
+  if (const auto found = find(name)) return *found;
+  std::vector<std::string> names;
+  for (const Type& each : types_) names.push_back(each.name());
+  throw Error("unknown type '" + std::string(name) + "'", {}, did_you_mean(name, names));
+}
+
+Type TypeSystem::array_type(Kind component) const {
+  return arrays_.at(static_cast<size_t>(component));
+}
+
+std::vector<Type> TypeSystem::subtypes(Type type) const {
+  return {types_.begin() + type.order(), types_.begin() + type.last_order() + 1};
+}
+
+const TypeSystem::ListTypes& TypeSystem::list_types(Kind component) const {
+  switch (component) {
+    case Kind::kStructure:
+      return fs_list_;
+    case Kind::kString:
+      return string_list_;
+    case Kind::kInteger:
+      return integer_list_;
+    case Kind::kFloat:
+      return float_list_;
+    default:
+      throw Error("there are lists of feature structures, strings, integers and floats only");
+  }
+}
+
+std::optional<Kind> TypeSystem::list_component(Type type) const {
+  for (const Kind kind : {Kind::kStructure, Kind::kString, Kind::kInteger, Kind::kFloat})
+    if (is_a(type, list_types(kind).list)) return kind;
+  return std::nullopt;
+}
+
+}  // namespace loci::cas

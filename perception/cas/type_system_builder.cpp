@@ -1,0 +1,281 @@
+#include "perception/cas/type_system_builder.h"
+
+#include <algorithm>
+#include <functional>
+
+namespace loci::cas {
+
+using detail::FeatureData;
+using detail::TypeData;
+
+namespace {
+
+const std::map<std::string, Kind> kPrimitives = {
+    {"uima.cas.Boolean", Kind::kBoolean}, {"uima.cas.Byte", Kind::kByte},
+    {"uima.cas.Short", Kind::kShort},     {"uima.cas.Integer", Kind::kInteger},
+    {"uima.cas.Long", Kind::kLong},       {"uima.cas.Float", Kind::kFloat},
+    {"uima.cas.Double", Kind::kDouble},   {"uima.cas.String", Kind::kString},
+};
+
+const std::map<std::string, Kind> kArrays = {
+    {"uima.cas.FSArray", Kind::kStructure},    {"uima.cas.BooleanArray", Kind::kBoolean},
+    {"uima.cas.ByteArray", Kind::kByte},       {"uima.cas.ShortArray", Kind::kShort},
+    {"uima.cas.IntegerArray", Kind::kInteger}, {"uima.cas.LongArray", Kind::kLong},
+    {"uima.cas.FloatArray", Kind::kFloat},     {"uima.cas.DoubleArray", Kind::kDouble},
+    {"uima.cas.StringArray", Kind::kString},
+};
+
+std::string at(const Place& place) {
+  return place.file.empty() ? "the built-in types" : place.text();
+}
+
+}  // namespace
+
+void TypeSystemBuilder::declare_builtin(const std::string& name, const std::string& supertype,
+                                        std::vector<std::pair<std::string, std::string>> features) {
+  TypeDeclaration type;
+  type.name = name;
+  type.supertype = supertype;
+  type.builtin = true;
+  for (auto& [feature, range] : features) {
+    FeatureDeclaration declaration;
+    declaration.name = feature;
+    declaration.range = range;
+    type.features.push_back(std::move(declaration));
+  }
+  declarations_.emplace(name, std::move(type));
+}
+
+void TypeSystemBuilder::add_builtin_types() {
+  declare_builtin("uima.cas.TOP", "");
+  for (const auto& [name, kind] : kPrimitives) declare_builtin(name, "uima.cas.TOP");
+  declare_builtin("uima.cas.ArrayBase", "uima.cas.TOP");
+  for (const auto& [name, kind] : kArrays) declare_builtin(name, "uima.cas.ArrayBase");
+  declare_builtin("uima.cas.ListBase", "uima.cas.TOP");
+  for (const auto& [list, head] :
+       {std::pair{"FS", "uima.cas.TOP"}, std::pair{"String", "uima.cas.String"},
+        std::pair{"Integer", "uima.cas.Integer"}, std::pair{"Float", "uima.cas.Float"}}) {
+    const std::string base = std::string("uima.cas.") + list + "List";
+    declare_builtin(base, "uima.cas.ListBase");
+    declare_builtin(std::string("uima.cas.Empty") + list + "List", base);
+    declare_builtin(std::string("uima.cas.NonEmpty") + list + "List", base, {{"head", head}, {"tail", base}});
+  }
+  declare_builtin("uima.cas.Sofa", "uima.cas.TOP",
+                  {{"sofaNum", "uima.cas.Integer"},
+                   {"sofaID", "uima.cas.String"},
+                   {"mimeType", "uima.cas.String"},
+                   {"sofaArray", "uima.cas.TOP"},
+                   {"sofaString", "uima.cas.String"},
+                   {"sofaURI", "uima.cas.String"}});
+  declare_builtin("uima.cas.AnnotationBase", "uima.cas.TOP", {{"sofa", "uima.cas.Sofa"}});
+  declare_builtin("uima.tcas.Annotation", "uima.cas.AnnotationBase",
+                  {{"begin", "uima.cas.Integer"}, {"end", "uima.cas.Integer"}});
+  declare_builtin("uima.tcas.DocumentAnnotation", "uima.tcas.Annotation", {{"language", "uima.cas.String"}});
+}
+
+void TypeSystemBuilder::declare(TypeDeclaration declaration) {
+  const auto [position, is_new] = declarations_.try_emplace(declaration.name, declaration);
+  if (!is_new) merge(position->second, declaration);
+}
+
+void TypeSystemBuilder::merge(TypeDeclaration& known, const TypeDeclaration& again) {
+  if (known.supertype != again.supertype)
+    throw Error("type " + again.name + " is declared with supertype " + again.supertype + ", but with " +
+                    (known.supertype.empty() ? "none" : known.supertype) + " in " + at(known.place),
+                again.place, "let both declarations agree");
+  if (known.has_allowed_values != again.has_allowed_values || known.allowed_values != again.allowed_values)
+    throw Error("type " + again.name + " is declared twice with different allowed values, first in " +
+                    at(known.place),
+                again.place, "let both declarations agree");
+  if (known.description.empty()) known.description = again.description;
+  for (const FeatureDeclaration& feature : again.features) {
+    const auto same = std::find_if(known.features.begin(), known.features.end(),
+                                   [&](const auto& each) { return each.name == feature.name; });
+    if (same == known.features.end())
+      known.features.push_back(feature);
+    else
+      merge_feature(known.name, *same, feature);
+  }
+}
+
+void TypeSystemBuilder::merge_feature(const std::string& type, FeatureDeclaration& known,
+                                      const FeatureDeclaration& again) {
+  const auto refuse = [&](const std::string& what, const std::string& here, const std::string& there) {
+    throw Error("feature '" + again.name + "' of type " + type + " has " + what + " " + here + " here and " +
+                    there + " in " + at(known.place),
+                again.place, "let both declarations agree");
+  };
+  if (known.range != again.range) refuse("range", again.range, known.range);
+  if (!known.element.empty() && !again.element.empty() && known.element != again.element)
+    refuse("elements of type", again.element, known.element);
+  if (known.element.empty()) known.element = again.element;
+  if (known.description.empty()) known.description = again.description;
+  if (!known.multiple_references) known.multiple_references = again.multiple_references;
+}
+
+TypeSystemBuilder::TypeDeclaration& TypeSystemBuilder::resolve(const std::string& name, const Place& place,
+                                                               const std::string& what) {
+  const auto found = declarations_.find(name);
+  if (found != declarations_.end()) return found->second;
+  std::vector<std::string> names;
+  for (const auto& [known, declaration] : declarations_) names.push_back(known);
+  const std::string hint = did_you_mean(name, names);
+  throw Error("unknown type " + name + " as " + what, place,
+              hint.empty() ? "declare it or import the file that does" : hint);
+}
+
+void TypeSystemBuilder::build_type(TypeSystem& system, TypeDeclaration& declaration) {
+  if (declaration.state == 2) return;
+  if (declaration.state == 1)
+    throw Error("type " + declaration.name + " inherits from itself", declaration.place,
+                "break the cycle of supertypes");
+  declaration.state = 1;
+  TypeDeclaration* super = nullptr;
+  if (!declaration.supertype.empty()) {
+    super = &resolve(declaration.supertype, declaration.place, "supertype of " + declaration.name);
+    build_type(system, *super);
+  }
+  auto data = std::make_unique<TypeData>();
+  data->name = declaration.name;
+  data->description = declaration.description;
+  data->builtin = declaration.builtin;
+  data->place = declaration.place;
+  data->allowed_values = declaration.allowed_values;
+  if (const auto primitive = kPrimitives.find(declaration.name); primitive != kPrimitives.end())
+    data->kind = primitive->second;
+  if (const auto array = kArrays.find(declaration.name); array != kArrays.end()) {
+    data->kind = Kind::kArray;
+    data->component = array->second;
+  }
+  if (super != nullptr) {
+    data->supertype = super->data;
+    if (!declaration.builtin &&
+        (super->data->kind != Kind::kStructure || super->name == "uima.cas.ArrayBase")) {
+      if (super->name != "uima.cas.String")
+        throw Error("type " + declaration.name + " cannot inherit from " + super->name, declaration.place,
+                    super->data->kind == Kind::kString ? "inherit from uima.cas.String"
+                                                       : "inherit from uima.cas.TOP");
+      if (!declaration.features.empty())
+        throw Error("the string type " + declaration.name + " cannot have features", declaration.place);
+      data->kind = Kind::kString;
+    }
+  }
+  if (declaration.has_allowed_values && (data->kind != Kind::kString || declaration.builtin))
+    throw Error("allowed values of " + declaration.name + ", which is no subtype of uima.cas.String",
+                declaration.place, "set supertypeName to uima.cas.String");
+  declaration.data = data.get();
+  declaration.state = 2;
+  system.data_.push_back(std::move(data));
+}
+
+void TypeSystemBuilder::build_hierarchy(TypeSystem& system) {
+  for (auto& [name, declaration] : declarations_) build_type(system, declaration);
+}
+
+void TypeSystemBuilder::build_order(TypeSystem& system) {
+  std::map<const TypeData*, std::vector<TypeData*>> children;  // in order of name: declarations_ is sorted
+  for (auto& [name, declaration] : declarations_)
+    children[declaration.data->supertype].push_back(declaration.data);
+  const std::function<void(TypeData*)> visit = [&](TypeData* type) {
+    type->order = static_cast<int>(system.types_.size());
+    system.types_.emplace_back(type);
+    for (TypeData* child : children[type]) visit(child);
+    type->last_order = static_cast<int>(system.types_.size()) - 1;
+  };
+  visit(declarations_.at("uima.cas.TOP").data);
+}
+
+void TypeSystemBuilder::add_feature(TypeData& type, const FeatureDeclaration& declaration) {
+  const std::string what = "range of feature '" + declaration.name + "' of " + type.name;
+  std::string range = declaration.range;
+  std::string element = declaration.element;
+  if (range.ends_with("[]")) {  // UIMA 3 writes a typed array as Element[]
+    element = range.substr(0, range.size() - 2);
+    range = "uima.cas.FSArray";
+  } else if (element.ends_with("[]")) {
+    element.resize(element.size() - 2);
+  }
+  auto data = std::make_unique<FeatureData>();
+  data->name = declaration.name;
+  data->description = declaration.description;
+  data->range = resolve(range, declaration.place, what).data;
+  data->has_element = !element.empty();
+  data->element = resolve(element.empty() ? "uima.cas.TOP" : element, declaration.place,
+                          "element type of feature '" + declaration.name + "' of " + type.name)
+                      .data;
+  data->multiple_references = declaration.multiple_references.value_or(false);
+  data->owner = &type;
+
+  const auto inherited = std::find_if(type.features.begin(), type.features.end(),
+                                      [&](const Feature& each) { return each.name() == declaration.name; });
+  if (inherited != type.features.end()) {
+    if (inherited->range() != Type(data->range))
+      throw Error("feature '" + declaration.name + "' of " + type.name + " has range " + range +
+                      ", but inherits it from " + inherited->owner().name() + " with range " +
+                      inherited->range().name(),
+                  declaration.place, "give it another name");
+    return;
+  }
+  data->slot = type.features.size();
+  type.features.emplace_back(data.get());
+  type.own.push_back(std::move(data));
+}
+
+void TypeSystemBuilder::build_features(TypeSystem& system) {
+  for (const Type& each : system.types_) {  // supertypes come first
+    TypeDeclaration& declaration = declarations_.at(each.name());
+    TypeData& type = *declaration.data;
+    if (type.supertype != nullptr) type.features = type.supertype->features;
+    for (const FeatureDeclaration& feature : declaration.features) add_feature(type, feature);
+    for (const Feature& feature : type.features) type.by_name.emplace_back(feature.name(), feature);
+    std::sort(type.by_name.begin(), type.by_name.end(),
+              [](const auto& one, const auto& two) { return one.first < two.first; });
+  }
+}
+
+void TypeSystemBuilder::index_types(TypeSystem& system) {
+  for (const Type& type : system.types_) system.by_name_.emplace_back(type.name(), type);
+  std::sort(system.by_name_.begin(), system.by_name_.end(),
+            [](const auto& one, const auto& two) { return one.first < two.first; });
+  system.arrays_.resize(static_cast<size_t>(Kind::kString) + 1);
+  for (const auto& [name, kind] : kArrays) system.arrays_[static_cast<size_t>(kind)] = system.type(name);
+  const auto list = [&](const std::string& name) {
+    return TypeSystem::ListTypes{system.type("uima.cas." + name + "List"),
+                                 system.type("uima.cas.Empty" + name + "List"),
+                                 system.type("uima.cas.NonEmpty" + name + "List")};
+  };
+  system.fs_list_ = list("FS");
+  system.string_list_ = list("String");
+  system.integer_list_ = list("Integer");
+  system.float_list_ = list("Float");
+}
+
+std::shared_ptr<const TypeSystem> TypeSystemBuilder::finish() {
+  std::shared_ptr<TypeSystem> system(new TypeSystem);
+  build_hierarchy(*system);
+  build_order(*system);
+  build_features(*system);
+  index_types(*system);
+  return system;
+}
+
+std::shared_ptr<const TypeSystem> TypeSystem::load(const std::vector<std::filesystem::path>& files,
+                                                   const std::vector<std::filesystem::path>& path_dirs) {
+  return load({}, files, path_dirs);
+}
+
+std::shared_ptr<const TypeSystem> TypeSystem::load(const std::vector<TypeSource>& sources,
+                                                   const std::vector<std::filesystem::path>& files,
+                                                   const std::vector<std::filesystem::path>& path_dirs) {
+  TypeSystemBuilder builder(sources, path_dirs);
+  for (const TypeSource& source : sources) builder.add_source(source);
+  for (const auto& file : files) builder.add_file(file);
+  return builder.finish();
+}
+
+std::shared_ptr<const TypeSystem> TypeSystem::builtin() {
+  static const std::shared_ptr<const TypeSystem> system = load({}, {}, {});
+  return system;
+}
+
+}  // namespace loci::cas
