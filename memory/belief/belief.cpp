@@ -1,0 +1,422 @@
+#include "memory/belief/belief.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "memory/belief/evidence.h"
+#include "memory/belief/proximity.h"
+
+namespace loci::belief {
+namespace {
+
+constexpr double kSmallestShare = 0.001;
+
+const Isometry3d& pose_of(const std::string& place, const std::vector<PlacePose>& places) {
+  static const Isometry3d still = Isometry3d::Identity();
+  for (const PlacePose& pose : places)
+    if (pose.name == place) return pose.map_from_place;
+  return still;
+}
+
+double log_odds(double probability) {
+  return std::log(probability / (1 - probability));
+}
+
+/// Carries the belief over one scene; its members are what the steps share.
+class Step {
+ public:
+  Step(BeliefState& state, const Scene& scene, const BeliefOptions& options)
+      : state_(state),
+        scene_(scene),
+        options_(options),
+        snapshot_(is_snapshot(state, scene, options)),
+        seconds_(seconds_since_last_scene(state, scene)) {}
+
+  BeliefUpdate run() {
+    expected_ = expect(state_, scene_, options_);
+    update_.evidence = pair_evidence(state_, expected_, scene_, options_);
+    const LogOddsProblem problem = identity_problem(state_, expected_, scene_, update_.evidence, options_);
+    IdentityOptions identity;
+    identity.best = 1;
+    identity.priors.clutter = 0;
+    identity.priors.missed = 0;
+    weights_ = weights_of(problem, identity);
+    solution_ = solve(weights_, identity);
+    update_.log_evidence = solution_.log_evidence;
+    update_.gate_bound = solution_.gate_bound;
+    pair_up();
+    report_distributions();
+    const size_t believed = state_.objects.size();
+    for (size_t o = 0; o < believed; ++o) {
+      if (partner_of_object_[o])
+        see(o, *partner_of_object_[o]);
+      else
+        miss(o);
+    }
+    for (size_t k = 0; k < scene_.observations.size(); ++k)
+      if (!partner_of_observation_[k]) meet(k);
+    forget_clutter();
+    finish_outcomes();
+    state_.last_scene = scene_.time;
+    return std::move(update_);
+  }
+
+ private:
+  void pair_up() {
+    partner_of_object_.resize(state_.objects.size());
+    partner_of_observation_.resize(scene_.observations.size());
+    for (const auto& [o, k] : solution_.map.pairs) {
+      partner_of_object_[o] = k;
+      partner_of_observation_[k] = o;
+    }
+  }
+
+  Explanation explanation_of_pair(size_t o, size_t k) const {
+    const auto row = static_cast<Eigen::Index>(o), column = static_cast<Eigen::Index>(k);
+    const double stay = weights_.stay(row, column), move = weights_.move(row, column),
+                 newview = weights_.newview(row, column);
+    if (stay >= move && stay >= newview) return Explanation::stay;
+    return move >= newview ? Explanation::move : Explanation::newview;
+  }
+
+  void report_distributions() {
+    for (size_t k = 0; k < scene_.observations.size(); ++k) {
+      ObservationOutcome outcome;
+      const auto column = static_cast<Eigen::Index>(k);
+      for (size_t o = 0; o < state_.objects.size(); ++o) {
+        const auto row = static_cast<Eigen::Index>(o);
+        const Share share{state_.objects[o].key, state_.objects[o].id, solution_.stay(row, column),
+                          solution_.move(row, column), solution_.newview(row, column)};
+        if (partner_of_observation_[k] == o) {
+          outcome.key = share.key;
+          outcome.explanation = explanation_of_pair(o, k);
+          outcome.probability = share.probability();
+        }
+        if (share.probability() >= kSmallestShare) outcome.shares.push_back(share);
+      }
+      std::stable_sort(outcome.shares.begin(), outcome.shares.end(),
+                       [](const Share& a, const Share& b) { return a.probability() > b.probability(); });
+      outcome.appear = solution_.appear[k];
+      outcome.clutter = solution_.clutter[k];
+      update_.observations.push_back(std::move(outcome));
+    }
+    for (size_t o = 0; o < state_.objects.size(); ++o) {
+      ObjectOutcome outcome;
+      outcome.key = state_.objects[o].key;
+      outcome.visibility = expected_[o].seen.visibility;
+      outcome.disappear = solution_.disappear[o];
+      outcome.missed = solution_.missed[o];
+      outcome.hidden = solution_.hidden[o];
+      outcome.matched = std::max(0.0, 1 - outcome.disappear - outcome.missed - outcome.hidden);
+      update_.objects.push_back(outcome);
+    }
+  }
+
+  // An object was seen.
+  void see(size_t o, size_t k) {
+    ProtoObject& object = state_.objects[o];
+    const Observation& observation = scene_.observations[k];
+    const Explanation explanation = update_.observations[k].explanation;
+    update_.objects[o].explanation = explanation;
+    const AxisBox before = expected_[o].box;
+    const std::string place_before = object.place;
+    const Status status_before = object.status;
+    const bool was_hidden = object.told_hidden;
+    const double seconds_unseen = double(scene_.time - object.last_seen) / double(kSecond);
+
+    if (explanation == Explanation::move || status_before == Status::gone)
+      put(object, observation);
+    else
+      fuse(o, observation);
+    if (!observation.place.empty()) set_place(object, observation.place);
+    remember_look(object, observation);
+    object.probability_here = 1;
+    object.hidden_looks = 0;
+    object.told_hidden = false;
+    mark_seen(object, observation);
+    object.exists_log_odds +=
+        (observation.partial ? 0.5 : 1.0) * std::log(options_.detection / options_.repeat_clutter);
+    object.exists_log_odds = std::min(object.exists_log_odds, 20.0);
+
+    if (object.status == Status::tentative) {
+      object.observations.push_back(observation.id);
+      if (snapshot_ || object.exists_log_odds >= log_odds(options_.confirm)) confirm(object, k);
+      return;
+    }
+    object.status = Status::present;
+    const double probability = update_.observations[k].probability;
+    const auto tell = [&](EventKind kind) {
+      update_.events.push_back({kind, object.id, scene_.time, probability, place_before, object.place, before,
+                                observation.box, k});
+    };
+    if (status_before == Status::gone || was_hidden) tell(EventKind::reappeared);
+    if (status_before != Status::gone && explanation == Explanation::move) tell(EventKind::moved);
+    // Another side, a shadow or a finger changes the look of a video's frame: only what is seen anew counts.
+    if (explanation == Explanation::newview && !observation.partial &&
+        seconds_unseen >= options_.snapshot_gap_s)
+      tell(EventKind::looks_different);
+  }
+
+  /// A fresh start of position and size.
+  void put(ProtoObject& object, const Observation& observation) {
+    object.box = observation.box;
+    object.place = observation.place;
+    object.box.centre = pose_of(object.place, scene_.places).inverse() * observation.box.centre;
+    object.variance = observation_variance(observation, options_);
+    object.partial = observation.partial;
+  }
+
+  void fuse(size_t o, const Observation& observation) {
+    ProtoObject& object = state_.objects[o];
+    const AxisBox& box_now = expected_[o].box;
+    const double noise = observation_variance(observation, options_);
+    if (object.partial && !observation.partial) {
+      put(object, observation);
+      return;
+    }
+    if (observation.partial) {
+      if (!object.partial) return;  // a whole view is worth more than a part
+      AxisBox both = join(box_now, observation.box);
+      both.centre = pose_of(object.place, scene_.places).inverse() * both.centre;
+      object.box = both;
+      return;
+    }
+    const double variance = std::max(expected_[o].variance, 1e-12);
+    const double gain = variance / (variance + noise);
+    AxisBox fused;
+    fused.centre = box_now.centre + gain * (observation.box.centre - box_now.centre);
+    fused.size = box_now.size + gain * (observation.box.size - box_now.size);
+    object.box.size = fused.size;
+    object.box.centre = pose_of(object.place, scene_.places).inverse() * fused.centre;
+    // Errors of one view point repeat: the position never becomes much better than one look.
+    object.variance = std::max(variance * noise / (variance + noise), noise / 4);
+  }
+
+  /// Changes what the object stands on without moving it.
+  void set_place(ProtoObject& object, const std::string& place) {
+    if (object.place == place) return;
+    object.box.centre =
+        pose_of(place, scene_.places).inverse() * (pose_of(object.place, scene_.places) * object.box.centre);
+    object.place = place;
+  }
+
+  void remember_look(ProtoObject& object, const Observation& observation) {
+    if (observation.descriptors.empty()) return;
+    Look* nearest = nullptr;
+    double nearest_ratio = -1e9;
+    for (Look& look : object.looks) {
+      const double ratio =
+          compare(look.descriptors, observation.descriptors, look.partial || observation.partial, 1)
+              .log_ratio;
+      if (ratio > nearest_ratio) {
+        nearest_ratio = ratio;
+        nearest = &look;
+      }
+    }
+    const Look fresh{observation.descriptors, 1, scene_.time, observation.partial};
+    const double alike = 2.5;  // sum of log ratios from which two looks say the same
+    if (nearest != nullptr && nearest_ratio >= alike) {
+      nearest->weight += 1;
+      if (!nearest->partial && observation.partial) return;
+      nearest->descriptors = fresh.descriptors;
+      nearest->time = fresh.time;
+      nearest->partial = fresh.partial;
+    } else if (object.looks.size() < size_t(options_.views)) {
+      object.looks.push_back(fresh);
+    } else {
+      *std::min_element(object.looks.begin(), object.looks.end(),
+                        [](const Look& a, const Look& b) { return a.weight < b.weight; }) = fresh;
+    }
+  }
+
+  void mark_seen(ProtoObject& object, const Observation& observation) {
+    object.last_seen = scene_.time;
+    object.last_update = scene_.time;
+    object.map_from_camera = scene_.view.map_from_camera;
+    object.last_observation = observation.id;
+    ++object.sightings;
+  }
+
+  // An object was not seen.
+  void miss(size_t o) {
+    ProtoObject& object = state_.objects[o];
+    const Expectation& e = expected_[o];
+    const double empty = empty_share_in_hindsight(o);
+    const EmptinessEvidence evidence = emptiness(empty, seconds_, options_);
+    const double in_view = 1 - e.undetectable;
+    const double there = e.here * (e.undetectable + in_view * std::exp(evidence.if_there));
+    const double away = (1 - e.here) * (e.undetectable + in_view * std::exp(evidence.if_gone));
+    object.probability_here = there / std::max(1e-300, there + away);
+    object.last_update = scene_.time;
+    const double hidden = e.here * e.undetectable, missed = there - hidden;
+    const Explanation explanation = hidden >= missed && hidden >= away ? Explanation::hidden
+                                    : missed >= away                   ? Explanation::missed
+                                                                       : Explanation::disappear;
+    update_.objects[o].explanation = explanation;
+    if (object.status == Status::tentative) {
+      const double missed_if_object = 1 - options_.detection * in_view * (empty > 0.7 ? 1.1 : 1.0);
+      object.exists_log_odds +=
+          std::log(std::max(0.01, missed_if_object) / (1 - options_.repeat_clutter * in_view));
+      return;
+    }
+    if (object.status != Status::present) return;
+    if (1 - object.probability_here >= options_.gone) {
+      object.status = Status::gone;
+      object.told_hidden = false;
+      update_.events.push_back({EventKind::gone,
+                                object.id,
+                                scene_.time,
+                                1 - object.probability_here,
+                                object.place,
+                                {},
+                                e.box,
+                                std::nullopt,
+                                std::nullopt});
+      return;
+    }
+    note_hidden(object, e);
+  }
+
+  /// Of what was seen of the place, the share that speaks against the object: looked through, or taken by
+  /// something that turned out to be another object (unless that cluster swallowed both).
+  double empty_share_in_hindsight(size_t o) const {
+    const Expectation& e = expected_[o];
+    double taken = 0;
+    for (size_t k = 0; k < e.seen.share.size(); ++k) {
+      if (update_.observations[k].explanation == Explanation::clutter) continue;
+      const AxisBox& box = scene_.observations[k].box;
+      if (partner_of_observation_[k] && update_.observations[k].explanation != Explanation::move) {
+        const double grown =
+            box.volume() / std::max(1e-9, expected_[*partner_of_observation_[k]].box.volume());
+        if (grown > 1.4) continue;
+      }
+      taken += e.seen.share[k];
+    }
+    // In a video two things that touch often melt into one cluster for some frames.
+    if (!snapshot_) taken *= 0.3;
+    const double looked = e.seen.visibility.looked();
+    return looked > 0 ? std::min(1.0, (e.seen.visibility.seen_through + taken) / looked) : 0.0;
+  }
+
+  void note_hidden(ProtoObject& object, const Expectation& e) {
+    const Visibility& v = e.seen.visibility;
+    object.hidden_looks = v.hidden > 0.5 && v.hidden > v.out_of_view ? object.hidden_looks + 1 : 0;
+    const int looks_needed = snapshot_ ? 1 : 3;
+    if (object.hidden_looks < looks_needed || object.told_hidden) return;
+    object.told_hidden = true;
+    update_.events.push_back({EventKind::hidden, object.id, scene_.time, object.probability_here,
+                              object.place, object.place, e.box, e.box, std::nullopt});
+  }
+
+  // Something that is none of the believed objects.
+  void meet(size_t k) {
+    ObservationOutcome& outcome = update_.observations[k];
+    const Observation& observation = scene_.observations[k];
+    if (weights_.clutter[k] > weights_.appear[k]) {
+      outcome.explanation = Explanation::clutter;
+      outcome.probability = outcome.clutter;
+      return;
+    }
+    outcome.explanation = Explanation::appear;
+    outcome.probability = outcome.appear;
+    ProtoObject object;
+    object.key = state_.next_key++;
+    object.first_seen = scene_.time;
+    object.exists_log_odds = log_odds(options_.first_sight) - (observation.partial ? 0.5 : 0.0);
+    put(object, observation);
+    remember_look(object, observation);
+    mark_seen(object, observation);
+    object.observations.push_back(observation.id);
+    outcome.key = object.key;
+    state_.objects.push_back(std::move(object));
+    if (snapshot_) confirm(state_.objects.back(), k);
+  }
+
+  void confirm(ProtoObject& object, size_t k) {
+    object.status = Status::present;
+    object.id = state_.next_id++;
+    std::vector<int64_t> earlier = std::move(object.observations);
+    object.observations.clear();
+    earlier.pop_back();  // the present one is reported with its scene
+    const double exists = 1 / (1 + std::exp(-object.exists_log_odds));
+    update_.confirmed.push_back({object.id, object.key, std::move(earlier)});
+    update_.events.push_back({EventKind::appeared,
+                              object.id,
+                              object.first_seen,
+                              exists,
+                              {},
+                              object.place,
+                              std::nullopt,
+                              box_in_map(object, scene_.places),
+                              k});
+  }
+
+  void forget_clutter() {
+    const double least = -log_odds(options_.confirm);
+    std::erase_if(state_.objects, [&](const ProtoObject& object) {
+      return object.status == Status::tentative && object.exists_log_odds <= least;
+    });
+  }
+
+  void finish_outcomes() {
+    const auto id_of = [&](int64_t key) -> int64_t {
+      for (const ProtoObject& object : state_.objects)
+        if (object.key == key) return object.id;
+      return 0;
+    };
+    for (ObservationOutcome& outcome : update_.observations) {
+      outcome.object = id_of(outcome.key);
+      for (Share& share : outcome.shares) share.object = id_of(share.key);
+    }
+    for (ObjectOutcome& outcome : update_.objects) {
+      outcome.object = id_of(outcome.key);
+      for (const ProtoObject& object : state_.objects)
+        if (object.key == outcome.key) outcome.probability_here = object.probability_here;
+    }
+  }
+
+  BeliefState& state_;
+  const Scene& scene_;
+  const BeliefOptions& options_;
+  const bool snapshot_;
+  const double seconds_;
+  std::vector<Expectation> expected_;
+  IdentityWeights weights_;
+  IdentitySolution solution_;
+  std::vector<std::optional<size_t>> partner_of_object_, partner_of_observation_;
+  BeliefUpdate update_;
+};
+
+}  // namespace
+
+const char* event_name(EventKind kind) {
+  switch (kind) {
+    case EventKind::appeared:
+      return "appeared";
+    case EventKind::moved:
+      return "moved";
+    case EventKind::looks_different:
+      return "looks_different";
+    case EventKind::gone:
+      return "gone";
+    case EventKind::hidden:
+      return "hidden";
+    case EventKind::reappeared:
+      return "reappeared";
+  }
+  return "";
+}
+
+AxisBox box_in_map(const ProtoObject& object, const std::vector<PlacePose>& places) {
+  return {pose_of(object.place, places) * object.box.centre, object.box.size};
+}
+
+BeliefUpdate advance(BeliefState& state, const Scene& scene, const BeliefOptions& options) {
+  if (state.last_scene && scene.time < *state.last_scene)
+    throw Error(
+        "a scene at " + format_time(scene.time) + " comes after one at " + format_time(*state.last_scene), {},
+        "perceive recordings in the order of time");
+  return Step(state, scene, options).run();
+}
+
+}  // namespace loci::belief

@@ -1,0 +1,157 @@
+#include "memory/belief/evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "memory/belief/proximity.h"
+
+namespace loci::belief {
+namespace {
+
+constexpr double kLargestEvidence = 30;
+
+Eigen::Index index(size_t i) {
+  return static_cast<Eigen::Index>(i);
+}
+
+double seconds_between(TimeNs from, TimeNs to) {
+  return double(to - from) / double(kSecond);
+}
+
+/// Likeness to a bag of looks: the mixture of the looks, weighted by how often each was seen.
+Likeness compare_with_looks(const ProtoObject& object, const Observation& observation,
+                            const BeliefOptions& options) {
+  Likeness best;
+  std::vector<double> ratios;
+  double weights = 0, largest = -std::numeric_limits<double>::infinity();
+  for (const Look& look : object.looks) {
+    Likeness likeness = compare(look.descriptors, observation.descriptors,
+                                look.partial || observation.partial, options.appearance_weight);
+    if (likeness.parts.empty()) continue;
+    const double weight = 1 + std::log(look.weight);
+    ratios.push_back(likeness.log_ratio + std::log(weight));
+    weights += weight;
+    largest = std::max(largest, ratios.back());
+    if (best.parts.empty() || likeness.log_ratio > best.log_ratio) best = likeness;
+  }
+  if (ratios.empty()) return best;
+  double sum = 0;
+  for (const double ratio : ratios) sum += std::exp(ratio - largest);
+  best.log_ratio = largest + std::log(sum / weights);
+  return best;
+}
+
+}  // namespace
+
+double seconds_since_last_scene(const BeliefState& state, const Scene& scene) {
+  return state.last_scene ? seconds_between(*state.last_scene, scene.time)
+                          : std::numeric_limits<double>::infinity();
+}
+
+bool is_snapshot(const BeliefState& state, const Scene& scene, const BeliefOptions& options) {
+  const double before = seconds_since_last_scene(state, scene);
+  const double after = scene.seconds_to_next.value_or(std::numeric_limits<double>::infinity());
+  return std::min(before, after) >= options.snapshot_gap_s;
+}
+
+std::vector<Expectation> expect(const BeliefState& state, const Scene& scene, const BeliefOptions& options) {
+  std::vector<Expectation> expected;
+  for (const ProtoObject& object : state.objects) {
+    Expectation e;
+    e.box = box_in_map(object, scene.places);
+    e.variance = object.variance + view_change_variance(object.map_from_camera, scene.view.map_from_camera,
+                                                        e.box.size.maxCoeff(), options);
+    const double seconds = seconds_between(object.last_update, scene.time);
+    e.handled = options.move_cap * (1 - std::exp(-seconds / options.move_time_s));
+    e.here = object.probability_here * (1 - e.handled);
+    e.seen =
+        look_at_who(scene.view, e.box, std::sqrt(e.variance), scene.observations.size(), options.visibility);
+    e.undetectable = undetectable(e.seen.visibility);
+    expected.push_back(std::move(e));
+  }
+  return expected;
+}
+
+EmptinessEvidence emptiness(double empty_share, double seconds, const BeliefOptions& options) {
+  const double independence = std::clamp(seconds, 0.05, 1.0);
+  const double found_occupied_if_gone = 0.1;
+  return {independence * (empty_share * std::log(options.empty_if_there) + std::log(1 - options.detection)),
+          independence * (1 - empty_share) * std::log(found_occupied_if_gone)};
+}
+
+PairEvidence pair_evidence(const BeliefState& state, const std::vector<Expectation>& expected,
+                           const Scene& scene, const BeliefOptions& options) {
+  const Eigen::Index rows = index(state.objects.size()), columns = index(scene.observations.size());
+  PairEvidence evidence;
+  evidence.log_similar.setZero(rows, columns);
+  evidence.log_proximity.setZero(rows, columns);
+  evidence.closeness.setConstant(rows, columns, std::numeric_limits<double>::quiet_NaN());
+  for (const Comparison& comparison : comparisons())
+    evidence.distances.push_back({comparison.kind, evidence.closeness});
+  for (Eigen::Index o = 0; o < rows; ++o) {
+    const ProtoObject& object = state.objects[size_t(o)];
+    const Expectation& e = expected[size_t(o)];
+    for (Eigen::Index k = 0; k < columns; ++k) {
+      const Observation& observation = scene.observations[size_t(k)];
+      const Likeness likeness = compare_with_looks(object, observation, options);
+      evidence.log_similar(o, k) = std::clamp(likeness.log_ratio, -kLargestEvidence, kLargestEvidence);
+      if (likeness.closeness) evidence.closeness(o, k) = *likeness.closeness;
+      for (const Likeness::Part& part : likeness.parts)
+        for (PairEvidence::Distances& d : evidence.distances)
+          if (d.kind == part.kind) d.distance(o, k) = part.distance;
+      const double variance = e.variance + observation_variance(observation, options);
+      evidence.log_proximity(o, k) =
+          std::clamp(log_proximity(e.box, variance, object.partial, observation, options), -kLargestEvidence,
+                     kLargestEvidence);
+    }
+  }
+  std::erase_if(evidence.distances,
+                [](const PairEvidence::Distances& d) { return d.distance.array().isNaN().all(); });
+  return evidence;
+}
+
+LogOddsProblem identity_problem(const BeliefState& state, const std::vector<Expectation>& expected,
+                                const Scene& scene, const PairEvidence& evidence,
+                                const BeliefOptions& options) {
+  const size_t m = state.objects.size(), n = scene.observations.size();
+  const double seconds = std::min(1e9, seconds_since_last_scene(state, scene));
+  LogOddsProblem problem;
+  problem.log_similar = evidence.log_similar;
+  problem.log_proximity = evidence.log_proximity;
+  for (PairTable* table : {&problem.stay_prior, &problem.move_prior, &problem.newview_prior})
+    table->setZero(index(m), index(n));
+  for (size_t o = 0; o < m; ++o) {
+    const Expectation& e = expected[o];
+    const double before = state.objects[o].probability_here;
+    const EmptinessEvidence empty = emptiness(e.seen.visibility.empty_share(), seconds, options);
+    const double in_view = 1 - e.undetectable;
+    const double stays = std::max(1e-6, e.here) * options.detection;
+    // Half of what is handled is carried off, half is put down somewhere else.
+    const double moves = (before * e.handled / 2 + (1 - before) * options.reappear) * options.detection;
+    problem.stay_prior.row(index(o)).setConstant(std::log(stays * (1 - options.newview)));
+    problem.newview_prior.row(index(o)).setConstant(std::log(stays * options.newview));
+    problem.move_prior.row(index(o)).setConstant(
+        std::log(std::max(1e-9, moves * (e.undetectable + in_view * std::exp(empty.if_gone)))));
+    problem.out_of_view.push_back(e.undetectable);
+    problem.disappear_prior.push_back(std::log(std::max(1e-6, 1 - e.here)) + empty.if_gone);
+    problem.missed_prior.push_back(std::log(std::max(1e-6, e.here)) + empty.if_there);
+    problem.hidden_prior.push_back(0.0);
+  }
+  const bool snapshot = is_snapshot(state, scene, options);
+  for (const Observation& observation : scene.observations) {
+    // A piece of something that is already believed in: objects fall into parts, more often than a new one
+    // is put inside an old one.
+    double piece = 0;
+    for (size_t o = 0; o < m; ++o) {
+      const double inside =
+          shared_volume(expected[o].box, observation.box) / std::max(1e-9, observation.box.volume());
+      piece = std::max(piece, inside * expected[o].here);
+    }
+    problem.appear_prior.push_back(std::log(options.appear));
+    problem.clutter_prior.push_back(std::log(options.clutter + (snapshot ? 0.1 : 1.0) * piece));
+  }
+  return problem;
+}
+
+}  // namespace loci::belief

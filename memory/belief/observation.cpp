@@ -1,0 +1,16 @@
+#include "memory/belief/observation.h"
+
+namespace loci::belief {
+
+double shared_volume(const AxisBox& a, const AxisBox& b) {
+  const Vector3d overlap = a.high().cwiseMin(b.high()) - a.low().cwiseMax(b.low());
+  return (overlap.array() > 0).all() ? overlap.prod() : 0.0;
+}
+
+AxisBox join(const AxisBox& a, const AxisBox& b) {
+  const Vector3d low = a.low().cwiseMin(b.low());
+  const Vector3d high = a.high().cwiseMax(b.high());
+  return {(low + high) / 2, high - low};
+}
+
+}  // namespace loci::belief

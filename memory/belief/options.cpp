@@ -1,0 +1,49 @@
+#include "memory/belief/options.h"
+
+namespace loci::belief {
+
+void BeliefOptions::declare(OptionTable& table) {
+  table.number("noise_m", noise_m, "m",
+               "Scatter of a cluster's centre seen twice by a camera that stands still.", 1e-4, 1);
+  table.number("noise_per_m2", noise_per_m2, "1/m", "Growth of that scatter with the square of the distance.",
+               0, 1);
+  table.number("noise_per_size", noise_per_size, "",
+               "Scatter of the centre as a share of the cluster's size.", 0, 1);
+  table.number("pose_noise_m", pose_noise_m, "m",
+               "Error of the pose between two views of a camera that moved.", 0, 10);
+  table.number("view_bias", view_bias, "",
+               "Shift of the visible part's centre, as a share of its size, when the view point changed.", 0,
+               1);
+  table.number("area_m2", area_m2, "m^2", "Area over which an unrelated object could be anywhere.", 0.01,
+               1000);
+  table.number("move_time_s", move_time_s, "s",
+               "Time after which an object has been handled with most of its final probability.", 1, 1e9);
+  table.number("move_cap", move_cap, "",
+               "Probability that an object has been handled after a very long time.", 0.01, 0.99);
+  table.number("newview", newview, "", "Probability that an object that stays looks different.", 0, 1);
+  table.number("appear", appear, "", "New objects expected in a scene.", 0.001, 100);
+  table.number("reappear", reappear, "", "Probability that an object that was gone is back.", 0, 1);
+  table.number("detection", detection, "", "Probability that an object in full view is found.", 0.01, 0.999);
+  table.number("clutter", clutter, "", "False clusters expected in a scene.", 1e-6, 100);
+  table.number("repeat_clutter", repeat_clutter, "", "Probability that a false cluster is found again.",
+               0.001, 0.99);
+  table.number("empty_if_there", empty_if_there, "",
+               "Probability that the sensor sees through an object that is there (pose and depth errors).",
+               1e-6, 0.5);
+  table.number("appearance_weight", appearance_weight, "",
+               "Annotations of one object depend on each other: their evidence is multiplied by this.", 0.05,
+               1);
+  table.number(
+      "snapshot_gap_s", snapshot_gap_s, "s",
+      "Scenes farther apart than this cannot confirm each other: what they show is believed at once.", 0,
+      1e9);
+  table.number("confirm", confirm, "", "Probability of existing from which an object is reported.", 0.5,
+               0.9999);
+  table.number("first_sight", first_sight, "",
+               "Probability that a cluster seen once in a video is an object.", 0.01, 0.99);
+  table.number("gone", gone, "", "Probability of not being there from which an object is reported as gone.",
+               0.5, 0.9999);
+  table.integer("views", views, "", "Looks that are kept of each object for comparison.", 1, 100);
+}
+
+}  // namespace loci::belief

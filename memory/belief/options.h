@@ -1,0 +1,45 @@
+#pragma once
+
+#include "mapping/base/options.h"
+#include "memory/belief/visibility.h"
+
+namespace loci::belief {
+
+/// How the belief judges evidence. All that is a probability is one per object and look unless said
+/// otherwise.
+struct BeliefOptions {
+  // Where an observation's centre is, one standard deviation.
+  double noise_m = 0.002;
+  double noise_per_m2 = 0.001;
+  double noise_per_size = 0.01;
+  double pose_noise_m = 0.02;
+  double view_bias = 0.1;
+  double area_m2 = 1.0;
+
+  // What happens between looks.
+  double move_time_s = 3600;
+  double move_cap = 0.8;
+  double newview = 0.05;
+  double appear = 0.5;
+  double reappear = 0.05;
+
+  // What detectors do.
+  double detection = 0.9;
+  double clutter = 0.05;
+  double repeat_clutter = 0.3;
+  double empty_if_there = 0.003;
+  double appearance_weight = 0.8;
+
+  // What is told to others.
+  double snapshot_gap_s = 5;
+  double confirm = 0.95;
+  double first_sight = 0.7;
+  double gone = 0.8;
+  int views = 6;
+
+  VisibilityOptions visibility;
+
+  void declare(OptionTable& table);
+};
+
+}  // namespace loci::belief

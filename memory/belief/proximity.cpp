@@ -1,0 +1,61 @@
+#include "memory/belief/proximity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace loci::belief {
+namespace {
+
+double square(double x) {
+  return x * x;
+}
+
+/// How far `inner` sticks out of `outer` on each axis.
+Vector3d excess(const AxisBox& inner, const AxisBox& outer) {
+  return (inner.high() - outer.high()).cwiseMax(outer.low() - inner.low()).cwiseMax(0.0);
+}
+
+Vector3d gap(const AxisBox& a, const AxisBox& b) {
+  return (a.low() - b.high()).cwiseMax(b.low() - a.high()).cwiseMax(0.0);
+}
+
+/// Horizontally against a uniform density; vertically things stand on their place, so that height only speaks
+/// against.
+double gaussian_log_ratio(const Vector3d& offset, double variance, double spread, double area) {
+  const double horizontal = square(offset.x()) + square(offset.y());
+  const double vertical_variance = variance + square(0.01);
+  return std::log(area / (2 * std::numbers::pi * (variance + spread))) - horizontal / (2 * variance) -
+         square(offset.z()) / (2 * vertical_variance);
+}
+
+}  // namespace
+
+double observation_variance(const Observation& observation, const BeliefOptions& options) {
+  return square(options.noise_m) + square(options.noise_per_m2 * square(observation.range)) +
+         square(options.noise_per_size * observation.box.size.maxCoeff());
+}
+
+double view_change_variance(const Isometry3d& from, const Isometry3d& to, double size,
+                            const BeliefOptions& options) {
+  const Isometry3d change = from.inverse() * to;
+  const double motion = change.translation().norm() + Eigen::AngleAxisd(change.linear()).angle();
+  // Both grow to their full size within a few decimetres and tens of degrees.
+  return square(options.pose_noise_m * (1 - std::exp(-motion / 0.1))) +
+         square(options.view_bias * size * (1 - std::exp(-motion / 0.5)));
+}
+
+double log_proximity(const AxisBox& box, double variance, bool box_partial, const Observation& observation,
+                     const BeliefOptions& options) {
+  const double size = std::max(box.size.maxCoeff(), observation.box.size.maxCoeff());
+  const double spread =
+      square(size / 3);  // where within the other's box the visible part is, is anybody's guess
+  if (box_partial && observation.partial)
+    return gaussian_log_ratio(gap(box, observation.box), variance, spread, options.area_m2);
+  if (observation.partial)
+    return gaussian_log_ratio(excess(observation.box, box), variance, spread, options.area_m2);
+  if (box_partial) return gaussian_log_ratio(excess(box, observation.box), variance, spread, options.area_m2);
+  return gaussian_log_ratio(observation.box.centre - box.centre, variance, 0, options.area_m2);
+}
+
+}  // namespace loci::belief

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "memory/belief/options.h"
+#include "memory/belief/state.h"
+
+namespace loci::belief {
+
+/// Variance per axis (m²) of an observation's centre when the camera stands still.
+double observation_variance(const Observation& observation, const BeliefOptions& options);
+
+/// Variance (m²) that a change of view point adds: error of the pose between the views, and another side of
+/// an object of this size being visible.
+double view_change_variance(const Isometry3d& from, const Isometry3d& to, double size,
+                            const BeliefOptions& options);
+
+/// Log-likelihood ratio of the observation's position: "the object is still at `box`" against "anywhere on a
+/// place". Centres are compared where both are whole; what is cut off only has to lie within the other's box.
+double log_proximity(const AxisBox& box, double variance, bool box_partial, const Observation& observation,
+                     const BeliefOptions& options);
+
+}  // namespace loci::belief

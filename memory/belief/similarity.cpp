@@ -1,0 +1,105 @@
+#include "memory/belief/similarity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace loci::belief {
+
+double gaussian_closeness(double distance, double sigma) {
+  return std::exp(-(distance / sigma) * (distance / sigma));
+}
+
+double linear_closeness(double distance) {
+  return 2.0 / (1.0 + std::exp(distance));
+}
+
+double histogram_distance(const std::vector<float>& a, const std::vector<float>& b) {
+  const double sum_a = std::accumulate(a.begin(), a.end(), 0.0);
+  const double sum_b = std::accumulate(b.begin(), b.end(), 0.0);
+  if (!(sum_a > 0) || !(sum_b > 0)) return 1.0;
+  double overlap = 0;
+  for (size_t i = 0; i < a.size(); ++i) overlap += std::sqrt(std::max(0.0, double(a[i]) * double(b[i])));
+  return std::sqrt(std::max(0.0, 1.0 - overlap / std::sqrt(sum_a * sum_b)));
+}
+
+double euclidean_distance(const std::vector<float>& a, const std::vector<float>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += (double(a[i]) - b[i]) * (double(a[i]) - b[i]);
+  return a.empty() ? 0.0 : std::sqrt(sum / double(a.size()));
+}
+
+double extent_distance(const std::vector<float>& a, const std::vector<float>& b) {
+  std::vector<float> x = a, y = b;
+  std::sort(x.begin(), x.end());
+  std::sort(y.begin(), y.end());
+  double sum = 0;
+  for (size_t i = 0; i < x.size(); ++i) {
+    // A centimetre is added so that the thickness of flat things, mostly noise, does not dominate.
+    const double ratio = std::log((double(x[i]) + 0.01) / (double(y[i]) + 0.01));
+    sum += ratio * ratio;
+  }
+  return x.empty() ? 0.0 : std::sqrt(sum / double(x.size()));
+}
+
+const std::vector<Comparison>& comparisons() {
+  // Log ratios were read off distances between labelled views of the same and of different objects, then
+  // flattened: other kitchens have other objects, so no single annotation may decide alone.
+  static const std::vector<Comparison> all = {
+      {"color_histogram",
+       histogram_distance,
+       {{0.0, 2.5}, {0.2, 2.0}, {0.35, 1.0}, {0.5, 0.0}, {0.7, -2.0}, {0.9, -4.0}, {1.0, -5.0}},
+       0.5,
+       false},
+      {"mean_color",
+       euclidean_distance,
+       {{0.0, 1.8}, {0.05, 1.3}, {0.12, 0.0}, {0.25, -2.5}, {0.5, -6.0}},
+       0.25,
+       false},
+      {"extents",
+       extent_distance,
+       {{0.0, 1.8}, {0.1, 1.3}, {0.25, 0.0}, {0.5, -2.0}, {1.0, -4.5}},
+       0.4,
+       true},
+  };
+  return all;
+}
+
+const Comparison* find_comparison(const std::string& kind) {
+  for (const Comparison& comparison : comparisons())
+    if (comparison.kind == kind) return &comparison;
+  return nullptr;
+}
+
+double log_ratio(const Comparison& comparison, double distance) {
+  const auto& table = comparison.table;
+  if (distance <= table.front().distance) return table.front().log_ratio;
+  for (size_t i = 1; i < table.size(); ++i) {
+    if (distance > table[i].distance) continue;
+    const double t = (distance - table[i - 1].distance) / (table[i].distance - table[i - 1].distance);
+    return table[i - 1].log_ratio + t * (table[i].log_ratio - table[i - 1].log_ratio);
+  }
+  return table.back().log_ratio;
+}
+
+Likeness compare(const std::vector<Descriptor>& a, const std::vector<Descriptor>& b, bool partial,
+                 double weight) {
+  Likeness likeness;
+  double log_closeness = 0;
+  for (const Comparison& comparison : comparisons()) {
+    const auto of_kind = [&](const Descriptor& d) { return d.kind == comparison.kind; };
+    const auto in_a = std::find_if(a.begin(), a.end(), of_kind);
+    const auto in_b = std::find_if(b.begin(), b.end(), of_kind);
+    if (in_a == a.end() || in_b == b.end() || in_a->values.size() != in_b->values.size()) continue;
+    if (partial && comparison.whole_only) continue;
+    const double distance = comparison.distance(in_a->values, in_b->values);
+    if (!std::isfinite(distance)) continue;
+    likeness.parts.push_back({comparison.kind, distance, log_ratio(comparison, distance)});
+    likeness.log_ratio += weight * likeness.parts.back().log_ratio;
+    log_closeness += std::log(std::max(1e-12, gaussian_closeness(distance, comparison.sigma)));
+  }
+  if (!likeness.parts.empty()) likeness.closeness = std::exp(log_closeness / double(likeness.parts.size()));
+  return likeness;
+}
+
+}  // namespace loci::belief

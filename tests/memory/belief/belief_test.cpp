@@ -1,0 +1,259 @@
+#include "memory/belief/belief.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/memory/belief/synthetic_scene.h"
+
+namespace loci::belief {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::UnorderedElementsAre;
+
+const std::vector<float> kRed = {0.8F, 0.2F, 0.2F}, kBlue = {0.2F, 0.2F, 0.8F}, kWhite = {0.9F, 0.9F, 0.9F};
+Vector3d at(double x, double y) {
+  return SyntheticKitchen::on_table(x, y);
+}
+
+class Belief : public ::testing::Test {
+ protected:
+  BeliefUpdate look(double seconds, std::optional<double> to_next = {}) {
+    return advance(state, kitchen.scene(seconds, to_next));
+  }
+  /// A video of `frames` frames at 30 Hz from `seconds` on; all that was told.
+  std::vector<std::string> watch(double seconds, int frames) {
+    std::vector<std::string> all;
+    for (int i = 0; i < frames; ++i)
+      for (const std::string& text : told(look(seconds + i / 30.0, 1 / 30.0))) all.push_back(text);
+    return all;
+  }
+
+  SyntheticKitchen kitchen;
+  BeliefState state;
+};
+
+TEST_F(Belief, SnapshotIsBelievedAtOnce) {
+  kitchen.things = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
+  EXPECT_THAT(told(look(0)), ElementsAre("appeared 1", "appeared 2"));
+  EXPECT_THAT(told(look(60)), IsEmpty());
+}
+
+TEST_F(Belief, ThingThatWasMovedKeepsItsIdentity) {
+  kitchen.things = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
+  look(0);
+  kitchen.thing("mug").centre = at(-0.3, 0.1);
+  const BeliefUpdate update = look(600);
+  EXPECT_THAT(told(update), ElementsAre("moved 1"));
+  EXPECT_NEAR(update.events[0].from->centre.x(), 0, 1e-6);
+  EXPECT_NEAR(update.events[0].to->centre.x(), -0.3, 1e-6);
+}
+
+TEST_F(Belief, SmallShiftIsAMoveForACameraThatStandsStill) {
+  kitchen.things = {{"mug", at(0, 0)}};
+  look(0);
+  kitchen.thing("mug").centre = at(0.03, 0);
+  EXPECT_THAT(told(look(60)), ElementsAre("moved 1"));
+  kitchen.thing("mug").centre = at(0.033, 0);
+  EXPECT_THAT(told(look(120)), IsEmpty()) << "three millimetres are noise";
+}
+
+TEST_F(Belief, ShiftWithinThePoseErrorIsNoMoveForACameraThatMoved) {
+  kitchen.things = {{"mug", at(0, 0)}};
+  look(0);
+  kitchen.thing("mug").centre = at(0.03, 0);
+  kitchen.map_from_camera = SyntheticKitchen::look_from({0.6, -0.8, 1.4}, {0, 0, 0.72});
+  EXPECT_THAT(told(look(60)), IsEmpty());
+}
+
+TEST_F(Belief, SwappedEqualCupsCannotBeToldFromCupsThatStayed) {
+  kitchen.things = {{"cup_1", at(-0.2, 0), {0.08, 0.08, 0.1}, kWhite},
+                    {"cup_2", at(0.2, 0), {0.08, 0.08, 0.1}, kWhite}};
+  look(0);
+  std::swap(kitchen.thing("cup_1").centre, kitchen.thing("cup_2").centre);
+  EXPECT_THAT(told(look(60)), IsEmpty());
+}
+
+TEST_F(Belief, TwoEqualCupsThatBothMovedAreAmbiguous) {
+  kitchen.things = {{"cup_1", at(-0.2, 0.1), {0.08, 0.08, 0.1}, kWhite},
+                    {"cup_2", at(0.2, 0.1), {0.08, 0.08, 0.1}, kWhite}};
+  look(0);
+  kitchen.thing("cup_1").centre = at(-0.1, -0.1);
+  kitchen.thing("cup_2").centre = at(0.1, -0.1);
+  const BeliefUpdate update = look(600);
+  EXPECT_THAT(told(update), UnorderedElementsAre("moved 1", "moved 2"));
+  for (const ObservationOutcome& outcome : update.observations) {
+    ASSERT_GE(outcome.shares.size(), 2U);
+    EXPECT_NEAR(outcome.shares[0].probability(), outcome.shares[1].probability(), 0.1);
+    EXPECT_GT(outcome.shares[0].probability(), 0.3);
+  }
+}
+
+TEST_F(Belief, LookedForAndNotThereIsGone) {
+  kitchen.things = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
+  look(0);
+  kitchen.things.erase(kitchen.things.begin());
+  EXPECT_THAT(told(look(300)), ElementsAre("gone 1"));
+  EXPECT_EQ(state.find(1)->status, Status::gone);
+  EXPECT_THAT(told(look(600)), IsEmpty()) << "said once";
+}
+
+TEST_F(Belief, HiddenThingStaysAndIsTheSameWhenSeenAgain) {
+  kitchen.things = {{"mug", at(0, 0.1)}};
+  look(0);
+  kitchen.things.push_back({"carton", SyntheticKitchen::on_table(0, -0.1, 0.3), {0.3, 0.1, 0.3}, kBlue});
+  EXPECT_THAT(told(look(300)), ElementsAre("hidden 1", "appeared 2"));
+  EXPECT_GT(state.find(1)->probability_here, 0.8);
+  EXPECT_THAT(told(look(600)), IsEmpty());
+  kitchen.things.pop_back();
+  EXPECT_THAT(told(look(900)), ElementsAre("reappeared 1", "gone 2"));
+}
+
+TEST_F(Belief, OutOfViewIsNotGone) {
+  kitchen.things = {{"mug", at(0, 0)}};
+  look(0);
+  const Isometry3d before = kitchen.map_from_camera;
+  kitchen.map_from_camera = SyntheticKitchen::look_from({3, -1, 1.4}, {3, 0, 0.72});
+  EXPECT_THAT(told(look(300)), IsEmpty());
+  EXPECT_EQ(state.find(1)->status, Status::present);
+  kitchen.map_from_camera = before;
+  EXPECT_THAT(told(look(600)), IsEmpty());
+  EXPECT_EQ(state.find(1)->last_seen, 600 * kSecond);
+}
+
+TEST_F(Belief, GoneThingThatComesBackIsRecognised) {
+  kitchen.things = {{"mug", at(0, 0)}};
+  look(0);
+  const Thing mug = kitchen.things[0];
+  kitchen.things.clear();
+  EXPECT_THAT(told(look(300)), ElementsAre("gone 1"));
+  kitchen.things = {mug};
+  kitchen.things[0].centre = at(0.3, 0.1);
+  EXPECT_THAT(told(look(600)), ElementsAre("reappeared 1"));
+}
+
+TEST_F(Belief, SomethingElseInItsPlaceLooksDifferent) {
+  kitchen.things = {{"mug", at(0, 0)}};
+  look(0);
+  kitchen.things[0].color = kBlue;
+  EXPECT_THAT(told(look(300)), ElementsAre("looks_different 1"));
+}
+
+TEST_F(Belief, MissedDetectionChangesNothing) {
+  kitchen.things = {{"mug", at(0, 0)}};
+  look(0);
+  kitchen.things[0].detected = false;
+  EXPECT_THAT(told(look(60)), IsEmpty());
+  EXPECT_EQ(state.find(1)->status, Status::present);
+  EXPECT_GT(state.find(1)->probability_here, 0.5);
+  kitchen.things[0].detected = true;
+  EXPECT_THAT(told(look(120)), IsEmpty());
+}
+
+TEST_F(Belief, PhantomOfOneFrameOfAVideoIsNeverTold) {
+  kitchen.things = {{"mug", at(0, 0)}};
+  EXPECT_THAT(watch(0, 10), ElementsAre("appeared 1"));
+  kitchen.things.push_back({"phantom", at(0.3, 0.1), {0.03, 0.03, 0.03}, kBlue});
+  EXPECT_THAT(watch(0.34, 1), IsEmpty());
+  kitchen.things.pop_back();
+  EXPECT_THAT(watch(0.38, 20), IsEmpty());
+  EXPECT_EQ(state.objects.size(), 1U) << "forgotten";
+}
+
+TEST_F(Belief, ConfirmedThingBringsItsEarlierObservationsAlong) {
+  kitchen.things = {{"mug", at(0, 0)}};
+  std::vector<int64_t> earlier;
+  for (int i = 0; i < 10; ++i)
+    for (const Confirmed& confirmed : look(i / 30.0, 1 / 30.0).confirmed) earlier = confirmed.observations;
+  EXPECT_THAT(earlier, ElementsAre(1, 2));
+}
+
+TEST_F(Belief, ThingTakenAwayDuringAVideoIsGoneAfterASecondOrTwo) {
+  kitchen.things = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
+  watch(0, 30);
+  kitchen.things.erase(kitchen.things.begin());
+  EXPECT_THAT(watch(1.0, 3), IsEmpty());
+  EXPECT_THAT(watch(1.1, 90), ElementsAre("gone 1"));
+}
+
+TEST_F(Belief, PartialViewAtTheBorderIsTheSameThing) {
+  kitchen.things = {{"tub", at(0, 0), {0.3, 0.2, 0.1}, kRed}};
+  watch(0, 10);
+  // The camera turns away until only a piece is left in view.
+  for (int i = 0; i <= 40; ++i) {
+    kitchen.map_from_camera = SyntheticKitchen::look_from({0, -1, 1.4}, {i * 0.02, 0, 0.72});
+    Scene scene = kitchen.scene(1 + i / 30.0, 1 / 30.0);
+    for (Observation& observation : scene.observations) {
+      if (!observation.partial) continue;
+      const double left = -0.15 + 0.004 * i;  // the visible piece shrinks
+      observation.box.size.x() = 0.15 - left;
+      observation.box.centre.x() = (0.15 + left) / 2;
+    }
+    EXPECT_THAT(told(advance(state, scene)), IsEmpty());
+  }
+  EXPECT_EQ(state.objects.size(), 1U);
+  EXPECT_NEAR(state.find(1)->box.size.x(), 0.3, 0.01) << "pieces do not shrink what was seen whole";
+}
+
+TEST_F(Belief, WhatLiesInADrawerMovesWithIt) {
+  const auto drawer = [](double open) {
+    PlacePose pose{"drawer_1_bottom", Isometry3d::Identity()};
+    pose.map_from_place.translation() = Vector3d(0, -open, 0.7);
+    return pose;
+  };
+  kitchen.things = {{"spoon", at(0, 0)}};
+  Scene open = kitchen.scene(0);
+  open.observations[0].place = "drawer_1_bottom";
+  open.places = {drawer(0.3)};
+  advance(state, open);
+
+  kitchen.things[0].centre += Vector3d(0, 0.3, 0);
+  Scene closed = kitchen.scene(600);
+  closed.observations.clear();
+  closed.places = {drawer(0)};
+  closed.view.map_depth = cv::Mat(closed.view.depth.size(), CV_32F, cv::Scalar(0.6));
+  EXPECT_THAT(told(advance(state, closed)), ElementsAre("hidden 1"));
+
+  kitchen.things[0].centre -= Vector3d(0, 0.1, 0);
+  Scene half_open = kitchen.scene(1200);
+  half_open.observations[0].place = "drawer_1_bottom";
+  half_open.places = {drawer(0.1)};
+  EXPECT_THAT(told(advance(state, half_open)), ElementsAre("reappeared 1"));
+  EXPECT_NEAR(box_in_map(*state.find(1), half_open.places).centre.y(), 0.2, 0.005);
+}
+
+TEST_F(Belief, DistributionsSumToOne) {
+  kitchen.things = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
+  look(0);
+  kitchen.things[0].centre = at(-0.3, 0.1);
+  kitchen.things[1].color = kRed;
+  const BeliefUpdate update = look(600);
+  for (const ObservationOutcome& o : update.observations) {
+    double sum = o.appear + o.clutter;
+    for (const Share& share : o.shares) sum += share.probability();
+    EXPECT_NEAR(sum, 1, 0.01);
+  }
+  for (const ObjectOutcome& o : update.objects)
+    EXPECT_NEAR(o.matched + o.disappear + o.missed + o.hidden, 1, 1e-9);
+}
+
+TEST_F(Belief, GoesOnFromItsBytesAsIfNothingHadHappened) {
+  kitchen.things = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
+  watch(0, 7);
+  BeliefState copy = belief_state_from_bytes(to_bytes(state));
+  kitchen.things[0].centre = at(0.011, 0.003);
+  for (int i = 0; i < 5; ++i) {
+    const Scene scene = kitchen.scene(10 + i, 1);
+    advance(state, scene);
+    advance(copy, scene);
+  }
+  EXPECT_EQ(to_bytes(state), to_bytes(copy));
+}
+
+TEST_F(Belief, RefusesToGoBackInTime) {
+  look(10);
+  EXPECT_THROW(look(9), Error);
+}
+
+}  // namespace
+}  // namespace loci::belief

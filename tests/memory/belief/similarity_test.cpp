@@ -1,0 +1,64 @@
+#include "memory/belief/similarity.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace loci::belief {
+namespace {
+
+TEST(Similarity, ClosenessFunctionsAreOneAtZeroAndFall) {
+  EXPECT_DOUBLE_EQ(gaussian_closeness(0), 1);
+  EXPECT_NEAR(gaussian_closeness(0.25), std::exp(-1.0), 1e-12);
+  EXPECT_DOUBLE_EQ(linear_closeness(0), 1);
+  EXPECT_NEAR((linear_closeness(1e-6) - 1) / 1e-6, -0.5, 1e-5);
+  EXPECT_LT(linear_closeness(10), 1e-3);
+}
+
+TEST(Similarity, DistancesAreZeroForEqualsSymmetricAndLargestForStrangers) {
+  const std::vector<float> a = {4, 1, 0, 0}, b = {0, 0, 2, 2}, c = {1, 1, 1, 1};
+  EXPECT_NEAR(histogram_distance(a, a), 0, 1e-7);
+  EXPECT_DOUBLE_EQ(histogram_distance(a, b), 1);
+  EXPECT_DOUBLE_EQ(histogram_distance(a, c), histogram_distance(c, a));
+  EXPECT_NEAR(histogram_distance(a, {8, 2, 0, 0}), 0, 1e-7) << "the number of pixels does not matter";
+  EXPECT_DOUBLE_EQ(extent_distance({0.1F, 0.2F, 0.3F}, {0.3F, 0.1F, 0.2F}), 0)
+      << "a turned box has the same extents";
+}
+
+TEST(Similarity, EveryComparisonFallsFromEvidenceForToEvidenceAgainst) {
+  for (const Comparison& comparison : comparisons()) {
+    EXPECT_GT(comparison.table.front().log_ratio, 0) << comparison.kind;
+    EXPECT_LT(comparison.table.back().log_ratio, 0) << comparison.kind;
+    for (size_t i = 1; i < comparison.table.size(); ++i) {
+      EXPECT_GT(comparison.table[i].distance, comparison.table[i - 1].distance);
+      EXPECT_LT(comparison.table[i].log_ratio, comparison.table[i - 1].log_ratio);
+    }
+    EXPECT_DOUBLE_EQ(log_ratio(comparison, -1), comparison.table.front().log_ratio);
+    EXPECT_DOUBLE_EQ(log_ratio(comparison, 99), comparison.table.back().log_ratio);
+  }
+}
+
+TEST(Similarity, MissingEvidenceIsMissing) {
+  const Likeness none = compare({{"mean_color", {1, 0, 0}}}, {{"extents", {1, 1, 1}}}, false, 1);
+  EXPECT_TRUE(none.parts.empty());
+  EXPECT_DOUBLE_EQ(none.log_ratio, 0);
+  EXPECT_FALSE(none.closeness);
+  const Likeness unknown = compare({{"smell", {1}}}, {{"smell", {1}}}, false, 1);
+  EXPECT_TRUE(unknown.parts.empty());
+}
+
+TEST(Similarity, SizeOfACutOffViewIsNoEvidence) {
+  const std::vector<Descriptor> whole = {{"extents", {0.1F, 0.1F, 0.1F}}},
+                                part = {{"extents", {0.1F, 0.02F, 0.1F}}};
+  EXPECT_LT(compare(whole, part, false, 1).log_ratio, 0);
+  EXPECT_DOUBLE_EQ(compare(whole, part, true, 1).log_ratio, 0);
+}
+
+TEST(Similarity, BaselineIsTheGeometricMeanOfCloseness) {
+  const std::vector<Descriptor> a = {{"mean_color", {0, 0, 0}}, {"extents", {0.1F, 0.1F, 0.1F}}};
+  const std::vector<Descriptor> b = {{"mean_color", {0.1F, 0.1F, 0.1F}}, {"extents", {0.1F, 0.1F, 0.1F}}};
+  EXPECT_NEAR(*compare(a, b, false, 1).closeness, std::sqrt(gaussian_closeness(0.1) * 1.0), 1e-6);
+}
+
+}  // namespace
+}  // namespace loci::belief
