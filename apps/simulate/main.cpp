@@ -1,8 +1,8 @@
-#include "apps/cli/program.h"
+#include "apps/simulate/commands.h"
 
 int main(int argc, char** argv) {
   loci::Program program("loci-simulate", "Makes worlds and recordings with ground truth.");
-  program.add_planned("record", "Plays a scenario and renders it");
+  program.add(loci::record_command());
   program.add_planned("scan", "Scans a world with a simulated laser");
   return program.run(argc, argv);
 }

@@ -6,6 +6,7 @@
 
 #include "mapping/base/files.h"
 #include "mapping/recording/loci_layout.h"
+#include "mapping/sensor/kinect.h"
 
 namespace loci {
 namespace {
@@ -76,13 +77,6 @@ fs::path beside_or_above(const fs::path& folder, const char* name) {
   return {};
 }
 
-RgbdCamera kinect() {
-  RgbdCamera camera;
-  camera.color.fx = camera.color.fy = 528;
-  camera.depth_from_color.translation().x() = 0.022;
-  return camera;
-}
-
 void read_cameras(const fs::path& path, FileRecordingContent& content) {
   const Config config = Config::read(path);
   const Config depth = config.map("depth");
@@ -131,7 +125,7 @@ FileRecordingContent read_seven_scenes(const fs::path& folder) {
   if (const fs::path cameras = beside_or_above(folder, "cameras.yaml"); !cameras.empty()) {
     read_cameras(cameras, content);
   } else {
-    content.info.camera = kinect();
+    content.info.camera = kinect_camera();
     content.info.guesses.emplace_back("no cameras.yaml: the cameras of a Kinect v1 are assumed");
   }
   Isometry3d map_from_world = Isometry3d::Identity();

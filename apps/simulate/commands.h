@@ -1,0 +1,9 @@
+#pragma once
+
+#include "apps/cli/program.h"
+
+namespace loci {
+
+Command record_command();
+
+}  // namespace loci

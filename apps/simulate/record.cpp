@@ -1,0 +1,30 @@
+#include "mapping/simulation/record.h"
+
+#include "apps/simulate/commands.h"
+
+namespace loci {
+
+Command record_command() {
+  return {"record",
+          "Plays a scenario and renders it",
+          {"loci-simulate record apps/samples/day.yaml -o /tmp/day",
+           "loci-simulate record apps/samples/tour.yaml -o /tmp/tour --seed 7 --noise none"},
+          [](CLI::App& app) {
+            struct Arguments {
+              std::string scenario, output;
+              RecordOptions options;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("SCENARIO", arguments->scenario, "Scenario (YAML)")->required();
+            app.add_option("-o,--output", arguments->output, "Folder of the recording")->required();
+            add_options(app, table_of(arguments->options));
+            return [arguments](Session& session) {
+              arguments->options.threads = session.flags().threads;
+              const RecordResult result = record(read_scenario(arguments->scenario), arguments->output,
+                                                 arguments->options, session.progress(), session.warnings());
+              session.answer(result.summary(), result.report());
+            };
+          }};
+}
+
+}  // namespace loci

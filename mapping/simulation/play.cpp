@@ -1,0 +1,174 @@
+#include "mapping/simulation/play.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace loci {
+namespace {
+
+/// Bounds of an object's mesh after a turn.
+Eigen::AlignedBox3d turned_bounds(const ObjectModel& model, const Eigen::Matrix3d& turn) {
+  Eigen::AlignedBox3d bounds;
+  for (const auto& vertex : model.mesh.vertices) bounds.extend(Vector3d(turn * vertex.cast<double>()));
+  return bounds;
+}
+
+}  // namespace
+
+ScenarioPlay::ScenarioPlay(const Scenario& scenario, const World& world, const MeshSearch& search)
+    : scenario_(scenario), world_(world), search_(search) {
+  for (const auto& [name, spec] : scenario.objects) {
+    if (world.find_link(name) != nullptr)
+      throw Error("the object '" + name + "' has the name of a link of the world",
+                  {scenario.file.string(), 0, {}});
+    models_[name] = build_object(spec);
+  }
+  WorldState state;
+  for (const SceneSpec& scene : scenario.scenes) {
+    for (const Action& action : scene.actions) apply(action, state);
+    states_.push_back(state);
+  }
+}
+
+void ScenarioPlay::apply(const Action& action, WorldState& state) {
+  if (action.kind == Action::Kind::open) return move_joint(action, state);
+  if (action.kind == Action::Kind::place) return place_object(action, state);
+  const auto object = state.objects.find(action.subject);
+  if (object == state.objects.end())
+    throw Error("'" + action.subject + "' is not there", action.place, "place it before");
+  if (action.kind == Action::Kind::remove) {
+    for (const auto& [name, other] : state.objects)
+      if (other.support == action.subject)
+        throw Error(fmt::format("'{}' stands on '{}'", name, action.subject), action.place,
+                    "move it away first");
+    state.objects.erase(object);
+  } else if (action.kind == Action::Kind::turn) {
+    object->second.support_from_object.rotate(Eigen::AngleAxisd(*action.yaw, Vector3d::UnitZ()));
+  } else {
+    if (action.color) object->second.color = *action.color;
+    if (action.accent || action.color) object->second.accent = action.accent;
+  }
+}
+
+void ScenarioPlay::place_object(const Action& action, WorldState& state) {
+  const auto before = state.objects.find(action.subject);
+  std::string support = before != state.objects.end() ? before->second.support : "";
+  if (!action.support.empty()) support = resolve_support(action, state);
+  if (support.empty()) throw Error("it is not said where", action.place, "give 'on' or 'in'");
+  ObjectState object;
+  const ObjectSpec& spec = scenario_.objects.at(action.subject);
+  object.color = before != state.objects.end() ? before->second.color : spec.color;
+  object.accent = before != state.objects.end() ? before->second.accent : spec.accent;
+  object.support = support;
+  object.support_from_object = placed(action, support, state);
+  state.objects[action.subject] = object;
+}
+
+Isometry3d ScenarioPlay::placed(const Action& action, const std::string& support, const WorldState& state) {
+  SupportTop top;
+  if (const auto other = models_.find(support); other != models_.end()) {
+    const ObjectModel& model = other->second;
+    const Eigen::Matrix3d turn = state.objects.at(support).support_from_object.linear();
+    const bool upright = turn(2, 2) > 0.99;
+    top.centre.z() = upright ? model.top : 0;
+    top.half = (model.high - model.low).head<2>() / 2;
+    if (!upright) throw Error("'" + support + "' lies on its side, nothing stands on it", action.place);
+  } else {
+    top = top_of_link(support);
+  }
+  const Vector2d at = action.at.value_or(Vector2d::Zero());
+  if (std::abs(at.x()) > top.half.x() || std::abs(at.y()) > top.half.y())
+    throw Error(
+        fmt::format("[{}, {}] is beside '{}'", at.x(), at.y(), support), action.place,
+        fmt::format("its top reaches {:.2f} and {:.2f} m from its middle", top.half.x(), top.half.y()));
+  Isometry3d pose = Isometry3d::Identity();
+  pose.rotate(Eigen::AngleAxisd(action.yaw.value_or(0), Vector3d::UnitZ()));
+  if (action.lying) pose.rotate(Eigen::AngleAxisd(std::numbers::pi / 2, Vector3d::UnitX()));
+  const Eigen::AlignedBox3d bounds = turned_bounds(models_.at(action.subject), pose.linear());
+  pose.translation() = top.centre + Vector3d(at.x(), at.y(), -bounds.min().z());
+  if (action.lying) pose.translation().head<2>() -= bounds.center().head<2>();
+  return pose;
+}
+
+SupportTop ScenarioPlay::top_of_link(const std::string& link) {
+  if (const auto known = tops_.find(link); known != tops_.end()) return known->second;
+  Eigen::AlignedBox3d bounds;
+  Warnings warnings;  // The renderer names missing meshes.
+  for (const Visual& visual : world_.find_link(link)->visuals) {
+    const TriangleMesh mesh = triangulate(visual.geometry, search_, warnings);
+    for (const auto& vertex : mesh.vertices)
+      bounds.extend(Vector3d(visual.link_from_visual * vertex.cast<double>()));
+  }
+  if (bounds.isEmpty())
+    throw Error("the link '" + link + "' has no shape to stand on", {scenario_.file.string(), 0, {}});
+  SupportTop top;
+  top.centre << bounds.center().head<2>(), bounds.max().z();
+  top.half = bounds.sizes().head<2>() / 2;
+  tops_[link] = top;
+  return top;
+}
+
+std::string ScenarioPlay::resolve_support(const Action& action, const WorldState& state) const {
+  const std::string& name = action.support;
+  if (action.inside && world_.find_link(name + "_bottom") != nullptr) return name + "_bottom";
+  if (!action.inside && models_.contains(name)) {
+    if (!state.objects.contains(name))
+      throw Error("'" + name + "' is not there", action.place, "place it before");
+    for (std::string below = name; models_.contains(below); below = state.objects.at(below).support)
+      if (below == action.subject)
+        throw Error(fmt::format("'{}' cannot stand on itself", action.subject), action.place);
+    return name;
+  }
+  if (world_.find_link(name) != nullptr) return name;
+  std::vector<std::string> candidates;
+  for (const Link& link : world_.links) candidates.push_back(link.name);
+  for (const auto& [object, model] : models_) candidates.push_back(object);
+  throw Error(fmt::format("unknown link '{}'", name), action.place, did_you_mean(name, candidates));
+}
+
+std::string ScenarioPlay::resolve_joint(const Action& action) const {
+  for (const char* suffix : {"", "_joint", "_front_joint"}) {
+    const Joint* joint = world_.find_joint(action.subject + suffix);
+    if (joint != nullptr && joint->type != JointType::fixed) return joint->name;
+  }
+  std::vector<std::string> candidates;
+  for (const Joint& joint : world_.joints) {
+    if (joint.type == JointType::fixed) continue;
+    candidates.push_back(joint.name);
+    candidates.push_back(joint.child);
+    if (joint.child.ends_with("_front")) candidates.push_back(joint.child.substr(0, joint.child.size() - 6));
+  }
+  throw Error(fmt::format("'{}' does not open", action.subject), action.place,
+              did_you_mean(action.subject, candidates));
+}
+
+void ScenarioPlay::move_joint(const Action& action, WorldState& state) const {
+  const std::string name = resolve_joint(action);
+  const Joint& joint = *world_.find_joint(name);
+  if (joint.limits && joint.type != JointType::continuous &&
+      (action.position < joint.limits->lower - 1e-9 || action.position > joint.limits->upper + 1e-9))
+    throw Error(fmt::format("'{}' moves from {} to {}, not to {}", name, joint.limits->lower,
+                            joint.limits->upper, action.position),
+                action.place);
+  state.joints[name] = action.position;
+}
+
+std::map<std::string, Isometry3d> ScenarioPlay::map_from_objects(const WorldState& state) const {
+  const std::vector<Isometry3d> links = root_from_links(world_, state.joints);
+  std::map<std::string, Isometry3d> poses;
+  for (const auto& [name, object] : state.objects) {
+    Isometry3d pose = object.support_from_object;
+    std::string support = object.support;
+    while (models_.contains(support)) {
+      const ObjectState& below = state.objects.at(support);
+      pose = below.support_from_object * pose;
+      support = below.support;
+    }
+    poses[name] = links[world_.link_index(support)] * pose;
+  }
+  return poses;
+}
+
+}  // namespace loci

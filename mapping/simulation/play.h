@@ -1,0 +1,64 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "mapping/simulation/scenario.h"
+#include "mapping/world/kinematics.h"
+#include "mapping/world/mesh.h"
+#include "mapping/world/world.h"
+
+namespace loci {
+
+/// Where an object is and how it looks, from one action to the next.
+struct ObjectState {
+  std::string support;  ///< a link of the world, or another object
+  Isometry3d support_from_object = Isometry3d::Identity();
+  Rgba color = Rgba::Ones();
+  std::optional<Rgba> accent;
+};
+
+/// The world at one scene.
+struct WorldState {
+  JointState joints;
+  std::map<std::string, ObjectState> objects;  ///< those that are there
+};
+
+/// Middle of the top of a link's visual geometry, in the link's frame, and how far it reaches from there.
+struct SupportTop {
+  Vector3d centre = Vector3d::Zero();
+  Vector2d half = Vector2d::Zero();
+};
+
+/// Goes through a scenario without rendering anything: the state at every scene. Error with the action's
+/// place for links and joints that the world does not have, joints moved beyond their limits, objects beside
+/// their support, and objects that are asked to move before they are there.
+class ScenarioPlay {
+ public:
+  ScenarioPlay(const Scenario& scenario, const World& world, const MeshSearch& search);
+
+  const std::vector<WorldState>& states() const { return states_; }
+  const std::map<std::string, ObjectModel>& models() const { return models_; }
+
+  /// Poses of all objects that are there, in the map frame.
+  std::map<std::string, Isometry3d> map_from_objects(const WorldState& state) const;
+
+ private:
+  void apply(const Action& action, WorldState& state);
+  void place_object(const Action& action, WorldState& state);
+  void move_joint(const Action& action, WorldState& state) const;
+  std::string resolve_support(const Action& action, const WorldState& state) const;
+  std::string resolve_joint(const Action& action) const;
+  SupportTop top_of_link(const std::string& link);
+  Isometry3d placed(const Action& action, const std::string& support, const WorldState& state);
+
+  const Scenario& scenario_;
+  const World& world_;
+  MeshSearch search_;
+  std::map<std::string, ObjectModel> models_;
+  std::map<std::string, SupportTop> tops_;
+  std::vector<WorldState> states_;
+};
+
+}  // namespace loci

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "mapping/base/json.h"
+#include "mapping/base/options.h"
+#include "mapping/base/progress.h"
+#include "mapping/simulation/scenario.h"
+
+namespace loci {
+
+struct RecordOptions {
+  int seed = 1;
+  std::string noise = "kinect";
+  int threads = 0;
+
+  void declare(OptionTable& table);
+};
+
+struct RecordResult {
+  size_t scenes = 0;
+  size_t frames = 0;
+  size_t objects = 0;  ///< different ones seen in at least one frame
+  std::string folder;
+
+  std::string summary() const;
+  Json report() const;
+};
+
+/// Plays a scenario, renders every frame as the sensor would measure it, and writes a recording with
+/// joints.csv, truth.jsonl and simulation.json (the options that made it). Same seed, same bytes on any
+/// number of threads. truth.jsonl has a line per frame; its objects have:
+///   id, model, support (link or object), pose (map_from_object, x y z qx qy qz qw; origin in the middle of
+///   the bottom), size (extents in its own frame), pixels (of the depth picture), visible (part of what would
+///   be seen of it in this picture if nothing stood before it; null when it is outside), box (first column,
+///   first row, last column, last row in the depth picture; null when not seen).
+RecordResult record(const Scenario& scenario, const std::filesystem::path& folder,
+                    const RecordOptions& options, Progress& progress, Warnings& warnings);
+
+}  // namespace loci
