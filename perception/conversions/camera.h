@@ -1,0 +1,22 @@
+#pragma once
+
+#include "mapping/sensor/camera.h"
+#include "perception/types/geometry.h"
+#include "perception/types/scene_cas.h"
+
+namespace loci::types {
+
+template <>
+struct Conversion<PinholeCamera> {
+  using Proxy = CameraInfo;
+  static CameraInfo to(cas::Cas& cas, const PinholeCamera& camera);
+  static PinholeCamera from(const CameraInfo& proxy);
+};
+
+/// Both cameras of a sensor become the scene's cameras "depth" and "color".
+void set_cameras(const SceneCas& cas, const RgbdCamera& camera);
+
+/// Throws Error when the scene has no such cameras.
+RgbdCamera cameras(const SceneCas& cas);
+
+}  // namespace loci::types

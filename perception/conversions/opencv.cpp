@@ -1,0 +1,83 @@
+#include "perception/conversions/opencv.h"
+
+namespace loci::types {
+
+namespace {
+
+/// Lets a cv::Mat keep memory alive that belongs to a CAS: the mat's reference count owns a shared_ptr.
+class SharedMemory : public cv::MatAllocator {
+ public:
+  static cv::Mat share(const cas::Buffer<uint8_t>& memory, int rows, int cols, int type, size_t step) {
+    static const SharedMemory allocator;
+    auto* pixels = const_cast<uint8_t*>(memory.data());  // cv::Mat knows no constant memory
+    cv::Mat image(rows, cols, type, pixels, step);
+    auto* handle = new cv::UMatData(&allocator);
+    handle->data = handle->origdata = pixels;
+    handle->size = memory.size();
+    handle->refcount = 1;
+    handle->userdata = new std::shared_ptr<const void>(memory.owner());
+    image.u = handle;
+    return image;
+  }
+
+  cv::UMatData* allocate(int dims, const int* sizes, int type, void* data, size_t* step, cv::AccessFlag flags,
+                         cv::UMatUsageFlags usage) const override {
+    return cv::Mat::getStdAllocator()->allocate(dims, sizes, type, data, step, flags, usage);
+  }
+  bool allocate(cv::UMatData* data, cv::AccessFlag flags, cv::UMatUsageFlags usage) const override {
+    return cv::Mat::getStdAllocator()->allocate(data, flags, usage);
+  }
+  void deallocate(cv::UMatData* handle) const override {
+    if (handle == nullptr) return;
+    delete static_cast<std::shared_ptr<const void>*>(handle->userdata);
+    handle->userdata = nullptr;
+    delete handle;
+  }
+};
+
+}  // namespace
+
+Mat Conversion<cv::Mat>::to(cas::Cas& cas, const cv::Mat& image) {
+  if (image.dims > 2) throw Error("only images of two dimensions can be kept in a CAS");
+  const bool shareable = image.u != nullptr && image.isContinuous();
+  const auto kept = std::make_shared<const cv::Mat>(shareable ? image : image.clone());
+  const Mat mat = Mat::create(cas);
+  mat.rows.set(kept->rows);
+  mat.cols.set(kept->cols);
+  mat.Mat::type.set(kept->type());
+  mat.step_size.set(static_cast<int64_t>(kept->cols) * static_cast<int64_t>(kept->elemSize()));
+  mat.data.set(cas::Buffer<uint8_t>(kept, kept->data, kept->total() * kept->elemSize()));
+  return mat;
+}
+
+cv::Mat Conversion<cv::Mat>::from(const Mat& proxy) {
+  const int rows = proxy.rows.get();
+  const int cols = proxy.cols.get();
+  const int type = proxy.type.get();
+  const int64_t step = proxy.step_size.get();
+  if (rows < 0 || cols < 0 || type < 0 || type >= (CV_CN_MAX << CV_CN_SHIFT))
+    throw Error("an image of " + std::to_string(cols) + " x " + std::to_string(rows) + " pixels of type " +
+                std::to_string(type) + " is not possible");
+  if (rows == 0 || cols == 0) return {rows, cols, type};
+  const cas::Buffer<uint8_t> pixels = proxy.data.get();
+  const auto width = static_cast<int64_t>(CV_ELEM_SIZE(type)) * cols;
+  if (step < width || static_cast<int64_t>(pixels.size()) < step * (rows - 1) + width)
+    throw Error("an image of " + std::to_string(cols) + " x " + std::to_string(rows) + " pixels has " +
+                std::to_string(pixels.size()) + " bytes, which are too few");
+  return SharedMemory::share(pixels, rows, cols, type, static_cast<size_t>(step));
+}
+
+Rect Conversion<cv::Rect>::to(cas::Cas& cas, const cv::Rect& rect) {
+  const Rect proxy = Rect::create(cas);
+  proxy.x.set(rect.x);
+  proxy.y.set(rect.y);
+  proxy.width.set(rect.width);
+  proxy.height.set(rect.height);
+  return proxy;
+}
+
+cv::Rect Conversion<cv::Rect>::from(const Rect& proxy) {
+  return {proxy.x.get(), proxy.y.get(), proxy.width.get(), proxy.height.get()};
+}
+
+}  // namespace loci::types
