@@ -18,62 +18,64 @@ using Id = int64_t;
 // The rows of memory/store/schema.sql, where units and meanings are said. An unset optional is NULL. `id`,
 // `known_from`, `known_to` and `run` are filled by the store when a row is added.
 
+// Everything has an initializer, so that a row can be written as {.scene = 3, .status = "seen"}.
+
 struct RunRow {
   Id id = 0;
-  std::string program;
-  std::string version;
+  std::string program = {};
+  std::string version = {};
   std::string configuration = "{}";  ///< JSON
   TimeNs started = 0;
-  std::optional<TimeNs> finished;
+  std::optional<TimeNs> finished = {};
 };
 
 struct RecordingRow {
   Id id = 0;
-  std::string fingerprint;  ///< content_hash() of its list of frames, not of where it lies
-  std::string name;
-  std::string kind;
+  std::string fingerprint = {};  ///< content_hash() of its list of frames, not of where it lies
+  std::string name = {};
+  std::string kind = {};
   bool time_assumed = false;
-  std::optional<int64_t> frames;
+  std::optional<int64_t> frames = {};
 };
 
 struct MapRow {
   Id id = 0;
-  std::string hash;
-  std::string name;
-  Id urdf = 0;                ///< blob
-  std::optional<Id> sidecar;  ///< blob
+  std::string hash = {};
+  std::string name = {};
+  Id urdf = 0;                     ///< blob
+  std::optional<Id> sidecar = {};  ///< blob
 };
 
 struct PlaceRow {
   Id id = 0;
-  std::string name;
-  std::string class_name;
-  std::optional<Id> map;
-  std::optional<double> height;
-  std::vector<Vector2d> outline;  ///< map frame; empty = unknown
-  std::optional<Isometry3d> map_from_place;
+  std::string name = {};
+  std::string class_name = {};
+  std::optional<Id> map = {};
+  std::optional<double> height = {};
+  std::vector<Vector2d> outline = {};  ///< map frame; empty = unknown
+  std::optional<Isometry3d> map_from_place = {};
   bool container = false;  ///< things are in it rather than on it
-  std::optional<std::string> joint;
+  std::optional<std::string> joint = {};
 };
 
 struct SceneCamera {
   int width = 0, height = 0;  ///< pixels, depth camera
   double fx = 0, fy = 0, cx = 0, cy = 0;
-  std::optional<double> range_min, range_max;
+  std::optional<double> range_min = {}, range_max = {};
 };
 
 struct SceneRow {
   Id id = 0;
-  std::optional<Id> recording;
-  std::optional<int64_t> frame_index;
+  std::optional<Id> recording = {};
+  std::optional<int64_t> frame_index = {};
   TimeNs time = 0;
-  std::optional<Id> map;
-  std::optional<SceneCamera> camera;
-  std::optional<Isometry3d> map_from_camera;
-  std::optional<Id> depth;  ///< blob: depth thumbnail, see DepthThumbnail
+  std::optional<Id> map = {};
+  std::optional<SceneCamera> camera = {};
+  std::optional<Isometry3d> map_from_camera = {};
+  std::optional<Id> depth = {};  ///< blob: depth thumbnail, see DepthThumbnail
   int depth_width = 0, depth_height = 0;
-  std::optional<Id> picture;  ///< blob: JPEG or PNG
-  std::map<std::string, double> joints;
+  std::optional<Id> picture = {};  ///< blob: JPEG or PNG
+  std::map<std::string, double> joints = {};
   TimeNs known_from = 0;
   Id run = 0;
 };
@@ -88,137 +90,137 @@ struct ObservationRow {
   Id id = 0;
   Id scene = 0;
   int64_t number = 0;  ///< within the scene, from 0
-  std::optional<Id> place;
-  std::optional<Vector3d> position;  ///< centre, map frame
-  std::optional<Isometry3d> map_from_box;
-  std::optional<Vector3d> size;  ///< of the box, along its axes
-  std::optional<HsvColor> hsv;
-  std::optional<std::string> color;  ///< name
-  std::optional<int64_t> points;
-  std::optional<Id> crop;                 ///< blob
-  std::optional<Id> mask;                 ///< blob
-  std::optional<std::array<int, 4>> roi;  ///< x, y, width, height in the depth image
-  std::optional<std::string> sentence;    ///< where it is, in words
+  std::optional<Id> place = {};
+  std::optional<Vector3d> position = {};  ///< centre, map frame
+  std::optional<Isometry3d> map_from_box = {};
+  std::optional<Vector3d> size = {};  ///< of the box, along its axes
+  std::optional<HsvColor> hsv = {};
+  std::optional<std::string> color = {};  ///< name
+  std::optional<int64_t> points = {};
+  std::optional<Id> crop = {};                 ///< blob
+  std::optional<Id> mask = {};                 ///< blob
+  std::optional<std::array<int, 4>> roi = {};  ///< x, y, width, height in the depth image
+  std::optional<std::string> sentence = {};    ///< where it is, in words
 };
 
 struct AnnotationRow {
   Id id = 0;
   Id scene = 0;
-  std::optional<Id> observation;
-  std::string type;
-  std::string value;
-  std::optional<double> confidence;
-  std::optional<Id> feature_structure;
+  std::optional<Id> observation = {};
+  std::string type = {};
+  std::string value = {};
+  std::optional<double> confidence = {};
+  std::optional<Id> feature_structure = {};
 };
 
 /// The two clocks of a row, and who says so.
 struct Bitemporal {
   TimeNs valid_from = 0;
-  std::optional<TimeNs> valid_to;
+  std::optional<TimeNs> valid_to = {};
   TimeNs known_from = 0;
   std::optional<TimeNs>
-      known_to;                  ///< when read: the effective end (known_from of the row that supersedes it)
-  std::optional<Id> supersedes;  ///< id of the row of the same table that this one replaces
+      known_to;  ///< when read: the effective end (known_from of the row that supersedes it)
+  std::optional<Id> supersedes = {};  ///< id of the row of the same table that this one replaces
   Id run = 0;
   std::string source = "perceive";
 };
 
 struct ObjectRow {
   Id id = 0;
-  Bitemporal clock;  ///< valid_from = first seen
+  Bitemporal clock = {};  ///< valid_from = first seen
 };
 
 struct AssociationRow {
   Id id = 0;
   Id scene = 0;
-  std::optional<Id> observation;  ///< unset = the object was not matched
-  std::optional<Id> object;       ///< unset = false detection
-  std::string explanation;        ///< stay, move, newview, appear, clutter, disappear, missed, hidden
+  std::optional<Id> observation = {};  ///< unset = the object was not matched
+  std::optional<Id> object = {};       ///< unset = false detection
+  std::string explanation = {};        ///< stay, move, newview, appear, clutter, disappear, missed, hidden
   double probability = 0;
   bool chosen = false;  ///< part of the one consistent story that was acted on
-  Bitemporal clock;
+  Bitemporal clock = {};
 };
 
 struct EventRow {
   Id id = 0;
-  std::optional<Id> scene;
-  std::string kind;  ///< appeared, moved, looks_different, gone, hidden, reappeared, joint_changed
-  std::optional<Id> object;
-  std::optional<Id> observation;
-  std::optional<Id> place;       ///< after it
-  std::optional<Id> from_place;  ///< before it
-  std::optional<Vector3d> position;
-  std::optional<Vector3d> from_position;
-  std::optional<std::string> joint;
-  std::optional<double> joint_position;
-  std::optional<double> from_joint_position;
+  std::optional<Id> scene = {};
+  std::string kind = {};  ///< appeared, moved, looks_different, gone, hidden, reappeared, joint_changed
+  std::optional<Id> object = {};
+  std::optional<Id> observation = {};
+  std::optional<Id> place = {};       ///< after it
+  std::optional<Id> from_place = {};  ///< before it
+  std::optional<Vector3d> position = {};
+  std::optional<Vector3d> from_position = {};
+  std::optional<std::string> joint = {};
+  std::optional<double> joint_position = {};
+  std::optional<double> from_joint_position = {};
   double probability = 1;
-  std::optional<TimeNs> since;  ///< it happened after this time and until clock.valid_from
-  Bitemporal clock;
+  std::optional<TimeNs> since = {};  ///< it happened after this time and until clock.valid_from
+  Bitemporal clock = {};
 };
 
 struct BeliefRow {
   Id id = 0;
   Id object = 0;
-  std::optional<Id> scene;
-  std::string status;      ///< seen, missed, hidden, out_of_view, gone
-  double probability = 1;  ///< that it still is at this place
-  std::optional<Id> place;
-  std::optional<Vector3d> position;
-  std::optional<double> sigma;  ///< standard deviation of the position, metres
-  std::optional<Id> last_scene;
-  std::optional<Id> last_observation;
-  std::optional<HsvColor> hsv;
-  std::optional<std::string> color;
-  std::optional<Vector3d> size;
-  Bitemporal clock;
+  std::optional<Id> scene = {};
+  std::string status = {};  ///< seen, missed, hidden, out_of_view, gone
+  double probability = 1;   ///< that it still is at this place
+  std::optional<Id> place = {};
+  std::optional<Vector3d> position = {};
+  std::optional<double> sigma = {};  ///< standard deviation of the position, metres
+  std::optional<Id> last_scene = {};
+  std::optional<Id> last_observation = {};
+  std::optional<HsvColor> hsv = {};
+  std::optional<std::string> color = {};
+  std::optional<Vector3d> size = {};
+  Bitemporal clock = {};
 };
 
 struct VisibilityRow {
   Id id = 0;
   Id scene = 0;
-  std::optional<Id> object;  ///< exactly one of object and place is set
-  std::optional<Id> place;
-  std::string status;                 ///< seen, missed, hidden, out_of_view
-  std::optional<double> probability;  ///< object: that the status is right
-  std::optional<double> fraction;     ///< place: observed part of its surface
+  std::optional<Id> object = {};  ///< exactly one of object and place is set
+  std::optional<Id> place = {};
+  std::string status = {};                 ///< seen, missed, hidden, out_of_view
+  std::optional<double> probability = {};  ///< object: that the status is right
+  std::optional<double> fraction = {};     ///< place: observed part of its surface
 };
 
 struct FactRow {
   Id id = 0;
-  std::optional<Id> object;  ///< exactly one of object and place is set
-  std::optional<Id> place;
-  std::string key;                   ///< alias, owner, state, class, text, ...
-  std::optional<std::string> value;  ///< unset = taken back
-  std::optional<double> probability;
-  Bitemporal clock;
+  std::optional<Id> object = {};  ///< exactly one of object and place is set
+  std::optional<Id> place = {};
+  std::string key = {};                   ///< alias, owner, state, class, text, ...
+  std::optional<std::string> value = {};  ///< unset = taken back
+  std::optional<double> probability = {};
+  Bitemporal clock = {};
 };
 
 /// A feature structure with all that it refers to.
 struct FeatureStructureRow {
   Id id = 0;
-  std::optional<Id> scene;
-  std::optional<Id> observation;
-  std::string type;
+  std::optional<Id> scene = {};
+  std::optional<Id> observation = {};
+  std::string type = {};
   Id type_system = 0;
-  std::string json;       ///< canonical
-  std::vector<Id> blobs;  ///< that the JSON refers to by hash
+  std::string json = {};       ///< canonical
+  std::vector<Id> blobs = {};  ///< that the JSON refers to by hash
 };
 
 struct BlobRow {
   Id id = 0;
-  std::string hash;
-  std::string media;
-  std::string bytes;
+  std::string hash = {};
+  std::string media = {};
+  std::string bytes = {};
 };
 
 /// An object seen in a scene, as the chosen story has it.
 struct Sighting {
-  AssociationRow association;
-  ObservationRow observation;
+  AssociationRow association = {};
+  ObservationRow observation = {};
   TimeNs time = 0;
-  std::optional<Id> recording;
-  std::optional<int64_t> frame_index;
+  std::optional<Id> recording = {};
+  std::optional<int64_t> frame_index = {};
 };
 
 }  // namespace loci

@@ -5,7 +5,8 @@
 namespace loci {
 
 /// One scene with everything that it changes: all of it is in the memory after commit(), nothing before or
-/// without. Ids are given in the order of adding.
+/// without. Ids are given in the order of adding. A row's clock needs no more than valid_from, where it is
+/// not the scene's time: known_from and run are filled in.
 class SceneTransaction {
  public:
   /// Begins; `run` is from Store::begin_run. Error when the store is open for reading only.
@@ -40,6 +41,7 @@ class SceneTransaction {
   Store::Implementation& store_;
   Id run_;
   TimeNs known_;
+  TimeNs scene_time_ = 0;  ///< of the scene added last
   bool open_ = true;
 };
 

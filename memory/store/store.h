@@ -14,25 +14,27 @@ namespace loci {
 
 /// Which part of the two clocks a read sees. Unset = everything up to the end.
 struct AsOf {
-  std::optional<TimeNs> at;        ///< what held at this time (rows that begin later are left out)
-  std::optional<TimeNs> known_at;  ///< as the memory knew it at this time
+  std::optional<TimeNs> at = {};        ///< what held at this time (rows that begin later are left out)
+  std::optional<TimeNs> known_at = {};  ///< as the memory knew it at this time
 };
 
 struct WriteOptions {
-  std::optional<TimeNs> now;  ///< known time of what is added; unset = the machine's clock
+  std::optional<TimeNs> now = {};  ///< known time of what is added; unset = the machine's clock
 };
 
 /// What Store::verify() found.
 struct VerifyReport {
-  std::vector<std::string> problems;                    ///< empty = all is well; one line each
-  std::vector<std::pair<std::string, int64_t>> counts;  ///< rows per table
-  int major = 0, minor = 0;                             ///< of the file
+  std::vector<std::string> problems = {};                    ///< empty = all is well; one line each
+  std::vector<std::pair<std::string, int64_t>> counts = {};  ///< rows per table
+  int major = 0, minor = 0;                                  ///< of the file
 };
 
 /// One memory file. Errors of the database come out as one-line loci::Error with the file's name. A Store is
 /// used by one thread at a time; several Stores may read one file while one writes.
 class Store {
  public:
+  struct Implementation;
+
   /// Opens for reading; changes nothing. Error when it is missing, no memory, truncated, or of a newer major
   /// version (which is named).
   static Store open_read(const std::filesystem::path& path);
@@ -111,7 +113,6 @@ class Store {
 
  private:
   friend class SceneTransaction;
-  struct Implementation;
   explicit Store(std::unique_ptr<Implementation> implementation);
   std::unique_ptr<Implementation> implementation_;
 };

@@ -1,0 +1,224 @@
+#include "memory/store/database.h"
+
+#include <fmt/format.h>
+#include <sqlite3.h>
+#include <zstd.h>
+
+#include "mapping/base/hash.h"
+#include "mapping/base/json.h"
+
+namespace loci {
+
+void add_vector(SqlColumns& columns, const std::string& prefix, const std::optional<Vector3d>& value) {
+  const char* const names[] = {"x", "y", "z"};
+  for (int i = 0; i < 3; ++i) columns.emplace_back(prefix + names[i], value ? sql((*value)[i]) : SqlValue());
+}
+
+void add_pose(SqlColumns& columns, const std::string& prefix, const std::optional<Isometry3d>& pose) {
+  const char* const names[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
+  std::array<double, 7> values{};
+  if (pose) values = values_from_pose(*pose);
+  for (size_t i = 0; i < 7; ++i) columns.emplace_back(prefix + names[i], pose ? sql(values[i]) : SqlValue());
+}
+
+void add_color(SqlColumns& columns, const std::optional<HsvColor>& color) {
+  columns.emplace_back("hue", color ? sql(color->hue) : SqlValue());
+  columns.emplace_back("saturation", color ? sql(color->saturation) : SqlValue());
+  columns.emplace_back("value", color ? sql(color->value) : SqlValue());
+}
+
+void add_clock(SqlColumns& columns, const Bitemporal& clock) {
+  columns.emplace_back("valid_from", sql(clock.valid_from));
+  columns.emplace_back("valid_to", sql(clock.valid_to));
+  columns.emplace_back("known_from", sql(clock.known_from));
+  columns.emplace_back("known_to", sql(clock.known_to));
+  columns.emplace_back("supersedes", sql(clock.supersedes));
+  columns.emplace_back("run", sql(clock.run));
+  columns.emplace_back("source", sql(clock.source));
+}
+
+std::string SqlRow::bytes(const std::string& name) const {
+  const SQLite::Column value = column(name);
+  return {static_cast<const char*>(value.getBlob()), static_cast<size_t>(value.getBytes())};
+}
+
+std::optional<int64_t> SqlRow::optional_integer(const std::string& name) const {
+  return is_null(name) ? std::nullopt : std::optional(integer(name));
+}
+
+std::optional<double> SqlRow::optional_real(const std::string& name) const {
+  return is_null(name) ? std::nullopt : std::optional(real(name));
+}
+
+std::optional<std::string> SqlRow::optional_text(const std::string& name) const {
+  return is_null(name) ? std::nullopt : std::optional(text(name));
+}
+
+std::optional<Vector3d> SqlRow::vector(const std::string& prefix) const {
+  if (is_null(prefix + "x") || is_null(prefix + "y") || is_null(prefix + "z")) return std::nullopt;
+  return Vector3d(real(prefix + "x"), real(prefix + "y"), real(prefix + "z"));
+}
+
+std::optional<Isometry3d> SqlRow::pose(const std::string& prefix) const {
+  const char* const names[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
+  std::array<double, 7> values{};
+  for (size_t i = 0; i < 7; ++i) {
+    if (is_null(prefix + names[i])) return std::nullopt;
+    values[i] = real(prefix + names[i]);
+  }
+  return pose_from_values(values);
+}
+
+std::optional<HsvColor> SqlRow::color() const {
+  if (is_null("hue") || is_null("saturation") || is_null("value")) return std::nullopt;
+  return HsvColor{real("hue"), real("saturation"), real("value")};
+}
+
+Bitemporal SqlRow::clock() const {
+  Bitemporal clock;
+  clock.valid_from = integer("valid_from");
+  clock.valid_to = optional_integer("valid_to");
+  clock.known_from = integer("known_from");
+  clock.known_to = optional_integer("known_to");
+  clock.supersedes = optional_integer("supersedes");
+  clock.run = integer("run");
+  clock.source = text("source");
+  return clock;
+}
+
+void bind_values(SQLite::Statement& statement, const std::vector<SqlValue>& values) {
+  struct Binder {
+    SQLite::Statement& statement;
+    int index;
+    void operator()(std::monostate) const { statement.bind(index); }
+    void operator()(int64_t value) const { statement.bind(index, value); }
+    void operator()(double value) const { statement.bind(index, value); }
+    void operator()(std::string_view value) const { statement.bind(index, std::string(value)); }
+    void operator()(BytesView value) const {
+      statement.bind(index, static_cast<const void*>(value.bytes.data()),
+                     static_cast<int>(value.bytes.size()));
+    }
+  };
+  for (size_t i = 0; i < values.size(); ++i)
+    std::visit(Binder{statement, static_cast<int>(i) + 1}, values[i]);
+}
+
+void throw_database_error(const SQLite::Exception& error, const std::filesystem::path& path) {
+  const Place place{path.string(), 0, {}};
+  switch (error.getErrorCode()) {
+    case SQLITE_NOTADB:
+      throw Error("is no memory of loci, or a damaged one", place, "give a *.loci file");
+    case SQLITE_CORRUPT:
+      throw Error("the memory is damaged or truncated", place, "restore it from a copy");
+    case SQLITE_FULL:
+      throw Error("the disk is full", place, "what was committed before is kept; make room and resume");
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      throw Error("another program is using this memory", place, "wait until it has finished");
+    default:
+      throw Error(error.what(), place);
+  }
+}
+
+SQLite::Statement& Store::Implementation::statement(const std::string& text) {
+  auto& slot = statements[text];
+  if (!slot) slot = std::make_unique<SQLite::Statement>(*database, text);
+  slot->reset();
+  slot->clearBindings();
+  return *slot;
+}
+
+Id Store::Implementation::insert(const char* table, const SqlColumns& columns) {
+  std::string names, marks;
+  std::vector<SqlValue> values;
+  for (const auto& [name, value] : columns) {
+    names += (names.empty() ? "" : ", ") + name;
+    marks += marks.empty() ? "?" : ", ?";
+    values.push_back(value);
+  }
+  SQLite::Statement& prepared =
+      statement(fmt::format("INSERT INTO {} ({}) VALUES ({})", table, names, marks));
+  bind_values(prepared, values);
+  prepared.exec();
+  return database->getLastInsertRowid();
+}
+
+void Store::Implementation::need_writable() const {
+  if (!writable) throw Error("the memory is open for reading only", {path.string(), 0, {}});
+}
+
+TimeNs Store::Implementation::known_time() const {
+  return options.now.value_or(loci::now());
+}
+
+Id Store::Implementation::add_blob(std::string_view bytes, const std::string& media) {
+  const std::string hash = content_hash(bytes);
+  std::optional<Id> known;
+  query("SELECT id FROM blob WHERE hash = ?", {sql(hash)},
+        [&](const SqlRow& row) { known = row.integer("id"); });
+  if (known) return *known;
+  const bool packed = media == "image/jpeg" || media == "image/png";
+  const Encoded encoded = packed ? Encoded{0, std::string(bytes)} : encode_bytes(bytes);
+  return insert("blob", {{"hash", sql(hash)},
+                         {"media", sql(media)},
+                         {"size", sql(static_cast<int64_t>(bytes.size()))},
+                         {"encoding", sql(encoded.encoding)},
+                         {"content", BytesView{encoded.bytes}}});
+}
+
+Id Store::Implementation::add_place(const PlaceRow& row, Id run, TimeNs known) {
+  std::optional<Id> existing;
+  query("SELECT id FROM place WHERE name = ?", {sql(row.name)},
+        [&](const SqlRow& r) { existing = r.integer("id"); });
+  if (existing) return *existing;
+  std::optional<std::string> outline;
+  if (!row.outline.empty()) {
+    Json points = Json::array();
+    for (const Vector2d& point : row.outline) points.push_back({point.x(), point.y()});
+    outline = points.dump();
+  }
+  SqlColumns columns = {
+      {"name", sql(row.name)},     {"class", sql(row.class_name)}, {"map", sql(row.map)},
+      {"height", sql(row.height)}, {"outline", sql(outline)},      {"container", sql(row.container)},
+      {"joint", sql(row.joint)},   {"known_from", sql(known)},     {"run", sql(run)}};
+  add_pose(columns, "", row.map_from_place);
+  return insert("place", columns);
+}
+
+Id Store::Implementation::add_fact(const FactRow& row, Id run, TimeNs known) {
+  FactRow stamped = row;
+  stamped.clock.known_from = known;
+  stamped.clock.run = run;
+  SqlColumns columns = {{"object", sql(row.object)},
+                        {"place", sql(row.place)},
+                        {"key", sql(row.key)},
+                        {"value", sql(row.value)},
+                        {"probability", sql(row.probability)}};
+  add_clock(columns, stamped.clock);
+  return insert("fact", columns);
+}
+
+Encoded encode_bytes(std::string_view bytes) {
+  if (bytes.size() < 256) return {0, std::string(bytes)};
+  std::string packed(ZSTD_compressBound(bytes.size()), '\0');
+  const size_t size = ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), 3);
+  if (ZSTD_isError(size) != 0 || size > bytes.size() / 20 * 19) return {0, std::string(bytes)};
+  packed.resize(size);
+  return {1, std::move(packed)};
+}
+
+std::string decode_bytes(std::string bytes, int64_t encoding, int64_t size,
+                         const std::filesystem::path& path) {
+  if (encoding == 0) return bytes;
+  const unsigned long long stated = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
+  const bool known = stated != ZSTD_CONTENTSIZE_ERROR && stated != ZSTD_CONTENTSIZE_UNKNOWN;
+  if (!known || stated > (1ULL << 32) || (size >= 0 && stated != static_cast<unsigned long long>(size)))
+    throw Error("a compressed value is damaged", {path.string(), 0, {}}, "restore the memory from a copy");
+  std::string plain(static_cast<size_t>(stated), '\0');
+  const size_t got = ZSTD_decompress(plain.data(), plain.size(), bytes.data(), bytes.size());
+  if (ZSTD_isError(got) != 0 || got != plain.size())
+    throw Error("a compressed value is damaged", {path.string(), 0, {}}, "restore the memory from a copy");
+  return plain;
+}
+
+}  // namespace loci

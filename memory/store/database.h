@@ -1,0 +1,159 @@
+#pragma once
+
+// The room's own header: the one place that sees SQLiteCpp's types.
+
+#include <SQLiteCpp/SQLiteCpp.h>
+
+#include <initializer_list>
+#include <memory>
+#include <unordered_map>
+#include <utility>
+#include <variant>
+
+#include "memory/store/scene_transaction.h"
+#include "memory/store/store.h"
+
+namespace loci {
+
+/// Bytes, not text.
+struct BytesView {
+  std::string_view bytes;
+};
+using SqlValue = std::variant<std::monostate, int64_t, double, std::string_view, BytesView>;
+
+inline SqlValue sql(int64_t value) {
+  return value;
+}
+inline SqlValue sql(int value) {
+  return int64_t{value};
+}
+inline SqlValue sql(bool value) {
+  return int64_t{value ? 1 : 0};
+}
+inline SqlValue sql(double value) {
+  return value;
+}
+inline SqlValue sql(const std::string& value) {
+  return std::string_view(value);
+}
+template <class T>
+SqlValue sql(const std::optional<T>& value) {
+  return value ? sql(*value) : SqlValue();
+}
+
+using SqlColumns = std::vector<std::pair<std::string, SqlValue>>;
+
+/// Adds `PREFIXx`, `PREFIXy`, `PREFIXz`; NULL when unset.
+void add_vector(SqlColumns& columns, const std::string& prefix, const std::optional<Vector3d>& value);
+/// Adds the seven columns of a pose.
+void add_pose(SqlColumns& columns, const std::string& prefix, const std::optional<Isometry3d>& pose);
+void add_color(SqlColumns& columns, const std::optional<HsvColor>& color);
+void add_clock(SqlColumns& columns, const Bitemporal& clock);
+
+/// The row that a query stands at, by column name.
+class SqlRow {
+ public:
+  explicit SqlRow(SQLite::Statement& statement) : statement_(statement) {}
+
+  bool is_null(const std::string& name) const { return column(name).isNull(); }
+  int64_t integer(const std::string& name) const { return column(name).getInt64(); }
+  double real(const std::string& name) const { return column(name).getDouble(); }
+  std::string text(const std::string& name) const { return column(name).getString(); }
+  std::string bytes(const std::string& name) const;
+  std::optional<int64_t> optional_integer(const std::string& name) const;
+  std::optional<double> optional_real(const std::string& name) const;
+  std::optional<std::string> optional_text(const std::string& name) const;
+  std::optional<Vector3d> vector(const std::string& prefix) const;
+  std::optional<Isometry3d> pose(const std::string& prefix) const;
+  std::optional<HsvColor> color() const;
+  Bitemporal clock() const;
+
+ private:
+  SQLite::Column column(const std::string& name) const { return statement_.getColumn(name.c_str()); }
+  SQLite::Statement& statement_;
+};
+
+/// A memory that is open: the database, its prepared statements, and the writer's lock.
+struct Store::Implementation {
+  ~Implementation();
+
+  std::filesystem::path path;
+  bool writable = false;
+  int version = 0;
+  WriteOptions options;
+  int lock = -1;  ///< file descriptor of the lock file
+  std::unique_ptr<SQLite::Database> database;
+  std::unordered_map<std::string, std::unique_ptr<SQLite::Statement>> statements;
+  bool in_scene = false;
+
+  /// A prepared statement, ready to be bound.
+  SQLite::Statement& statement(const std::string& text);
+  Id insert(const char* table, const SqlColumns& columns);
+  /// Runs a query and hands over its rows.
+  template <class Visitor>
+  void query(const std::string& text, const std::vector<SqlValue>& values, Visitor visitor);
+
+  /// Runs `body` and turns the database's exceptions into Error with the file's name.
+  template <class Body>
+  auto guarded(Body body) -> decltype(body());
+  /// guarded(), as one transaction.
+  template <class Body>
+  auto transaction(Body body) -> decltype(body());
+
+  void need_writable() const;
+  TimeNs known_time() const;
+
+  Id add_blob(std::string_view bytes, const std::string& media);
+  Id add_place(const PlaceRow& row, Id run, TimeNs known);
+  Id add_fact(const FactRow& row, Id run, TimeNs known);
+};
+
+void bind_values(SQLite::Statement& statement, const std::vector<SqlValue>& values);
+[[noreturn]] void throw_database_error(const SQLite::Exception& error, const std::filesystem::path& path);
+
+template <class Visitor>
+void Store::Implementation::query(const std::string& text, const std::vector<SqlValue>& values,
+                                  Visitor visitor) {
+  SQLite::Statement& prepared = statement(text);
+  bind_values(prepared, values);
+  const SqlRow row(prepared);
+  while (prepared.executeStep()) visitor(row);
+  prepared.reset();
+}
+
+template <class Body>
+auto Store::Implementation::guarded(Body body) -> decltype(body()) {
+  try {
+    return body();
+  } catch (const SQLite::Exception& error) {
+    throw_database_error(error, path);
+  }
+}
+
+template <class Body>
+auto Store::Implementation::transaction(Body body) -> decltype(body()) {
+  need_writable();
+  return guarded([&] {
+    if (in_scene) return body();
+    SQLite::Transaction all(*database, SQLite::TransactionBehavior::IMMEDIATE);
+    if constexpr (std::is_void_v<decltype(body())>) {
+      body();
+      all.commit();
+    } else {
+      auto result = body();
+      all.commit();
+      return result;
+    }
+  });
+}
+
+// zstd, with the database's encoding column.
+struct Encoded {
+  int encoding = 0;
+  std::string bytes;
+};
+Encoded encode_bytes(std::string_view bytes);
+std::string decode_bytes(std::string bytes, int64_t encoding, int64_t size,
+                         const std::filesystem::path& path);
+
+}  // namespace loci

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+
+#include "memory/store/scene_transaction.h"
+#include "perception/cas/cas.h"
+
+namespace loci {
+
+/// Puts feature structures of any type, users' own included, into the memory: canonical JSON, large arrays as
+/// blobs that are stored once per content, and the type system beside them.
+class FeatureStructureWriter {
+ public:
+  /// All structures must be of this type system, which is added when it is new.
+  FeatureStructureWriter(SceneTransaction& transaction, const cas::TypeSystem& type_system);
+
+  /// Adds the structure with everything that it refers to.
+  Id add(const cas::FeatureStructure& root, std::optional<Id> scene, std::optional<Id> observation);
+
+ private:
+  SceneTransaction& transaction_;
+  Id type_system_;
+};
+
+/// A type system that feature structures of the memory were written with.
+std::shared_ptr<const cas::TypeSystem> read_type_system(const Store& store, Id id);
+
+/// Brings a feature structure back, identical to the one that was added. The CAS must have a type system that
+/// knows its types, e.g. that of read_type_system(). Error when it does not fit.
+cas::FeatureStructure read_feature_structure(const Store& store, Id id, cas::Cas& cas);
+
+/// All types that are not built in, as one UIMA typeSystemDescription; equal type systems give equal text.
+std::string type_system_xml(const cas::TypeSystem& type_system);
+
+}  // namespace loci

@@ -1,0 +1,211 @@
+#include "memory/store/scene_transaction.h"
+
+#include "mapping/base/hash.h"
+#include "mapping/base/json.h"
+#include "memory/store/database.h"
+
+namespace loci {
+namespace {
+
+Bitemporal stamped(Bitemporal clock, TimeNs scene_time, TimeNs known, Id run) {
+  if (clock.valid_from == 0) clock.valid_from = scene_time;
+  clock.known_from = known;
+  clock.run = run;
+  return clock;
+}
+
+}  // namespace
+
+SceneTransaction::SceneTransaction(Store& store, Id run)
+    : store_(*store.implementation_), run_(run), known_(store_.known_time()) {
+  store_.need_writable();
+  store_.guarded([&] { store_.database->exec("BEGIN IMMEDIATE"); });
+  store_.in_scene = true;
+}
+
+SceneTransaction::~SceneTransaction() {
+  if (!open_) return;
+  store_.in_scene = false;
+  for (auto& [text, statement] : store_.statements) statement->tryReset();
+  store_.database->tryExec("ROLLBACK");
+}
+
+void SceneTransaction::commit() {
+  store_.guarded([&] { store_.database->exec("COMMIT"); });
+  store_.in_scene = false;
+  open_ = false;
+}
+
+Id SceneTransaction::add_scene(const SceneRow& row) {
+  scene_time_ = row.time;
+  std::optional<std::string> joints;
+  if (!row.joints.empty()) {
+    Json positions = Json::object();
+    for (const auto& [joint, position] : row.joints) positions[joint] = position;
+    joints = positions.dump();
+  }
+  const auto& camera = row.camera;
+  const auto number = [&](double SceneCamera::*field) { return camera ? sql((*camera).*field) : SqlValue(); };
+  SqlColumns columns = {{"recording", sql(row.recording)},
+                        {"frame_index", sql(row.frame_index)},
+                        {"time", sql(row.time)},
+                        {"map", sql(row.map)},
+                        {"camera_width", camera ? sql(camera->width) : SqlValue()},
+                        {"camera_height", camera ? sql(camera->height) : SqlValue()},
+                        {"fx", number(&SceneCamera::fx)},
+                        {"fy", number(&SceneCamera::fy)},
+                        {"cx", number(&SceneCamera::cx)},
+                        {"cy", number(&SceneCamera::cy)},
+                        {"range_min", camera ? sql(camera->range_min) : SqlValue()},
+                        {"range_max", camera ? sql(camera->range_max) : SqlValue()},
+                        {"depth", sql(row.depth)},
+                        {"depth_width", row.depth ? sql(row.depth_width) : SqlValue()},
+                        {"depth_height", row.depth ? sql(row.depth_height) : SqlValue()},
+                        {"picture", sql(row.picture)},
+                        {"joints", sql(joints)},
+                        {"known_from", sql(known_)},
+                        {"run", sql(run_)}};
+  add_pose(columns, "", row.map_from_camera);
+  return store_.guarded([&] { return store_.insert("scene", columns); });
+}
+
+Id SceneTransaction::add_place(const PlaceRow& row) {
+  return store_.guarded([&] { return store_.add_place(row, run_, known_); });
+}
+
+Id SceneTransaction::add_blob(std::string_view bytes, const std::string& media) {
+  return store_.guarded([&] { return store_.add_blob(bytes, media); });
+}
+
+Id SceneTransaction::add_observation(const ObservationRow& row) {
+  SqlColumns columns = {{"scene", sql(row.scene)}, {"number", sql(row.number)},    {"place", sql(row.place)},
+                        {"color", sql(row.color)}, {"points", sql(row.points)},    {"crop", sql(row.crop)},
+                        {"mask", sql(row.mask)},   {"sentence", sql(row.sentence)}};
+  const char* const roi[] = {"roi_x", "roi_y", "roi_width", "roi_height"};
+  for (size_t i = 0; i < 4; ++i) columns.emplace_back(roi[i], row.roi ? sql((*row.roi)[i]) : SqlValue());
+  add_vector(columns, "", row.position);
+  add_pose(columns, "box_", row.map_from_box);
+  add_vector(columns, "size_", row.size);
+  add_color(columns, row.hsv);
+  return store_.guarded([&] { return store_.insert("observation", columns); });
+}
+
+Id SceneTransaction::add_annotation(const AnnotationRow& row) {
+  return store_.guarded([&] {
+    return store_.insert("annotation", {{"scene", sql(row.scene)},
+                                        {"observation", sql(row.observation)},
+                                        {"type", sql(row.type)},
+                                        {"value", sql(row.value)},
+                                        {"confidence", sql(row.confidence)},
+                                        {"feature_structure", sql(row.feature_structure)}});
+  });
+}
+
+Id SceneTransaction::add_type_system(std::string_view text) {
+  const std::string hash = content_hash(text);
+  return store_.guarded([&] {
+    std::optional<Id> known;
+    store_.query("SELECT id FROM type_system WHERE hash = ?", {sql(hash)},
+                 [&](const SqlRow& row) { known = row.integer("id"); });
+    if (known) return *known;
+    const Id content = store_.add_blob(text, "application/xml");
+    return store_.insert("type_system", {{"hash", sql(hash)}, {"content", sql(content)}});
+  });
+}
+
+Id SceneTransaction::add_feature_structure(const FeatureStructureRow& row) {
+  // Small ones stay readable for people; large ones are packed.
+  const Encoded encoded = row.json.size() < 4096 ? Encoded{0, row.json} : encode_bytes(row.json);
+  return store_.guarded([&] {
+    const Id id = store_.insert("feature_structure", {{"scene", sql(row.scene)},
+                                                      {"observation", sql(row.observation)},
+                                                      {"type", sql(row.type)},
+                                                      {"type_system", sql(row.type_system)},
+                                                      {"encoding", sql(encoded.encoding)},
+                                                      {"content", BytesView{encoded.bytes}}});
+    for (const Id blob : row.blobs) {
+      SQLite::Statement& link = store_.statement(
+          "INSERT OR IGNORE INTO feature_structure_blob (feature_structure, blob) VALUES (?, ?)");
+      bind_values(link, {sql(id), sql(blob)});
+      link.exec();
+    }
+    return id;
+  });
+}
+
+Id SceneTransaction::add_object(const ObjectRow& row) {
+  SqlColumns columns;
+  add_clock(columns, stamped(row.clock, scene_time_, known_, run_));
+  return store_.guarded([&] { return store_.insert("object", columns); });
+}
+
+Id SceneTransaction::add_association(const AssociationRow& row) {
+  SqlColumns columns = {{"scene", sql(row.scene)},
+                        {"observation", sql(row.observation)},
+                        {"object", sql(row.object)},
+                        {"explanation", sql(row.explanation)},
+                        {"probability", sql(row.probability)},
+                        {"chosen", sql(row.chosen)}};
+  Bitemporal clock = stamped(row.clock, scene_time_, known_, run_);
+  if (!clock.valid_to) clock.valid_to = clock.valid_from;  // It is about one moment.
+  add_clock(columns, clock);
+  return store_.guarded([&] { return store_.insert("association", columns); });
+}
+
+Id SceneTransaction::add_event(const EventRow& row) {
+  SqlColumns columns = {{"scene", sql(row.scene)},
+                        {"kind", sql(row.kind)},
+                        {"object", sql(row.object)},
+                        {"observation", sql(row.observation)},
+                        {"place", sql(row.place)},
+                        {"from_place", sql(row.from_place)},
+                        {"joint", sql(row.joint)},
+                        {"position", sql(row.joint_position)},
+                        {"from_position", sql(row.from_joint_position)},
+                        {"probability", sql(row.probability)},
+                        {"since", sql(row.since)}};
+  add_vector(columns, "", row.position);
+  add_vector(columns, "from_", row.from_position);
+  Bitemporal clock = stamped(row.clock, scene_time_, known_, run_);
+  if (!clock.valid_to) clock.valid_to = clock.valid_from;
+  add_clock(columns, clock);
+  return store_.guarded([&] { return store_.insert("event", columns); });
+}
+
+Id SceneTransaction::add_belief(const BeliefRow& row) {
+  SqlColumns columns = {{"object", sql(row.object)},
+                        {"scene", sql(row.scene)},
+                        {"status", sql(row.status)},
+                        {"probability", sql(row.probability)},
+                        {"place", sql(row.place)},
+                        {"sigma", sql(row.sigma)},
+                        {"last_scene", sql(row.last_scene)},
+                        {"last_observation", sql(row.last_observation)},
+                        {"color", sql(row.color)}};
+  add_vector(columns, "", row.position);
+  add_vector(columns, "size_", row.size);
+  add_color(columns, row.hsv);
+  add_clock(columns, stamped(row.clock, scene_time_, known_, run_));
+  return store_.guarded([&] { return store_.insert("belief", columns); });
+}
+
+Id SceneTransaction::add_visibility(const VisibilityRow& row) {
+  return store_.guarded([&] {
+    return store_.insert("visibility", {{"scene", sql(row.scene)},
+                                        {"object", sql(row.object)},
+                                        {"place", sql(row.place)},
+                                        {"status", sql(row.status)},
+                                        {"probability", sql(row.probability)},
+                                        {"fraction", sql(row.fraction)},
+                                        {"known_from", sql(known_)},
+                                        {"run", sql(run_)}});
+  });
+}
+
+Id SceneTransaction::add_fact(const FactRow& row) {
+  FactRow with_time = row;
+  if (with_time.clock.valid_from == 0) with_time.clock.valid_from = scene_time_;
+  return store_.guarded([&] { return store_.add_fact(with_time, run_, known_); });
+}
+
+}  // namespace loci

@@ -1,0 +1,316 @@
+#include "memory/store/store.h"
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <gmock/gmock.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include "memory/store/depth_thumbnail.h"
+#include "memory/store/scene_transaction.h"
+#include "memory/store/schema.h"
+#include "tests/memory/store/temporary_folder.h"
+
+namespace loci {
+namespace {
+
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+class StoreTest : public testing_support::TemporaryFolder {
+ protected:
+  static std::string message(const std::function<void()>& action) {
+    try {
+      action();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  /// One scene with one red thing on a table.
+  static Id add_one_scene(Store& store, Id run, int64_t frame, TimeNs time) {
+    SceneTransaction scene(store, run);
+    const Id table = scene.add_place({.name = "table_1", .class_name = "table"});
+    const Id id = scene.add_scene({.recording = 1, .frame_index = frame, .time = time});
+    const Id seen = scene.add_observation(
+        {.scene = id, .number = 0, .place = table, .position = Vector3d(1, 2, 0.8), .color = "red"});
+    const Id object = scene.add_object({});
+    scene.add_association({.scene = id,
+                           .observation = seen,
+                           .object = object,
+                           .explanation = "appear",
+                           .probability = 0.9,
+                           .chosen = true});
+    scene.add_event({.scene = id, .kind = "appeared", .object = object, .observation = seen, .place = table});
+    scene.add_belief({.object = object, .scene = id, .status = "seen", .place = table, .last_scene = id});
+    scene.commit();
+    return id;
+  }
+
+  Id make_memory() {
+    Store store = Store::open_write(file_);
+    const Id run = store.begin_run("test", "{}");
+    store.add_recording({.fingerprint = "abc", .name = "rec", .kind = "loci"});
+    add_one_scene(store, run, 0, 1000);
+    store.finish_run(run);
+    return run;
+  }
+};
+
+TEST_F(StoreTest, KeepsWhatASceneCommitted) {
+  make_memory();
+  const Store store = Store::open_read(file_);
+  ASSERT_EQ(store.scenes().size(), 1U);
+  const SceneRow scene = store.scenes()[0];
+  EXPECT_EQ(scene.time, 1000);
+  EXPECT_FALSE(scene.map_from_camera.has_value());
+  const auto seen = store.observations(scene.id);
+  ASSERT_EQ(seen.size(), 1U);
+  EXPECT_EQ(seen[0].color, std::optional<std::string>("red"));
+  EXPECT_TRUE(seen[0].position->isApprox(Vector3d(1, 2, 0.8)));
+  EXPECT_FALSE(seen[0].hsv.has_value());
+  EXPECT_EQ(store.sightings(1).size(), 1U);
+  EXPECT_EQ(store.events().size(), 1U);
+  EXPECT_EQ(store.beliefs().size(), 1U);
+  EXPECT_EQ(store.frames(1), (std::set<int64_t>{0}));
+  EXPECT_TRUE(store.recording("abc").has_value());
+  EXPECT_FALSE(store.recording("other").has_value());
+  NoProgress quiet;
+  EXPECT_THAT(store.verify(quiet).problems, testing::IsEmpty());
+}
+
+TEST_F(StoreTest, RollsBackASceneThatIsNotCommitted) {
+  const Id run = make_memory();
+  {
+    Store store = Store::open_write(file_);
+    {
+      SceneTransaction scene(store, run);
+      scene.add_scene({.time = 5});
+      scene.add_place({.name = "shelf_1", .class_name = "shelf"});
+    }
+    EXPECT_EQ(store.scenes().size(), 1U);
+    add_one_scene(store, run, 1, 2000);  // The store goes on.
+  }
+  const Store store = Store::open_read(file_);
+  EXPECT_EQ(store.scenes().size(), 2U);
+  EXPECT_EQ(store.places().size(), 1U);
+}
+
+TEST_F(StoreTest, SurvivesBeingKilledInTheMiddleOfAScene) {
+  make_memory();
+  const pid_t child = ::fork();
+  if (child == 0) {
+    Store store = Store::open_write(file_);
+    const Id run = store.begin_run("killed", "{}");
+    add_one_scene(store, run, 1, 2000);
+    SceneTransaction scene(store, run);
+    scene.add_scene({.recording = 1, .frame_index = 2, .time = 3000});
+    ::kill(::getpid(), SIGKILL);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  {
+    const Store store = Store::open_read(file_);
+    EXPECT_EQ(store.frames(1), (std::set<int64_t>{0, 1}));
+    NoProgress quiet;
+    EXPECT_THAT(store.verify(quiet).problems, testing::IsEmpty());
+  }
+  Store again = Store::open_write(file_);  // The dead writer's lock has fallen.
+  EXPECT_TRUE(again.writable());
+}
+
+TEST_F(StoreTest, ACleanCloseLeavesOneFileThatCanBeCopied) {
+  make_memory();
+  { const Store reader = Store::open_read(file_); }
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+  fs::copy_file(file_, folder_ / "copy.loci");
+  EXPECT_EQ(Store::open_read(folder_ / "copy.loci").scenes().size(), 1U);
+}
+
+TEST_F(StoreTest, RefusesASecondWriterButNotReaders) {
+  Store writer = Store::open_write(file_);
+  EXPECT_THAT(message([&] { Store::open_write(file_); }), HasSubstr("another program is writing"));
+  EXPECT_EQ(Store::open_read(file_).scenes().size(), 0U);
+}
+
+TEST_F(StoreTest, ReadersSeeWhatTheWriterHasCommitted) {
+  make_memory();
+  Store writer = Store::open_write(file_);
+  const Store reader = Store::open_read(file_);
+  add_one_scene(writer, 1, 1, 2000);
+  EXPECT_EQ(reader.scenes().size(), 2U);
+}
+
+TEST_F(StoreTest, RefusesToWriteWhenOpenForReading) {
+  make_memory();
+  Store store = Store::open_read(file_);
+  EXPECT_THAT(message([&] { store.begin_run("x", "{}"); }), HasSubstr("reading only"));
+  EXPECT_THAT(message([&] { SceneTransaction scene(store, 1); }), HasSubstr("reading only"));
+}
+
+TEST_F(StoreTest, ReadsFromAFolderWhereNothingCanBeWritten) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+  make_memory();
+  fs::permissions(folder_, fs::perms::owner_read | fs::perms::owner_exec);
+  EXPECT_EQ(Store::open_read(file_).scenes().size(), 1U);
+  fs::permissions(folder_, fs::perms::owner_all);
+}
+
+TEST_F(StoreTest, RefusesANewerMajorVersionAndNamesWhatReadsIt) {
+  make_memory();
+  {
+    SQLite::Database database(file_.string(), SQLite::OPEN_READWRITE);
+    database.exec("PRAGMA user_version = 2003");
+    database.exec("UPDATE meta SET value = 'loci 2.4.0' WHERE key = 'written_by'");
+  }
+  for (const auto& open : {&Store::open_read}) {
+    const std::string text = message([&] { open(file_); });
+    EXPECT_THAT(text, HasSubstr("memory format 2.3"));
+    EXPECT_THAT(text, HasSubstr("loci 2.4.0"));
+  }
+  EXPECT_THAT(message([&] { Store::open_write(file_); }), HasSubstr("memory format 2.3"));
+}
+
+TEST_F(StoreTest, ReadsANewerMinorVersionButDoesNotWriteIt) {
+  make_memory();
+  {
+    SQLite::Database database(file_.string(), SQLite::OPEN_READWRITE);
+    database.exec("PRAGMA user_version = " + std::to_string(kMemoryVersion + 1));
+  }
+  EXPECT_EQ(Store::open_read(file_).scenes().size(), 1U);
+  EXPECT_THAT(message([&] { Store::open_write(file_); }), HasSubstr("it can only be read"));
+}
+
+TEST_F(StoreTest, RefusesWhatIsNoMemory) {
+  EXPECT_THAT(message([&] { Store::open_read(file_); }), HasSubstr("no such memory"));
+  EXPECT_THAT(message([&] { Store::open_read(folder_); }), HasSubstr("is a folder"));
+  write_file_atomically(file_, "");
+  EXPECT_THAT(message([&] { Store::open_read(file_); }), HasSubstr("is empty"));
+  write_file_atomically(file_, std::string(5000, 'x'));
+  EXPECT_THAT(message([&] { Store::open_read(file_); }), HasSubstr("is no memory"));
+  EXPECT_THAT(message([&] { Store::open_write(file_); }), HasSubstr("is no memory"));
+  EXPECT_EQ(read_file(file_), std::string(5000, 'x'));
+  fs::remove(file_);
+  {
+    SQLite::Database(file_.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE).exec("CREATE TABLE t (x)");
+  }
+  EXPECT_THAT(message([&] { Store::open_read(file_); }), HasSubstr("no memory of loci"));
+  EXPECT_THAT(message([&] { Store::open_write(file_); }), HasSubstr("no memory of loci"));
+}
+
+TEST_F(StoreTest, RefusesATruncatedFileInOneLine) {
+  make_memory();
+  const std::string whole = read_file(file_);
+  for (const size_t size : {50UL, 4096UL, whole.size() / 2, whole.size() - 4096}) {
+    write_file_atomically(file_, std::string_view(whole).substr(0, size));
+    const std::string text = message([&] { Store::open_read(file_).scenes(); });
+    EXPECT_THAT(text, HasSubstr("damaged")) << size;
+    EXPECT_EQ(text.find('\n'), std::string::npos);
+  }
+}
+
+TEST_F(StoreTest, RowsWithTwoClocksCannotBeChanged) {
+  make_memory();
+  SQLite::Database database(file_.string(), SQLite::OPEN_READWRITE);
+  for (const char* table : {"association", "event", "object", "belief"})
+    EXPECT_THROW(database.exec(std::string("UPDATE ") + table + " SET known_to = 1"), SQLite::Exception);
+}
+
+TEST_F(StoreTest, ARowThatSupersedesAnotherEndsItsBeingKnown) {
+  const Id run = make_memory();
+  Store store = Store::open_write(file_, {.now = now() + 1000 * kSecond});
+  const EventRow wrong = store.events()[0];
+  const TimeNs before = now() + 500 * kSecond;
+  {
+    SceneTransaction correction(store, run);
+    EventRow right = wrong;
+    right.kind = "moved";
+    right.clock.supersedes = wrong.id;
+    right.clock.source = "Ada";
+    correction.add_event(right);
+    correction.commit();
+  }
+  ASSERT_EQ(store.events().size(), 1U);
+  EXPECT_EQ(store.events()[0].kind, "moved");
+  EXPECT_EQ(store.events()[0].clock.source, "Ada");
+  ASSERT_EQ(store.events({.at = {}, .known_at = before}).size(), 1U);
+  EXPECT_EQ(store.events({.at = {}, .known_at = before})[0].kind, "appeared");
+  EXPECT_EQ(store.events({.at = {}, .known_at = TimeNs{1}}).size(), 0U);
+}
+
+TEST_F(StoreTest, BlobsAreStoredOnceAndCompressedWhenItHelps) {
+  Store store = Store::open_write(file_);
+  const Id run = store.begin_run("test", "{}");
+  const std::string text(100000, 'a');
+  Id first = 0, second = 0;
+  {
+    SceneTransaction scene(store, run);
+    first = scene.add_blob(text, "text/plain");
+    second = scene.add_blob(text, "text/plain");
+    scene.commit();
+  }
+  EXPECT_EQ(first, second);
+  EXPECT_EQ(store.blob(first).bytes, text);
+  SQLite::Database database(file_.string());
+  EXPECT_LT(database.execAndGet("SELECT length(content) FROM blob").getInt(), 1000);
+}
+
+TEST_F(StoreTest, VerifyFindsADamagedBlobAndAWrongReference) {
+  Store store = Store::open_write(file_);
+  const Id run = store.begin_run("test", "{}");
+  {
+    SceneTransaction scene(store, run);
+    scene.add_blob("hello", "text/plain");
+    scene.add_scene({.time = 7});
+    scene.commit();
+  }
+  SQLite::Database database(file_.string(), SQLite::OPEN_READWRITE);
+  database.exec("UPDATE blob SET content = x'00'");
+  database.exec("PRAGMA foreign_keys = OFF");
+  database.exec("INSERT INTO observation (scene, number) VALUES (77, 0)");
+  NoProgress quiet;
+  EXPECT_THAT(store.verify(quiet).problems,
+              testing::UnorderedElementsAre(HasSubstr("observation row 1 refers to a scene"),
+                                            HasSubstr("blob 1 is not what its hash says")));
+}
+
+TEST_F(StoreTest, ViewsForPeopleAnswer) {
+  make_memory();
+  SQLite::Database database(file_.string());
+  EXPECT_EQ(database.execAndGet("SELECT object || place || status || last_seen FROM v_objects").getString(),
+            "object_1table_1seen1970-01-01T00:00:00Z");
+  EXPECT_EQ(database.execAndGet("SELECT kind FROM v_events").getString(), "appeared");
+  EXPECT_EQ(database.execAndGet("SELECT color FROM v_sightings").getString(), "red");
+  EXPECT_EQ(database.execAndGet("SELECT observations FROM v_scenes").getInt(), 1);
+}
+
+TEST(ObjectNames, AreIdsForPeople) {
+  EXPECT_EQ(object_name(12), "object_12");
+  EXPECT_EQ(object_id("object_12"), std::optional<Id>(12));
+  for (const char* text : {"object_", "object_x", "object_0", "object_1x", "12", "cup"})
+    EXPECT_FALSE(object_id(text).has_value()) << text;
+}
+
+TEST(DepthThumbnailTest, TellsWhatASceneSaysAboutASpot) {
+  SceneCamera camera{640, 480, 585, 585, 320, 240, 0.5, 5.0};
+  std::vector<float> depth(80 * 60, 2.0F);  // a wall at 2 m
+  for (size_t y = 0; y < 60; ++y)
+    depth[y * 80 + 20] = depth[y * 80 + 21] = depth[y * 80 + 22] = 1.0F;  // a pole
+  for (size_t y = 0; y < 60; ++y)
+    for (size_t x = 60; x < 80; ++x) depth[y * 80 + x] = 0;
+  depth = decode_depth_thumbnail(encode_depth_thumbnail(depth));
+  const DepthThumbnail thumbnail(camera, Isometry3d::Identity(), 80, 60, depth);
+  using Look = DepthThumbnail::Look;
+  EXPECT_EQ(thumbnail.look_at({0, 0, 2.0}), Look::seen);
+  EXPECT_EQ(thumbnail.look_at({0, 0, 1.2}), Look::seen_empty);
+  EXPECT_EQ(thumbnail.look_at({0, 0, 2.4}), Look::hidden);
+  EXPECT_EQ(thumbnail.look_at({0, 0, -1}), Look::out_of_view);
+  EXPECT_EQ(thumbnail.look_at({0, 0, 6}), Look::out_of_view);
+  EXPECT_EQ(thumbnail.look_at({5, 0, 2}), Look::out_of_view);
+  EXPECT_EQ(thumbnail.look_at({(21.0 - 40) / 73.1 * 1.5, 0, 1.5}), Look::hidden);
+  EXPECT_EQ(thumbnail.look_at({0.8, 0, 2}), Look::no_depth);
+}
+
+}  // namespace
+}  // namespace loci
