@@ -1,0 +1,275 @@
+#include "perception/annotators/hypotheses/object_clusters.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace loci {
+namespace {
+
+using Eigen::Vector2f;
+using Eigen::Vector3f;
+
+/// Everything that stands over one support, before it is taken apart.
+struct Standing {
+  std::vector<int> pixels;
+  std::vector<Vector3f> points;    ///< camera frame
+  std::vector<Vector3f> normals;   ///< camera frame
+  std::vector<Vector3f> in_plane;  ///< z = height over the support
+  std::vector<Vector3f> normals_in_plane;
+  std::vector<float> areas;  ///< of a pixel on the surface, m²
+};
+
+Vector3f vector_of(const cv::Vec3f& v) {
+  return {v[0], v[1], v[2]};
+}
+
+/// Gives every pixel to the highest support below it.
+std::vector<Standing> stand_on_supports(const cv::Mat& points, const cv::Mat& normals, const cv::Mat& region,
+                                        const std::vector<SupportPlane>& supports,
+                                        const ClusterOptions& options) {
+  // Beyond the outline by this much things are still looked at, to tell what merely reaches over the support.
+  constexpr double kAround = 0.15;
+  std::vector<Standing> standing(supports.size());
+  const auto* point = points.ptr<cv::Vec3f>();
+  const auto* normal = normals.ptr<cv::Vec3f>();
+  const float focal_squared = 550.0f * 550.0f;  // Areas are compared with each other only.
+  for (int i = 0; i < points.rows * points.cols; ++i) {
+    if (std::isnan(point[i][2])) continue;
+    const int label = region.empty() ? 0 : region.ptr<uint16_t>()[i];
+    if (!region.empty() && label == 0) continue;
+    const Vector3f p = vector_of(point[i]);
+    const double floor = options.floor_m + 1.5 * depth_noise(static_cast<double>(p.z()));
+    int best = -1;
+    Vector3d best_position = Vector3d::Zero();
+    for (size_t s = 0; s < supports.size(); ++s) {
+      if (supports[s].region != label) continue;
+      const Vector3d position = supports[s].in_plane(p.cast<double>());
+      if (position.z() > options.max_height_m || position.z() < -0.03) continue;
+      const double inside = supports[s].inside(position.head<2>());
+      if (inside < -kAround) continue;
+      if (std::abs(position.z()) <= floor && inside > -options.margin_m) {
+        best = -1;  // The support itself.
+        break;
+      }
+      if (position.z() <= floor) continue;
+      if (best < 0 || position.z() < best_position.z()) {
+        best = static_cast<int>(s);
+        best_position = position;
+      }
+    }
+    if (best < 0) continue;
+    Standing& target = standing[static_cast<size_t>(best)];
+    target.pixels.push_back(i);
+    target.points.push_back(p);
+    target.normals.push_back(vector_of(normal[i]));
+    target.in_plane.push_back(best_position.cast<float>());
+    target.normals_in_plane.push_back(
+        (supports[static_cast<size_t>(best)].camera_from_plane.linear().transpose().cast<float>() *
+         target.normals.back()));
+    target.areas.push_back(p.z() * p.z() / focal_squared);
+  }
+  return standing;
+}
+
+Standing subset(const Standing& all, const std::vector<size_t>& members) {
+  Standing part;
+  for (const size_t i : members) {
+    part.pixels.push_back(all.pixels[i]);
+    part.points.push_back(all.points[i]);
+    part.normals.push_back(all.normals[i]);
+    part.in_plane.push_back(all.in_plane[i]);
+    part.normals_in_plane.push_back(all.normals_in_plane[i]);
+    part.areas.push_back(all.areas[i]);
+  }
+  return part;
+}
+
+std::vector<std::vector<size_t>> members_of(const std::vector<int>& group_of, int count) {
+  std::vector<std::vector<size_t>> members(static_cast<size_t>(count));
+  for (size_t i = 0; i < group_of.size(); ++i) members[static_cast<size_t>(group_of[i])].push_back(i);
+  return members;
+}
+
+float percentile(std::vector<float> values, double fraction) {
+  const auto at = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<size_t>(at)];
+}
+
+class ClusterMaker {
+ public:
+  ClusterMaker(const cv::Mat& points, const SupportPlane& support, int index, const ClusterOptions& options)
+      : points_(points), support_(support), index_(index), options_(options) {}
+
+  /// A cluster of these points, or nothing when they do not look like a thing on the support.
+  std::optional<ObjectCluster> make(const Standing& thing) const {
+    ObjectCluster cluster;
+    cluster.support = index_;
+    cluster.pixels = thing.pixels;
+    if (static_cast<int>(thing.pixels.size()) < options_.min_points) return std::nullopt;
+    std::vector<float> axis(thing.pixels.size());
+    std::array<float, 3> low;
+    std::array<float, 3> high;
+    for (int a = 0; a < 3; ++a) {
+      for (size_t i = 0; i < axis.size(); ++i) axis[i] = thing.in_plane[i][a];
+      low[static_cast<size_t>(a)] = percentile(axis, 0.02);
+      high[static_cast<size_t>(a)] = percentile(axis, 0.98);
+    }
+    cluster.bottom = static_cast<double>(low[2]);
+    cluster.top = static_cast<double>(high[2]);
+    double depth = 0;
+    for (const Vector3f& p : thing.points) depth += static_cast<double>(p.z());
+    depth /= static_cast<double>(thing.points.size());
+    const double extent = static_cast<double>(std::max(high[0] - low[0], high[1] - low[1]));
+    if (cluster.top < std::max(options_.min_height_m, 3 * depth_noise(depth))) return std::nullopt;
+    if (std::max(extent, cluster.top) < options_.min_extent_m || extent > options_.max_extent_m)
+      return std::nullopt;
+    if (!over_support(thing, cluster)) return std::nullopt;
+    set_box(cluster);
+    return cluster;
+  }
+
+  /// Whether what could be seen below the thing is hidden by something nearer or lies outside the picture, so
+  /// that it may well stand on the support.
+  bool foot_hidden(const ObjectCluster& cluster) const {
+    const int rows = points_.rows;
+    const int cols = points_.cols;
+    const auto* point = points_.ptr<cv::Vec3f>();
+    std::vector<int> lowest(static_cast<size_t>(cluster.box.width), -1);
+    for (const int pixel : cluster.pixels) {
+      int& row = lowest[static_cast<size_t>(pixel % cols - cluster.box.x)];
+      row = std::max(row, pixel / cols);
+    }
+    int hidden = 0;
+    int seen = 0;
+    for (size_t i = 0; i < lowest.size(); ++i) {
+      if (lowest[i] < 0) continue;
+      const int col = cluster.box.x + static_cast<int>(i);
+      const float z = point[lowest[i] * cols + col][2];
+      int row = lowest[i] + 1;
+      while (row < rows && row < lowest[i] + 12 && std::isnan(point[row * cols + col][2])) ++row;
+      ++seen;
+      if (row >= rows || std::isnan(point[row * cols + col][2]) || point[row * cols + col][2] < z - 0.03f)
+        ++hidden;
+    }
+    return hidden > 0.5 * seen;
+  }
+
+ private:
+  /// Most of a thing is over the support; a chair or a wall behind it is not. Notes whether it reaches over.
+  bool over_support(const Standing& thing, ObjectCluster& cluster) const {
+    size_t over = 0;
+    size_t beyond = 0;
+    for (const Vector3f& p : thing.in_plane) {
+      const double inside = support_.inside(p.head<2>().cast<double>());
+      over += inside > -options_.margin_m ? 1 : 0;
+      beyond += inside < 0 ? 1 : 0;
+    }
+    const auto count = static_cast<double>(thing.in_plane.size());
+    cluster.at_region_border = static_cast<double>(beyond) > 0.02 * count;
+    return static_cast<double>(over) >= 0.6 * count;
+  }
+
+  void set_box(ObjectCluster& cluster) const {
+    const int cols = points_.cols;
+    int left = cols;
+    int right = 0;
+    int top = points_.rows;
+    int bottom = 0;
+    for (const int pixel : cluster.pixels) {
+      left = std::min(left, pixel % cols);
+      right = std::max(right, pixel % cols);
+      top = std::min(top, pixel / cols);
+      bottom = std::max(bottom, pixel / cols);
+    }
+    cluster.box = {left, top, right - left + 1, bottom - top + 1};
+    constexpr int kBorder = 4;  // Kinects leave the outermost columns empty.
+    cluster.at_image_border =
+        left < kBorder || top < kBorder || right >= cols - kBorder - 8 || bottom >= points_.rows - kBorder;
+  }
+
+  const cv::Mat& points_;
+  const SupportPlane& support_;
+  int index_;
+  const ClusterOptions& options_;
+};
+
+/// Convex parts of everything on a support: connected groups first, then each split at its concave edges.
+ConvexParts parts_of(const Standing& all, const ClusterOptions& options) {
+  ConvexParts parts;
+  parts.part_of_point.assign(all.pixels.size(), -1);
+  int groups = 0;
+  const std::vector<int> group_of =
+      euclidean_groups(all.points, static_cast<float>(options.tolerance_m * 0.6), groups);
+  for (const std::vector<size_t>& members : members_of(group_of, groups)) {
+    const Standing group = subset(all, members);
+    ConvexParts own;
+    if (options.split) {
+      std::vector<float> depths;
+      for (const Vector3f& p : group.points) depths.push_back(p.z());
+      const auto depth = static_cast<double>(percentile(depths, 0.5));
+      const double scale = std::max(1.0, depth_noise(depth) / depth_noise(1.0));
+      own = split_at_concave_edges(group.points, group.normals, scale, options.parts);
+    } else {
+      own.part_of_point.assign(members.size(), 0);
+      own.count = 1;
+    }
+    for (size_t i = 0; i < members.size(); ++i)
+      parts.part_of_point[members[i]] = parts.count + own.part_of_point[i];
+    for (const auto& [pair, contact] : own.contacts)
+      parts.contacts.push_back({{pair[0] + parts.count, pair[1] + parts.count}, contact});
+    parts.count += own.count;
+  }
+  return parts;
+}
+
+}  // namespace
+
+void ClusterOptions::declare(OptionTable& table) {
+  table.number("tolerance_m", tolerance_m, "m",
+               "Largest gap inside one object (at 1 m; grows with the noise).", 0.001, 1);
+  table.number("floor_m", floor_m, "m",
+               "Points this near to the plane belong to it (plus 1.5 times the noise).", 0, 0.1);
+  table.number("min_height_m", min_height_m, "m", "Lower things are part of the support.", 0, 1);
+  table.number("max_height_m", max_height_m, "m", "Points further above a support do not belong to it.", 0.05,
+               3);
+  table.number("min_extent_m", min_extent_m, "m", "Things that are smaller in every direction are noise.", 0,
+               1);
+  table.number("max_extent_m", max_extent_m, "m", "Things that are longer are furniture.", 0.05, 10);
+  table.integer("min_points", min_points, "px", "Fewest pixels of an object.", 1, 100000);
+  table.number("resting_m", resting_m, "m", "An object's foot is at most this far above what it stands on.",
+               0, 1);
+  table.number("margin_m", margin_m, "m", "How far an object may reach over the edge of its support.", 0, 1);
+  table.flag("split", split, "Split touching things where their surface is concave.");
+  parts.declare(table);
+  assembly.declare(table);
+}
+
+std::vector<ObjectCluster> extract_clusters(const cv::Mat& points, const cv::Mat& normals,
+                                            const cv::Mat& region, const PinholeCamera& camera,
+                                            const std::vector<SupportPlane>& supports,
+                                            const ClusterOptions& options) {
+  std::vector<ObjectCluster> clusters;
+  const std::vector<Standing> standing = stand_on_supports(points, normals, region, supports, options);
+  for (size_t s = 0; s < supports.size(); ++s) {
+    const Standing& all = standing[s];
+    const ClusterMaker maker(points, supports[s], static_cast<int>(s), options);
+    const Vector2f viewpoint = supports[s].in_plane(Vector3d::Zero()).head<2>().cast<float>();
+    const ConvexParts parts = parts_of(all, options);
+    int count = 0;
+    const std::vector<int> thing_of_part =
+        assemble_parts(parts,
+                       {all.in_plane, all.normals_in_plane, all.areas, viewpoint,
+                        supports[s].camera_from_plane, camera, points},
+                       options.assembly, count);
+    std::vector<int> thing_of_point(all.pixels.size());
+    for (size_t i = 0; i < thing_of_point.size(); ++i)
+      thing_of_point[i] = thing_of_part[static_cast<size_t>(parts.part_of_point[i])];
+    for (const std::vector<size_t>& thing : members_of(thing_of_point, count))
+      if (auto cluster = maker.make(subset(all, thing))) clusters.push_back(std::move(*cluster));
+  }
+  return clusters;
+}
+
+}  // namespace loci

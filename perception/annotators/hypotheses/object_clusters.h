@@ -1,0 +1,53 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "mapping/base/options.h"
+#include "perception/annotators/hypotheses/convex_parts.h"
+#include "perception/annotators/hypotheses/part_assembly.h"
+#include "perception/annotators/hypotheses/support_planes.h"
+
+namespace loci {
+
+/// What counts as an object on a support.
+struct ClusterOptions {
+  double tolerance_m = 0.02;
+  double floor_m = 0.005;
+  double min_height_m = 0.02;
+  double max_height_m = 0.6;
+  double min_extent_m = 0.025;
+  double max_extent_m = 0.7;
+  int min_points = 150;
+  double resting_m = 0.04;
+  double margin_m = 0.02;
+  bool split = true;
+  ConvexPartsOptions parts;
+  AssemblyOptions assembly;
+
+  void declare(OptionTable& table);
+};
+
+/// One thing on a support, as the pixels of the depth picture that show it.
+struct ObjectCluster {
+  int support = 0;                ///< index into the supports
+  std::vector<int> pixels;        ///< row · width + column, ascending
+  cv::Rect box;                   ///< around the pixels
+  double bottom = 0;              ///< lowest and
+  double top = 0;                 ///< highest point over the support (2nd and 98th percentile), metres
+  bool at_image_border = false;   ///< cut off by the edge of the picture
+  bool at_region_border = false;  ///< reaches over the edge of the support
+  int stands_on = -1;             ///< index of the cluster below it; -1 = the support itself
+};
+
+/// Objects on supports: connected points above a plane, split where they are concave, put together again
+/// where one thing only looks like several. `points` and `normals` are CV_32FC3 in the camera frame. `region`
+/// (CV_16U, may be empty) says which support's region of interest a pixel belongs to (SupportPlane::region);
+/// 0 = none, the pixel is left out.
+std::vector<ObjectCluster> extract_clusters(const cv::Mat& points, const cv::Mat& normals,
+                                            const cv::Mat& region, const PinholeCamera& camera,
+                                            const std::vector<SupportPlane>& supports,
+                                            const ClusterOptions& options);
+
+}  // namespace loci

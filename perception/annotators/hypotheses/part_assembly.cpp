@@ -1,0 +1,365 @@
+#include "perception/annotators/hypotheses/part_assembly.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+
+#include "perception/annotators/hypotheses/disjoint_sets.h"
+
+namespace loci {
+namespace {
+
+using Eigen::Vector2f;
+using Eigen::Vector3f;
+
+constexpr float kPi = std::numbers::pi_v<float>;
+
+/// One or several parts that are taken for one thing so far.
+struct Piece {
+  std::vector<int> points;
+  double area = 0;  ///< m², as seen
+  float bottom = 0;
+  float top = 0;
+  std::vector<cv::Point2f> footprint;  ///< convex, completed by reflection
+  float distance = 0;                  ///< of the mean from the viewpoint, in the plane
+  float bearing = 0;                   ///< of the mean as seen from there, radians
+  float left = 0, right = 0;           ///< angles between which it is seen, from the bearing
+  float facing_out = 0;                ///< see set_hollowness()
+};
+
+float percentile(std::vector<float>& values, double fraction) {
+  const auto at = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<size_t>(at)];
+}
+
+class Assembly {
+ public:
+  Assembly(const ConvexParts& parts, const PlaneCloud& cloud, const AssemblyOptions& options)
+      : cloud_(cloud), options_(options), sets_(static_cast<size_t>(parts.count)) {
+    pieces_.resize(static_cast<size_t>(parts.count));
+    for (size_t i = 0; i < parts.part_of_point.size(); ++i)
+      pieces_[static_cast<size_t>(parts.part_of_point[i])].points.push_back(static_cast<int>(i));
+    for (const auto& [pair, count] : parts.contacts) contacts_[pair] = count;
+    for (Piece& piece : pieces_) measure(piece);
+  }
+
+  void run() {
+    while (join_splinter()) {
+    }
+    while (join_cavity() || join_contained() || join_appendage() || join_hidden()) {
+    }
+  }
+
+  int piece_of(int part) { return static_cast<int>(sets_.find(static_cast<size_t>(part))); }
+
+ private:
+  bool alive(size_t i) { return sets_.find(i) == i; }
+
+  void measure(Piece& piece) const {
+    std::vector<float> heights;
+    piece.area = 0;
+    for (const int i : piece.points) {
+      heights.push_back(cloud_.points[static_cast<size_t>(i)].z());
+      piece.area += static_cast<double>(cloud_.areas[static_cast<size_t>(i)]);
+    }
+    piece.bottom = percentile(heights, 0.02);
+    piece.top = percentile(heights, 0.98);
+    set_footprint(piece);
+  }
+
+  /// Convex hull of the points and of their reflection about the middle of the line between the outermost
+  /// points to the left and to the right as the camera sees them.
+  void set_footprint(Piece& piece) const {
+    const size_t stride = std::max<size_t>(1, piece.points.size() / 2000);
+    std::vector<std::pair<float, Vector2f>> seen;
+    Vector2f mean = Vector2f::Zero();
+    for (size_t k = 0; k < piece.points.size(); k += stride) {
+      const Vector2f p = cloud_.points[static_cast<size_t>(piece.points[k])].head<2>();
+      seen.emplace_back(0.0f, p);
+      mean += p;
+    }
+    mean /= static_cast<float>(seen.size());
+    piece.distance = (mean - cloud_.viewpoint).norm();
+    const Vector2f ahead = (mean - cloud_.viewpoint).normalized();
+    for (auto& [angle, p] : seen) {
+      const Vector2f to = p - cloud_.viewpoint;
+      angle = std::atan2(ahead.x() * to.y() - ahead.y() * to.x(), ahead.dot(to));
+    }
+    std::sort(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    const size_t tail = seen.size() / 50;
+    const Vector2f middle = 0.5f * (seen[tail].second + seen[seen.size() - 1 - tail].second);
+    std::vector<cv::Point2f> both;
+    for (size_t k = tail; k < seen.size() - tail; ++k) {
+      const Vector2f p = seen[k].second;
+      const Vector2f q = 2.0f * middle - p;
+      both.emplace_back(p.x(), p.y());
+      both.emplace_back(q.x(), q.y());
+    }
+    cv::convexHull(both, piece.footprint);
+    piece.left = seen[tail].first;
+    piece.right = seen[seen.size() - 1 - tail].first;
+    piece.bearing = std::atan2(ahead.y(), ahead.x());
+    set_hollowness(piece, mean);
+  }
+
+  /// Whether the walls of a piece face its middle (-1) or away from it (1).
+  void set_hollowness(Piece& piece, const Vector2f& mean) const {
+    float facing = 0;
+    float all = 0;
+    for (const int i : piece.points) {
+      const Vector2f normal = cloud_.normals[static_cast<size_t>(i)].head<2>();
+      const Vector2f out = cloud_.points[static_cast<size_t>(i)].head<2>() - mean;
+      if (!normal.allFinite()) continue;
+      facing += normal.dot(out);
+      all += normal.norm() * out.norm();
+    }
+    piece.facing_out = all > 0 ? facing / all : 0;
+  }
+
+  /// Which share of a piece's points lies within an outline.
+  double share_within(const Piece& inner, const std::vector<cv::Point2f>& outline, double slack) const {
+    if (outline.size() < 3) return 0;
+    const size_t stride = std::max<size_t>(1, inner.points.size() / 300);
+    int within = 0;
+    int count = 0;
+    for (size_t k = 0; k < inner.points.size(); k += stride, ++count) {
+      const Vector3f& p = cloud_.points[static_cast<size_t>(inner.points[k])];
+      within += cv::pointPolygonTest(outline, {p.x(), p.y()}, true) > -slack ? 1 : 0;
+    }
+    return static_cast<double>(within) / count;
+  }
+
+  void join(size_t a, size_t b) {
+    const size_t keep = std::min(a, b);
+    const size_t gone = std::max(a, b);
+    sets_.join(keep, gone);
+    pieces_[keep].points.insert(pieces_[keep].points.end(), pieces_[gone].points.begin(),
+                                pieces_[gone].points.end());
+    pieces_[gone].points.clear();
+    measure(pieces_[keep]);
+    std::map<std::array<int, 2>, int> contacts;
+    for (const auto& [pair, count] : contacts_) {
+      const int first = piece_of(pair[0]);
+      const int second = piece_of(pair[1]);
+      if (first != second) contacts[{std::min(first, second), std::max(first, second)}] += count;
+    }
+    contacts_ = std::move(contacts);
+  }
+
+  int contact(size_t a, size_t b) const {
+    const auto it = contacts_.find({static_cast<int>(std::min(a, b)), static_cast<int>(std::max(a, b))});
+    return it == contacts_.end() ? 0 : it->second;
+  }
+
+  /// The piece that `a` touches most; pieces_.size() = none.
+  size_t most_touched(size_t a) const {
+    size_t best = pieces_.size();
+    int most = 0;
+    for (const auto& [pair, count] : contacts_) {
+      const auto first = static_cast<size_t>(pair[0]);
+      const auto second = static_cast<size_t>(pair[1]);
+      if ((first != a && second != a) || count <= most) continue;
+      most = count;
+      best = first == a ? second : first;
+    }
+    return best;
+  }
+
+  bool join_splinter() {
+    size_t smallest = pieces_.size();
+    for (size_t i = 0; i < pieces_.size(); ++i) {
+      if (!alive(i) || pieces_[i].area >= options_.splinter_m2) continue;
+      if (most_touched(i) == pieces_.size()) continue;
+      if (smallest == pieces_.size() || pieces_[i].area < pieces_[smallest].area) smallest = i;
+    }
+    if (smallest == pieces_.size()) return false;
+    join(smallest, most_touched(smallest));
+    return true;
+  }
+
+  bool join_contained() {
+    for (size_t inner = 0; inner < pieces_.size(); ++inner) {
+      if (!alive(inner)) continue;
+      for (size_t outer = 0; outer < pieces_.size(); ++outer) {
+        if (outer == inner || !alive(outer) || pieces_[outer].area < pieces_[inner].area) continue;
+        const Piece& a = pieces_[inner];
+        const Piece& b = pieces_[outer];
+        const auto slack = static_cast<float>(options_.slack_m);
+        if (a.top > b.top + slack || a.bottom < b.bottom - slack) continue;
+        if (share_within(a, b.footprint, options_.slack_m) < options_.within) continue;
+        join(inner, outer);
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// Share of `inner`'s bearings that lie between those of `outer`.
+  double share_between(const Piece& inner, const Piece& outer) const {
+    float turn = inner.bearing - outer.bearing;
+    if (turn > kPi) turn -= 2 * kPi;
+    if (turn < -kPi) turn += 2 * kPi;
+    const float slack = static_cast<float>(options_.slack_m) / std::max(0.1f, outer.distance);
+    const float low = std::max(inner.left + turn, outer.left - slack);
+    const float high = std::min(inner.right + turn, outer.right + slack);
+    return static_cast<double>((high - low) / std::max(1e-6f, inner.right - inner.left));
+  }
+
+  /// The inside of a vessel with the wall before it.
+  bool join_cavity() {
+    const auto slack = static_cast<float>(options_.slack_m);
+    for (size_t inner = 0; inner < pieces_.size(); ++inner) {
+      const Piece& a = pieces_[inner];
+      if (!alive(inner) || a.facing_out > -0.1f || a.area < options_.splinter_m2) continue;
+      size_t best = pieces_.size();
+      for (size_t outer = 0; outer < pieces_.size(); ++outer) {
+        const Piece& b = pieces_[outer];
+        if (outer == inner || !alive(outer) || b.facing_out < 0 || b.area < options_.splinter_m2) continue;
+        const float width = (b.right - b.left) * b.distance;
+        if (std::abs(a.top - b.top) > slack || a.distance < b.distance || a.distance > b.distance + width)
+          continue;
+        if (share_between(a, b) < options_.within) continue;
+        if (best == pieces_.size() || b.distance > pieces_[best].distance) best = outer;
+      }
+      if (best == pieces_.size()) continue;
+      join(inner, best);
+      return true;
+    }
+    return false;
+  }
+
+  /// Whether `a` stands on top of `b`.
+  bool on_top(const Piece& a, const Piece& b) const {
+    return a.bottom > b.bottom + 0.02f && a.top > b.top + 0.02f &&
+           share_within(a, b.footprint, options_.slack_m) > 0.6;
+  }
+
+  bool join_appendage() {
+    for (size_t i = 0; i < pieces_.size(); ++i) {
+      if (!alive(i)) continue;
+      const size_t host = most_touched(i);
+      if (host == pieces_.size()) continue;
+      const Piece& a = pieces_[i];
+      const Piece& b = pieces_[host];
+      if (a.area > options_.appendage * b.area || on_top(a, b)) continue;
+      const bool hovers = static_cast<double>(a.bottom) > options_.hovering_m;
+      const bool tiny = a.area < 0.12 * b.area;
+      if (!hovers && !tiny) continue;
+      join(i, host);
+      return true;
+    }
+    return false;
+  }
+
+  enum class Space { free, taken, hidden, unknown };
+
+  /// What the picture says about a position in the plane's frame.
+  Space space_at(const Vector3f& position) const {
+    const Vector3d p = cloud_.camera_from_plane * position.cast<double>();
+    if (p.z() <= 0.1) return Space::unknown;
+    const Vector2d pixel = cloud_.camera.project(p);
+    if (!cloud_.camera.contains(pixel)) return Space::unknown;
+    const float z = cloud_.image_points.at<cv::Vec3f>(static_cast<int>(std::lround(pixel.y())),
+                                                      static_cast<int>(std::lround(pixel.x())))[2];
+    if (std::isnan(z)) return Space::unknown;
+    const double behind = p.z() - static_cast<double>(z);
+    return behind < -0.012 ? Space::free : behind > 0.03 ? Space::hidden : Space::taken;
+  }
+
+  /// Whether the convex completion of two pieces is nowhere seen to be empty, and hidden in between.
+  bool one_behind_something(const Piece& a, const Piece& b) const {
+    std::vector<cv::Point2f> both = a.footprint;
+    both.insert(both.end(), b.footprint.begin(), b.footprint.end());
+    std::vector<cv::Point2f> hull;
+    cv::convexHull(both, hull);
+    const double own = cv::contourArea(a.footprint) + cv::contourArea(b.footprint);
+    if (cv::contourArea(hull) > 2 * own) return false;
+    Vector2f low = Vector2f::Constant(1e9f);
+    Vector2f high = Vector2f::Constant(-1e9f);
+    for (const cv::Point2f& p : hull) {
+      low = low.cwiseMin(Vector2f(p.x, p.y));
+      high = high.cwiseMax(Vector2f(p.x, p.y));
+    }
+    int free = 0;
+    int hidden = 0;
+    int known = 0;
+    for (float x = low.x(); x <= high.x(); x += 0.008f)
+      for (float y = low.y(); y <= high.y(); y += 0.008f) {
+        if (cv::pointPolygonTest(hull, {x, y}, true) < 0.008) continue;
+        if (cv::pointPolygonTest(a.footprint, {x, y}, false) > 0) continue;
+        if (cv::pointPolygonTest(b.footprint, {x, y}, false) > 0) continue;
+        for (const float part : {0.5f, 0.85f}) {
+          const Space space = space_at({x, y, part * std::min(a.top, b.top)});
+          known += space == Space::unknown ? 0 : 1;
+          free += space == Space::free ? 1 : 0;
+          hidden += space == Space::hidden ? 1 : 0;
+        }
+      }
+    return hidden > 0.3 * known && free < 0.1 * known;
+  }
+
+  double gap(const Piece& a, const Piece& b) const {
+    double least = 1e9;
+    for (const cv::Point2f& p : a.footprint)
+      least = std::min(least, -cv::pointPolygonTest(b.footprint, p, true));
+    for (const cv::Point2f& p : b.footprint)
+      least = std::min(least, -cv::pointPolygonTest(a.footprint, p, true));
+    return least;
+  }
+
+  bool join_hidden() {
+    for (size_t i = 0; i < pieces_.size(); ++i) {
+      if (!alive(i) || pieces_[i].area < options_.splinter_m2) continue;
+      for (size_t k = i + 1; k < pieces_.size(); ++k) {
+        if (!alive(k) || pieces_[k].area < options_.splinter_m2 || contact(i, k) > 0) continue;
+        if (std::abs(pieces_[i].top - pieces_[k].top) > static_cast<float>(options_.slack_m)) continue;
+        if (gap(pieces_[i], pieces_[k]) > options_.hidden_gap_m) continue;
+        if (!one_behind_something(pieces_[i], pieces_[k])) continue;
+        join(i, k);
+        return true;
+      }
+    }
+    return false;
+  }
+
+  const PlaneCloud& cloud_;
+  const AssemblyOptions& options_;
+  DisjointSets sets_;
+  std::vector<Piece> pieces_;
+  std::map<std::array<int, 2>, int> contacts_;
+};
+
+}  // namespace
+
+void AssemblyOptions::declare(OptionTable& table) {
+  table.number("splinter_m2", splinter_m2, "m2", "Smaller parts go to the neighbour that they touch most.", 0,
+               0.1);
+  table.number("within", within, "",
+               "Share of a part that lies in another's footprint when it belongs to it.", 0, 1);
+  table.number("slack_m", slack_m, "m", "By how much it may stick out.", 0, 0.2);
+  table.number("appendage", appendage, "", "Largest size of a handle relative to its thing.", 0, 1);
+  table.number("hovering_m", hovering_m, "m", "A part whose foot is higher does not stand by itself.", 0,
+               0.5);
+  table.number("hidden_gap_m", hidden_gap_m, "m",
+               "Parts of one height are one thing when at most this much between them is hidden.", 0, 1);
+}
+
+std::vector<int> assemble_parts(const ConvexParts& parts, const PlaneCloud& cloud,
+                                const AssemblyOptions& options, int& count) {
+  Assembly assembly(parts, cloud, options);
+  assembly.run();
+  std::vector<int> number(static_cast<size_t>(parts.count), -1);
+  std::vector<int> thing_of_part(static_cast<size_t>(parts.count));
+  count = 0;
+  for (int part = 0; part < parts.count; ++part) {
+    int& n = number[static_cast<size_t>(assembly.piece_of(part))];
+    if (n < 0) n = count++;
+    thing_of_part[static_cast<size_t>(part)] = n;
+  }
+  return thing_of_part;
+}
+
+}  // namespace loci

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "mapping/base/pose.h"
+#include "mapping/sensor/camera.h"
+#include "perception/annotators/hypotheses/convex_parts.h"
+
+namespace loci {
+
+/// What assembling parts to things goes by.
+struct AssemblyOptions {
+  double splinter_m2 = 0.0004;
+  double within = 0.8;
+  double slack_m = 0.012;
+  double appendage = 0.25;
+  double hovering_m = 0.03;
+  double hidden_gap_m = 0.12;
+
+  void declare(OptionTable& table);
+};
+
+/// A cloud over one support. Frame: the support's plane, z = height; metres.
+struct PlaneCloud {
+  const std::vector<Eigen::Vector3f>& points;
+  const std::vector<Eigen::Vector3f>& normals;
+  const std::vector<float>& areas;  ///< what each point stands for, m²
+  Eigen::Vector2f viewpoint;        ///< where the camera is
+  const Isometry3d& camera_from_plane;
+  const PinholeCamera& camera;
+  const cv::Mat&
+      image_points;  ///< CV_32FC3, the whole picture in the camera frame: what is free, what hidden
+};
+
+/// Puts convex parts together to things:
+/// splinters go to the neighbour that they touch most; what lies within another part's footprint and below
+/// its top (the inside of a bowl, the back of a rim) belongs to it; a small part that hovers or sticks to a
+/// large one without standing on top of it (a handle) belongs to it; a far wall that ends at the same rim as
+/// a near one and faces inwards is the inside of the same vessel; and two parts of one height, between which
+/// there is nothing but what is hidden by something nearer, are one thing. Only the front of a thing is seen:
+/// its footprint is completed by reflection. Gives a thing number per part in [0, count).
+std::vector<int> assemble_parts(const ConvexParts& parts, const PlaneCloud& cloud,
+                                const AssemblyOptions& options, int& count);
+
+}  // namespace loci

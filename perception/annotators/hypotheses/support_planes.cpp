@@ -1,0 +1,403 @@
+#include "perception/annotators/hypotheses/support_planes.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+
+#include "mapping/base/random.h"
+
+namespace loci {
+namespace {
+
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+constexpr double kCell = 0.02;  ///< of the top-down grid in which area and outline are found, metres
+
+Vector3d vector_of(const cv::Vec3f& v) {
+  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+}
+
+struct Sample {
+  Vector3d point;
+  int pixel;
+  double weight;
+};
+
+/// Pixels near a plane whose normals agree with it.
+std::vector<Sample> samples_near(const cv::Mat& points, const cv::Mat& normals, const cv::Mat& mask,
+                                 const Vector3d& normal, double offset, double reach, double cosine) {
+  std::vector<Sample> samples;
+  const auto* point = points.ptr<cv::Vec3f>();
+  const auto* direction = normals.ptr<cv::Vec3f>();
+  const unsigned char* allowed = mask.empty() ? nullptr : mask.ptr<unsigned char>();
+  const int count = points.rows * points.cols;
+  const cv::Vec3f n(static_cast<float>(normal.x()), static_cast<float>(normal.y()),
+                    static_cast<float>(normal.z()));
+  for (int i = 0; i < count; ++i) {
+    if (allowed && !allowed[i]) continue;
+    const double z = static_cast<double>(point[i][2]);
+    if (!(z > 0) || !(static_cast<double>(n.dot(direction[i])) > cosine)) continue;
+    if (std::abs(static_cast<double>(n.dot(point[i])) - offset) > reach + depth_noise(z)) continue;
+    samples.push_back({vector_of(point[i]), i, 1.0 / (z * z)});
+  }
+  return samples;
+}
+
+/// Least-squares plane; false when the samples do not span one.
+bool fit_plane(const std::vector<Sample>& samples, Vector3d& normal, double& offset) {
+  double weight = 0;
+  Vector3d mean = Vector3d::Zero();
+  for (const Sample& s : samples) {
+    weight += s.weight;
+    mean += s.weight * s.point;
+  }
+  if (samples.size() < 50 || weight <= 0) return false;
+  mean /= weight;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const Sample& s : samples) covariance += s.weight * (s.point - mean) * (s.point - mean).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  const Vector3d fitted = solver.eigenvectors().col(0);
+  normal = fitted.dot(normal) < 0 ? Vector3d(-fitted) : fitted;
+  offset = normal.dot(mean);
+  return true;
+}
+
+Vector6d monomials(double x, double y) {
+  Vector6d m;
+  m << 1, x, y, x * x, x * y, y * y;
+  return m;
+}
+
+/// Fits the bend to the inliers and leaves out, step by step, what stands off it.
+void fit_bend(const std::vector<Sample>& samples, SupportPlane& plane) {
+  const Isometry3d plane_from_camera = plane.camera_from_plane.inverse();
+  const size_t stride = std::max<size_t>(1, samples.size() / 20000);
+  double reach = 0.02;
+  for (int round = 0; round < 3; ++round) {
+    Eigen::Matrix<double, 6, 6> a = Eigen::Matrix<double, 6, 6>::Identity() * 1e-6;
+    Vector6d b = Vector6d::Zero();
+    for (size_t i = 0; i < samples.size(); i += stride) {
+      const Vector3d p = plane_from_camera * samples[i].point;
+      const Vector6d m = monomials(p.x(), p.y());
+      const double bent = Eigen::Map<const Vector6d>(plane.bend.data()).dot(m);
+      if (std::abs(p.z() - bent) > reach + depth_noise(samples[i].point.z())) continue;
+      a += samples[i].weight * m * m.transpose();
+      b += samples[i].weight * p.z() * m;
+    }
+    const Vector6d solved = a.ldlt().solve(b);
+    std::copy_n(solved.data(), 6, plane.bend.begin());
+    reach = std::max(0.006, reach * 0.6);
+  }
+}
+
+/// A top-down grid of what was seen of a plane.
+struct Grid {
+  cv::Mat cells;  ///< CV_8U, 255 = seen
+  Vector2d origin = Vector2d::Zero();
+
+  Vector2d centre(int row, int col) const { return origin + kCell * Vector2d(col + 0.5, row + 0.5); }
+};
+
+Grid grid_of(const std::vector<Vector2d>& positions) {
+  Grid grid;
+  Vector2d low = Vector2d::Constant(1e9);
+  Vector2d high = Vector2d::Constant(-1e9);
+  for (const Vector2d& p : positions) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const double limit = 20.0;  // Metres; a Kinect sees less.
+  high = high.cwiseMin(low + Vector2d::Constant(limit));
+  grid.origin = low;
+  const int cols = static_cast<int>((high.x() - low.x()) / kCell) + 1;
+  const int rows = static_cast<int>((high.y() - low.y()) / kCell) + 1;
+  grid.cells = cv::Mat::zeros(rows, cols, CV_8U);
+  for (const Vector2d& p : positions) {
+    const int col = static_cast<int>((p.x() - low.x()) / kCell);
+    const int row = static_cast<int>((p.y() - low.y()) / kCell);
+    if (col >= 0 && row >= 0 && col < cols && row < rows) grid.cells.at<unsigned char>(row, col) = 255;
+  }
+  return grid;
+}
+
+std::vector<Vector2d> hull_of(const cv::Mat& cells, const Grid& grid) {
+  std::vector<cv::Point2f> centres;
+  for (int row = 0; row < cells.rows; ++row)
+    for (int col = 0; col < cells.cols; ++col)
+      if (cells.at<unsigned char>(row, col)) {
+        const Vector2d c = grid.centre(row, col);
+        centres.emplace_back(static_cast<float>(c.x()), static_cast<float>(c.y()));
+      }
+  std::vector<cv::Point2f> hull;
+  if (centres.size() >= 3) cv::convexHull(centres, hull);
+  std::vector<Vector2d> outline;
+  double twice_area = 0;
+  for (size_t i = 0; i < hull.size(); ++i) {
+    const cv::Point2f& a = hull[i];
+    const cv::Point2f& b = hull[(i + 1) % hull.size()];
+    twice_area += static_cast<double>(a.x * b.y - a.y * b.x);
+    outline.emplace_back(static_cast<double>(a.x), static_cast<double>(a.y));
+  }
+  if (twice_area < 0) std::reverse(outline.begin(), outline.end());
+  return outline;
+}
+
+/// A frame on the plane whose x axis is as far as possible the camera's.
+Isometry3d plane_frame(const Vector3d& normal, const Vector3d& origin) {
+  Vector3d x = Vector3d::UnitX() - normal * normal.x();
+  if (x.norm() < 0.1) x = Vector3d::UnitZ() - normal * normal.z();
+  x.normalize();
+  Isometry3d frame = Isometry3d::Identity();
+  frame.linear().col(0) = x;
+  frame.linear().col(1) = normal.cross(x);
+  frame.linear().col(2) = normal;
+  frame.translation() = origin;
+  return frame;
+}
+
+void set_area_and_outline(const std::vector<Sample>& inliers, SupportPlane& plane) {
+  const Isometry3d plane_from_camera = plane.camera_from_plane.inverse();
+  std::vector<Vector2d> positions;
+  positions.reserve(inliers.size());
+  for (const Sample& s : inliers) positions.push_back((plane_from_camera * s.point).head<2>());
+  const Grid grid = grid_of(positions);
+  // Sparse far rows leave gaps between cells; single cells are flying pixels.
+  cv::Mat solid;
+  cv::morphologyEx(grid.cells, solid, cv::MORPH_CLOSE, cv::Mat::ones(3, 3, CV_8U));
+  plane.area = kCell * kCell * cv::countNonZero(solid);
+  cv::morphologyEx(solid, solid, cv::MORPH_OPEN, cv::Mat::ones(3, 3, CV_8U));
+  plane.outline = hull_of(solid, grid);
+}
+
+std::vector<Sample> bent_inliers(const std::vector<Sample>& samples, SupportPlane& plane) {
+  std::vector<Sample> inliers;
+  double sum = 0;
+  for (const Sample& s : samples) {
+    const double height = plane.in_plane(s.point).z();
+    if (std::abs(height) > 0.006 + depth_noise(s.point.z())) continue;
+    inliers.push_back(s);
+    sum += height * height;
+  }
+  plane.inliers = static_cast<int>(inliers.size());
+  plane.deviation = inliers.empty() ? 0 : std::sqrt(sum / static_cast<double>(inliers.size()));
+  return inliers;
+}
+
+/// Splits one height into supports that are apart: each a mask of pixels.
+std::vector<cv::Mat> separate(const std::vector<Sample>& samples, const Isometry3d& plane_from_camera,
+                              const cv::Size& size, const SupportOptions& options) {
+  std::vector<Vector2d> positions;
+  positions.reserve(samples.size());
+  for (const Sample& s : samples) positions.push_back((plane_from_camera * s.point).head<2>());
+  const Grid grid = grid_of(positions);
+  const int reach = std::max(1, static_cast<int>(options.bridge_m / kCell / 2));
+  cv::Mat bridged;
+  cv::dilate(grid.cells, bridged,
+             cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * reach + 1, 2 * reach + 1}));
+  cv::Mat labels;
+  const int count = cv::connectedComponents(bridged, labels);
+  std::vector<int> cells(static_cast<size_t>(count), 0);
+  for (int row = 0; row < labels.rows; ++row)
+    for (int col = 0; col < labels.cols; ++col)
+      if (grid.cells.at<unsigned char>(row, col)) ++cells[static_cast<size_t>(labels.at<int>(row, col))];
+  std::vector<cv::Mat> masks(static_cast<size_t>(count));
+  for (size_t i = 0; i < samples.size(); ++i) {
+    const int col = static_cast<int>((positions[i].x() - grid.origin.x()) / kCell);
+    const int row = static_cast<int>((positions[i].y() - grid.origin.y()) / kCell);
+    if (col < 0 || row < 0 || col >= labels.cols || row >= labels.rows) continue;
+    const auto label = static_cast<size_t>(labels.at<int>(row, col));
+    if (label == 0 || cells[label] * kCell * kCell < 0.5 * options.min_area_m2) continue;
+    if (masks[label].empty()) masks[label] = cv::Mat::zeros(size, CV_8U);
+    masks[label].ptr<unsigned char>()[samples[i].pixel] = 255;
+  }
+  std::erase_if(masks, [](const cv::Mat& m) { return m.empty(); });
+  return masks;
+}
+
+/// Whether `upper` is the top of a thing that stands on `lower` rather than a support of its own right.
+bool is_top_of_object(const SupportPlane& upper, const SupportPlane& lower) {
+  if (upper.area > 0.3 * lower.area) return false;
+  const Vector3d centre = lower.in_plane(upper.camera_from_plane.translation());
+  if (centre.z() < 0.01 || centre.z() > 0.35 || upper.outline.empty()) return false;
+  int within = 0;
+  for (const Vector2d& corner : upper.outline) {
+    const Vector3d p = upper.camera_from_plane * Vector3d(corner.x(), corner.y(), 0);
+    within += lower.inside(lower.in_plane(p).head<2>()) > -0.03 ? 1 : 0;
+  }
+  return within >= 0.7 * static_cast<double>(upper.outline.size());
+}
+
+std::vector<SupportPlane> horizontal_supports(const cv::Mat& points, const cv::Mat& normals,
+                                              const Vector3d& up, const SupportOptions& options) {
+  const double cosine = std::cos(options.normal_deg * std::numbers::pi / 180);
+  std::vector<Sample> all = samples_near(points, normals, {}, up, -options.max_below_camera_m / 2,
+                                         options.max_below_camera_m / 2 + 0.5, cosine);
+  constexpr double kBin = 0.01;
+  const auto bins = static_cast<size_t>((options.max_below_camera_m + 1.0) / kBin) + 1;
+  std::vector<int> bin_of(all.size(), -1);
+  std::vector<double> area(bins, 0);
+  for (size_t i = 0; i < all.size(); ++i) {
+    const double bin = (up.dot(all[i].point) + options.max_below_camera_m) / kBin;
+    if (bin < 0 || bin >= static_cast<double>(bins)) continue;
+    bin_of[i] = static_cast<int>(bin);
+    // The area behind a pixel, but for the focal length, which is the same for all.
+    const double cos_view = std::max(0.15, -up.dot(all[i].point.normalized()));
+    area[static_cast<size_t>(bin_of[i])] += all[i].point.z() * all[i].point.z() / cos_view;
+  }
+  std::vector<SupportPlane> found;
+  for (int attempt = 0; attempt < 12; ++attempt) {
+    size_t peak = 0;
+    double best = 0;
+    for (size_t i = 1; i + 1 < bins; ++i) {
+      const double sum = area[i - 1] + area[i] + area[i + 1];
+      if (sum > best) {
+        best = sum;
+        peak = i;
+      }
+    }
+    if (best / (600.0 * 600.0) < options.min_area_m2 / 2) break;
+    std::vector<Sample> layer;
+    const int reach = static_cast<int>(options.inlier_m / kBin) + 1;
+    for (size_t i = 0; i < all.size(); ++i)
+      if (bin_of[i] >= 0 && std::abs(bin_of[i] - static_cast<int>(peak)) <= reach) layer.push_back(all[i]);
+    const double height = (static_cast<double>(peak) + 0.5) * kBin - options.max_below_camera_m;
+    const Isometry3d plane_from_camera = plane_frame(up, up * height).inverse();
+    for (const cv::Mat& mask : separate(layer, plane_from_camera, points.size(), options))
+      if (auto plane = refine_support(points, normals, mask, up, height, options)) found.push_back(*plane);
+    for (int b = -reach; b <= reach; ++b) {
+      const int bin = static_cast<int>(peak) + b;
+      if (bin >= 0 && bin < static_cast<int>(bins)) area[static_cast<size_t>(bin)] = 0;
+    }
+    for (size_t i = 0; i < all.size(); ++i)
+      if (std::abs(bin_of[i] - static_cast<int>(peak)) <= reach) bin_of[i] = -1;
+  }
+  std::vector<SupportPlane> result;
+  for (size_t i = 0; i < found.size(); ++i) {
+    bool own = true;
+    for (size_t k = 0; k < found.size() && own; ++k) own = i == k || !is_top_of_object(found[i], found[k]);
+    if (own) result.push_back(found[i]);
+  }
+  std::sort(result.begin(), result.end(), [&](const SupportPlane& a, const SupportPlane& b) {
+    return up.dot(a.camera_from_plane.translation()) < up.dot(b.camera_from_plane.translation());
+  });
+  return result;
+}
+
+/// The direction of the plane that most of what looks upwards in the picture agrees with.
+std::optional<Vector3d> dominant_plane(const cv::Mat& points, const cv::Mat& normals, double inlier,
+                                       double cosine, double& offset) {
+  std::vector<Sample> samples;
+  std::vector<Vector3d> directions;
+  const auto* point = points.ptr<cv::Vec3f>();
+  const auto* direction = normals.ptr<cv::Vec3f>();
+  for (int i = 0; i < points.rows * points.cols; i += 13) {
+    const Vector3d n = vector_of(direction[i]);
+    if (!(n.y() < -0.2)) continue;
+    samples.push_back({vector_of(point[i]), i, static_cast<double>(point[i][2])});
+    directions.push_back(n);
+  }
+  if (samples.size() < 100) return std::nullopt;
+  Random random(1);
+  double best = 0;
+  std::optional<Vector3d> normal;
+  for (int trial = 0; trial < 300; ++trial) {
+    const Vector3d& a = samples[random.index(samples.size())].point;
+    const Vector3d& b = samples[random.index(samples.size())].point;
+    const Vector3d& c = samples[random.index(samples.size())].point;
+    Vector3d n = (b - a).cross(c - a);
+    if (n.norm() < 1e-3) continue;
+    n.normalize();
+    if (n.y() > 0) n = -n;
+    if (n.y() > -0.2) continue;
+    double score = 0;
+    for (size_t i = 0; i < samples.size(); ++i)
+      if (std::abs(n.dot(samples[i].point - a)) < inlier / 2 && n.dot(directions[i]) > cosine)
+        score += samples[i].weight * samples[i].weight;
+    if (score > best) {
+      best = score;
+      normal = n;
+      offset = n.dot(a);
+    }
+  }
+  return normal;
+}
+
+}  // namespace
+
+void SupportOptions::declare(OptionTable& table) {
+  table.number("inlier_m", inlier_m, "m",
+               "Largest distance of a point from the plane it supports (2 to 5 cm).", 0.002, 0.1);
+  table.number("normal_deg", normal_deg, "deg", "Largest angle between a point's normal and the plane's.", 1,
+               80);
+  table.number("min_area_m2", min_area_m2, "m2", "Supports of which less is seen are left out.", 0.001, 10);
+  table.number("max_below_camera_m", max_below_camera_m, "m",
+               "Planes further below the camera are floor, not support (without a map).", 0.1, 10);
+  table.number("bridge_m", bridge_m, "m", "Parts of a support that are this near to each other are one.", 0,
+               2);
+}
+
+double depth_noise(double z) {
+  return 0.5 * 0.125 / (585 * 0.075) * z * z;
+}
+
+Vector3d SupportPlane::in_plane(const Vector3d& point) const {
+  Vector3d p = camera_from_plane.linear().transpose() * (point - camera_from_plane.translation());
+  p.z() -= std::clamp(bend[0] + bend[1] * p.x() + bend[2] * p.y() + bend[3] * p.x() * p.x() +
+                          bend[4] * p.x() * p.y() + bend[5] * p.y() * p.y(),
+                      -0.02, 0.02);
+  return p;
+}
+
+double SupportPlane::inside(const Vector2d& position) const {
+  double least = outline.size() < 3 ? -1e9 : 1e9;
+  for (size_t i = 0; i < outline.size(); ++i) {
+    const Vector2d& a = outline[i];
+    const Vector2d edge = outline[(i + 1) % outline.size()] - a;
+    const double length = edge.norm();
+    if (length < 1e-9) continue;
+    const Vector2d to = position - a;
+    least = std::min(least, (edge.x() * to.y() - edge.y() * to.x()) / length);
+  }
+  return least;
+}
+
+std::optional<SupportPlane> refine_support(const cv::Mat& points, const cv::Mat& normals, const cv::Mat& mask,
+                                           const Vector3d& normal, double offset,
+                                           const SupportOptions& options) {
+  const double cosine = std::cos(options.normal_deg * std::numbers::pi / 180);
+  SupportPlane plane;
+  plane.normal = normal;
+  plane.offset = offset;
+  std::vector<Sample> samples;
+  for (const double reach : {1.0, 0.75, 0.5, 0.5}) {
+    samples =
+        samples_near(points, normals, mask, plane.normal, plane.offset, reach * options.inlier_m, cosine);
+    if (!fit_plane(samples, plane.normal, plane.offset)) return std::nullopt;
+  }
+  samples = samples_near(points, normals, mask, plane.normal, plane.offset, options.inlier_m, cosine);
+  Vector3d mean = Vector3d::Zero();
+  for (const Sample& s : samples) mean += s.point;
+  mean /= static_cast<double>(samples.size());
+  mean -= plane.normal * (plane.normal.dot(mean) - plane.offset);
+  plane.camera_from_plane = plane_frame(plane.normal, mean);
+  fit_bend(samples, plane);
+  const std::vector<Sample> inliers = bent_inliers(samples, plane);
+  if (inliers.size() < 50) return std::nullopt;
+  set_area_and_outline(inliers, plane);
+  if (plane.area < options.min_area_m2 || plane.outline.size() < 3) return std::nullopt;
+  return plane;
+}
+
+std::vector<SupportPlane> find_supports(const cv::Mat& points, const cv::Mat& normals,
+                                        const std::optional<Vector3d>& up, const SupportOptions& options) {
+  if (up) return horizontal_supports(points, normals, *up, options);
+  double offset = 0;
+  const double cosine = std::cos(options.normal_deg * std::numbers::pi / 180);
+  const auto normal = dominant_plane(points, normals, options.inlier_m, cosine, offset);
+  if (!normal) return {};
+  if (auto plane = refine_support(points, normals, {}, *normal, offset, options)) return {*plane};
+  return {};
+}
+
+}  // namespace loci
