@@ -1,0 +1,80 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mapping/base/config.h"
+#include "mapping/base/progress.h"
+#include "perception/pipeline/registry.h"
+
+namespace loci {
+
+/// What a run did.
+struct PipelineResult {
+  size_t frames = 0;
+  /// Seconds by annotator (and reader), in order of the flow.
+  std::vector<std::pair<std::string, double>> seconds;
+};
+
+/// A reader, annotators in order, and writers (annotators that come last), from YAML:
+///
+///   reader: {RecordingReader: {every: 2}}
+///   flow:
+///     - NormalEstimator
+///     - PlaneClusterExtractor: {tolerance_m: 0.02}
+///   writers: [MemoryWriter]
+///
+/// `reader` and `writers` may be left out. Reading is strict: an unknown key, annotator or option is an Error
+/// that names the nearest known one. What an annotator needs must be made before it.
+class Pipeline {
+ public:
+  static Pipeline parse(const Config& config, const AnnotatorRegistry& registry);
+  static Pipeline parse(const std::string& text, const std::string& file, const AnnotatorRegistry& registry);
+
+  /// Adds an annotator with default options: at the end of the flow (before the writers), or as a writer.
+  /// Nothing happens when the pipeline has one of this name.
+  void add(const std::string& name, const AnnotatorRegistry& registry);
+  void add_writer(const std::string& name, const AnnotatorRegistry& registry);
+  bool has(const std::string& name) const;
+  Reader& reader() { return *reader_; }
+
+  /// Throws Error for the first annotator whose needs nobody before it meets, naming who could.
+  void check(const AnnotatorRegistry& registry) const;
+  /// The effective configuration, in the form of the YAML.
+  Json to_json() const;
+
+  /// Runs over all frames that the reader has left; start() of everybody comes first. Each frame is a fresh
+  /// CAS of `type_system` that is handed to `done` (if given) when all annotators are through. An annotator's
+  /// Error is passed on with the annotator's name and the frame. Interrupted when `progress` says stop.
+  PipelineResult run(Context& context, const std::shared_ptr<const cas::TypeSystem>& type_system,
+                     Progress& progress, const std::function<void(cas::Cas&)>& done = {});
+
+  /// Calls start() of the reader and of everybody, once; run() does it if it was not done before. Between
+  /// start() and run() the reader can skip frames.
+  void start(Context& context);
+
+ private:
+  struct Step {
+    std::unique_ptr<Annotator> annotator;
+    AnnotatorDescriptor descriptor;
+    Json options;
+    Place place;
+    double seconds = 0;
+  };
+  static Step read_step(const Config& parent, const YAML::Node& node, const std::string& path,
+                        const AnnotatorRegistry& registry);
+  void run_frame(cas::Cas& cas, Context& context);
+  void finish(Context& context);
+  std::vector<Step*> steps();
+
+  std::unique_ptr<Reader> reader_;
+  Json reader_options_;
+  std::vector<Step> flow_;
+  std::vector<Step> writers_;
+  double reader_seconds_ = 0;
+  bool started_ = false;
+};
+
+}  // namespace loci

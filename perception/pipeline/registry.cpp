@@ -1,0 +1,105 @@
+#include "perception/pipeline/registry.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace loci {
+namespace {
+
+template <class Map>
+std::vector<std::string> names_of(const Map& map) {
+  std::vector<std::string> names;
+  for (const auto& entry : map) names.push_back(entry.first);
+  return names;
+}
+
+template <class Map>
+auto make_from(const Map& map, const std::string& name, const Place& place, const char* kind) {
+  const auto it = map.find(name);
+  if (it != map.end()) return it->second();
+  const std::vector<std::string> known = names_of(map);
+  std::string hint = did_you_mean(name, known);
+  if (hint.empty()) hint = fmt::format("known are {}", fmt::join(known, ", "));
+  throw Error(fmt::format("there is no {} '{}'", kind, name), place, hint);
+}
+
+std::string kind_of(const Option& option) {
+  static const char* const kKinds[] = {"flag", "whole number", "number", "text", "list of texts"};
+  return kKinds[option.value.index()];
+}
+
+std::string bounds_of(const Option& option) {
+  if (!option.choices.empty()) return fmt::format("one of {}", fmt::join(option.choices, ", "));
+  const bool number = option.value.index() == 1 || option.value.index() == 2;
+  if (number && std::isfinite(option.minimum) && std::isfinite(option.maximum))
+    return fmt::format("{} to {}", option.minimum, option.maximum);
+  return {};
+}
+
+}  // namespace
+
+std::vector<std::string> AnnotatorRegistry::annotators() const {
+  return names_of(annotators_);
+}
+
+std::vector<std::string> AnnotatorRegistry::readers() const {
+  return names_of(readers_);
+}
+
+std::unique_ptr<Annotator> AnnotatorRegistry::make(const std::string& name, const Place& place) const {
+  return make_from(annotators_, name, place, "annotator");
+}
+
+std::unique_ptr<Reader> AnnotatorRegistry::make_reader(const std::string& name, const Place& place) const {
+  return make_from(readers_, name, place, "reader");
+}
+
+std::vector<std::string> AnnotatorRegistry::makers_of(const std::string& product) const {
+  std::vector<std::string> makers;
+  const auto look = [&](const std::string& name, const AnnotatorDescriptor& descriptor) {
+    if (std::find(descriptor.makes.begin(), descriptor.makes.end(), product) != descriptor.makes.end())
+      makers.push_back(name);
+  };
+  for (const auto& [name, make] : annotators_) look(name, make()->descriptor());
+  for (const auto& [name, make] : readers_) look(name, make()->descriptor());
+  return makers;
+}
+
+Json describe(const AnnotatorDescriptor& descriptor, const OptionTable& options) {
+  Json json = {{"name", descriptor.name},
+               {"description", descriptor.sentence},
+               {"needs", descriptor.needs},
+               {"makes", descriptor.makes},
+               {"options", Json::array()}};
+  const Json defaults = options.to_json();
+  for (const Option& option : options.options()) {
+    Json entry = {{"name", option.name},
+                  {"kind", kind_of(option)},
+                  {"unit", option.unit},
+                  {"default", defaults[option.name]},
+                  {"description", option.sentence}};
+    if (const std::string bounds = bounds_of(option); !bounds.empty()) entry["allowed"] = bounds;
+    json["options"].push_back(std::move(entry));
+  }
+  return json;
+}
+
+std::string description_text(const AnnotatorDescriptor& descriptor, const OptionTable& options) {
+  const auto list = [](const std::vector<std::string>& items) {
+    return items.empty() ? std::string("nothing") : fmt::format("{}", fmt::join(items, ", "));
+  };
+  std::string text = fmt::format("{}\n  {}\n  needs {}\n  makes {}\n", descriptor.name, descriptor.sentence,
+                                 list(descriptor.needs), list(descriptor.makes));
+  for (const Option& option : options.options()) {
+    const std::string unit = option.unit.empty() ? "" : " " + option.unit;
+    const std::string bounds = bounds_of(option);
+    text += fmt::format("  {}: {}{}\n      {}{}\n", option.name, option_text(option), unit, option.sentence,
+                        bounds.empty() ? "" : " (" + bounds + ")");
+  }
+  return text;
+}
+
+}  // namespace loci

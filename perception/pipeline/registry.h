@@ -1,0 +1,42 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+
+#include "perception/pipeline/annotator.h"
+
+namespace loci {
+
+/// Which annotators and readers there are, by name. Built explicitly by who starts a pipeline.
+class AnnotatorRegistry {
+ public:
+  template <class T>
+  void add() {
+    annotators_[T().descriptor().name] = [] { return std::make_unique<T>(); };
+  }
+  template <class T>
+  void add_reader() {
+    readers_[T().descriptor().name] = [] { return std::make_unique<T>(); };
+  }
+
+  std::vector<std::string> annotators() const;  ///< sorted
+  std::vector<std::string> readers() const;     ///< sorted
+  /// A fresh one with default options. Error that names the nearest known one when there is none of this
+  /// name.
+  std::unique_ptr<Annotator> make(const std::string& name, const Place& place = {}) const;
+  std::unique_ptr<Reader> make_reader(const std::string& name, const Place& place = {}) const;
+  /// The annotators and readers that make something.
+  std::vector<std::string> makers_of(const std::string& product) const;
+
+ private:
+  std::map<std::string, std::function<std::unique_ptr<Annotator>()>> annotators_;
+  std::map<std::string, std::function<std::unique_ptr<Reader>()>> readers_;
+};
+
+/// An annotator's or reader's declaration: name, sentence, needs, makes, options with unit, default, bounds.
+Json describe(const AnnotatorDescriptor& descriptor, const OptionTable& options);
+/// The same for people.
+std::string description_text(const AnnotatorDescriptor& descriptor, const OptionTable& options);
+
+}  // namespace loci

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <typeindex>
+
+#include "mapping/base/error.h"
+
+namespace loci {
+
+/// What annotators share and the pipeline itself knows nothing about: a recording, a map, a memory. At most
+/// one of each C++ type. Owned jointly; put in place by who starts the pipeline.
+class Resources {
+ public:
+  template <class T>
+  void put(std::shared_ptr<T> resource) {
+    resources_[typeid(T)] = std::move(resource);
+  }
+  /// nullptr when there is none.
+  template <class T>
+  T* find() const {
+    const auto it = resources_.find(typeid(T));
+    return it == resources_.end() ? nullptr : static_cast<T*>(it->second.get());
+  }
+  /// Error that says what is missing and what to do when there is none.
+  template <class T>
+  T& get(const std::string& what, const std::string& hint = {}) const {
+    if (T* found = find<T>()) return *found;
+    throw Error("there is no " + what, {}, hint);
+  }
+
+ private:
+  std::map<std::type_index, std::shared_ptr<void>> resources_;
+};
+
+}  // namespace loci
