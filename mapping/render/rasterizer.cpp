@@ -10,6 +10,7 @@ using Eigen::Vector3d;
 
 constexpr int kTile = 16;             ///< side of the tiles that occlusion is tested on, pixels
 constexpr int kSmallWidth = 8;        ///< triangles at most this wide are tested pixel by pixel
+constexpr int kSmallArea = 16;        ///< pixels
 constexpr double kBoundSlack = 1e-6;  ///< pixels; edges decide exactly, bounds need not
 
 /// Smallest integer >= x, clamped to [low, high + 1]; std::ceil is a call on plain x86-64.
@@ -84,7 +85,7 @@ class RowBand {
 
   void draw(const PlacedChunk& placed) {
     const Chunk& chunk = *placed.chunk;
-    const Vector3d centre = placed.camera_from_link * chunk.centre;
+    const Vector3d centre = *placed.camera_from_link * chunk.centre;
     if (outside(centre, chunk.radius)) return;
     int u0 = 0, u1 = camera_.width - 1, v0 = row_begin_, v1 = row_end_ - 1;
     if (centre.z() - chunk.radius > near_) {
@@ -92,7 +93,7 @@ class RowBand {
       if (u0 > u1 || v0 > v1) return;
       if (hidden(u0, u1, v0, v1, static_cast<float>(1 / (centre.z() - chunk.radius)))) return;
     }
-    place_vertices(chunk, placed.camera_from_link);
+    place_vertices(chunk, *placed.camera_from_link);
     bool drawn = false;
     for (size_t i = 0; i < chunk.triangles.size(); ++i)
       drawn |= draw_triangle(chunk.triangles[i], chunk.first_triangle + static_cast<uint32_t>(i));
@@ -183,6 +184,17 @@ class RowBand {
     return any;
   }
 
+  /// Whether a small triangle has only nearer surfaces in front of it: cheaper to find out than to set it up.
+  bool covered(int u0, int u1, int v0, int v1, float w_high) const {
+    if ((u1 - u0 + 1) * (v1 - v0 + 1) > kSmallArea) return false;
+    for (int row = v0; row <= v1; ++row) {
+      const float* line = raster_.inverse_depth.data() + static_cast<ptrdiff_t>(row) * camera_.width;
+      for (int u = u0; u <= u1; ++u)
+        if (!(line[u] > w_high)) return false;
+    }
+    return true;
+  }
+
   bool draw_triangle(const std::array<uint32_t, 3>& triangle, uint32_t number) {
     const std::array<const Vertex*, 3> corners = {&vertices_[triangle[0]], &vertices_[triangle[1]],
                                                   &vertices_[triangle[2]]};
@@ -201,7 +213,7 @@ class RowBand {
     if (u0 > u1) return false;
     const int v0 = first_pixel(bounds.v_min + camera_.cy - kBoundSlack, row_begin_, row_end_ - 1);
     const int v1 = last_pixel(bounds.v_max + camera_.cy + kBoundSlack, row_begin_, row_end_ - 1);
-    if (v0 > v1) return false;
+    if (v0 > v1 || covered(u0, u1, v0, v1, static_cast<float>(w_high))) return false;
 
     const Vector3d &p0 = corners[0]->p, &p1 = corners[1]->p, &p2 = corners[2]->p;
     const double determinant = p0.dot(p1.cross(p2));

@@ -24,7 +24,7 @@ struct Chunk {
 /// A chunk that may be seen, and where.
 struct PlacedChunk {
   const Chunk* chunk = nullptr;
-  Eigen::Isometry3d camera_from_link;
+  const Eigen::Isometry3d* camera_from_link = nullptr;
 };
 
 constexpr uint32_t kNoTriangle = std::numeric_limits<uint32_t>::max();

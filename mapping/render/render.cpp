@@ -92,6 +92,13 @@ struct RenderScene::Impl {
   std::vector<size_t> part_of_link;  ///< by link id
   uint32_t triangle_count = 0;
 
+  struct Uses {
+    size_t first = 0;  ///< link id
+    size_t count = 0;
+  };
+  std::unordered_map<std::string, Uses> bare_uses;  ///< by "LINK"
+  std::unordered_map<std::string, Uses> full_uses;  ///< by "WORLD/LINK"
+
   Part& part(size_t number) {
     if (number >= parts.size()) throw Error("the scene has no part " + std::to_string(number));
     return parts[number];
@@ -102,68 +109,69 @@ struct RenderScene::Impl {
     added.part_from_links = root_from_links(added.world, {});
     part_of_link.insert(part_of_link.end(), added.world.links.size(), parts.size());
     parts.push_back(std::move(added));
-    rename();
+    for (size_t link = names.size(); link < part_of_link.size(); ++link) name_link(link);
     return parts.size() - 1;
   }
 
-  void rename();
+  void name_link(size_t link);
 
   Isometry3d map_from_link(size_t link) const {
     const Part& part = parts[part_of_link[link]];
     return part.map_from_part * part.part_from_links[link - part.first_link];
   }
 
-  std::vector<PlacedChunk> visible_chunks(const Isometry3d& camera_from_map) const;
-  void shade(const Raster& raster, const PinholeCamera& camera, const Isometry3d& camera_from_map,
-             const RenderOptions& options, size_t row_begin, size_t row_end, RenderedView& view) const;
+  std::vector<PlacedChunk> visible_chunks(const std::vector<Isometry3d>& camera_from_links) const;
+  void shade(const Raster& raster, const PinholeCamera& camera,
+             const std::vector<Isometry3d>& camera_from_links, const RenderOptions& options, size_t row_begin,
+             size_t row_end, RenderedView& view) const;
 };
 
-/// Link names that more than one part has get their world's name in front, and where that is not enough the
-/// part's number.
-void RenderScene::Impl::rename() {
-  std::unordered_map<std::string, int> bare, full;
-  for (const Part& part : parts)
-    for (const Link& link : part.world.links) {
-      ++bare[link.name];
-      ++full[part.world.name + "/" + link.name];
-    }
-  names.clear();
-  for (size_t i = 0; i < parts.size(); ++i)
-    for (const Link& link : parts[i].world.links) {
-      const std::string with_world = parts[i].world.name + "/" + link.name;
-      if (bare[link.name] == 1)
-        names.push_back(link.name);
-      else if (full[with_world] == 1)
-        names.push_back(with_world);
-      else
-        names.push_back(parts[i].world.name + "#" + std::to_string(i) + "/" + link.name);
-    }
+/// Names the last link: its own name; where that repeats the world's name in front; where that repeats, too,
+/// the part's number. A link that had a name alone until now is named again.
+void RenderScene::Impl::name_link(size_t link) {
+  const auto full_name = [&](size_t id) {
+    const Part& part = parts[part_of_link[id]];
+    return part.world.name + "/" + part.world.links[id - part.first_link].name;
+  };
+  const auto bare_name = [&](size_t id) {
+    const Part& part = parts[part_of_link[id]];
+    return part.world.links[id - part.first_link].name;
+  };
+  const auto name = [&](size_t id) {
+    if (bare_uses[bare_name(id)].count == 1) return bare_name(id);
+    if (full_uses[full_name(id)].count == 1) return full_name(id);
+    const Part& part = parts[part_of_link[id]];
+    return part.world.name + "#" + std::to_string(part_of_link[id]) + "/" + bare_name(id);
+  };
+  Uses& bare = bare_uses.try_emplace(bare_name(link), Uses{link, 0}).first->second;
+  Uses& full = full_uses.try_emplace(full_name(link), Uses{link, 0}).first->second;
+  ++bare.count;
+  ++full.count;
+  names.push_back(name(link));
+  if (bare.count == 2) names[bare.first] = name(bare.first);
+  if (full.count == 2) names[full.first] = name(full.first);
 }
 
 /// Nearest first, so that what is near hides what is behind before that is drawn.
-std::vector<PlacedChunk> RenderScene::Impl::visible_chunks(const Isometry3d& camera_from_map) const {
-  std::vector<std::pair<double, PlacedChunk>> sorted;
+std::vector<PlacedChunk> RenderScene::Impl::visible_chunks(
+    const std::vector<Isometry3d>& camera_from_links) const {
+  std::vector<std::pair<double, size_t>> sorted;
   sorted.reserve(chunks.size());
-  size_t link = part_of_link.size();
-  Isometry3d camera_from_link = Isometry3d::Identity();
-  for (const Chunk& chunk : chunks) {
+  for (size_t i = 0; i < chunks.size(); ++i) {
+    const Chunk& chunk = chunks[i];
     if (!parts[part_of_link[chunk.link]].visible) continue;
-    if (chunk.link != link) {
-      link = chunk.link;
-      camera_from_link = camera_from_map * map_from_link(link);
-    }
-    const double z = (camera_from_link * chunk.centre).z();
-    if (z + chunk.radius > 0) sorted.push_back({z - chunk.radius, {&chunk, camera_from_link}});
+    const double z = (camera_from_links[chunk.link] * chunk.centre).z();
+    if (z + chunk.radius > 0) sorted.emplace_back(z - chunk.radius, i);
   }
-  std::ranges::stable_sort(sorted, {}, &std::pair<double, PlacedChunk>::first);
+  std::ranges::sort(sorted);
   std::vector<PlacedChunk> placed;
   placed.reserve(sorted.size());
-  for (const auto& entry : sorted) placed.push_back(entry.second);
+  for (const auto& [z, i] : sorted) placed.push_back({&chunks[i], &camera_from_links[chunks[i].link]});
   return placed;
 }
 
 void RenderScene::Impl::shade(const Raster& raster, const PinholeCamera& camera,
-                              const Isometry3d& camera_from_map, const RenderOptions& options,
+                              const std::vector<Isometry3d>& camera_from_links, const RenderOptions& options,
                               size_t row_begin, size_t row_end, RenderedView& view) const {
   const Chunk* chunk = nullptr;
   uint32_t shown = kNoTriangle;
@@ -179,7 +187,7 @@ void RenderScene::Impl::shade(const Raster& raster, const PinholeCamera& camera,
         if (!chunk || triangle < chunk->first_triangle ||
             triangle - chunk->first_triangle >= chunk->triangles.size()) {
           chunk = &*std::prev(std::ranges::upper_bound(chunks, triangle, {}, &Chunk::first_triangle));
-          if (options.normals) camera_from_link = (camera_from_map * map_from_link(chunk->link)).linear();
+          if (options.normals) camera_from_link = camera_from_links[chunk->link].linear();
         }
         if (options.normals) {
           const auto& [a, b, c] = chunk->triangles[triangle - chunk->first_triangle];
@@ -281,13 +289,17 @@ RenderedView RenderScene::render(const PinholeCamera& camera, const Isometry3d& 
   if (options.colors) view.color = cv::Mat::zeros(camera.height, camera.width, CV_8UC3);
 
   const Isometry3d camera_from_map = map_from_camera.inverse();
-  const std::vector<PlacedChunk> chunks = impl_->visible_chunks(camera_from_map);
+  std::vector<Isometry3d> camera_from_links;
+  camera_from_links.reserve(impl_->part_of_link.size());
+  for (size_t link = 0; link < impl_->part_of_link.size(); ++link)
+    camera_from_links.push_back(camera_from_map * impl_->map_from_link(link));
+  const std::vector<PlacedChunk> chunks = impl_->visible_chunks(camera_from_links);
   const size_t pixels = static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height);
   Raster raster{std::vector<float>(pixels, 0.f), std::vector<uint32_t>(pixels, kNoTriangle)};
   parallel_for(static_cast<size_t>(camera.height), threads, [&](size_t begin, size_t end) {
     render_detail::draw_rows(chunks, camera, options.near_m, options.far_m, static_cast<int>(begin),
                              static_cast<int>(end), raster);
-    impl_->shade(raster, camera, camera_from_map, options, begin, end, view);
+    impl_->shade(raster, camera, camera_from_links, options, begin, end, view);
   });
   return view;
 }

@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <numbers>
 #include <random>
 
+#include "mapping/base/json.h"
 #include "mapping/world/urdf.h"
 
 namespace loci {
@@ -246,6 +248,8 @@ TEST(Render, NamesRepeatOnlyWithTheirWorld) {
   other.name = "robot";
   scene.add(other, {}, at(0, 0, 1), warnings);
   EXPECT_EQ(scene.link_names(), (std::vector<std::string>{"floor", "w/box", "robot/box"}));
+  scene.add(other, {}, at(0, 0, 1), warnings);
+  EXPECT_EQ(scene.link_names(), (std::vector<std::string>{"floor", "w/box", "robot#2/box", "robot#3/box"}));
 }
 
 TEST(Render, MaterialColoursAreGivenUnshaded) {
@@ -292,6 +296,37 @@ TEST(Render, OrderOfPartsDoesNotMatter) {
         ASSERT_EQ(forth.link_names()[static_cast<size_t>(i)], back.link_names()[static_cast<size_t>(j)]);
       }
     }
+}
+
+TEST(Render, ApartmentSeenFromAboveHasItsSupportsAtTheTrueHeights) {
+  const std::filesystem::path data = std::filesystem::path(LOCI_SHARED_DIR) / "data";
+  const std::filesystem::path folder = data / "iai_apartment";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no shared data";
+  RenderScene scene;
+  Warnings warnings;
+  scene.add(read_urdf(folder / "apartment.urdf"), {{data}, folder}, Isometry3d::Identity(), warnings);
+  EXPECT_TRUE(warnings.empty());
+  int checked = 0;
+  const Json truth = read_json(folder / "truth.json");
+  for (const Json& support : truth["support_surfaces"]) {
+    if (!support["main"].get<bool>()) continue;
+    const double height = support["height"], x0 = support["aabb_min"][0], y0 = support["aabb_min"][1];
+    const double x1 = support["aabb_max"][0], y1 = support["aabb_max"][1];
+    // 30 cm above each corner, a little inwards: between the surface and what hangs over it.
+    int here = 0;
+    for (const double x : {x0 + 0.03, x1 - 0.03})
+      for (const double y : {y0 + 0.03, y1 - 0.03}) {
+        const RenderedView view =
+            scene.render({3, 3, 100, 100, 1, 1}, at(x, y, height + 0.3, {std::numbers::pi, 0, 0}));
+        const int link_id = view.link.at<int32_t>(1, 1);
+        if (link_id < 0 || scene.link_names()[static_cast<size_t>(link_id)] != support["link"]) continue;
+        EXPECT_NEAR(view.depth.at<float>(1, 1), 0.3, 0.002) << support["name"];
+        ++here;
+      }
+    EXPECT_GE(here, 2) << support["name"];
+    ++checked;
+  }
+  EXPECT_EQ(checked, 4);
 }
 
 TEST(Render, BadCamerasAndRangesAreRefused) {
