@@ -17,6 +17,9 @@ Command record_command() {
             auto arguments = std::make_shared<Arguments>();
             app.add_option("SCENARIO", arguments->scenario, "Scenario (YAML)")->required();
             app.add_option("-o,--output", arguments->output, "Folder of the recording")->required();
+            app.add_option("--package-path", arguments->options.package_paths,
+                           "Folder that holds packages (package://NAME/…); can be given several times")
+                ->allow_extra_args(false);
             add_options(app, table_of(arguments->options));
             return [arguments](Session& session) {
               arguments->options.threads = session.flags().threads;

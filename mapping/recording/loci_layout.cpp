@@ -7,6 +7,7 @@
 #include <set>
 
 #include "mapping/base/csv.h"
+#include "mapping/base/known_keys.h"
 
 namespace loci {
 namespace {
@@ -18,15 +19,15 @@ constexpr std::array<const char*, 7> kPoseColumns = {"x", "y", "z", "qx", "qy", 
 void read_cameras(const Config& cameras, RecordingInfo& info) {
   const Config depth = cameras.map("depth");
   if (!cameras.has("depth")) throw Error("the depth camera is missing", cameras.place());
+  refuse_unknown_keys(depth, {"width", "height", "fx", "fy", "cx", "cy"});
   info.camera.depth = read_pinhole(depth);
-  depth.finish();
   if (cameras.has("color")) {
     const Config color = cameras.map("color");
+    refuse_unknown_keys(color, {"width", "height", "fx", "fy", "cx", "cy", "depth_from_color"});
     info.camera.color = read_pinhole(color);
     if (color.has("depth_from_color"))
       info.camera.depth_from_color = pose_from_values(
           color.require<std::array<double, 7>>("depth_from_color"), color.place("depth_from_color"));
-    color.finish();
   } else {
     info.camera.color = info.camera.depth;
     info.guesses.emplace_back("no colour camera described: colour is taken as registered with depth");
@@ -38,6 +39,8 @@ void read_cameras(const Config& cameras, RecordingInfo& info) {
 
 void read_description(const fs::path& path, FileRecordingContent& content) {
   const Config config = Config::read(path);
+  refuse_unknown_keys(config,
+                      {"version", "depth_scale", "invalid_depth", "time_assumed", "map_frame", "cameras"});
   const int version = config.get<int>("version", 1);
   if (version != 1)
     throw Error(fmt::format("this recording has version {}, version 1 is read", version),
@@ -53,7 +56,6 @@ void read_description(const fs::path& path, FileRecordingContent& content) {
   content.info.map_frame = config.get<std::string>("map_frame", "map");
   if (!config.has("cameras")) throw Error("the key 'cameras' is missing", config.place());
   read_cameras(config.map("cameras"), content.info);
-  config.finish();
 }
 
 /// The pose in a row; unset when all its cells are empty.

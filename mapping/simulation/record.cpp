@@ -75,7 +75,7 @@ RecordResult record(const Scenario& scenario, const std::filesystem::path& folde
   RecordOptions checked = options;
   table_of(checked).validate();
   const World world = read_urdf(scenario.world);
-  const MeshSearch search{{}, scenario.world.parent_path()};
+  const MeshSearch search{options.package_paths, scenario.world.parent_path()};
   const ScenarioPlay play(scenario, world, search);
   RecordingWriter writer(folder, scenario.camera, "map");
   Studio studio(scenario, world, search, play, warnings);

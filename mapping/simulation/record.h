@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "mapping/base/json.h"
 #include "mapping/base/options.h"
@@ -14,6 +15,7 @@ struct RecordOptions {
   int seed = 1;
   std::string noise = "kinect";
   int threads = 0;
+  std::vector<std::filesystem::path> package_paths = {};  ///< where package:// of the world is looked for
 
   void declare(OptionTable& table);
 };

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "mapping/base/config.h"
+#include "mapping/base/known_keys.h"
 
 namespace loci {
 namespace {
@@ -15,7 +16,9 @@ constexpr double kDegree = std::numbers::pi / 180;
 
 Vector3d point(const Config& config, const std::string& key) {
   const auto values = config.require<std::array<double, 3>>(key);
-  return {values[0], values[1], values[2]};
+  const Vector3d result(values[0], values[1], values[2]);
+  if (!result.allFinite()) throw Error("a point is three finite numbers, in metres", config.place(key));
+  return result;
 }
 
 std::optional<Rgba> color(const Config& config, const std::string& key) {
@@ -28,6 +31,7 @@ std::optional<Rgba> color(const Config& config, const std::string& key) {
 }
 
 ObjectSpec read_object(const Config& config, const std::string& name, const std::filesystem::path& folder) {
+  refuse_unknown_keys(config, {"model", "size", "color", "accent", "pattern", "label"});
   ObjectSpec object;
   object.name = name;
   object.model = config.require<std::string>("model");
@@ -51,7 +55,6 @@ ObjectSpec read_object(const Config& config, const std::string& name, const std:
     if (!std::filesystem::exists(object.label))
       throw Error("no such picture: " + object.label.string(), config.place("label"));
   }
-  config.finish();
   return object;
 }
 
@@ -132,9 +135,9 @@ class ActionReader {
 };
 
 Isometry3d read_view(const Config& config) {
+  refuse_unknown_keys(config, {"from", "at"});
   const Vector3d from = point(config, "from");
   const Vector3d at = point(config, "at");
-  config.finish();
   if ((at - from).norm() < 1e-6) throw Error("'from' and 'at' are the same point", config.place());
   return looking_at(from, at);
 }
@@ -152,11 +155,11 @@ std::vector<double> read_range(const Config& config, const std::string& key) {
 
 /// From each position, each pitch, the yaw goes from first to last.
 std::vector<Isometry3d> read_sweep(const Config& config) {
+  refuse_unknown_keys(config, {"positions", "pitch_deg", "yaw_deg"});
   std::vector<Isometry3d> views;
   const auto positions = config.require<std::vector<std::array<double, 3>>>("positions");
   const auto pitches = config.require<std::vector<double>>("pitch_deg");
   const auto yaws = read_range(config, "yaw_deg");
-  config.finish();
   for (const auto& position : positions) {
     const Vector3d from(position[0], position[1], position[2]);
     for (const double pitch : pitches) {
@@ -172,6 +175,7 @@ std::vector<Isometry3d> read_sweep(const Config& config) {
 }
 
 SceneSpec read_scene(const Config& config, const ActionReader& actions) {
+  refuse_unknown_keys(config, {"time", "do", "view", "views", "sweep", "frames"});
   SceneSpec scene;
   try {
     scene.time_ns = parse_time(config.require<std::string>("time"));
@@ -186,7 +190,6 @@ SceneSpec read_scene(const Config& config, const ActionReader& actions) {
     for (const Isometry3d& view : read_sweep(config.map("sweep"))) views.push_back(view);
   const int frames = config.get<int>("frames", 1);
   if (frames < 1 || frames > 10000) throw Error("frames is 1 to 10000 per view", config.place("frames"));
-  config.finish();
   if (views.empty()) throw Error("the scene has no view, views or sweep", config.place());
   for (const Isometry3d& view : views)
     scene.map_from_camera.insert(scene.map_from_camera.end(), static_cast<size_t>(frames), view);
@@ -225,6 +228,7 @@ Isometry3d looking_at(const Vector3d& from, const Vector3d& at) {
 
 Scenario read_scenario(const std::filesystem::path& path) {
   const Config config = Config::read(path);
+  refuse_unknown_keys(config, {"world", "camera", "floor", "frame_interval_s", "objects", "scenes"});
   Scenario scenario;
   scenario.file = path;
   scenario.world = path.parent_path() / config.require<std::string>("world");
@@ -248,7 +252,6 @@ Scenario read_scenario(const std::filesystem::path& path) {
       throw Error("the scene begins before the one before has ended", scene.place("time"),
                   fmt::format("that one lasts until {}", format_time(before.time_ns + lasts)));
   }
-  config.finish();
   if (scenario.scenes.empty()) throw Error("the scenario has no scenes", config.place("scenes"));
   return scenario;
 }
