@@ -37,8 +37,8 @@ class RenderScene {
   RenderScene(RenderScene&&) noexcept;
   RenderScene& operator=(RenderScene&&) noexcept;
 
-  /// Adds a world with its root at `map_from_root`; returns its number. Missing meshes are warned about by
-  /// name.
+  /// Adds a world with its root at `map_from_root`; returns its number. A visual's URDF colour goes before
+  /// the colours of its mesh. Missing meshes are warned about by name.
   size_t add(const World& world, const MeshSearch& search, const Isometry3d& map_from_root,
              Warnings& warnings);
 
@@ -52,7 +52,7 @@ class RenderScene {
   void set_visible(size_t part, bool visible);
 
   /// Names by link id, over all parts in the order in which they were added; "WORLD/LINK" only where names
-  /// repeat.
+  /// repeat, "WORLD#PART/LINK" where those repeat, too.
   const std::vector<std::string>& link_names() const;
   /// Where a link (by id) is in the map frame.
   Isometry3d map_from_link(size_t link) const;
