@@ -5,5 +5,6 @@
 namespace loci {
 
 Command info_command();
+Command types_command();
 
 }  // namespace loci

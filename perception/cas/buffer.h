@@ -31,6 +31,8 @@ constexpr Kind kind_of() {
 template <typename T>
 class Buffer {
  public:
+  using value_type = T;
+  using const_iterator = const T*;
   Buffer() = default;
   /// Memory of somebody else, kept alive through `owner`. Nobody may write to it any more.
   Buffer(std::shared_ptr<const void> owner, const T* data, size_t size)

@@ -12,6 +12,41 @@ using cas::Type;
 
 namespace {
 
+const char* const kIntroduction = R"(# Type system
+
+What annotators can say. The types are declared in perception/types/*.xml, in UIMA's format; this page is generated from
+them by `ninja -C build/release type_system_docs`. Metres, radians, nanoseconds since 1970 (UTC); `map_from_x` takes
+coordinates of x to the map.
+
+**Typed access.** The build turns the files into C++ proxies (`loci::types`), so that code has no string identifiers:
+
+```cpp
+cas::Cas cas(types::type_system());
+types::Scene scene = types::SceneCas(cas).create_scene();
+scene.timestamp.set(time);
+for (types::Cluster cluster : scene.clusters)
+  for (types::LocationAnnotation at : cluster.annotations.filter<types::LocationAnnotation>()) ...
+types::Mat mat = types::to(cas, image);          // perception/conversions: OpenCV, PCL, cameras, Eigen
+cv::Mat same = types::from<cv::Mat>(mat);        // on the same memory
+```
+
+**More than the XML says.** A proxy is a handle; a class derived from it adds functions without touching generated files:
+
+```cpp
+class Thermometer : public Temperature {
+ public:
+  using Temperature::Temperature;
+  double fahrenheit() const { return degrees.get() * 9 / 5 + 32; }
+};
+Thermometer thermometer = types::as<Thermometer>(feature_structure);   // checked
+```
+
+**Types of your own** need no code: `types::type_system_with({"climate.xml"})` merges them with ours (they may inherit from
+`loci.core.Annotation`, refer to any type, or add features to it by declaring it again), and everything works by name:
+`fs.set("degrees", 21.5)`, JSON and the memory included. `loci-perceive types climate.xml --with-loci` checks them. For
+proxies of your own: `loci_proxies(FOLDER NAMESPACE climate.xml)` in CMake.
+)";
+
 /// Bars would end a cell.
 std::string cell(const std::string& text) {
   std::string escaped;
@@ -50,10 +85,7 @@ std::string type_text(Type type) {
 
 void write_docs(const std::filesystem::path& output, const std::vector<std::filesystem::path>& files) {
   const auto system = cas::TypeSystem::load(files);
-  std::string text =
-      "# Type system\n\nGenerated from perception/types/*.xml by `ninja -C build/release type_system_docs`. "
-      "Metres, "
-      "radians, nanoseconds since 1970 (UTC); `map_from_x` maps coordinates of x to the map.\n";
+  std::string text = kIntroduction;
   for (const auto& file : files) {
     text += fmt::format("\n## {}\n", file.stem().string());
     for (const Type& type : system->types())

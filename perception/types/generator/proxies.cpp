@@ -45,6 +45,11 @@ std::string comment(const std::string& text) {
   return line;
 }
 
+/// An equal file stays, so that what includes it is not compiled again.
+void write_when_changed(const std::filesystem::path& path, const std::string& text) {
+  if (!std::filesystem::exists(path) || read_file(path) != text) write_file_atomically(path, text);
+}
+
 class Generator {
  public:
   Generator(ProxyTarget target, const std::vector<std::filesystem::path>& files)
@@ -162,8 +167,8 @@ void write_proxies(const ProxyTarget& target, const std::vector<std::filesystem:
   const Generator generator(target, files);
   const auto folder = target.output / target.include_folder;
   make_folder(folder);
-  write_file_atomically(folder / "generated.h", generator.header());
-  write_file_atomically(folder / "generated.cpp", generator.source());
+  write_when_changed(folder / "generated.h", generator.header());
+  write_when_changed(folder / "generated.cpp", generator.source());
 }
 
 }  // namespace loci::generator

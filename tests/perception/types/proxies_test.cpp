@@ -65,7 +65,7 @@ TEST(Proxies, ConversionFromAFeatureStructureIsChecked) {
 }
 
 TEST(Proxies, GrowByHandWithoutTouchingGeneratedFiles) {
-  cas::Cas cas(types::type_system_with({LOCI_SOURCE_DIR "/tests/perception/types/climate.xml"}));
+  cas::Cas cas(types::type_system_with({LOCI_SOURCE_DIR "/tests/data/climate.xml"}));
   const Thermometer thermometer = as<Thermometer>(tests::Temperature::create(cas));
   thermometer.set_fahrenheit(212);
   EXPECT_DOUBLE_EQ(thermometer.degrees.get(), 100);
@@ -75,7 +75,7 @@ TEST(Proxies, GrowByHandWithoutTouchingGeneratedFiles) {
 }
 
 TEST(Proxies, OfAUsersTypesHaveListsAndAllowedValues) {
-  cas::Cas cas(types::type_system_with({LOCI_SOURCE_DIR "/tests/perception/types/climate.xml"}));
+  cas::Cas cas(types::type_system_with({LOCI_SOURCE_DIR "/tests/data/climate.xml"}));
   const auto temperature = tests::Temperature::create(cas);
   temperature.shown_in.set("celsius");
   EXPECT_THROW(temperature.shown_in.set("kelvin"), Error);
