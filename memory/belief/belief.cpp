@@ -122,6 +122,7 @@ class Step {
     const std::string place_before = object.place;
     const Status status_before = object.status;
     const bool was_hidden = object.told_hidden;
+    const TimeNs seen_before = object.last_seen;
     const double seconds_unseen = double(scene_.time - object.last_seen) / double(kSecond);
 
     if (explanation == Explanation::move || status_before == Status::gone)
@@ -139,15 +140,15 @@ class Step {
     object.exists_log_odds = std::min(object.exists_log_odds, 20.0);
 
     if (object.status == Status::tentative) {
-      object.observations.push_back(observation.id);
+      object.pending.push_back({observation.id, scene_.time, false, update_.observations[k].probability});
       if (snapshot_ || object.exists_log_odds >= log_odds(options_.confirm)) confirm(object, k);
       return;
     }
     object.status = Status::present;
     const double probability = update_.observations[k].probability;
     const auto tell = [&](EventKind kind) {
-      update_.events.push_back({kind, object.id, scene_.time, probability, place_before, object.place, before,
-                                observation.box, k});
+      update_.events.push_back({kind, object.id, scene_.time, seen_before, probability, place_before,
+                                object.place, before, observation.box, k});
     };
     if (status_before == Status::gone || was_hidden) tell(EventKind::reappeared);
     if (status_before != Status::gone && explanation == Explanation::move) tell(EventKind::moved);
@@ -266,6 +267,7 @@ class Step {
       update_.events.push_back({EventKind::gone,
                                 object.id,
                                 scene_.time,
+                                object.last_seen,
                                 1 - object.probability_here,
                                 object.place,
                                 {},
@@ -304,8 +306,9 @@ class Step {
     const int looks_needed = snapshot_ ? 1 : 3;
     if (object.hidden_looks < looks_needed || object.told_hidden) return;
     object.told_hidden = true;
-    update_.events.push_back({EventKind::hidden, object.id, scene_.time, object.probability_here,
-                              object.place, object.place, e.box, e.box, std::nullopt});
+    update_.events.push_back({EventKind::hidden, object.id, scene_.time, object.last_seen,
+                              object.probability_here, object.place, object.place, e.box, e.box,
+                              std::nullopt});
   }
 
   // Something that is none of the believed objects.
@@ -326,7 +329,7 @@ class Step {
     put(object, observation);
     remember_look(object, observation);
     mark_seen(object, observation);
-    object.observations.push_back(observation.id);
+    object.pending.push_back({observation.id, scene_.time, true, outcome.appear});
     outcome.key = object.key;
     state_.objects.push_back(std::move(object));
     if (snapshot_) confirm(state_.objects.back(), k);
@@ -335,14 +338,16 @@ class Step {
   void confirm(ProtoObject& object, size_t k) {
     object.status = Status::present;
     object.id = state_.next_id++;
-    std::vector<int64_t> earlier = std::move(object.observations);
-    object.observations.clear();
+    std::vector<PendingSighting> earlier = std::move(object.pending);
+    object.pending.clear();
     earlier.pop_back();  // the present one is reported with its scene
     const double exists = 1 / (1 + std::exp(-object.exists_log_odds));
-    update_.confirmed.push_back({object.id, object.key, std::move(earlier)});
+    update_.confirmed.push_back({object.id, object.key, object.first_seen, std::move(earlier)});
+    const bool now = object.first_seen == scene_.time;
     update_.events.push_back({EventKind::appeared,
                               object.id,
                               object.first_seen,
+                              now ? state_.last_scene : std::nullopt,
                               exists,
                               {},
                               object.place,

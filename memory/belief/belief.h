@@ -18,8 +18,9 @@ const char* event_name(EventKind kind);
 /// sighting and `time`.
 struct Event {
   EventKind kind = EventKind::appeared;
-  int64_t object = 0;  ///< memory's number
-  TimeNs time = 0;     ///< of the scene that showed it
+  int64_t object = 0;           ///< memory's number
+  TimeNs time = 0;              ///< until when it happened: of the scene that showed it
+  std::optional<TimeNs> since;  ///< after which it happened: the last look before
   double probability = 1;
   std::string from_place, to_place;   ///< empty = unknown or does not apply
   std::optional<AxisBox> from, to;    ///< map frame
@@ -66,11 +67,12 @@ struct PairEvidence {
   PairTable log_similar, log_proximity;
 };
 
-/// An object that became certain enough to be told: its number, and the earlier observations that were its.
+/// An object that became certain enough to be told: its number, and its earlier sightings.
 struct Confirmed {
   int64_t object = 0;
   int64_t key = 0;
-  std::vector<int64_t> observations;
+  TimeNs first_seen = 0;
+  std::vector<PendingSighting> earlier;
 };
 
 struct BeliefUpdate {

@@ -49,6 +49,9 @@ Look look_from(const Json& json) {
 Json object_json(const ProtoObject& o) {
   Json looks = Json::array();
   for (const Look& look : o.looks) looks.push_back(look_json(look));
+  Json pending = Json::array();
+  for (const PendingSighting& p : o.pending)
+    pending.push_back({p.observation, p.time, p.first, p.probability});
   return {{"key", o.key},
           {"id", o.id},
           {"status", static_cast<int>(o.status)},
@@ -68,7 +71,7 @@ Json object_json(const ProtoObject& o) {
           {"map_from_camera", pose_numbers(o.map_from_camera)},
           {"looks", looks},
           {"last_observation", o.last_observation},
-          {"observations", o.observations}};
+          {"pending", pending}};
 }
 
 ProtoObject object_from(const Json& json) {
@@ -91,7 +94,9 @@ ProtoObject object_from(const Json& json) {
   o.map_from_camera = pose_from(json.at("map_from_camera"));
   for (const Json& look : json.at("looks")) o.looks.push_back(look_from(look));
   o.last_observation = json.at("last_observation").get<int64_t>();
-  o.observations = json.at("observations").get<std::vector<int64_t>>();
+  for (const Json& p : json.at("pending"))
+    o.pending.push_back(
+        {p.at(0).get<int64_t>(), p.at(1).get<TimeNs>(), p.at(2).get<bool>(), p.at(3).get<double>()});
   return o;
 }
 

@@ -23,6 +23,14 @@ struct Look {
   bool partial = false;
 };
 
+/// An observation that was attributed to a tentative object, to be told when it is confirmed.
+struct PendingSighting {
+  int64_t observation = 0;  ///< memory's number
+  TimeNs time = 0;
+  bool first = false;      ///< it made the object; otherwise it was found again
+  double probability = 0;  ///< of the attribution
+};
+
 /// A proto object: what a bag of observations adds up to (§3.2.5).
 struct ProtoObject {
   int64_t key = 0;  ///< within the belief; never reused
@@ -44,8 +52,8 @@ struct ProtoObject {
   Isometry3d map_from_camera = Isometry3d::Identity();  ///< of the last sighting
 
   std::vector<Look> looks;
-  int64_t last_observation = 0;       ///< memory's number
-  std::vector<int64_t> observations;  ///< while tentative: those to be attributed when it is confirmed
+  int64_t last_observation = 0;          ///< memory's number
+  std::vector<PendingSighting> pending;  ///< while tentative
 };
 
 /// All that the belief carries from one scene to the next.

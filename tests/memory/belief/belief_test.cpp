@@ -164,7 +164,8 @@ TEST_F(Belief, ConfirmedThingBringsItsEarlierObservationsAlong) {
   kitchen.things = {{"mug", at(0, 0)}};
   std::vector<int64_t> earlier;
   for (int i = 0; i < 10; ++i)
-    for (const Confirmed& confirmed : look(i / 30.0, 1 / 30.0).confirmed) earlier = confirmed.observations;
+    for (const Confirmed& confirmed : look(i / 30.0, 1 / 30.0).confirmed)
+      for (const PendingSighting& sighting : confirmed.earlier) earlier.push_back(sighting.observation);
   EXPECT_THAT(earlier, ElementsAre(1, 2));
 }
 

@@ -1,0 +1,431 @@
+#include "memory/recorder/recorder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/base/hash.h"
+#include "memory/recorder/carried_belief.h"
+#include "memory/recorder/stored_structures.h"
+#include "memory/store/depth_thumbnail.h"
+
+namespace loci {
+namespace {
+
+constexpr double kSmallestShare = 0.001;
+constexpr double kToldBeliefChange = 0.02;  ///< smaller changes of a probability make no row
+constexpr double kJointMoved = 0.01;        ///< metres or radians
+constexpr double kPlaceSeen = 0.01;
+
+struct Thumbnail {
+  int width = 0, height = 0;
+  std::string bytes;
+};
+
+/// Every so-many-th pixel, so that the longer side has at most 160; where that one was not measured, the
+/// first around it that was.
+Thumbnail thumbnail_of(const cv::Mat& depth) {
+  const int step = std::max(1, (std::max(depth.cols, depth.rows) + 159) / 160);
+  Thumbnail small{depth.cols / step, depth.rows / step, {}};
+  std::vector<float> values;
+  for (int row = 0; row < small.height; ++row) {
+    for (int column = 0; column < small.width; ++column) {
+      const int v = row * step + step / 2, u = column * step + step / 2;
+      float value = depth.at<float>(v, u);
+      for (int i = 0; i < step * step && !std::isfinite(value); ++i)
+        value = depth.at<float>(row * step + i / step, column * step + i % step);
+      values.push_back(std::isfinite(value) ? value : 0.0F);
+    }
+  }
+  small.bytes = encode_depth_thumbnail(values);
+  return small;
+}
+
+std::string unseen_status(const belief::Visibility& v) {
+  if (v.looked() >= v.out_of_view && v.looked() >= v.hidden + v.unmeasured) return "missed";
+  return v.out_of_view >= v.hidden + v.unmeasured ? "out_of_view" : "hidden";
+}
+
+double unseen_probability(const belief::Visibility& v, const std::string& status) {
+  const double share = status == "missed"        ? v.looked()
+                       : status == "out_of_view" ? v.out_of_view
+                                                 : v.hidden + v.unmeasured;
+  return std::clamp(share, 0.0, 1.0);
+}
+
+bool joint_moved(double from, double to) {
+  return std::abs(to - from) > kJointMoved;
+}
+
+}  // namespace
+
+/// One scene on its way into the memory.
+class Recorder::Writing {
+ public:
+  Writing(Recorder& recorder, const SceneRecord& record)
+      : recorder_(recorder),
+        record_(record),
+        transaction_(recorder.store_, recorder.run_),
+        state_(recorder.state_) {}
+
+  RecordedScene run() {
+    add_scene();
+    add_places();
+    add_observations();
+    state_.next_id = next_object();
+    result_.update = belief::advance(state_, evidence_, recorder_.options_);
+    add_objects();
+    add_associations();
+    add_events();
+    add_joint_events();
+    add_beliefs();
+    add_visibility();
+    save_belief(transaction_, result_.scene, state_);
+    transaction_.commit();
+    recorder_.state_ = std::move(state_);
+    recorder_.last_rows_ = std::move(rows_);
+    recorder_.last_joints_ = record_.row.joints;
+    return std::move(result_);
+  }
+
+ private:
+  Bitemporal clock(std::optional<TimeNs> valid_from = {}) const {
+    Bitemporal clock;
+    clock.valid_from = valid_from.value_or(record_.row.time);
+    return clock;
+  }
+
+  /// Numbers that other writers gave to objects are not given again.
+  int64_t next_object() const {
+    return std::max(state_.next_id,
+                    recorder_.last_rows_.empty() ? 1 : recorder_.last_rows_.rbegin()->first + 1);
+  }
+
+  std::optional<Id> blob(const BlobRecord& record) {
+    if (record.bytes.empty()) return std::nullopt;
+    return transaction_.add_blob(record.bytes, record.media);
+  }
+
+  void add_scene() {
+    SceneRow row = record_.row;
+    if (!record_.view.depth.empty()) {
+      const Thumbnail small = thumbnail_of(record_.view.depth);
+      row.depth = transaction_.add_blob(small.bytes, kDepthThumbnailMedia);
+      row.depth_width = small.width;
+      row.depth_height = small.height;
+    }
+    row.picture = blob(record_.picture);
+    result_.scene = transaction_.add_scene(row);
+  }
+
+  void add_places() {
+    for (const PlaceRow& place : record_.places) places_[place.name] = transaction_.add_place(place);
+  }
+
+  std::optional<Id> place(const std::string& name) const {
+    const auto found = places_.find(name);
+    return found == places_.end() ? std::nullopt : std::optional<Id>(found->second);
+  }
+
+  void add_observations() {
+    evidence_.time = record_.row.time;
+    evidence_.seconds_to_next = record_.seconds_to_next;
+    evidence_.view = record_.view;
+    evidence_.places = record_.place_poses;
+    StructureWriter structures(transaction_, result_.scene);
+    for (size_t i = 0; i < record_.observations.size(); ++i) {
+      const ObservationRecord& observation = record_.observations[i];
+      ObservationRow row = observation.row;
+      row.scene = result_.scene;
+      row.number = static_cast<int64_t>(i);
+      row.place = place(observation.evidence.place);
+      row.crop = blob(observation.crop);
+      row.mask = blob(observation.mask);
+      const Id id = transaction_.add_observation(row);
+      result_.observations.push_back(id);
+      evidence_.observations.push_back(observation.evidence);
+      evidence_.observations.back().id = id;
+      add_annotations(observation.annotations, observation.structures, id, structures);
+    }
+    add_annotations(record_.annotations, record_.structures, std::nullopt, structures);
+  }
+
+  void add_annotations(const std::vector<AnnotationRecord>& annotations,
+                       const std::vector<cas::FeatureStructure>& others, std::optional<Id> observation,
+                       StructureWriter& structures) {
+    for (const AnnotationRecord& annotation : annotations) {
+      AnnotationRow row;
+      row.scene = result_.scene;
+      row.observation = observation;
+      row.type = annotation.type;
+      row.value = annotation.value;
+      row.confidence = annotation.confidence;
+      if (annotation.structure) row.feature_structure = structures.write(annotation.structure, observation);
+      transaction_.add_annotation(row);
+    }
+    for (const cas::FeatureStructure& structure : others) structures.write(structure, observation);
+  }
+
+  void add_objects() {
+    for (const belief::Confirmed& confirmed : result_.update.confirmed) {
+      ObjectRow row;
+      row.clock = clock(confirmed.first_seen);
+      const Id id = transaction_.add_object(row);
+      if (id != confirmed.object)
+        throw Error("object " + std::to_string(id) + " was to be " + std::to_string(confirmed.object),
+                    {recorder_.store_.path().string(), 0, {}},
+                    "another program has written to this memory meanwhile");
+      for (const belief::PendingSighting& sighting : confirmed.earlier) {
+        AssociationRow association;
+        association.scene = recorder_.store_.observation(sighting.observation).scene;
+        association.observation = sighting.observation;
+        association.object = id;
+        association.explanation = sighting.first ? "appear" : "stay";
+        association.probability = sighting.probability;
+        association.chosen = true;
+        association.clock = clock(sighting.time);
+        transaction_.add_association(association);
+      }
+    }
+  }
+
+  void add_association(std::optional<Id> observation, std::optional<Id> object, Explanation explanation,
+                       double probability, bool chosen) {
+    if (probability < kSmallestShare && !chosen) return;
+    AssociationRow row;
+    row.scene = result_.scene;
+    row.observation = observation;
+    row.object = object;
+    row.explanation = explanation_name(explanation);
+    row.probability = std::clamp(probability, 0.0, 1.0);
+    row.chosen = chosen;
+    row.clock = clock();
+    transaction_.add_association(row);
+  }
+
+  void add_associations() {
+    for (size_t k = 0; k < result_.observations.size(); ++k) {
+      const belief::ObservationOutcome& outcome = result_.update.observations[k];
+      const Id observation = result_.observations[k];
+      for (const belief::Share& share : outcome.shares) {
+        if (share.object == 0) continue;  // tentative: told when it is confirmed
+        const bool chosen = outcome.key == share.key;
+        for (const auto& [explanation, probability] :
+             {std::pair{Explanation::stay, share.stay}, std::pair{Explanation::move, share.move},
+              std::pair{Explanation::newview, share.newview}})
+          add_association(observation, share.object, explanation, probability,
+                          chosen && outcome.explanation == explanation);
+      }
+      const bool appeared = outcome.explanation == Explanation::appear && outcome.object != 0;
+      if (appeared) add_association(observation, outcome.object, Explanation::appear, outcome.appear, true);
+      add_association(observation, std::nullopt, Explanation::clutter, outcome.clutter,
+                      outcome.explanation == Explanation::clutter);
+    }
+    for (const belief::ObjectOutcome& outcome : result_.update.objects) {
+      if (outcome.object == 0 || is_old_news(outcome)) continue;
+      for (const auto& [explanation, probability] :
+           {std::pair{Explanation::disappear, outcome.disappear},
+            std::pair{Explanation::missed, outcome.missed}, std::pair{Explanation::hidden, outcome.hidden}})
+        add_association(std::nullopt, outcome.object, explanation, probability,
+                        outcome.explanation == explanation);
+    }
+  }
+
+  /// Known to be gone before, and still not seen.
+  bool is_old_news(const belief::ObjectOutcome& outcome) const {
+    const auto before = recorder_.last_rows_.find(outcome.object);
+    return before != recorder_.last_rows_.end() && before->second.status == "gone" && !seen(outcome);
+  }
+
+  static bool seen(const belief::ObjectOutcome& outcome) {
+    return outcome.explanation == Explanation::stay || outcome.explanation == Explanation::move ||
+           outcome.explanation == Explanation::newview;
+  }
+
+  void add_events() {
+    for (const belief::Event& event : result_.update.events) {
+      EventRow row;
+      row.scene = result_.scene;
+      row.kind = belief::event_name(event.kind);
+      row.object = event.object;
+      if (event.observation) row.observation = result_.observations[*event.observation];
+      row.place = place(event.to_place);
+      row.from_place = place(event.from_place);
+      if (event.to) row.position = event.to->centre;
+      if (event.from) row.from_position = event.from->centre;
+      row.probability = std::clamp(event.probability, 0.0, 1.0);
+      row.since = event.since;
+      row.clock = clock(event.time);
+      transaction_.add_event(row);
+    }
+  }
+
+  void add_joint_events() {
+    if (!recorder_.state_.last_scene) return;  // nothing to compare with
+    for (const auto& [joint, position] : record_.row.joints) {
+      const auto before = recorder_.last_joints_.find(joint);
+      const double from = before == recorder_.last_joints_.end() ? 0.0 : before->second;
+      if (!joint_moved(from, position)) continue;
+      EventRow row;
+      row.scene = result_.scene;
+      row.kind = "joint_changed";
+      row.joint = joint;
+      row.joint_position = position;
+      row.from_joint_position = from;
+      for (const PlaceRow& candidate : record_.places)
+        if (candidate.joint == joint) row.place = place(candidate.name);
+      row.since = recorder_.state_.last_scene;
+      row.clock = clock();
+      transaction_.add_event(row);
+    }
+  }
+
+  const belief::ObjectOutcome* outcome_of(Id object) const {
+    for (const belief::ObjectOutcome& outcome : result_.update.objects)
+      if (outcome.object == object) return &outcome;
+    return nullptr;
+  }
+
+  void add_beliefs() {
+    rows_ = recorder_.last_rows_;
+    for (const belief::Confirmed& confirmed : result_.update.confirmed) add_first_belief(confirmed);
+    for (const belief::ProtoObject& object : state_.objects) {
+      if (object.id == 0) continue;
+      const bool seen_now = object.last_seen == record_.row.time;
+      BeliefRow row = rows_.contains(object.id) ? rows_.at(object.id) : BeliefRow();
+      const BeliefRow before = row;
+      row.object = object.id;
+      row.scene = result_.scene;
+      row.probability = std::clamp(object.probability_here, 0.0, 1.0);
+      row.status = object.status == belief::Status::gone ? "gone"
+                   : seen_now                            ? "seen"
+                                                         : unseen_status(outcome_of(object.id)->visibility);
+      row.place = place_of(object, before);
+      const belief::AxisBox box = belief::box_in_map(object, record_.place_poses);
+      row.position = box.centre;
+      row.size = box.size;
+      row.sigma = std::sqrt(object.variance);
+      row.clock = clock();
+      if (seen_now) fill_sighting(row, object);
+      const bool news = before.id == 0 || seen_now || row.status != before.status ||
+                        row.position != before.position ||
+                        std::abs(row.probability - before.probability) > kToldBeliefChange;
+      if (!news) continue;
+      row.id = transaction_.add_belief(row);
+      rows_[object.id] = row;
+    }
+  }
+
+  std::optional<Id> place_of(const belief::ProtoObject& object, const BeliefRow& before) const {
+    const std::optional<Id> now = place(object.place);
+    return now ? now : before.place;
+  }
+
+  void fill_sighting(BeliefRow& row, const belief::ProtoObject& object) {
+    row.last_scene = result_.scene;
+    row.last_observation = object.last_observation;
+    for (size_t k = 0; k < result_.observations.size(); ++k) {
+      if (result_.observations[k] != object.last_observation) continue;
+      const ObservationRecord& observation = record_.observations[k];
+      if (observation.evidence.partial && row.hsv) continue;  // a whole view says more about its colour
+      row.hsv = observation.row.hsv;
+      row.color = observation.row.color;
+    }
+  }
+
+  /// What is believed from the first sighting on, where the object was confirmed only later.
+  void add_first_belief(const belief::Confirmed& confirmed) {
+    if (confirmed.earlier.empty()) return;
+    const belief::PendingSighting& first = confirmed.earlier.front();
+    const ObservationRow observation = recorder_.store_.observation(first.observation);
+    BeliefRow row;
+    row.object = confirmed.object;
+    row.scene = observation.scene;
+    row.status = "seen";
+    row.place = observation.place;
+    row.position = observation.position;
+    row.size = observation.size;
+    row.last_scene = observation.scene;
+    row.last_observation = observation.id;
+    row.hsv = observation.hsv;
+    row.color = observation.color;
+    row.clock = clock(first.time);
+    row.id = transaction_.add_belief(row);
+    rows_[confirmed.object] = row;
+  }
+
+  void add_visibility() {
+    for (const belief::ObjectOutcome& outcome : result_.update.objects) {
+      if (outcome.object == 0 || is_old_news(outcome)) continue;
+      VisibilityRow row;
+      row.scene = result_.scene;
+      row.object = outcome.object;
+      row.status = seen(outcome) ? "seen" : unseen_status(outcome.visibility);
+      row.probability = seen(outcome) ? std::clamp(outcome.matched, 0.0, 1.0)
+                                      : unseen_probability(outcome.visibility, row.status);
+      transaction_.add_visibility(row);
+    }
+    for (const belief::Confirmed& confirmed : result_.update.confirmed) {
+      if (outcome_of(confirmed.object) != nullptr) continue;
+      transaction_.add_visibility(
+          {0, result_.scene, confirmed.object, std::nullopt, "seen", 1.0, std::nullopt});
+    }
+    for (const PlaceRow& place_row : record_.places) add_place_visibility(place_row);
+  }
+
+  void add_place_visibility(const PlaceRow& place_row) {
+    if (record_.view.depth.empty() || place_row.outline.empty() || !place_row.height) return;
+    Isometry3d now_from_outline = Isometry3d::Identity();
+    for (const belief::PlacePose& pose : record_.place_poses)
+      if (pose.name == place_row.name && place_row.map_from_place)
+        now_from_outline = pose.map_from_place * place_row.map_from_place->inverse();
+    std::vector<Vector3d> outline;
+    for (const Vector2d& corner : place_row.outline)
+      outline.push_back(now_from_outline * Vector3d(corner.x(), corner.y(), *place_row.height));
+    const double fraction =
+        belief::observed_fraction(record_.view, outline, 0.05, recorder_.options_.visibility);
+    if (fraction < kPlaceSeen) return;  // no row: not observed
+    transaction_.add_visibility({0, result_.scene, std::nullopt, places_.at(place_row.name), "seen",
+                                 std::nullopt, std::min(1.0, fraction)});
+  }
+
+  Recorder& recorder_;
+  const SceneRecord& record_;
+  SceneTransaction transaction_;
+  belief::BeliefState state_;
+  belief::Scene evidence_;
+  RecordedScene result_;
+  std::map<std::string, Id> places_;
+  std::map<Id, BeliefRow> rows_;
+};
+
+Recorder::Recorder(Store& store, Id run, const belief::BeliefOptions& options)
+    : store_(store), run_(run), options_(options), state_(load_belief(store)) {
+  for (const ObjectRow& object : store.objects()) last_rows_[object.id] = {};
+  for (const BeliefRow& row : store.beliefs()) last_rows_[row.object] = row;
+  Id last = 0;
+  for (const SceneRow& scene : store.scenes()) {
+    if (scene.id < last) continue;
+    last = scene.id;
+    last_joints_ = scene.joints;
+  }
+}
+
+RecordedScene Recorder::record(const SceneRecord& scene) {
+  return Writing(*this, scene).run();
+}
+
+std::string recording_fingerprint(const std::vector<FrameDigest>& frames,
+                                  const std::vector<cv::Mat>& pictures) {
+  std::string bytes;
+  for (const FrameDigest& frame : frames)
+    bytes += std::to_string(frame.index) + " " + std::to_string(frame.time) + "\n";
+  for (const cv::Mat& picture : pictures) {
+    bytes += std::to_string(picture.cols) + "x" + std::to_string(picture.rows) + "\n";
+    for (int row = 0; row < picture.rows; ++row)
+      bytes.append(reinterpret_cast<const char*>(picture.ptr(row)),
+                   size_t(picture.cols) * picture.elemSize());
+  }
+  return content_hash(bytes);
+}
+
+}  // namespace loci

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <map>
+
+#include "memory/belief/belief.h"
+#include "memory/recorder/scene_record.h"
+#include "memory/store/scene_transaction.h"
+
+namespace loci {
+
+/// What recording one scene did.
+struct RecordedScene {
+  Id scene = 0;
+  std::vector<Id> observations;  ///< in the order of the record
+  belief::BeliefUpdate update;
+};
+
+/// Moves the belief on scene by scene and keeps everything that changes: one scene is one transaction. The
+/// belief itself is part of it, so that a Recorder over the same file goes on exactly where the last one was
+/// stopped, however that happened.
+class Recorder {
+ public:
+  /// `run` is from Store::begin_run. Takes up the belief that the memory holds. Error when it cannot be read.
+  Recorder(Store& store, Id run, const belief::BeliefOptions& options = {});
+
+  /// Adds a scene. Error, with nothing added, when it lies before the last one.
+  RecordedScene record(const SceneRecord& scene);
+
+  const belief::BeliefState& belief() const { return state_; }
+
+ private:
+  class Writing;
+
+  Store& store_;
+  Id run_;
+  belief::BeliefOptions options_;
+  belief::BeliefState state_;
+  std::map<Id, BeliefRow> last_rows_;          ///< what the memory says about each object now
+  std::map<std::string, double> last_joints_;  ///< of the scene before
+};
+
+/// The belief that a memory holds after its last scene; empty for a new memory.
+belief::BeliefState load_belief(const Store& store);
+
+/// A recording, known by what is in it: the times, poses and sizes of its frames and some of its pictures.
+struct FrameDigest {
+  int64_t index = 0;
+  TimeNs time = 0;
+};
+std::string recording_fingerprint(const std::vector<FrameDigest>& frames,
+                                  const std::vector<cv::Mat>& pictures);
+
+}  // namespace loci

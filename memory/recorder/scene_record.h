@@ -1,0 +1,49 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "memory/belief/observation.h"
+#include "memory/store/rows.h"
+#include "perception/cas/cas.h"
+
+namespace loci {
+
+/// A value that an annotator found, to be searched for.
+struct AnnotationRecord {
+  std::string type;  ///< type name
+  std::string value;
+  std::optional<double> confidence;
+  cas::FeatureStructure structure;  ///< all of it; may be null
+};
+
+/// A picture or other bytes with their media type; empty = none.
+struct BlobRecord {
+  std::string bytes;
+  std::string media;
+};
+
+/// One thing that was seen: what the belief compares, what the memory keeps.
+struct ObservationRecord {
+  belief::Observation evidence;  ///< its id is given by the memory; its place is a name
+  ObservationRow row;            ///< without id, scene, place, crop and mask, which the recorder fills in
+  BlobRecord crop;
+  BlobRecord mask;
+  std::vector<AnnotationRecord> annotations;
+  std::vector<cas::FeatureStructure> structures;  ///< further feature structures to keep with it
+};
+
+/// Everything about one moment, as it comes out of a pipeline or another detector.
+struct SceneRecord {
+  SceneRow row;  ///< without id, depth and picture, which the recorder fills in
+  belief::SceneView view;
+  std::optional<double> seconds_to_next;
+  std::vector<belief::PlacePose> place_poses;  ///< where moving places are now
+  BlobRecord picture;
+  std::vector<PlaceRow> places;  ///< in view or in the map
+  std::vector<ObservationRecord> observations;
+  std::vector<AnnotationRecord> annotations;      ///< about the scene as a whole
+  std::vector<cas::FeatureStructure> structures;  ///< of the scene
+};
+
+}  // namespace loci

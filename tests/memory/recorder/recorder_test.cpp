@@ -1,0 +1,147 @@
+#include "memory/recorder/recorder.h"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include "mapping/base/files.h"
+#include "memory/recorder/stored_structures.h"
+#include "perception/cas/json.h"
+#include "perception/types/types.h"
+#include "tests/memory/belief/synthetic_scene.h"
+#include "tests/memory/recorder/memory_dump.h"
+
+namespace loci {
+namespace {
+
+using belief::SyntheticKitchen;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+class RecorderTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder = std::filesystem::temp_directory_path() / ("loci_recorder_" + std::to_string(getpid()));
+    make_folder(folder);
+    kitchen.things = {{"mug", SyntheticKitchen::on_table(0, 0)},
+                      {"box", SyntheticKitchen::on_table(0.3, 0.1), {0.2, 0.1, 0.1}, {0.2F, 0.2F, 0.8F}}};
+  }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+
+  /// The scene as a pipeline would hand it over.
+  SceneRecord record(double seconds, std::optional<double> to_next = {}) const {
+    const belief::Scene scene = kitchen.scene(seconds, to_next);
+    SceneRecord record;
+    record.row.time = scene.time;
+    record.row.joints = {{"drawer_1_joint", seconds > 500 ? 0.3 : 0.0}};
+    record.view = scene.view;
+    record.seconds_to_next = scene.seconds_to_next;
+    PlaceRow table;
+    table.name = "table_1";
+    table.class_name = "table";
+    table.height = 0.7;
+    table.outline = {{-0.4, -0.2}, {0.4, -0.2}, {0.4, 0.3}, {-0.4, 0.3}};
+    record.places = {table};
+    for (const belief::Observation& o : scene.observations) {
+      ObservationRecord observation;
+      observation.evidence = o;
+      observation.row.position = o.box.centre;
+      observation.row.size = o.box.size;
+      observation.row.hsv = HsvColor{double(10 * o.descriptors[0].values[0]), 0.5, 0.5};
+      observation.row.color = "red";
+      types::ColorHistogram histogram = types::ColorHistogram::create(*cas);
+      histogram.histogram.set(std::vector<float>(400, 0.25F));
+      observation.annotations.push_back({"loci.annotation.ColorHistogram", "red", 0.5, histogram});
+      record.observations.push_back(observation);
+    }
+    return record;
+  }
+
+  /// The n-th scene of a story: a video, things that are moved, taken, hidden.
+  SceneRecord story(int n) {
+    if (n == 12) kitchen.thing("mug").centre = SyntheticKitchen::on_table(-0.3, 0.1);
+    if (n == 13) kitchen.things.pop_back();
+    if (n < 10) return record(1 + n / 30.0, 1 / 30.0);
+    return record(100.0 * n);
+  }
+  static constexpr int kScenes = 16;
+
+  std::filesystem::path folder;
+  SyntheticKitchen kitchen;
+  std::shared_ptr<cas::Cas> cas = std::make_shared<cas::Cas>(types::type_system());
+};
+
+TEST_F(RecorderTest, GoesOnAsIfItHadNeverBeenStopped) {
+  {
+    Store store = Store::open_write(folder / "whole.loci");
+    Recorder recorder(store, store.begin_run("test", "{}"));
+    for (int n = 0; n < kScenes; ++n) recorder.record(story(n));
+  }
+  SetUp();
+  // The numbers of observations in the synthetic scenes are replaced by the memory's, so a fresh kitchen will
+  // do.
+  for (int n = 0; n < kScenes; ++n) {
+    Store store = Store::open_write(folder / "stopped.loci");
+    Recorder recorder(store, store.begin_run("test", "{}"));
+    recorder.record(story(n));
+  }
+  EXPECT_EQ(memory_dump(folder / "whole.loci"), memory_dump(folder / "stopped.loci"));
+}
+
+TEST_F(RecorderTest, MemoryIsSoundAndTellsWhatHappened) {
+  Store store = Store::open_write(folder / "day.loci");
+  {
+    Recorder recorder(store, store.begin_run("test", "{}"));
+    for (int n = 0; n < kScenes; ++n) recorder.record(story(n));
+  }
+  NoProgress progress;
+  EXPECT_THAT(store.verify(progress).problems, IsEmpty());
+  std::vector<std::string> events;
+  for (const EventRow& event : store.events())
+    events.push_back(event.kind + (event.object ? " " + object_name(*event.object) : " " + *event.joint));
+  EXPECT_THAT(events, ElementsAre("appeared object_1", "appeared object_2", "joint_changed drawer_1_joint",
+                                  "moved object_1", "gone object_2"));
+  const std::vector<BeliefRow> beliefs = store.beliefs();
+  ASSERT_EQ(beliefs.size(), 2U);
+  EXPECT_EQ(beliefs[0].status, "seen");
+  EXPECT_EQ(beliefs[1].status, "gone");
+  EXPECT_NEAR(beliefs[0].position->x(), -0.3, 0.01);
+  // Confirmed in the third frame, but believed and seen from the first on.
+  EXPECT_EQ(store.sightings(1).size(), static_cast<size_t>(kScenes));
+  EXPECT_EQ(store.belief_history(1).front().clock.valid_from, kSecond);
+  EXPECT_GT(store.visibility_of_place(store.places().front().id).front().fraction.value_or(0), 0.8);
+}
+
+TEST_F(RecorderTest, FailedSceneLeavesMemoryAndBeliefAsTheyWere) {
+  Store store = Store::open_write(folder / "day.loci");
+  Recorder recorder(store, store.begin_run("test", "{}"));
+  recorder.record(record(100));
+  const std::string before = memory_dump(folder / "day.loci");
+  const std::string belief_before = to_bytes(recorder.belief());
+  EXPECT_THROW(recorder.record(record(50)), Error);
+  EXPECT_EQ(memory_dump(folder / "day.loci"), before);
+  EXPECT_EQ(to_bytes(recorder.belief()), belief_before);
+  recorder.record(record(200));
+}
+
+TEST_F(RecorderTest, FeatureStructuresComeBackIdenticalWithTheStoredTypeSystem) {
+  Store store = Store::open_write(folder / "day.loci");
+  const SceneRecord scene = record(0);
+  Recorder(store, store.begin_run("test", "{}")).record(scene);
+  const std::vector<FeatureStructureRow> rows = store.feature_structures(store.scenes().front().id);
+  ASSERT_EQ(rows.size(), 2U);
+  const auto types = cas::TypeSystem::load({{"stored", store.type_system(rows[0].type_system)}}, {}, {});
+  cas::Cas fresh(types);
+  const cas::FeatureStructure back = read_structure(store, rows[0], fresh);
+  EXPECT_EQ(cas::to_json(back).dump(), cas::to_json(scene.observations[0].annotations[0].structure).dump());
+}
+
+TEST(RecordingFingerprint, DependsOnContentOnly) {
+  const cv::Mat picture(4, 4, CV_32F, cv::Scalar(1.0)), other(4, 4, CV_32F, cv::Scalar(2.0));
+  const std::vector<FrameDigest> frames = {{0, 1}, {1, 2}};
+  EXPECT_EQ(recording_fingerprint(frames, {picture}), recording_fingerprint(frames, {picture.clone()}));
+  EXPECT_NE(recording_fingerprint(frames, {picture}), recording_fingerprint(frames, {other}));
+  EXPECT_NE(recording_fingerprint(frames, {picture}), recording_fingerprint({{0, 1}, {1, 3}}, {picture}));
+}
+
+}  // namespace
+}  // namespace loci
