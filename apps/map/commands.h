@@ -6,5 +6,6 @@ namespace loci {
 
 Command check_command();
 Command fuse_command();
+Command interpret_command();
 
 }  // namespace loci

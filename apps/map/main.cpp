@@ -4,7 +4,7 @@ int main(int argc, char** argv) {
   loci::Program program("loci-map", "Builds and checks semantic URDF maps.");
   program.add(loci::check_command());
   program.add(loci::fuse_command());
-  program.add_planned("interpret", "A scan set to a map: floor, walls, supports");
+  program.add(loci::interpret_command());
   program.add_planned("compare", "Compares a map with another map or with the truth");
   program.add_planned("explore", "Scans an unknown kitchen by next best view and maps it");
   program.add_planned("next-view", "Where to scan next");

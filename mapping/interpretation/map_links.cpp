@@ -1,0 +1,232 @@
+#include "mapping/interpretation/map_links.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace loci {
+namespace {
+
+constexpr double kWallThickness = 0.05;  // m; not measured
+constexpr double kDensity = 600;         // kg/m³, as of wood: the map is to run in a physics simulator
+constexpr const char* kRoot = "map";
+
+struct Block {
+  Vector3d centre;  ///< in the link's frame
+  Vector3d size;
+};
+
+Rgba color_of(const std::string& class_name) {
+  if (class_name == "floor") return {0.75F, 0.72F, 0.68F, 1};
+  if (class_name == "ceiling") return {0.95F, 0.95F, 0.95F, 1};
+  if (class_name == "wall") return {0.88F, 0.87F, 0.84F, 1};
+  if (class_name == "table") return {0.72F, 0.52F, 0.32F, 1};
+  if (class_name == "counter") return {0.45F, 0.48F, 0.52F, 1};
+  return {0.62F, 0.45F, 0.35F, 1};
+}
+
+/// Solid blocks of one density about their common centre of mass, axes of the link.
+Inertial inertia_of(const std::vector<Block>& blocks) {
+  Inertial inertial;
+  Vector3d weighted = Vector3d::Zero();
+  for (const Block& block : blocks) {
+    const double mass = kDensity * block.size.prod();
+    inertial.mass += mass;
+    weighted += mass * block.centre;
+  }
+  const Vector3d centre = weighted / inertial.mass;
+  inertial.link_from_inertial.translation() = centre;
+  for (const Block& block : blocks) {
+    const double mass = kDensity * block.size.prod();
+    const Vector3d squares = block.size.cwiseProduct(block.size);
+    inertial.inertia += mass / 12 * Eigen::Matrix3d((squares.sum() - squares.array()).matrix().asDiagonal());
+    const Vector3d offset = block.centre - centre;
+    inertial.inertia +=
+        mass * (offset.squaredNorm() * Eigen::Matrix3d::Identity() - offset * offset.transpose());
+  }
+  return inertial;
+}
+
+void add_link(World& world, const std::string& name, const std::string& class_name,
+              const Isometry3d& map_from_link, const std::vector<Block>& blocks) {
+  Link link;
+  link.name = name;
+  for (const Block& block : blocks) {
+    Isometry3d link_from_block = Isometry3d::Identity();
+    link_from_block.translation() = block.centre;
+    link.visuals.push_back(
+        {"", link_from_block, Box{block.size}, Material{class_name, color_of(class_name), ""}});
+    link.collisions.push_back({"", link_from_block, Box{block.size}});
+  }
+  link.inertial = inertia_of(blocks);
+  world.links.push_back(std::move(link));
+  Joint joint;
+  joint.name = name + "_joint";
+  joint.parent = kRoot;
+  joint.child = name;
+  joint.parent_from_joint = map_from_link;
+  world.joints.push_back(std::move(joint));
+}
+
+double rounded(double value) {
+  return std::round(value * 1e4) / 1e4;
+}
+
+Json json_of(const std::vector<Vector2d>& corners) {
+  Json json = Json::array();
+  for (const Vector2d& corner : corners) json.push_back({rounded(corner.x()), rounded(corner.y())});
+  return json;
+}
+
+double many(size_t scans) {
+  return std::min(1.0, (static_cast<double>(scans) - 1) / 3);
+}
+
+Isometry3d pose_at(const Vector2d& centre, double z, double yaw) {
+  Isometry3d pose = Isometry3d::Identity();
+  pose.translation() = Vector3d(centre.x(), centre.y(), z);
+  pose.linear() = Eigen::AngleAxisd(yaw, Vector3d::UnitZ()).toRotationMatrix();
+  return pose;
+}
+
+void add_level(const RecognisedRoom& room, const LevelPlane& plane, const std::string& class_name,
+               InterpretedMap& map) {
+  const Eigen::Rotation2Dd map_from_room(room.yaw);
+  const Vector2d size = plane.extent.size();
+  const double middle = class_name == "floor" ? -kWallThickness / 2 : kWallThickness / 2;
+  add_link(map.world, class_name, class_name,
+           pose_at(map_from_room * plane.extent.centre(), plane.height, room.yaw),
+           {{{0, 0, middle}, {size.x(), size.y(), kWallThickness}}});
+  const Extent& e = plane.extent;
+  SemanticLink link;
+  link.class_name = class_name;
+  link.confidence = rounded(0.5 + 0.4 * std::min(1.0, plane.area / 3) + 0.1 * many(plane.scans.size()));
+  link.geometry = {
+      {"height", rounded(plane.height)},
+      {"outline", json_of({map_from_room * e.min, map_from_room * Vector2d(e.max.x(), e.min.y()),
+                           map_from_room * e.max, map_from_room * Vector2d(e.min.x(), e.max.y())})}};
+  link.evidence = {{"inliers", plane.inliers},
+                   {"scans", plane.scans},
+                   {"area_m2", rounded(plane.area)},
+                   {"sd_m", rounded(plane.sd)}};
+  map.semantics.links[class_name] = std::move(link);
+}
+
+void add_wall(const VerticalPlane& wall, const std::string& name, InterpretedMap& map) {
+  const Vector2d middle = wall.at((wall.along_min + wall.along_max) / 2);
+  const double yaw = std::atan2(wall.normal.y(), wall.normal.x());
+  const double height = wall.top - wall.bottom;
+  add_link(map.world, name, "wall", pose_at(middle, (wall.top + wall.bottom) / 2, yaw),
+           {{{-kWallThickness / 2, 0, 0}, {kWallThickness, wall.length(), height}}});
+  SemanticLink link;
+  link.class_name = "wall";
+  link.confidence = rounded(0.4 + 0.3 * std::min(1.0, wall.area / 3) + 0.2 * (1 - wall.behind) +
+                            0.1 * many(wall.scans.size()));
+  Json outline = Json::array();
+  const auto corner = [&](double along, double z) {
+    const Vector2d at = wall.at(along);
+    outline.push_back({rounded(at.x()), rounded(at.y()), rounded(z)});
+  };
+  corner(wall.along_min, wall.bottom);
+  corner(wall.along_max, wall.bottom);
+  corner(wall.along_max, wall.top);
+  corner(wall.along_min, wall.top);
+  link.geometry = {{"normal", {wall.normal.x(), wall.normal.y(), 0.0}},
+                   {"offset", rounded(wall.offset)},
+                   {"outline", outline}};
+  link.evidence = {{"inliers", wall.inliers},
+                   {"scans", wall.scans},
+                   {"area_m2", rounded(wall.area)},
+                   {"sd_m", rounded(wall.sd)},
+                   {"seen_behind", rounded(wall.behind)}};
+  map.semantics.links[name] = std::move(link);
+}
+
+/// The yaw of a support's frame: x leads away from its wall; free-standing ones keep the axes nearest to the
+/// map's.
+double frame_yaw(const RecognisedRoom& room, const Support& support) {
+  const double quarter = std::numbers::pi / 2;
+  double outward = 0;
+  if (support.wall >= 0 && support.wall_distance < 0.5) {
+    const Vector2d& normal = room.walls[static_cast<size_t>(support.wall)].normal;
+    outward = std::atan2(normal.y(), normal.x());
+  }
+  return support.yaw + std::round((outward - support.yaw) / quarter) * quarter;
+}
+
+double confidence_of(const Support& support, bool free_space) {
+  const double coverage = support.observed_area / support.area();
+  const auto known = std::count_if(support.edges.begin(), support.edges.end(),
+                                   [](EdgeKind kind) { return kind != EdgeKind::unseen; });
+  double confidence = 0.35 + 0.35 * std::min(1.0, coverage / 0.6) + 0.05 * static_cast<double>(known) +
+                      0.1 * many(support.scans.size()) - 0.3 * support.pierced_area / support.area();
+  if (support.behind_face) confidence = std::min(confidence, 0.6);
+  if (!free_space) confidence = std::min(confidence, 0.6);
+  return rounded(std::clamp(confidence, 0.05, 0.99));
+}
+
+void add_support(const RecognisedRoom& room, const Support& support, const std::string& name,
+                 const InterpretationOptions& options, InterpretedMap& map) {
+  const double yaw = frame_yaw(room, support);
+  const Eigen::Rotation2Dd link_from_axes(support.yaw - yaw);
+  std::vector<Extent> parts;
+  Extent all{Vector2d::Constant(1e9), Vector2d::Constant(-1e9)};
+  for (const Extent& part : support.parts) {
+    const Vector2d a = link_from_axes * part.min;
+    const Vector2d b = link_from_axes * part.max;
+    parts.push_back({a.cwiseMin(b), a.cwiseMax(b)});
+    all = {all.min.cwiseMin(parts.back().min), all.max.cwiseMax(parts.back().max)};
+  }
+  std::vector<Block> blocks;
+  for (const Extent& part : parts) {
+    const Vector2d centre = part.centre() - all.centre();
+    blocks.push_back({{centre.x(), centre.y(), -options.slab_thickness_m / 2},
+                      {part.size().x(), part.size().y(), options.slab_thickness_m}});
+  }
+  const Isometry3d map_from_link = pose_at(Eigen::Rotation2Dd(yaw) * all.centre(), support.height, yaw);
+  add_link(map.world, name, support.class_name, map_from_link, blocks);
+  SemanticLink link;
+  link.class_name = support.class_name;
+  link.confidence = confidence_of(support, room.free_space);
+  link.geometry = {{"height", rounded(support.height)}, {"outline", json_of(support.outline())}};
+  Json edges = Json::object();
+  constexpr std::array<const char*, 4> kSides = {"x_min", "x_max", "y_min", "y_max"};
+  for (size_t i = 0; i < 4; ++i) edges[kSides[i]] = edge_kind_name(support.edges[i]);
+  link.evidence = {{"inliers", support.inliers},
+                   {"scans", support.scans},
+                   {"area_m2", rounded(support.observed_area)},
+                   {"outline_area_m2", rounded(support.area())},
+                   {"pierced_area_m2", rounded(support.pierced_area)},
+                   {"sd_m", rounded(support.sd)},
+                   {"axes_yaw_deg", rounded(support.yaw * 180 / std::numbers::pi)},
+                   {"edges", edges},
+                   {"extent_from", support.behind_face ? "front and wall" : "surface"},
+                   {"class_because", support.reason}};
+  if (room.free_space) link.evidence["seen_below"] = rounded(support.seen_below);
+  map.semantics.links[name] = std::move(link);
+}
+
+}  // namespace
+
+void add_links(const RecognisedRoom& room, const InterpretationOptions& options, InterpretedMap& map) {
+  map.world.name = "map";
+  map.world.root = kRoot;
+  Link root;
+  root.name = kRoot;
+  map.world.links.push_back(root);
+  if (room.floor) add_level(room, *room.floor, "floor", map);
+  if (room.ceiling) add_level(room, *room.ceiling, "ceiling", map);
+  const auto in_name_order = [](const std::vector<std::string>& names) {
+    std::vector<size_t> order(names.size());
+    for (size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return names[a] < names[b]; });
+    return order;
+  };
+  const std::vector<std::string> walls = wall_names(room);
+  for (const size_t i : in_name_order(walls)) add_wall(room.walls[i], walls[i], map);
+  const std::vector<std::string> supports = support_names(room);
+  for (const size_t i : in_name_order(supports))
+    add_support(room, room.supports[i], supports[i], options, map);
+}
+
+}  // namespace loci

@@ -1,0 +1,144 @@
+#include "mapping/interpretation/plane_raster.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace loci {
+namespace {
+
+// Scores per cell: what speaks for a rectangle and what against it.
+constexpr float kSupport = 1.0F;
+constexpr float kPierced = -1.5F;
+constexpr float kSunkIn = -0.3F;   // a counter may have a sink
+constexpr float kHidden = -0.03F;  // something stands above: the surface may go on below it
+constexpr float kNear = -0.12F;    // unknown, but close to surface
+constexpr float kUnknown = -0.35F;
+constexpr float kConsumed = -50.0F;
+constexpr double kNearDistance = 0.15;  // m
+
+}  // namespace
+
+PlaneRaster::PlaneRaster(const PlaneEvidence& evidence, const std::vector<Vector2d>& seed, double yaw,
+                         double cell, double margin)
+    : axes_from_map_(-yaw), cell_(cell) {
+  Vector2d low = Vector2d::Constant(1e9);
+  Vector2d high = Vector2d::Constant(-1e9);
+  for (const Vector2d& point : seed) {
+    const Vector2d turned = axes_from_map_ * point;
+    low = low.cwiseMin(turned);
+    high = high.cwiseMax(turned);
+  }
+  origin_ = (low.array() - margin).matrix();
+  const Vector2d size = (high - low).array() + 2 * margin;
+  width_ = static_cast<int>(size.x() / cell_) + 1;
+  height_ = static_cast<int>(size.y() / cell_) + 1;
+  cells_.resize(static_cast<size_t>(width_) * static_cast<size_t>(height_));
+  for (const auto& point : evidence.support)
+    if (Cell* c = at(point.position)) ++c->support;
+  for (const Vector2d& point : evidence.pierced)
+    if (Cell* c = at(point)) ++c->pierced;
+  for (const Vector2d& point : evidence.sunk)
+    if (Cell* c = at(point)) ++c->sunk;
+  for (const Vector2d& point : evidence.taken)
+    if (Cell* c = at(point)) c->consumed = true;
+  for (const Vector2d& point : evidence.above)
+    if (Cell* c = at(point)) ++c->above;
+  score_cells();
+}
+
+PlaneRaster::Cell* PlaneRaster::at(const Vector2d& map_point) {
+  const Vector2d local = (axes_from_map_ * map_point - origin_) / cell_;
+  const int x = static_cast<int>(std::floor(local.x()));
+  const int y = static_cast<int>(std::floor(local.y()));
+  if (x < 0 || y < 0 || x >= width_ || y >= height_) return nullptr;
+  return &cells_[number_of(x, y)];
+}
+
+void PlaneRaster::score_cells() {
+  // Which cells are near surface: a box of the near distance, by running sums in both directions.
+  const int reach = static_cast<int>(kNearDistance / cell_);
+  std::vector<int> sums(static_cast<size_t>(width_ + 1) * static_cast<size_t>(height_ + 1), 0);
+  const auto sum_at = [&](int x, int y) -> int& {
+    return sums[static_cast<size_t>(y) * static_cast<size_t>(width_ + 1) + static_cast<size_t>(x)];
+  };
+  for (int y = 0; y < height_; ++y)
+    for (int x = 0; x < width_; ++x)
+      sum_at(x + 1, y + 1) =
+          sum_at(x, y + 1) + sum_at(x + 1, y) - sum_at(x, y) + (is_support(cells_[number_of(x, y)]) ? 1 : 0);
+  const auto near_support = [&](int x, int y) {
+    const int x0 = std::max(0, x - reach);
+    const int x1 = std::min(width_, x + reach + 1);
+    const int y0 = std::max(0, y - reach);
+    const int y1 = std::min(height_, y + reach + 1);
+    return sum_at(x1, y1) - sum_at(x0, y1) - sum_at(x1, y0) + sum_at(x0, y0) > 0;
+  };
+  scores_.resize(cells_.size());
+  for (int y = 0; y < height_; ++y)
+    for (int x = 0; x < width_; ++x) {
+      const Cell& cell = cells_[number_of(x, y)];
+      scores_[number_of(x, y)] = cell.consumed         ? kConsumed
+                                 : is_support(cell)    ? kSupport
+                                 : is_pierced(cell)    ? kPierced
+                                 : is_sunk(cell)       ? kSunkIn
+                                 : !near_support(x, y) ? kUnknown
+                                 : cell.above > 0      ? kHidden
+                                                       : kNear;
+    }
+}
+
+Extent PlaneRaster::best_rectangle(double* score) const {
+  // Kadane's maximal sum over column sums between every pair of rows.
+  float best = 0;
+  int best_x0 = 0, best_x1 = -1, best_y0 = 0, best_y1 = -1;
+  std::vector<float> columns(static_cast<size_t>(width_));
+  for (int y0 = 0; y0 < height_; ++y0) {
+    std::fill(columns.begin(), columns.end(), 0.0F);
+    for (int y1 = y0; y1 < height_; ++y1) {
+      float sum = 0;
+      int start = 0;
+      for (int x = 0; x < width_; ++x) {
+        columns[static_cast<size_t>(x)] += scores_[number_of(x, y1)];
+        if (sum <= 0) {
+          sum = 0;
+          start = x;
+        }
+        sum += columns[static_cast<size_t>(x)];
+        if (sum > best) {
+          best = sum;
+          best_x0 = start;
+          best_x1 = x;
+          best_y0 = y0;
+          best_y1 = y1;
+        }
+      }
+    }
+  }
+  if (score != nullptr) *score = static_cast<double>(best) * cell_ * cell_;
+  if (best_x1 < best_x0) return {};
+  return {origin_ + cell_ * Vector2d(best_x0, best_y0), origin_ + cell_ * Vector2d(best_x1 + 1, best_y1 + 1)};
+}
+
+void PlaneRaster::consume(const Extent& extent) {
+  for (int y = 0; y < height_; ++y)
+    for (int x = 0; x < width_; ++x)
+      if (extent.contains(origin_ + cell_ * Vector2d(x + 0.5, y + 0.5))) {
+        cells_[number_of(x, y)].consumed = true;
+        scores_[number_of(x, y)] = kConsumed;
+      }
+}
+
+PlaneRaster::Counts PlaneRaster::count(const Extent& extent) const {
+  Counts counts;
+  for (int y = 0; y < height_; ++y)
+    for (int x = 0; x < width_; ++x) {
+      if (!extent.contains(origin_ + cell_ * Vector2d(x + 0.5, y + 0.5))) continue;
+      const Cell& cell = cells_[number_of(x, y)];
+      ++counts.cells;
+      counts.support += is_support(cell) ? 1 : 0;
+      counts.pierced += is_pierced(cell) ? 1 : 0;
+      counts.sunk += is_sunk(cell) ? 1 : 0;
+    }
+  return counts;
+}
+
+}  // namespace loci

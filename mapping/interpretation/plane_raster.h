@@ -1,0 +1,68 @@
+#pragma once
+
+#include <vector>
+
+#include "mapping/interpretation/supports.h"
+
+namespace loci {
+
+/// What is known about the plane of a possible support, as points in the map's x, y.
+struct PlaneEvidence {
+  struct SupportPoint {
+    Vector2d position;
+    float height;
+    uint16_t scan;
+  };
+  std::vector<SupportPoint> support;  ///< upward points at the height
+  std::vector<Vector2d> pierced;      ///< where rays passed through, far down
+  std::vector<Vector2d> sunk;         ///< where rays passed through, but not far: a sink, a chair's seat
+  std::vector<Vector2d> taken;        ///< upward points that another support has already
+  std::vector<Vector2d> above;        ///< points right above: something stands there
+};
+
+/// A ray that ends less than this below a plane has sunk in, not passed through, metres.
+inline constexpr double kSunk = 0.3;
+
+/// A raster over that plane in axes turned by `yaw`.
+class PlaneRaster {
+ public:
+  /// Covers the box of the `seed` points, grown by `margin`.
+  PlaneRaster(const PlaneEvidence& evidence, const std::vector<Vector2d>& seed, double yaw, double cell,
+              double margin);
+
+  /// The rectangle of cells with the largest sum of scores; empty (zero size) when no sum is positive.
+  Extent best_rectangle(double* score = nullptr) const;
+  /// Takes a rectangle out: nothing found later overlaps it.
+  void consume(const Extent& extent);
+
+  struct Counts {
+    double support = 0, pierced = 0, sunk = 0, cells = 0;  ///< numbers of cells
+  };
+  Counts count(const Extent& extent) const;
+  double cell() const { return cell_; }
+
+ private:
+  struct Cell {
+    int support = 0, pierced = 0, sunk = 0, above = 0;
+    bool consumed = false;
+  };
+  size_t number_of(int x, int y) const {
+    return static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
+  }
+  Cell* at(const Vector2d& map_point);
+  void score_cells();
+  static bool is_support(const Cell& cell) {
+    return cell.support > 0 && cell.pierced + cell.sunk < 4 * cell.support;
+  }
+  static bool is_pierced(const Cell& cell) { return !is_support(cell) && cell.pierced >= 2; }
+  static bool is_sunk(const Cell& cell) { return !is_support(cell) && cell.pierced < 2 && cell.sunk >= 2; }
+
+  Eigen::Rotation2Dd axes_from_map_;
+  double cell_ = 0;
+  Vector2d origin_ = Vector2d::Zero();
+  int width_ = 0, height_ = 0;
+  std::vector<Cell> cells_;
+  std::vector<float> scores_;
+};
+
+}  // namespace loci

@@ -1,0 +1,196 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "mapping/interpretation/layers.h"
+#include "mapping/interpretation/support_checks.h"
+
+namespace loci {
+namespace {
+
+constexpr double kColumn = 0.05;      // m; a face's top is looked at column by column
+constexpr double kLevel = 0.03;       // m; how level the top must be
+constexpr double kLeastLevel = 0.5;   // fraction of columns
+constexpr double kDeepest = 0.9;      // m from a face to the wall behind it
+constexpr double kShallowest = 0.25;  // m
+constexpr double kLeastSeen = 0.02;   // m² of upward surface that must confirm the height
+constexpr double kMostPierced = 0.1;  // fraction of the top through which rays passed
+constexpr double kSameHeight = 0.045;
+
+double median(std::vector<double> values) {
+  const auto at = static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<size_t>(at)];
+}
+
+/// A piece of a face's upper edge that is level.
+struct LevelTop {
+  double height = 0;
+  double along_min = 0, along_max = 0;
+};
+
+std::optional<LevelTop> level_top(const Surface& surface, const VerticalPlane& face) {
+  std::map<int, std::vector<float>> columns;
+  const Vector2d direction = face.direction();
+  for (const SurfacePoint& point : surface.points) {
+    const Vector3d position = point.position.cast<double>();
+    if (std::abs(face.normal.dot(position.head<2>()) - face.offset) > 0.05) continue;
+    const double along = direction.dot(position.head<2>());
+    if (along < face.along_min || along > face.along_max || position.z() > face.top + 0.03) continue;
+    if (std::abs(point.normal.z()) > 0.5F) continue;
+    columns[static_cast<int>(std::floor(along / kColumn))].push_back(point.position.z());
+  }
+  std::vector<double> tops;
+  std::vector<int> numbers;
+  for (auto& [number, heights] : columns) {
+    if (heights.size() < 10) continue;
+    const auto at = static_cast<std::ptrdiff_t>(0.97 * static_cast<double>(heights.size() - 1));
+    std::nth_element(heights.begin(), heights.begin() + at, heights.end());
+    tops.push_back(static_cast<double>(heights[static_cast<size_t>(at)]));
+    numbers.push_back(number);
+  }
+  if (tops.size() < 8) return std::nullopt;
+  LevelTop top{median(tops), 1e9, -1e9};
+  size_t level = 0;
+  for (size_t i = 0; i < tops.size(); ++i) {
+    if (std::abs(tops[i] - top.height) > kLevel) continue;
+    ++level;
+    top.along_min = std::min(top.along_min, numbers[i] * kColumn);
+    top.along_max = std::max(top.along_max, (numbers[i] + 1) * kColumn);
+  }
+  if (static_cast<double>(level) < kLeastLevel * static_cast<double>(tops.size())) return std::nullopt;
+  top.along_min = std::max(top.along_min, face.along_min);
+  top.along_max = std::min(top.along_max, face.along_max);
+  return top;
+}
+
+/// The wall that a face stands before: parallel within 10°, beside it, at the depth of furniture.
+int wall_behind(const VerticalPlane& face, const LevelTop& top, const std::vector<VerticalPlane>& walls,
+                double& depth) {
+  const Vector2d middle = face.at((top.along_min + top.along_max) / 2);
+  int best = -1;
+  depth = kDeepest;
+  for (size_t i = 0; i < walls.size(); ++i) {
+    const VerticalPlane& wall = walls[i];
+    if (wall.normal.dot(face.normal) < 0.985) continue;
+    const double along = wall.direction().dot(middle);
+    if (along < wall.along_min - 0.5 || along > wall.along_max + 0.5) continue;
+    const double distance = wall.normal.dot(middle) - wall.offset;
+    if (distance < kShallowest || distance > depth) continue;
+    depth = distance;
+    best = static_cast<int>(i);
+  }
+  return best;
+}
+
+/// The rectangle from the face to the wall, x outwards.
+Support between(const VerticalPlane& face, const LevelTop& top, double depth) {
+  Support support;
+  support.yaw = std::atan2(face.normal.y(), face.normal.x());
+  support.height = top.height;
+  const Vector2d a = Eigen::Rotation2Dd(-support.yaw) * face.at(top.along_min);
+  const Vector2d b = Eigen::Rotation2Dd(-support.yaw) * face.at(top.along_max);
+  support.parts.push_back({{a.x() - depth, std::min(a.y(), b.y())}, {a.x(), std::max(a.y(), b.y())}});
+  return support;
+}
+
+/// Upward points and rays through the plane of a rectangle, with its height set to what most points near the
+/// face's top say.
+PlaneEvidence evidence_of(const Surface& surface, Support& support) {
+  const Extent& part = support.parts.front();
+  const Eigen::Rotation2Dd axes_from_map(-support.yaw);
+  constexpr double kBin = 0.01;
+  constexpr double kBelow = 0.03;
+  std::vector<size_t> histogram(8, 0);
+  for (const SurfacePoint& point : surface.points) {
+    const Vector3d position = point.position.cast<double>();
+    const double bin = (position.z() - support.height + kBelow) / kBin;
+    if (bin < 0 || bin >= static_cast<double>(histogram.size()) || !looks_up(point)) continue;
+    if (part.contains(axes_from_map * position.head<2>())) ++histogram[static_cast<size_t>(bin)];
+  }
+  const auto peak = std::max_element(histogram.begin(), histogram.end()) - histogram.begin();
+  support.height += (static_cast<double>(peak) + 0.5) * kBin - kBelow;
+  PlaneEvidence evidence;
+  for (const SurfacePoint& point : surface.points) {
+    const Vector3d end = point.position.cast<double>();
+    const double above = end.z() - support.height;
+    if (std::abs(above) < 0.02 && looks_up(point))
+      evidence.support.push_back({end.head<2>(), point.position.z(), point.scan});
+    if (above > 0.03 && above < 0.5) evidence.above.push_back(end.head<2>());
+    if (!surface.free_space || above > -0.05) continue;
+    const Vector3d origin = surface.origins[point.origin].cast<double>();
+    const double start = origin.z() - support.height;
+    if (start > 0)
+      (above < -kSunk ? evidence.pierced : evidence.sunk)
+          .push_back((origin + (end - origin) * (start / (start - above))).head<2>());
+  }
+  return evidence;
+}
+
+std::vector<Vector2d> corners(const Support& support) {
+  const Extent& part = support.parts.front();
+  const Eigen::Rotation2Dd turn = support.map_from_axes();
+  return {turn * part.min, turn * Vector2d(part.max.x(), part.min.y()), turn * part.max,
+          turn * Vector2d(part.min.x(), part.max.y())};
+}
+
+/// Fraction of a's first rectangle that b covers.
+double covered(const Support& a, const Support& b) {
+  constexpr int kSteps = 20;
+  int inside = 0;
+  const Extent& part = a.parts.front();
+  for (int i = 0; i < kSteps; ++i)
+    for (int j = 0; j < kSteps; ++j) {
+      const Vector2d local =
+          part.min + Vector2d((i + 0.5) / kSteps, (j + 0.5) / kSteps).cwiseProduct(part.size());
+      const Vector2d at = Eigen::Rotation2Dd(-b.yaw) * (a.map_from_axes() * local);
+      inside += std::any_of(b.parts.begin(), b.parts.end(), [&](const Extent& e) { return e.contains(at); });
+    }
+  return static_cast<double>(inside) / (kSteps * kSteps);
+}
+
+/// Whether surface that was seen directly already makes up most of the counter.
+bool explained(const Support& counter, const std::vector<Support>& supports) {
+  double sum = 0;
+  for (const Support& support : supports)
+    if (std::abs(support.height - counter.height) < kSameHeight) sum += covered(counter, support);
+  return sum > 0.5;
+}
+
+}  // namespace
+
+void add_counters_behind_faces(std::vector<Support>& supports, const Surface& surface,
+                               const std::vector<VerticalPlane>& faces,
+                               const std::vector<VerticalPlane>& walls, double floor_height) {
+  for (const VerticalPlane& face : faces) {
+    if (face.length() < 0.5) continue;
+    const auto top = level_top(surface, face);
+    if (!top || top->height < floor_height + 0.6 || top->height > floor_height + 1.15) continue;
+    if (top->along_max - top->along_min < 0.5) continue;
+    double depth = 0;
+    const int wall = wall_behind(face, *top, walls, depth);
+    if (wall < 0) continue;
+    Support counter = between(face, *top, depth);
+    const PlaneEvidence evidence = evidence_of(surface, counter);
+    const PlaneRaster raster(evidence, corners(counter), counter.yaw, 0.02, 0.1);
+    if (explained(counter, supports)) continue;
+    const PlaneRaster::Counts counts = raster.count(counter.parts.front());
+    const double cell_area = raster.cell() * raster.cell();
+
+    if (counts.support * cell_area < kLeastSeen || counts.pierced > kMostPierced * counts.cells) continue;
+    const std::vector<Extent> parts = counter.parts;
+    measure(counter, evidence, raster, {}, surface);
+    counter.parts = parts;
+    counter.edges = {EdgeKind::wall, EdgeKind::front, EdgeKind::unseen, EdgeKind::unseen};
+    counter.wall = wall;
+    counter.wall_distance = 0;
+    counter.behind_face = true;
+    std::erase_if(supports, [&](const Support& support) {
+      return std::abs(support.height - counter.height) < kSameHeight && covered(support, counter) > 0.5;
+    });
+    supports.push_back(std::move(counter));
+  }
+}
+
+}  // namespace loci

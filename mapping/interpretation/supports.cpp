@@ -1,0 +1,285 @@
+#include "mapping/interpretation/supports.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "mapping/interpretation/layers.h"
+#include "mapping/interpretation/plane_raster.h"
+#include "mapping/interpretation/support_checks.h"
+
+namespace loci {
+namespace {
+
+constexpr double kLowest = 0.2;       // m above the floor
+constexpr double kRasterCell = 0.02;  // m
+constexpr double kCoarseCell = 0.04;  // m, for the search of the yaw
+constexpr double kReach = 0.4;        // m; pieces of one height this near are looked at together
+constexpr double kMargin = 0.1;       // m around the pieces
+constexpr double kThrough = 0.05;     // m; a ray that comes from above and ends this far below passed through
+constexpr double kLargestTilt = 0.03;  // slope; more is no support, drift makes less
+constexpr double kTouch = 0.06;        // m between rectangles of one support
+
+/// z = height + slope · (x, y) - what a support's points lie on; drift tilts it a little.
+struct HorizontalPlane {
+  double height = 0;
+  Vector2d slope = Vector2d::Zero();
+
+  double above(const Vector3d& point) const { return point.z() - height - slope.dot(point.head<2>()); }
+};
+
+/// Robust fit; the slope is held back where little surface speaks for it, since noise is alike over long
+/// stretches.
+HorizontalPlane fit_plane(const Layers& layers, const std::vector<uint32_t>& cells) {
+  constexpr double kHoldBack = 60;  // as so many cells 1 m away that say "level"
+  std::vector<double> heights;
+  for (const uint32_t i : cells) heights.push_back(static_cast<double>(layers.cells[i].height));
+  std::nth_element(heights.begin(), heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2),
+                   heights.end());
+  HorizontalPlane plane{heights[heights.size() / 2], Vector2d::Zero()};
+  for (int round = 0; round < 3; ++round) {
+    std::vector<Vector3d> points;
+    Vector3d mean = Vector3d::Zero();
+    for (const uint32_t i : cells) {
+      const LayerCell& cell = layers.cells[i];
+      const Vector3d point((cell.x + 0.5) * layers.cell, (cell.y + 0.5) * layers.cell,
+                           static_cast<double>(cell.height));
+      if (std::abs(plane.above(point)) > 0.025) continue;
+      points.push_back(point);
+      mean += point;
+    }
+    if (points.size() < 10) break;
+    mean /= static_cast<double>(points.size());
+    Eigen::Matrix2d squares = kHoldBack * Eigen::Matrix2d::Identity();
+    Vector2d right = Vector2d::Zero();
+    for (const Vector3d& point : points) {
+      const Vector2d at = (point - mean).head<2>();
+      squares += at * at.transpose();
+      right += at * (point.z() - mean.z());
+    }
+    const Vector2d slope = squares.ldlt().solve(right);
+    if (slope.norm() > kLargestTilt) break;
+    plane = {mean.z() - slope.dot(mean.head<2>()), slope};
+  }
+  return plane;
+}
+
+struct Seed {
+  std::vector<Vector2d> points;
+  HorizontalPlane plane;
+};
+
+/// The piece and all pieces of the same height near it, as far as they chain.
+Seed grow_seed(const Layers& layers, const std::vector<uint32_t>& cells, const std::vector<bool>& consumed) {
+  Seed seed;
+  seed.plane = fit_plane(layers, cells);
+  Extent box{Vector2d::Constant(1e9), Vector2d::Constant(-1e9)};
+  const auto position = [&](const LayerCell& cell) {
+    return Vector2d((cell.x + 0.5) * layers.cell, (cell.y + 0.5) * layers.cell);
+  };
+  for (const uint32_t i : cells) {
+    seed.points.push_back(position(layers.cells[i]));
+    box = {box.min.cwiseMin(seed.points.back()), box.max.cwiseMax(seed.points.back())};
+  }
+  std::set<int> used = {layers.cells[cells.front()].component};
+  constexpr size_t kSmallest = 6;
+  for (bool grew = true; grew;) {
+    grew = false;
+    for (const auto& piece : layers.components) {
+      if (piece.size() < kSmallest) break;
+      const LayerCell& first = layers.cells[piece.front()];
+      if (used.contains(first.component) || consumed[piece.front()]) continue;
+      const auto near = [&](uint32_t i) { return box.contains(position(layers.cells[i]), kReach); };
+      const auto level = [&](uint32_t i) {
+        const Vector2d at = position(layers.cells[i]);
+        return std::abs(seed.plane.above({at.x(), at.y(), static_cast<double>(layers.cells[i].height)})) <
+               0.02;
+      };
+      if (std::none_of(piece.begin(), piece.end(), near)) continue;
+      if (static_cast<size_t>(std::count_if(piece.begin(), piece.end(), level)) * 2 < piece.size()) continue;
+      used.insert(first.component);
+      grew = true;
+      for (const uint32_t i : piece) {
+        seed.points.push_back(position(layers.cells[i]));
+        box = {box.min.cwiseMin(seed.points.back()), box.max.cwiseMax(seed.points.back())};
+      }
+    }
+  }
+  return seed;
+}
+
+bool holds(const Support& support, const Vector3d& position) {
+  if (std::abs(position.z() - support.height) > 0.05) return false;
+  const Vector2d at = Eigen::Rotation2Dd(-support.yaw) * position.head<2>();
+  return std::any_of(support.parts.begin(), support.parts.end(),
+                     [&](const Extent& part) { return part.contains(at, 0.02); });
+}
+
+PlaneEvidence collect(const Surface& surface, const Seed& seed, const std::vector<Support>& found,
+                      double tolerance) {
+  PlaneEvidence evidence;
+  Extent box{Vector2d::Constant(1e9), Vector2d::Constant(-1e9)};
+  for (const Vector2d& point : seed.points) box = {box.min.cwiseMin(point), box.max.cwiseMax(point)};
+  const auto add_ray = [&](const Eigen::Vector3f& from, const Eigen::Vector3f& to) {
+    const Vector3d origin = from.cast<double>();
+    const Vector3d end = to.cast<double>();
+    const double start_above = seed.plane.above(origin);
+    const double end_above = seed.plane.above(end);
+    if (start_above * end_above >= 0 || std::abs(end_above) < kThrough) return;
+    const Vector2d crossing = (origin + (end - origin) * (start_above / (start_above - end_above))).head<2>();
+    const bool deep = end_above < -kSunk || start_above < 0;
+    if (box.contains(crossing, kReach)) (deep ? evidence.pierced : evidence.sunk).push_back(crossing);
+  };
+  for (const SurfacePoint& point : surface.points) {
+    const Vector3d position = point.position.cast<double>();
+    if (surface.free_space) add_ray(surface.origins[point.origin], point.position);
+    if (!box.contains(position.head<2>(), kReach)) continue;
+    const double above = seed.plane.above(position);
+    if (std::abs(above) < tolerance && looks_up(point)) {
+      const bool taken =
+          std::any_of(found.begin(), found.end(), [&](const Support& s) { return holds(s, position); });
+      if (taken)
+        evidence.taken.push_back(position.head<2>());
+      else
+        evidence.support.push_back({position.head<2>(), point.position.z(), point.scan});
+    } else if (above > 0.03 && above < 0.5)
+      evidence.above.push_back(position.head<2>());
+  }
+  if (surface.free_space)
+    for (const auto& [end, origin] : surface.free_ends) add_ray(surface.origins[origin], end);
+  return evidence;
+}
+
+/// The yaw near the room's in which one rectangle explains most; the room's unless another is clearly better
+/// and there is surface enough to tell.
+double local_yaw(const PlaneEvidence& evidence, const Seed& seed, double room_yaw) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  constexpr double kEnough = 0.3;  // m²
+  constexpr double kClearly = 1.05;
+  const auto score_at = [&](double yaw) {
+    double score = 0;
+    PlaneRaster(evidence, seed.points, yaw, kCoarseCell, kMargin).best_rectangle(&score);
+    return score;
+  };
+  double best_yaw = room_yaw;
+  const double at_room_yaw = score_at(room_yaw);
+  if (at_room_yaw < kEnough) return room_yaw;
+  double best = kClearly * at_room_yaw;
+  for (int step = -10; step <= 10; ++step) {
+    const double yaw = room_yaw + step * kDegree;
+    const double score = score_at(yaw);
+    if (score <= best) continue;
+    best = score;
+    best_yaw = yaw;
+  }
+  return best_yaw;
+}
+
+bool touch(const Extent& a, const Extent& b) {
+  const Vector2d low = a.min.cwiseMax(b.min);
+  const Vector2d high = a.max.cwiseMin(b.max);
+  const Vector2d overlap = high - low;
+  return overlap.minCoeff() > -kTouch && overlap.maxCoeff() > 0.25;
+}
+
+/// The rectangles of one plane, best first.
+std::vector<Extent> rectangles(PlaneRaster& raster, const InterpretationOptions& options) {
+  std::vector<Extent> found;
+  constexpr int kMost = 8;
+  constexpr double kLeastFill = 0.3;
+  for (int round = 0; round < kMost; ++round) {
+    const Extent extent = raster.best_rectangle();
+    const double cell_area = raster.cell() * raster.cell();
+    if (extent.area() < options.support_min_area_m2) break;
+    const PlaneRaster::Counts counts = raster.count(extent);
+    raster.consume(extent);
+    if (counts.support * cell_area < options.support_min_area_m2) continue;
+    if (extent.size().minCoeff() < options.support_min_side_m) continue;
+    if (counts.support < kLeastFill * counts.cells) continue;
+    found.push_back(extent);
+  }
+  return found;
+}
+
+/// Rectangles that touch become one support (a counter round a corner).
+std::vector<std::vector<Extent>> grouped(const std::vector<Extent>& rectangles) {
+  std::vector<std::vector<Extent>> groups;
+  for (const Extent& extent : rectangles) {
+    const auto near = std::find_if(groups.begin(), groups.end(), [&](const auto& group) {
+      return std::any_of(group.begin(), group.end(),
+                         [&](const Extent& other) { return touch(extent, other); });
+    });
+    if (near == groups.end())
+      groups.push_back({extent});
+    else
+      near->push_back(extent);
+  }
+  return groups;
+}
+
+}  // namespace
+
+const char* edge_kind_name(EdgeKind kind) {
+  return kind == EdgeKind::free    ? "free"
+         : kind == EdgeKind::wall  ? "wall"
+         : kind == EdgeKind::front ? "front"
+                                   : "unseen";
+}
+
+double Support::area() const {
+  double sum = 0;
+  for (const Extent& part : parts) sum += part.area();
+  return sum;
+}
+
+SupportSearch find_supports(const Surface& surface, double floor_height, double yaw,
+                            const WallSearch& vertical, const InterpretationOptions& options,
+                            Progress& progress) {
+  SupportSearch result;
+  const Layers layers =
+      find_layers(surface, floor_height + kLowest, floor_height + options.support_max_height_m);
+  std::vector<bool> consumed(layers.cells.size(), false);
+  const auto consume = [&](const Support& support) {
+    for (size_t i = 0; i < layers.cells.size(); ++i) {
+      const LayerCell& cell = layers.cells[i];
+      if (std::abs(static_cast<double>(cell.height) - support.height) > 0.03) continue;
+      const Vector2d at = Eigen::Rotation2Dd(-support.yaw) *
+                          Vector2d((cell.x + 0.5) * layers.cell, (cell.y + 0.5) * layers.cell);
+      for (const Extent& part : support.parts)
+        if (part.contains(at, 0.03)) consumed[i] = true;
+    }
+  };
+  const double cell_area = layers.cell * layers.cell;
+  for (size_t number = 0; number < layers.components.size(); ++number) {
+    progress.check(static_cast<double>(number) / static_cast<double>(layers.components.size()), "supports");
+    std::vector<uint32_t> cells;
+    for (const uint32_t i : layers.components[number])
+      if (!consumed[i]) cells.push_back(i);
+    if (static_cast<double>(layers.components[number].size()) * cell_area < options.support_min_area_m2 / 2)
+      break;
+    if (static_cast<double>(cells.size()) * cell_area < options.support_min_area_m2 / 2) continue;
+    const Seed seed = grow_seed(layers, cells, consumed);
+    const PlaneEvidence evidence = collect(surface, seed, result.supports, options.plane_tolerance_m);
+    const double support_yaw = local_yaw(evidence, seed, yaw);
+    PlaneRaster raster(evidence, seed.points, support_yaw, kRasterCell, kMargin);
+    const PlaneRaster whole = raster;
+    for (std::vector<Extent>& parts : grouped(rectangles(raster, options))) {
+      Support support;
+      support.yaw = support_yaw;
+      support.parts = std::move(parts);
+      measure(support, evidence, whole, vertical.walls, surface);
+      consume(support);
+      result.supports.push_back(std::move(support));
+    }
+  }
+  add_counters_behind_faces(result.supports, surface, vertical.others, vertical.walls, floor_height);
+  classify(result, surface, floor_height);
+  return result;
+}
+
+}  // namespace loci
