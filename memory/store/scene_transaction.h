@@ -35,6 +35,9 @@ class SceneTransaction {
   Id add_visibility(const VisibilityRow& row);
   Id add_fact(const FactRow& row);
 
+  /// Keeps a program's own state as it is after this scene; replaces the one of that name.
+  void set_checkpoint(const std::string& name, std::string_view bytes, std::optional<Id> scene);
+
   void commit();
 
  private:

@@ -286,6 +286,15 @@ CREATE INDEX fact_key ON fact (key, value);
 CREATE INDEX fact_object ON fact (object) WHERE object IS NOT NULL;
 CREATE INDEX fact_supersedes ON fact (supersedes) WHERE supersedes IS NOT NULL;
 
+-- What a program needs to go on where it stopped (the belief after the last scene, for example): only the last
+-- state of each name is kept. No answer depends on it.
+CREATE TABLE checkpoint (
+  name TEXT PRIMARY KEY,
+  scene INTEGER REFERENCES scene,  -- after which this is the state
+  encoding INTEGER NOT NULL CHECK (encoding IN (0, 1)),
+  content BLOB NOT NULL
+) STRICT;
+
 -- Rows with two clocks are only added.
 CREATE TRIGGER association_is_kept BEFORE UPDATE ON association BEGIN SELECT RAISE(ABORT, 'rows are only added'); END;
 CREATE TRIGGER event_is_kept BEFORE UPDATE ON event BEGIN SELECT RAISE(ABORT, 'rows are only added'); END;

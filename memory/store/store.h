@@ -101,6 +101,19 @@ class Store {
   /// Facts that hold at `at`; those taken back are left out.
   std::vector<FactRow> facts(const AsOf& as_of = {}) const;
 
+  /// What SceneTransaction::set_checkpoint kept, and after which scene.
+  struct Checkpoint {
+    std::optional<Id> scene = {};
+    std::string bytes = {};
+  };
+  std::optional<Checkpoint> checkpoint(const std::string& name) const;
+
+  /// Objects of which an observation is annotated with this value (case does not matter), e.g. a class, a
+  /// text.
+  std::vector<Id> objects_annotated(const std::string& value, const AsOf& as_of = {}) const;
+  /// All values of annotations, each once.
+  std::vector<std::string> annotation_values() const;
+
   BlobRow blob(Id id) const;
   std::optional<Id> find_blob(const std::string& hash) const;
   FeatureStructureRow feature_structure(Id id) const;

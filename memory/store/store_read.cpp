@@ -404,6 +404,33 @@ std::vector<FactRow> Store::facts(const AsOf& as_of) const {
       });
 }
 
+std::optional<Store::Checkpoint> Store::checkpoint(const std::string& name) const {
+  const auto& path = implementation_->path;
+  auto rows = all<Checkpoint>(
+      *implementation_, "SELECT * FROM checkpoint WHERE name = ?", {sql(name)}, [&](const SqlRow& row) {
+        return Checkpoint{row.optional_integer("scene"),
+                          decode_bytes(row.bytes("content"), row.integer("encoding"), -1, path)};
+      });
+  return rows.empty() ? std::nullopt : std::optional(std::move(rows[0]));
+}
+
+std::vector<Id> Store::objects_annotated(const std::string& value, const AsOf& as_of) const {
+  std::vector<SqlValue> values = {sql(value)};
+  const std::string known = known_condition(as_of, values), valid = valid_condition(as_of, values, false);
+  return all<Id>(
+      *implementation_,
+      fmt::format("SELECT DISTINCT object FROM association_known WHERE chosen = 1 AND probability > 0 AND "
+                  "object IS NOT NULL AND {} AND {} AND observation IN (SELECT observation FROM annotation "
+                  "WHERE value = ?1 COLLATE NOCASE) ORDER BY object",
+                  known, valid),
+      values, [](const SqlRow& row) { return row.integer("object"); });
+}
+
+std::vector<std::string> Store::annotation_values() const {
+  return all<std::string>(*implementation_, "SELECT DISTINCT value FROM annotation ORDER BY value", {},
+                          [](const SqlRow& row) { return row.text("value"); });
+}
+
 BlobRow Store::blob(Id id) const {
   const auto& path = implementation_->path;
   return one<BlobRow>(*implementation_, "blob", id, [&](const SqlRow& row) {

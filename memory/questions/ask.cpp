@@ -1,0 +1,156 @@
+#include <algorithm>
+
+#include "memory/questions/answers.h"
+#include "memory/questions/snapshot.h"
+
+namespace loci {
+namespace {
+
+/// Sightings closer than this and on the same place are one stay.
+constexpr double kSameSpot_m = 0.08;
+
+std::vector<Stay> stays_of(const Snapshot& snapshot, Id object) {
+  std::vector<Stay> stays;
+  for (const Sighting& sighting : snapshot.store().sightings(object, snapshot.as_of())) {
+    const ObservationRow& seen = sighting.observation;
+    const auto place = snapshot.place_ref(seen.place);
+    bool same = !stays.empty() && stays.back().place.has_value() == place.has_value() &&
+                (!place || stays.back().place->id == place->id);
+    if (same && seen.position && stays.back().position)
+      same = (*seen.position - *stays.back().position).norm() <= kSameSpot_m;
+    if (!same) stays.push_back({.place = place, .position = seen.position});
+    Stay& stay = stays.back();
+    if (same && seen.position && stay.position) {
+      const auto count = static_cast<double>(stay.scenes.size());
+      stay.position = (*stay.position * count + *seen.position) / (count + 1);
+    }
+    if (const auto ref = snapshot.scene_ref(sighting.association.scene)) stay.scenes.push_back(*ref);
+    stay.probability = std::min(stay.probability, sighting.association.probability);
+  }
+  return stays;
+}
+
+bool more_probable(const ObjectState& a, const ObjectState& b) {
+  return a.probability != b.probability ? a.probability > b.probability : a.object.id < b.object.id;
+}
+
+}  // namespace
+
+WhereAnswer ask(const Store& store, const WhereQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  WhereAnswer answer{.asked = question.subject};
+  for (const Id object : snapshot.find_objects(question.subject))
+    answer.objects.push_back(snapshot.state(*snapshot.belief(object)));
+  return answer;
+}
+
+HistoryAnswer ask(const Store& store, const HistoryQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  HistoryAnswer answer{.asked = question.subject};
+  const std::vector<EventRow> events = store.events(question.as_of);
+  for (const Id object : snapshot.find_objects(question.subject)) {
+    ObjectHistory history;
+    history.now = snapshot.state(*snapshot.belief(object));
+    history.stays = stays_of(snapshot, object);
+    for (const EventRow& event : events)
+      if (event.object == object) history.changes.push_back(snapshot.change(event));
+    answer.objects.push_back(std::move(history));
+  }
+  return answer;
+}
+
+ContentsAnswer ask(const Store& store, const ContentsQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  ContentsAnswer answer{.asked = question.place};
+  for (const PlaceRow& place : snapshot.find_places(question.place)) {
+    PlaceContents contents{.place = {place.id, place.name, place.container}};
+    for (const BeliefRow& row : snapshot.beliefs()) {
+      if (row.place != place.id) continue;
+      auto& list = row.status == "gone"     ? contents.gone
+                   : row.probability >= 0.5 ? contents.there
+                                            : contents.perhaps;
+      list.push_back(snapshot.state(row));
+    }
+    for (auto* list : {&contents.there, &contents.perhaps, &contents.gone})
+      std::sort(list->begin(), list->end(), more_probable);
+    for (const VisibilityRow& look : store.visibility_of_place(place.id)) {
+      const SceneRow* scene = snapshot.scene(look.scene);
+      if (scene == nullptr || look.fraction.value_or(0) <= 0) continue;
+      if (contents.last_look && contents.last_look->time > scene->time) continue;
+      contents.last_look = snapshot.scene_ref(*scene);
+      contents.fraction = look.fraction;
+    }
+    answer.places.push_back(std::move(contents));
+  }
+  return answer;
+}
+
+ChangesAnswer ask(const Store& store, const ChangesQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  ChangesAnswer answer{.from = question.from, .to = question.to};
+  std::vector<Id> objects, places;
+  if (!question.subject.empty()) objects = snapshot.find_objects(question.subject);
+  if (!question.place.empty())
+    for (const PlaceRow& place : snapshot.find_places(question.place)) places.push_back(place.id);
+  const auto contains = [](const std::vector<Id>& ids, std::optional<Id> id) {
+    return id && std::find(ids.begin(), ids.end(), *id) != ids.end();
+  };
+  for (const EventRow& event : store.events(question.as_of, question.from, question.to)) {
+    if (!question.subject.empty() && !contains(objects, event.object)) continue;
+    if (!question.place.empty() && !contains(places, event.place) && !contains(places, event.from_place))
+      continue;
+    answer.changes.push_back(snapshot.change(event));
+  }
+  return answer;
+}
+
+ObjectsAnswer ask(const Store& store, const ObjectsQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  ObjectsAnswer answer;
+  if (question.subject.empty())
+    for (const BeliefRow& row : snapshot.beliefs()) answer.objects.push_back(snapshot.state(row));
+  else
+    for (const Id object : snapshot.find_objects(question.subject))
+      answer.objects.push_back(snapshot.state(*snapshot.belief(object)));
+  return answer;
+}
+
+ScenesAnswer ask(const Store& store, const ScenesQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  ScenesAnswer answer;
+  for (const SceneRow& scene : store.scenes(question.as_of, question.from, question.to))
+    answer.scenes.push_back(snapshot.summary(scene));
+  return answer;
+}
+
+TimelineAnswer ask(const Store& store, const TimelineQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  TimelineAnswer answer;
+  const std::vector<EventRow> events = store.events(question.as_of, question.from, question.to);
+  size_t next = 0;
+  for (const SceneRow& scene : store.scenes(question.as_of, question.from, question.to)) {
+    TimelineEntry entry;
+    entry.scene = snapshot.summary(scene);
+    for (const AssociationRow& association : store.associations(scene.id, question.as_of))
+      if (association.chosen && association.object && association.observation && association.probability > 0)
+        entry.seen.push_back(snapshot.object_ref(*association.object));
+    for (; next < events.size() && events[next].clock.valid_from <= scene.time; ++next)
+      entry.changes.push_back(snapshot.change(events[next]));
+    answer.entries.push_back(std::move(entry));
+  }
+  return answer;
+}
+
+std::string verdict_name(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::yes:
+      return "yes";
+    case Verdict::no:
+      return "no";
+    case Verdict::not_observed:
+      return "not_observed";
+  }
+  return {};
+}
+
+}  // namespace loci

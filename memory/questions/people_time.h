@@ -1,0 +1,54 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "memory/store/store.h"
+
+namespace loci {
+
+/// A time as people say it covers a while: "08:30" is all of that minute, a date all of that day.
+struct TimeSpan {
+  TimeNs first = 0;
+  TimeNs last = 0;  ///< inclusive
+};
+
+/// Reads people's times: ISO 8601, with or without zone; "08:30", "08:30:15"; "today", "yesterday", either
+/// with a time of day; "2026-05-01 08:30"; "20 minutes ago", "2 hours ago", "3 days ago"; "now". Today and
+/// now are those of the memory's last scene, in the memory's zone.
+class TimeReader {
+ public:
+  explicit TimeReader(const Store& store);
+  TimeReader(TimeNs last_scene, int zone_minutes) : last_scene_(last_scene), zone_minutes_(zone_minutes) {}
+
+  /// Throws Error that shows what can be written.
+  TimeSpan read(std::string_view text) const;
+
+ private:
+  TimeNs last_scene_;
+  int zone_minutes_;
+};
+
+/// Writes times for people: the date only when the memory spans more than one day, fractions of a second only
+/// when its scenes have them.
+class TimeWriter {
+ public:
+  explicit TimeWriter(const Store& store);
+  TimeWriter(int zone_minutes, bool with_date, int decimals, bool with_seconds)
+      : zone_minutes_(zone_minutes),
+        with_date_(with_date),
+        with_seconds_(with_seconds),
+        decimals_(decimals) {}
+
+  std::string text(TimeNs time) const;
+  /// "from A to B", or "at A" when both are written alike.
+  std::string span_text(TimeNs from, TimeNs to) const;
+
+ private:
+  int zone_minutes_;
+  bool with_date_ = true;
+  bool with_seconds_ = true;
+  int decimals_ = 0;
+};
+
+}  // namespace loci

@@ -1,0 +1,281 @@
+#include "memory/questions/snapshot.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+#include "mapping/base/error.h"
+
+namespace loci {
+namespace {
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+std::vector<std::string> words_of(const std::string& text) {
+  std::vector<std::string> words(1);
+  for (const char c : lower(text)) {
+    if (c == ' ' || c == ',')
+      words.emplace_back();
+    else
+      words.back().push_back(c);
+  }
+  std::erase(words, "");
+  return words;
+}
+
+const std::set<std::string> kFillers = {"the",    "a",      "an",      "my",  "thing",
+                                        "things", "object", "objects", "one", "ones"};
+
+std::string same_color(const std::string& word) {
+  return word == "gray" ? "grey" : word;
+}
+
+/// Objects most probable first, then most recent, then by id.
+void order_objects(std::vector<Id>& objects, const Snapshot& snapshot) {
+  const auto key = [&](Id id) {
+    const BeliefRow* belief = snapshot.belief(id);
+    const SceneRow* seen =
+        belief != nullptr && belief->last_scene ? snapshot.scene(*belief->last_scene) : nullptr;
+    const double probability = belief == nullptr || belief->status == "gone" ? 0 : belief->probability;
+    return std::tuple(-std::round(probability * 100), seen == nullptr ? 0 : -seen->time, id);
+  };
+  std::sort(objects.begin(), objects.end(), [&](Id a, Id b) { return key(a) < key(b); });
+}
+
+}  // namespace
+
+bool is_size_word(const std::string& word) {
+  static const std::set<std::string> words = {"small", "medium", "large", "big", "tall", "flat"};
+  return words.contains(word);
+}
+
+bool has_size(const std::string& word, const Vector3d& size) {
+  const double largest = size.maxCoeff(), upright = size.z();
+  const double across = std::max(size.x(), size.y());
+  if (word == "small") return largest < 0.12;
+  if (word == "large" || word == "big") return largest > 0.25;
+  if (word == "medium") return largest >= 0.12 && largest <= 0.25;
+  if (word == "tall") return upright > 1.5 * across;
+  return word == "flat" && upright < 0.4 * across;
+}
+
+Snapshot::Snapshot(const Store& store, const AsOf& as_of)
+    : store_(store),
+      as_of_(as_of),
+      places_(store.places()),
+      beliefs_(store.beliefs(as_of)),
+      facts_(store.facts(as_of)),
+      scenes_(store.scenes(as_of)) {
+  for (size_t i = 0; i < scenes_.size(); ++i) scene_index_[scenes_[i].id] = i;
+  for (const RecordingRow& recording : store.recordings()) recordings_[recording.id] = recording.name;
+}
+
+const BeliefRow* Snapshot::belief(Id object) const {
+  const auto found = std::lower_bound(beliefs_.begin(), beliefs_.end(), object,
+                                      [](const BeliefRow& row, Id id) { return row.object < id; });
+  return found != beliefs_.end() && found->object == object ? &*found : nullptr;
+}
+
+const SceneRow* Snapshot::scene(Id id) const {
+  const auto found = scene_index_.find(id);
+  return found == scene_index_.end() ? nullptr : &scenes_[found->second];
+}
+
+SceneRef Snapshot::scene_ref(const SceneRow& scene) const {
+  SceneRef ref{.scene = scene.id, .time = scene.time, .recording = {}, .frame = scene.frame_index};
+  if (scene.recording)
+    if (const auto found = recordings_.find(*scene.recording); found != recordings_.end())
+      ref.recording = found->second;
+  return ref;
+}
+
+std::optional<SceneRef> Snapshot::scene_ref(std::optional<Id> id) const {
+  if (!id) return std::nullopt;
+  const SceneRow* row = scene(*id);
+  return scene_ref(row == nullptr ? store_.scene(*id) : *row);
+}
+
+ObjectRef Snapshot::object_ref(Id object) const {
+  ObjectRef ref{.id = object, .name = object_name(object)};
+  for (const FactRow& fact : facts_)
+    if (fact.object == object && fact.key == "alias") ref.aliases.push_back(*fact.value);
+  if (const BeliefRow* row = belief(object)) {
+    ref.color = row->color;
+    ref.size = row->size;
+  }
+  return ref;
+}
+
+std::optional<PlaceRef> Snapshot::place_ref(std::optional<Id> place) const {
+  if (!place) return std::nullopt;
+  for (const PlaceRow& row : places_)
+    if (row.id == *place) return PlaceRef{row.id, row.name, row.container};
+  return std::nullopt;
+}
+
+ObjectState Snapshot::state(const BeliefRow& row) const {
+  ObjectState state;
+  state.object = object_ref(row.object);
+  state.status = row.status;
+  state.probability = row.probability;
+  state.place = place_ref(row.place);
+  state.position = row.position;
+  state.last_seen = scene_ref(row.last_scene);
+  const std::vector<Sighting> sightings = store_.sightings(row.object, as_of_);
+  state.sightings = sightings.size();
+  if (!sightings.empty()) state.first_seen = scene_ref(sightings.front().association.scene);
+  for (const VisibilityRow& look : store_.visibility_of_object(row.object)) {
+    const SceneRow* where = scene(look.scene);
+    if (where == nullptr || (state.last_seen && where->time <= state.last_seen->time)) continue;
+    if (look.status == "out_of_view") ++state.looks_out_of_view;
+    if (look.status == "hidden") ++state.looks_hidden;
+    if (look.status == "missed") {
+      ++state.looks_missed;
+      state.looked_for = scene_ref(*where);
+    }
+  }
+  return state;
+}
+
+Change Snapshot::change(const EventRow& event) const {
+  Change change;
+  change.kind = event.kind;
+  change.time = event.clock.valid_from;
+  change.since = event.since;
+  if (event.object) change.object = object_ref(*event.object);
+  change.place = place_ref(event.place);
+  change.from_place = place_ref(event.from_place);
+  change.position = event.position;
+  change.from_position = event.from_position;
+  change.joint = event.joint;
+  change.joint_position = event.joint_position;
+  change.from_joint_position = event.from_joint_position;
+  change.probability = event.probability;
+  change.scene = scene_ref(event.scene);
+  change.source = event.clock.source;
+  return change;
+}
+
+SceneSummary Snapshot::summary(const SceneRow& scene) const {
+  SceneSummary summary;
+  summary.scene = scene_ref(scene);
+  summary.observations = store_.observations(scene.id).size();
+  summary.has_pose = scene.map_from_camera.has_value();
+  summary.known_from = scene.known_from;
+  for (const VisibilityRow& look : store_.visibility(scene.id))
+    if (look.place && look.fraction.value_or(0) > 0)
+      if (const auto place = place_ref(look.place))
+        summary.looked_at.emplace_back(place->name, *look.fraction);
+  return summary;
+}
+
+std::vector<PlaceRow> Snapshot::find_places(const std::string& asked) const {
+  const std::string name = lower(asked);
+  std::vector<PlaceRow> found;
+  const auto take = [&](auto matches) {
+    if (!found.empty()) return;
+    std::copy_if(places_.begin(), places_.end(), std::back_inserter(found), matches);
+  };
+  take([&](const PlaceRow& place) { return lower(place.name) == name; });
+  take([&](const PlaceRow& place) {
+    return std::any_of(facts_.begin(), facts_.end(), [&](const FactRow& fact) {
+      return fact.place == place.id && fact.key == "alias" && lower(*fact.value) == name;
+    });
+  });
+  take([&](const PlaceRow& place) { return lower(place.name).starts_with(name + "_"); });
+  take([&](const PlaceRow& place) { return lower(place.class_name) == name; });
+  if (!found.empty()) return found;
+  std::vector<std::string> names;
+  for (const PlaceRow& place : places_) names.push_back(place.name);
+  const std::string hint = did_you_mean(asked, names);
+  throw Error(fmt::format("no place is called '{}'", asked), {store_.path().string(), 0, {}},
+              !hint.empty()   ? hint
+              : names.empty() ? "this memory knows no places"
+                              : fmt::format("known: {}", fmt::join(names, ", ")));
+}
+
+std::vector<Id> Snapshot::find_by_word(const std::string& word) const {
+  std::vector<Id> found;
+  if (const auto id = object_id(word)) {
+    if (belief(*id) != nullptr) found.push_back(*id);
+    return found;
+  }
+  for (const FactRow& fact : facts_)
+    if (fact.object && fact.key != "owner" && lower(*fact.value) == word) found.push_back(*fact.object);
+  for (const BeliefRow& row : beliefs_) {
+    const bool color = row.color && same_color(lower(*row.color)) == same_color(word);
+    const bool size = row.size && is_size_word(word) && has_size(word, *row.size);
+    if (color || size) found.push_back(row.object);
+  }
+  for (const Id id : store_.objects_annotated(word, as_of_))
+    if (belief(id) != nullptr) found.push_back(id);
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+std::vector<std::string> Snapshot::known_names() const {
+  std::set<std::string> names;
+  for (const BeliefRow& row : beliefs_) {
+    names.insert(object_name(row.object));
+    if (row.color) names.insert(*row.color);
+  }
+  for (const FactRow& fact : facts_)
+    if (fact.object) names.insert(*fact.value);
+  for (const std::string& value : store_.annotation_values()) names.insert(value);
+  return {names.begin(), names.end()};
+}
+
+std::vector<Id> Snapshot::find_objects(const std::string& subject) const {
+  const auto whole = find_by_word(lower(subject));
+  if (!whole.empty()) {
+    std::vector<Id> found = whole;
+    order_objects(found, *this);
+    return found;
+  }
+  std::vector<Id> found;
+  for (const BeliefRow& row : beliefs_) found.push_back(row.object);
+  const std::vector<std::string> words = words_of(subject);
+  for (size_t i = 0; i < words.size(); ++i) {
+    std::vector<Id> matching;
+    if ((words[i] == "on" || words[i] == "in") && i + 1 < words.size()) {
+      std::set<Id> places;
+      for (const PlaceRow& place : find_places(words[++i])) places.insert(place.id);
+      for (const BeliefRow& row : beliefs_)
+        if (row.place && places.contains(*row.place) && row.status != "gone") matching.push_back(row.object);
+    } else if (kFillers.contains(words[i])) {
+      continue;
+    } else {
+      matching = find_by_word(words[i]);
+      if (matching.empty()) {
+        const std::vector<std::string> names = known_names();
+        const std::string hint = did_you_mean(words[i], names);
+        std::vector<std::string> some(
+            names.begin(), names.begin() + static_cast<std::ptrdiff_t>(std::min<size_t>(12, names.size())));
+        throw Error(fmt::format("nothing is known as '{}'", words[i]), {store_.path().string(), 0, {}},
+                    !hint.empty()  ? hint
+                    : some.empty() ? "this memory knows no objects"
+                                   : fmt::format("known: {}{}", fmt::join(some, ", "),
+                                                 names.size() > some.size() ? ", ..." : ""));
+      }
+    }
+    std::vector<Id> both;
+    std::set_intersection(found.begin(), found.end(), matching.begin(), matching.end(),
+                          std::back_inserter(both));
+    found = std::move(both);
+  }
+  if (found.empty())
+    throw Error(fmt::format("no object is '{}'", subject), {store_.path().string(), 0, {}},
+                "ask with fewer words");
+  order_objects(found, *this);
+  return found;
+}
+
+}  // namespace loci

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <map>
+#include <unordered_map>
+
+#include "memory/questions/answers.h"
+
+namespace loci {
+
+/// What the memory believes as of two clocks, read once per question, with names in place of ids.
+class Snapshot {
+ public:
+  Snapshot(const Store& store, const AsOf& as_of);
+
+  const Store& store() const { return store_; }
+  const AsOf& as_of() const { return as_of_; }
+  const std::vector<BeliefRow>& beliefs() const { return beliefs_; }
+  const std::vector<PlaceRow>& places() const { return places_; }
+  const std::vector<FactRow>& facts() const { return facts_; }
+  /// Scenes up to `at`, known at `known_at`, in order of time.
+  const std::vector<SceneRow>& scenes() const { return scenes_; }
+  const BeliefRow* belief(Id object) const;
+  const SceneRow* scene(Id id) const;
+
+  SceneRef scene_ref(const SceneRow& scene) const;
+  std::optional<SceneRef> scene_ref(std::optional<Id> id) const;
+  ObjectRef object_ref(Id object) const;
+  std::optional<PlaceRef> place_ref(std::optional<Id> place) const;
+  ObjectState state(const BeliefRow& belief) const;
+  Change change(const EventRow& event) const;
+  SceneSummary summary(const SceneRow& scene) const;
+
+  /// Objects that X means, most probable first, then most recent. X: "object_12", an alias, words for colour,
+  /// size, class or text, "on PLACE", or several of these together. Error with the nearest names when it
+  /// means nothing.
+  std::vector<Id> find_objects(const std::string& subject) const;
+  /// Places that a name means: its name, an alias, the beginning of its name (drawer_3 for drawer_3_bottom),
+  /// its class (table for table_1). Error with the nearest names when it means nothing.
+  std::vector<PlaceRow> find_places(const std::string& name) const;
+
+ private:
+  std::vector<Id> find_by_word(const std::string& word) const;
+  std::vector<std::string> known_names() const;
+
+  const Store& store_;
+  AsOf as_of_;
+  std::vector<PlaceRow> places_;
+  std::vector<BeliefRow> beliefs_;
+  std::vector<FactRow> facts_;
+  std::vector<SceneRow> scenes_;
+  std::unordered_map<Id, size_t> scene_index_;
+  std::map<Id, std::string> recordings_;
+};
+
+/// Size words: small, medium, large, tall, flat.
+bool is_size_word(const std::string& word);
+bool has_size(const std::string& word, const Vector3d& size);
+
+}  // namespace loci

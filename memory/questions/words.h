@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+
+#include "mapping/base/json.h"
+#include "memory/questions/answers.h"
+#include "memory/questions/people_time.h"
+
+namespace loci {
+
+/// Answers as sentences that a person would like to read, times in the memory's zone.
+std::string to_text(const WhereAnswer& answer, const TimeWriter& times);
+std::string to_text(const HistoryAnswer& answer, const TimeWriter& times);
+std::string to_text(const ContentsAnswer& answer, const TimeWriter& times);
+std::string to_text(const WasAnswer& answer, const TimeWriter& times);
+std::string to_text(const ChangesAnswer& answer, const TimeWriter& times);
+std::string to_text(const ObjectsAnswer& answer, const TimeWriter& times);
+std::string to_text(const ScenesAnswer& answer, const TimeWriter& times);
+std::string to_text(const TimelineAnswer& answer, const TimeWriter& times);
+
+/// The same structs as JSON; times ISO 8601, UTC; lengths in metres; unset fields are left out.
+Json to_json(const WhereAnswer& answer);
+Json to_json(const HistoryAnswer& answer);
+Json to_json(const ContentsAnswer& answer);
+Json to_json(const WasAnswer& answer);
+Json to_json(const ChangesAnswer& answer);
+Json to_json(const ObjectsAnswer& answer);
+Json to_json(const ScenesAnswer& answer);
+Json to_json(const TimelineAnswer& answer);
+
+/// One change in words, without its time: "object_3 (red) moved from table_1 to counter_1".
+std::string change_text(const Change& change);
+/// "object_3 (red, the tea cup)".
+std::string object_text(const ObjectRef& object);
+
+}  // namespace loci
