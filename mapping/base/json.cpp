@@ -14,6 +14,8 @@ Json parse_json(std::string_view text, const std::string& file) {
     const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
     const auto line = 1 + std::count(text.begin(), end, '\n');
     throw Error("not valid JSON", {file, static_cast<int>(line), {}}, "check the text around this line");
+  } catch (const Json::exception& error) {  // well-formed, but a number is too large for any type
+    throw Error("JSON that cannot be read: " + std::string(error.what()), {file, 0, {}});
   }
 }
 

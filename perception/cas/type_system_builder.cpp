@@ -25,6 +25,8 @@ const std::map<std::string, Kind> kArrays = {
     {"uima.cas.StringArray", Kind::kString},
 };
 
+constexpr int kMaxDepth = 1000;  // levels of inheritance; recursion follows them
+
 std::string at(const Place& place) {
   return place.file.empty() ? "the built-in types" : place.text();
 }
@@ -124,16 +126,20 @@ TypeSystemBuilder::TypeDeclaration& TypeSystemBuilder::resolve(const std::string
               hint.empty() ? "declare it or import the file that does" : hint);
 }
 
-void TypeSystemBuilder::build_type(TypeSystem& system, TypeDeclaration& declaration) {
+void TypeSystemBuilder::build_type(TypeSystem& system, TypeDeclaration& declaration, int depth) {
   if (declaration.state == 2) return;
   if (declaration.state == 1)
     throw Error("type " + declaration.name + " inherits from itself", declaration.place,
                 "break the cycle of supertypes");
+  if (depth > kMaxDepth)
+    throw Error(
+        "type " + declaration.name + " has more than " + std::to_string(kMaxDepth) + " levels below it",
+        declaration.place, "flatten the hierarchy");
   declaration.state = 1;
   TypeDeclaration* super = nullptr;
   if (!declaration.supertype.empty()) {
     super = &resolve(declaration.supertype, declaration.place, "supertype of " + declaration.name);
-    build_type(system, *super);
+    build_type(system, *super, depth + 1);
   }
   auto data = std::make_unique<TypeData>();
   data->name = declaration.name;

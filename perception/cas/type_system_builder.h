@@ -53,7 +53,7 @@ class TypeSystemBuilder {
 
   TypeDeclaration& resolve(const std::string& name, const Place& place, const std::string& what);
   void build_hierarchy(TypeSystem& system);
-  void build_type(TypeSystem& system, TypeDeclaration& declaration);
+  void build_type(TypeSystem& system, TypeDeclaration& declaration, int depth = 0);
   void build_order(TypeSystem& system);
   void build_features(TypeSystem& system);
   void add_feature(detail::TypeData& type, const FeatureDeclaration& declaration);

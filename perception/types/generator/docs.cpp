@@ -64,7 +64,7 @@ std::string range_text(const Feature& feature) {
 }
 
 std::string type_text(Type type) {
-  std::string text = fmt::format("\n### {}\n\n`{}`, a {}. {}\n", type.short_name(), type.name(),
+  std::string text = fmt::format("\n### {}\n\n`{}` : {}. {}\n", type.short_name(), type.name(),
                                  type.supertype().short_name(), type.description());
   if (!type.allowed_values().empty()) {
     std::string values;

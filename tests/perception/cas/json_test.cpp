@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <random>
 
 namespace loci::cas {
 namespace {
@@ -243,6 +244,31 @@ TEST(CasJson, WhatDoesNotFitIsRefusedWithItsPlace) {
       EXPECT_THAT(error.what(), testing::HasSubstr(expected)) << text;
     }
   }
+}
+
+TEST(CasJson, DamagedTextIsRefusedOrReadButNeverCrashes) {
+  Cas cas(type_system());
+  const std::string text = to_json(make_all(cas)).dump();
+  std::mt19937_64 random(7);
+  const auto below = [&](size_t limit) { return static_cast<size_t>(random() % limit); };
+  int refused = 0;
+  for (int round = 0; round < 2000; ++round) {
+    std::string damaged = text;
+    for (size_t k = 0; k <= below(3); ++k) {
+      const size_t at = below(damaged.size());
+      if (below(2) == 0)
+        damaged[at] = text[below(text.size())];
+      else
+        damaged.erase(at, 1 + below(20));
+    }
+    Cas other(type_system());
+    try {
+      to_json(from_json(other, parse_json(damaged, "damaged")));
+    } catch (const Error&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 0);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "perception/cas/type_system.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <fstream>
@@ -168,6 +169,12 @@ TEST(TypeSystem, TypedArraysOfUima3AreFsArrays) {
   EXPECT_EQ(all.range().name(), "uima.cas.FSArray");
   EXPECT_EQ(all.element_type().name(), "A");
   EXPECT_EQ(system->type("A").feature("some").element_type().name(), "A");
+}
+
+TEST(TypeSystem, EndlessHierarchiesAreRefused) {
+  std::string types;
+  for (int i = 0; i < 5000; ++i) types += type(fmt::format("T{}", i), fmt::format("T{}", i + 1));
+  EXPECT_THAT(refusal(types), HasSubstr("levels"));
 }
 
 class ImportedTypes : public testing::Test {

@@ -1,0 +1,181 @@
+#include "perception/conversions/hypotheses.h"
+
+#include <cmath>
+
+namespace loci::types {
+
+namespace {
+
+/// x, y, z of any cloud whose points begin with them.
+class Positions {
+ public:
+  explicit Positions(const PointCloud& cloud) {
+    if (!cloud) throw Error("a hypothesis without its cloud");
+    if (is<NormalMap>(cloud)) throw Error("a map of normals has no positions");
+    step_ = static_cast<size_t>(cloud.point_step.get());
+    bytes_ = cloud.points.get();
+    if (step_ < 3 * sizeof(float) || bytes_.size() % step_ != 0)
+      throw Error("a cloud of " + cloud.point_type.get() + " has no positions");
+  }
+
+  size_t size() const { return bytes_.size() / step_; }
+
+  std::optional<Vector3d> at(size_t index) const {
+    float values[3];
+    std::memcpy(values, bytes_.data() + index * step_, sizeof values);
+    const Vector3d point(values[0], values[1], values[2]);
+    return point.allFinite() ? std::optional(point) : std::nullopt;
+  }
+
+ private:
+  cas::Buffer<uint8_t> bytes_;
+  size_t step_ = 0;
+};
+
+template <typename Hypothesis>
+Hypothesis made_from(const ObjectHypothesis& origin) {
+  const Hypothesis made = Hypothesis::create(origin.cas());
+  if (origin.source.is_set()) made.source.set(origin.source.get());
+  return made;
+}
+
+template <typename Keep>
+ReferenceClusterPoints points_that(const ObjectHypothesis& origin, const PointCloud& cloud, Keep keep) {
+  const Positions positions(cloud);
+  std::vector<int32_t> indices;
+  for (size_t i = 0; i < positions.size(); ++i)
+    if (const auto point = positions.at(i); point && keep(*point)) indices.push_back(static_cast<int32_t>(i));
+  const auto made = made_from<ReferenceClusterPoints>(origin);
+  made.cloud.set(cloud);
+  made.indices.get_or_create().indices.set(std::move(indices));
+  if (const Header header = cloud.header.get()) made.indices.get().header.set(header);
+  return made;
+}
+
+/// The pixel that a point falls on.
+std::optional<cv::Point> pixel_of(const Vector3d& in_camera, const PinholeCamera& camera) {
+  if (in_camera.z() <= 0) return std::nullopt;
+  const Vector2d pixel = camera.project(in_camera);
+  if (!camera.contains(pixel)) return std::nullopt;
+  return cv::Point(static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y())));
+}
+
+Eigen::AlignedBox3d extent_of(const ClusterPoints& points, const Isometry3d& frame_from_cloud) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& point : positions_of(points)) box.extend(frame_from_cloud * point);
+  if (box.isEmpty()) throw Error("a cluster without points has no extent");
+  return box;
+}
+
+}  // namespace
+
+std::vector<Vector3d> positions_of(const ClusterPoints& points) {
+  std::vector<Vector3d> found;
+  if (const auto alone = try_as<StandaloneClusterPoints>(points)) {
+    const Positions positions(alone->cloud.get());
+    for (size_t i = 0; i < positions.size(); ++i)
+      if (const auto point = positions.at(i)) found.push_back(*point);
+    return found;
+  }
+  const auto reference = as<ReferenceClusterPoints>(points);
+  const Positions positions(reference.cloud.get());
+  if (!reference.indices.is_set()) return found;
+  for (const int32_t index : reference.indices.get().indices.get()) {
+    if (index < 0 || static_cast<size_t>(index) >= positions.size())
+      throw Error("point " + std::to_string(index) + " of a cloud of " + std::to_string(positions.size()));
+    if (const auto point = positions.at(static_cast<size_t>(index))) found.push_back(*point);
+  }
+  return found;
+}
+
+std::optional<ReferenceImageROI> image_roi(const ClusterPoints& points, const Mat& image,
+                                           const PinholeCamera& camera, const Isometry3d& camera_from_cloud,
+                                           int reach) {
+  const cv::Rect whole(0, 0, camera.width, camera.height);
+  cv::Mat1b covered(camera.height, camera.width, uint8_t{0});
+  cv::Rect region;
+  for (const Vector3d& point : positions_of(points)) {
+    const auto pixel = pixel_of(camera_from_cloud * point, camera);
+    if (!pixel) continue;
+    const cv::Rect square =
+        cv::Rect(pixel->x - reach, pixel->y - reach, 2 * reach + 1, 2 * reach + 1) & whole;
+    covered(square).setTo(255);
+    region = region.empty() ? square : region | square;
+  }
+  if (region.empty()) return std::nullopt;
+  const auto roi = made_from<ReferenceImageROI>(points);
+  roi.image.set(image);
+  roi.roi.set(to(points.cas(), region));
+  roi.mask.set(to(points.cas(), cv::Mat(covered(region))));
+  return roi;
+}
+
+ReferenceClusterPoints points_in_image(const ImageROI& roi, const PointCloud& cloud,
+                                       const PinholeCamera& camera, const Isometry3d& camera_from_cloud) {
+  const cv::Rect region = from<cv::Rect>(roi.roi.get());
+  const cv::Mat1b mask = from<cv::Mat_<uint8_t>>(roi.mask.get());
+  if (mask.size() != region.size()) throw Error("the mask of an image region is not of its size");
+  return points_that(roi, cloud, [&](const Vector3d& point) {
+    const auto pixel = pixel_of(camera_from_cloud * point, camera);
+    return pixel && region.contains(*pixel) && mask(*pixel - region.tl()) != 0;
+  });
+}
+
+ReferenceClusterPoints points_in_volume(const TFLinkROI& volume, const PointCloud& cloud,
+                                        const Isometry3d& frame_from_cloud) {
+  if (const auto sphere = try_as<TFLinkSphereROI>(volume)) {
+    const Vector3d center = from<Vector3d>(sphere->center.get());
+    const double radius = sphere->radius.get();
+    return points_that(volume, cloud, [&](const Vector3d& point) {
+      return (frame_from_cloud * point - center).norm() <= radius;
+    });
+  }
+  const BoundingBox box = as<TFLinkBBoxROI>(volume).bbox.get();
+  if (!box) throw Error("a volume without its box");
+  const Isometry3d box_from_cloud = from<Isometry3d>(box.pose.get()).inverse() * frame_from_cloud;
+  const Vector3d half = from<Vector3d>(box.size.get()) / 2;
+  return points_that(volume, cloud, [&](const Vector3d& point) {
+    return ((box_from_cloud * point).array().abs() <= half.array()).all();
+  });
+}
+
+TFLinkBBoxROI bounding_box(const ClusterPoints& points, const std::string& frame,
+                           const Isometry3d& frame_from_cloud) {
+  const Eigen::AlignedBox3d extent = extent_of(points, frame_from_cloud);
+  Isometry3d pose = Isometry3d::Identity();
+  pose.translation() = extent.center();
+  const auto made = made_from<TFLinkBBoxROI>(points);
+  made.tf_frame.set(frame);
+  made.bbox.get_or_create().pose.set(to(points.cas(), pose));
+  made.bbox.get().size.set(to(points.cas(), Vector3d(extent.sizes())));
+  return made;
+}
+
+TFLinkSphereROI bounding_sphere(const ClusterPoints& points, const std::string& frame,
+                                const Isometry3d& frame_from_cloud) {
+  const Vector3d center = extent_of(points, frame_from_cloud).center();
+  double radius = 0;
+  for (const Vector3d& point : positions_of(points))
+    radius = std::max(radius, (frame_from_cloud * point - center).norm());
+  const auto made = made_from<TFLinkSphereROI>(points);
+  made.tf_frame.set(frame);
+  made.center.set(to(points.cas(), center));
+  made.radius.set(radius);
+  return made;
+}
+
+StandaloneImageROI standalone(const ReferenceImageROI& reference) {
+  const cv::Mat image = from<cv::Mat>(reference.image.get());
+  const cv::Rect region = from<cv::Rect>(reference.roi.get());
+  if ((region & cv::Rect({0, 0}, image.size())) != region)
+    throw Error("a region that reaches beyond its image of " + std::to_string(image.cols) + " x " +
+                std::to_string(image.rows) + " pixels");
+  const auto made = made_from<StandaloneImageROI>(reference);
+  made.image.set(to(reference.cas(), cv::Mat(image(region))));
+  made.roi.set(reference.roi.get());
+  made.mask.set(reference.mask.get());
+  if (reference.phash.is_set()) made.phash.set(reference.phash.get());
+  return made;
+}
+
+}  // namespace loci::types

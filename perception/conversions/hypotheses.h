@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+
+#include "mapping/sensor/camera.h"
+#include "perception/conversions/opencv.h"
+#include "perception/types/geometry.h"
+
+namespace loci::types {
+
+// An object hypothesis in the data of one sensor as one in another's: points, image regions and volumes,
+// given the calibration (a camera) and the pose between the two frames. New ones are made in the CAS of the
+// old one, with its source. All throw Error when a hypothesis refers to points or pixels that are not there.
+
+/// Positions of the points of a cluster in the frame of its cloud, m; points without measurement are left
+/// out.
+std::vector<Vector3d> positions_of(const ClusterPoints& points);
+
+/// Points to image: each point covers a square of 2 `reach` + 1 pixels, so that a finer image has no holes
+/// (reach 1 suits an image of the cloud's resolution). Nothing when no point falls on the image.
+std::optional<ReferenceImageROI> image_roi(const ClusterPoints& points, const Mat& image,
+                                           const PinholeCamera& camera, const Isometry3d& camera_from_cloud,
+                                           int reach = 1);
+
+/// Image to points: those of the cloud whose projection falls on the mask.
+ReferenceClusterPoints points_in_image(const ImageROI& roi, const PointCloud& cloud,
+                                       const PinholeCamera& camera, const Isometry3d& camera_from_cloud);
+
+/// Volume to points: those of the cloud inside a box or sphere, whose frame is that of `frame_from_cloud`.
+ReferenceClusterPoints points_in_volume(const TFLinkROI& volume, const PointCloud& cloud,
+                                        const Isometry3d& frame_from_cloud);
+
+/// Points to volume: the smallest box along the axes of the frame, and a sphere around the centre of that
+/// box. Error when the cluster has no point.
+TFLinkBBoxROI bounding_box(const ClusterPoints& points, const std::string& frame,
+                           const Isometry3d& frame_from_cloud);
+TFLinkSphereROI bounding_sphere(const ClusterPoints& points, const std::string& frame,
+                                const Isometry3d& frame_from_cloud);
+
+/// A region of the scene's image with a picture of its own.
+StandaloneImageROI standalone(const ReferenceImageROI& reference);
+
+}  // namespace loci::types
