@@ -5,6 +5,7 @@
 namespace loci {
 
 Command check_command();
+Command compare_command();
 Command fuse_command();
 Command interpret_command();
 

@@ -5,7 +5,7 @@ int main(int argc, char** argv) {
   program.add(loci::check_command());
   program.add(loci::fuse_command());
   program.add(loci::interpret_command());
-  program.add_planned("compare", "Compares a map with another map or with the truth");
+  program.add(loci::compare_command());
   program.add_planned("explore", "Scans an unknown kitchen by next best view and maps it");
   program.add_planned("next-view", "Where to scan next");
   program.add_planned("register", "Scans to poses");

@@ -1,0 +1,155 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "mapping/exchange/map_structure.h"
+#include "mapping/world/kinematics.h"
+
+namespace loci {
+namespace {
+
+constexpr double kLeastSurface = 0.05;  // m²
+constexpr double kLeastWall = 0.5;      // m²
+constexpr double kLowest = 0.2;         // m; lower surfaces are the floor or plinths
+constexpr double kHighest = 2.0;
+constexpr double kFreeAbove = 0.25;  // m; less room above and nothing can be put there or seen
+constexpr double kSameHeight = 0.01;
+
+struct Triangle {
+  std::array<Vector3d, 3> corners;
+  Vector3d normal;  ///< unit
+  double area = 0;
+  size_t link = 0;
+};
+
+std::vector<Triangle> triangles_of(const World& world, const MeshSearch& search, Warnings& warnings) {
+  const std::vector<Isometry3d> root_from_link = root_from_links(world, {});
+  std::vector<Triangle> triangles;
+  for (size_t i = 0; i < world.links.size(); ++i)
+    for (const Visual& visual : world.links[i].visuals) {
+      const Isometry3d root_from_visual = root_from_link[i] * visual.link_from_visual;
+      const TriangleMesh mesh = triangulate(visual.geometry, search, warnings);
+      for (const auto& corners : mesh.triangles) {
+        Triangle triangle;
+        for (size_t k = 0; k < 3; ++k)
+          triangle.corners[k] = root_from_visual * mesh.vertices[corners[k]].cast<double>();
+        const Vector3d cross =
+            (triangle.corners[1] - triangle.corners[0]).cross(triangle.corners[2] - triangle.corners[0]);
+        triangle.area = cross.norm() / 2;
+        if (triangle.area < 1e-8) continue;
+        triangle.normal = cross.normalized();
+        triangle.link = i;
+        triangles.push_back(triangle);
+      }
+    }
+  return triangles;
+}
+
+/// Whether a movable joint lies between a link and the root.
+bool moves(const World& world, size_t link) {
+  for (const Joint* joint = world.parent_joint(world.links[link].name); joint != nullptr;
+       joint = world.parent_joint(joint->parent))
+    if (joint->type != JointType::fixed) return true;
+  return false;
+}
+
+bool over(const Triangle& triangle, const Vector3d& point) {
+  const Vector2d p = point.head<2>();
+  double first = 0;
+  for (size_t k = 0; k < 3; ++k) {
+    const Vector2d a = triangle.corners[k].head<2>();
+    const Vector2d b = triangle.corners[(k + 1) % 3].head<2>();
+    const double side = (b - a).x() * (p - a).y() - (b - a).y() * (p - a).x();
+    if (k == 0) first = side;
+    if (side * first <= 0) return false;
+  }
+  const double z = triangle.corners[0].z() -
+                   triangle.normal.head<2>().dot(p - triangle.corners[0].head<2>()) / triangle.normal.z();
+  return z > point.z() + kSameHeight && z < point.z() + kFreeAbove;
+}
+
+/// Fraction of a patch's area with room above, judged at the middles of its triangles.
+double open_fraction(const std::vector<const Triangle*>& patch, const std::vector<Triangle>& all) {
+  double open = 0;
+  double total = 0;
+  for (const Triangle* triangle : patch) {
+    const Vector3d middle = (triangle->corners[0] + triangle->corners[1] + triangle->corners[2]) / 3;
+    const bool covered = std::any_of(all.begin(), all.end(), [&](const Triangle& other) {
+      return std::abs(other.normal.z()) > 0.1 && over(other, middle);
+    });
+    total += triangle->area;
+    open += covered ? 0 : triangle->area;
+  }
+  return open / total;
+}
+
+void add_supports(const World& world, const std::vector<Triangle>& triangles, MapStructure& structure) {
+  std::map<std::pair<size_t, long>, std::vector<const Triangle*>> patches;
+  for (const Triangle& triangle : triangles) {
+    const double z = triangle.corners[0].z();
+    if (triangle.normal.z() > 0.99 && z > kLowest && z < kHighest)
+      patches[{triangle.link, std::lround(z / kSameHeight)}].push_back(&triangle);
+  }
+  for (const auto& [key, patch] : patches) {
+    SurfacePatch surface;
+    double area = 0;
+    for (const Triangle* triangle : patch) {
+      std::vector<Vector2d> polygon;
+      for (const Vector3d& corner : triangle->corners) polygon.push_back(corner.head<2>());
+      surface.polygons.push_back(std::move(polygon));
+      surface.height += triangle->area * triangle->corners[0].z();
+      area += triangle->area;
+    }
+    if (area < kLeastSurface) continue;
+    surface.height /= area;
+    surface.name = world.links[key.first].name;
+    surface.main = !moves(world, key.first) && open_fraction(patch, triangles) > 0.5;
+    structure.supports.push_back(std::move(surface));
+  }
+}
+
+void add_walls(const World& world, const std::vector<Triangle>& triangles, MapStructure& structure) {
+  std::map<std::array<long, 3>, std::vector<const Triangle*>> patches;  // link, direction, offset
+  for (const Triangle& triangle : triangles) {
+    if (std::abs(triangle.normal.z()) > 0.05) continue;
+    const long angle = std::lround(std::atan2(triangle.normal.y(), triangle.normal.x()) * 60);
+    const long offset = std::lround(triangle.normal.dot(triangle.corners[0]) / 0.02);
+    patches[{static_cast<long>(triangle.link), angle, offset}].push_back(&triangle);
+  }
+  for (const auto& [key, patch] : patches) {
+    double area = 0;
+    WallPatch wall;
+    wall.normal = patch.front()->normal;
+    wall.offset = wall.normal.dot(patch.front()->corners[0]);
+    wall.along_min = wall.bottom = 1e9;
+    wall.along_max = wall.top = -1e9;
+    for (const Triangle* triangle : patch) {
+      area += triangle->area;
+      for (const Vector3d& corner : triangle->corners) {
+        const double along = wall.normal.x() * corner.y() - wall.normal.y() * corner.x();
+        wall.along_min = std::min(wall.along_min, along);
+        wall.along_max = std::max(wall.along_max, along);
+        wall.bottom = std::min(wall.bottom, corner.z());
+        wall.top = std::max(wall.top, corner.z());
+      }
+    }
+    if (area < kLeastWall || wall.top < 1.2) continue;
+    wall.name = world.links[static_cast<size_t>(key[0])].name;
+    // Sides of furniture are vertical planes too; only links that are called so are walls to be found.
+    wall.main = wall.name.find("wall") != std::string::npos;
+    structure.walls.push_back(std::move(wall));
+  }
+}
+
+}  // namespace
+
+MapStructure structure_from_geometry(const World& world, const MeshSearch& search, Warnings& warnings) {
+  MapStructure structure;
+  structure.source = "geometry of the URDF";
+  const std::vector<Triangle> triangles = triangles_of(world, search, warnings);
+  add_supports(world, triangles, structure);
+  add_walls(world, triangles, structure);
+  return structure;
+}
+
+}  // namespace loci

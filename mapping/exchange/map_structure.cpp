@@ -1,0 +1,126 @@
+#include "mapping/exchange/map_structure.h"
+
+#include <cmath>
+
+#include "mapping/world/semantic_map.h"
+#include "mapping/world/urdf.h"
+
+namespace loci {
+namespace {
+
+bool carries(const std::string& class_name) {
+  return class_name == "counter" || class_name == "island" || class_name == "table" ||
+         class_name == "shelf" || class_name == "cabinet";
+}
+
+template <class T>
+T value_of(const Json& json, const std::string& key, const std::string& file) {
+  if (!json.contains(key)) throw Error("the key '" + key + "' is missing", {file, 0, ""});
+  try {
+    return json.at(key).get<T>();
+  } catch (const Json::exception&) {
+    throw Error("the value of '" + key + "' cannot be read", {file, 0, key});
+  }
+}
+
+std::vector<Vector2d> polygon_of(const Json& corners) {
+  std::vector<Vector2d> polygon;
+  for (const Json& corner : corners)
+    polygon.emplace_back(corner.at(0).get<double>(), corner.at(1).get<double>());
+  return polygon;
+}
+
+Vector3d vector_of(const Json& json) {
+  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
+}
+
+/// Extents of a wall from its corners.
+void span(WallPatch& wall, const std::vector<Vector3d>& corners) {
+  wall.along_min = wall.bottom = 1e9;
+  wall.along_max = wall.top = -1e9;
+  const Vector3d direction(-wall.normal.y(), wall.normal.x(), 0);
+  for (const Vector3d& corner : corners) {
+    const double along = direction.dot(corner);
+    wall.along_min = std::min(wall.along_min, along);
+    wall.along_max = std::max(wall.along_max, along);
+    wall.bottom = std::min(wall.bottom, corner.z());
+    wall.top = std::max(wall.top, corner.z());
+  }
+}
+
+}  // namespace
+
+MapStructure structure_from_sidecar(const Json& sidecar, const std::string& file) {
+  MapStructure structure;
+  structure.source = "sidecar";
+  for (const auto& [name, link] : semantic_map_from_json(sidecar, file).links) {
+    const Json& geometry = link.geometry;
+    try {
+      if (link.class_name == "floor") structure.floor_height = geometry.at("height").get<double>();
+      if (carries(link.class_name) && geometry.contains("outline"))
+        structure.supports.push_back({name,
+                                      link.class_name,
+                                      "",
+                                      geometry.at("height").get<double>(),
+                                      {polygon_of(geometry.at("outline"))},
+                                      link.class_name != "cabinet"});
+      if (link.class_name == "wall") {
+        WallPatch wall{name, "", vector_of(geometry.at("normal")), geometry.at("offset").get<double>()};
+        std::vector<Vector3d> corners;
+        for (const Json& corner : geometry.at("outline")) corners.push_back(vector_of(corner));
+        span(wall, corners);
+        structure.walls.push_back(std::move(wall));
+      }
+    } catch (const Json::exception&) {
+      throw Error("the geometry of a link lacks what its class needs", {file, 0, name});
+    }
+  }
+  return structure;
+}
+
+MapStructure structure_from_truth(const Json& truth, const std::string& file) {
+  MapStructure structure;
+  structure.source = "truth.json";
+  for (const Json& surface : value_of<Json>(truth, "support_surfaces", file)) {
+    SurfacePatch patch;
+    patch.name = value_of<std::string>(surface, "name", file);
+    patch.region = surface.value("region", "");
+    patch.height = value_of<double>(surface, "height", file);
+    patch.polygons = {polygon_of(value_of<Json>(surface, "polygon", file))};
+    patch.main = surface.value("main", true);
+    structure.supports.push_back(std::move(patch));
+  }
+  for (const Json& json : truth.value("walls", Json::array())) {
+    WallPatch wall;
+    wall.name = value_of<std::string>(json, "name", file);
+    wall.region = json.value("region", "");
+    wall.normal = vector_of(value_of<Json>(json, "normal", file));
+    wall.offset = value_of<double>(json, "offset", file);
+    const Vector3d centre = vector_of(value_of<Json>(json, "centre", file));
+    const Vector3d right =
+        vector_of(value_of<Json>(json, "right", file)) * (value_of<double>(json, "width", file) / 2);
+    const Vector3d up = Vector3d::UnitZ() * (value_of<double>(json, "height", file) / 2);
+    span(wall, {centre - right - up, centre + right + up});
+    // Strips, pillars and window reveals fill little of their rectangle.
+    wall.main = json.value("faces_furniture_side", true) && json.value("fill", 1.0) > 0.3;
+    structure.walls.push_back(std::move(wall));
+  }
+  if (truth.contains("floor")) structure.floor_height = truth["floor"].value("offset", 0.0);
+  return structure;
+}
+
+MapStructure read_structure(const std::filesystem::path& path, const MeshSearch& search, Warnings& warnings) {
+  if (path.extension() == ".json") {
+    const Json json = read_json(path);
+    if (json.contains("support_surfaces")) return structure_from_truth(json, path.string());
+    if (json.contains("links")) return structure_from_sidecar(json, path.string());
+    throw Error("this JSON file is neither a truth (support_surfaces) nor a sidecar (links)",
+                {path.string(), 0, ""});
+  }
+  const World world = read_urdf(path);
+  const std::filesystem::path sidecar = sidecar_path(path);
+  if (std::filesystem::exists(sidecar)) return structure_from_sidecar(read_json(sidecar), sidecar.string());
+  return structure_from_geometry(world, search, warnings);
+}
+
+}  // namespace loci

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mapping/base/json.h"
+#include "mapping/world/mesh.h"
+
+namespace loci {
+
+/// A horizontal surface of a map or of a truth.
+struct SurfacePatch {
+  std::string name;
+  std::string class_name;                       ///< empty where unknown
+  std::string region;                           ///< of a truth that has regions
+  double height = 0;                            ///< metres
+  std::vector<std::vector<Vector2d>> polygons;  ///< their union is the patch; metres, map frame
+  bool main = true;  ///< a mapper should find it; the others may be found without being wrong
+};
+
+/// A rectangle of a vertical plane: normal · p = offset.
+struct WallPatch {
+  std::string name;
+  std::string region;
+  Vector3d normal = Vector3d::UnitX();  ///< into the room
+  double offset = 0;
+  double along_min = 0, along_max = 0;  ///< along (-normal.y, normal.x)
+  double bottom = 0, top = 0;
+  bool main = true;
+};
+
+/// What a comparison looks at.
+struct MapStructure {
+  std::string source;  ///< "sidecar", "geometry of the URDF", "truth.json"
+  std::vector<SurfacePatch> supports;
+  std::vector<WallPatch> walls;
+  std::optional<double> floor_height;
+};
+
+/// Reads a URDF (its sidecar where there is one, otherwise the upward and the vertical faces of its visual
+/// geometry, all joints at 0) or a JSON file with `support_surfaces` and `walls`. Error for other files.
+MapStructure read_structure(const std::filesystem::path& path, const MeshSearch& search, Warnings& warnings);
+
+MapStructure structure_from_sidecar(const Json& sidecar, const std::string& file);
+MapStructure structure_from_truth(const Json& truth, const std::string& file);
+MapStructure structure_from_geometry(const World& world, const MeshSearch& search, Warnings& warnings);
+
+}  // namespace loci
