@@ -2,6 +2,7 @@
 
 #include "apps/map/commands.h"
 #include "mapping/base/files.h"
+#include "mapping/exchange/map_report.h"
 #include "mapping/interpretation/interpretation.h"
 #include "mapping/world/urdf.h"
 
@@ -47,6 +48,8 @@ Command interpret_command() {
               const std::filesystem::path urdf = std::filesystem::path(arguments->out) / "map.urdf";
               write_urdf(map.world, urdf);
               write_semantic_map(map.semantics, sidecar_path(urdf));
+              write_file_atomically(std::filesystem::path(arguments->out) / "report.html",
+                                    map_report(map, scans, arguments->scans));
               session.answer(answer_text(map, arguments->out), map.report());
             };
           }};

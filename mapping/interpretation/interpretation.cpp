@@ -88,7 +88,9 @@ std::optional<LevelPlane> level_plane(const Surface& surface, double around, flo
 }
 
 void level(const ScanSet& scans, Surface& surface, InterpretedMap& map) {
-  const auto levelled = level_by_floor(surface, up_hint(scans));
+  std::optional<Isometry3d> levelled;
+  for (const Vector3d& up : up_hints(scans))
+    if (!levelled) levelled = level_by_floor(surface, up);
   if (!levelled) {
     map.notes.push_back("the input is not levelled and no floor was found to level it by: z was taken as up");
     return;

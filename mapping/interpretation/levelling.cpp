@@ -106,11 +106,11 @@ std::optional<Isometry3d> level_by_floor(const Surface& surface, const Vector3d&
   return levelled;
 }
 
-Vector3d up_hint(const ScanSet& scans) {
-  if (scans.sensor != "kinect") return Vector3d::UnitZ();
+std::vector<Vector3d> up_hints(const ScanSet& scans) {
   Vector3d sum = Vector3d::Zero();
   for (const Scan& scan : scans.scans) sum -= scan.map_from_scan.linear().col(1);
-  return sum.norm() > 1e-6 ? Vector3d(sum.normalized()) : Vector3d(Vector3d::UnitZ());
+  if (scans.sensor == "kinect" && sum.norm() > 1e-6) return {sum.normalized()};
+  return {Vector3d::UnitZ(), -Vector3d::UnitY(), Vector3d::UnitY()};
 }
 
 double room_yaw(const Surface& surface) {

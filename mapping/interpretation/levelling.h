@@ -11,8 +11,9 @@ namespace loci {
 /// below it. Unset when there is none.
 std::optional<Isometry3d> level_by_floor(const Surface& surface, const Vector3d& up_hint);
 
-/// The direction of up that the sensor suggests: a camera's -y (optical frames), otherwise z of the map.
-Vector3d up_hint(const ScanSet& scans);
+/// Directions that may be up, the likeliest first: a depth camera's -y; otherwise z of the map, then y down
+/// and y up as point clouds of cameras have it.
+std::vector<Vector3d> up_hints(const ScanSet& scans);
 
 /// The yaw in (-45°, 45°] of the main directions of the room, from the normals of vertical surfaces; 0
 /// without any.

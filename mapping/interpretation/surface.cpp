@@ -1,6 +1,7 @@
 #include "mapping/interpretation/surface.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -132,7 +133,9 @@ void orient_without_origins(Surface& surface) {
 
 Surface gather_surface(const ScanSet& scans, int threads, Progress& progress) {
   Surface surface;
-  surface.free_space = scans.free_space;
+  surface.free_space =
+      scans.free_space && std::none_of(scans.scans.begin(), scans.scans.end(),
+                                       [](const Scan& scan) { return scan.origins.empty(); });
   surface.scans = scans.scans.size();
   std::vector<uint32_t> first_origin;
   for (const Scan& scan : scans.scans) {
@@ -144,7 +147,7 @@ Surface gather_surface(const ScanSet& scans, int threads, Progress& progress) {
   std::vector<Part> parts(scans.scans.size());
   parallel_for(parts.size(), threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
-      parts[i] = gather_scan(scans.scans[i], static_cast<uint16_t>(i), first_origin[i], scans.free_space);
+      parts[i] = gather_scan(scans.scans[i], static_cast<uint16_t>(i), first_origin[i], surface.free_space);
   });
   for (const Part& part : parts) {
     surface.points.insert(surface.points.end(), part.points.begin(), part.points.end());
@@ -162,6 +165,7 @@ void transform(Surface& surface, const Isometry3d& target_from_source) {
   }
   for (Eigen::Vector3f& origin : surface.origins) origin = motion * origin;
   for (auto& [end, origin] : surface.free_ends) end = motion * end;
+  if (!surface.free_space && !surface.points.empty()) orient_without_origins(surface);
 }
 
 }  // namespace loci

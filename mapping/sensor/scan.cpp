@@ -107,6 +107,7 @@ ScanSet set_from_bare_cloud(const fs::path& path) {
   ScanSet set;
   set.sensor = "unknown";
   set.free_space = false;
+  set.levelled = false;
   Scan scan;
   scan.name = path.stem().string();
   scan.points = points_from_cloud(read_pcd(path), path);

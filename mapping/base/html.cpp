@@ -1,0 +1,124 @@
+#include "mapping/base/html.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+namespace loci {
+namespace {
+
+constexpr std::string_view kStyle = R"(
+:root { color-scheme: light dark; --line: #8884; --faint: #888; }
+body { font: 15px/1.5 system-ui, sans-serif; margin: 0 auto; max-width: 70rem; padding: 1.5rem; }
+h1 { font-size: 1.6rem; margin: 0 0 .5rem; } h2 { font-size: 1.2rem; margin: 2rem 0 .5rem; }
+table { border-collapse: collapse; display: block; overflow-x: auto; }
+th, td { border-bottom: 1px solid var(--line); padding: .25rem .7rem; text-align: left; vertical-align: top; }
+td.number { text-align: right; font-variant-numeric: tabular-nums; }
+img, svg { max-width: 100%; height: auto; } pre { overflow-x: auto; } p.faint { color: var(--faint); }
+)";
+constexpr std::string_view kEnd = "</main>";
+
+bool is_number(const std::string& cell) {
+  return !cell.empty() &&
+         (std::isdigit(static_cast<unsigned char>(cell.back())) != 0 || cell.back() == '%') &&
+         std::all_of(cell.begin(), cell.end(), [](unsigned char c) {
+           return std::isdigit(c) != 0 || c == '.' || c == '-' || c == '+' || c == ' ' || c == '%';
+         });
+}
+
+std::string opening(std::string_view id) {
+  return fmt::format("<section id=\"{}\">", html_escape(id));
+}
+
+}  // namespace
+
+std::string html_escape(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      case '\'':
+        escaped += "&#39;";
+        break;
+      default:
+        escaped += c;
+    }
+  }
+  return escaped;
+}
+
+std::string base64(std::span<const unsigned char> bytes) {
+  constexpr std::string_view kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    const size_t left = std::min<size_t>(3, bytes.size() - i);
+    uint32_t group = 0;
+    for (size_t k = 0; k < 3; ++k) group = group << 8 | (k < left ? bytes[i + k] : 0U);
+    for (size_t k = 0; k < 4; ++k) text += k <= left ? kLetters[group >> (18 - 6 * k) & 63U] : '=';
+  }
+  return text;
+}
+
+std::string html_table(const std::vector<std::string>& header,
+                       const std::vector<std::vector<std::string>>& rows) {
+  std::string html = "<table><tr>";
+  for (const std::string& cell : header) html += "<th>" + html_escape(cell) + "</th>";
+  html += "</tr>\n";
+  for (const auto& row : rows) {
+    html += "<tr>";
+    for (const std::string& cell : row)
+      html += (is_number(cell) ? "<td class=\"number\">" : "<td>") + html_escape(cell) + "</td>";
+    html += "</tr>\n";
+  }
+  return html + "</table>\n";
+}
+
+std::string html_list(const std::vector<std::string>& items) {
+  std::string html = "<ul>\n";
+  for (const std::string& item : items) html += "<li>" + html_escape(item) + "</li>\n";
+  return html + "</ul>\n";
+}
+
+std::string html_image(std::span<const unsigned char> bytes, std::string_view mime, std::string_view alt) {
+  return fmt::format("<img alt=\"{}\" src=\"data:{};base64,{}\">\n", html_escape(alt), mime, base64(bytes));
+}
+
+std::string html_section(std::string_view id, std::string_view heading, std::string_view body) {
+  return fmt::format("{}\n<h2>{}</h2>\n{}</section>\n", opening(id), html_escape(heading), body);
+}
+
+std::string html_page(std::string_view title, std::string_view sections) {
+  return fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+      "content=\"width=device-width, "
+      "initial-scale=1\">\n<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n"
+      "<main>\n<h1>{0}</h1>\n{2}{3}\n</body>\n</html>\n",
+      html_escape(title), kStyle, sections, kEnd);
+}
+
+std::string html_with_section(const std::string& page, std::string_view id, const std::string& section) {
+  std::string grown = page;
+  const size_t begin = grown.find(opening(id));
+  if (begin != std::string::npos) {
+    constexpr std::string_view kSectionEnd = "</section>\n";
+    const size_t end = grown.find(kSectionEnd, begin);
+    if (end != std::string::npos) return grown.replace(begin, end + kSectionEnd.size() - begin, section);
+  }
+  const size_t at = grown.rfind(kEnd);
+  return grown.insert(at == std::string::npos ? grown.size() : at, section);
+}
+
+}  // namespace loci
