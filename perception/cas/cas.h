@@ -39,7 +39,8 @@ class View {
   const std::string& name() const { return name_; }
   Cas& cas() const { return *cas_; }
 
-  /// The subject itself: a feature structure of type uima.cas.Sofa, made on demand.
+  /// The subject itself: a feature structure of type uima.cas.Sofa, made on demand. Its sofaNum stays unset:
+  /// it would depend on the order in which views were made, and is left to formats that need one.
   FeatureStructure sofa();
   bool has_sofa() const { return !sofa_.is_null(); }
   FeatureStructure existing_sofa() const { return sofa_; }

@@ -39,10 +39,7 @@ Selection Selection::filter(const std::function<bool(const FeatureStructure&)>& 
 
 FeatureStructure View::sofa() {
   if (sofa_.is_null()) {
-    int32_t number = 1;
-    for (const auto& [name, view] : cas_->views_) number += view->has_sofa() ? 1 : 0;
     sofa_ = cas_->create("uima.cas.Sofa");
-    sofa_.set("sofaNum", number);
     sofa_.set("sofaID", name_);
   }
   return sofa_;

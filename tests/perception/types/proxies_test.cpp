@@ -144,6 +144,49 @@ TEST(SceneCas, LogsWithLevelsOfTheTypeSystem) {
   EXPECT_FALSE(entries[1].milliseconds.is_set());
 }
 
+/// Another look at the same CAS than SceneCas.
+class LogCas {
+ public:
+  explicit LogCas(cas::Cas& cas) : scene_(SceneCas(cas).scene()) {}
+  size_t lines() const { return scene_.log.get() ? scene_.log.get().entries.size() : 0; }
+
+ private:
+  types::Scene scene_;
+};
+
+TEST(SceneCas, IsOneOfSeveralFacadesOverOneCas) {
+  cas::Cas cas(types::type_system());
+  SceneCas(cas).create_scene();
+  EXPECT_EQ(LogCas(cas).lines(), 0U);
+  SceneCas(cas).log("A", "info", "done");
+  EXPECT_EQ(LogCas(cas).lines(), 1U);
+}
+
+TEST(Types, InTheProgramAreThoseOfTheFiles) {
+  const auto from_files = cas::TypeSystem::load({LOCI_SOURCE_DIR "/perception/types/belief.xml"});
+  ASSERT_EQ(from_files->types().size(), types::type_system()->types().size());
+  for (const cas::Type& type : from_files->types())
+    EXPECT_EQ(types::type_system()->type(type.name()).features().size(), type.features().size())
+        << type.name();
+}
+
+TEST(Types, OfOursMayGetMoreFeaturesFromAUser) {
+  const std::string more =
+      "<typeSystemDescription><imports><import name=\"loci.core\"/></imports><types><typeDescription>"
+      "<name>loci.core.Identifiable</name><supertypeName>uima.cas.TOP</"
+      "supertypeName><features><featureDescription>"
+      "<name>owner</name><rangeTypeName>uima.cas.String</rangeTypeName></featureDescription></features>"
+      "</typeDescription></types></typeSystemDescription>";
+  auto sources = types::type_sources();
+  sources.push_back({"more.xml", more});
+  cas::Cas cas(cas::TypeSystem::load(sources, {}, {}));
+  const auto scene = types::Scene::create(cas);
+  scene.structure().set("owner", "me");
+  scene.timestamp.set(7);
+  EXPECT_EQ(scene.timestamp.get(), 7);
+  EXPECT_EQ(scene.structure().get<std::string>("owner"), "me");
+}
+
 TEST(TypeSystemDocs, EveryTypeAndFeatureOfOursIsDescribed) {
   for (const cas::Type& type : types::type_system()->types()) {
     if (type.is_builtin()) continue;
