@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <fstream>
 
@@ -183,11 +184,12 @@ class ImportedTypes : public testing::Test {
     fs::remove_all(folder_);
     fs::create_directories(folder_ / "org" / "lib");
   }
+  void TearDown() override { fs::remove_all(folder_); }
   void write(const std::string& name, const std::string& imports, const std::string& types) const {
     std::ofstream(folder_ / name) << "<typeSystemDescription>\n<imports>" << imports << "</imports>\n<types>"
                                   << types << "</types></typeSystemDescription>";
   }
-  const fs::path folder_ = fs::temp_directory_path() / "loci_type_imports";
+  const fs::path folder_ = fs::temp_directory_path() / fmt::format("loci_type_imports_{}", ::getpid());
 };
 
 TEST_F(ImportedTypes, AreFoundByLocationAndByNameAndReadOnce) {
