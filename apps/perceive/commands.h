@@ -4,7 +4,10 @@
 
 namespace loci {
 
+Command describe_command();
 Command info_command();
+Command list_command();
+Command run_command();
 Command types_command();
 
 }  // namespace loci

@@ -39,7 +39,6 @@ std::vector<Standing> stand_on_supports(const cv::Mat& points, const cv::Mat& no
     const int label = region.empty() ? 0 : region.ptr<uint16_t>()[i];
     if (!region.empty() && label == 0) continue;
     const Vector3f p = vector_of(point[i]);
-    const double floor = options.floor_m + 1.5 * depth_noise(static_cast<double>(p.z()));
     int best = -1;
     Vector3d best_position = Vector3d::Zero();
     for (size_t s = 0; s < supports.size(); ++s) {
@@ -48,6 +47,8 @@ std::vector<Standing> stand_on_supports(const cv::Mat& points, const cv::Mat& no
       if (position.z() > options.max_height_m || position.z() < -0.03) continue;
       const double inside = supports[s].inside(position.head<2>());
       if (inside < -kAround) continue;
+      const double floor =
+          options.floor_m + supports[s].uncertainty + 1.5 * depth_noise(static_cast<double>(p.z()));
       if (std::abs(position.z()) <= floor && inside > -options.margin_m) {
         best = -1;  // The support itself.
         break;
@@ -118,15 +119,19 @@ class ClusterMaker {
     }
     cluster.bottom = static_cast<double>(low[2]);
     cluster.top = static_cast<double>(high[2]);
+    cluster.low = {static_cast<double>(low[0]), static_cast<double>(low[1])};
+    cluster.high = {static_cast<double>(high[0]), static_cast<double>(high[1])};
     double depth = 0;
     for (const Vector3f& p : thing.points) depth += static_cast<double>(p.z());
     depth /= static_cast<double>(thing.points.size());
     const double extent = static_cast<double>(std::max(high[0] - low[0], high[1] - low[1]));
-    if (cluster.top < std::max(options_.min_height_m, 3 * depth_noise(depth))) return std::nullopt;
+    const double least = std::max(options_.min_height_m, 3 * depth_noise(depth)) + support_.uncertainty;
+    if (cluster.top < least) return std::nullopt;
     if (std::max(extent, cluster.top) < options_.min_extent_m || extent > options_.max_extent_m)
       return std::nullopt;
     if (!over_support(thing, cluster)) return std::nullopt;
     set_box(cluster);
+    set_hidden(cluster);
     return cluster;
   }
 
@@ -189,6 +194,33 @@ class ClusterMaker {
         left < kBorder || top < kBorder || right >= cols - kBorder - 8 || bottom >= points_.rows - kBorder;
   }
 
+  /// Whether along a good part of its outline something nearer begins.
+  void set_hidden(ObjectCluster& cluster) const {
+    const int cols = points_.cols;
+    const auto* point = points_.ptr<cv::Vec3f>();
+    const auto own = [&](int pixel) {
+      return std::binary_search(cluster.pixels.begin(), cluster.pixels.end(), pixel);
+    };
+    int border = 0;
+    int nearer = 0;
+    for (const int pixel : cluster.pixels) {
+      for (const int step : {-1, 1, -cols, cols}) {
+        const int next = pixel + step;
+        if (next < 0 || next >= points_.rows * cols || own(next)) continue;
+        ++border;
+        // Edges are ragged and measured with gaps: look a few pixels further.
+        for (int far = 1; far <= 6; ++far) {
+          const int other = pixel + far * step;
+          if (other < 0 || other >= points_.rows * cols) break;
+          if (std::isnan(point[other][2])) continue;
+          nearer += point[other][2] < point[pixel][2] - 0.03f && !own(other) ? 1 : 0;
+          break;
+        }
+      }
+    }
+    cluster.partly_hidden = nearer > 0.1 * border;
+  }
+
   const cv::Mat& points_;
   const SupportPlane& support_;
   int index_;
@@ -222,6 +254,40 @@ ConvexParts parts_of(const Standing& all, const ClusterOptions& options) {
     parts.count += own.count;
   }
   return parts;
+}
+
+/// Finds what stands on what, and leaves out what neither stands on anything nor has a foot that may be
+/// hidden: people who lean over, lamps that hang down.
+void keep_what_rests(std::vector<ObjectCluster>& clusters, const ClusterMaker& maker,
+                     const ClusterOptions& options) {
+  const auto below = [&](const ObjectCluster& upper) {
+    const Vector2d centre = (upper.low + upper.high) / 2;
+    for (size_t i = 0; i < clusters.size(); ++i) {
+      const ObjectCluster& lower = clusters[i];
+      if (&lower == &upper || lower.bottom > upper.bottom - 0.01) continue;
+      if (std::abs(upper.bottom - lower.top) > options.resting_m) continue;
+      if ((centre.array() > lower.low.array() - 0.02).all() &&
+          (centre.array() < lower.high.array() + 0.02).all())
+        return static_cast<int>(i);
+    }
+    return -1;
+  };
+  std::vector<bool> keep(clusters.size(), true);
+  for (size_t i = 0; i < clusters.size(); ++i) {
+    if (clusters[i].bottom <= options.resting_m) continue;
+    clusters[i].stands_on = below(clusters[i]);
+    keep[i] = clusters[i].stands_on >= 0 || clusters[i].at_image_border || maker.foot_hidden(clusters[i]);
+  }
+  std::vector<int> number(clusters.size(), -1);
+  std::vector<ObjectCluster> kept;
+  for (size_t i = 0; i < clusters.size(); ++i)
+    if (keep[i]) {
+      number[i] = static_cast<int>(kept.size());
+      kept.push_back(clusters[i]);
+    }
+  for (ObjectCluster& cluster : kept)
+    if (cluster.stands_on >= 0) cluster.stands_on = number[static_cast<size_t>(cluster.stands_on)];
+  clusters = std::move(kept);
 }
 
 }  // namespace
@@ -266,8 +332,14 @@ std::vector<ObjectCluster> extract_clusters(const cv::Mat& points, const cv::Mat
     std::vector<int> thing_of_point(all.pixels.size());
     for (size_t i = 0; i < thing_of_point.size(); ++i)
       thing_of_point[i] = thing_of_part[static_cast<size_t>(parts.part_of_point[i])];
+    std::vector<ObjectCluster> own;
     for (const std::vector<size_t>& thing : members_of(thing_of_point, count))
-      if (auto cluster = maker.make(subset(all, thing))) clusters.push_back(std::move(*cluster));
+      if (auto cluster = maker.make(subset(all, thing))) own.push_back(std::move(*cluster));
+    keep_what_rests(own, maker, options);
+    for (ObjectCluster& cluster : own) {
+      if (cluster.stands_on >= 0) cluster.stands_on += static_cast<int>(clusters.size());
+    }
+    clusters.insert(clusters.end(), own.begin(), own.end());
   }
   return clusters;
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <opencv2/core.hpp>
-#include <string>
 #include <vector>
 
 #include "mapping/base/options.h"
@@ -31,14 +30,17 @@ struct ClusterOptions {
 
 /// One thing on a support, as the pixels of the depth picture that show it.
 struct ObjectCluster {
-  int support = 0;                ///< index into the supports
-  std::vector<int> pixels;        ///< row · width + column, ascending
-  cv::Rect box;                   ///< around the pixels
-  double bottom = 0;              ///< lowest and
-  double top = 0;                 ///< highest point over the support (2nd and 98th percentile), metres
-  bool at_image_border = false;   ///< cut off by the edge of the picture
-  bool at_region_border = false;  ///< reaches over the edge of the support
-  int stands_on = -1;             ///< index of the cluster below it; -1 = the support itself
+  int support = 0;                   ///< index into the supports
+  std::vector<int> pixels;           ///< row · width + column, ascending
+  cv::Rect box;                      ///< around the pixels
+  double bottom = 0;                 ///< lowest and
+  double top = 0;                    ///< highest point over the support (2nd and 98th percentile), metres
+  bool at_image_border = false;      ///< cut off by the edge of the picture
+  bool at_region_border = false;     ///< reaches over the edge of the support
+  bool partly_hidden = false;        ///< something nearer covers a part of it
+  int stands_on = -1;                ///< index of the cluster below it; -1 = the support itself
+  Vector2d low = Vector2d::Zero();   ///< corners of its footprint's box in the support's plane (2nd and
+  Vector2d high = Vector2d::Zero();  ///< 98th percentile), metres
 };
 
 /// Objects on supports: connected points above a plane, split where they are concave, put together again

@@ -3,7 +3,6 @@
 #include <array>
 #include <opencv2/core.hpp>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "mapping/base/options.h"
@@ -32,11 +31,11 @@ struct SupportPlane {
   /// The seen surface is not quite a plane (distortion of the sensor, two tables side by side): its height
   /// over the plane is the polynomial (1, x, y, x², xy, y²) · bend.
   std::array<double, 6> bend = {};
-  double area = 0;       ///< seen, m²
-  double deviation = 0;  ///< root mean square of the inliers' heights after bending, metres
-  int inliers = 0;       ///< pixels
-  std::string place;     ///< link of the map; empty = none known
-  int region = 0;        ///< value of the region label image that it was refined in; 0 = found without a map
+  double area = 0;         ///< seen, m²
+  double deviation = 0;    ///< root mean square of the inliers' heights after bending, metres
+  int inliers = 0;         ///< pixels
+  double uncertainty = 0;  ///< of the height, beyond the noise of the depth, metres
+  int region = 0;  ///< value of the region label image that it was refined in; 0 = found without a map
 
   /// Position in the plane's frame with z = height over the (bent) surface.
   Vector3d in_plane(const Vector3d& point) const;

@@ -1,0 +1,104 @@
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "apps/perceive/annotators.h"
+#include "apps/perceive/commands.h"
+#include "apps/perceive/scene_report.h"
+#include "mapping/base/files.h"
+#include "mapping/recording/recording.h"
+#include "perception/annotators/annotators.h"
+#include "perception/annotators/hypotheses/known_map.h"
+#include "perception/annotators/io/pictures.h"
+#include "perception/pipeline/pipeline.h"
+
+namespace loci {
+namespace {
+
+struct Arguments {
+  std::string recording;
+  std::string map;
+  std::vector<std::string> package_paths;
+  std::string pipeline;
+  std::string labels;
+  std::string pictures;
+  int every = 0;
+};
+
+void declare(CLI::App& app, Arguments& arguments) {
+  app.add_option("RECORDING", arguments.recording, "Folder of the recording")->required();
+  app.add_option("--map", arguments.map, "URDF of the kitchen (its sidecar is found beside it)");
+  app.add_option("--package-path", arguments.package_paths,
+                 "Folder that holds packages (package://NAME/…); can be given several times");
+  app.add_option("--pipeline", arguments.pipeline,
+                 "Pipeline as YAML; the default one is shown by `describe pipeline`");
+  app.add_option("--every", arguments.every, "Take every n-th frame")->check(CLI::PositiveNumber);
+  app.add_option("--labels", arguments.labels,
+                 "Folder for label images FRAME_label.png (0 = none, n = object)");
+  app.add_option("--pictures", arguments.pictures, "Folder for colour pictures with what was found drawn in");
+}
+
+Pipeline read_pipeline(const Arguments& arguments, const AnnotatorRegistry& registry) {
+  Config config = arguments.pipeline.empty() ? Config::parse(default_pipeline(), "the default pipeline")
+                                             : Config::read(arguments.pipeline);
+  if (arguments.every > 0) {
+    // The command line overrides the file.
+    YAML::Node options;
+    options["RecordingReader"]["every"] = arguments.every;
+    YAML::Node changed = YAML::Clone(config.node());
+    changed["reader"] = options;
+    config = config.over(changed, "");
+  }
+  return Pipeline::parse(config, registry);
+}
+
+/// What annotators share. Rooms that bring annotators with resources of their own put them here.
+Resources make_resources(const Arguments& arguments, Session& session) {
+  Resources resources;
+  resources.put(std::shared_ptr<Recording>(open_recording(arguments.recording)));
+  if (!arguments.map.empty())
+    resources.put(KnownMap::load(
+        arguments.map, {arguments.package_paths.begin(), arguments.package_paths.end()}, session.warnings()));
+  return resources;
+}
+
+void write_pictures(const Arguments& arguments, const types::SceneCas& scene) {
+  if (!arguments.labels.empty()) write_label_image(scene, arguments.labels);
+  if (!arguments.pictures.empty()) write_overlay(scene, arguments.pictures);
+}
+
+void run(const Arguments& arguments, Session& session) {
+  const AnnotatorRegistry registry = all_annotators();
+  Pipeline pipeline = read_pipeline(arguments, registry);
+  Resources resources = make_resources(arguments, session);
+  if (!arguments.labels.empty()) make_folder(arguments.labels);
+  if (!arguments.pictures.empty()) make_folder(arguments.pictures);
+  Context context{resources, session.warnings(), session.flags().threads, {}};
+  std::string text;
+  Json scenes = Json::array();
+  const PipelineResult result =
+      pipeline.run(context, types::type_system(), session.progress(), [&](cas::Cas& cas) {
+        const types::SceneCas scene(cas);
+        text += scene_text(scene);
+        if (session.flags().json) scenes.push_back(scene_json(scene));
+        write_pictures(arguments, scene);
+      });
+  for (const auto& [name, seconds] : result.seconds) session.timing(name, seconds);
+  session.answer(text, {{"frames", result.frames}, {"scenes", scenes}, {"pipeline", context.configuration}});
+}
+
+}  // namespace
+
+Command run_command() {
+  return {"run",
+          "What stands where, frame by frame, through a pipeline of annotators",
+          {"loci-perceive run ../shared/data/osd_changes",
+           "loci-perceive run ../shared/data/redkitchen_rgbd --every 20 --json"},
+          [](CLI::App& app) {
+            auto arguments = std::make_shared<Arguments>();
+            declare(app, *arguments);
+            return [arguments](Session& session) { run(*arguments, session); };
+          }};
+}
+
+}  // namespace loci

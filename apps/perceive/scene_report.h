@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+#include "mapping/base/json.h"
+#include "perception/types/scene_cas.h"
+
+namespace loci {
+
+/// What was found in one scene, a line per support and per cluster.
+std::string scene_text(const types::SceneCas& scene);
+/// The same with numbers: frame, time, supports, clusters (numbered from 1) with place, sentence, size,
+/// height, colours, centroid, flags.
+Json scene_json(const types::SceneCas& scene);
+
+}  // namespace loci

@@ -1,0 +1,40 @@
+#include "perception/annotators/annotators.h"
+
+#include "perception/annotators/description/color_histogram.h"
+#include "perception/annotators/description/color_name.h"
+#include "perception/annotators/description/geometry_annotator.h"
+#include "perception/annotators/description/location_annotator.h"
+#include "perception/annotators/hypotheses/known_structure_filter.h"
+#include "perception/annotators/hypotheses/normal_estimator.h"
+#include "perception/annotators/hypotheses/plane_cluster_extractor.h"
+#include "perception/annotators/io/recording_reader.h"
+
+namespace loci {
+
+void add_annotators(AnnotatorRegistry& registry) {
+  registry.add_reader<RecordingReader>();
+  registry.add<NormalEstimator>();
+  registry.add<KnownStructureFilter>();
+  registry.add<PlaneClusterExtractor>();
+  registry.add<ColorHistogramAnnotator>();
+  registry.add<ColorNameAnnotator>();
+  registry.add<GeometryAnnotator>();
+  registry.add<LocationAnnotator>();
+}
+
+const std::string& default_pipeline() {
+  static const std::string text = R"(# The pipeline that loci-perceive run uses when none is given.
+reader: RecordingReader
+flow:
+  - NormalEstimator          # smoothed depth, cloud, normals
+  - KnownStructureFilter     # what the map explains goes (does nothing without a map)
+  - PlaneClusterExtractor    # supports, and one cluster per object
+  - ColorHistogram
+  - ColorName
+  - GeometryAnnotator        # oriented box, pose in the map and in the frame of its place
+  - LocationAnnotator        # where it is, with a sentence
+)";
+  return text;
+}
+
+}  // namespace loci

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+#include "perception/pipeline/registry.h"
+
+namespace loci {
+
+/// Adds the readers and annotators of this room.
+void add_annotators(AnnotatorRegistry& registry);
+
+/// The pipeline that is run when none is given, as YAML.
+const std::string& default_pipeline();
+
+}  // namespace loci

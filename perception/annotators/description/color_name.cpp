@@ -1,0 +1,98 @@
+#include "perception/annotators/description/color_name.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+
+#include "perception/annotators/description/color_histogram.h"
+#include "perception/conversions/opencv.h"
+
+namespace loci {
+
+const char* color_name(float hue, float saturation, float value) {
+  if (value < 0.2f) return "black";
+  if (saturation < 0.15f || (saturation < 0.25f && value < 0.35f))
+    return value > 0.72f ? "white" : value > 0.3f ? "grey" : "black";
+  if (hue < 14 || hue >= 345) {
+    if (saturation < 0.5f && value > 0.7f) return "pink";
+    return value < 0.35f ? "brown" : "red";
+  }
+  if (hue < 42) return value < 0.6f ? "brown" : saturation < 0.35f ? "beige" : "orange";
+  if (hue < 68) return value < 0.4f ? "brown" : saturation < 0.3f ? "beige" : "yellow";
+  if (hue < 165) return "green";
+  if (hue < 195) return "cyan";
+  if (hue < 255) return "blue";
+  if (hue < 300) return "purple";
+  return saturation < 0.75f && value > 0.5f ? "pink" : "purple";
+}
+
+NamedColors name_colors(const cv::Mat& image, const cv::Mat& mask, double least) {
+  cv::Mat hsv;
+  image.convertTo(hsv, CV_32FC3, 1.0 / 255);
+  cv::cvtColor(hsv, hsv, cv::COLOR_BGR2HSV);
+  std::map<std::string, int> counts;
+  NamedColors colors;
+  double cosine = 0;
+  double sine = 0;
+  int count = 0;
+  for (int v = 0; v < image.rows; ++v)
+    for (int u = 0; u < image.cols; ++u) {
+      if (!mask.at<unsigned char>(v, u)) continue;
+      const cv::Vec3f& pixel = hsv.at<cv::Vec3f>(v, u);
+      ++counts[color_name(pixel[0], pixel[1], pixel[2])];
+      ++count;
+      const double angle = static_cast<double>(pixel[0]) * std::numbers::pi / 180;
+      const auto weight = static_cast<double>(pixel[1] * pixel[2]);
+      cosine += weight * std::cos(angle);
+      sine += weight * std::sin(angle);
+      colors.mean_saturation += static_cast<double>(pixel[1]);
+      colors.mean_value += static_cast<double>(pixel[2]);
+    }
+  if (count == 0) return colors;
+  colors.mean_saturation /= count;
+  colors.mean_value /= count;
+  colors.mean_hue = std::fmod(std::atan2(sine, cosine) * 180 / std::numbers::pi + 360, 360);
+  std::vector<std::pair<int, std::string>> order;
+  for (const auto& [name, pixels] : counts) order.emplace_back(-pixels, name);
+  std::sort(order.begin(), order.end());
+  for (const auto& [pixels, name] : order) {
+    const double fraction = -static_cast<double>(pixels) / count;
+    if (fraction < least) break;
+    colors.names.push_back(name);
+    colors.fractions.push_back(fraction);
+  }
+  return colors;
+}
+
+AnnotatorDescriptor ColorNameAnnotator::descriptor() const {
+  return {"ColorName",
+          "Names each object's colours and gives their mean.",
+          {"Cluster", "StandaloneImageROI"},
+          {"ColorAnnotation"}};
+}
+
+void ColorNameAnnotator::declare(OptionTable& table) {
+  table.number("least_fraction", least_fraction_, "", "Colours of fewer pixels are not named.", 0, 1);
+}
+
+void ColorNameAnnotator::process(cas::Cas& cas, Context& /*context*/) {
+  for (const types::Cluster& cluster : types::SceneCas(cas).clusters()) {
+    const auto roi = cluster.hypotheses.first<types::StandaloneImageROI>();
+    if (!roi) continue;
+    const NamedColors colors = name_colors(types::from<cv::Mat>(roi.image.get()),
+                                           inner_mask(types::from<cv::Mat>(roi.mask.get())), least_fraction_);
+    if (colors.names.empty()) continue;
+    const auto annotation = types::ColorAnnotation::create(cas);
+    annotation.source.set(descriptor().name);
+    annotation.names.set(colors.names);
+    annotation.fractions.set(colors.fractions);
+    annotation.mean_hue.set(colors.mean_hue);
+    annotation.mean_saturation.set(colors.mean_saturation);
+    annotation.mean_value.set(colors.mean_value);
+    cluster.annotations.push_back(annotation);
+  }
+}
+
+}  // namespace loci

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "perception/annotators/hypotheses/depth_normals.h"
+#include "perception/pipeline/annotator.h"
+
+namespace loci {
+
+/// Smoothed depth, cloud and normals of the depth picture (§4.2.1).
+class NormalEstimator : public Annotator {
+ public:
+  AnnotatorDescriptor descriptor() const override;
+  void declare(OptionTable& table) override { options_.declare(table); }
+  void process(cas::Cas& cas, Context& context) override;
+
+ private:
+  NormalOptions options_;
+};
+
+}  // namespace loci

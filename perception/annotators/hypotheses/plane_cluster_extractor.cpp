@@ -1,0 +1,216 @@
+#include "perception/annotators/hypotheses/plane_cluster_extractor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "perception/annotators/hypotheses/color_region.h"
+#include "perception/annotators/scene_data.h"
+#include "perception/conversions/camera.h"
+#include "perception/conversions/opencv.h"
+
+namespace loci {
+namespace {
+
+constexpr const char* kName = "PlaneClusterExtractor";
+/// By how much a map's surface may be off in height where nothing of it is measured.
+constexpr double kMapHeightError = 0.015;
+/// In a frame named "map" the floor is at z = 0 (docs/architecture.md, "Conventions").
+constexpr double kFloorHeight = 0.15;
+
+/// The surface of a region of interest as this frame shows it, or as the map has it where the frame shows too
+/// little (glossy counters).
+SupportPlane support_of_region(const types::PlanarSupport& known, int label, const cv::Mat& points,
+                               const cv::Mat& normals, const cv::Mat& region, const Isometry3d& pose,
+                               const SupportOptions& options) {
+  const Isometry3d camera_from_map = pose.inverse();
+  const Isometry3d camera_from_support =
+      camera_from_map * types::from<Isometry3d>(known.map_from_support.get());
+  const Vector3d normal = camera_from_support.linear().col(2);
+  const double offset = normal.dot(camera_from_support.translation());
+  cv::Mat mask = cv::Mat::zeros(points.size(), CV_8U);
+  std::vector<float> heights;
+  const cv::Vec3f n(static_cast<float>(normal.x()), static_cast<float>(normal.y()),
+                    static_cast<float>(normal.z()));
+  for (int i = 0; i < static_cast<int>(points.total()); ++i) {
+    if (region.ptr<uint16_t>()[i] != label) continue;
+    const float height = points.ptr<cv::Vec3f>()[i].dot(n) - static_cast<float>(offset);
+    if (std::abs(height) > 0.05f) continue;
+    mask.ptr<unsigned char>()[i] = 255;
+    if (normals.ptr<cv::Vec3f>()[i].dot(n) > 0.9f) heights.push_back(height);
+  }
+  SupportOptions small = options;
+  small.min_area_m2 = std::min(0.01, options.min_area_m2);
+  std::optional<SupportPlane> plane;
+  if (heights.size() > 100) {
+    std::nth_element(heights.begin(), heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2),
+                     heights.end());
+    plane = refine_support(points, normals, mask, normal,
+                           offset + static_cast<double>(heights[heights.size() / 2]), small);
+  }
+  if (!plane) {
+    plane.emplace();
+    plane->normal = normal;
+    plane->offset = offset;
+    plane->camera_from_plane = camera_from_support;
+    plane->uncertainty = kMapHeightError;
+  }
+  plane->region = label;
+  plane->outline.clear();
+  for (const Vector3d& corner : types::points_from_values(known.outline.get()))
+    plane->outline.push_back(plane->in_plane(camera_from_map * corner).head<2>());
+  return *plane;
+}
+
+/// Share of the outline that the picture shows: in view, and not hidden behind something that does not stand
+/// there.
+double covered_fraction(const SupportPlane& plane, const cv::Mat& points, const PinholeCamera& camera) {
+  Eigen::AlignedBox2d extent;
+  for (const Vector2d& corner : plane.outline) extent.extend(corner);
+  int all = 0;
+  int seen = 0;
+  constexpr double kStep = 0.03;
+  for (double x = extent.min().x() + kStep / 2; x < extent.max().x(); x += kStep)
+    for (double y = extent.min().y() + kStep / 2; y < extent.max().y(); y += kStep) {
+      if (plane.inside({x, y}) < 0) continue;
+      ++all;
+      const Vector3d p = plane.camera_from_plane * Vector3d(x, y, 0);
+      if (p.z() < 0.1) continue;
+      const Vector2d pixel = camera.project(p);
+      if (!camera.contains(pixel)) continue;
+      const float z = points.at<cv::Vec3f>(static_cast<int>(std::lround(pixel.y())),
+                                           static_cast<int>(std::lround(pixel.x())))[2];
+      seen += std::abs(static_cast<double>(z) - p.z()) < 0.03 + 2 * depth_noise(p.z()) ? 1 : 0;
+    }
+  return all == 0 ? 0 : static_cast<double>(seen) / all;
+}
+
+/// Frame of a place that the map does not know: z along the normal, x as near as may be to the map's.
+Isometry3d place_frame(const Vector3d& normal, const std::vector<Vector3d>& outline) {
+  Eigen::AlignedBox3d extent;
+  for (const Vector3d& corner : outline) extent.extend(corner);
+  Isometry3d frame = Isometry3d::Identity();
+  const Vector3d x = (Vector3d::UnitX() - normal * normal.x()).normalized();
+  frame.linear().col(0) = x;
+  frame.linear().col(1) = normal.cross(x);
+  frame.linear().col(2) = normal;
+  frame.translation() = extent.center();
+  return frame;
+}
+
+void describe_support(const SupportPlane& plane, const Isometry3d& pose, double covered,
+                      const types::PlanarSupport& support) {
+  cas::Cas& cas = support.cas();
+  const Vector3d normal = pose.linear() * plane.normal;
+  const Vector3d centre = pose * plane.camera_from_plane.translation();
+  support.normal.set(types::to(cas, normal));
+  support.offset.set(normal.dot(centre));
+  support.inliers.set(plane.inliers);
+  support.covered_fraction.set(covered);
+  if (support.map_from_support.is_set()) {
+    // A place of the map keeps its frame; its height is what was measured, below the frame's origin.
+    const Vector3d origin = types::from<Isometry3d>(support.map_from_support.get()).translation();
+    support.height.set(origin.z() + (normal.dot(centre) - normal.dot(origin)) / normal.z());
+    return;
+  }
+  std::vector<Vector3d> outline;
+  for (const Vector2d& corner : plane.outline)
+    outline.push_back(pose * (plane.camera_from_plane * Vector3d(corner.x(), corner.y(), 0)));
+  support.height.set(centre.z());
+  support.outline.set(types::values_from_points(outline));
+  support.map_from_support.set(types::to(cas, place_frame(normal, outline)));
+}
+
+types::Cluster make_cluster(const ObjectCluster& found, const types::SceneCas& scene, const cv::Mat& points,
+                            const Isometry3d& pose) {
+  cas::Cas& cas = scene.cas();
+  const auto cluster = types::Cluster::create(cas);
+  const auto reference = types::ReferenceClusterPoints::create(cas);
+  reference.source.set(kName);
+  reference.cloud.set(scene.cloud());
+  reference.indices.get_or_create().indices.set(
+      std::vector<int32_t>(found.pixels.begin(), found.pixels.end()));
+  cluster.hypotheses.push_back(reference);
+  Vector3d sum = Vector3d::Zero();
+  for (const int pixel : found.pixels) {
+    const cv::Vec3f& p = points.ptr<cv::Vec3f>()[pixel];
+    sum += Vector3d(static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2]));
+  }
+  cluster.centroid.set(types::to(cas, Vector3d(pose * (sum / static_cast<double>(found.pixels.size())))));
+  cluster.at_image_border.set(found.at_image_border);
+  cluster.at_support_border.set(found.at_region_border);
+  cluster.partly_hidden.set(found.partly_hidden);
+  if (!scene.has(types::SceneCas::kColor)) return cluster;
+  const cv::Mat color = types::view_image(scene, types::SceneCas::kColor);
+  const ColorRegion region = color_region(points, found.pixels, types::cameras(scene), color.size());
+  if (region.box.empty()) return cluster;
+  const auto roi = types::StandaloneImageROI::create(cas);
+  roi.source.set(kName);
+  roi.roi.set(types::to(cas, region.box));
+  roi.mask.set(types::to(cas, region.mask));
+  roi.image.set(types::to(cas, cv::Mat(color(region.box).clone())));
+  cluster.hypotheses.push_back(roi);
+  return cluster;
+}
+
+}  // namespace
+
+AnnotatorDescriptor PlaneClusterExtractor::descriptor() const {
+  return {kName,
+          "Finds supporting planes and what stands on them, one cluster per object.",
+          {"Scene", "CameraInfo", "view:cloud", "view:normals"},
+          {"PlanarSupport", "Cluster", "ReferenceClusterPoints", "StandaloneImageROI"}};
+}
+
+void PlaneClusterExtractor::declare(OptionTable& table) {
+  support_options_.declare(table);
+  cluster_options_.declare(table);
+}
+
+void PlaneClusterExtractor::process(cas::Cas& cas, Context& /*context*/) {
+  const types::SceneCas facade(cas);
+  const types::Scene scene = facade.scene();
+  if (!scene.map_from_camera.is_set()) {
+    facade.log(kName, "warning", "without a pose nothing can be placed in the map");
+    return;
+  }
+  const Isometry3d pose = map_from_camera(scene);
+  const PinholeCamera camera = types::cameras(facade).depth;
+  const cv::Mat points = cloud_points(facade);
+  const cv::Mat normals = cloud_normals(facade);
+  cv::Mat region;
+  std::vector<SupportPlane> planes;
+  if (facade.has(kRegionsView)) {
+    region = types::view_image(facade, kRegionsView);
+    int label = 0;
+    for (const types::PlanarSupport& support : facade.supports())
+      planes.push_back(support_of_region(support, ++label, points, normals, region, pose, support_options_));
+  } else {
+    std::optional<Vector3d> up;
+    if (has_measured_pose(scene)) up = pose.linear().transpose() * Vector3d::UnitZ();
+    planes = find_supports(points, normals, up, support_options_);
+    if (scene.map_from_camera.get().frame_id.get() == "map")
+      std::erase_if(planes, [&](const SupportPlane& plane) {
+        return (pose * plane.camera_from_plane.translation()).z() < kFloorHeight;
+      });
+    for (size_t i = 0; i < planes.size(); ++i) facade.add_support(types::PlanarSupport::create(cas));
+  }
+  const std::vector<types::PlanarSupport> supports = facade.supports();
+  for (size_t i = 0; i < planes.size(); ++i)
+    describe_support(planes[i], pose, covered_fraction(planes[i], points, camera), supports[i]);
+  const std::vector<ObjectCluster> found =
+      extract_clusters(points, normals, region, camera, planes, cluster_options_);
+  std::vector<types::Cluster> clusters;
+  for (const ObjectCluster& each : found) {
+    clusters.push_back(make_cluster(each, facade, points, pose));
+    clusters.back().support.set(supports[static_cast<size_t>(each.support)]);
+    facade.add_cluster(clusters.back());
+  }
+  for (size_t i = 0; i < found.size(); ++i)
+    if (found[i].stands_on >= 0) clusters[i].stands_on.set(clusters[static_cast<size_t>(found[i].stands_on)]);
+  facade.log(kName, "info", fmt::format("{} supports, {} clusters", planes.size(), clusters.size()));
+}
+
+}  // namespace loci

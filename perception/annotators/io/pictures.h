@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <opencv2/core.hpp>
+
+#include "perception/types/scene_cas.h"
+
+namespace loci {
+
+/// Which object each pixel of the depth picture shows: 0 = none, n = the scene's n-th cluster (from 1), or
+/// the number that `numbers` gives that cluster (0 = leave out).
+cv::Mat label_image(const types::SceneCas& scene, const std::vector<int>& numbers = {});
+
+/// Writes FOLDER/FRAME_label.png (16 bit), FRAME being the frame's number in the recording.
+void write_label_image(const types::SceneCas& scene, const std::filesystem::path& folder,
+                       const std::vector<int>& numbers = {});
+
+/// Writes FOLDER/FRAME.png: the colour picture with the clusters in colours, their boxes and numbers.
+void write_overlay(const types::SceneCas& scene, const std::filesystem::path& folder);
+
+}  // namespace loci

@@ -1,0 +1,99 @@
+#include "perception/annotators/io/recording_reader.h"
+
+#include <filesystem>
+#include <map>
+
+#include "perception/annotators/hypotheses/depth_normals.h"
+#include "perception/annotators/hypotheses/support_planes.h"
+#include "perception/annotators/scene_data.h"
+#include "perception/conversions/camera.h"
+#include "perception/conversions/opencv.h"
+
+namespace loci {
+namespace {
+
+/// The pose of a camera that stands still, from the first frame that shows a supporting plane.
+std::optional<Isometry3d> pose_over_first_support(const Recording& recording) {
+  constexpr size_t kTries = 10;
+  for (size_t i = 0; i < std::min(recording.size(), kTries); ++i) {
+    const RgbdFrame frame = recording.frame(i);
+    const cv::Mat depth = smooth_depth(frame.depth, frame.camera.depth);
+    const cv::Mat points = points_from_depth(depth, frame.camera.depth);
+    const auto supports = find_supports(points, normals_from_points(points), std::nullopt, SupportOptions());
+    if (!supports.empty()) return supports.front().camera_from_plane.inverse();
+  }
+  return std::nullopt;
+}
+
+void set_joints(const types::Scene& scene, const JointState& joints) {
+  std::vector<std::string> names;
+  std::vector<double> positions;
+  for (const auto& [name, position] : joints) {
+    names.push_back(name);
+    positions.push_back(position);
+  }
+  const auto state = scene.joint_state.get_or_create();
+  state.names.set(names);
+  state.positions.set(positions);
+}
+
+}  // namespace
+
+AnnotatorDescriptor RecordingReader::descriptor() const {
+  return {"RecordingReader",
+          "Reads the frames of a recording.",
+          {},
+          {"Scene", "view:depth", "view:color", "CameraInfo", "JointState"}};
+}
+
+void RecordingReader::declare(OptionTable& table) {
+  table.integer("every", every_, "frames", "Takes every n-th frame.", 1, 1000000);
+}
+
+void RecordingReader::start(Context& context) {
+  recording_ = &context.resources.get<Recording>("recording to read", "give its folder");
+  const RecordingInfo& info = recording_->info();
+  if (info.frames_with_pose > 0) return;
+  assumed_pose_ = pose_over_first_support(*recording_);
+  if (!assumed_pose_)
+    throw Error("the recording has no poses and shows no supporting plane", {info.path, 0, {}},
+                "give it poses (frames.csv)");
+  context.warnings.add(
+      "the recording has no poses: the camera is taken as fixed, and the map frame is the first supporting "
+      "plane");
+}
+
+size_t RecordingReader::count() const {
+  const auto every = static_cast<size_t>(every_);
+  return recording_ == nullptr ? 0 : (recording_->size() + every - 1) / every;
+}
+
+FrameId RecordingReader::upcoming() const {
+  const size_t number = frame_number(position_);
+  return {recording_->index_of(number), recording_->time_of(number)};
+}
+
+void RecordingReader::read_next(cas::Cas& cas, Context& context) {
+  const RgbdFrame frame = recording_->frame(frame_number(position_++));
+  const RecordingInfo& info = recording_->info();
+  const types::SceneCas facade(cas);
+  const types::Scene scene = facade.create_scene();
+  scene.timestamp.set(frame.time_ns);
+  scene.time_assumed.set(info.time_assumed);
+  scene.frame_index.set(frame.index);
+  scene.recording.set(std::filesystem::path(info.path).lexically_normal().filename().string());
+  types::set_cameras(facade, frame.camera);
+  types::set_view_image(facade, types::SceneCas::kDepth, frame.depth);
+  if (!frame.color.empty()) types::set_view_image(facade, types::SceneCas::kColor, frame.color);
+  const std::optional<Isometry3d>& pose = assumed_pose_ ? assumed_pose_ : frame.map_from_camera;
+  if (pose) {
+    const std::string map_frame = assumed_pose_ ? kAssumedFrame : info.map_frame;
+    scene.map_from_camera.set(types::to_stamped(cas, *pose, map_frame, "depth_camera", frame.time_ns));
+  } else {
+    facade.log("RecordingReader", "warning", "the pose of the camera is not known");
+    context.warnings.add("frame " + std::to_string(frame.index) + " has no pose: it is left out of the map");
+  }
+  if (!frame.joints.empty()) set_joints(scene, frame.joints);
+}
+
+}  // namespace loci

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <optional>
+#include <vector>
+
+#include "mapping/base/pose.h"
+#include "mapping/sensor/camera.h"
+#include "perception/types/geometry.h"
+#include "perception/types/scene_cas.h"
+
+namespace loci {
+
+/// Views that this room adds to those of SceneCas.
+inline constexpr std::string_view kRegionsView = "regions";     ///< CV_16U: number of the region, 0 = none
+inline constexpr std::string_view kMapDepthView = "map_depth";  ///< CV_32F: what the map alone would measure
+
+/// Frame of poses that nobody measured: the first supporting plane before a camera taken as fixed.
+inline constexpr const char* kAssumedFrame = "first_support";
+
+/// The cloud of a scene as an image: CV_32FC3, metres, camera frame, NaN = none.
+cv::Mat cloud_points(const types::SceneCas& scene);
+/// The normals of a scene likewise.
+cv::Mat cloud_normals(const types::SceneCas& scene);
+/// Makes images the cloud and the normals of a scene.
+void set_cloud_points(const types::SceneCas& scene, const cv::Mat& points);
+void set_cloud_normals(const types::SceneCas& scene, const cv::Mat& normals);
+
+/// Pose of the depth camera; the Error of a scene without one names it.
+Isometry3d map_from_camera(const types::Scene& scene);
+/// Whether that pose was measured rather than assumed.
+bool has_measured_pose(const types::Scene& scene);
+
+/// Indices into the scene's cloud; empty when the cluster has none.
+cas::Buffer<int32_t> cluster_indices(const types::Cluster& cluster);
+/// The points of a cluster in the map frame.
+std::vector<Vector3d> cluster_points(const types::SceneCas& scene, const types::Cluster& cluster);
+
+}  // namespace loci
