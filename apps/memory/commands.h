@@ -5,5 +5,15 @@
 namespace loci {
 
 Command resolve_command();
+Command where_command();
+Command history_command();
+Command on_command();
+Command in_command();
+Command was_command();
+Command changes_command();
+Command objects_command();
+Command scenes_command();
+Command timeline_command();
+Command verify_command();
 
 }  // namespace loci

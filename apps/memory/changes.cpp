@@ -1,0 +1,35 @@
+#include "apps/memory/commands.h"
+#include "apps/memory/memory_arguments.h"
+
+namespace loci {
+
+Command changes_command() {
+  return {"changes",
+          "What happened between two times",
+          {"loci-memory changes -m demo-output/memory.loci",
+           "loci-memory changes -m demo-output/memory.loci --between 08:00 10:00"},
+          [](CLI::App& app) {
+            struct Arguments {
+              MemoryArguments memory;
+              SpanArguments span;
+              std::string subject, place;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            arguments->memory.declare(app);
+            arguments->span.declare(app);
+            app.add_option("--object", arguments->subject, "Only of these objects");
+            app.add_option("--place", arguments->place, "Only at this place");
+            return [arguments](Session& session) {
+              const Store store = Store::open_read(arguments->memory.memory);
+              const AsOf as_of = arguments->memory.as_of(store);
+              answer_question(session, store,
+                              ChangesQuestion{.from = arguments->span.first(store),
+                                              .to = arguments->span.last(store),
+                                              .subject = arguments->subject,
+                                              .place = arguments->place,
+                                              .as_of = as_of});
+            };
+          }};
+}
+
+}  // namespace loci

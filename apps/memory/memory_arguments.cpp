@@ -1,0 +1,42 @@
+#include "apps/memory/memory_arguments.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace loci {
+
+void MemoryArguments::declare(CLI::App& app) {
+  app.add_option("-m,--memory", memory, "The memory, *.loci")->required();
+  app.add_option("--at", at, "What held at this time, e.g. \"08:30\", \"yesterday 9:00\" [the end]");
+  app.add_option("--known-at", known_at, "As the memory knew it at this time, ISO 8601 [now]");
+}
+
+AsOf MemoryArguments::as_of(const Store& store) const {
+  AsOf as_of;
+  if (!at.empty()) as_of.at = TimeReader(store).read(at).last;
+  // Known times are those of the machine's clock, so that "yesterday" is not about the last scene.
+  if (!known_at.empty()) as_of.known_at = TimeReader(now(), store.time_zone_minutes()).read(known_at).last;
+  return as_of;
+}
+
+void SpanArguments::declare(CLI::App& app) {
+  auto* both = app.add_option("--between", between, "Two times")->expected(2);
+  app.add_option("--from", from, "From this time on")->excludes(both);
+  app.add_option("--to", to, "Up to this time")->excludes(both);
+}
+
+std::optional<TimeNs> SpanArguments::first(const Store& store) const {
+  const std::string text = between.empty() ? from : between[0];
+  return text.empty() ? std::nullopt : std::optional(TimeReader(store).read(text).first);
+}
+
+std::optional<TimeNs> SpanArguments::last(const Store& store) const {
+  const std::string text = between.empty() ? to : between[1];
+  return text.empty() ? std::nullopt : std::optional(TimeReader(store).read(text).last);
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  return fmt::format("{}", fmt::join(words, " "));
+}
+
+}  // namespace loci

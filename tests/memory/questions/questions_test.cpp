@@ -1,0 +1,226 @@
+#include <gmock/gmock.h>
+
+#include "memory/questions/words.h"
+#include "tests/memory/questions/synthetic_day.h"
+#include "tests/memory/store/temporary_folder.h"
+
+namespace loci {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing_support::day_time;
+using testing_support::SyntheticDay;
+
+class Questions : public testing_support::TemporaryFolder {
+ protected:
+  void SetUp() override {
+    TemporaryFolder::SetUp();
+    const SyntheticDay day(file_);
+    store_.emplace(Store::open_read(file_));
+  }
+  void TearDown() override {
+    store_.reset();
+    TemporaryFolder::TearDown();
+  }
+
+  ObjectState where(const std::string& subject, const AsOf& as_of = {}) const {
+    const WhereAnswer answer = ask(*store_, WhereQuestion{.subject = subject, .as_of = as_of});
+    EXPECT_EQ(answer.objects.size(), 1U) << subject;
+    return answer.objects.at(0);
+  }
+  static AsOf at(const std::string& clock) { return {.at = day_time(clock)}; }
+  WasObject was(const std::string& subject, const std::string& place, const std::string& from,
+                const std::string& to) const {
+    const WasAnswer answer = ask(
+        *store_, WasQuestion{.subject = subject, .place = place, .from = day_time(from), .to = day_time(to)});
+    EXPECT_EQ(answer.objects.size(), 1U);
+    return answer.objects.at(0);
+  }
+  std::string message(const std::function<void()>& action) const {
+    try {
+      action();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+  template <class Answer>
+  std::string text(const Answer& answer) const {
+    return to_text(answer, TimeWriter(*store_));
+  }
+
+  std::optional<Store> store_;
+};
+
+TEST_F(Questions, TheMemoryIsSound) {
+  NoProgress quiet;
+  EXPECT_THAT(store_->verify(quiet).problems, testing::IsEmpty());
+}
+
+TEST_F(Questions, WhereFollowsAnObjectThroughTheDay) {
+  EXPECT_EQ(where("red", at("08:00")).place->name, "table_1");
+  EXPECT_EQ(where("red", at("09:10")).status, "gone");
+  EXPECT_EQ(where("red").place->name, "counter_1");
+  EXPECT_EQ(where("red").last_seen->scene, 6);
+  EXPECT_THAT(text(ask(*store_, WhereQuestion{"red"})),
+              HasSubstr("object_1 (red, 8 x 8 x 10 cm, called tea cup) is on counter_1 at (3.60, 0.40, 0.80) "
+                        "(98 % sure), last seen at 10:30"));
+}
+
+TEST_F(Questions, WhatIsOutOfViewStaysRemembered) {
+  const ObjectState blue = where("blue", at("08:40"));
+  EXPECT_EQ(blue.place->name, "table_1");
+  EXPECT_EQ(blue.status, "out_of_view");
+  EXPECT_EQ(blue.looks_out_of_view, 1U);
+  EXPECT_EQ(blue.last_seen->time, day_time("08:00"));
+}
+
+TEST_F(Questions, WhatWasLookedForAndIsNotThereHasGone) {
+  const ObjectState red = where("red", at("09:10"));
+  EXPECT_EQ(red.looked_for->scene, 3);
+  EXPECT_THAT(text(ask(*store_, WhereQuestion{"red", at("09:10")})),
+              HasSubstr("has gone. It was on table_1 at (0.30, 0.30, 0.80), last seen at 08:00 (scene 1, "
+                        "frame 0); since then looked for at 09:00 and not seen"));
+}
+
+TEST_F(Questions, KnownAtForgetsWhatWasLearntLater) {
+  const AsOf then{.at = {}, .known_at = SyntheticDay::kKnownFirst};
+  EXPECT_EQ(where("red", then).status, "gone");
+  EXPECT_EQ(ask(*store_, ScenesQuestion{.as_of = then}).scenes.size(), 3U);
+  EXPECT_EQ(ask(*store_, ObjectsQuestion{.as_of = then}).objects.size(), 3U);
+  EXPECT_TRUE(where("red", then).object.aliases.empty());
+}
+
+TEST_F(Questions, SubjectsAreIdsAliasesColoursSizesTextsAndPlaces) {
+  for (const char* subject :
+       {"object_1", "tea cup", "Tea Cup", "the red thing", "darjeeling", "red on counter_1", "small red"})
+    EXPECT_EQ(where(subject).object.id, 1) << subject;
+  EXPECT_EQ(ask(*store_, WhereQuestion{"small"}).objects.size(), 4U);
+  EXPECT_EQ(ask(*store_, WhereQuestion{"on counter_1"}).objects.size(), 2U);
+}
+
+TEST_F(Questions, UnknownNamesAreErrorsWithTheNearest) {
+  EXPECT_THAT(message([&] { ask(*store_, WhereQuestion{"purple"}); }),
+              HasSubstr("nothing is known as 'purple'"));
+  EXPECT_THAT(message([&] { ask(*store_, WhereQuestion{"bleu"}); }), HasSubstr("did you mean 'blue'?"));
+  EXPECT_THAT(message([&] { ask(*store_, WhereQuestion{"object_9"}); }), HasSubstr("did you mean 'object_"));
+  EXPECT_THAT(message([&] { ask(*store_, ContentsQuestion{"tabel_1"}); }),
+              HasSubstr("did you mean 'table_1'?"));
+  EXPECT_THAT(message([&] { ask(*store_, WhereQuestion{"red blue"}); }),
+              HasSubstr("no object is 'red blue'"));
+}
+
+TEST_F(Questions, OnListsWhatIsThereAndWhatIsNoLonger) {
+  const ContentsAnswer now = ask(*store_, ContentsQuestion{"table_1"});
+  ASSERT_EQ(now.places.size(), 1U);
+  ASSERT_EQ(now.places[0].there.size(), 1U);
+  EXPECT_EQ(now.places[0].there[0].object.color, std::optional<std::string>("blue"));
+  EXPECT_EQ(now.places[0].last_look->time, day_time("10:00"));
+  EXPECT_EQ(ask(*store_, ContentsQuestion{"table_1", at("08:40")}).places[0].there.size(), 2U);
+  EXPECT_EQ(ask(*store_, ContentsQuestion{"table_1", at("09:10")}).places[0].gone.size(), 1U);
+}
+
+TEST_F(Questions, APlaceIsFoundByTheBeginningOfItsNameAndByItsClass) {
+  EXPECT_EQ(ask(*store_, ContentsQuestion{"drawer_1"}).places[0].there.size(), 1U);
+  EXPECT_EQ(ask(*store_, ContentsQuestion{"counter"}).places[0].place.name, "counter_1");
+  EXPECT_THAT(text(ask(*store_, ContentsQuestion{"drawer_1"})), HasSubstr("1 object is in drawer_1_bottom"));
+}
+
+TEST_F(Questions, WasIsYesWithTheFramesWhereItWasSeenThere) {
+  const WasObject red = was("red", "table_1", "07:50", "08:10");
+  EXPECT_EQ(red.verdict, Verdict::yes);
+  ASSERT_EQ(red.seen_there.size(), 1U);
+  EXPECT_EQ(red.seen_there[0].frame, std::optional<int64_t>(0));
+}
+
+TEST_F(Questions, WasIsNoWhereThePlaceWasLookedAtWithoutIt) {
+  const WasObject red = was("red", "table_1", "08:50", "09:10");
+  EXPECT_EQ(red.verdict, Verdict::no);
+  EXPECT_EQ(red.before->scene, 1);
+  ASSERT_EQ(red.looks.size(), 1U);
+  EXPECT_GT(red.looks[0].fraction, 0.8);
+  EXPECT_EQ(was("green", "table_1", "08:50", "09:10").verdict, Verdict::no);
+}
+
+TEST_F(Questions, WasIsNoWhereItWasSeenElsewhere) {
+  const WasObject red = was("red", "table_1", "09:20", "09:40");
+  EXPECT_EQ(red.verdict, Verdict::no);
+  ASSERT_EQ(red.seen_elsewhere.size(), 1U);
+  EXPECT_EQ(red.seen_elsewhere[0].second, "counter_1");
+}
+
+TEST_F(Questions, WasIsNotObservedWithoutScenesOutOfViewOrBehindSomething) {
+  const WasObject no_scene = was("red", "table_1", "11:00", "12:00");
+  EXPECT_EQ(no_scene.verdict, Verdict::not_observed);
+  EXPECT_THAT(no_scene.reason, HasSubstr("no scene"));
+  const WasObject away = was("blue", "table_1", "08:20", "08:40");
+  EXPECT_EQ(away.verdict, Verdict::not_observed);
+  EXPECT_THAT(away.reason, HasSubstr("out of view"));
+  EXPECT_EQ(away.before->scene, 1);
+  EXPECT_EQ(away.after->scene, 3);
+  const WasObject hidden = was("blue", "table_1", "09:50", "10:10");
+  EXPECT_EQ(hidden.verdict, Verdict::not_observed);
+  EXPECT_THAT(hidden.reason, HasSubstr("hidden"));
+  EXPECT_THAT(message([&] { was("red", "table_1", "09:00", "08:00"); }),
+              HasSubstr("first time is after the second"));
+}
+
+TEST_F(Questions, WasOfAnUndescribedContainerThatNobodyOpenedIsNotObserved) {
+  EXPECT_EQ(was("yellow", "drawer_1", "08:00", "09:40").verdict, Verdict::not_observed);
+  EXPECT_EQ(was("yellow", "drawer_1", "10:00", "11:00").verdict, Verdict::yes);
+}
+
+TEST_F(Questions, ChangesAreListedInOrderAndCanBeNarrowed) {
+  const auto kinds = [](const ChangesAnswer& answer) {
+    std::vector<std::string> result;
+    for (const Change& change : answer.changes) result.push_back(change.kind);
+    return result;
+  };
+  EXPECT_EQ(ask(*store_, ChangesQuestion{}).changes.size(), 8U);
+  EXPECT_THAT(kinds(ask(*store_, ChangesQuestion{.from = day_time("08:50"), .to = day_time("10:00")})),
+              ElementsAre("gone", "moved", "hidden"));
+  EXPECT_THAT(kinds(ask(*store_, ChangesQuestion{.subject = "red"})),
+              ElementsAre("appeared", "gone", "moved"));
+  EXPECT_THAT(kinds(ask(*store_, ChangesQuestion{.place = "drawer_1"})),
+              ElementsAre("joint_changed", "appeared"));
+  const std::string all = text(ask(*store_, ChangesQuestion{}));
+  EXPECT_THAT(all, HasSubstr("09:30 (after 08:00)  object_1 (red, 8 x 8 x 10 cm, called tea cup) moved from "
+                             "table_1 to counter_1 by 3.3 m (90 % sure) [scene 4, frame 3]"));
+  EXPECT_THAT(all, HasSubstr("drawer_1_joint opened from 0.00 to 0.35"));
+}
+
+TEST_F(Questions, HistoryJoinsSightingsAtOneSpotToAStay) {
+  const HistoryAnswer answer = ask(*store_, HistoryQuestion{"red"});
+  ASSERT_EQ(answer.objects.size(), 1U);
+  const auto& stays = answer.objects[0].stays;
+  ASSERT_EQ(stays.size(), 2U);
+  EXPECT_EQ(stays[0].place->name, "table_1");
+  EXPECT_EQ(stays[1].place->name, "counter_1");
+  EXPECT_EQ(stays[1].scenes.size(), 2U);
+  EXPECT_THAT(text(answer), HasSubstr("from 09:30 to 10:30, on counter_1"));
+}
+
+TEST_F(Questions, TimelineHasScenesWithWhatHappenedInThem) {
+  const TimelineAnswer answer = ask(*store_, TimelineQuestion{.from = day_time("09:00")});
+  ASSERT_EQ(answer.entries.size(), 4U);
+  EXPECT_EQ(answer.entries[0].changes.size(), 1U);
+  EXPECT_EQ(answer.entries[3].changes.size(), 2U);
+  EXPECT_EQ(answer.entries[3].seen.size(), 2U);
+}
+
+TEST_F(Questions, JsonSaysTheSameAsTheStruct) {
+  const Json where = to_json(ask(*store_, WhereQuestion{"red"}));
+  EXPECT_EQ(where["objects"][0]["object"], "object_1");
+  EXPECT_EQ(where["objects"][0]["place"], "counter_1");
+  EXPECT_EQ(where["objects"][0]["last_seen"]["time"], "2026-05-01T10:30:00Z");
+  const Json was = to_json(ask(*store_, WasQuestion{"red", "table_1", day_time("08:50"), day_time("09:10")}));
+  EXPECT_EQ(was["verdict"], "no");
+  EXPECT_EQ(to_json(ask(*store_, ObjectsQuestion{}))["objects"].size(), 4U);
+  EXPECT_EQ(to_json(ask(*store_, ScenesQuestion{}))["scenes"][0]["looked_at"]["table_1"], 0.95);
+  EXPECT_EQ(to_json(ask(*store_, ChangesQuestion{}))["changes"].size(), 8U);
+  EXPECT_EQ(to_json(ask(*store_, TimelineQuestion{}))["timeline"].size(), 6U);
+}
+
+}  // namespace
+}  // namespace loci
