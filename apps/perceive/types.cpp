@@ -21,7 +21,9 @@ Command types_command() {
           [](CLI::App& app) {
             auto given = std::make_shared<TypesArguments>();
             app.add_option("FILE", given->files, "Type systems in UIMA's XML")->required();
-            app.add_option("--path", given->paths, "Folders in which imports by name are looked for");
+            app.add_option("--path", given->paths,
+                           "Folder in which imports by name are looked for; may be repeated")
+                ->allow_extra_args(false);
             app.add_flag("--with-loci", given->ours,
                          "Together with loci's own types, which the files may use");
             return [given](Session& session) {

@@ -25,6 +25,16 @@ TEST(PerceiveTypes, ListsAUsersTypesWithOurs) {
               HasSubstr("loci.belief.Object"));
 }
 
+TEST(PerceiveTypes, TakesFoldersForImportsBeforeAndAfterTheFile) {
+  const std::string folder = fresh_folder();
+  write_file_atomically(folder + "/user.xml",
+                        "<typeSystemDescription><imports><import name=\"perception.types.core\"/></imports>"
+                        "</typeSystemDescription>");
+  EXPECT_EQ(run("loci-perceive types " + folder + "/user.xml").exit_code, 1);
+  EXPECT_EQ(run("loci-perceive types " + folder + "/user.xml --path .").exit_code, 0);
+  EXPECT_EQ(run("loci-perceive types --path /tmp --path . " + folder + "/user.xml").exit_code, 0);
+}
+
 TEST(PerceiveTypes, RefusesBadOnesInOneLineWithFileAndLine) {
   const std::string folder = fresh_folder();
   const std::vector<std::pair<std::string, std::string>> table = {
