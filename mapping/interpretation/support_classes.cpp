@@ -11,7 +11,6 @@ namespace {
 constexpr double kNearWall = 0.25;    // m; nearer than this a support stands at the wall
 constexpr double kOpenBelow = 0.05;   // fraction of the footprint seen from below; more is free space
 constexpr double kNarrow = 0.33;      // m; a narrower board at a wall is a shelf
-constexpr double kShelfLength = 0.5;  // m; shorter things against a wall above a counter stand on it
 constexpr double kTableTop = 0.80;    // m; tables are lower, counters higher
 constexpr double kCounterTop = 1.05;  // m
 constexpr double kSeatLow = 0.36;     // m
@@ -52,8 +51,7 @@ std::string why_left_out(const Support& support, const SupportSearch& search, do
   for (const Support& other : search.supports) {
     const double above = support.height - other.height;
     if (&other == &support || other.area() < 1.5 * support.area()) continue;
-    const bool shelf_like = support.wall_distance < 0.05 && above > 0.25 &&
-                            support.parts.front().size().maxCoeff() > kShelfLength;
+    const bool shelf_like = support.wall_distance < 0.05 && above > 0.25;
     if (above > 0.02 && above < kOnTop && !shelf_like && fraction_within(support, other) > 0.6)
       return "it stands on a larger surface";
     if (std::abs(above) <= 0.06 && fraction_within(support, other) > 0.4)
