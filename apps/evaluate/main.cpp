@@ -1,8 +1,8 @@
-#include "apps/cli/program.h"
+#include "apps/evaluate/commands.h"
 
 int main(int argc, char** argv) {
   loci::Program program("loci-evaluate", "Measures every claim against its peers.");
-  program.add_planned("changes", "What the memory says happened, beside the truth");
+  program.add(loci::changes_command());
   program.add_planned("nbv", "Next best view against its peers");
   program.add_planned("registration", "Registration against its peers");
   program.add_planned("identity", "The identity experiment");

@@ -4,6 +4,7 @@
 
 #include "apps/perceive/annotators.h"
 #include "apps/perceive/commands.h"
+#include "apps/perceive/memory_target.h"
 #include "apps/perceive/scene_report.h"
 #include "mapping/base/files.h"
 #include "mapping/recording/recording.h"
@@ -23,6 +24,7 @@ struct Arguments {
   std::string labels;
   std::string pictures;
   int every = 0;
+  MemoryTarget memory;
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
@@ -33,6 +35,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--pipeline", arguments.pipeline,
                  "Pipeline as YAML; the default one is shown by `describe pipeline`");
   app.add_option("--every", arguments.every, "Take every n-th frame")->check(CLI::PositiveNumber);
+  arguments.memory.declare(app);
   app.add_option("--labels", arguments.labels,
                  "Folder for label images FRAME_label.png (0 = none, n = object)");
   app.add_option("--pictures", arguments.pictures, "Folder for colour pictures with what was found drawn in");
@@ -73,18 +76,27 @@ void run(const Arguments& arguments, Session& session) {
   Resources resources = make_resources(arguments, session);
   if (!arguments.labels.empty()) make_folder(arguments.labels);
   if (!arguments.pictures.empty()) make_folder(arguments.pictures);
+  arguments.memory.prepare(arguments.map, pipeline, registry, resources);
   Context context{resources, session.warnings(), session.flags().threads, {}};
   std::string text;
   Json scenes = Json::array();
-  const PipelineResult result =
-      pipeline.run(context, types::type_system(), session.progress(), [&](cas::Cas& cas) {
-        const types::SceneCas scene(cas);
-        text += scene_text(scene);
-        if (session.flags().json) scenes.push_back(scene_json(scene));
-        write_pictures(arguments, scene);
-      });
-  for (const auto& [name, seconds] : result.seconds) session.timing(name, seconds);
-  session.answer(text, {{"frames", result.frames}, {"scenes", scenes}, {"pipeline", context.configuration}});
+  const auto done = [&](cas::Cas& cas) {
+    const types::SceneCas scene(cas);
+    text += scene_text(scene);
+    if (session.flags().json) scenes.push_back(scene_json(scene));
+    write_pictures(arguments, scene);
+  };
+  MemoryRunResult result;
+  if (resources.find<MemorySession>() != nullptr)
+    result = run_with_memory(pipeline, context, types::type_system(), session.progress(), done);
+  else
+    result.pipeline = pipeline.run(context, types::type_system(), session.progress(), done);
+  for (const auto& [name, seconds] : result.pipeline.seconds) session.timing(name, seconds);
+  if (result.skipped > 0) text += fmt::format("{} frames were in the memory already\n", result.skipped);
+  session.answer(text, {{"frames", result.pipeline.frames},
+                        {"skipped", result.skipped},
+                        {"scenes", scenes},
+                        {"pipeline", context.configuration}});
 }
 
 }  // namespace
@@ -92,7 +104,7 @@ void run(const Arguments& arguments, Session& session) {
 Command run_command() {
   return {"run",
           "What stands where, frame by frame, through a pipeline of annotators",
-          {"loci-perceive run ../shared/data/osd_changes",
+          {"loci-perceive run ../shared/data/osd_changes -m demo-output/osd.loci",
            "loci-perceive run ../shared/data/redkitchen_rgbd --every 20 --json"},
           [](CLI::App& app) {
             auto arguments = std::make_shared<Arguments>();

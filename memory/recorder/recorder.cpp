@@ -61,18 +61,19 @@ bool joint_moved(double from, double to) {
 /// One scene on its way into the memory.
 class Recorder::Writing {
  public:
-  Writing(Recorder& recorder, const SceneRecord& record)
+  Writing(Recorder& recorder, const SceneRecord& record, ResolvedScene resolved)
       : recorder_(recorder),
         record_(record),
         transaction_(recorder.store_, recorder.run_),
-        state_(recorder.state_) {}
+        state_(std::move(resolved.after)) {
+    result_.update = std::move(resolved.update);
+    expected_observations_ = std::move(resolved.scene.observations);
+  }
 
   RecordedScene run() {
     add_scene();
     add_places();
     add_observations();
-    state_.next_id = next_object();
-    result_.update = belief::advance(state_, evidence_, recorder_.options_);
     add_objects();
     add_associations();
     add_events();
@@ -84,6 +85,7 @@ class Recorder::Writing {
     recorder_.state_ = std::move(state_);
     recorder_.last_rows_ = std::move(rows_);
     recorder_.last_joints_ = record_.row.joints;
+    recorder_.next_observation_ += static_cast<Id>(result_.observations.size());
     return std::move(result_);
   }
 
@@ -94,10 +96,10 @@ class Recorder::Writing {
     return clock;
   }
 
-  /// Numbers that other writers gave to objects are not given again.
-  int64_t next_object() const {
-    return std::max(state_.next_id,
-                    recorder_.last_rows_.empty() ? 1 : recorder_.last_rows_.rbegin()->first + 1);
+  [[noreturn]] void another_writer(const std::string& what, Id id, Id expected) const {
+    throw Error(what + " " + std::to_string(id) + " was to be " + std::to_string(expected),
+                {recorder_.store_.path().string(), 0, {}},
+                "another program has written to this memory meanwhile");
   }
 
   std::optional<Id> blob(const BlobRecord& record) {
@@ -127,10 +129,6 @@ class Recorder::Writing {
   }
 
   void add_observations() {
-    evidence_.time = record_.row.time;
-    evidence_.seconds_to_next = record_.seconds_to_next;
-    evidence_.view = record_.view;
-    evidence_.places = record_.place_poses;
     StructureWriter structures(transaction_, result_.scene);
     for (size_t i = 0; i < record_.observations.size(); ++i) {
       const ObservationRecord& observation = record_.observations[i];
@@ -142,8 +140,7 @@ class Recorder::Writing {
       row.mask = blob(observation.mask);
       const Id id = transaction_.add_observation(row);
       result_.observations.push_back(id);
-      evidence_.observations.push_back(observation.evidence);
-      evidence_.observations.back().id = id;
+      if (id != expected_observations_[i].id) another_writer("observation", id, expected_observations_[i].id);
       add_annotations(observation.annotations, observation.structures, id, structures);
     }
     add_annotations(record_.annotations, record_.structures, std::nullopt, structures);
@@ -170,10 +167,7 @@ class Recorder::Writing {
       ObjectRow row;
       row.clock = clock(confirmed.first_seen);
       const Id id = transaction_.add_object(row);
-      if (id != confirmed.object)
-        throw Error("object " + std::to_string(id) + " was to be " + std::to_string(confirmed.object),
-                    {recorder_.store_.path().string(), 0, {}},
-                    "another program has written to this memory meanwhile");
+      if (id != confirmed.object) another_writer("object", id, confirmed.object);
       for (const belief::PendingSighting& sighting : confirmed.earlier) {
         AssociationRow association;
         association.scene = recorder_.store_.observation(sighting.observation).scene;
@@ -392,7 +386,7 @@ class Recorder::Writing {
   const SceneRecord& record_;
   SceneTransaction transaction_;
   belief::BeliefState state_;
-  belief::Scene evidence_;
+  std::vector<belief::Observation> expected_observations_;
   RecordedScene result_;
   std::map<std::string, Id> places_;
   std::map<Id, BeliefRow> rows_;
@@ -404,14 +398,40 @@ Recorder::Recorder(Store& store, Id run, const belief::BeliefOptions& options)
   for (const BeliefRow& row : store.beliefs()) last_rows_[row.object] = row;
   Id last = 0;
   for (const SceneRow& scene : store.scenes()) {
+    for (const ObservationRow& row : store.observations(scene.id))
+      next_observation_ = std::max(next_observation_, row.id + 1);
     if (scene.id < last) continue;
     last = scene.id;
     last_joints_ = scene.joints;
   }
 }
 
-RecordedScene Recorder::record(const SceneRecord& scene) {
-  return Writing(*this, scene).run();
+ResolvedScene Recorder::resolve(const SceneRecord& scene) const {
+  ResolvedScene resolved;
+  resolved.scene = evidence_of(scene, next_observation_);
+  resolved.after = state_;
+  // Numbers that other writers gave to objects are not given again.
+  if (!last_rows_.empty())
+    resolved.after.next_id = std::max(resolved.after.next_id, last_rows_.rbegin()->first + 1);
+  resolved.update = belief::advance(resolved.after, resolved.scene, options_);
+  return resolved;
+}
+
+RecordedScene Recorder::record(const SceneRecord& scene, ResolvedScene resolved) {
+  return Writing(*this, scene, std::move(resolved)).run();
+}
+
+belief::Scene evidence_of(const SceneRecord& record, int64_t first_observation) {
+  belief::Scene scene;
+  scene.time = record.row.time;
+  scene.seconds_to_next = record.seconds_to_next;
+  scene.view = record.view;
+  scene.places = record.place_poses;
+  for (const ObservationRecord& observation : record.observations) {
+    scene.observations.push_back(observation.evidence);
+    scene.observations.back().id = first_observation++;
+  }
+  return scene;
 }
 
 std::string recording_fingerprint(const std::vector<FrameDigest>& frames,

@@ -15,6 +15,13 @@ struct RecordedScene {
   belief::BeliefUpdate update;
 };
 
+/// What a scene means for the belief, before anything is written.
+struct ResolvedScene {
+  belief::Scene scene;  ///< as the belief sees it, observations with the numbers that they will have
+  belief::BeliefUpdate update;
+  belief::BeliefState after;
+};
+
 /// Moves the belief on scene by scene and keeps everything that changes: one scene is one transaction. The
 /// belief itself is part of it, so that a Recorder over the same file goes on exactly where the last one was
 /// stopped, however that happened.
@@ -23,8 +30,12 @@ class Recorder {
   /// `run` is from Store::begin_run. Takes up the belief that the memory holds. Error when it cannot be read.
   Recorder(Store& store, Id run, const belief::BeliefOptions& options = {});
 
-  /// Adds a scene. Error, with nothing added, when it lies before the last one.
-  RecordedScene record(const SceneRecord& scene);
+  /// What a scene would change. Error when it lies before the last one.
+  ResolvedScene resolve(const SceneRecord& scene) const;
+  /// Adds a scene with everything that it changes, `resolved` being what resolve() said. On Error nothing is
+  /// added.
+  RecordedScene record(const SceneRecord& scene, ResolvedScene resolved);
+  RecordedScene record(const SceneRecord& scene) { return record(scene, resolve(scene)); }
 
   const belief::BeliefState& belief() const { return state_; }
 
@@ -35,12 +46,16 @@ class Recorder {
   Id run_;
   belief::BeliefOptions options_;
   belief::BeliefState state_;
+  Id next_observation_ = 1;
   std::map<Id, BeliefRow> last_rows_;          ///< what the memory says about each object now
   std::map<std::string, double> last_joints_;  ///< of the scene before
 };
 
 /// The belief that a memory holds after its last scene; empty for a new memory.
 belief::BeliefState load_belief(const Store& store);
+
+/// What the belief looks at in a record; observations get the numbers from `first_observation` on.
+belief::Scene evidence_of(const SceneRecord& record, int64_t first_observation = 0);
 
 /// A recording, known by what is in it: the times, poses and sizes of its frames and some of its pictures.
 struct FrameDigest {

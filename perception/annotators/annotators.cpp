@@ -29,6 +29,7 @@ flow:
   - NormalEstimator          # smoothed depth, cloud, normals
   - KnownStructureFilter     # what the map explains goes (does nothing without a map)
   - PlaneClusterExtractor    # supports, and one cluster per object
+  - PlaceNaming              # without a map: plane_1, plane_2, ... stay the same surfaces
   - ColorHistogram
   - ColorName
   - GeometryAnnotator        # oriented box, pose in the map and in the frame of its place

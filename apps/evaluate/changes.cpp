@@ -1,0 +1,100 @@
+#include <unistd.h>
+
+#include "apps/evaluate/changes/comparison.h"
+#include "apps/evaluate/commands.h"
+#include "mapping/base/files.h"
+#include "memory/annotators/memory_annotators.h"
+#include "memory/annotators/memory_session.h"
+#include "perception/annotators/annotators.h"
+#include "perception/annotators/hypotheses/known_map.h"
+#include "perception/types/types.h"
+
+namespace loci {
+namespace {
+
+/// A folder that goes away again.
+class TemporaryFolder {
+ public:
+  TemporaryFolder()
+      : path_(std::filesystem::temp_directory_path() / ("loci-evaluate-" + std::to_string(getpid()))) {
+    make_folder(path_);
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+struct Arguments {
+  std::string folder;
+  std::string memory;
+  std::string map;
+  std::string pipeline;
+};
+
+void perceive(const Arguments& arguments, const std::shared_ptr<Recording>& recording,
+              const std::filesystem::path& memory, Session& session) {
+  AnnotatorRegistry registry;
+  add_annotators(registry);
+  add_memory_annotators(registry);
+  Pipeline pipeline = arguments.pipeline.empty()
+                          ? Pipeline::parse(default_pipeline(), "the default pipeline", registry)
+                          : Pipeline::parse(Config::read(arguments.pipeline), registry);
+  pipeline.add("IdentityResolution", registry);
+  pipeline.add_writer("MemoryWriter", registry);
+  Resources resources;
+  resources.put(recording);
+  if (!arguments.map.empty()) {
+    const auto map = KnownMap::load(arguments.map, {}, session.warnings());
+    resources.put(map);
+    resources.put(std::make_shared<World>(map->world));
+  }
+  MemorySessionOptions options;
+  options.memory = memory;
+  options.program = "loci-evaluate changes";
+  options.configuration = pipeline.to_json();
+  options.map = arguments.map;
+  resources.put(std::make_shared<MemorySession>(options, *recording));
+  Context context{resources, session.warnings(), session.flags().threads, {}};
+  run_with_memory(pipeline, context, types::type_system(), session.progress());
+}
+
+void run(const Arguments& arguments, Session& session) {
+  const std::shared_ptr<Recording> recording = open_recording(arguments.folder);
+  std::vector<int64_t> frames;
+  for (size_t i = 0; i < recording->size(); ++i) frames.push_back(recording->index_of(i));
+  const changes::Truth truth = changes::read_truth(arguments.folder, frames);
+  const TemporaryFolder folder;
+  const std::filesystem::path memory =
+      arguments.memory.empty() ? folder.path() / "memory.loci" : std::filesystem::path(arguments.memory);
+  perceive(arguments, recording, memory, session);
+  const changes::Comparison comparison = changes::compare(truth, Store::open_read(memory));
+  session.answer(comparison.text(session.flags().verbose), comparison.to_json());
+}
+
+}  // namespace
+
+Command changes_command() {
+  return {"changes",
+          "What the memory says happened, beside the truth",
+          {"loci-evaluate changes ../shared/data/osd_changes",
+           "loci-evaluate changes ../shared/data/osd_changes --json"},
+          [](CLI::App& app) {
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("DIR", arguments->folder,
+                           "Recording with objects.csv and transitions.csv, or truth.jsonl")
+                ->required();
+            app.add_option("-m,--memory", arguments->memory, "Keep the memory in this file");
+            app.add_option("--map", arguments->map, "URDF of the kitchen");
+            app.add_option("--pipeline", arguments->pipeline, "Pipeline as YAML instead of the default one");
+            return [arguments](Session& session) { run(*arguments, session); };
+          }};
+}
+
+}  // namespace loci

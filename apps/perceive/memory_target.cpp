@@ -1,0 +1,34 @@
+#include "apps/perceive/memory_target.h"
+
+#include "memory/annotators/memory_annotators.h"
+#include "perception/annotators/hypotheses/known_map.h"
+
+namespace loci {
+
+void MemoryTarget::declare(CLI::App& app) {
+  app.add_option("-m,--memory", memory, "Memory to write to, FILE.loci (made when it does not exist)");
+  app.add_flag("--resume", resume, "Go on with a recording that the memory has in part");
+  app.add_option("--now", now, "When the memory learns it, ISO 8601 (default: the clock)");
+}
+
+void MemoryTarget::prepare(const std::string& map, Pipeline& pipeline, const AnnotatorRegistry& registry,
+                           Resources& resources) const {
+  if (memory.empty()) {
+    if (resume) throw Error("--resume needs a memory", {}, "name it with -m FILE.loci");
+    return;
+  }
+  pipeline.add("IdentityResolution", registry);
+  pipeline.add_writer("MemoryWriter", registry);
+  pipeline.check(registry);
+  MemorySessionOptions options;
+  options.memory = memory;
+  options.configuration = pipeline.to_json();
+  options.resume = resume;
+  options.map = map;
+  if (!now.empty()) options.write.now = parse_time(now);
+  const Recording& recording = resources.get<Recording>("recording to read", "give its folder");
+  resources.put(std::make_shared<MemorySession>(options, recording));
+  if (const auto known = resources.find<KnownMap>()) resources.put(std::make_shared<World>(known->world));
+}
+
+}  // namespace loci

@@ -1,0 +1,134 @@
+#include "memory/annotators/belief_annotations.h"
+
+#include <limits>
+#include <map>
+
+#include "memory/store/store.h"
+#include "perception/types/geometry.h"
+
+namespace loci {
+namespace {
+
+constexpr const char* kSource = "IdentityResolution";
+
+/// Name of a believed object; tentative ones have no number that is told.
+std::string name_of(const belief::ObjectOutcome& outcome) {
+  return outcome.object != 0 ? object_name(outcome.object) : "tentative_" + std::to_string(outcome.key);
+}
+
+void fill(const types::PairMatrix& matrix, const ResolvedScene& resolved, const std::vector<double>& values) {
+  std::vector<std::string> rows, columns;
+  for (size_t k = 0; k < resolved.scene.observations.size(); ++k)
+    rows.push_back("cluster_" + std::to_string(k));
+  for (const belief::ObjectOutcome& outcome : resolved.update.objects) columns.push_back(name_of(outcome));
+  matrix.source.set(kSource);
+  matrix.rows.set(static_cast<int32_t>(rows.size()));
+  matrix.cols.set(static_cast<int32_t>(columns.size()));
+  matrix.row_ids.set(rows);
+  matrix.col_ids.set(columns);
+  matrix.values.set(values);
+}
+
+void add_matrices(const types::SceneCas& cas, const ResolvedScene& resolved,
+                  const std::map<int64_t, belief::AxisBox>& before) {
+  std::vector<double> similarities, distances;
+  const PairTable& closeness = resolved.update.evidence.closeness;
+  for (Eigen::Index k = 0; k < closeness.cols(); ++k) {
+    for (Eigen::Index o = 0; o < closeness.rows(); ++o) {
+      similarities.push_back(closeness(o, k));
+      const auto box = before.find(resolved.update.objects[static_cast<size_t>(o)].key);
+      distances.push_back(
+          box == before.end()
+              ? std::numeric_limits<double>::quiet_NaN()
+              : (box->second.centre - resolved.scene.observations[static_cast<size_t>(k)].box.centre).norm());
+    }
+  }
+  fill(cas.scene().similarities.get_or_create(), resolved, similarities);
+  fill(cas.scene().distances.get_or_create(), resolved, distances);
+}
+
+types::Object object_of(cas::Cas& cas, const belief::ProtoObject& object, const ResolvedScene& resolved) {
+  const auto fs = types::Object::create(cas);
+  fs.name.set(object_name(object.id));
+  fs.last_seen.set(object.last_seen);
+  if (!object.place.empty()) fs.place.set(object.place);
+  Isometry3d pose = Isometry3d::Identity();
+  pose.translation() = belief::box_in_map(object, resolved.scene.places).centre;
+  fs.map_from_object.set(types::to(cas, pose));
+  fs.presence_probability.set(object.status == belief::Status::gone ? 0.0 : object.probability_here);
+  for (const belief::ObjectOutcome& outcome : resolved.update.objects) {
+    if (outcome.key != object.key) continue;
+    fs.in_view.set(outcome.visibility.out_of_view < 0.5);
+    fs.occluded.set(outcome.visibility.hidden > 0.5);
+  }
+  return fs;
+}
+
+types::AssociationDistribution distribution(const types::SceneCas& cas, const ResolvedScene& resolved,
+                                            const std::map<int64_t, types::Object>& object_of_key) {
+  const auto fs = types::AssociationDistribution::create(cas.cas());
+  fs.source.set(kSource);
+  fs.kind.set("identity");
+  std::vector<double> probabilities, fresh, clutter, missing;
+  std::vector<int64_t> keys;
+  for (const belief::ObjectOutcome& outcome : resolved.update.objects) {
+    const auto found = object_of_key.find(outcome.key);
+    if (found == object_of_key.end()) continue;
+    fs.candidates.push_back(found->second);
+    keys.push_back(outcome.key);
+    missing.push_back(1 - outcome.matched);
+  }
+  const std::vector<types::Cluster> clusters = cas.clusters();
+  for (size_t k = 0; k < clusters.size(); ++k) {
+    fs.clusters.push_back(clusters[k]);
+    const belief::ObservationOutcome& outcome = resolved.update.observations[k];
+    for (const int64_t key : keys) {
+      double probability = 0;
+      for (const belief::Share& share : outcome.shares)
+        if (share.key == key) probability = share.probability();
+      probabilities.push_back(probability);
+    }
+    fresh.push_back(outcome.appear);
+    clutter.push_back(outcome.clutter);
+  }
+  fs.probabilities.set(probabilities);
+  fs.new_probabilities.set(fresh);
+  fs.false_probabilities.set(clutter);
+  fs.missing_probabilities.set(missing);
+  return fs;
+}
+
+}  // namespace
+
+void annotate_belief(const types::SceneCas& cas, const ResolvedScene& resolved) {
+  const std::vector<types::Cluster> clusters = cas.clusters();
+  const auto belief = types::BeliefStateInstance::create(cas.cas());
+  belief.timestamp.set(resolved.scene.time);
+  belief.scene.set(cas.scene());
+  for (size_t k = 0; k < clusters.size(); ++k) {
+    belief.current_clusters.push_back(clusters[k]);
+    const belief::ObservationOutcome& outcome = resolved.update.observations[k];
+    if (outcome.object == 0) continue;
+    const auto tracking = types::TrackingAnnotation::create(cas.cas());
+    tracking.source.set(kSource);
+    tracking.annotator_id.set(kSource);
+    tracking.tracking_id.set(outcome.object);
+    clusters[k].annotations.push_back(tracking);
+  }
+  std::map<int64_t, belief::AxisBox> boxes;
+  std::map<int64_t, types::Object> objects;
+  for (const belief::ProtoObject& object : resolved.after.objects) {
+    boxes[object.key] = belief::box_in_map(object, resolved.scene.places);
+    if (object.id == 0) continue;
+    const types::Object fs = object_of(cas.cas(), object, resolved);
+    objects.emplace(object.key, fs);
+    belief.known_objects.push_back(fs);
+    if (object.status == belief::Status::present && object.last_seen != resolved.scene.time)
+      belief.persisting_objects.push_back(fs);
+  }
+  belief.identities.set(distribution(cas, resolved, objects));
+  belief.add_to_index();
+  add_matrices(cas, resolved, boxes);
+}
+
+}  // namespace loci

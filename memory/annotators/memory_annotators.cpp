@@ -1,0 +1,97 @@
+#include "memory/annotators/memory_annotators.h"
+
+#include "memory/annotators/belief_annotations.h"
+#include "memory/annotators/memory_session.h"
+#include "memory/annotators/scene_of_cas.h"
+#include "perception/types/geometry.h"
+
+namespace loci {
+namespace {
+
+MemorySession& session_of(const Context& context, const std::string& who) {
+  return context.resources.get<MemorySession>("memory for " + who, "name one with -m FILE.loci");
+}
+
+/// The scene as the memory takes it, with the numbers of this run.
+SceneRecord record_of(const types::SceneCas& scene, const Context& context, MemorySession& session) {
+  SceneRecord record = scene_record(scene, context.resources.find<World>());
+  record.row.recording = session.recording();
+  record.row.map = session.map();
+  record.seconds_to_next = session.seconds_after(record.row.time);
+  record.annotations.push_back({kKnownPlanesType, session.planes().to_json().dump(), std::nullopt, {}});
+  return record;
+}
+
+bool has_pose(const types::SceneCas& scene) {
+  return scene.scene().map_from_camera.is_set();
+}
+
+}  // namespace
+
+AnnotatorDescriptor PlaceNaming::descriptor() const {
+  return {"PlaceNaming",
+          "Gives supporting planes found without a map names that stay: plane_1, plane_2, …",
+          {"PlanarSupport"},
+          {}};
+}
+
+void PlaceNaming::process(cas::Cas& cas, Context& context) {
+  MemorySession* session = context.resources.find<MemorySession>();
+  KnownPlanes& planes = session != nullptr ? session->planes() : own_;
+  for (const types::PlanarSupport& support : types::SceneCas(cas).supports()) {
+    if (!support.name.get().empty()) continue;
+    support.name.set(planes.name(types::points_from_values(support.outline.get())));
+    support.support_class.set("plane");
+  }
+}
+
+AnnotatorDescriptor IdentityResolution::descriptor() const {
+  return {"IdentityResolution",
+          "Decides which cluster is which known object, what moved, appeared, is hidden or has gone.",
+          {"Scene", "Cluster"},
+          {"TrackingAnnotation", "SimilarityMatrix", "DistanceMatrix", "BeliefStateInstance"}};
+}
+
+void IdentityResolution::process(cas::Cas& cas, Context& context) {
+  const types::SceneCas scene(cas);
+  if (!has_pose(scene)) return;
+  MemorySession& session = session_of(context, "IdentityResolution");
+  SceneRecord record = record_of(scene, context, session);
+  ResolvedScene resolved = session.recorder().resolve(record);
+  annotate_belief(scene, resolved);
+  session.pending = MemorySession::Pending{&cas, std::move(record), std::move(resolved)};
+}
+
+AnnotatorDescriptor MemoryWriter::descriptor() const {
+  return {"MemoryWriter",
+          "Keeps each scene, and everything that it changes, in the memory: one transaction per scene.",
+          {"Scene", "Cluster"},
+          {}};
+}
+
+void MemoryWriter::process(cas::Cas& cas, Context& context) {
+  const types::SceneCas scene(cas);
+  if (!has_pose(scene)) return;
+  MemorySession& session = session_of(context, "MemoryWriter");
+  if (!session.pending || session.pending->cas != &cas) {
+    session.recorder().record(record_of(scene, context, session));
+    return;
+  }
+  MemorySession::Pending pending = std::move(*session.pending);
+  session.pending.reset();
+  pending.record.structures.push_back(scene.scene().similarities.get());
+  pending.record.structures.push_back(scene.scene().distances.get());
+  session.recorder().record(pending.record, std::move(pending.resolved));
+}
+
+void MemoryWriter::finish(Context& context) {
+  session_of(context, "MemoryWriter").pending.reset();
+}
+
+void add_memory_annotators(AnnotatorRegistry& registry) {
+  registry.add<PlaceNaming>();
+  registry.add<IdentityResolution>();
+  registry.add<MemoryWriter>();
+}
+
+}  // namespace loci

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "memory/annotators/known_planes.h"
+#include "memory/belief/options.h"
+#include "perception/pipeline/registry.h"
+
+namespace loci {
+
+/// Names supporting planes that were found without a map: plane_1, plane_2, … stay the same over the frames,
+/// and from run to run with a memory.
+class PlaceNaming : public Annotator {
+ public:
+  AnnotatorDescriptor descriptor() const override;
+  void process(cas::Cas& cas, Context& context) override;
+
+ private:
+  KnownPlanes own_;  ///< without a memory
+};
+
+/// Decides which cluster is which object, with everything that was believed before (chapter 6).
+class IdentityResolution : public Annotator {
+ public:
+  AnnotatorDescriptor descriptor() const override;
+  void process(cas::Cas& cas, Context& context) override;
+};
+
+/// Keeps the scene, and all that it changes, in the memory.
+class MemoryWriter : public Annotator {
+ public:
+  AnnotatorDescriptor descriptor() const override;
+  void process(cas::Cas& cas, Context& context) override;
+  void finish(Context& context) override;
+};
+
+void add_memory_annotators(AnnotatorRegistry& registry);
+
+}  // namespace loci

@@ -1,0 +1,97 @@
+#include "memory/annotators/memory_session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "mapping/base/files.h"
+#include "mapping/world/semantic_map.h"
+
+namespace loci {
+namespace {
+
+KnownPlanes load_planes(const Store& store) {
+  Id last = 0;
+  for (const SceneRow& scene : store.scenes()) last = std::max(last, scene.id);
+  if (last == 0) return {};
+  for (const AnnotationRow& row : store.annotations(last))
+    if (row.type == kKnownPlanesType)
+      return KnownPlanes::from_json(parse_json(row.value, store.path().string()));
+  return {};
+}
+
+Id add_map(Store& store, const std::filesystem::path& urdf) {
+  const std::filesystem::path sidecar = sidecar_path(urdf);
+  return store.add_map(urdf.filename().string(), read_file(urdf),
+                       std::filesystem::exists(sidecar) ? read_file(sidecar) : std::string());
+}
+
+}  // namespace
+
+std::string fingerprint_of(const Recording& recording) {
+  std::vector<FrameDigest> frames;
+  for (size_t i = 0; i < recording.size(); ++i)
+    frames.push_back({recording.index_of(i), recording.time_of(i)});
+  std::vector<cv::Mat> pictures;
+  if (recording.size() > 0) {
+    pictures.push_back(recording.frame(0).depth);
+    pictures.push_back(recording.frame(recording.size() - 1).depth);
+  }
+  return recording_fingerprint(frames, pictures);
+}
+
+MemorySession::MemorySession(const MemorySessionOptions& options, const Recording& recording)
+    : store_(Store::open_write(options.memory, options.write)) {
+  const RecordingInfo& info = recording.info();
+  const std::string fingerprint = fingerprint_of(recording);
+  if (const std::optional<RecordingRow> known = store_.recording(fingerprint)) {
+    const size_t present = store_.frames(known->id).size();
+    if (present > 0 && !options.resume)
+      throw Error(
+          fmt::format("this recording is in the memory already ({} of {} frames)", present, recording.size()),
+          {options.memory.string(), 0, known->name}, "--resume adds the frames that are missing");
+  }
+  RecordingRow row;
+  row.fingerprint = fingerprint;
+  row.name = std::filesystem::path(info.path).lexically_normal().filename().string();
+  if (row.name.empty())
+    row.name = std::filesystem::path(info.path).lexically_normal().parent_path().filename().string();
+  row.kind = info.format;
+  row.time_assumed = info.time_assumed;
+  row.frames = static_cast<int64_t>(recording.size());
+  recording_ = store_.add_recording(row);
+  if (!options.map.empty()) map_ = add_map(store_, options.map);
+  run_ = store_.begin_run(options.program, options.configuration.dump());
+  planes_ = load_planes(store_);
+  recorder_ = std::make_unique<Recorder>(store_, run_, options.belief);
+  for (const SceneRow& scene : store_.scenes())
+    if (scene.recording == recording_)
+      last_present_ = std::max(scene.time, last_present_.value_or(scene.time));
+}
+
+std::optional<double> MemorySession::seconds_after(TimeNs time) const {
+  if (reader_ == nullptr || reader_->position() >= reader_->count()) return std::nullopt;
+  return static_cast<double>(reader_->upcoming().time_ns - time) / static_cast<double>(kSecond);
+}
+
+MemoryRunResult run_with_memory(Pipeline& pipeline, Context& context,
+                                const std::shared_ptr<const cas::TypeSystem>& types, Progress& progress,
+                                const std::function<void(cas::Cas&)>& done) {
+  MemorySession& session =
+      context.resources.get<MemorySession>("memory to write to", "name one with -m FILE.loci");
+  MemoryRunResult result;
+  pipeline.start(context);
+  Reader& reader = pipeline.reader();
+  session.reader_ = &reader;
+  while (session.last_present_ && reader.position() < reader.count() &&
+         reader.upcoming().time_ns <= *session.last_present_) {
+    reader.skip(1);
+    ++result.skipped;
+  }
+  result.pipeline = pipeline.run(context, types, progress, done);
+  session.store_.finish_run(session.run_);
+  session.reader_ = nullptr;
+  return result;
+}
+
+}  // namespace loci

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "mapping/recording/recording.h"
+#include "mapping/world/world.h"
+#include "memory/annotators/known_planes.h"
+#include "memory/recorder/recorder.h"
+#include "perception/pipeline/pipeline.h"
+
+namespace loci {
+
+/// How a run of perception uses a memory.
+struct MemorySessionOptions {
+  std::filesystem::path memory;
+  std::string program = "loci-perceive run";
+  Json configuration = Json::object();
+  bool resume = false;        ///< go on with a recording that is in the memory already
+  std::filesystem::path map;  ///< URDF; empty = none
+  belief::BeliefOptions belief;
+  WriteOptions write;
+};
+
+/// What run_with_memory() did.
+struct MemoryRunResult {
+  PipelineResult pipeline;
+  size_t skipped = 0;  ///< frames that were in the memory already
+};
+
+/// The memory that a run writes to, and what the memory's annotators share. A resource of the pipeline.
+class MemorySession {
+ public:
+  /// Opens or creates the memory and makes recording and map known in it. Error when the recording is in the
+  /// memory already and `resume` is not set.
+  MemorySession(const MemorySessionOptions& options, const Recording& recording);
+
+  Store& store() { return store_; }
+  Recorder& recorder() { return *recorder_; }
+  Id recording() const { return recording_; }
+  std::optional<Id> map() const { return map_; }
+  KnownPlanes& planes() { return planes_; }
+
+  /// Seconds until the frame that will be read next; unset at the end, or when nobody said who reads.
+  std::optional<double> seconds_after(TimeNs time) const;
+
+  /// What IdentityResolution made of the scene that is being processed, for MemoryWriter.
+  struct Pending {
+    const cas::Cas* cas = nullptr;
+    SceneRecord record;
+    ResolvedScene resolved;
+  };
+  std::optional<Pending> pending;
+
+ private:
+  friend MemoryRunResult run_with_memory(Pipeline&, Context&, const std::shared_ptr<const cas::TypeSystem>&,
+                                         Progress&, const std::function<void(cas::Cas&)>&);
+
+  Store store_;
+  Id run_ = 0;
+  Id recording_ = 0;
+  std::optional<Id> map_;
+  const Reader* reader_ = nullptr;
+  std::optional<TimeNs> last_present_;  ///< time of the last frame of the recording that was in the memory
+  KnownPlanes planes_;
+  std::unique_ptr<Recorder> recorder_;
+};
+
+/// Type of the scene annotation that carries the known planes to the next run.
+inline constexpr const char* kKnownPlanesType = "loci.memory.KnownPlanes";
+
+/// Runs a pipeline whose resources have a MemorySession: skips the frames that the memory has, and marks the
+/// run as finished cleanly at the end. After Interrupted all scenes that were finished are in the memory.
+MemoryRunResult run_with_memory(Pipeline& pipeline, Context& context,
+                                const std::shared_ptr<const cas::TypeSystem>& types, Progress& progress,
+                                const std::function<void(cas::Cas&)>& done = {});
+
+/// What a recording is, wherever it lies and in whichever layout: its frames' numbers and times, and its
+/// first and last depth pictures.
+std::string fingerprint_of(const Recording& recording);
+
+}  // namespace loci

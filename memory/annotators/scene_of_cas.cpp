@@ -1,0 +1,232 @@
+#include "memory/annotators/scene_of_cas.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "mapping/image/image_io.h"
+#include "mapping/world/kinematics.h"
+#include "perception/conversions/camera.h"
+#include "perception/conversions/opencv.h"
+#include "perception/types/geometry.h"
+
+namespace loci {
+namespace {
+
+constexpr std::string_view kMapDepth = "map_depth";  ///< view of what the map alone would measure
+
+std::string encoded(const cv::Mat& image, const std::string& ending) {
+  const std::vector<unsigned char> bytes = encode_image(image, ending);
+  return {bytes.begin(), bytes.end()};
+}
+
+std::array<float, 3> rgb_of(double hue, double saturation, double value) {
+  const auto channel = [&](double n) {
+    const double k = std::fmod(n + hue / 60, 6.0);
+    return static_cast<float>(value - value * saturation * std::clamp(std::min(k, 4 - k), 0.0, 1.0));
+  };
+  return {channel(5), channel(3), channel(1)};
+}
+
+cas::Buffer<int32_t> indices_of(const types::Cluster& cluster) {
+  const auto reference = cluster.hypotheses.first<types::ReferenceClusterPoints>();
+  return reference ? reference.indices.get().indices.get() : cas::Buffer<int32_t>();
+}
+
+void describe_place(const types::PlanarSupport& support, const World* world, SceneRecord& record) {
+  if (support.name.get().empty()) return;
+  PlaceRow row;
+  row.name = support.name.get();
+  row.class_name = support.support_class.get_or("plane");
+  row.height = support.height.get();
+  for (const Vector3d& corner : types::points_from_values(support.outline.get()))
+    row.outline.push_back(corner.head<2>());
+  if (support.map_from_support.is_set())
+    row.map_from_place = types::from<Isometry3d>(support.map_from_support.get());
+  row.container = row.class_name.starts_with("drawer") || row.class_name == "cabinet";
+  if (world != nullptr && world->find_link(row.name) != nullptr) {
+    for (const Joint* joint = world->parent_joint(row.name); joint != nullptr;
+         joint = world->parent_joint(joint->parent)) {
+      if (joint->type == JointType::fixed) continue;
+      row.joint = joint->name;
+      break;
+    }
+  }
+  record.places.push_back(std::move(row));
+}
+
+/// Poses of links that some joint moves: what lies on them moves along.
+void add_place_poses(const World& world, SceneRecord& record) {
+  const std::vector<Isometry3d> poses = root_from_links(world, record.row.joints);
+  for (size_t i = 0; i < world.links.size(); ++i) {
+    bool moves = false;
+    for (const Joint* joint = world.parent_joint(world.links[i].name); joint != nullptr && !moves;
+         joint = world.parent_joint(joint->parent))
+      moves = joint->type != JointType::fixed;
+    if (moves) record.place_poses.push_back({world.links[i].name, poses[i]});
+  }
+}
+
+void read_camera(const types::SceneCas& cas, const types::Scene& scene, SceneRecord& record) {
+  const RgbdCamera cameras = types::cameras(cas);
+  record.view.camera = cameras.depth;
+  record.view.map_from_camera = types::from<Isometry3d>(scene.map_from_camera.get());
+  record.view.depth = types::view_image(cas, types::SceneCas::kDepth);
+  if (cas.has(kMapDepth)) record.view.map_depth = types::view_image(cas, kMapDepth);
+  SceneCamera row;
+  row.width = cameras.depth.width;
+  row.height = cameras.depth.height;
+  row.fx = cameras.depth.fx;
+  row.fy = cameras.depth.fy;
+  row.cx = cameras.depth.cx;
+  row.cy = cameras.depth.cy;
+  row.range_min = record.view.near_m;
+  row.range_max = record.view.far_m;
+  record.row.camera = row;
+  record.row.map_from_camera = record.view.map_from_camera;
+  if (cas.has(types::SceneCas::kColor))
+    record.picture = {encoded(types::view_image(cas, types::SceneCas::kColor), ".jpg"), "image/jpeg"};
+}
+
+/// Points, pixels and mask of a cluster.
+void read_points(const types::Cluster& cluster, SceneRecord& record, ObservationRecord& observation) {
+  const cv::Mat& depth = record.view.depth;
+  const auto label = static_cast<int>(record.observations.size());
+  std::vector<Vector3d> points;
+  cv::Rect roi;
+  for (const int32_t index : indices_of(cluster)) {
+    const int v = index / depth.cols, u = index % depth.cols;
+    record.view.labels.at<int>(v, u) = label;
+    roi = roi.empty() ? cv::Rect(u, v, 1, 1) : (roi | cv::Rect(u, v, 1, 1));
+    const float z = depth.at<float>(v, u);
+    if (std::isfinite(z))
+      points.push_back(record.view.map_from_camera * record.view.camera.unproject(u, v, z));
+  }
+  observation.evidence.points = static_cast<int>(points.size());
+  observation.row.points = static_cast<int64_t>(points.size());
+  observation.evidence.box = robust_box(points);
+  observation.evidence.range = (record.view.map_from_camera.inverse() * observation.evidence.box.centre).z();
+  if (roi.empty()) return;
+  observation.row.roi = {roi.x, roi.y, roi.width, roi.height};
+  cv::Mat mask = cv::Mat::zeros(roi.size(), CV_8U);
+  for (const int32_t index : indices_of(cluster))
+    mask.at<uint8_t>(index / depth.cols - roi.y, index % depth.cols - roi.x) = 255;
+  observation.mask = {encoded(mask, ".png"), "image/png"};
+}
+
+std::string value_of(const types::Annotation& annotation) {
+  const cas::FeatureStructure& structure = annotation;
+  if (const auto color = types::try_as<types::ColorAnnotation>(structure))
+    return color->names.size() > 0 ? color->names.get()[0] : std::string();
+  if (const auto size = types::try_as<types::SizeAnnotation>(structure)) return size->size.get();
+  if (const auto location = types::try_as<types::TFLocationAnnotation>(structure))
+    return location->sentence.get();
+  if (const auto location = types::try_as<types::LocationAnnotation>(structure))
+    return location->frame_id.get();
+  if (const auto label = types::try_as<types::ClassificationAnnotation>(structure)) return label->label.get();
+  if (const auto geometry = types::try_as<types::GeometryAnnotation>(structure)) return geometry->place.get();
+  return {};
+}
+
+void read_annotations(const types::Cluster& cluster, ObservationRecord& observation) {
+  for (const types::Annotation& annotation : cluster.annotations) {
+    AnnotationRecord record;
+    record.type = annotation.type().name();
+    record.value = value_of(annotation);
+    if (annotation.confidence.is_set()) record.confidence = annotation.confidence.get();
+    record.structure = annotation;
+    observation.annotations.push_back(std::move(record));
+  }
+  if (const auto geometry = cluster.annotations.first<types::GeometryAnnotation>()) {
+    observation.row.map_from_box = types::from<Isometry3d>(geometry.map_from_object.get());
+    observation.row.size = types::from<Vector3d>(geometry.size.get());
+  } else {
+    observation.row.size = observation.evidence.box.size;
+  }
+  if (const auto color = cluster.annotations.first<types::ColorAnnotation>()) {
+    observation.row.hsv = HsvColor{color.mean_hue.get(), color.mean_saturation.get(), color.mean_value.get()};
+    if (color.names.size() > 0) observation.row.color = color.names.get()[0];
+  }
+  if (const auto location = cluster.annotations.first<types::TFLocationAnnotation>())
+    if (location.sentence.is_set()) observation.row.sentence = location.sentence.get();
+}
+
+std::string place_of(const types::Cluster& cluster) {
+  if (cluster.place.is_set()) return cluster.place.get();
+  return cluster.support.is_set() ? cluster.support.get().name.get() : std::string();
+}
+
+ObservationRecord read_cluster(const types::Cluster& cluster, SceneRecord& record) {
+  ObservationRecord observation;
+  read_points(cluster, record, observation);
+  observation.evidence.partial = cluster.at_image_border.get() || cluster.partly_hidden.get();
+  observation.evidence.place = place_of(cluster);
+  observation.evidence.descriptors = descriptors_of(cluster);
+  observation.row.position = observation.evidence.box.centre;
+  read_annotations(cluster, observation);
+  if (const auto roi = cluster.hypotheses.first<types::StandaloneImageROI>())
+    observation.crop = {encoded(types::from<cv::Mat>(roi.image.get()), ".jpg"), "image/jpeg"};
+  return observation;
+}
+
+}  // namespace
+
+belief::AxisBox robust_box(const std::vector<Vector3d>& points) {
+  if (points.empty()) return {};
+  Vector3d low, high;
+  std::vector<double> values(points.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    for (size_t i = 0; i < points.size(); ++i) values[i] = points[i][axis];
+    const auto at = [&](double share) {
+      const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+      std::nth_element(values.begin(), values.begin() + place, values.end());
+      return values[static_cast<size_t>(place)];
+    };
+    low[axis] = at(0.01);
+    high[axis] = at(0.99);
+  }
+  return {(low + high) / 2, high - low};
+}
+
+std::vector<belief::Descriptor> descriptors_of(const types::Cluster& cluster) {
+  std::vector<belief::Descriptor> descriptors;
+  if (const auto histogram = cluster.annotations.first<types::ColorHistogram>())
+    descriptors.push_back({"color_histogram", histogram.histogram.to_vector()});
+  if (const auto color = cluster.annotations.first<types::ColorAnnotation>()) {
+    const auto rgb = rgb_of(color.mean_hue.get(), color.mean_saturation.get(), color.mean_value.get());
+    descriptors.push_back({"mean_color", {rgb.begin(), rgb.end()}});
+  }
+  if (const auto geometry = cluster.annotations.first<types::GeometryAnnotation>()) {
+    const Vector3d size = types::from<Vector3d>(geometry.size.get());
+    descriptors.push_back(
+        {"extents",
+         {static_cast<float>(size.x()), static_cast<float>(size.y()), static_cast<float>(size.z())}});
+  }
+  return descriptors;
+}
+
+SceneRecord scene_record(const types::SceneCas& cas, const World* world) {
+  const types::Scene scene = cas.scene();
+  SceneRecord record;
+  record.row.time = scene.timestamp.get();
+  record.row.frame_index = scene.frame_index.get();
+  if (const types::JointState joints = scene.joint_state.get()) {
+    const auto names = joints.names.get();
+    const auto positions = joints.positions.get();
+    for (size_t i = 0; i < names.size() && i < positions.size(); ++i)
+      record.row.joints[names[i]] = positions[i];
+    record.structures.push_back(joints);
+  }
+  read_camera(cas, scene, record);
+  if (world != nullptr) add_place_poses(*world, record);
+  for (const types::PlanarSupport& support : cas.supports()) {
+    describe_place(support, world, record);
+    record.structures.push_back(support);
+  }
+  record.view.labels = cv::Mat(record.view.depth.size(), CV_32S, cv::Scalar(-1));
+  for (const types::Cluster& cluster : cas.clusters())
+    record.observations.push_back(read_cluster(cluster, record));
+  return record;
+}
+
+}  // namespace loci
