@@ -23,6 +23,7 @@ find_package(PCL 1.13 QUIET REQUIRED COMPONENTS common kdtree search filters seg
 set(CMAKE_DISABLE_FIND_PACKAGE_VTK OFF)
 
 if(LOCI_GUI)
+  enable_language(C)  # VTK's targets refer to MPI, which is looked for with C
   find_package(Qt5 5.15 REQUIRED COMPONENTS Widgets Test)
   find_package(VTK 9.1 REQUIRED COMPONENTS
     CommonCore CommonDataModel CommonExecutionModel FiltersSources FiltersGeneral InteractionStyle

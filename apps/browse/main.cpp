@@ -1,6 +1,56 @@
-#include <cstdio>
+// loci-browse: one window onto one memory, or a picture of it.
 
-int main() {
-  std::fputs("loci-browse: not built yet\n", stderr);
-  return 3;
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <map>
+#include <string>
+
+#include "apps/cli/program.h"
+#include "gui/application.h"
+
+namespace {
+
+constexpr const char* kProgram = "loci-browse";
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  loci-browse demo-output/memory.loci\n"
+    "  loci-browse demo-output/memory.loci --screenshot browser.png --select object_1";
+
+bool is_set(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value != nullptr && *value != '\0';
+}
+
+void declare(CLI::App& app, loci::BrowseOptions& options) {
+  static const std::map<std::string, loci::ThemeChoice> kThemes = {{"system", loci::ThemeChoice::system},
+                                                                   {"light", loci::ThemeChoice::light},
+                                                                   {"dark", loci::ThemeChoice::dark}};
+  app.footer(kExamples);
+  app.add_option("FILE", options.file, "The memory to open (*.loci)");
+  app.add_option("--screenshot", options.screenshot,
+                 "Write a picture of the window to this PNG file and exit; needs no screen");
+  app.add_option("--at", options.at,
+                 "The time to show: 2026-05-01T08:30:00Z, 08:30, \"yesterday 9:00\" [last scene]");
+  app.add_option("--select", options.select,
+                 "What to choose: an object (object_12, an alias, \"red\") or a place");
+  app.add_option("--theme", options.theme, "Colours: system, light, dark [system]")
+      ->transform(CLI::CheckedTransformer(kThemes))
+      ->option_text("TEXT");
+  app.add_option("--size", options.size, "Size of the picture in pixels")->capture_default_str();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Looks through the memory of a room.", kProgram);
+  loci::BrowseOptions options;
+  options.has_screen = is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
+  options.has_desktop = is_set("XDG_CURRENT_DESKTOP");
+  declare(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  return loci::run_guarded(kProgram, [&] { return loci::run_browser(options, kProgram); });
 }

@@ -1,0 +1,132 @@
+#include "gui/application.h"
+
+#include <QVTKOpenGLNativeWidget.h>
+#include <QApplication>
+#include <QBuffer>
+#include <QOpenGLContext>
+#include <QSurfaceFormat>
+#include <cstdio>
+#include <memory>
+#include <regex>
+#include <vector>
+
+#include "gui/data/memory_data.h"
+#include "gui/main_window.h"
+#include "gui/scene3d/egl_window.h"
+#include "mapping/base/error.h"
+#include "mapping/base/files.h"
+
+namespace loci {
+namespace {
+
+/// Enough for the window to be laid out and painted.
+constexpr int kRoundsOfEvents = 5;
+
+QSize parse_size(const std::string& text) {
+  std::smatch match;
+  if (!std::regex_match(text, match, std::regex(R"((\d{3,5})x(\d{3,5}))")))
+    throw Error("--size '" + text + "' is no size in pixels", {}, "write it as 1280x800");
+  return {std::stoi(match[1]), std::stoi(match[2])};
+}
+
+/// Pictures are drawn in memory where that is possible; a screen is only the second way. Error when neither
+/// works.
+MapBackend picture_backend(bool has_screen) {
+  try {
+    const EglWindow probe(16, 16);
+    return MapBackend::memory;
+  } catch (const Error&) {
+    if (!has_screen) throw;
+    return MapBackend::widget;
+  }
+}
+
+/// A widget without an OpenGL context stays blank and says nothing.
+void require_opengl() {
+  QOpenGLContext context;
+  if (!context.create())
+    throw Error("no OpenGL context can be made on this display", {}, "install libgl1-mesa-dri");
+}
+
+/// Qt remarks on what a bare machine lacks and nothing here uses; stderr is for our own line.
+void pass_message(QtMsgType, const QMessageLogContext&, const QString& message) {
+  if (message.startsWith("QStandardPaths: XDG_RUNTIME_DIR") ||
+      message.startsWith("This plugin does not support"))
+    return;
+  std::fprintf(stderr, "%s\n", message.toUtf8().constData());
+}
+
+void go_to(MainWindow& window, const BrowseOptions& options) {
+  const BrowserData& data = *window.browser().data();
+  SelectionModel& selection = window.browser().selection();
+  if (!options.at.empty()) selection.set_time(data.time_of(options.at));
+  if (options.select.empty()) return;
+  const FoundThings found = data.find(options.select, selection.time());
+  if (found.objects.empty())
+    selection.select_place(found.place);
+  else
+    selection.select_object(found.objects.front());
+}
+
+void write_picture(MainWindow& window, const std::string& path, const QSize& size) {
+  window.resize(size);
+  window.show();
+  for (int i = 0; i < kRoundsOfEvents; ++i) QApplication::processEvents();
+  const QImage image = window.screenshot();
+  QByteArray bytes;
+  QBuffer buffer(&bytes);
+  buffer.open(QIODevice::WriteOnly);
+  if (!image.save(&buffer, "PNG")) throw Error("the picture could not be encoded", {path, 0, {}});
+  write_file_atomically(path, {bytes.constData(), static_cast<size_t>(bytes.size())});
+}
+
+int take_picture(const BrowseOptions& options, std::unique_ptr<BrowserData> data, MapBackend backend) {
+  WindowOptions window_options;
+  window_options.remember = false;
+  window_options.backend = backend;
+  MainWindow window(open_memory_data, window_options);
+  window.show_data(std::move(data));
+  go_to(window, options);
+  write_picture(window, options.screenshot, parse_size(options.size));
+  return 0;
+}
+
+int show_window(const BrowseOptions& options) {
+  MainWindow window(open_memory_data);
+  window.show();
+  if (!options.file.empty() && window.open(QString::fromStdString(options.file))) go_to(window, options);
+  return QApplication::exec();
+}
+
+}  // namespace
+
+int run_browser(const BrowseOptions& options, const std::string& program) {
+  const bool picture = !options.screenshot.empty();
+  std::unique_ptr<BrowserData> data;
+  MapBackend backend = MapBackend::widget;
+  if (picture) {
+    if (options.file.empty()) throw Error("a picture needs a memory", {}, "give a FILE.loci");
+    parse_size(options.size);
+    data = open_memory_data(options.file);
+    backend = picture_backend(options.has_screen);
+  } else if (!options.has_screen) {
+    throw Error("there is no screen (DISPLAY is not set)", {}, "use --screenshot FILE, or xvfb-run");
+  }
+  QSurfaceFormat format = QVTKOpenGLNativeWidget::defaultFormat();
+  format.setSamples(0);
+  QSurfaceFormat::setDefaultFormat(format);  // Takes effect only before there is an application.
+  qInstallMessageHandler(pass_message);
+  std::vector<std::string> words = {program};
+  if (backend == MapBackend::memory) words.insert(words.end(), {"-platform", "offscreen"});
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  auto count = static_cast<int>(arguments.size());
+  QApplication application(count, arguments.data());
+  QApplication::setOrganizationName("loci");
+  QApplication::setApplicationName(QString::fromStdString(program));
+  if (backend == MapBackend::widget) require_opengl();
+  apply_theme(application, options.theme, options.has_desktop);
+  return picture ? take_picture(options, std::move(data), backend) : show_window(options);
+}
+
+}  // namespace loci

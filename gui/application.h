@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+#include "gui/theme.h"
+
+namespace loci {
+
+/// What to open and how.
+struct BrowseOptions {
+  std::string file;        ///< memory; may be empty for a window
+  std::string screenshot;  ///< PNG to write instead of staying; empty = a window
+  std::string at;          ///< time to show, as people write it; empty = the last scene
+  std::string select;      ///< object or place to choose, in words; empty = nothing
+  std::string size = "1280x800";
+  ThemeChoice theme = ThemeChoice::system;
+  bool has_screen = true;   ///< there is an X or Wayland display
+  bool has_desktop = true;  ///< which says how its windows should look
+};
+
+/// Runs the browser until its window is closed, or writes one picture; returns the exit code. Error when the
+/// memory cannot be read, when nothing can be drawn, or when a window is wanted and there is no screen.
+int run_browser(const BrowseOptions& options, const std::string& program);
+
+}  // namespace loci

@@ -1,0 +1,142 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mapping/base/joint_state.h"
+#include "mapping/base/pose.h"
+#include "mapping/base/time.h"
+#include "mapping/sensor/camera.h"
+#include "mapping/world/mesh.h"
+#include "mapping/world/world.h"
+
+namespace loci {
+
+/// How the memory stands to an object at a time.
+enum class Presence {
+  seen,        ///< observed in the scene of that time
+  remembered,  ///< believed to be there, out of view
+  missed,      ///< looked for, not found, perhaps still there
+  hidden,      ///< believed to be there, behind something
+  gone         ///< looked for and not there
+};
+const char* presence_name(Presence presence);
+
+/// One object as believed at one time.
+struct BelievedObject {
+  int64_t id = 0;
+  std::string name;        ///< for people: "object_12", or what they called it
+  std::string class_name;  ///< empty = unknown
+  std::string color_name;  ///< empty = unknown
+  std::string place;       ///< link of the map or plane; empty = unknown. Of a gone object: the last one
+  Presence presence = Presence::seen;
+  double probability = 1;                     ///< that it is there, in [0,1]
+  std::optional<Isometry3d> map_from_object;  ///< centre and axes of the box
+  Vector3d size = Vector3d::Zero();           ///< full extents along its axes, metres
+  std::array<uint8_t, 3> rgb = {160, 160, 160};
+  std::optional<TimeNs> last_seen;
+};
+
+/// Everything that is believed at one time.
+struct BelievedScene {
+  TimeNs time = 0;
+  std::vector<BelievedObject> objects;
+  JointState joints;
+
+  const BelievedObject* find(int64_t object) const;
+};
+
+struct SceneEntry {
+  int64_t id = 0;
+  TimeNs time = 0;
+  std::string name;
+};
+
+/// Something that happened, for the time bar and the card.
+struct EventEntry {
+  TimeNs time = 0;
+  std::string kind;    ///< appeared, moved, looks_different, gone, hidden, joint, …
+  int64_t object = 0;  ///< 0 = of no object
+  std::string text;    ///< for people
+};
+
+/// Something that happened to an object.
+struct HistoryEntry {
+  TimeNs from = 0;
+  std::string place;
+  std::string what;
+  double probability = 1;
+};
+
+/// An object as it was found in a picture.
+struct ImageBox {
+  int64_t object = 0;
+  std::string name;
+  cv::Rect2d color;  ///< pixels of the colour picture
+  cv::Rect2d depth;  ///< pixels of the depth picture
+};
+
+/// What was recorded of one scene.
+struct SceneContent {
+  SceneEntry scene;
+  cv::Mat color;  ///< CV_8UC3, BGR; empty = not kept
+  cv::Mat depth;  ///< CV_32F, metres, NaN = no measurement; may be smaller than the camera's picture
+  RgbdCamera camera;
+  std::optional<Isometry3d> map_from_camera;
+  std::vector<ImageBox> boxes;
+};
+
+/// What words mean.
+struct FoundThings {
+  std::vector<int64_t> objects;  ///< most probable first; empty when it is a place
+  std::string place;
+};
+
+struct MemoryInfo {
+  std::string path;
+  std::string schema;    ///< "1.0"
+  int zone_minutes = 0;  ///< east of UTC, for showing times
+  bool time_assumed = false;
+  std::string summary;  ///< one line: scenes, objects, time span
+};
+
+/// What the browser shows, as plain values. The views know no database; tests may give them any memory.
+/// Functions throw Error.
+class BrowserData {
+ public:
+  virtual ~BrowserData() = default;
+
+  virtual const MemoryInfo& info() const = 0;
+  /// In the order of time.
+  virtual const std::vector<SceneEntry>& scenes() const = 0;
+  /// In the order of time.
+  virtual const std::vector<EventEntry>& events() const = 0;
+  /// The map; unset when the memory was made without one.
+  virtual const std::optional<World>& world() const = 0;
+  /// Where the map's meshes are looked for.
+  virtual MeshSearch mesh_search() const { return {}; }
+  virtual BelievedScene belief_at(TimeNs time) const = 0;
+  virtual SceneContent scene(int64_t id) const = 0;
+  virtual std::vector<HistoryEntry> history(int64_t object) const = 0;
+  /// Times at which the object was observed.
+  virtual std::vector<TimeNs> observations(int64_t object) const = 0;
+  /// The newest picture of an object at or before a time (CV_8UC3, BGR); empty when there is none.
+  virtual cv::Mat picture(int64_t object, TimeNs time) const = 0;
+
+  /// A time as people write it: "2026-05-01 08:30", "08:30", "yesterday 9:00". Where it covers a while, its
+  /// last scene. Error that shows what can be written.
+  virtual TimeNs time_of(const std::string& text) const = 0;
+  /// What words mean at a time: "object_12", an alias, "red", "on table_1", or a place. Error with the
+  /// nearest names when they mean nothing.
+  virtual FoundThings find(const std::string& words, TimeNs time) const = 0;
+
+  /// The last scene at or before `time`, else the first; nullptr when there are none.
+  const SceneEntry* scene_at(TimeNs time) const;
+};
+
+}  // namespace loci

@@ -1,0 +1,295 @@
+#include "gui/data/memory_data.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <opencv2/imgproc.hpp>
+
+#include "mapping/image/image_io.h"
+#include "mapping/world/urdf.h"
+#include "memory/questions/people_time.h"
+#include "memory/questions/snapshot.h"
+#include "memory/questions/words.h"
+#include "memory/store/depth_thumbnail.h"
+#include "memory/store/store.h"
+
+namespace loci {
+namespace {
+
+Presence presence_of(const std::string& status) {
+  if (status == "seen") return Presence::seen;
+  if (status == "missed") return Presence::missed;
+  if (status == "hidden") return Presence::hidden;
+  if (status == "gone") return Presence::gone;
+  return Presence::remembered;
+}
+
+std::array<uint8_t, 3> rgb_of(const HsvColor& hsv) {
+  const double chroma = hsv.value * hsv.saturation;
+  const auto channel = [&](double shift) {
+    const double k = std::fmod(shift + hsv.hue / 60, 6);
+    const double level = hsv.value - chroma * std::clamp(std::min(k, 4 - k), 0.0, 1.0);
+    return static_cast<uint8_t>(std::lround(std::clamp(level, 0.0, 1.0) * 255));
+  };
+  return {channel(5), channel(3), channel(1)};
+}
+
+cv::Mat decode_color(const BlobRow& blob, const std::string& name) {
+  const std::vector<unsigned char> bytes(blob.bytes.begin(), blob.bytes.end());
+  const cv::Mat image = decode_image(bytes, name);
+  if (image.type() == CV_8UC3) return image;
+  if (image.depth() != CV_8U) throw Error("a picture with more than 8 bits", {name, 0, {}});
+  cv::Mat color;
+  cv::cvtColor(image, color, image.channels() == 4 ? cv::COLOR_BGRA2BGR : cv::COLOR_GRAY2BGR);
+  return color;
+}
+
+PinholeCamera pinhole_of(const SceneCamera& camera) {
+  return {camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy};
+}
+
+class MemoryData : public BrowserData {
+ public:
+  explicit MemoryData(const std::filesystem::path& path) : store_(Store::open_read(path)) {
+    for (const PlaceRow& place : store_.places()) places_[place.id] = place.name;
+    read_names();
+    read_scenes();
+    read_events();
+    read_map();
+    describe();
+  }
+
+  const MemoryInfo& info() const override { return info_; }
+  const std::vector<SceneEntry>& scenes() const override { return scenes_; }
+  const std::vector<EventEntry>& events() const override { return events_; }
+  const std::optional<World>& world() const override { return world_; }
+  MeshSearch mesh_search() const override { return {{}, store_.path().parent_path()}; }
+
+  BelievedScene belief_at(TimeNs time) const override;
+  SceneContent scene(int64_t id) const override;
+  std::vector<HistoryEntry> history(int64_t object) const override;
+  std::vector<TimeNs> observations(int64_t object) const override;
+  cv::Mat picture(int64_t object, TimeNs time) const override;
+  TimeNs time_of(const std::string& text) const override;
+  FoundThings find(const std::string& words, TimeNs time) const override;
+
+ private:
+  void read_names();
+  void read_scenes();
+  void read_events();
+  void read_map();
+  void describe();
+  std::string place_name(std::optional<Id> id) const;
+  std::string name_of(Id object) const;
+  BelievedObject believed(const BeliefRow& row) const;
+  const ObservationRow& observation(Id id) const;
+  std::vector<ImageBox> boxes(const SceneRow& row, const SceneContent& content) const;
+
+  Store store_;
+  MemoryInfo info_;
+  std::map<Id, std::string> places_;
+  std::map<Id, std::string> aliases_, classes_;
+  std::vector<SceneEntry> scenes_;
+  std::map<Id, SceneRow> rows_;
+  std::vector<EventEntry> events_;
+  std::optional<World> world_;
+  mutable std::map<Id, ObservationRow> observations_;  ///< read once, asked for at every step in time
+};
+
+void MemoryData::read_names() {
+  for (const FactRow& fact : store_.facts()) {
+    if (!fact.object || !fact.value) continue;
+    if (fact.key == "alias") aliases_[*fact.object] = *fact.value;
+    if (fact.key == "class") classes_[*fact.object] = *fact.value;
+  }
+}
+
+void MemoryData::read_scenes() {
+  for (SceneRow& row : store_.scenes()) {
+    const std::string name =
+        row.frame_index ? fmt::format("frame {}", *row.frame_index) : fmt::format("scene {}", row.id);
+    scenes_.push_back({row.id, row.time, name});
+    rows_.emplace(row.id, std::move(row));
+  }
+}
+
+void MemoryData::read_events() {
+  for (const Change& change : ask(store_, ChangesQuestion{}).changes)
+    events_.push_back({change.time, change.kind, change.object ? change.object->id : 0, change_text(change)});
+}
+
+void MemoryData::read_map() {
+  const auto maps = store_.maps();
+  if (maps.empty()) return;
+  const MapRow& newest = maps.back();
+  world_ = parse_urdf(store_.blob(newest.urdf).bytes, newest.name);
+}
+
+void MemoryData::describe() {
+  info_.path = store_.path().string();
+  info_.schema = fmt::format("{}.{}", store_.major(), store_.minor());
+  info_.zone_minutes = store_.time_zone_minutes();
+  for (const RecordingRow& recording : store_.recordings()) info_.time_assumed |= recording.time_assumed;
+  const auto plural = [](size_t n, const char* what) {
+    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+  };
+  info_.summary = fmt::format("{} · {} · {}", plural(scenes_.size(), "scene"),
+                              plural(store_.objects().size(), "object"), plural(events_.size(), "event"));
+  if (!world_) info_.summary += " · no map";
+}
+
+std::string MemoryData::place_name(std::optional<Id> id) const {
+  const auto found = id ? places_.find(*id) : places_.end();
+  return found == places_.end() ? std::string() : found->second;
+}
+
+std::string MemoryData::name_of(Id object) const {
+  const auto alias = aliases_.find(object);
+  return alias == aliases_.end() ? object_name(object) : alias->second;
+}
+
+const ObservationRow& MemoryData::observation(Id id) const {
+  const auto found = observations_.find(id);
+  return found != observations_.end() ? found->second
+                                      : observations_.emplace(id, store_.observation(id)).first->second;
+}
+
+BelievedObject MemoryData::believed(const BeliefRow& row) const {
+  BelievedObject object;
+  object.id = row.object;
+  object.name = name_of(row.object);
+  if (const auto found = classes_.find(row.object); found != classes_.end())
+    object.class_name = found->second;
+  object.color_name = row.color.value_or("");
+  object.place = place_name(row.place);
+  object.presence = presence_of(row.status);
+  object.probability = row.probability;
+  object.size = row.size.value_or(Vector3d::Zero());
+  if (row.hsv) object.rgb = rgb_of(*row.hsv);
+  Isometry3d pose = Isometry3d::Identity();
+  bool placed = false;
+  if (row.last_observation) {  // The belief is a position; how the thing is turned, its last sight says.
+    const ObservationRow& seen = observation(*row.last_observation);
+    if (seen.map_from_box) {
+      pose = *seen.map_from_box;
+      placed = true;
+    }
+    if (seen.size) object.size = *seen.size;
+    if (row.position && seen.position && placed) pose.translation() += *row.position - *seen.position;
+  }
+  if (row.position && !placed) {
+    pose.translation() = *row.position;
+    placed = true;
+  }
+  if (placed) object.map_from_object = pose;
+  if (row.last_scene)
+    if (const auto scene = rows_.find(*row.last_scene); scene != rows_.end())
+      object.last_seen = scene->second.time;
+  return object;
+}
+
+BelievedScene MemoryData::belief_at(TimeNs time) const {
+  BelievedScene belief;
+  belief.time = time;
+  for (const BeliefRow& row : store_.beliefs({time, std::nullopt})) belief.objects.push_back(believed(row));
+  if (const SceneEntry* entry = scene_at(time); entry != nullptr && entry->time <= time)
+    belief.joints = rows_.at(entry->id).joints;
+  return belief;
+}
+
+std::vector<ImageBox> MemoryData::boxes(const SceneRow& row, const SceneContent& content) const {
+  std::map<Id, Id> object_of;
+  for (const AssociationRow& association : store_.associations(row.id))
+    if (association.chosen && association.observation && association.object && association.probability > 0)
+      object_of[*association.observation] = *association.object;
+  std::vector<ImageBox> boxes;
+  for (const ObservationRow& seen : store_.observations(row.id)) {
+    if (!seen.roi) continue;
+    const auto found = object_of.find(seen.id);
+    ImageBox box;
+    box.object = found == object_of.end() ? 0 : found->second;
+    box.name = box.object == 0 ? "unassigned" : name_of(box.object);
+    const auto& roi = *seen.roi;
+    box.depth = cv::Rect2d(roi[0], roi[1], roi[2], roi[3]);
+    box.color = box.depth;
+    if (content.camera.color != content.camera.depth && seen.position && content.map_from_camera)
+      box.color = cv::Rect2d();
+    boxes.push_back(std::move(box));
+  }
+  return boxes;
+}
+
+SceneContent MemoryData::scene(int64_t id) const {
+  const auto found = rows_.find(id);
+  if (found == rows_.end()) throw Error(fmt::format("no scene {}", id), {info_.path, 0, {}});
+  const SceneRow& row = found->second;
+  SceneContent content;
+  content.scene =
+      *std::find_if(scenes_.begin(), scenes_.end(), [&](const SceneEntry& s) { return s.id == id; });
+  content.map_from_camera = row.map_from_camera;
+  if (row.camera) content.camera.depth = content.camera.color = pinhole_of(*row.camera);
+  if (row.picture)
+    content.color =
+        decode_color(store_.blob(*row.picture), fmt::format("{}: picture of scene {}", info_.path, id));
+  if (row.depth && row.depth_width > 0) {
+    std::vector<float> depth = decode_depth_thumbnail(store_.blob(*row.depth).bytes);
+    if (depth.size() == static_cast<size_t>(row.depth_width) * static_cast<size_t>(row.depth_height))
+      content.depth = cv::Mat(row.depth_height, row.depth_width, CV_32F, depth.data()).clone();
+  }
+  content.boxes = boxes(row, content);
+  return content;
+}
+
+std::vector<HistoryEntry> MemoryData::history(int64_t object) const {
+  std::vector<HistoryEntry> entries;
+  for (const ObjectHistory& history : ask(store_, HistoryQuestion{object_name(object), {}}).objects)
+    for (const Change& change : history.changes) {
+      const auto& place = change.place ? change.place : change.from_place;
+      std::string what = change.kind;
+      std::replace(what.begin(), what.end(), '_', ' ');
+      entries.push_back({change.time, place ? place->name : "", what, change.probability});
+    }
+  return entries;
+}
+
+std::vector<TimeNs> MemoryData::observations(int64_t object) const {
+  std::vector<TimeNs> times;
+  for (const Sighting& sighting : store_.sightings(object)) times.push_back(sighting.time);
+  return times;
+}
+
+cv::Mat MemoryData::picture(int64_t object, TimeNs time) const {
+  std::optional<Id> crop;
+  for (const Sighting& sighting : store_.sightings(object, {time, std::nullopt}))
+    if (sighting.observation.crop) crop = sighting.observation.crop;
+  return crop ? decode_color(store_.blob(*crop), fmt::format("{}: picture of object {}", info_.path, object))
+              : cv::Mat();
+}
+
+TimeNs MemoryData::time_of(const std::string& text) const {
+  const TimeSpan span = TimeReader(store_).read(text);
+  // Nothing changes between scenes: the belief at the last scene is that at the end of the span.
+  TimeNs time = span.first;
+  for (const SceneEntry& scene : scenes_)
+    if (scene.time >= span.first && scene.time <= span.last) time = scene.time;
+  return time;
+}
+
+FoundThings MemoryData::find(const std::string& words, TimeNs time) const {
+  const Snapshot snapshot(store_, {time, std::nullopt});
+  const bool is_link = world_ && world_->find_link(words) != nullptr;
+  for (const PlaceRow& place : snapshot.places())
+    if (place.name == words) return {{}, words};
+  if (is_link) return {{}, words};
+  return {snapshot.find_objects(words), {}};
+}
+
+}  // namespace
+
+std::unique_ptr<BrowserData> open_memory_data(const std::filesystem::path& path) {
+  return std::make_unique<MemoryData>(path);
+}
+
+}  // namespace loci

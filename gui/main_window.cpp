@@ -1,0 +1,175 @@
+#include "gui/main_window.h"
+
+#include <QCloseEvent>
+#include <QDockWidget>
+#include <QFileDialog>
+#include <QFileInfo>
+#include <QLabel>
+#include <QMenuBar>
+#include <QMessageBox>
+#include <QMimeData>
+#include <QSettings>
+#include <QStatusBar>
+#include <QToolBar>
+
+#include "gui/text.h"
+#include "gui/views/object_card.h"
+#include "gui/views/objects_tree.h"
+#include "gui/views/scene_image.h"
+#include "gui/views/time_bar.h"
+#include "gui/views/time_track.h"
+#include "mapping/base/error.h"
+
+namespace loci {
+namespace {
+
+constexpr int kRecentFiles = 8;
+constexpr int kMessageMs = 8000;
+const QSize kFirstSize(1280, 800);
+
+}  // namespace
+
+MainWindow::MainWindow(Opener opener, const WindowOptions& options)
+    : opener_(std::move(opener)), options_(options), map_(new MapView(browser_, options.backend, this)) {
+  setAcceptDrops(true);
+  resize(kFirstSize);
+  setDockOptions(AnimatedDocks | AllowNestedDocks | AllowTabbedDocks);
+  setCentralWidget(map_);
+  build_docks();
+  build_file_menu();
+  build_time_menu();
+  build_select_menu();
+  build_view_menu();
+  build_help_menu();
+  build_toolbar();
+  summary_ = new QLabel(this);
+  statusBar()->addPermanentWidget(summary_);
+  connect(&browser_, &Browser::opened, this, &MainWindow::refresh_title);
+  connect(&browser_, &Browser::failed, this, &MainWindow::tell);
+  connect(map_, &MapView::warned, this, &MainWindow::tell);
+  default_layout();
+  default_state_ = saveState();
+  if (options_.remember) {
+    const QSettings settings;
+    restoreGeometry(settings.value("geometry").toByteArray());
+    restoreState(settings.value("layout").toByteArray());
+  }
+  refresh_recent();
+  refresh_title();
+}
+
+MainWindow::~MainWindow() {
+  disconnect(&browser_, nullptr, this, nullptr);
+}
+
+QDockWidget* MainWindow::add_dock(const QString& title, const QString& name, QWidget* widget,
+                                  Qt::DockWidgetArea area) {
+  auto* dock = new QDockWidget(title, this);
+  dock->setObjectName(name);
+  dock->setWidget(widget);
+  addDockWidget(area, dock);
+  return dock;
+}
+
+void MainWindow::build_docks() {
+  tree_ = new ObjectsTree(browser_, this);
+  image_ = new SceneImage(browser_, this);
+  card_ = new ObjectCard(browser_, this);
+  time_ = new TimeBar(browser_, this);
+  setCorner(Qt::BottomLeftCorner, Qt::BottomDockWidgetArea);
+  setCorner(Qt::BottomRightCorner, Qt::BottomDockWidgetArea);
+  add_dock("Places and objects", "objects", tree_, Qt::LeftDockWidgetArea);
+  image_dock_ = add_dock("Scene", "scene", image_, Qt::RightDockWidgetArea);
+  add_dock("Selection", "selection", card_, Qt::RightDockWidgetArea);
+  add_dock("Time", "time", time_, Qt::BottomDockWidgetArea);
+}
+
+void MainWindow::default_layout() {
+  if (!default_state_.isEmpty()) restoreState(default_state_);
+  const auto dock = [this](const char* name) { return findChild<QDockWidget*>(name); };
+  resizeDocks({dock("objects"), dock("scene")}, {290, 360}, Qt::Horizontal);
+  resizeDocks({dock("scene"), dock("selection")}, {280, 330}, Qt::Vertical);
+  resizeDocks({dock("time")}, {110}, Qt::Vertical);
+}
+
+void MainWindow::refresh_title() {
+  const BrowserData* memory = browser_.data();
+  if (memory == nullptr) {
+    setWindowTitle("loci");
+    summary_->setText("Open a memory with Ctrl+O, or drop one here");
+    return;
+  }
+  const MemoryInfo& info = memory->info();
+  setWindowTitle(
+      QString("%1 – schema %2, read-only – loci")
+          .arg(QFileInfo(QString::fromStdString(info.path)).fileName(), QString::fromStdString(info.schema)));
+  summary_->setText(QString::fromStdString(info.summary));
+  summary_->setToolTip(QString::fromStdString(info.path));
+}
+
+bool MainWindow::open(const QString& path) {
+  try {
+    show_data(opener_(path.toStdString()));
+    remember_file(path);
+    return true;
+  } catch (const Error& error) {
+    QMessageBox box(QMessageBox::Warning, "This memory cannot be opened",
+                    QString::fromStdString(error.message()), QMessageBox::Ok, this);
+    box.setInformativeText(QString::fromUtf8(error.what()));
+    box.setTextInteractionFlags(Qt::TextSelectableByMouse);
+    box.exec();
+    return false;
+  }
+}
+
+void MainWindow::show_data(std::unique_ptr<BrowserData> memory) {
+  browser_.open(std::move(memory));
+  time_->track()->setFocus();
+}
+
+QImage MainWindow::screenshot() {
+  map_->picture();  // Throws when nothing was drawn.
+  return grab().toImage();
+}
+
+void MainWindow::tell(const QString& message) {
+  statusBar()->showMessage(message, kMessageMs);
+}
+
+void MainWindow::ask_for_file() {
+  const QString path =
+      QFileDialog::getOpenFileName(this, "Open a memory", QString(), "Memories (*.loci);;All files (*)");
+  if (!path.isEmpty()) open(path);
+}
+
+void MainWindow::remember_file(const QString& path) {
+  if (!options_.remember) return;
+  QSettings settings;
+  QStringList files = settings.value("recent").toStringList();
+  const QString absolute = QFileInfo(path).absoluteFilePath();
+  files.removeAll(absolute);
+  files.prepend(absolute);
+  settings.setValue("recent", QStringList(files.mid(0, kRecentFiles)));
+  refresh_recent();
+}
+
+void MainWindow::dragEnterEvent(QDragEnterEvent* event) {
+  if (event->mimeData()->hasUrls() && event->mimeData()->urls().front().isLocalFile())
+    event->acceptProposedAction();
+}
+
+void MainWindow::dropEvent(QDropEvent* event) {
+  event->acceptProposedAction();
+  open(event->mimeData()->urls().front().toLocalFile());
+}
+
+void MainWindow::closeEvent(QCloseEvent* event) {
+  if (options_.remember) {
+    QSettings settings;
+    settings.setValue("geometry", saveGeometry());
+    settings.setValue("layout", saveState());
+  }
+  QMainWindow::closeEvent(event);
+}
+
+}  // namespace loci

@@ -1,0 +1,182 @@
+#include "gui/models/objects_model.h"
+
+#include <QFont>
+#include <algorithm>
+#include <map>
+
+#include "gui/text.h"
+#include "gui/theme.h"
+
+#include <QApplication>
+
+namespace loci {
+namespace {
+
+constexpr int kSwatchSide = 14;
+/// Internal id of groups; an object's index carries its group's row.
+constexpr quintptr kGroupId = static_cast<quintptr>(-1);
+
+}  // namespace
+
+ObjectsModel::ObjectsModel(Browser& browser, QObject* parent)
+    : QAbstractItemModel(parent), browser_(browser) {
+  connect(&browser_, &Browser::belief_changed, this, &ObjectsModel::refresh);
+  refresh();
+}
+
+std::vector<ObjectsModel::Group> ObjectsModel::groups_of(const BelievedScene& belief) {
+  std::map<std::string, Group> places;
+  Group somewhere{"somewhere", "", {}};
+  Group gone{"gone", "", {}};
+  for (const BelievedObject& object : belief.objects) {
+    if (object.presence == Presence::gone) {
+      gone.objects.push_back(object);
+    } else if (object.place.empty()) {
+      somewhere.objects.push_back(object);
+    } else {
+      Group& group = places[object.place];
+      group.title = QString::fromStdString(object.place);
+      group.place = object.place;
+      group.objects.push_back(object);
+    }
+  }
+  std::vector<Group> groups;
+  for (auto& [name, group] : places) groups.push_back(std::move(group));
+  for (Group* last : {&somewhere, &gone})
+    if (!last->objects.empty()) groups.push_back(std::move(*last));
+  return groups;
+}
+
+bool ObjectsModel::same_shape(const std::vector<Group>& groups) const {
+  return std::equal(
+      groups.begin(), groups.end(), groups_.begin(), groups_.end(), [](const Group& a, const Group& b) {
+        return a.title == b.title &&
+               std::equal(a.objects.begin(), a.objects.end(), b.objects.begin(), b.objects.end(),
+                          [](const auto& x, const auto& y) { return x.id == y.id; });
+      });
+}
+
+void ObjectsModel::refresh() {
+  auto groups = groups_of(browser_.belief());
+  if (same_shape(groups)) {  // Views keep what is open and where they are.
+    groups_ = std::move(groups);
+    for (int row = 0; row < rowCount(); ++row) {
+      const QModelIndex group = index(row, 0);
+      Q_EMIT dataChanged(index(0, 0, group), index(rowCount(group) - 1, column_count - 1, group));
+    }
+    return;
+  }
+  beginResetModel();
+  groups_ = std::move(groups);
+  endResetModel();
+}
+
+QModelIndex ObjectsModel::index(int row, int column, const QModelIndex& parent) const {
+  if (!hasIndex(row, column, parent)) return {};
+  return createIndex(row, column, parent.isValid() ? static_cast<quintptr>(parent.row()) : kGroupId);
+}
+
+QModelIndex ObjectsModel::parent(const QModelIndex& child) const {
+  if (!child.isValid() || child.internalId() == kGroupId) return {};
+  return createIndex(static_cast<int>(child.internalId()), 0, kGroupId);
+}
+
+int ObjectsModel::rowCount(const QModelIndex& parent) const {
+  if (!parent.isValid()) return static_cast<int>(groups_.size());
+  if (parent.internalId() != kGroupId || parent.column() != 0) return 0;
+  return static_cast<int>(groups_[static_cast<size_t>(parent.row())].objects.size());
+}
+
+int ObjectsModel::columnCount(const QModelIndex&) const {
+  return column_count;
+}
+
+QVariant ObjectsModel::data(const QModelIndex& index, int role) const {
+  if (!index.isValid()) return {};
+  if (index.internalId() == kGroupId)
+    return group_data(groups_[static_cast<size_t>(index.row())], index.column(), role);
+  const Group& group = groups_[index.internalId()];
+  return object_data(group.objects[static_cast<size_t>(index.row())], index.column(), role);
+}
+
+QVariant ObjectsModel::group_data(const Group& group, int column, int role) const {
+  switch (role) {
+    case Qt::DisplayRole:
+      if (column == name_column) return group.title;
+      if (column == state_column)
+        return QString("%1 object%2").arg(group.objects.size()).arg(group.objects.size() == 1 ? "" : "s");
+      return {};
+    case Qt::FontRole: {
+      QFont font = QApplication::font();
+      font.setBold(column == name_column);
+      return font;
+    }
+    case Qt::ForegroundRole:
+      if (column == state_column) return Theme::of(QApplication::palette()).muted;
+      return {};
+    case place_role:
+      return group.place.empty() ? QVariant() : QString::fromStdString(group.place);
+    case group_role:
+    case filter_role:
+      return group.title;
+    default:
+      return {};
+  }
+}
+
+QVariant ObjectsModel::object_data(const BelievedObject& object, int column, int role) const {
+  const Theme theme = Theme::of(QApplication::palette());
+  switch (role) {
+    case Qt::DisplayRole:
+      if (column == name_column) return QString::fromStdString(object.name);
+      return column == state_column ? QString(presence_name(object.presence))
+                                    : percent_text(object.probability);
+    case Qt::TextAlignmentRole:
+      return column == probability_column ? QVariant(Qt::AlignRight | Qt::AlignVCenter) : QVariant();
+    case Qt::DecorationRole:
+      return column == name_column ? QVariant(swatch(object.rgb, kSwatchSide)) : QVariant();
+    case Qt::ForegroundRole:
+      if (column == state_column) return theme.of_presence(object.presence);
+      return object.presence == Presence::seen ? QVariant() : QVariant(theme.muted);
+    case Qt::ToolTipRole:
+      return QString("%1 %2\n%3")
+          .arg(QString::fromStdString(object.color_name), QString::fromStdString(object.class_name))
+          .trimmed()
+          .arg(size_text(object.size));
+    case object_role:
+      return static_cast<qlonglong>(object.id);
+    case filter_role:
+      return QString::fromStdString(object.name + " " + object.class_name + " " + object.color_name + " " +
+                                    object.place + " " + presence_name(object.presence));
+    default:
+      return {};
+  }
+}
+
+QVariant ObjectsModel::headerData(int section, Qt::Orientation orientation, int role) const {
+  if (orientation != Qt::Horizontal || role != Qt::DisplayRole) return {};
+  switch (section) {
+    case name_column:
+      return "Place, object";
+    case state_column:
+      return "State";
+    default:
+      return "There";
+  }
+}
+
+QModelIndex ObjectsModel::index_of_object(int64_t object) const {
+  for (size_t g = 0; g < groups_.size(); ++g)
+    for (size_t i = 0; i < groups_[g].objects.size(); ++i)
+      if (groups_[g].objects[i].id == object)
+        return index(static_cast<int>(i), 0, index(static_cast<int>(g), 0));
+  return {};
+}
+
+QModelIndex ObjectsModel::index_of_place(const std::string& place) const {
+  for (size_t g = 0; g < groups_.size(); ++g)
+    if (!place.empty() && groups_[g].place == place) return index(static_cast<int>(g), 0);
+  return {};
+}
+
+}  // namespace loci

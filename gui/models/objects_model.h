@@ -1,0 +1,54 @@
+#pragma once
+
+#include <QAbstractItemModel>
+#include <string>
+#include <vector>
+
+#include "gui/browser.h"
+
+namespace loci {
+
+/// Places with the objects believed to be at them at the chosen time; what is gone comes last, in a group of
+/// its own.
+class ObjectsModel : public QAbstractItemModel {
+  Q_OBJECT
+
+ public:
+  enum Column { name_column, state_column, probability_column, column_count };
+  enum Role {
+    object_role = Qt::UserRole,  ///< int64 id, invalid for a group
+    place_role,                  ///< QString, of groups that are places
+    group_role,                  ///< QString, of every group: stable over time
+    filter_role                  ///< all words that a search looks in
+  };
+
+  explicit ObjectsModel(Browser& browser, QObject* parent = nullptr);
+
+  QModelIndex index(int row, int column, const QModelIndex& parent = {}) const override;
+  QModelIndex parent(const QModelIndex& child) const override;
+  int rowCount(const QModelIndex& parent = {}) const override;
+  int columnCount(const QModelIndex& parent = {}) const override;
+  QVariant data(const QModelIndex& index, int role = Qt::DisplayRole) const override;
+  QVariant headerData(int section, Qt::Orientation orientation, int role) const override;
+
+  QModelIndex index_of_object(int64_t object) const;
+  QModelIndex index_of_place(const std::string& place) const;
+
+ private:
+  struct Group {
+    QString title;
+    std::string place;  ///< empty for "gone" and "somewhere"
+    std::vector<BelievedObject> objects;
+  };
+
+  void refresh();
+  static std::vector<Group> groups_of(const BelievedScene& belief);
+  bool same_shape(const std::vector<Group>& groups) const;
+  QVariant group_data(const Group& group, int column, int role) const;
+  QVariant object_data(const BelievedObject& object, int column, int role) const;
+
+  Browser& browser_;
+  std::vector<Group> groups_;
+};
+
+}  // namespace loci

@@ -1,0 +1,114 @@
+#include "gui/scene3d/frame_actors.h"
+
+#include <vtkActor.h>
+#include <vtkCellArray.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
+#include <vtkUnsignedCharArray.h>
+
+#include <numeric>
+
+#include "gui/scene3d/vtk_convert.h"
+
+namespace loci {
+namespace {
+
+vtkSmartPointer<vtkActor> empty_actor(vtkRenderer* renderer) {
+  auto actor = vtkSmartPointer<vtkActor>::New();
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(vtkNew<vtkPolyData>());
+  // What was measured on a surface of the map is drawn before it, not through it.
+  mapper->SetResolveCoincidentTopologyToPolygonOffset();
+  mapper->SetRelativeCoincidentTopologyPointOffsetParameter(-30);
+  actor->SetMapper(mapper);
+  actor->PickableOff();
+  actor->GetProperty()->SetLighting(false);
+  renderer->AddActor(actor);
+  return actor;
+}
+
+void show(vtkActor& actor, vtkPolyData* data) {
+  static_cast<vtkPolyDataMapper*>(actor.GetMapper())->SetInputData(data);
+}
+
+}  // namespace
+
+FrameActors::FrameActors(vtkRenderer* renderer)
+    : cloud_(empty_actor(renderer)), frustum_(empty_actor(renderer)) {
+  clear();
+}
+
+void FrameActors::clear() {
+  set_cloud({});
+  has_camera_ = false;
+  frustum_->SetVisibility(false);
+}
+
+void FrameActors::set_cloud(const ColoredCloud& cloud) {
+  vtkNew<vtkPoints> points;
+  points->SetNumberOfPoints(static_cast<vtkIdType>(cloud.points.size()));
+  vtkNew<vtkUnsignedCharArray> colors;
+  colors->SetNumberOfComponents(3);
+  colors->SetNumberOfTuples(points->GetNumberOfPoints());
+  for (size_t i = 0; i < cloud.points.size(); ++i) {
+    points->SetPoint(static_cast<vtkIdType>(i), cloud.points[i].cast<double>().eval().data());
+    colors->SetTypedTuple(static_cast<vtkIdType>(i), cloud.colors[i].data());
+  }
+  std::vector<vtkIdType> ids(cloud.points.size());
+  std::iota(ids.begin(), ids.end(), 0);
+  vtkNew<vtkCellArray> cells;
+  if (!ids.empty()) cells->InsertNextCell(static_cast<vtkIdType>(ids.size()), ids.data());
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points);
+  data->SetVerts(cells);
+  data->GetPointData()->SetScalars(colors);
+  show(*cloud_, data);
+  point_count_ = cloud.points.size();
+  set_point_size(point_size_);
+  set_cloud_visible(cloud_visible_);
+}
+
+void FrameActors::set_camera(const PinholeCamera& camera, const Isometry3d& map_from_camera, double range,
+                             const SceneColors& colors) {
+  vtkNew<vtkPoints> points;
+  points->InsertNextPoint(map_from_camera.translation().data());
+  const std::array<Vector2d, 4> corners = {Vector2d(0, 0), Vector2d(camera.width, 0),
+                                           Vector2d(camera.width, camera.height), Vector2d(0, camera.height)};
+  for (const Vector2d& corner : corners)
+    points->InsertNextPoint(
+        (map_from_camera * camera.unproject(corner.x(), corner.y(), range)).eval().data());
+  vtkNew<vtkCellArray> lines;
+  for (vtkIdType i = 0; i < 4; ++i) {
+    const std::array<vtkIdType, 3> side = {0, 1 + i, 1 + (i + 1) % 4};
+    lines->InsertNextCell(3, side.data());
+  }
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points);
+  data->SetLines(lines);
+  show(*frustum_, data);
+  set_color(*frustum_->GetProperty(), colors.frustum);
+  frustum_->GetProperty()->SetLineWidth(1.5F);
+  has_camera_ = true;
+  set_camera_visible(camera_visible_);
+}
+
+void FrameActors::set_cloud_visible(bool visible) {
+  cloud_visible_ = visible;
+  cloud_->SetVisibility(visible && point_count_ > 0);
+}
+
+void FrameActors::set_camera_visible(bool visible) {
+  camera_visible_ = visible;
+  frustum_->SetVisibility(visible && has_camera_);
+}
+
+void FrameActors::set_point_size(double size) {
+  point_size_ = size;
+  cloud_->GetProperty()->SetPointSize(static_cast<float>(size));
+}
+
+}  // namespace loci

@@ -1,0 +1,97 @@
+#include "gui/scene3d/label_layer.h"
+
+#include <vtkCoordinate.h>
+#include <vtkNew.h>
+#include <vtkStdString.h>
+#include <vtkTextProperty.h>
+#include <vtkTextRenderer.h>
+
+#include <algorithm>
+#include <array>
+
+namespace loci {
+namespace {
+
+constexpr int kFontSize = 13;
+constexpr int kGap = 7;  // pixels between the anchor and the text
+constexpr int kScreenDpi = 72;
+
+struct Rectangle {
+  double left, bottom, right, top;
+  bool overlaps(const Rectangle& other) const {
+    return left < other.right && other.left < right && bottom < other.top && other.bottom < top;
+  }
+};
+
+vtkSmartPointer<vtkBillboardTextActor3D> actor_of(const LabelLayer::Label& label, const SceneColors& colors) {
+  auto actor = vtkSmartPointer<vtkBillboardTextActor3D>::New();
+  // Spaces are the padding of the background.
+  actor->SetInput((" " + label.text + " ").c_str());
+  actor->SetPosition(label.anchor.x(), label.anchor.y(), label.anchor.z());
+  actor->SetDisplayOffset(0, kGap);
+  actor->PickableOff();
+  vtkTextProperty* text = actor->GetTextProperty();
+  text->SetFontFamilyToArial();
+  text->SetFontSize(kFontSize);
+  text->SetBold(label.emphasised);
+  text->SetJustificationToCentered();
+  text->SetVerticalJustificationToBottom();
+  text->SetColor(label.emphasised ? colors.label_back[0] : colors.label_text[0],
+                 label.emphasised ? colors.label_back[1] : colors.label_text[1],
+                 label.emphasised ? colors.label_back[2] : colors.label_text[2]);
+  const SceneColor& back = label.emphasised ? colors.accent : colors.label_back;
+  text->SetBackgroundColor(back[0], back[1], back[2]);
+  text->SetBackgroundOpacity(label.emphasised ? 0.95 : 0.72);
+  return actor;
+}
+
+}  // namespace
+
+void LabelLayer::set(const std::vector<Label>& labels, const SceneColors& colors) {
+  for (Item& item : items_) renderer_->RemoveActor(item.actor);
+  items_.clear();
+  for (const Label& label : labels) {
+    Item item;
+    item.label = label;
+    item.actor = actor_of(label, colors);
+    std::array<int, 4> box = {0, 0, 0, 0};
+    if (auto* measure = vtkTextRenderer::GetInstance())
+      measure->GetBoundingBox(item.actor->GetTextProperty(), vtkStdString(item.actor->GetInput()), box.data(),
+                              kScreenDpi);
+    item.width = box[1] - box[0] + 1;
+    item.height = box[3] - box[2] + 1;
+    renderer_->AddActor(item.actor);
+    items_.push_back(std::move(item));
+  }
+  std::stable_sort(items_.begin(), items_.end(),
+                   [](const Item& a, const Item& b) { return a.label.importance > b.label.importance; });
+}
+
+void LabelLayer::set_visible(bool visible) {
+  visible_ = visible;
+}
+
+void LabelLayer::lay_out() {
+  std::vector<Rectangle> taken;
+  vtkNew<vtkCoordinate> coordinate;
+  coordinate->SetCoordinateSystemToWorld();
+  for (Item& item : items_) {
+    coordinate->SetValue(item.label.anchor.x(), item.label.anchor.y(), item.label.anchor.z());
+    const double* at = coordinate->GetComputedDoubleDisplayValue(renderer_);
+    const Rectangle place = {at[0] - item.width / 2.0, at[1] + kGap, at[0] + item.width / 2.0,
+                             at[1] + kGap + item.height};
+    const bool free = std::none_of(taken.begin(), taken.end(),
+                                   [&](const Rectangle& other) { return place.overlaps(other); });
+    item.actor->SetVisibility(visible_ && free);
+    if (visible_ && free) taken.push_back(place);
+  }
+}
+
+std::vector<std::string> LabelLayer::shown() const {
+  std::vector<std::string> texts;
+  for (const Item& item : items_)
+    if (item.actor->GetVisibility() != 0) texts.push_back(item.label.text);
+  return texts;
+}
+
+}  // namespace loci

@@ -1,0 +1,280 @@
+#include "gui/scene3d/map_scene.h"
+
+#include <vtkActor.h>
+#include <vtkCallbackCommand.h>
+#include <vtkCamera.h>
+#include <vtkCellPicker.h>
+#include <vtkLight.h>
+#include <vtkNew.h>
+#include <vtkRenderWindow.h>
+#include <vtkRenderer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "gui/scene3d/frame_actors.h"
+#include "gui/scene3d/object_actors.h"
+#include "gui/scene3d/world_actors.h"
+
+namespace loci {
+namespace {
+
+constexpr double kFrustumRange = 0.35;  // metres; longer pyramids hide the room
+constexpr double kFieldOfViewDeg = 35;  // little perspective: sizes stay comparable
+constexpr double kMargin = 1.06;
+constexpr double kAroundObjects = 0.5;  // metres of room shown around the objects
+
+Eigen::AlignedBox3d inflated(const Eigen::AlignedBox3d& box, double by) {
+  return {box.min() - Vector3d::Constant(by), box.max() + Vector3d::Constant(by)};
+}
+
+/// Puts the camera on the line through the box's centre so that all corners are just in view, z up.
+void fit(vtkRenderer& renderer, const Eigen::AlignedBox3d& box, const Vector3d& towards_eye) {
+  const Vector3d forward = -towards_eye.normalized();
+  const Vector3d right = forward.cross(Vector3d::UnitZ()).normalized();
+  const Vector3d above = right.cross(forward);
+  const double tan_v = std::tan(kFieldOfViewDeg * M_PI / 360);
+  const int* size = renderer.GetSize();
+  const double aspect = size[1] > 0 && size[0] > 0 ? static_cast<double>(size[0]) / size[1] : 4.0 / 3;
+  double distance = 0.1;
+  for (int i = 0; i < 8; ++i) {
+    const Vector3d d = box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i)) - box.center();
+    const double needed = std::max(std::abs(d.dot(right)) / (tan_v * aspect), std::abs(d.dot(above)) / tan_v);
+    distance = std::max(distance, kMargin * needed - d.dot(forward));
+  }
+  vtkCamera* camera = renderer.GetActiveCamera();
+  const Vector3d eye = box.center() - distance * forward;
+  camera->SetViewAngle(kFieldOfViewDeg);
+  const Vector3d middle = box.center();
+  camera->SetFocalPoint(middle.data());
+  camera->SetPosition(eye.data());
+  camera->SetViewUp(above.data());
+  renderer.ResetCameraClippingRange();
+}
+
+void add_light(vtkRenderer& renderer, double x, double y, double strength) {
+  vtkNew<vtkLight> light;
+  light->SetLightTypeToCameraLight();
+  light->SetPosition(x, y, 1);
+  light->SetFocalPoint(0, 0, 0);
+  light->SetIntensity(strength);
+  renderer.AddLight(light);
+}
+
+}  // namespace
+
+struct MapScene::Impl {
+  vtkNew<vtkRenderer> renderer;
+  WorldActors world{renderer.Get()};
+  vtkNew<vtkRenderer> overlay;  ///< labels: before everything, and not blurred by anti-aliasing
+  ObjectActors objects{renderer.Get(), overlay.Get()};
+  FrameActors frame{renderer.Get()};
+  SceneColors colors;
+  JointState joints;
+  std::vector<std::string> joint_names;
+  std::optional<int64_t> object;
+  std::string link;
+  Vector3d side = Vector3d(-0.5, -1, 0);
+  std::map<MapLayer, bool> layers = {{MapLayer::map, true},
+                                     {MapLayer::objects, true},
+                                     {MapLayer::labels, true},
+                                     {MapLayer::cloud, true},
+                                     {MapLayer::camera, true}};
+
+  static void before_render(vtkObject*, unsigned long, void* client, void*) {
+    auto* self = static_cast<Impl*>(client);
+    const double* eye = self->renderer->GetActiveCamera()->GetPosition();
+    self->world.cut_away({eye[0], eye[1], eye[2]});
+    self->objects.lay_out_labels();
+  }
+
+  /// What is worth looking at first: the objects with some room around them, else the whole map.
+  Eigen::AlignedBox3d interesting() const {
+    const auto things = objects.bounds();
+    const auto room = world.bounds();
+    if (things && room) {
+      const Eigen::AlignedBox3d near = inflated(*things, kAroundObjects).intersection(*room);
+      if (!near.isEmpty()) return near;
+    }
+    if (things) return inflated(*things, 0.2);
+    if (room) return *room;
+    return {Vector3d(-1, -1, 0), Vector3d(1, 1, 1)};
+  }
+};
+
+MapScene::MapScene(vtkRenderWindow* window) : impl_(std::make_unique<Impl>()) {
+  window->AddRenderer(impl_->renderer);
+  window->SetNumberOfLayers(2);
+  impl_->overlay->SetLayer(1);
+  impl_->overlay->InteractiveOff();
+  impl_->overlay->SetActiveCamera(impl_->renderer->GetActiveCamera());
+  window->AddRenderer(impl_->overlay);
+  impl_->renderer->UseFXAAOn();
+  impl_->renderer->GradientBackgroundOn();
+  impl_->renderer->AutomaticLightCreationOff();
+  add_light(*impl_->renderer, 0.4, 0.8, 0.9);
+  add_light(*impl_->renderer, -1.0, 0.2, 0.35);
+  vtkNew<vtkCallbackCommand> command;
+  command->SetClientData(impl_.get());
+  command->SetCallback(&Impl::before_render);
+  impl_->renderer->AddObserver(vtkCommand::StartEvent, command);
+  set_colors({});
+  look_from(MapViewpoint::overview);
+}
+
+MapScene::~MapScene() {
+  impl_->renderer->RemoveObservers(vtkCommand::StartEvent);
+  if (auto* window = impl_->renderer->GetRenderWindow()) {
+    window->RemoveRenderer(impl_->overlay);
+    window->RemoveRenderer(impl_->renderer);
+  }
+}
+
+void MapScene::set_world(const World& world, const MeshSearch& search, Warnings& warnings) {
+  impl_->world.set(world, search, impl_->colors, warnings);
+  impl_->joint_names.clear();
+  for (const Joint& joint : world.joints) impl_->joint_names.push_back(joint.name);
+  impl_->world.set_visible(layer(MapLayer::map));
+}
+
+void MapScene::clear_world() {
+  impl_->world.clear();
+}
+
+void MapScene::set_joints(const JointState& state, Warnings& warnings) {
+  JointState known;
+  for (const auto& [name, position] : state) {
+    const auto& names = impl_->joint_names;
+    if (std::find(names.begin(), names.end(), name) != names.end())
+      known[name] = position;
+    else
+      warnings.add("the map has no joint '" + name + "'");
+  }
+  impl_->world.set_joints(known);
+}
+
+void MapScene::set_objects(std::vector<MapObject> objects) {
+  impl_->objects.set(std::move(objects), impl_->colors);
+  impl_->objects.select(impl_->object, impl_->colors);
+}
+
+void MapScene::set_cloud(const ColoredCloud& cloud) {
+  impl_->frame.set_cloud(cloud);
+}
+
+void MapScene::set_camera(const PinholeCamera& camera, const Isometry3d& map_from_camera) {
+  impl_->frame.set_camera(camera, map_from_camera, kFrustumRange, impl_->colors);
+}
+
+void MapScene::clear_frame() {
+  impl_->frame.clear();
+}
+
+void MapScene::set_colors(const SceneColors& colors) {
+  impl_->colors = colors;
+  impl_->renderer->SetBackground(colors.background_bottom[0], colors.background_bottom[1],
+                                 colors.background_bottom[2]);
+  impl_->renderer->SetBackground2(colors.background_top[0], colors.background_top[1],
+                                  colors.background_top[2]);
+  impl_->world.set_colors(colors);
+  impl_->world.select(impl_->link, colors);
+  impl_->objects.select(impl_->object, colors);
+}
+
+void MapScene::select_object(std::optional<int64_t> id) {
+  impl_->object = id;
+  impl_->objects.select(id, impl_->colors);
+}
+
+void MapScene::select_link(const std::string& link) {
+  impl_->link = link;
+  impl_->world.select(link, impl_->colors);
+}
+
+void MapScene::set_layer(MapLayer layer, bool visible) {
+  impl_->layers[layer] = visible;
+  switch (layer) {
+    case MapLayer::map:
+      return impl_->world.set_visible(visible);
+    case MapLayer::objects:
+      impl_->objects.set_visible(visible);
+      return impl_->objects.set_labels_visible(impl_->layers[MapLayer::labels]);
+    case MapLayer::labels:
+      return impl_->objects.set_labels_visible(visible);
+    case MapLayer::cloud:
+      return impl_->frame.set_cloud_visible(visible);
+    case MapLayer::camera:
+      return impl_->frame.set_camera_visible(visible);
+  }
+}
+
+bool MapScene::layer(MapLayer layer) const {
+  return impl_->layers.at(layer);
+}
+
+void MapScene::set_point_size(double size) {
+  impl_->frame.set_point_size(std::clamp(size, 1.0, 10.0));
+}
+double MapScene::point_size() const {
+  return impl_->frame.point_size();
+}
+
+void MapScene::set_overview_side(const Vector3d& towards_eye) {
+  const Vector3d flat(towards_eye.x(), towards_eye.y(), 0);
+  if (flat.norm() > 1e-6) impl_->side = flat.normalized();
+}
+
+void MapScene::look_from(MapViewpoint viewpoint) {
+  const Vector3d z = Vector3d::UnitZ();
+  const Eigen::AlignedBox3d box = impl_->interesting();
+  switch (viewpoint) {
+    case MapViewpoint::overview:
+      return fit(*impl_->renderer, box, impl_->side.normalized() + 0.75 * z);
+    case MapViewpoint::top:
+      return fit(*impl_->renderer, impl_->world.bounds().value_or(box), z + 0.03 * impl_->side);
+    case MapViewpoint::front:
+      return fit(*impl_->renderer, box, impl_->side);
+    case MapViewpoint::left:
+      return fit(*impl_->renderer, box, z.cross(impl_->side));
+  }
+}
+
+void MapScene::frame_selection() {
+  auto box = impl_->object ? impl_->objects.bounds_of(*impl_->object) : std::nullopt;
+  if (!box && !impl_->link.empty()) box = impl_->world.bounds_of(impl_->link);
+  const double* forward = impl_->renderer->GetActiveCamera()->GetDirectionOfProjection();
+  const Vector3d towards_eye(-forward[0], -forward[1], -forward[2]);
+  fit(*impl_->renderer, box ? inflated(*box, 0.25) : impl_->interesting(), towards_eye);
+}
+
+MapPick MapScene::pick(int x, int y) {
+  vtkNew<vtkCellPicker> picker;
+  picker->SetTolerance(0.002);
+  picker->PickFromListOn();
+  for (vtkActor* actor : impl_->objects.pickable()) picker->AddPickList(actor);
+  for (vtkActor* actor : impl_->world.pickable()) picker->AddPickList(actor);
+  MapPick result;
+  if (picker->Pick(x, y, 0, impl_->renderer) == 0) return result;
+  result.object = impl_->objects.object_of(picker->GetActor());
+  if (const std::string* link = impl_->world.link_of(picker->GetActor())) result.link = *link;
+  return result;
+}
+
+const std::vector<MapObject>& MapScene::objects() const {
+  return impl_->objects.objects();
+}
+size_t MapScene::point_count() const {
+  return impl_->frame.point_count();
+}
+std::vector<std::string> MapScene::shown_labels() const {
+  return impl_->objects.labels().shown();
+}
+std::optional<int64_t> MapScene::selected_object() const {
+  return impl_->object;
+}
+vtkRenderer* MapScene::renderer() const {
+  return impl_->renderer;
+}
+
+}  // namespace loci

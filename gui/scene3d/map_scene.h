@@ -1,0 +1,81 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gui/scene3d/scene_colors.h"
+#include "mapping/base/joint_state.h"
+#include "mapping/sensor/camera.h"
+#include "mapping/world/mesh.h"
+#include "mapping/world/world.h"
+
+class vtkRenderer;
+class vtkRenderWindow;
+
+namespace loci {
+
+struct MapObject;
+struct ColoredCloud;
+
+/// What can be shown and hidden.
+enum class MapLayer { map, objects, labels, cloud, camera };
+
+/// Where to look from.
+enum class MapViewpoint { overview, top, front, left };
+
+/// What lies under a pixel.
+struct MapPick {
+  std::optional<int64_t> object;
+  std::string link;  ///< empty = none
+};
+
+/// The 3D scene: map, objects, the frame of the chosen time. Knows VTK but no Qt, so that it can be drawn
+/// into any render window, with or without a screen.
+class MapScene {
+ public:
+  explicit MapScene(vtkRenderWindow* window);
+  ~MapScene();
+  MapScene(const MapScene&) = delete;
+  MapScene& operator=(const MapScene&) = delete;
+
+  void set_world(const World& world, const MeshSearch& search, Warnings& warnings);
+  void clear_world();
+  /// A joint that the map does not have is left out and added to the warnings.
+  void set_joints(const JointState& state, Warnings& warnings);
+  void set_objects(std::vector<MapObject> objects);
+  void set_cloud(const ColoredCloud& cloud);
+  void set_camera(const PinholeCamera& camera, const Isometry3d& map_from_camera);
+  void clear_frame();
+  void set_colors(const SceneColors& colors);
+
+  void select_object(std::optional<int64_t> id);
+  void select_link(const std::string& link);
+  void set_layer(MapLayer layer, bool visible);
+  bool layer(MapLayer layer) const;
+  /// Pixels, 1 to 10.
+  void set_point_size(double size);
+  double point_size() const;
+
+  /// The side from which an overview looks: horizontal direction from the objects towards the eye.
+  void set_overview_side(const Vector3d& towards_eye);
+  void look_from(MapViewpoint viewpoint);
+  /// Moves the eye along its line of sight so that the selection (or all, when nothing is selected) fills the
+  /// view.
+  void frame_selection();
+
+  /// `x`, `y` in pixels from the lower left corner.
+  MapPick pick(int x, int y);
+  const std::vector<MapObject>& objects() const;
+  size_t point_count() const;
+  std::vector<std::string> shown_labels() const;
+  std::optional<int64_t> selected_object() const;
+  vtkRenderer* renderer() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace loci

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <vtkActor.h>
+#include <vtkRenderer.h>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gui/scene3d/label_layer.h"
+#include "gui/scene3d/scene_colors.h"
+#include "mapping/base/pose.h"
+
+namespace loci {
+
+/// An object as the 3D view draws it.
+struct MapObject {
+  int64_t id = 0;
+  std::string label;
+  Isometry3d map_from_object = Isometry3d::Identity();
+  Vector3d size = Vector3d::Zero();  ///< full extents, metres
+  std::array<uint8_t, 3> rgb = {160, 160, 160};
+  bool ghost = false;      ///< not seen at this time: drawn translucent
+  double probability = 1;  ///< a ghost is the paler the less is believed
+};
+
+/// Objects as oriented boxes with names.
+class ObjectActors {
+ public:
+  /// Names go to `overlay`, which is drawn over everything.
+  ObjectActors(vtkRenderer* renderer, vtkRenderer* overlay) : renderer_(renderer), labels_(overlay) {}
+
+  void set(std::vector<MapObject> objects, const SceneColors& colors);
+  void select(std::optional<int64_t> id, const SceneColors& colors);
+  void set_visible(bool visible);
+  void set_labels_visible(bool visible) { labels_.set_visible(visible && visible_); }
+  void lay_out_labels() { labels_.lay_out(); }
+  const LabelLayer& labels() const { return labels_; }
+
+  const std::vector<MapObject>& objects() const { return objects_; }
+  std::optional<int64_t> object_of(const vtkActor* actor) const;
+  std::optional<Eigen::AlignedBox3d> bounds() const;
+  std::optional<Eigen::AlignedBox3d> bounds_of(int64_t id) const;
+  std::vector<vtkActor*> pickable() const;
+
+ private:
+  struct Actors {
+    vtkSmartPointer<vtkActor> surface, edges;
+  };
+  void restyle(const SceneColors& colors);
+
+  vtkRenderer* renderer_;
+  LabelLayer labels_;
+  std::vector<MapObject> objects_;
+  std::vector<Actors> actors_;
+  std::optional<int64_t> selected_;
+  bool visible_ = true;
+};
+
+}  // namespace loci

@@ -1,0 +1,176 @@
+#include "gui/scene3d/world_actors.h"
+
+#include <vtkActor.h>
+#include <vtkNew.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "gui/scene3d/vtk_convert.h"
+#include "mapping/world/kinematics.h"
+
+namespace loci {
+namespace {
+
+vtkSmartPointer<vtkActor> actor_of(vtkPolyData* data) {
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(data);
+  auto actor = vtkSmartPointer<vtkActor>::New();
+  actor->SetMapper(mapper);
+  return actor;
+}
+
+std::vector<MeshPart> parts_of(const Link& link, const MeshSearch& search, const SceneColors& colors,
+                               Warnings& warnings) {
+  const Rgba plain(static_cast<float>(colors.world[0]), static_cast<float>(colors.world[1]),
+                   static_cast<float>(colors.world[2]), 1);
+  std::vector<MeshPart> parts;
+  for (const Visual& visual : link.visuals) {
+    MeshPart part;
+    part.mesh = triangulate(visual.geometry, search, warnings);
+    part.target_from_mesh = visual.link_from_visual;
+    part.color = plain;
+    if (visual.material && visual.material->color) {
+      part.color = *visual.material->color;
+      part.mesh.colors.clear();  // As in RViz, a material of the URDF wins over the mesh's own.
+    }
+    parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+Eigen::AlignedBox3d box_of(const std::vector<MeshPart>& parts) {
+  Eigen::AlignedBox3d box;
+  for (const MeshPart& part : parts)
+    for (const auto& vertex : part.mesh.vertices) box.extend(part.target_from_mesh * vertex.cast<double>());
+  return box;
+}
+
+Eigen::AlignedBox3d moved(const Eigen::AlignedBox3d& box, const Isometry3d& pose) {
+  Eigen::AlignedBox3d result;
+  for (int corner = 0; corner < 8; ++corner)
+    result.extend(pose * box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+  return result;
+}
+
+bool is_shell(const std::string& link) {
+  return link.starts_with("wall") || link.starts_with("ceiling");
+}
+
+}  // namespace
+
+void WorldActors::clear() {
+  for (LinkActors& link : links_) {
+    renderer_->RemoveActor(link.surface);
+    renderer_->RemoveActor(link.edges);
+  }
+  links_.clear();
+}
+
+void WorldActors::set(const World& world, const MeshSearch& search, const SceneColors& colors,
+                      Warnings& warnings) {
+  clear();
+  world_ = world;
+  for (const Link& link : world.links) {
+    const auto parts = parts_of(link, search, colors, warnings);
+    LinkActors actors;
+    actors.name = link.name;
+    actors.box = box_of(parts);
+    actors.shell = is_shell(link.name);
+    actors.surface = actor_of(surface_of(parts));
+    actors.edges = actor_of(sharp_edges_of(parts));
+    actors.edges->PickableOff();
+    renderer_->AddActor(actors.surface);
+    renderer_->AddActor(actors.edges);
+    links_.push_back(std::move(actors));
+  }
+  set_colors(colors);
+  set_joints({});
+  set_visible(visible_);
+}
+
+void WorldActors::set_joints(const JointState& state) {
+  if (links_.empty()) return;
+  const auto poses = root_from_links(world_, state);
+  for (size_t i = 0; i < links_.size(); ++i) {
+    links_[i].map_from_link = poses[i];
+    const auto matrix = matrix_of(poses[i]);
+    links_[i].surface->SetUserMatrix(matrix);
+    links_[i].edges->SetUserMatrix(matrix);
+  }
+}
+
+void WorldActors::set_colors(const SceneColors& colors) {
+  for (LinkActors& link : links_) {
+    link.surface->GetProperty()->SetAmbient(0.42);
+    link.surface->GetProperty()->SetDiffuse(0.64);
+    link.surface->GetProperty()->SetSpecular(0);
+    set_color(*link.edges->GetProperty(), colors.edges);
+    link.edges->GetProperty()->SetLighting(false);
+    link.edges->GetProperty()->SetOpacity(0.55);
+  }
+}
+
+void WorldActors::set_visible(bool visible) {
+  visible_ = visible;
+  for (LinkActors& link : links_) {
+    link.surface->SetVisibility(visible);
+    link.edges->SetVisibility(visible);
+  }
+}
+
+void WorldActors::select(const std::string& selected, const SceneColors& colors) {
+  for (LinkActors& link : links_) {
+    const bool on = !selected.empty() && link.name == selected;
+    vtkProperty* edges = link.edges->GetProperty();
+    set_color(*edges, on ? colors.accent : colors.edges);
+    edges->SetOpacity(on ? 1.0 : 0.55);
+    edges->SetLineWidth(on ? 3.0F : 1.0F);
+  }
+}
+
+void WorldActors::cut_away(const Vector3d& eye) {
+  const auto all = bounds();
+  if (!visible_ || !all) return;
+  const Vector3d middle = all->center();
+  for (LinkActors& link : links_) {
+    if (!link.shell || link.box.isEmpty()) continue;
+    Eigen::Index thin = 0;
+    link.box.sizes().minCoeff(&thin);
+    const Vector3d normal = link.map_from_link.linear().col(thin);
+    const Vector3d centre = link.map_from_link * link.box.center();
+    const bool between = normal.dot(eye - centre) * normal.dot(middle - centre) < 0;
+    link.surface->SetVisibility(!between);
+    link.edges->SetVisibility(!between);
+  }
+}
+
+const std::string* WorldActors::link_of(const vtkActor* actor) const {
+  for (const LinkActors& link : links_)
+    if (link.surface.Get() == actor) return &link.name;
+  return nullptr;
+}
+
+std::optional<Eigen::AlignedBox3d> WorldActors::bounds() const {
+  Eigen::AlignedBox3d all;
+  for (const LinkActors& link : links_)
+    if (!link.box.isEmpty()) all.extend(moved(link.box, link.map_from_link));
+  return all.isEmpty() ? std::nullopt : std::optional(all);
+}
+
+std::optional<Eigen::AlignedBox3d> WorldActors::bounds_of(const std::string& name) const {
+  for (const LinkActors& link : links_)
+    if (link.name == name && !link.box.isEmpty()) return moved(link.box, link.map_from_link);
+  return std::nullopt;
+}
+
+std::vector<vtkActor*> WorldActors::pickable() const {
+  std::vector<vtkActor*> actors;
+  for (const LinkActors& link : links_)
+    if (link.surface->GetVisibility() != 0) actors.push_back(link.surface);
+  return actors;
+}
+
+}  // namespace loci

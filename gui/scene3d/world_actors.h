@@ -1,0 +1,57 @@
+#pragma once
+
+#include <vtkActor.h>
+#include <vtkRenderer.h>
+#include <vtkSmartPointer.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gui/scene3d/scene_colors.h"
+#include "mapping/base/joint_state.h"
+#include "mapping/world/mesh.h"
+#include "mapping/world/world.h"
+
+namespace loci {
+
+/// The map as actors, one surface and one set of edges per link, moved by the joints.
+class WorldActors {
+ public:
+  explicit WorldActors(vtkRenderer* renderer) : renderer_(renderer) {}
+
+  /// Replaces the world. Links without a material take `colors.world`.
+  void set(const World& world, const MeshSearch& search, const SceneColors& colors, Warnings& warnings);
+  void clear();
+  void set_joints(const JointState& state);
+  void set_colors(const SceneColors& colors);
+  void set_visible(bool visible);
+  /// Emphasises a link and what hangs on it ("" = none).
+  void select(const std::string& link, const SceneColors& colors);
+
+  /// Walls and ceilings that stand between the eye and the middle of the world are left out.
+  void cut_away(const Vector3d& eye);
+
+  /// The link an actor draws; nullptr for another actor.
+  const std::string* link_of(const vtkActor* actor) const;
+  /// Map-frame corners (minimum, maximum) of everything, or of one link; unset when there is nothing.
+  std::optional<Eigen::AlignedBox3d> bounds() const;
+  std::optional<Eigen::AlignedBox3d> bounds_of(const std::string& link) const;
+  std::vector<vtkActor*> pickable() const;
+
+ private:
+  struct LinkActors {
+    std::string name;
+    vtkSmartPointer<vtkActor> surface, edges;
+    Isometry3d map_from_link = Isometry3d::Identity();
+    Eigen::AlignedBox3d box;  ///< in the link's frame
+    bool shell = false;       ///< wall or ceiling
+  };
+
+  vtkRenderer* renderer_;
+  World world_;
+  std::vector<LinkActors> links_;
+  bool visible_ = true;
+};
+
+}  // namespace loci

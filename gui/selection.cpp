@@ -1,0 +1,29 @@
+#include "gui/selection.h"
+
+namespace loci {
+
+void SelectionModel::select_object(std::optional<int64_t> object) {
+  if (object_ == object && place_.empty()) return;
+  object_ = object;
+  place_.clear();
+  Q_EMIT selected();
+}
+
+void SelectionModel::select_place(const std::string& place) {
+  if (place_ == place && !object_) return;
+  place_ = place;
+  object_.reset();
+  Q_EMIT selected();
+}
+
+void SelectionModel::set_time(TimeNs time) {
+  if (time_ == time) return;
+  time_ = time;
+  Q_EMIT time_changed();
+}
+
+void SelectionModel::clear() {
+  select_object(std::nullopt);
+}
+
+}  // namespace loci

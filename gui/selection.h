@@ -1,0 +1,39 @@
+#pragma once
+
+#include <QObject>
+#include <optional>
+#include <string>
+
+#include "mapping/base/time.h"
+
+namespace loci {
+
+/// What is chosen, for all views at once: an object or a place (never both), and a time.
+class SelectionModel : public QObject {
+  Q_OBJECT
+
+ public:
+  using QObject::QObject;
+
+  std::optional<int64_t> object() const { return object_; }
+  const std::string& place() const { return place_; }  ///< empty = none
+  TimeNs time() const { return time_; }
+
+  void select_object(std::optional<int64_t> object);
+  void select_place(const std::string& place);
+  void set_time(TimeNs time);
+  /// No object and no place; the time stays.
+  void clear();
+
+ Q_SIGNALS:
+  /// Object or place.
+  void selected();
+  void time_changed();
+
+ private:
+  std::optional<int64_t> object_;
+  std::string place_;
+  TimeNs time_ = 0;
+};
+
+}  // namespace loci

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <QPixmap>
+#include <QString>
+#include <array>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "gui/data/browser_data.h"
+
+namespace loci {
+
+/// "2026-05-01 09:10:00" in the memory's zone, with fractions where there are any.
+QString time_text(TimeNs time, int zone_minutes);
+/// "UTC+02:00".
+QString zone_text(int zone_minutes);
+/// "just now", "3 min", "2 h 5 min", "4 days": how long `to` is after `from`.
+QString duration_text(TimeNs from, TimeNs to);
+
+/// "12 × 8 × 10 cm".
+QString size_text(const Vector3d& metres);
+QString percent_text(double probability);
+
+/// A small filled square.
+QPixmap swatch(const std::array<uint8_t, 3>& rgb, int side);
+/// CV_8UC3 BGR as an image; null when empty.
+QImage image_of(const cv::Mat& bgr);
+
+}  // namespace loci

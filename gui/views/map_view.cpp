@@ -1,0 +1,214 @@
+#include "gui/views/map_view.h"
+
+#include <QVTKOpenGLNativeWidget.h>
+#include <vtkGenericOpenGLRenderWindow.h>
+#include <vtkNew.h>
+#include <vtkRenderWindowInteractor.h>
+#include <vtkUnsignedCharArray.h>
+#include <QEvent>
+#include <QPainter>
+#include <QVBoxLayout>
+
+#include <cstring>
+
+#include "gui/data/frame_cloud.h"
+#include "gui/scene3d/egl_window.h"
+#include "gui/scene3d/frame_actors.h"
+#include "gui/scene3d/object_actors.h"
+#include "gui/scene3d/orbit_style.h"
+#include "gui/theme.h"
+
+namespace loci {
+namespace {
+
+/// More points make a frame slower than 20 ms under software rendering and show nothing new.
+constexpr size_t kMaxPoints = 50000;
+
+QImage pixels_of(vtkRenderWindow* window) {
+  const int* size = window->GetSize();
+  vtkNew<vtkUnsignedCharArray> pixels;
+  window->GetPixelData(0, 0, size[0] - 1, size[1] - 1, 0, pixels);
+  QImage image(size[0], size[1], QImage::Format_RGB888);
+  for (int y = 0; y < size[1]; ++y)
+    std::memcpy(image.scanLine(size[1] - 1 - y), pixels->GetPointer(static_cast<vtkIdType>(y) * size[0] * 3),
+                static_cast<size_t>(size[0]) * 3);
+  return image;
+}
+
+/// A picture of one colour is what a context without drawing gives; even an empty scene has a gradient.
+bool is_blank(const QImage& image) {
+  const QRgb first = image.pixel(0, 0);
+  for (int y = 0; y < image.height(); y += 4)
+    for (int x = 0; x < image.width(); x += 4)
+      if (image.pixel(x, y) != first) return false;
+  return true;
+}
+
+MapObject map_object_of(const BelievedObject& object) {
+  MapObject result;
+  result.id = object.id;
+  result.label = object.name;
+  result.map_from_object = *object.map_from_object;
+  result.size = object.size;
+  result.rgb = object.rgb;
+  result.ghost = object.presence != Presence::seen;
+  result.probability = object.probability;
+  return result;
+}
+
+}  // namespace
+
+MapView::MapView(Browser& browser, MapBackend backend, QWidget* parent) : QWidget(parent), browser_(browser) {
+  setMinimumSize(240, 180);
+  if (backend == MapBackend::widget) {
+    make_widget();
+  } else {
+    egl_ = std::make_unique<EglWindow>(sizeHint().width(), sizeHint().height());
+    scene_ = std::make_unique<MapScene>(egl_->window());
+  }
+  scene_->set_colors(Theme::of(palette()).scene());
+  connect(&browser_, &Browser::opened, this, &MapView::show_memory);
+  connect(&browser_, &Browser::belief_changed, this, &MapView::show_belief);
+  connect(&browser_, &Browser::selected, this, &MapView::show_selection);
+  show_memory();
+  show_belief();
+}
+
+MapView::~MapView() = default;
+
+void MapView::make_widget() {
+  widget_ = new QVTKOpenGLNativeWidget(this);
+  vtkNew<vtkGenericOpenGLRenderWindow> window;
+  window->SetMultiSamples(0);
+  widget_->setRenderWindow(window);
+  scene_ = std::make_unique<MapScene>(window);
+  vtkNew<OrbitStyle> style;
+  style->on_click = [this](int x, int y) { clicked(x, y); };
+  style->on_ctrl_wheel = [this](int steps) { change_point_size(steps); };
+  window->GetInteractor()->SetInteractorStyle(style);
+  auto* layout = new QVBoxLayout(this);
+  layout->setContentsMargins(0, 0, 0, 0);
+  layout->addWidget(widget_);
+}
+
+void MapView::show_memory() {
+  Warnings warnings;
+  scene_->clear_world();
+  const BrowserData* memory = browser_.data();
+  if (memory != nullptr && memory->world())
+    scene_->set_world(*memory->world(), memory->mesh_search(), warnings);
+  for (const std::string& text : warnings.texts()) Q_EMIT warned(QString::fromStdString(text));
+  first_look_ = true;
+}
+
+void MapView::show_belief() {
+  Warnings warnings;
+  const BelievedScene& belief = browser_.belief();
+  if (browser_.data() != nullptr && browser_.data()->world()) scene_->set_joints(belief.joints, warnings);
+  std::vector<MapObject> objects;
+  for (const BelievedObject& object : belief.objects)
+    if (object.map_from_object && object.presence != Presence::gone) objects.push_back(map_object_of(object));
+  scene_->set_objects(std::move(objects));
+  show_frame();
+  show_selection();
+  if (first_look_ && browser_.data() != nullptr) {
+    scene_->look_from(MapViewpoint::overview);
+    first_look_ = false;
+  }
+  for (const std::string& text : warnings.texts()) Q_EMIT warned(QString::fromStdString(text));
+}
+
+void MapView::show_frame() {
+  scene_->clear_frame();
+  const SceneEntry* entry = browser_.scene();
+  if (entry == nullptr) return;
+  try {
+    const SceneContent content = browser_.data()->scene(entry->id);
+    if (!content.map_from_camera) return;
+    scene_->set_cloud(frame_cloud(content, kMaxPoints));
+    scene_->set_camera(content.camera.depth, *content.map_from_camera);
+    if (first_look_) scene_->set_overview_side(-content.map_from_camera->linear().col(2));
+  } catch (const Error& error) {
+    Q_EMIT warned(QString::fromUtf8(error.what()));
+  }
+}
+
+void MapView::show_selection() {
+  scene_->select_object(browser_.selection().object());
+  scene_->select_link(browser_.selection().place());
+  redraw();
+}
+
+void MapView::clicked(int x, int y) {
+  const MapPick pick = scene_->pick(x, y);
+  if (pick.object)
+    browser_.selection().select_object(pick.object);
+  else if (!pick.link.empty())
+    browser_.selection().select_place(pick.link);
+  else
+    browser_.selection().clear();
+}
+
+void MapView::frame_selection() {
+  scene_->frame_selection();
+  redraw();
+}
+
+void MapView::look_from(MapViewpoint viewpoint) {
+  scene_->look_from(viewpoint);
+  redraw();
+}
+
+void MapView::set_layer(MapLayer layer, bool visible) {
+  scene_->set_layer(layer, visible);
+  redraw();
+}
+
+void MapView::change_point_size(int steps) {
+  scene_->set_point_size(scene_->point_size() + steps);
+  redraw();
+}
+
+void MapView::redraw() {
+  if (widget_ != nullptr && isVisible()) widget_->renderWindow()->Render();
+  update();
+}
+
+QImage MapView::picture() {
+  QImage image;
+  if (egl_) {
+    egl_->window()->SetSize(width(), height());
+    egl_->window()->Render();
+    image = pixels_of(egl_->window());
+  } else {
+    widget_->renderWindow()->Render();
+    image = widget_->grab().toImage();
+  }
+  if (image.isNull() || is_blank(image))
+    throw Error("the 3D view stayed blank: OpenGL did not draw", {}, "check the graphics driver");
+  return image;
+}
+
+void MapView::paintEvent(QPaintEvent*) {
+  if (!egl_) return;
+  QPainter painter(this);
+  try {
+    painter.drawImage(rect(), picture());
+  } catch (const Error& error) {  // No exception may pass Qt's event loop.
+    painter.drawText(rect(), Qt::AlignCenter | Qt::TextWordWrap, QString::fromUtf8(error.what()));
+  }
+}
+
+void MapView::resizeEvent(QResizeEvent* event) {
+  QWidget::resizeEvent(event);
+  redraw();
+}
+
+void MapView::changeEvent(QEvent* event) {
+  QWidget::changeEvent(event);
+  if (event->type() != QEvent::PaletteChange || !scene_) return;
+  scene_->set_colors(Theme::of(palette()).scene());
+  redraw();
+}
+
+}  // namespace loci

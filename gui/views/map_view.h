@@ -1,0 +1,64 @@
+#pragma once
+
+#include <QImage>
+#include <QWidget>
+#include <memory>
+
+#include "gui/browser.h"
+#include "gui/scene3d/map_scene.h"
+
+class QVTKOpenGLNativeWidget;
+
+namespace loci {
+
+class EglWindow;
+
+/// How the 3D view gets its pixels.
+enum class MapBackend {
+  widget,  ///< an OpenGL widget on a screen
+  memory   ///< drawn through EGL without any screen; for pictures
+};
+
+/// The 3D view: map, objects at their believed place, cloud and camera of the chosen scene.
+class MapView : public QWidget {
+  Q_OBJECT
+
+ public:
+  /// Error when the backend cannot draw.
+  MapView(Browser& browser, MapBackend backend, QWidget* parent = nullptr);
+  ~MapView() override;
+
+  MapScene& scene() { return *scene_; }
+  /// What is on the screen. Error when the picture is blank: nothing was drawn.
+  QImage picture();
+  void frame_selection();
+  void look_from(MapViewpoint viewpoint);
+  void set_layer(MapLayer layer, bool visible);
+  void change_point_size(int steps);
+  QSize sizeHint() const override { return {760, 560}; }
+
+ Q_SIGNALS:
+  void warned(const QString& text);
+
+ protected:
+  void paintEvent(QPaintEvent* event) override;
+  void resizeEvent(QResizeEvent* event) override;
+  void changeEvent(QEvent* event) override;
+
+ private:
+  void make_widget();
+  void show_memory();
+  void show_belief();
+  void show_frame();
+  void show_selection();
+  void clicked(int x, int y);
+  void redraw();
+
+  Browser& browser_;
+  std::unique_ptr<EglWindow> egl_;
+  QVTKOpenGLNativeWidget* widget_ = nullptr;
+  std::unique_ptr<MapScene> scene_;
+  bool first_look_ = true;  ///< the eye has not been placed by a person yet
+};
+
+}  // namespace loci

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <QWidget>
+
+#include "gui/browser.h"
+
+class QLabel;
+class QProgressBar;
+class QTableView;
+
+namespace loci {
+
+class HistoryModel;
+
+/// What is known of the chosen object: picture, where, since when, how sure, and its history.
+class ObjectCard : public QWidget {
+  Q_OBJECT
+
+ public:
+  explicit ObjectCard(Browser& browser, QWidget* parent = nullptr);
+
+  /// "object_12", the place's name, or empty.
+  QString title() const;
+  /// Name and value of every line shown, for copying.
+  QString text() const;
+  QTableView* history() const { return history_; }
+
+ private:
+  void build_rows();
+  void refresh();
+  void show_object(const BelievedObject& object);
+  void show_nothing(const QString& title, const QString& hint);
+  void show_picture();
+
+  Browser& browser_;
+  HistoryModel* model_;
+  QLabel* picture_;
+  QLabel* title_;
+  QLabel* hint_;
+  QWidget* rows_;
+  std::vector<std::pair<QString, QLabel*>> values_;
+  QProgressBar* probability_;
+  QTableView* history_;
+};
+
+}  // namespace loci

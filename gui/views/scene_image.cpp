@@ -1,0 +1,176 @@
+#include "gui/views/scene_image.h"
+
+#include <QMouseEvent>
+#include <QPainter>
+#include <algorithm>
+#include <cmath>
+
+#include "gui/text.h"
+#include "gui/theme.h"
+#include "mapping/base/error.h"
+
+namespace loci {
+namespace {
+
+/// Near is warm, far is cold; no measurement is black.
+QImage depth_image(const cv::Mat& depth) {
+  if (depth.empty()) return {};
+  float near = 0;
+  float far = 0;
+  for (int y = 0; y < depth.rows; ++y)
+    for (int x = 0; x < depth.cols; ++x) {
+      const float z = depth.at<float>(y, x);
+      if (!std::isfinite(z) || z <= 0) continue;
+      near = near == 0 ? z : std::min(near, z);
+      far = std::max(far, z);
+    }
+  const float span = std::max(far - near, 1e-3F);
+  QImage image(depth.cols, depth.rows, QImage::Format_RGB32);
+  for (int y = 0; y < depth.rows; ++y)
+    for (int x = 0; x < depth.cols; ++x) {
+      const float z = depth.at<float>(y, x);
+      const bool valid = std::isfinite(z) && z > 0;
+      const double part = valid ? static_cast<double>((z - near) / span) : 0;
+      image.setPixelColor(x, y, valid ? QColor::fromHsvF(0.66 * part, 0.75, 1.0 - 0.35 * part) : Qt::black);
+    }
+  return image;
+}
+
+}  // namespace
+
+SceneImage::SceneImage(Browser& browser, QWidget* parent) : QWidget(parent), browser_(browser) {
+  setMinimumSize(200, 150);
+  setMouseTracking(true);
+  connect(&browser_, &Browser::opened, this, &SceneImage::refresh);
+  connect(&browser_, &Browser::belief_changed, this, &SceneImage::refresh);
+  connect(&browser_, &Browser::selected, this, [this] { update(); });
+  refresh();
+}
+
+void SceneImage::show_depth(bool depth) {
+  depth_ = depth;
+  remake_picture();
+}
+
+void SceneImage::refresh() {
+  const SceneEntry* entry = browser_.scene();
+  if (entry != nullptr && entry->id == content_.scene.id && !picture_.isNull()) return update();
+  content_ = {};
+  try {
+    if (entry != nullptr) content_ = browser_.data()->scene(entry->id);
+  } catch (const Error& error) {
+    Q_EMIT browser_.failed(QString::fromUtf8(error.what()));
+  }
+  remake_picture();
+}
+
+void SceneImage::remake_picture() {
+  picture_ = depth_ ? depth_image(content_.depth) : image_of(content_.color);
+  update();
+}
+
+QRectF SceneImage::picture_area() const {
+  const QSizeF size = QSizeF(picture_.size()).scaled(QSizeF(this->size()), Qt::KeepAspectRatio);
+  return {QPointF((width() - size.width()) / 2, (height() - size.height()) / 2), size};
+}
+
+QRectF SceneImage::on_widget(const ImageBox& box) const {
+  const cv::Rect2d& pixels = depth_ ? box.depth : box.color;
+  const PinholeCamera& camera = depth_ ? content_.camera.depth : content_.camera.color;
+  if (pixels.empty() || camera.width <= 0 || picture_.isNull()) return {};
+  const QRectF area = picture_area();
+  const double sx = area.width() / camera.width;
+  const double sy = area.height() / camera.height;
+  return QRectF(area.left() + pixels.x * sx, area.top() + pixels.y * sy, pixels.width * sx,
+                pixels.height * sy)
+      .intersected(area);
+}
+
+std::optional<QRectF> SceneImage::box_of(int64_t object) const {
+  for (const ImageBox& box : content_.boxes)
+    if (box.object == object && !on_widget(box).isEmpty()) return on_widget(box);
+  return std::nullopt;
+}
+
+const ImageBox* SceneImage::box_at(const QPointF& point) const {
+  const ImageBox* best = nullptr;  // the smallest, where they overlap
+  double least = 0;
+  for (const ImageBox& box : content_.boxes) {
+    const QRectF area = on_widget(box);
+    if (!area.contains(point)) continue;
+    const double size = area.width() * area.height();
+    if (best == nullptr || size < least) {
+      best = &box;
+      least = size;
+    }
+  }
+  return best;
+}
+
+QString SceneImage::empty_text() const {
+  if (browser_.data() == nullptr) return "The picture of the chosen scene";
+  if (browser_.scene() == nullptr) return "This memory has no scenes";
+  return depth_ ? "No depth was kept for this scene" : "No picture was kept for this scene";
+}
+
+void SceneImage::paintEvent(QPaintEvent*) {
+  QPainter painter(this);
+  const Theme theme = Theme::of(palette());
+  painter.fillRect(rect(), theme.dark ? QColor(20, 21, 23) : QColor(226, 228, 232));
+  if (picture_.isNull()) {
+    painter.setPen(theme.muted);
+    painter.drawText(rect(), Qt::AlignCenter | Qt::TextWordWrap, empty_text());
+    return;
+  }
+  painter.setRenderHint(QPainter::SmoothPixmapTransform);
+  painter.drawImage(picture_area(), picture_);
+  painter.setRenderHint(QPainter::Antialiasing);
+  const auto selected = browser_.selection().object();
+  for (const ImageBox& box : content_.boxes)
+    if (box.object != selected) paint_box(painter, box);
+  for (const ImageBox& box : content_.boxes)
+    if (box.object == selected) paint_box(painter, box);
+}
+
+void SceneImage::paint_box(QPainter& painter, const ImageBox& box) const {
+  const QRectF area = on_widget(box);
+  if (area.isEmpty()) return;
+  const Theme theme = Theme::of(palette());
+  const bool selected = browser_.selection().object() == box.object && box.object != 0;
+  const QColor color = selected ? theme.accent : QColor(255, 255, 255);
+  painter.setBrush(Qt::NoBrush);
+  painter.setPen(QPen(QColor(0, 0, 0, 140), selected ? 4.5 : 3));
+  painter.drawRoundedRect(area, 2, 2);
+  painter.setPen(QPen(color, selected ? 2.5 : 1.3));
+  painter.drawRoundedRect(area, 2, 2);
+
+  QFont font = scaled_font(this->font(), 0.88);
+  font.setBold(selected);
+  painter.setFont(font);
+  const QString name = QString::fromStdString(box.name);
+  const QSizeF size = QFontMetricsF(font).size(Qt::TextSingleLine, name) + QSizeF(8, 2);
+  const QRectF all = picture_area();
+  QRectF label(QPointF(area.left(), area.top() - size.height() - 1), size);
+  label.moveLeft(std::clamp(label.left(), all.left(), std::max(all.left(), all.right() - size.width())));
+  if (label.top() < all.top()) label.moveTop(area.bottom() + 1);
+  painter.setPen(Qt::NoPen);
+  painter.setBrush(selected ? theme.accent : QColor(0, 0, 0, 165));
+  painter.drawRoundedRect(label, 3, 3);
+  painter.setPen(Qt::white);
+  painter.drawText(label, Qt::AlignCenter, name);
+}
+
+void SceneImage::mousePressEvent(QMouseEvent* event) {
+  const ImageBox* box = box_at(event->localPos());
+  if (box != nullptr && box->object != 0)
+    browser_.selection().select_object(box->object);
+  else
+    browser_.selection().clear();
+}
+
+void SceneImage::mouseMoveEvent(QMouseEvent* event) {
+  const ImageBox* box = box_at(event->localPos());
+  setCursor(box != nullptr ? Qt::PointingHandCursor : Qt::ArrowCursor);
+}
+
+}  // namespace loci

@@ -1,0 +1,148 @@
+#include "gui/views/time_bar.h"
+
+#include <QEvent>
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QLineEdit>
+#include <QToolButton>
+#include <QVBoxLayout>
+
+#include "gui/text.h"
+#include "gui/theme.h"
+#include "gui/views/time_track.h"
+#include "mapping/base/error.h"
+
+namespace loci {
+namespace {
+constexpr int kPlayStepMs = 700;
+}
+
+TimeBar::TimeBar(Browser& browser, QWidget* parent)
+    : QWidget(parent),
+      browser_(browser),
+      track_(new TimeTrack(browser, this)),
+      stamp_(new QLineEdit(this)),
+      zone_(new QLabel(this)),
+      scene_(new QLabel(this)),
+      happened_(new QLabel(this)) {
+  auto* buttons = new QHBoxLayout;
+  buttons->setSpacing(4);
+  const auto add = [&](Transport sign, const QString& tip, auto action) {
+    auto* button = new QToolButton(this);
+    buttons_.emplace_back(sign, button);
+    button->setAutoRaise(true);
+    button->setToolTip(tip);
+    button->setFocusPolicy(Qt::NoFocus);
+    connect(button, &QToolButton::clicked, this, action);
+    buttons->addWidget(button);
+  };
+  add(Transport::first, "First scene (Home)", [this] { browser_.to_first(); });
+  add(Transport::previous, "Previous scene (Left)", [this] { browser_.step(-1); });
+  add(Transport::play, "Play (Space)", [this] { toggle_play(); });
+  add(Transport::next, "Next scene (Right)", [this] { browser_.step(1); });
+  add(Transport::last, "Last scene (End)", [this] { browser_.to_last(); });
+  stamp_->setToolTip("The chosen time; type another: 2026-05-01 08:30, 08:30, yesterday 9:00 (Ctrl+T)");
+  stamp_->setFixedWidth(fontMetrics().horizontalAdvance("2026-05-01 00:00:00.000000") + 24);
+  buttons->addSpacing(6);
+  buttons->addWidget(stamp_);
+  buttons->addWidget(zone_);
+  buttons->addSpacing(12);
+  buttons->addWidget(scene_);
+  buttons->addSpacing(12);
+  happened_->setTextInteractionFlags(Qt::TextSelectableByMouse);
+  happened_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
+  buttons->addWidget(happened_, 1);
+  auto* layout = new QVBoxLayout(this);
+  layout->setContentsMargins(8, 6, 8, 2);
+  layout->setSpacing(2);
+  layout->addLayout(buttons);
+  layout->addWidget(track_);
+
+  paint_buttons();
+  timer_.setInterval(kPlayStepMs);
+  connect(&timer_, &QTimer::timeout, this, &TimeBar::play_step);
+  connect(stamp_, &QLineEdit::returnPressed, this, &TimeBar::take_stamp);
+  connect(stamp_, &QLineEdit::editingFinished, this, &TimeBar::refresh);
+  connect(&browser_, &Browser::opened, this, &TimeBar::refresh);
+  connect(&browser_, &Browser::belief_changed, this, &TimeBar::refresh);
+  refresh();
+}
+
+void TimeBar::paint_buttons() {
+  for (const auto& [sign, button] : buttons_) {
+    const bool pause = sign == Transport::play && timer_.isActive();
+    button->setIcon(transport_icon(pause ? Transport::pause : sign, Theme::of(palette()).text));
+  }
+}
+
+void TimeBar::changeEvent(QEvent* event) {
+  QWidget::changeEvent(event);
+  if (event->type() == QEvent::PaletteChange) paint_buttons();
+}
+
+void TimeBar::toggle_play() {
+  if (timer_.isActive()) {
+    timer_.stop();
+  } else if (browser_.data() != nullptr && !browser_.data()->scenes().empty()) {
+    if (browser_.selection().time() >= browser_.data()->scenes().back().time) browser_.to_first();
+    timer_.start();
+  }
+  paint_buttons();
+  Q_EMIT play_changed(timer_.isActive());
+}
+
+void TimeBar::play_step() {
+  const TimeNs before = browser_.selection().time();
+  browser_.step(1);
+  if (browser_.selection().time() == before) toggle_play();
+}
+
+void TimeBar::take_stamp() {
+  if (browser_.data() == nullptr) return;
+  try {
+    browser_.selection().set_time(browser_.data()->time_of(stamp_->text().toStdString()));
+    track_->setFocus();
+  } catch (const Error& error) {
+    Q_EMIT browser_.failed(QString::fromUtf8(error.what()));
+  }
+  refresh();
+}
+
+QString TimeBar::what_happened() const {
+  const SceneEntry* scene = browser_.scene();
+  QStringList texts;
+  for (const EventEntry& event : browser_.data()->events())
+    if (scene != nullptr && event.time == scene->time) texts << QString::fromStdString(event.text);
+  if (texts.isEmpty()) return "nothing changed";
+  return texts.size() <= 3 ? texts.join(" · ")
+                           : QString("%1 · and %2 more")
+                                 .arg(QStringList(texts.mid(0, 3)).join(" · "))
+                                 .arg(texts.size() - 3);
+}
+
+void TimeBar::refresh() {
+  const BrowserData* memory = browser_.data();
+  setEnabled(memory != nullptr && !memory->scenes().empty());
+  if (memory == nullptr || memory->scenes().empty()) {
+    stamp_->clear();
+    for (QLabel* label : {zone_, scene_, happened_}) label->clear();
+    return;
+  }
+  const MemoryInfo& info = memory->info();
+  stamp_->setText(time_text(browser_.selection().time(), info.zone_minutes));
+  stamp_->setCursorPosition(0);
+  zone_->setText(info.time_assumed ? zone_text(info.zone_minutes) + ", assumed"
+                                   : zone_text(info.zone_minutes));
+  zone_->setToolTip(info.time_assumed ? "The recording had no time stamps: these were made up at 30 Hz"
+                                      : "Time zone of all times shown");
+  const SceneEntry* scene = browser_.scene();
+  const auto number = scene - memory->scenes().data() + 1;
+  scene_->setText(QString("scene %1 of %2").arg(number).arg(memory->scenes().size()));
+  happened_->setText(what_happened());
+  happened_->setToolTip(happened_->text());
+  QPalette colors = palette();
+  colors.setColor(QPalette::WindowText, Theme::of(palette()).muted);
+  for (QLabel* label : {zone_, happened_}) label->setPalette(colors);
+}
+
+}  // namespace loci

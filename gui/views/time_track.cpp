@@ -1,0 +1,184 @@
+#include "gui/views/time_track.h"
+
+#include <QHelpEvent>
+#include <QMouseEvent>
+#include <QPainter>
+#include <QToolTip>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "gui/text.h"
+#include "gui/theme.h"
+#include "mapping/base/error.h"
+
+namespace loci {
+namespace {
+
+constexpr double kSide = 14;       // pixels left and right of the axis
+constexpr double kEventsY = 12;    // middle of the row of events
+constexpr double kAxisY = 30;      // the line that the handle moves on
+constexpr double kTextY = 44;      // top of the hours
+constexpr double kSnapPixels = 5;  // a drag that comes this near to a scene takes its time
+constexpr double kDotRadius = 4;
+
+/// Round steps for labels, from milliseconds to months.
+TimeNs label_step(TimeNs span, double pixels) {
+  constexpr TimeNs kMs = kSecond / 1000;
+  constexpr std::array<TimeNs, 24> kSteps = {
+      50 * kMs,         100 * kMs,        200 * kMs,         500 * kMs,         kSecond,
+      2 * kSecond,      5 * kSecond,      10 * kSecond,      30 * kSecond,      60 * kSecond,
+      120 * kSecond,    300 * kSecond,    600 * kSecond,     1800 * kSecond,    3600 * kSecond,
+      7200 * kSecond,   14400 * kSecond,  21600 * kSecond,   43200 * kSecond,   86400 * kSecond,
+      172800 * kSecond, 604800 * kSecond, 2592000 * kSecond, 31536000 * kSecond};
+  const double least = static_cast<double>(span) * 90 / std::max(pixels, 1.0);
+  for (const TimeNs step : kSteps)
+    if (static_cast<double>(step) >= least) return step;
+  return kSteps.back();
+}
+
+QString tick_text(TimeNs time, TimeNs step, int zone) {
+  const QString text = time_text(time, zone);  // "2026-05-01 09:10:00.5"
+  if (step >= 86400 * kSecond) return text.left(10);
+  if (step >= 60 * kSecond) return text.mid(11, 5);
+  return step >= kSecond ? text.mid(11, 8) : text.mid(11, 10);
+}
+
+}  // namespace
+
+TimeTrack::TimeTrack(Browser& browser, QWidget* parent) : QWidget(parent), browser_(browser) {
+  setFocusPolicy(Qt::StrongFocus);
+  setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
+  setMouseTracking(true);
+  connect(&browser_, &Browser::opened, this, &TimeTrack::refresh);
+  connect(&browser_, &Browser::selected, this, &TimeTrack::refresh);
+  connect(&browser_, &Browser::belief_changed, this, [this] { update(); });
+  refresh();
+}
+
+void TimeTrack::refresh() {
+  observations_.clear();
+  first_ = last_ = 0;
+  const BrowserData* memory = browser_.data();
+  if (memory != nullptr && !memory->scenes().empty()) {
+    first_ = memory->scenes().front().time;
+    last_ = memory->scenes().back().time;
+    try {
+      if (browser_.selection().object()) observations_ = memory->observations(*browser_.selection().object());
+    } catch (const Error& error) {
+      Q_EMIT browser_.failed(QString::fromUtf8(error.what()));
+    }
+  }
+  update();
+}
+
+double TimeTrack::x_of(TimeNs time) const {
+  const double span = std::max(1.0, static_cast<double>(last_ - first_));
+  return kSide + (width() - 2 * kSide) * static_cast<double>(time - first_) / span;
+}
+
+TimeNs TimeTrack::time_at(double x) const {
+  const double part = std::clamp((x - kSide) / std::max(1.0, width() - 2 * kSide), 0.0, 1.0);
+  return first_ + std::llround(part * static_cast<double>(last_ - first_));
+}
+
+void TimeTrack::drag(double x) {
+  const BrowserData* memory = browser_.data();
+  if (memory == nullptr || memory->scenes().empty()) return;
+  TimeNs time = time_at(x);
+  double nearest = kSnapPixels;
+  for (const SceneEntry& scene : memory->scenes()) {
+    const double distance = std::abs(x_of(scene.time) - x);
+    if (distance >= nearest) continue;
+    nearest = distance;
+    time = scene.time;
+  }
+  browser_.selection().set_time(time);
+}
+
+void TimeTrack::mousePressEvent(QMouseEvent* event) {
+  if (event->button() == Qt::LeftButton) drag(event->localPos().x());
+}
+
+void TimeTrack::mouseMoveEvent(QMouseEvent* event) {
+  if ((event->buttons() & Qt::LeftButton) != 0) drag(event->localPos().x());
+}
+
+bool TimeTrack::event(QEvent* event) {
+  if (event->type() != QEvent::ToolTip || browser_.data() == nullptr) return QWidget::event(event);
+  const auto* help = static_cast<QHelpEvent*>(event);
+  QString text;
+  for (const EventEntry& entry : browser_.data()->events()) {
+    if (std::abs(x_of(entry.time) - help->pos().x()) > kDotRadius + 1) continue;
+    if (!text.isEmpty()) text += "\n";
+    text += time_text(entry.time, browser_.data()->info().zone_minutes).mid(11) + "  " +
+            QString::fromStdString(entry.text);
+    if (text.count('\n') > 12) break;
+  }
+  if (text.isEmpty()) text = time_text(time_at(help->pos().x()), browser_.data()->info().zone_minutes);
+  QToolTip::showText(help->globalPos(), text, this);
+  return true;
+}
+
+void TimeTrack::paintEvent(QPaintEvent*) {
+  QPainter painter(this);
+  painter.setRenderHint(QPainter::Antialiasing);
+  const Theme theme = Theme::of(palette());
+  painter.setPen(QPen(theme.grid, 2));
+  painter.drawLine(QPointF(kSide, kAxisY), QPointF(width() - kSide, kAxisY));
+  if (browser_.data() == nullptr || browser_.data()->scenes().empty()) return;
+  paint_axis(painter);
+  paint_events(painter);
+  paint_handle(painter);
+}
+
+void TimeTrack::paint_axis(QPainter& painter) const {
+  const Theme theme = Theme::of(palette());
+  const int zone = browser_.data()->info().zone_minutes;
+  painter.setPen(QPen(theme.muted, 1));
+  for (const SceneEntry& scene : browser_.data()->scenes()) {
+    const double x = std::round(x_of(scene.time)) + 0.5;
+    painter.drawLine(QPointF(x, kAxisY - 5), QPointF(x, kAxisY + 5));
+  }
+  painter.setPen(QPen(theme.seen, 3));
+  for (const TimeNs time : observations_) {
+    const double x = std::round(x_of(time)) + 0.5;
+    painter.drawLine(QPointF(x, kAxisY - 5), QPointF(x, kAxisY + 5));
+  }
+  const TimeNs step = label_step(last_ - first_, width() - 2 * kSide);
+  const TimeNs offset = static_cast<TimeNs>(zone) * 60 * kSecond;
+  painter.setPen(theme.muted);
+  const QFont font = scaled_font(this->font(), 0.9);
+  painter.setFont(font);
+  for (TimeNs t = (first_ + offset + step - 1) / step * step - offset; t <= last_; t += step) {
+    const QString text = tick_text(t, step, zone);
+    const double half = QFontMetricsF(font).horizontalAdvance(text) / 2 + 1;
+    const double middle = std::clamp(x_of(t), half, width() - half);  // nothing is cut off at the sides
+    painter.drawText(QRectF(middle - half, kTextY, 2 * half, 16), Qt::AlignCenter, text);
+  }
+}
+
+void TimeTrack::paint_events(QPainter& painter) const {
+  const Theme theme = Theme::of(palette());
+  const auto object = browser_.selection().object();
+  for (const EventEntry& event : browser_.data()->events()) {
+    const bool other = object && event.object != *object;
+    QColor color = theme.of_event(event.kind);
+    if (other) color.setAlphaF(0.18);
+    painter.setPen(Qt::NoPen);
+    painter.setBrush(color);
+    painter.drawEllipse(QPointF(x_of(event.time), kEventsY), kDotRadius, kDotRadius);
+  }
+}
+
+void TimeTrack::paint_handle(QPainter& painter) const {
+  const Theme theme = Theme::of(palette());
+  const double x = std::clamp(x_of(browser_.selection().time()), kSide, width() - kSide);
+  painter.setPen(QPen(theme.accent, 2));
+  painter.drawLine(QPointF(x, 2), QPointF(x, kAxisY + 8));
+  painter.setPen(QPen(theme.panel, 2));
+  painter.setBrush(theme.accent);
+  painter.drawEllipse(QPointF(x, kAxisY), 7, 7);
+}
+
+}  // namespace loci

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <QWidget>
+
+#include "gui/browser.h"
+
+namespace loci {
+
+/// The slider of the time bar: an axis with a tick per scene, a dot per event, the observations of the chosen
+/// object, and a handle at the chosen time.
+class TimeTrack : public QWidget {
+  Q_OBJECT
+
+ public:
+  explicit TimeTrack(Browser& browser, QWidget* parent = nullptr);
+
+  /// Where a time is, in pixels from the left, and back.
+  double x_of(TimeNs time) const;
+  TimeNs time_at(double x) const;
+  QSize sizeHint() const override { return {600, 64}; }
+  QSize minimumSizeHint() const override { return {200, 64}; }
+
+ protected:
+  void paintEvent(QPaintEvent* event) override;
+  void mousePressEvent(QMouseEvent* event) override;
+  void mouseMoveEvent(QMouseEvent* event) override;
+  bool event(QEvent* event) override;
+
+ private:
+  void refresh();
+  void drag(double x);
+  void paint_axis(QPainter& painter) const;
+  void paint_events(QPainter& painter) const;
+  void paint_handle(QPainter& painter) const;
+
+  Browser& browser_;
+  std::vector<TimeNs> observations_;  ///< of the chosen object
+  TimeNs first_ = 0, last_ = 0;
+};
+
+}  // namespace loci

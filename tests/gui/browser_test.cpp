@@ -1,0 +1,211 @@
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+#include <QApplication>
+#include <QLineEdit>
+#include <QSignalSpy>
+#include <QTableView>
+#include <QTest>
+#include <QTreeView>
+#include <set>
+
+#include "gui/data/memory_data.h"
+#include "gui/main_window.h"
+#include "gui/scene3d/object_actors.h"
+#include "gui/text.h"
+#include "gui/views/object_card.h"
+#include "gui/views/objects_tree.h"
+#include "gui/views/scene_image.h"
+#include "gui/views/time_bar.h"
+#include "gui/views/time_track.h"
+#include "mapping/base/error.h"
+#include "mapping/base/files.h"
+#include "tests/gui/sample_memory.h"
+
+namespace loci {
+namespace {
+
+/// A window on the sample memory, shown on the virtual screen.
+class BrowserWindow : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::filesystem::temp_directory_path() / ("loci_gui_test_" + std::to_string(getpid()));
+    make_folder(folder_);
+    sample_ = test::write_sample_memory(folder_ / "sample.loci");
+  }
+  static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
+
+  BrowserWindow() : window(open_memory_data, {MapBackend::widget, false}) {
+    window.show_data(open_memory_data(sample_.path));
+    window.show();
+    EXPECT_TRUE(QTest::qWaitForWindowExposed(&window));
+    QApplication::setActiveWindow(&window);  // No window manager does it here.
+    QTest::qWait(50);
+  }
+
+  SelectionModel& selection() { return window.browser().selection(); }
+  void click_in_tree(int64_t object) {
+    const QModelIndex index = window.tree().shown_index_of_object(object);
+    ASSERT_TRUE(index.isValid());
+    QTreeView* view = window.tree().view();
+    QTest::mouseClick(view->viewport(), Qt::LeftButton, Qt::NoModifier, view->visualRect(index).center());
+  }
+  const MapObject* drawn(int64_t object) {
+    for (const MapObject& candidate : window.map().scene().objects())
+      if (candidate.id == object) return &candidate;
+    return nullptr;
+  }
+
+  static std::filesystem::path folder_;
+  static test::SampleMemory sample_;
+  MainWindow window;
+};
+std::filesystem::path BrowserWindow::folder_;
+test::SampleMemory BrowserWindow::sample_;
+
+TEST_F(BrowserWindow, OpensAtTheLastSceneWithFileAndSchemaInTheTitle) {
+  EXPECT_EQ(selection().time(), sample_.third);
+  EXPECT_TRUE(window.windowTitle().contains("sample.loci")) << window.windowTitle().toStdString();
+  EXPECT_TRUE(window.windowTitle().contains("schema 1."));
+}
+
+TEST_F(BrowserWindow, ClickInTheTreeSelectsInMapAndCard) {
+  selection().set_time(sample_.first);
+  click_in_tree(1);
+  EXPECT_EQ(selection().object(), 1);
+  EXPECT_EQ(window.map().scene().selected_object(), 1);
+  EXPECT_EQ(window.card().title(), "object_1");
+  EXPECT_TRUE(window.card().text().contains("counter_1"));
+  EXPECT_GE(window.card().history()->model()->rowCount(), 2);
+}
+
+TEST_F(BrowserWindow, ClickOnABoxInThePictureSelectsItsObject) {
+  selection().set_time(sample_.first);
+  const auto box = window.image().box_of(2);
+  ASSERT_TRUE(box.has_value());
+  QTest::mouseClick(&window.image(), Qt::LeftButton, Qt::NoModifier, box->center().toPoint());
+  EXPECT_EQ(selection().object(), 2);
+  EXPECT_EQ(window.tree().view()->currentIndex(), window.tree().shown_index_of_object(2));
+}
+
+TEST_F(BrowserWindow, ClickInTheMapSelectsWhatIsThere) {
+  selection().set_time(sample_.first);
+  selection().select_object(2);
+  window.map().frame_selection();
+  selection().clear();
+  QWidget* canvas = window.map().findChild<QWidget*>();
+  QTest::mouseClick(canvas, Qt::LeftButton, Qt::NoModifier, canvas->rect().center());
+  EXPECT_EQ(selection().object(), 2);
+}
+
+TEST_F(BrowserWindow, TheSliderChangesWhatIsBelieved) {
+  TimeTrack* track = window.time_bar().track();
+  const auto click_at = [&](TimeNs time) {
+    QTest::mouseClick(track, Qt::LeftButton, Qt::NoModifier,
+                      QPoint(static_cast<int>(track->x_of(time)), track->height() / 2));
+  };
+  click_at(sample_.first);
+  EXPECT_EQ(selection().time(), sample_.first);
+  ASSERT_NE(window.browser().belief().find(1), nullptr);
+  EXPECT_EQ(window.browser().belief().find(1)->presence, Presence::seen);
+  EXPECT_EQ(window.browser().belief().find(3), nullptr);
+  EXPECT_FALSE(drawn(1)->ghost);
+
+  click_at(sample_.second);
+  EXPECT_EQ(window.browser().belief().find(1)->presence, Presence::remembered);
+  EXPECT_TRUE(drawn(1)->ghost);
+  EXPECT_EQ(window.browser().belief().find(2)->place, "table_1");
+
+  click_at(sample_.third);
+  EXPECT_EQ(window.browser().belief().find(1)->presence, Presence::gone);
+  EXPECT_EQ(drawn(1), nullptr);
+  EXPECT_NE(drawn(3), nullptr);
+}
+
+TEST_F(BrowserWindow, KeysStepThroughTheScenes) {
+  QTest::keyClick(&window, Qt::Key_Home);
+  EXPECT_EQ(selection().time(), sample_.first);
+  QTest::keyClick(&window, Qt::Key_Right);
+  EXPECT_EQ(selection().time(), sample_.second);
+  QTest::keyClick(&window, Qt::Key_End);
+  EXPECT_EQ(selection().time(), sample_.third);
+  QTest::keyClick(&window, Qt::Key_Left);
+  EXPECT_EQ(selection().time(), sample_.second);
+  selection().select_object(1);
+  QTest::keyClick(&window, Qt::Key_Left, Qt::ControlModifier);
+  EXPECT_EQ(selection().time(), sample_.first) << "the observation before";
+  QTest::keyClick(&window, Qt::Key_Escape);
+  EXPECT_FALSE(selection().object().has_value());
+}
+
+TEST_F(BrowserWindow, SpacePlaysFromTheBeginningAndStops) {
+  QTest::keyClick(&window, Qt::Key_Space);
+  EXPECT_TRUE(window.time_bar().plays());
+  EXPECT_EQ(selection().time(), sample_.first);
+  QTest::keyClick(&window, Qt::Key_Space);
+  EXPECT_FALSE(window.time_bar().plays());
+}
+
+TEST_F(BrowserWindow, TypedTimesAreTakenAndNonsenseIsRefused) {
+  QLineEdit* stamp = window.time_bar().stamp();
+  const auto type = [&](const char* text) {
+    stamp->setText(text);
+    QTest::keyClick(stamp, Qt::Key_Return);
+  };
+  type("2026-05-01 07:30:00");
+  EXPECT_EQ(selection().time(), sample_.second);
+  type("07:00");
+  EXPECT_EQ(selection().time(), sample_.first);
+  QSignalSpy failed(&window.browser(), &Browser::failed);
+  type("tea time");
+  EXPECT_EQ(failed.count(), 1);
+  EXPECT_EQ(selection().time(), sample_.first);
+  EXPECT_EQ(stamp->text(), "2026-05-01 07:00:00");
+}
+
+TEST_F(BrowserWindow, SearchShowsWhatMatchesAndKeepsTheSelection) {
+  selection().set_time(sample_.first);
+  selection().select_object(1);
+  window.tree().search()->setText("blue");
+  EXPECT_FALSE(window.tree().shown_index_of_object(1).isValid());
+  EXPECT_TRUE(window.tree().shown_index_of_object(2).isValid());
+  EXPECT_EQ(selection().object(), 1);
+  window.tree().search()->clear();
+  EXPECT_TRUE(window.tree().view()->selectionModel()->isSelected(window.tree().shown_index_of_object(1)));
+}
+
+TEST_F(BrowserWindow, WhatIsGoneIsInAGroupOfItsOwn) {
+  selection().set_time(sample_.third);
+  const QModelIndex cup = window.tree().shown_index_of_object(1);
+  EXPECT_EQ(cup.parent().data().toString(), "gone");
+}
+
+TEST_F(BrowserWindow, MapAndCloudAreDrawnWithinTheirLimits) {
+  selection().set_time(sample_.first);
+  EXPECT_GT(window.map().scene().point_count(), 1000U);
+  EXPECT_LE(window.map().scene().point_count(), 50000U);
+  EXPECT_FALSE(window.map().scene().shown_labels().empty());
+}
+
+TEST_F(BrowserWindow, ScreenshotIsNotBlank) {
+  const QImage image = window.screenshot();
+  EXPECT_EQ(image.size(), window.size() * window.devicePixelRatio());
+  const QRect map = QRect(window.map().mapTo(&window, QPoint(0, 0)), window.map().size());
+  std::set<QRgb> colors;
+  for (int y = map.top(); y < map.bottom(); y += 3)
+    for (int x = map.left(); x < map.right(); x += 3) colors.insert(image.pixel(x, y));
+  EXPECT_GT(colors.size(), 200U);
+}
+
+TEST_F(BrowserWindow, NothingIsClippedAtTheSmallestSizePromised) {
+  window.resize(1280, 800);
+  QTest::qWait(50);
+  EXPECT_LE(window.width(), 1280);
+  EXPECT_LE(window.height(), 800);
+  for (const QWidget* view : std::initializer_list<const QWidget*>{
+           &window.map(), &window.tree(), &window.image(), &window.card(), &window.time_bar()})
+    EXPECT_TRUE(window.rect().contains(QRect(view->mapTo(&window, QPoint(0, 0)), view->size())));
+}
+
+}  // namespace
+}  // namespace loci

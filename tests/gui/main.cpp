@@ -1,0 +1,20 @@
+#include <gtest/gtest.h>
+
+#include <QVTKOpenGLNativeWidget.h>
+#include <QApplication>
+#include <QStandardPaths>
+#include <QSurfaceFormat>
+
+#include "gui/theme.h"
+
+int main(int argc, char** argv) {
+  QSurfaceFormat format = QVTKOpenGLNativeWidget::defaultFormat();
+  format.setSamples(0);
+  QSurfaceFormat::setDefaultFormat(format);
+  QStandardPaths::setTestModeEnabled(true);
+  testing::InitGoogleTest(&argc, argv);
+  QApplication application(argc, argv);
+  QApplication::setOrganizationName("loci-test");
+  loci::apply_theme(application, loci::ThemeChoice::light, false);
+  return RUN_ALL_TESTS();
+}

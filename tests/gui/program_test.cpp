@@ -1,0 +1,108 @@
+// loci-browse as a program: pictures with and without a screen, and what it says when it cannot.
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <QImage>
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <set>
+
+#include "mapping/base/files.h"
+#include "tests/gui/sample_memory.h"
+
+namespace loci {
+namespace {
+
+struct Ran {
+  int code = 0;
+  std::string error;
+};
+
+class BrowseProgram : public testing::Test {
+ protected:
+  BrowseProgram()
+      : folder(std::filesystem::temp_directory_path() / ("loci_browse_" + std::to_string(getpid()))) {
+    make_folder(folder);
+    memory = test::write_sample_memory(folder / "sample.loci").path.string();
+  }
+  ~BrowseProgram() override { std::filesystem::remove_all(folder); }
+
+  Ran run(const std::string& arguments,
+          const std::string& environment = "env -u DISPLAY -u WAYLAND_DISPLAY") {
+    const std::string stderr_file = (folder / "stderr").string();
+    const int status = std::system((environment + " " + LOCI_BIN_DIR + "/loci-browse " + arguments + " 2> " +
+                                    stderr_file + " > /dev/null")
+                                       .c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(stderr_file)};
+  }
+  QImage picture(const std::string& name) { return QImage(QString::fromStdString((folder / name).string())); }
+  std::string out(const std::string& name) { return (folder / name).string(); }
+
+  static size_t colors_in_the_middle(const QImage& image) {
+    std::set<QRgb> colors;
+    for (int y = image.height() / 4; y < image.height() / 2; ++y)
+      for (int x = image.width() * 2 / 5; x < image.width() * 3 / 5; ++x) colors.insert(image.pixel(x, y));
+    return colors.size();
+  }
+
+  std::filesystem::path folder;
+  std::string memory;
+};
+
+TEST_F(BrowseProgram, DrawsThePictureWithoutAnyScreen) {
+  const Ran ran = run(memory + " --screenshot " + out("a.png"));
+  EXPECT_EQ(ran.code, 0) << ran.error;
+  const QImage image = picture("a.png");
+  EXPECT_EQ(image.size(), QSize(1280, 800));
+  EXPECT_GT(colors_in_the_middle(image), 100U);
+}
+
+TEST_F(BrowseProgram, DrawsThePictureUnderAnXServer) {
+  const Ran ran = run(memory + " --screenshot " + out("a.png"), "env");
+  EXPECT_EQ(ran.code, 0) << ran.error;
+  EXPECT_GT(colors_in_the_middle(picture("a.png")), 100U);
+}
+
+TEST_F(BrowseProgram, TimeAndSelectionChangeThePicture) {
+  EXPECT_EQ(run(memory + " --screenshot " + out("a.png") + " --at 07:00").code, 0);
+  EXPECT_EQ(run(memory + " --screenshot " + out("b.png") + " --at 07:00 --select object_2").code, 0);
+  EXPECT_EQ(run(memory + " --screenshot " + out("c.png") + " --at 07:00 --size 1000x700").code, 0);
+  EXPECT_NE(picture("a.png"), picture("b.png"));
+  EXPECT_EQ(picture("c.png").size(), QSize(1000, 700));
+}
+
+TEST_F(BrowseProgram, SameMemorySamePicture) {
+  run(memory + " --screenshot " + out("a.png"));
+  run(memory + " --screenshot " + out("b.png"));
+  EXPECT_EQ(read_file(out("a.png")), read_file(out("b.png")));
+}
+
+TEST_F(BrowseProgram, SaysInOneLineWhyItCannot) {
+  write_file_atomically(out("broken.loci"), "this is no memory");
+  const std::string truncated = read_file(memory).substr(0, 5000);
+  write_file_atomically(out("truncated.loci"), truncated);
+  for (const std::string& arguments :
+       {out("broken.loci"), out("truncated.loci"), out("missing.loci"), memory + " --select object_99",
+        memory + " --at someday", memory + " --size huge"}) {
+    const Ran ran = run(arguments + " --screenshot " + out("no.png"));
+    EXPECT_EQ(ran.code, 1) << arguments;
+    EXPECT_EQ(std::count(ran.error.begin(), ran.error.end(), '\n'), 1) << ran.error;
+    EXPECT_FALSE(std::filesystem::exists(out("no.png"))) << arguments;
+  }
+}
+
+TEST_F(BrowseProgram, WithoutAScreenTheWindowIsRefusedWithAHint) {
+  const Ran ran = run(memory);
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_NE(ran.error.find("--screenshot"), std::string::npos) << ran.error;
+}
+
+TEST_F(BrowseProgram, UsageErrorsExitTwo) {
+  EXPECT_EQ(run("--no-such-option").code, 2);
+}
+
+}  // namespace
+}  // namespace loci

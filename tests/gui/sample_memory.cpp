@@ -1,0 +1,234 @@
+#include "tests/gui/sample_memory.h"
+
+#include <map>
+#include <opencv2/core.hpp>
+
+#include "mapping/base/files.h"
+#include "mapping/image/image_io.h"
+#include "mapping/render/render.h"
+#include "mapping/world/urdf.h"
+#include "memory/store/depth_thumbnail.h"
+#include "memory/store/scene_transaction.h"
+
+namespace loci::test {
+namespace {
+
+constexpr int kThumbnailStep = 4;
+const std::filesystem::path kKitchen = std::filesystem::path(LOCI_SOURCE_DIR) / "apps/samples/kitchen.urdf";
+
+struct Thing {
+  Id object;
+  Vector3d centre, size;
+  HsvColor hsv;
+  const char* color;
+  cv::Scalar bgr;
+};
+
+Isometry3d looking(const Vector3d& from, const Vector3d& at) {
+  const Vector3d z = (at - from).normalized();
+  const Vector3d x = z.cross(Vector3d::UnitZ()).normalized();
+  Isometry3d pose = Isometry3d::Identity();
+  pose.linear().col(0) = x;
+  pose.linear().col(1) = z.cross(x);
+  pose.linear().col(2) = z;
+  pose.translation() = from;
+  return pose;
+}
+
+TriangleMesh box_mesh(const Thing& thing) {
+  Warnings warnings;
+  TriangleMesh mesh = triangulate(Box{thing.size}, {}, warnings);
+  const Rgba color(static_cast<float>(thing.bgr[2] / 255), static_cast<float>(thing.bgr[1] / 255),
+                   static_cast<float>(thing.bgr[0] / 255), 1);
+  mesh.colors.assign(mesh.triangles.size(), color);
+  return mesh;
+}
+
+/// Writes scene after scene of one run.
+class Writer {
+ public:
+  Writer(const std::filesystem::path& path)
+      : store_(Store::open_write(path)), world_(read_urdf(kKitchen)), run_(store_.begin_run("test", "{}")) {
+    map_ = store_.add_map("kitchen.urdf", read_file(kKitchen), "");
+    for (const char* name : {"counter_1", "table_1"}) {
+      PlaceRow row;
+      row.name = name;
+      row.map = map_;
+      places_[name] = store_.add_place(row, run_);
+    }
+  }
+  ~Writer() { store_.finish_run(run_); }
+
+  /// Draws what the camera sees, adds the scene with one observation per thing; returns the scene's id.
+  Id add_scene(SceneTransaction& transaction, TimeNs time, const Isometry3d& map_from_camera,
+               const std::vector<Thing>& things, const JointState& joints) {
+    const PinholeCamera camera;
+    RenderScene scene;
+    Warnings warnings;
+    scene.add(world_, {{}, kKitchen.parent_path()}, Isometry3d::Identity(), warnings);
+    scene.set_joints(0, joints);
+    for (const Thing& thing : things)
+      scene.add("thing_" + std::to_string(thing.object), box_mesh(thing),
+                Isometry3d(Eigen::Translation3d(thing.centre)));
+    RenderOptions options;
+    options.colors = true;
+    const RenderedView view = scene.render(camera, map_from_camera, options);
+    SceneRow row;
+    row.time = time;
+    row.map = map_;
+    row.camera = SceneCamera{camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, 0.5, 5};
+    row.map_from_camera = map_from_camera;
+    row.joints = joints;
+    const auto picture = encode_image(view.color, ".png");
+    row.picture =
+        transaction.add_blob({reinterpret_cast<const char*>(picture.data()), picture.size()}, "image/png");
+    std::vector<float> depth;
+    for (int y = kThumbnailStep / 2; y < camera.height; y += kThumbnailStep)
+      for (int x = kThumbnailStep / 2; x < camera.width; x += kThumbnailStep)
+        depth.push_back(view.depth.at<float>(y, x));
+    row.depth = transaction.add_blob(encode_depth_thumbnail(depth), kDepthThumbnailMedia);
+    row.depth_width = camera.width / kThumbnailStep;
+    row.depth_height = camera.height / kThumbnailStep;
+    return transaction.add_scene(row);
+  }
+
+  /// An observation of a thing that is believed to be the object; returns its id.
+  Id add_sight(SceneTransaction& transaction, Id scene, const std::string& place, const Thing& thing,
+               const Isometry3d& map_from_camera, const std::string& explanation) {
+    const PinholeCamera camera;
+    Eigen::AlignedBox2d area;
+    for (int i = 0; i < 8; ++i) {
+      const Vector3d corner(i & 1 ? 0.5 : -0.5, i & 2 ? 0.5 : -0.5, i & 4 ? 0.5 : -0.5);
+      area.extend(
+          camera.project(map_from_camera.inverse() * (thing.centre + corner.cwiseProduct(thing.size))));
+    }
+    ObservationRow row;
+    row.scene = scene;
+    row.number = number_++;
+    row.place = place_id(place);
+    row.position = thing.centre;
+    row.map_from_box = Isometry3d(Eigen::Translation3d(thing.centre));
+    row.size = thing.size;
+    row.hsv = thing.hsv;
+    row.color = thing.color;
+    row.roi = {static_cast<int>(area.min().x()), static_cast<int>(area.min().y()),
+               static_cast<int>(area.sizes().x()), static_cast<int>(area.sizes().y())};
+    const auto crop = encode_image(cv::Mat(40, 30, CV_8UC3, thing.bgr), ".png");
+    row.crop = transaction.add_blob({reinterpret_cast<const char*>(crop.data()), crop.size()}, "image/png");
+    const Id observation = transaction.add_observation(row);
+    AssociationRow association;
+    association.scene = scene;
+    association.observation = observation;
+    association.object = thing.object;
+    association.explanation = explanation;
+    association.probability = 0.97;
+    association.chosen = true;
+    transaction.add_association(association);
+    return observation;
+  }
+
+  Id add_object(SceneTransaction& transaction, TimeNs time) {
+    ObjectRow row;
+    row.clock.valid_from = time;
+    return transaction.add_object(row);
+  }
+
+  void add_belief(SceneTransaction& transaction, TimeNs time, Id scene, const Thing& thing,
+                  const std::string& place, const std::string& status, double probability,
+                  std::optional<Id> last_scene, std::optional<Id> last_observation) {
+    BeliefRow row;
+    row.object = thing.object;
+    row.scene = scene;
+    row.status = status;
+    row.probability = probability;
+    row.place = place_id(place);
+    row.position = thing.centre;
+    row.last_scene = last_scene;
+    row.last_observation = last_observation;
+    row.hsv = thing.hsv;
+    row.color = thing.color;
+    row.size = thing.size;
+    row.clock.valid_from = time;
+    transaction.add_belief(row);
+  }
+
+  void add_event(SceneTransaction& transaction, TimeNs time, Id scene, const std::string& kind, Id object,
+                 const std::string& place, const std::string& from = {}) {
+    EventRow row;
+    row.scene = scene;
+    row.kind = kind;
+    row.object = object;
+    row.place = place_id(place);
+    if (!from.empty()) row.from_place = place_id(from);
+    row.clock.valid_from = time;
+    transaction.add_event(row);
+  }
+
+  Store& store() { return store_; }
+  Id run() const { return run_; }
+
+ private:
+  Id place_id(const std::string& name) const { return places_.at(name); }
+
+  Store store_;
+  World world_;
+  Id run_;
+  Id map_ = 0;
+  std::map<std::string, Id> places_;
+  int64_t number_ = 0;
+};
+
+}  // namespace
+
+SampleMemory write_sample_memory(const std::filesystem::path& path) {
+  SampleMemory sample{path, parse_time("2026-05-01T07:00:00Z"), parse_time("2026-05-01T07:30:00Z"),
+                      parse_time("2026-05-01T08:00:00Z")};
+  Writer writer(path);
+  const Isometry3d at_counter = looking({1.7, 1.4, 1.5}, {1.75, 2.65, 0.9});
+  const Isometry3d at_table = looking({2.0, 1.7, 1.5}, {2.0, 0.62, 0.74});
+  Thing cup{0, {1.5, 2.5, 0.95}, {0.09, 0.12, 0.10}, {4, 0.85, 0.8}, "red", {30, 35, 205}};
+  Thing box{0, {1.9, 2.55, 1.00}, {0.10, 0.06, 0.20}, {215, 0.75, 0.75}, "blue", {190, 105, 48}};
+  Thing tin{0, {2.2, 2.5, 0.95}, {0.07, 0.07, 0.11}, {110, 0.7, 0.6}, "green", {45, 150, 60}};
+  Id cup_seen = 0;
+  Id box_seen = 0;
+  Id first_scene = 0;
+  {
+    SceneTransaction t(writer.store(), writer.run());
+    cup.object = writer.add_object(t, sample.first);
+    box.object = writer.add_object(t, sample.first);
+    first_scene = writer.add_scene(t, sample.first, at_counter, {cup, box}, {});
+    cup_seen = writer.add_sight(t, first_scene, "counter_1", cup, at_counter, "appear");
+    box_seen = writer.add_sight(t, first_scene, "counter_1", box, at_counter, "appear");
+    writer.add_belief(t, sample.first, first_scene, cup, "counter_1", "seen", 0.99, first_scene, cup_seen);
+    writer.add_belief(t, sample.first, first_scene, box, "counter_1", "seen", 0.99, first_scene, box_seen);
+    writer.add_event(t, sample.first, first_scene, "appeared", cup.object, "counter_1");
+    writer.add_event(t, sample.first, first_scene, "appeared", box.object, "counter_1");
+    t.commit();
+  }
+  box.centre = {2.0, 0.7, 0.85};
+  {
+    SceneTransaction t(writer.store(), writer.run());
+    const Id scene =
+        writer.add_scene(t, sample.second, at_table, {cup, box}, {{"drawer_2_front_joint", 0.35}});
+    box_seen = writer.add_sight(t, scene, "table_1", box, at_table, "move");
+    writer.add_belief(t, sample.second, scene, cup, "counter_1", "out_of_view", 0.9, first_scene, cup_seen);
+    writer.add_belief(t, sample.second, scene, box, "table_1", "seen", 0.98, scene, box_seen);
+    writer.add_event(t, sample.second, scene, "moved", box.object, "table_1", "counter_1");
+    t.commit();
+  }
+  {
+    SceneTransaction t(writer.store(), writer.run());
+    tin.object = writer.add_object(t, sample.third);
+    const Id scene = writer.add_scene(t, sample.third, at_counter, {box, tin}, {});
+    const Id tin_seen = writer.add_sight(t, scene, "counter_1", tin, at_counter, "appear");
+    writer.add_belief(t, sample.third, scene, cup, "counter_1", "gone", 0.04, first_scene, cup_seen);
+    writer.add_belief(t, sample.third, scene, box, "table_1", "out_of_view", 0.93, scene, box_seen);
+    writer.add_belief(t, sample.third, scene, tin, "counter_1", "seen", 0.99, scene, tin_seen);
+    writer.add_event(t, sample.third, scene, "gone", cup.object, "counter_1", "counter_1");
+    writer.add_event(t, sample.third, scene, "appeared", tin.object, "counter_1");
+    t.commit();
+  }
+  return sample;
+}
+
+}  // namespace loci::test
