@@ -16,4 +16,6 @@ Command scenes_command();
 Command timeline_command();
 Command verify_command();
 
+Command report_command();
+
 }  // namespace loci

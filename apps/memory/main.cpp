@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
   program.add(loci::scenes_command());
   program.add(loci::timeline_command());
   program.add(loci::verify_command());
-  program.add_planned("report", "A self-contained HTML report");
+  program.add(loci::report_command());
   program.add_planned("ask", "Asks in words");
   program.add_planned("ingest", "Takes in detections of other systems");
   program.add_planned("reason", "Runs the reasoning again");
