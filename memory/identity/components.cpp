@@ -177,7 +177,8 @@ IdentityComponents split(const PairTable& log_pair, const std::vector<double>& l
   Splitter splitter(log_pair, log_row, log_column);
   splitter.gate(budget);
   const double most = static_cast<double>(log_pair.size());
-  for (double enlarged = std::max(2 * budget, 1e-12); splitter.largest_side() > largest_side; enlarged *= 2) {
+  for (double enlarged = std::max(1.25 * budget, 1e-12); splitter.largest_side() > largest_side;
+       enlarged *= 1.25) {
     if (enlarged > 4 * most)
       throw Error("invalid_value: more than " + std::to_string(largest_side) +
                   " things that must all be matched depend on each other");

@@ -11,6 +11,39 @@ namespace {
 /// Subsets are processed in blocks that share their high bits, so that the inner loops run over contiguous
 /// memory and blocks that cannot be reached are skipped as a whole.
 constexpr size_t kBlockBits = 6;
+constexpr Eigen::Index kBlock = Eigen::Index{1} << kBlockBits;
+
+// Fixed sizes, so that the compiler unrolls and vectorises; the order of additions is the same everywhere.
+template <int size>
+using Part = Eigen::Map<Eigen::Array<double, size, 1>>;
+template <int size>
+using ConstPart = Eigen::Map<const Eigen::Array<double, size, 1>>;
+
+/// out[s + bit] += w · in[s] for all s of a block that lack the bit.
+template <int bit>
+void add_forward(double* out, const double* in, double w, size_t block) {
+  for (size_t base = 0; base < block; base += 2 * bit)
+    Part<bit>(out + base + bit) += w * ConstPart<bit>(in + base);
+}
+
+/// out[s] += w · in[s + bit], and the sum of f[s] · in[s + bit].
+template <int bit>
+double add_backward(double* out, const double* in, const double* f, double w, size_t block) {
+  double sum = 0;
+  for (size_t base = 0; base < block; base += 2 * bit) {
+    const ConstPart<bit> with(in + base + bit);
+    Part<bit>(out + base) += w * with;
+    sum += (ConstPart<bit>(f + base) * with).sum();
+  }
+  return sum;
+}
+
+using AddForward = void (*)(double*, const double*, double, size_t);
+using AddBackward = double (*)(double*, const double*, const double*, double, size_t);
+constexpr AddForward kAddForward[] = {add_forward<1>, add_forward<2>,  add_forward<4>,
+                                      add_forward<8>, add_forward<16>, add_forward<32>};
+constexpr AddBackward kAddBackward[] = {add_backward<1>, add_backward<2>,  add_backward<4>,
+                                        add_backward<8>, add_backward<16>, add_backward<32>};
 
 /// One layer of the recursion: a weight per subset of the rows, divided by its maximum.
 struct Layer {
@@ -53,10 +86,10 @@ class SubsetSum {
   double weight(size_t i, size_t j) const { return weights_[j * rows_ + i]; }
 
   static void normalise(Layer& layer) {
-    const double largest = *std::max_element(layer.weight.begin(), layer.weight.end());
+    Eigen::Map<Eigen::ArrayXd> weight(layer.weight.data(), static_cast<Eigen::Index>(layer.weight.size()));
+    const double largest = weight.maxCoeff();
     if (!(largest > 0)) throw Error("invalid_value: no matching is possible");
-    const double factor = 1 / largest;
-    for (double& value : layer.weight) value *= factor;
+    weight *= 1 / largest;
     layer.log_scale += std::log(largest);
   }
 
@@ -69,23 +102,17 @@ class SubsetSum {
       double* out = to.weight.data() + high;
       const double* in = from.weight.data() + high;
       for (size_t s = 0; s < block_; ++s) out[s] = alone * in[s];
-      for (size_t i = 0; i < low_bits_; ++i) add_low_forward(out, in, weight(i, j), size_t{1} << i);
+      for (size_t i = 0; i < low_bits_; ++i)
+        if (const double w = weight(i, j); w != 0) kAddForward[i](out, in, w, block_);
       for (size_t i = low_bits_; i < rows_; ++i) {
         const size_t bit = size_t{1} << i;
         const double w = weight(i, j);
         if ((high & bit) == 0 || w == 0) continue;
-        const double* other = in - bit;
-        for (size_t s = 0; s < block_; ++s) out[s] += w * other[s];
+        Part<kBlock>(out) += w * ConstPart<kBlock>(in - bit);
       }
     }
     normalise(to);
     return to;
-  }
-
-  void add_low_forward(double* out, const double* in, double w, size_t bit) const {
-    if (w == 0) return;
-    for (size_t base = 0; base < block_; base += 2 * bit)
-      for (size_t s = base; s < base + bit; ++s) out[s + bit] += w * in[s];
   }
 
   /// Keeps every stride-th layer when all of them would take too much memory.
@@ -150,27 +177,21 @@ class SubsetSum {
       double* out = to.weight.data() + high;
       const double* in = backward.weight.data() + high;
       const double* f = forward.weight.data() + high;
-      for (size_t s = 0; s < block_; ++s) {
-        out[s] = alone * in[s];
-        column_alone += f[s] * out[s];
-      }
+      const auto size = static_cast<Eigen::Index>(block_);
+      Eigen::Map<Eigen::ArrayXd> here(out, size);
+      here = alone * Eigen::Map<const Eigen::ArrayXd>(in, size);
+      column_alone += (Eigen::Map<const Eigen::ArrayXd>(f, size) * here).sum();
       for (size_t i = 0; i < low_bits_; ++i) {
         const double w = weight(i, j);
-        if (w == 0) continue;
-        const size_t bit = size_t{1} << i;
-        double sum = 0;
-        for (size_t base = 0; base < block_; base += 2 * bit)
-          for (size_t s = base; s < base + bit; ++s) {
-            out[s] += w * in[s + bit];
-            sum += f[s] * in[s + bit];
-          }
-        pair[i] += sum;
+        if (w != 0) pair[i] += kAddBackward[i](out, in, f, w, block_);
       }
       for (size_t i = low_bits_; i < rows_; ++i) {
         const size_t bit = size_t{1} << i;
         const double w = weight(i, j);
         if ((high & bit) != 0 || w == 0) continue;
-        pair[i] += add_block(out, in + bit, f, w);
+        const ConstPart<kBlock> with(in + bit);
+        Part<kBlock>(out) += w * with;
+        pair[i] += (ConstPart<kBlock>(f) * with).sum();
       }
     }
     const double factor = std::exp(forward.log_scale + backward.log_scale - log_z_);
@@ -180,24 +201,6 @@ class SubsetSum {
     result.column_alone[j] = column_alone * factor;
     normalise(to);
     return to;
-  }
-
-  /// out += w · in, and the sum of f · in (four partial sums, so that additions need not wait for each
-  /// other).
-  static double add_block(double* out, const double* in, const double* f, double w) {
-    constexpr size_t size = size_t{1} << kBlockBits;
-    double a = 0, b = 0, c = 0, d = 0;
-    for (size_t s = 0; s < size; s += 4) {
-      out[s] += w * in[s];
-      out[s + 1] += w * in[s + 1];
-      out[s + 2] += w * in[s + 2];
-      out[s + 3] += w * in[s + 3];
-      a += f[s] * in[s];
-      b += f[s + 1] * in[s + 1];
-      c += f[s + 2] * in[s + 2];
-      d += f[s + 3] * in[s + 3];
-    }
-    return (a + b) + (c + d);
   }
 
   const IdentityComponent& component_;

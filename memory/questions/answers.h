@@ -149,6 +149,7 @@ struct WasObject {
 struct WasAnswer {
   std::string asked = {};
   std::string place = {};  ///< empty = anywhere
+  bool container = false;  ///< things are in it rather than on it
   TimeNs from = 0, to = 0;
   Verdict verdict = Verdict::not_observed;  ///< yes if any is, no if all are not
   std::vector<WasObject> objects = {};

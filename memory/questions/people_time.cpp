@@ -152,7 +152,8 @@ std::string TimeWriter::text(TimeNs time) const {
   const std::string iso = format_time(time, zone_minutes_);  // 2026-05-01T09:10:00.5+02:00
   std::string text = with_date_ ? iso.substr(0, 10) + " " : "";
   text += iso.substr(11, 5);
-  if (with_seconds_ || time % kMinute != 0) text += iso.substr(16, 3);
+  // The last moment of a minute is the end of a time that was given in minutes.
+  if (with_seconds_ || (time % kMinute != 0 && (time + 1) % kMinute != 0)) text += iso.substr(16, 3);
   if (decimals_ > 0) {
     const TimeNs rest = time - floor_to(time, kSecond);
     text += fmt::format(".{:02}", rest / (kSecond / 100));

@@ -268,6 +268,7 @@ WasAnswer ask(const Store& store, const WasQuestion& question) {
   if (!question.place.empty()) places = snapshot.find_places(question.place);
   WasAnswer answer{
       .asked = question.subject, .place = question.place, .from = question.from, .to = question.to};
+  answer.container = !places.empty() && places[0].container;
   Looks looks(snapshot, places, question.from, question.to);
   Judge judge(snapshot, question, places, looks);
   for (const Id object : snapshot.find_objects(question.subject))

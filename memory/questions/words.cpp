@@ -96,6 +96,23 @@ std::string lines_text(const std::vector<std::string>& lines) {
   return lines.empty() ? "" : fmt::format("{}\n", fmt::join(lines, "\n"));
 }
 
+std::string status_text(const std::string& status) {
+  return status == "out_of_view" ? "out of view" : status;
+}
+
+/// Columns as wide as they need to be, the last one as it is.
+std::string table_text(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<size_t> widths(rows[0].size(), 0);
+  for (const auto& row : rows)
+    for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  std::string text;
+  for (const auto& row : rows) {
+    for (size_t i = 0; i + 1 < row.size(); ++i) text += fmt::format("{:<{}}  ", row[i], widths[i]);
+    text += row.back() + "\n";
+  }
+  return text;
+}
+
 std::string when_text(const Change& change, const TimeWriter& times) {
   if (!change.since || times.text(*change.since) == times.text(change.time)) return times.text(change.time);
   return fmt::format("{} (after {})", times.text(change.time), times.text(*change.since));
@@ -232,7 +249,8 @@ std::string to_text(const ContentsAnswer& answer, const TimeWriter& times) {
 
 std::string to_text(const WasAnswer& answer, const TimeWriter& times) {
   std::vector<std::string> lines;
-  const std::string where = answer.place.empty() ? "seen" : "at " + answer.place;
+  const std::string where =
+      answer.place.empty() ? "seen anywhere" : (answer.container ? "in " : "on ") + answer.place;
   const std::string span = times.span_text(answer.from, answer.to);
   if (answer.objects.size() > 1) {
     const char* head = answer.verdict == Verdict::yes  ? "Yes, one of them was."
@@ -244,8 +262,7 @@ std::string to_text(const WasAnswer& answer, const TimeWriter& times) {
     const std::string name = object_text(object.object);
     std::string line;
     if (object.verdict == Verdict::yes)
-      line = fmt::format("Yes: {} was {} {}, seen there in {}.", name, where, span,
-                         scenes_text(object.seen_there));
+      line = fmt::format("Yes: {} was {} {}, seen in {}.", name, where, span, scenes_text(object.seen_there));
     else if (object.verdict == Verdict::no)
       line = fmt::format("No: {} was not {} {}: {}.", name, where, span, object.reason);
     else
@@ -284,18 +301,17 @@ std::string to_text(const ChangesAnswer& answer, const TimeWriter& times) {
 
 std::string to_text(const ObjectsAnswer& answer, const TimeWriter& times) {
   if (answer.objects.empty()) return "No objects are known.\n";
-  std::vector<std::string> lines;
-  lines.push_back(fmt::format("{:<12} {:<10} {:<16} {:<22} {:<12} {:>6}  {}", "object", "colour", "size",
-                              "place", "status", "seen", "last seen"));
+  std::vector<std::vector<std::string>> rows = {
+      {"object", "colour", "size", "place", "status", "seen", "last seen"}};
   for (const ObjectState& state : answer.objects) {
-    std::string name = state.object.name;
-    if (!state.object.aliases.empty()) name += " " + state.object.aliases.front();
-    lines.push_back(fmt::format(
-        "{:<12} {:<10} {:<16} {:<22} {:<12} {:>6}  {}", name, state.object.color.value_or("-"),
-        state.object.size ? size_text(*state.object.size) : "-", state.place ? place_text(*state.place) : "-",
-        state.status, state.sightings, state.last_seen ? times.text(state.last_seen->time) : "-"));
+    const auto& aliases = state.object.aliases;
+    rows.push_back(
+        {state.object.name + (aliases.empty() ? "" : fmt::format(" ({})", fmt::join(aliases, ", "))),
+         state.object.color.value_or("-"), state.object.size ? size_text(*state.object.size) : "-",
+         state.place ? place_text(*state.place) : "-", status_text(state.status),
+         std::to_string(state.sightings), state.last_seen ? times.text(state.last_seen->time) : "-"});
   }
-  return lines_text(lines);
+  return table_text(rows);
 }
 
 std::string to_text(const ScenesAnswer& answer, const TimeWriter& times) {

@@ -5,8 +5,8 @@
 
 #include "mapping/base/hash.h"
 #include "memory/recorder/carried_belief.h"
-#include "memory/recorder/stored_structures.h"
 #include "memory/store/depth_thumbnail.h"
+#include "memory/store/feature_structures.h"
 
 namespace loci {
 namespace {
@@ -129,7 +129,7 @@ class Recorder::Writing {
   }
 
   void add_observations() {
-    StructureWriter structures(transaction_, result_.scene);
+    FeatureStructureWriter structures(transaction_, result_.scene);
     for (size_t i = 0; i < record_.observations.size(); ++i) {
       const ObservationRecord& observation = record_.observations[i];
       ObservationRow row = observation.row;
@@ -148,7 +148,7 @@ class Recorder::Writing {
 
   void add_annotations(const std::vector<AnnotationRecord>& annotations,
                        const std::vector<cas::FeatureStructure>& others, std::optional<Id> observation,
-                       StructureWriter& structures) {
+                       FeatureStructureWriter& structures) {
     for (const AnnotationRecord& annotation : annotations) {
       AnnotationRow row;
       row.scene = result_.scene;
@@ -156,10 +156,10 @@ class Recorder::Writing {
       row.type = annotation.type;
       row.value = annotation.value;
       row.confidence = annotation.confidence;
-      if (annotation.structure) row.feature_structure = structures.write(annotation.structure, observation);
+      if (annotation.structure) row.feature_structure = structures.add(annotation.structure, observation);
       transaction_.add_annotation(row);
     }
-    for (const cas::FeatureStructure& structure : others) structures.write(structure, observation);
+    for (const cas::FeatureStructure& structure : others) structures.add(structure, observation);
   }
 
   void add_objects() {

@@ -98,18 +98,17 @@ std::string type_system_xml(const cas::TypeSystem& type_system) {
   return xml + "</types>\n</typeSystemDescription>\n";
 }
 
-FeatureStructureWriter::FeatureStructureWriter(SceneTransaction& transaction,
-                                               const cas::TypeSystem& type_system)
-    : transaction_(transaction), type_system_(transaction.add_type_system(type_system_xml(type_system))) {}
-
-Id FeatureStructureWriter::add(const cas::FeatureStructure& root, std::optional<Id> scene,
-                               std::optional<Id> observation) {
+Id FeatureStructureWriter::add(const cas::FeatureStructure& root, std::optional<Id> observation) {
+  if (const auto& types = root.cas().shared_type_system(); types != type_system_) {
+    type_system_row_ = transaction_.add_type_system(type_system_xml(*types));
+    type_system_ = types;
+  }
   TransactionSink sink(transaction_);
   FeatureStructureRow row;
-  row.scene = scene;
+  row.scene = scene_;
   row.observation = observation;
   row.type = root.type().name();
-  row.type_system = type_system_;
+  row.type_system = type_system_row_;
   row.json = cas::to_json(root, &sink).dump();
   row.blobs = sink.take();
   return transaction_.add_feature_structure(row);

@@ -11,15 +11,19 @@ namespace loci {
 /// blobs that are stored once per content, and the type system beside them.
 class FeatureStructureWriter {
  public:
-  /// All structures must be of this type system, which is added when it is new.
-  FeatureStructureWriter(SceneTransaction& transaction, const cas::TypeSystem& type_system);
+  /// Structures are kept with this scene; unset = with none.
+  FeatureStructureWriter(SceneTransaction& transaction, std::optional<Id> scene)
+      : transaction_(transaction), scene_(scene) {}
 
-  /// Adds the structure with everything that it refers to.
-  Id add(const cas::FeatureStructure& root, std::optional<Id> scene, std::optional<Id> observation);
+  /// Adds the structure, which must not be null, with everything that it refers to. Its type system is added
+  /// when it is new.
+  Id add(const cas::FeatureStructure& root, std::optional<Id> observation = {});
 
  private:
   SceneTransaction& transaction_;
-  Id type_system_;
+  std::optional<Id> scene_;
+  std::shared_ptr<const cas::TypeSystem> type_system_;  ///< of the structure before
+  Id type_system_row_ = 0;
 };
 
 /// A type system that feature structures of the memory were written with.

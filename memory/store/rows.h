@@ -119,7 +119,7 @@ struct Bitemporal {
   std::optional<TimeNs> valid_to = {};
   TimeNs known_from = 0;
   std::optional<TimeNs> known_to = {};  ///< when read: the effective end, by the row that supersedes it
-  std::optional<Id> supersedes = {};  ///< id of the row of the same table that this one replaces
+  std::optional<Id> supersedes = {};    ///< id of the row of the same table that this one replaces
   Id run = 0;
   std::string source = "perceive";
 };

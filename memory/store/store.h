@@ -111,7 +111,7 @@ class Store {
   /// Objects of which an observation is annotated with this value (case does not matter), e.g. a class, a
   /// text.
   std::vector<Id> objects_annotated(const std::string& value, const AsOf& as_of = {}) const;
-  /// All values of annotations, each once.
+  /// All values of annotations of observations, each once.
   std::vector<std::string> annotation_values() const;
 
   BlobRow blob(Id id) const;

@@ -324,28 +324,31 @@ std::vector<BeliefRow> Store::belief_history(Id object, const AsOf& as_of) const
 std::vector<Sighting> Store::sightings(Id object, const AsOf& as_of) const {
   std::vector<SqlValue> values = {sql(object)};
   const std::string known = known_condition(as_of, values), valid = valid_condition(as_of, values, false);
-  const auto associations = all<AssociationRow>(
-      *implementation_,
-      fmt::format(
-          "SELECT * FROM association_known WHERE object = ?1 AND chosen = 1 AND observation IS NOT NULL AND "
-          "probability > 0 AND {} AND {} ORDER BY valid_from, id",
-          known, valid),
-      values, association_row);
+  const std::string chosen = fmt::format(
+      "SELECT * FROM association_known WHERE object = ?1 AND chosen = 1 AND observation IS NOT NULL AND "
+      "probability > 0 AND {} AND {}",
+      known, valid);
   std::vector<Sighting> result;
-  for (const AssociationRow& association : associations) {
-    Sighting sighting;
-    sighting.association = association;
-    sighting.observation = observation(*association.observation);
-    implementation_->guarded([&] {
-      implementation_->query("SELECT time, recording, frame_index FROM scene WHERE id = ?",
-                             {sql(association.scene)}, [&](const SqlRow& row) {
-                               sighting.time = row.integer("time");
-                               sighting.recording = row.optional_integer("recording");
-                               sighting.frame_index = row.optional_integer("frame_index");
-                             });
-    });
-    result.push_back(std::move(sighting));
-  }
+  for (AssociationRow& association :
+       all<AssociationRow>(*implementation_, chosen + " ORDER BY valid_from, id", values, association_row))
+    result.push_back({std::move(association)});
+  // The same rows in the same order, seen from their observations.
+  size_t next = 0;
+  implementation_->guarded([&] {
+    implementation_->query(
+        fmt::format(
+            "SELECT o.*, s.time AS scene_time, s.recording AS scene_recording, s.frame_index AS scene_frame "
+            "FROM ({}) a JOIN observation o ON o.id = a.observation JOIN scene s ON s.id = a.scene "
+            "ORDER BY a.valid_from, a.id",
+            chosen),
+        values, [&](const SqlRow& row) {
+          Sighting& sighting = result.at(next++);
+          sighting.observation = observation_row(row);
+          sighting.time = row.integer("scene_time");
+          sighting.recording = row.optional_integer("scene_recording");
+          sighting.frame_index = row.optional_integer("scene_frame");
+        });
+  });
   return result;
 }
 
@@ -427,8 +430,9 @@ std::vector<Id> Store::objects_annotated(const std::string& value, const AsOf& a
 }
 
 std::vector<std::string> Store::annotation_values() const {
-  return all<std::string>(*implementation_, "SELECT DISTINCT value FROM annotation ORDER BY value", {},
-                          [](const SqlRow& row) { return row.text("value"); });
+  return all<std::string>(
+      *implementation_, "SELECT DISTINCT value FROM annotation WHERE observation IS NOT NULL ORDER BY value",
+      {}, [](const SqlRow& row) { return row.text("value"); });
 }
 
 BlobRow Store::blob(Id id) const {

@@ -4,7 +4,7 @@
 #include <unistd.h>
 
 #include "mapping/base/files.h"
-#include "memory/recorder/stored_structures.h"
+#include "memory/store/feature_structures.h"
 #include "perception/cas/json.h"
 #include "perception/types/types.h"
 #include "tests/memory/belief/synthetic_scene.h"
@@ -131,7 +131,7 @@ TEST_F(RecorderTest, FeatureStructuresComeBackIdenticalWithTheStoredTypeSystem) 
   ASSERT_EQ(rows.size(), 2U);
   const auto types = cas::TypeSystem::load({{"stored", store.type_system(rows[0].type_system)}}, {}, {});
   cas::Cas fresh(types);
-  const cas::FeatureStructure back = read_structure(store, rows[0], fresh);
+  const cas::FeatureStructure back = read_feature_structure(store, rows[0].id, fresh);
   EXPECT_EQ(cas::to_json(back).dump(), cas::to_json(scene.observations[0].annotations[0].structure).dump());
 }
 

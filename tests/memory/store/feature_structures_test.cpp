@@ -40,9 +40,9 @@ TEST_F(FeatureStructureStore, BringsAUsersOwnTypeBackIdenticalFromTheFileAlone) 
     Store store = Store::open_write(file_);
     SceneTransaction scene(store, store.begin_run("test", "{}"));
     const Id scene_id = scene.add_scene({.time = 1});
-    FeatureStructureWriter writer(scene, *types);
-    id = writer.add(taste, scene_id, {});
-    writer.add(taste, scene_id, {});
+    FeatureStructureWriter writer(scene, scene_id);
+    id = writer.add(taste);
+    writer.add(taste);
     scene.commit();
   }
   const Store store = Store::open_read(file_);

@@ -285,6 +285,30 @@ TEST_F(StoreTest, ViewsForPeopleAnswer) {
   EXPECT_EQ(database.execAndGet("SELECT observations FROM v_scenes").getInt(), 1);
 }
 
+TEST_F(StoreTest, ThePageAboutTheMemoryNamesEveryTableColumnAndView) {
+  make_memory();
+  const auto code = [](const std::string& name) { return std::string("`").append(name).append("`"); };
+  const std::string page = read_file(fs::path(LOCI_SOURCE_DIR) / "docs/memory.md");
+  SQLite::Database database(file_.string());
+  SQLite::Statement tables(
+      database,
+      "SELECT name, type FROM sqlite_master WHERE type IN ('table', 'view') AND name NOT LIKE 'sqlite%'");
+  while (tables.executeStep()) {
+    const std::string name = tables.getColumn(0).getString();
+    if (tables.getColumn(1).getString() == "view") {
+      EXPECT_THAT(page, HasSubstr(code(name)));
+      continue;
+    }
+    const size_t begin = page.find(std::string("### ").append(name).append("\n"));
+    ASSERT_NE(begin, std::string::npos) << name;
+    const std::string section = page.substr(begin, page.find("\n##", begin + 3) - begin);
+    SQLite::Statement columns(database, "SELECT name FROM pragma_table_info(?)");
+    columns.bind(1, name);
+    while (columns.executeStep())
+      EXPECT_THAT(section, HasSubstr(code(columns.getColumn(0).getString()))) << name;
+  }
+}
+
 TEST(ObjectNames, AreIdsForPeople) {
   EXPECT_EQ(object_name(12), "object_12");
   EXPECT_EQ(object_id("object_12"), std::optional<Id>(12));

@@ -1,0 +1,101 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "mapping/base/files.h"
+#include "mapping/base/json.h"
+#include "tests/cli/command.h"
+#include "tests/memory/questions/synthetic_day.h"
+
+namespace loci::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+class MemoryCli : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fresh_folder();
+    file_ = folder_ + "/day.loci";
+    const testing_support::SyntheticDay day(file_);
+  }
+  Outcome ask(const std::string& arguments) const { return run("loci-memory " + arguments + " -m " + file_); }
+  std::string folder_, file_;
+};
+
+TEST_F(MemoryCli, AnswersEveryQuestionInWordsAndAsJson) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"where red", "object_1 (red"},
+      {"where tea cup --at 08:10", "on table_1"},
+      {"history red", "from 09:30 to 10:30, on counter_1"},
+      {"on table_1", "1 object is on table_1"},
+      {"in drawer_1", "in drawer_1_bottom"},
+      {"was red on table_1 --between 07:50 08:10", "Yes: object_1"},
+      {"was red on table_1 --between 08:50 09:10", "No: object_1"},
+      {"was red on table_1 --between 11:00 12:00", "Not observed: whether object_1"},
+      {"changes --between 08:50 09:10", "has gone from table_1"},
+      {"objects", "object_4"},
+      {"scenes --from 10:00", "scene 5, frame 4 of day"},
+      {"timeline --to 08:00", "appeared on table_1"},
+      {"verify", "The memory is sound"}};
+  for (const auto& [question, expected] : cases) {
+    const Outcome words = ask(question);
+    EXPECT_EQ(words.exit_code, 0) << question << ": " << words.error;
+    EXPECT_THAT(words.out, HasSubstr(expected)) << question;
+    EXPECT_EQ(words.error, "") << question;
+    EXPECT_TRUE(parse_json(ask(question + " --json").out, question).is_object());
+  }
+}
+
+TEST_F(MemoryCli, UnknownThingsAndTimesAreOneLine) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"where purple", "nothing is known as 'purple'"},
+      {"where bleu", "did you mean 'blue'?"},
+      {"on tabel_1", "did you mean 'table_1'?"},
+      {"where red --at soon", "'soon' is not a time"},
+      {"was red on table_1 --between 09:00 08:00", "first time is after the second"},
+      {"where object_77", "nothing is known as 'object_77'"}};
+  for (const auto& [question, expected] : cases) {
+    const Outcome outcome = ask(question);
+    EXPECT_EQ(outcome.exit_code, 1) << question;
+    EXPECT_EQ(outcome.out, "") << question;
+    EXPECT_EQ(lines_of(outcome.error), 1) << outcome.error;
+    EXPECT_THAT(outcome.error, HasSubstr(expected));
+  }
+}
+
+TEST_F(MemoryCli, BadFilesAreOneLine) {
+  write_file_atomically(folder_ + "/text.loci", "this is no database, only a text of some length");
+  write_file_atomically(folder_ + "/short.loci", std::string_view(read_file(file_)).substr(0, 20000));
+  write_file_atomically(folder_ + "/empty.loci", "");
+  for (const char* name : {"text.loci", "short.loci", "empty.loci", "missing.loci", ""})
+    for (const char* command : {"where red", "objects", "verify"}) {
+      const Outcome outcome = run(std::string("loci-memory ") + command + " -m " + folder_ + "/" + name);
+      EXPECT_EQ(outcome.exit_code, 1) << name;
+      EXPECT_EQ(outcome.out, "") << name;
+      EXPECT_EQ(lines_of(outcome.error), 1) << outcome.error;
+    }
+}
+
+TEST(ResolveCli, PrintsTheAnswerAsJson) {
+  const Outcome outcome = run("loci-memory resolve tests/data/identity/two_by_two.json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const Json answer = parse_json(outcome.out, "stdout");
+  for (const char* key : {"stay", "move", "newview", "not", "appear", "clutter", "disappear", "missed",
+                          "hidden", "log_z", "map", "best"})
+    EXPECT_TRUE(answer.contains(key)) << key;
+  EXPECT_NEAR(answer["log_z"].get<double>(), 4.362153892982137, 1e-9);
+}
+
+TEST(ResolveCli, RefusesBadVectorsInOneLine) {
+  for (const auto& [file, expected] :
+       {std::pair{"reject_nan", "invalid_value"}, {"reject_shape", "invalid_shape"}}) {
+    const Outcome outcome = run(std::string("loci-memory resolve tests/data/identity/") + file + ".json");
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(lines_of(outcome.error), 1);
+    EXPECT_THAT(outcome.error, HasSubstr(expected));
+  }
+}
+
+}  // namespace
+}  // namespace loci::test
