@@ -171,8 +171,7 @@ InterpretedMap interpret(const ScanSet& scans, const InterpretationOptions& opti
 std::string InterpretedMap::summary() const {
   std::map<std::string, size_t> classes;
   for (const auto& [name, link] : semantics.links) ++classes[link.class_name];
-  if (classes.empty())
-    return "nothing was recognised: " + (notes.empty() ? std::string("no evidence") : notes.front());
+  if (classes.empty()) return "nothing was recognised: no floor, wall or support was seen well enough";
   std::string text;
   for (const auto& [class_name, count] : classes) {
     const std::string plural = count == 1 ? "" : class_name == "shelf" ? "ves" : "s";

@@ -78,6 +78,12 @@ Json json_of(const std::vector<Vector2d>& corners) {
   return json;
 }
 
+/// Nothing is certain.
+double capped(double confidence) {
+  return rounded(std::clamp(confidence, 0.05, 0.99));
+}
+
+/// How much it counts that several scans agree.
 double many(size_t scans) {
   return std::min(1.0, (static_cast<double>(scans) - 1) / 3);
 }
@@ -100,7 +106,7 @@ void add_level(const RecognisedRoom& room, const LevelPlane& plane, const std::s
   const Extent& e = plane.extent;
   SemanticLink link;
   link.class_name = class_name;
-  link.confidence = rounded(0.5 + 0.4 * std::min(1.0, plane.area / 3) + 0.1 * many(plane.scans.size()));
+  link.confidence = capped(0.5 + 0.4 * std::min(1.0, plane.area / 3) + 0.1 * many(plane.scans.size()));
   link.geometry = {
       {"height", rounded(plane.height)},
       {"outline", json_of({map_from_room * e.min, map_from_room * Vector2d(e.max.x(), e.min.y()),
@@ -120,8 +126,8 @@ void add_wall(const VerticalPlane& wall, const std::string& name, InterpretedMap
            {{{-kWallThickness / 2, 0, 0}, {kWallThickness, wall.length(), height}}});
   SemanticLink link;
   link.class_name = "wall";
-  link.confidence = rounded(0.4 + 0.3 * std::min(1.0, wall.area / 3) + 0.2 * (1 - wall.behind) +
-                            0.1 * many(wall.scans.size()));
+  link.confidence = capped(0.4 + 0.3 * std::min(1.0, wall.area / 3) + 0.2 * (1 - wall.behind) +
+                           0.1 * many(wall.scans.size()));
   Json outline = Json::array();
   const auto corner = [&](double along, double z) {
     const Vector2d at = wall.at(along);
@@ -162,7 +168,7 @@ double confidence_of(const Support& support, bool free_space) {
                       0.1 * many(support.scans.size()) - 0.3 * support.pierced_area / support.area();
   if (support.behind_face) confidence = std::min(confidence, 0.6);
   if (!free_space) confidence = std::min(confidence, 0.6);
-  return rounded(std::clamp(confidence, 0.05, 0.99));
+  return capped(confidence);
 }
 
 void add_support(const RecognisedRoom& room, const Support& support, const std::string& name,

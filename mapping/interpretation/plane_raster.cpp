@@ -134,6 +134,7 @@ PlaneRaster::Counts PlaneRaster::count(const Extent& extent) const {
       if (!extent.contains(origin_ + cell_ * Vector2d(x + 0.5, y + 0.5))) continue;
       const Cell& cell = cells_[number_of(x, y)];
       ++counts.cells;
+      counts.rays += cell.pierced + cell.sunk;
       counts.support += is_support(cell) ? 1 : 0;
       counts.pierced += is_pierced(cell) ? 1 : 0;
       counts.sunk += is_sunk(cell) ? 1 : 0;

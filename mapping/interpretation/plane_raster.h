@@ -37,6 +37,7 @@ class PlaneRaster {
 
   struct Counts {
     double support = 0, pierced = 0, sunk = 0, cells = 0;  ///< numbers of cells
+    double rays = 0;                                       ///< that passed through or sank in
   };
   Counts count(const Extent& extent) const;
   double cell() const { return cell_; }

@@ -11,6 +11,7 @@ namespace {
 constexpr double kNearWall = 0.25;    // m; nearer than this a support stands at the wall
 constexpr double kOpenBelow = 0.05;   // fraction of the footprint seen from below; more is free space
 constexpr double kNarrow = 0.33;      // m; a narrower board at a wall is a shelf
+constexpr double kShelfLength = 0.5;  // m; shorter things against a wall above a counter stand on it
 constexpr double kTableTop = 0.80;    // m; tables are lower, counters higher
 constexpr double kCounterTop = 1.05;  // m
 constexpr double kSeatLow = 0.36;     // m
@@ -45,17 +46,39 @@ std::string where(const Support& support) {
                      size.y(), centre.x(), centre.y(), support.height);
 }
 
+/// Whether a low surface begins at or below the edge of a larger solid one and stands out before it.
+bool juts_out_below(const Support& support, const Support& other) {
+  const double below = other.height - support.height;
+  if (below < 0.05 || below > 0.8 || support.area() > 0.4 * other.area()) return false;
+  if (other.seen_below > kOpenBelow && !other.behind_face) return false;
+  constexpr double kAtEdge = 0.06;  // m
+  const Eigen::Rotation2Dd other_from_map(-other.yaw);
+  const Extent& part = support.parts.front();
+  bool inside = false;
+  bool outside = false;
+  for (const double x : {part.min.x(), part.centre().x(), part.max.x()})
+    for (const double y : {part.min.y(), part.centre().y(), part.max.y()}) {
+      const Vector2d at = other_from_map * (support.map_from_axes() * Vector2d(x, y));
+      const bool holds = std::any_of(other.parts.begin(), other.parts.end(),
+                                     [&](const Extent& e) { return e.contains(at, kAtEdge); });
+      (holds ? inside : outside) = true;
+    }
+  return inside && outside;
+}
+
 /// Why a surface is no piece of the room's furniture; empty when it is.
 std::string why_left_out(const Support& support, const SupportSearch& search, double floor_height) {
   const double height = support.height - floor_height;
   for (const Support& other : search.supports) {
     const double above = support.height - other.height;
     if (&other == &support || other.area() < 1.5 * support.area()) continue;
-    const bool shelf_like = support.wall_distance < 0.05 && above > 0.25;
+    const bool shelf_like = support.wall_distance < 0.05 && above > 0.25 &&
+                            support.parts.front().size().maxCoeff() > kShelfLength;
     if (above > 0.02 && above < kOnTop && !shelf_like && fraction_within(support, other) > 0.6)
       return "it stands on a larger surface";
     if (std::abs(above) <= 0.06 && fraction_within(support, other) > 0.4)
       return "it overlaps a larger surface of about its height";
+    if (juts_out_below(support, other)) return "it juts out from below a larger one, as an open drawer does";
   }
   const double longer = support.parts.front().size().maxCoeff();
   const bool open_below = support.seen_below > kOpenBelow;
@@ -65,6 +88,14 @@ std::string why_left_out(const Support& support, const SupportSearch& search, do
   constexpr double kSmall = 0.12;  // m²
   if (support.area() < kSmall && !at_wall && open_below) return "it is small and stands free";
   return {};
+}
+
+/// Whether one can walk around a support: no wall near, and rays passed it on three sides at least (the
+/// fourth may not have been looked at).
+bool free_all_round(const Support& support) {
+  constexpr double kWalk = 0.5;  // m
+  return support.wall_distance > kWalk &&
+         std::count(support.edges.begin(), support.edges.end(), EdgeKind::free) >= 3;
 }
 
 void choose_class(Support& support, double floor_height, bool free_space) {
@@ -84,6 +115,8 @@ void choose_class(Support& support, double floor_height, bool free_space) {
   if (depth < kNarrow && at_wall)
     support.class_name = "shelf",
     support.reason = fmt::format("only {:.2f} m deep; {}; {}", depth, tall, beside);
+  else if (height >= kTableTop && height <= kCounterTop && free_all_round(support))
+    support.class_name = "island", support.reason = fmt::format("{}; {}; {}", tall, below, beside + basis);
   else if (height >= kTableTop && height <= kCounterTop)
     support.class_name = "counter", support.reason = fmt::format("{}; {}; {}", tall, below, beside + basis);
   else if (height < kTableTop && depth >= kNarrow && (open_below || !at_wall))

@@ -27,6 +27,7 @@ double median(std::vector<double> values) {
 /// A piece of a face's upper edge that is level.
 struct LevelTop {
   double height = 0;
+  double overhang = 0;  ///< how far the slab stands out before the face, metres
   double along_min = 0, along_max = 0;
 };
 
@@ -60,9 +61,30 @@ std::optional<LevelTop> level_top(const Surface& surface, const VerticalPlane& f
     top.along_max = std::max(top.along_max, (numbers[i] + 1) * kColumn);
   }
   if (static_cast<double>(level) < kLeastLevel * static_cast<double>(tops.size())) return std::nullopt;
-  top.along_min = std::max(top.along_min, face.along_min);
-  top.along_max = std::min(top.along_max, face.along_max);
+  // Corners are seen less well: a top that is level nearly to the face's end ends with it.
+  constexpr double kNearEnd = 0.12;
+  if (top.along_min < face.along_min + kNearEnd) top.along_min = face.along_min;
+  if (top.along_max > face.along_max - kNearEnd) top.along_max = face.along_max;
   return top;
+}
+
+/// How far what is right below the top stands out before the face: the typical outermost point of a column.
+double overhang(const Surface& surface, const VerticalPlane& face, const LevelTop& top) {
+  constexpr double kMost = 0.08;
+  std::map<int, double> outermost;
+  for (const SurfacePoint& point : surface.points) {
+    const Vector3d position = point.position.cast<double>();
+    if (std::abs(position.z() - top.height) > 0.05) continue;
+    const double before = face.normal.dot(position.head<2>()) - face.offset;
+    const double along = face.direction().dot(position.head<2>());
+    if (before < 0 || before > kMost || along < top.along_min || along > top.along_max) continue;
+    double& most = outermost[static_cast<int>(std::floor(along / kColumn))];
+    most = std::max(most, before);
+  }
+  if (outermost.empty()) return 0;
+  std::vector<double> values;
+  for (const auto& [column, value] : outermost) values.push_back(value);
+  return median(values);
 }
 
 /// The wall that a face stands before: parallel within 10°, beside it, at the depth of furniture.
@@ -91,7 +113,8 @@ Support between(const VerticalPlane& face, const LevelTop& top, double depth) {
   support.height = top.height;
   const Vector2d a = Eigen::Rotation2Dd(-support.yaw) * face.at(top.along_min);
   const Vector2d b = Eigen::Rotation2Dd(-support.yaw) * face.at(top.along_max);
-  support.parts.push_back({{a.x() - depth, std::min(a.y(), b.y())}, {a.x(), std::max(a.y(), b.y())}});
+  support.parts.push_back(
+      {{a.x() - depth, std::min(a.y(), b.y())}, {a.x() + top.overhang, std::max(a.y(), b.y())}});
   return support;
 }
 
@@ -158,6 +181,39 @@ bool explained(const Support& counter, const std::vector<Support>& supports) {
   return sum > 0.5;
 }
 
+/// Where two such counters meet in a corner of walls, neither face shows the corner: the larger counter goes
+/// on to the other one's wall.
+void fill_corners(std::vector<Support>& supports, const std::vector<VerticalPlane>& walls) {
+  constexpr double kMeet = 0.2;  // m between the rectangles in the corner
+  for (Support& counter : supports) {
+    if (!counter.behind_face) continue;
+    for (const Support& other : supports) {
+      if (!other.behind_face || &other == &counter || other.wall == counter.wall ||
+          other.area() > counter.area())
+        continue;
+      const VerticalPlane& wall = walls[static_cast<size_t>(other.wall)];
+      for (const bool upper : {false, true}) {
+        const Vector2d outward = counter.map_from_axes() * Vector2d(0, upper ? 1 : -1);
+        if (wall.normal.dot(outward) > -0.9) continue;
+        Extent& part = counter.parts.front();
+        const Vector2d end(part.centre().x(), upper ? part.max.y() : part.min.y());
+        const double distance = wall.normal.dot(counter.map_from_axes() * end) - wall.offset;
+        Support grown = counter;
+        (upper ? grown.parts.front().max.y() : grown.parts.front().min.y()) += upper ? distance : -distance;
+        const Extent& box = grown.parts.front();
+        const auto near = [&](const Vector2d& corner) {
+          return box.contains(Eigen::Rotation2Dd(-counter.yaw) * corner, kMeet);
+        };
+        const std::vector<Vector2d> others = corners(other);
+        if (distance < 0.3 || distance > kDeepest || std::none_of(others.begin(), others.end(), near))
+          continue;
+        part = box;
+        counter.edges[upper ? 3 : 2] = EdgeKind::wall;
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void add_counters_behind_faces(std::vector<Support>& supports, const Surface& surface,
@@ -165,9 +221,10 @@ void add_counters_behind_faces(std::vector<Support>& supports, const Surface& su
                                const std::vector<VerticalPlane>& walls, double floor_height) {
   for (const VerticalPlane& face : faces) {
     if (face.length() < 0.5) continue;
-    const auto top = level_top(surface, face);
+    auto top = level_top(surface, face);
     if (!top || top->height < floor_height + 0.6 || top->height > floor_height + 1.15) continue;
     if (top->along_max - top->along_min < 0.5) continue;
+    top->overhang = overhang(surface, face, *top);
     double depth = 0;
     const int wall = wall_behind(face, *top, walls, depth);
     if (wall < 0) continue;
@@ -191,6 +248,7 @@ void add_counters_behind_faces(std::vector<Support>& supports, const Surface& su
     });
     supports.push_back(std::move(counter));
   }
+  fill_corners(supports, walls);
 }
 
 }  // namespace loci

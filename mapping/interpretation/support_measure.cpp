@@ -102,8 +102,10 @@ void measure_edges(Support& support, const PlaneEvidence& evidence, const PlaneR
       const Side side = Side::of(i);
       int wall = -1;
       const PlaneRaster::Counts outside = raster.count(strip_outside(part, side));
-      EdgeKind kind =
-          outside.pierced + outside.sunk > 0.3 * outside.cells ? EdgeKind::free : EdgeKind::unseen;
+      // Many cells with rays, or, where rays are sparse, many rays.
+      const bool passed =
+          outside.pierced + outside.sunk > 0.3 * outside.cells || outside.rays > 0.7 * outside.cells;
+      EdgeKind kind = passed ? EdgeKind::free : EdgeKind::unseen;
       const double distance = distance_to_wall(support, part, side, walls, wall);
       if (distance < kSnap && (kind == EdgeKind::unseen || distance < 0.04)) {
         kind = EdgeKind::wall;

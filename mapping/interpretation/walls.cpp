@@ -222,6 +222,39 @@ std::string why_no_wall(const VerticalPlane& plane, double floor_height,
   return {};
 }
 
+/// A plane that stands at the depth of furniture before a wall of the same direction, which goes on beside
+/// it, is the front of tall furniture.
+void part_furniture_from_walls(WallSearch& search) {
+  constexpr double kShallowest = 0.25;
+  constexpr double kDeepest = 0.8;
+  constexpr double kBeside = 0.5;       // m between the two along the wall
+  constexpr double kLeastLength = 0.8;  // m; less may be a niche in the wall
+  std::vector<VerticalPlane> walls;
+  for (const VerticalPlane& plane : search.walls) {
+    double before = 0;
+    for (const VerticalPlane& wall : search.walls) {
+      const double distance =
+          wall.normal.dot(plane.at((plane.along_min + plane.along_max) / 2)) - wall.offset;
+      if (wall.normal.dot(plane.normal) < 0.99 || distance < kShallowest || distance > kDeepest) continue;
+      if (wall.length() < kLeastLength) continue;
+      const double gap =
+          std::max(plane.along_min, wall.along_min) - std::min(plane.along_max, wall.along_max);
+      if (gap < kBeside) before = distance;
+    }
+    if (before > 0) {
+      const Vector2d middle = plane.at((plane.along_min + plane.along_max) / 2);
+      search.notes.push_back(
+          fmt::format("vertical plane of {:.2f} m2 at ({:.2f}, {:.2f}) is no wall: it stands {:.2f} m before "
+                      "one, as furniture does",
+                      plane.area, middle.x(), middle.y(), before));
+      search.others.push_back(plane);
+    } else {
+      walls.push_back(plane);
+    }
+  }
+  search.walls = std::move(walls);
+}
+
 }  // namespace
 
 WallSearch find_walls(const Surface& surface, double floor_height, const InterpretationOptions& options) {
@@ -255,6 +288,7 @@ WallSearch find_walls(const Surface& surface, double floor_height, const Interpr
       (why.empty() ? result.walls : result.others).push_back(std::move(plane));
     }
   }
+  part_furniture_from_walls(result);
   return result;
 }
 

@@ -1,0 +1,102 @@
+#include "mapping/exchange/compare.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "mapping/world/urdf.h"
+
+namespace loci {
+namespace {
+
+SurfacePatch rectangle(const std::string& name, double height, const Vector2d& low, const Vector2d& high) {
+  return {name, "table", "", height, {{low, {high.x(), low.y()}, high, {low.x(), high.y()}}}, true};
+}
+
+WallPatch wall(const std::string& name, double offset) {
+  WallPatch patch;
+  patch.name = name;
+  patch.normal = Vector3d(0, -1, 0);
+  patch.offset = offset;
+  patch.along_max = 3;
+  patch.top = 2;
+  return patch;
+}
+
+TEST(Compare, OverlapOfShiftedSquaresIsWhatGeometrySays) {
+  const SurfacePatch a = rectangle("a", 1, {0, 0}, {1, 1});
+  EXPECT_NEAR(overlap_of(a, rectangle("b", 1, {0.5, 0}, {1.5, 1})), 1.0 / 3, 0.01);
+  EXPECT_EQ(overlap_of(a, rectangle("b", 1, {2, 2}, {3, 3})), 0);
+}
+
+TEST(Compare, CountsMatchedMissedAndExtra) {
+  MapStructure truth, map;
+  truth.supports = {rectangle("table", 0.7, {0, 0}, {2, 1}), rectangle("counter", 0.9, {0, 3}, {2, 3.6})};
+  map.supports = {rectangle("table_1", 0.71, {0.02, 0}, {2, 0.98}),
+                  rectangle("shelf_1", 1.4, {5, 5}, {6, 6})};
+  truth.walls = {wall("north", -3.6)};
+  map.walls = {wall("wall_north", -3.58)};
+  const Comparison result = compare(map, truth, {});
+  const Comparison::Counts counts = result.counts("support");
+  EXPECT_EQ(counts.matched, 1U);
+  EXPECT_EQ(counts.missed, 1U);
+  EXPECT_EQ(counts.extra, 1U);
+  EXPECT_NEAR(counts.precision(), 0.5, 1e-9);
+  EXPECT_NEAR(counts.recall(), 0.5, 1e-9);
+  const ComparedThing& table = result.things.front();
+  EXPECT_EQ(table.truth_name, "table");
+  EXPECT_NEAR(*table.height_error, 0.01, 1e-9);
+  EXPECT_NEAR(table.edge_errors[0], 0.02, 1e-9);
+  EXPECT_NEAR(table.edge_errors[3], -0.02, 1e-9);
+  EXPECT_EQ(result.counts("wall").matched, 1U);
+}
+
+TEST(Compare, SideThingsOfTheTruthAreNeitherExtraNorMissed) {
+  MapStructure truth, map;
+  truth.supports = {rectangle("board", 1.2, {0, 0}, {1, 0.3}), rectangle("inside", 0.3, {0, 0}, {1, 0.3})};
+  for (SurfacePatch& patch : truth.supports) patch.main = false;
+  map.supports = {rectangle("shelf_1", 1.2, {0, 0}, {1, 0.3})};
+  const Comparison::Counts counts = compare(map, truth, {}).counts("support");
+  EXPECT_EQ(counts.minor, 1U);
+  EXPECT_EQ(counts.missed, 0U);
+  EXPECT_EQ(counts.extra, 0U);
+}
+
+TEST(Compare, SampleKitchenEqualsItselfBySidecarAndByGeometry) {
+  const std::filesystem::path urdf = std::filesystem::path(LOCI_SOURCE_DIR) / "apps/samples/kitchen.urdf";
+  if (!std::filesystem::exists(urdf)) GTEST_SKIP() << "no sample kitchen";
+  Warnings warnings;
+  const MeshSearch search{{}, urdf.parent_path()};
+  const MapStructure sidecar = read_structure(urdf, search, warnings);
+  EXPECT_EQ(compare(sidecar, sidecar, {}).counts("support").recall(), 1);
+  const MapStructure geometry = structure_from_geometry(read_urdf(urdf), search, warnings);
+  const Comparison result = compare(sidecar, geometry, {});
+  EXPECT_EQ(result.counts("wall").matched, 4U) << result.text();
+  EXPECT_EQ(result.counts("support").extra, 0U) << result.text();
+}
+
+TEST(Compare, ReadsTruthJsonWithRegions) {
+  const std::filesystem::path truth =
+      std::filesystem::path(LOCI_SHARED_DIR) / "data/iai_apartment/truth.json";
+  if (!std::filesystem::exists(truth)) GTEST_SKIP() << "no shared data";
+  Warnings warnings;
+  const MapStructure structure = read_structure(truth, {}, warnings);
+  EXPECT_EQ(structure.source, "truth.json");
+  ComparisonOptions options;
+  options.region = "kitchen";
+  EXPECT_EQ(compare({}, structure, options).counts("support").missed, 2U);  // countertop and island
+}
+
+TEST(Compare, RefusesJsonThatIsNoTruth) {
+  const std::filesystem::path path = std::filesystem::temp_directory_path() / "loci_no_truth.json";
+  write_json(path, {{"something", 1}});
+  Warnings warnings;
+  EXPECT_THROW(read_structure(path, {}, warnings), Error);
+  EXPECT_THROW(structure_from_truth(Json::parse(R"({"support_surfaces": [{"name": "x"}]})"), "t.json"),
+               Error);
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace loci

@@ -1,0 +1,43 @@
+#include "mapping/exchange/map_report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "mapping/base/html.h"
+
+namespace loci {
+namespace {
+
+TEST(MapReport, IsOnePageWithTopViewLinksAndNotes) {
+  InterpretedMap map;
+  SemanticLink table;
+  table.class_name = "table";
+  table.confidence = 0.9;
+  table.geometry = {{"height", 0.72}, {"outline", {{0, 0}, {1, 0}, {1, 1}, {0, 1}}}};
+  table.evidence = {{"inliers", 10}, {"scans", {0}}};
+  map.semantics.links["table_1"] = table;
+  map.notes = {"left out: <small>"};
+  map.configuration = {{"plane_tolerance_m", 0.02}};
+  ScanSet scans;
+  Scan scan;
+  for (int i = 0; i < 100; ++i) {
+    ScanPoint point;
+    point.position = {0.1F * static_cast<float>(i % 10), 0.1F * static_cast<float>(i / 10), 0.7F};
+    scan.points.push_back(point);
+  }
+  scans.scans.push_back(scan);
+  const std::string page = map_report(map, scans, "scans");
+  EXPECT_THAT(
+      page,
+      testing::AllOf(testing::StartsWith("<!doctype html>"), testing::HasSubstr("<svg"),
+                     testing::HasSubstr("data:image/png;base64,"), testing::HasSubstr("table_1"),
+                     testing::HasSubstr("left out: &lt;small&gt;"), testing::HasSubstr("plane_tolerance_m")));
+  EXPECT_THAT(page, testing::Not(testing::HasSubstr("<script")));
+  const std::string grown = html_with_section(page, "day", html_section("day", "Day", "<p>one</p>"));
+  EXPECT_GT(grown.size(), page.size());
+  EXPECT_THAT(html_with_section(grown, "day", html_section("day", "Day", "<p>two</p>")),
+              testing::AllOf(testing::HasSubstr("two"), testing::Not(testing::HasSubstr("one</p>"))));
+}
+
+}  // namespace
+}  // namespace loci

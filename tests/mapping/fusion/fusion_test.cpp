@@ -1,0 +1,164 @@
+#include "mapping/fusion/fusion.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "mapping/base/random.h"
+
+namespace loci {
+namespace {
+
+constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
+
+/// A camera that looks straight down at a floor with a box on it, from a slightly different place each frame.
+class SmallRecording : public Recording {
+ public:
+  explicit SmallRecording(size_t frames) {
+    info_.path = "small";
+    info_.map_frame = "map";
+    info_.frames = frames;
+    info_.camera.depth = {160, 120, 140, 140, 80, 60};
+    info_.camera.color = info_.camera.depth;
+    info_.camera.depth_from_color.translation().x() = 0.03;
+  }
+
+  const RecordingInfo& info() const override { return info_; }
+  size_t size() const override { return info_.frames; }
+  TimeNs time_of(size_t i) const override { return static_cast<TimeNs>(i) * kSecond; }
+  int64_t index_of(size_t i) const override { return static_cast<int64_t>(i); }
+
+  RgbdFrame frame(size_t i) const override {
+    RgbdFrame frame;
+    frame.camera = info_.camera;
+    frame.depth = cv::Mat(120, 160, CV_32F, cv::Scalar(kNoDepth));
+    frame.color = cv::Mat(120, 160, CV_8UC3, cv::Scalar(0, 0, 200));
+    Isometry3d pose = Isometry3d::Identity();
+    pose.linear() = Eigen::AngleAxisd(M_PI, Vector3d::UnitX()).toRotationMatrix();
+    pose.translation() = Vector3d(0.01 * static_cast<double>(i), 0, 1.5);
+    Random random = Random(7).fork(i);
+    for (int v = 0; v < 120; ++v)
+      for (int u = 0; u < 160; ++u) {
+        const Vector3d top = pose * frame.camera.depth.unproject(u, v, 1.3);
+        const bool box = std::abs(top.x()) < 0.2 && std::abs(top.y()) < 0.2;
+        frame.depth.at<float>(v, u) = static_cast<float>((box ? 1.3 : 1.5) + random.normal(0.002));
+      }
+    if (i < without_pose_) return frame;
+    frame.map_from_camera = pose;
+    return frame;
+  }
+
+  RecordingInfo info_;
+  size_t without_pose_ = 0;
+};
+
+FusionResult fused(const Recording& recording, FusionOptions options = {}) {
+  NoProgress progress;
+  return fuse(recording, options, progress);
+}
+
+TEST(Fusion, FloorAndBoxStandAtTheirHeights) {
+  const FusionResult result = fused(SmallRecording(10));
+  double floor = 0, top = 0;
+  size_t floor_points = 0, top_points = 0;
+  for (const Scan& scan : result.scans.scans)
+    for (const ScanPoint& point : scan.points) {
+      const Vector3d at = scan.map_from_scan * point.position.cast<double>();
+      const bool is_top = at.z() > 0.1;
+      (is_top ? top : floor) += at.z();
+      ++(is_top ? top_points : floor_points);
+    }
+  ASSERT_GT(floor_points, 1000U);
+  ASSERT_GT(top_points, 200U);
+  EXPECT_NEAR(floor / static_cast<double>(floor_points), 0, 0.002);
+  EXPECT_NEAR(top / static_cast<double>(top_points), 0.2, 0.002);
+}
+
+TEST(Fusion, FramesWithoutPoseAreLeftOutAndCounted) {
+  SmallRecording recording(10);
+  recording.without_pose_ = 4;
+  const FusionResult result = fused(recording);
+  EXPECT_EQ(result.frames_used, 6U);
+  EXPECT_EQ(result.frames_without_pose, 4U);
+  EXPECT_THAT(result.summary(), testing::HasSubstr("4 frames without pose left out"));
+}
+
+TEST(Fusion, RefusesARecordingWithoutAnyPose) {
+  SmallRecording recording(3);
+  recording.without_pose_ = 3;
+  EXPECT_THROW(fused(recording), Error);
+}
+
+TEST(Fusion, ConsecutiveFramesBecomeScansWithTheirOrigins) {
+  FusionOptions options;
+  options.frames_per_scan = 4;
+  const FusionResult result = fused(SmallRecording(10), options);
+  ASSERT_EQ(result.scans.scans.size(), 3U);
+  EXPECT_EQ(result.scans.scans[0].origins.size(), 4U);
+  EXPECT_EQ(result.scans.scans[2].origins.size(), 2U);
+  const Scan& last = result.scans.scans[2];
+  EXPECT_NEAR((last.map_from_scan * last.origins[1].cast<double>()).x(), 0.09, 1e-5);
+}
+
+TEST(Fusion, WhatFewFramesSawIsLeftOut) {
+  FusionOptions options;
+  options.min_observations = 8;
+  EXPECT_LT(fused(SmallRecording(10), options).points(), fused(SmallRecording(10)).points());
+}
+
+TEST(Fusion, BeyondTheRangeOnlyFreeSpaceIsKept) {
+  FusionOptions options;
+  options.range_max_m = 1.4;
+  const FusionResult result = fused(SmallRecording(5), options);
+  size_t free = 0;
+  for (const ScanPoint& point : result.scans.scans[0].points) {
+    if (point.returned) continue;
+    ++free;
+    EXPECT_NEAR(point.position.z(), 1.4F, 1e-3F);
+  }
+  EXPECT_GT(free, 20U);
+}
+
+TEST(Fusion, ColourComesFromTheColourCamera) {
+  const FusionResult result = fused(SmallRecording(4));
+  for (const ScanPoint& point : result.scans.scans[0].points)
+    if (point.r != 0) {
+      EXPECT_EQ(point.r, 200);
+      EXPECT_EQ(point.b, 0);
+    }
+}
+
+TEST(Fusion, SameScansOnOneAndTwoThreads) {
+  FusionOptions options;
+  options.frames_per_scan = 3;
+  options.threads = 1;
+  const FusionResult one = fused(SmallRecording(11), options);
+  options.threads = 2;
+  const FusionResult two = fused(SmallRecording(11), options);
+  ASSERT_EQ(one.scans.scans.size(), two.scans.scans.size());
+  for (size_t i = 0; i < one.scans.scans.size(); ++i) {
+    const auto& a = one.scans.scans[i].points;
+    const auto& b = two.scans.scans[i].points;
+    ASSERT_EQ(a.size(), b.size());
+    for (size_t k = 0; k < a.size(); ++k) ASSERT_EQ(a[k].position, b[k].position);
+  }
+}
+
+TEST(Fusion, FlyingPixelsAreDropped) {
+  cv::Mat depth(20, 20, CV_32F, cv::Scalar(2.0));
+  depth.colRange(0, 10) = 1.0;
+  depth.col(10) = 1.5;  // between foreground and background
+  cv::Mat lone = depth.clone();
+  lone.at<float>(5, 5) = 1.2F;
+  EXPECT_GE(drop_flying_pixels(depth), 18U);
+  EXPECT_TRUE(std::isnan(depth.at<float>(10, 10)));
+  EXPECT_FALSE(std::isnan(depth.at<float>(10, 9)));
+  EXPECT_FALSE(std::isnan(depth.at<float>(10, 11)));
+  drop_flying_pixels(lone);
+  EXPECT_TRUE(std::isnan(lone.at<float>(5, 5)));
+}
+
+}  // namespace
+}  // namespace loci

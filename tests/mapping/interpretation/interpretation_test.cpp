@@ -1,0 +1,241 @@
+#include "mapping/interpretation/interpretation.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "mapping/world/urdf.h"
+#include "tests/mapping/interpretation/synthetic_room.h"
+
+namespace loci::test {
+namespace {
+
+InterpretedMap interpreted(const ScanSet& scans, int threads = 0) {
+  InterpretationOptions options;
+  options.threads = threads;
+  NoProgress progress;
+  return interpret(scans, options, progress);
+}
+
+struct Box2 {
+  Vector2d low = Vector2d::Constant(1e9), high = Vector2d::Constant(-1e9);
+};
+
+Box2 outline_box(const InterpretedMap& map, const std::string& name) {
+  Box2 box;
+  for (const Json& corner : map.semantics.links.at(name).geometry.at("outline")) {
+    const Vector2d at(corner.at(0).get<double>(), corner.at(1).get<double>());
+    box = {box.low.cwiseMin(at), box.high.cwiseMax(at)};
+  }
+  return box;
+}
+
+void expect_box(const Box2& box, const Vector2d& low, const Vector2d& high, double tolerance) {
+  EXPECT_LT((box.low - low).cwiseAbs().maxCoeff(), tolerance)
+      << box.low.transpose() << " / " << low.transpose();
+  EXPECT_LT((box.high - high).cwiseAbs().maxCoeff(), tolerance)
+      << box.high.transpose() << " / " << high.transpose();
+}
+
+double height_of(const InterpretedMap& map, const std::string& name) {
+  return map.semantics.links.at(name).geometry.at("height").get<double>();
+}
+
+std::vector<std::string> names_of(const InterpretedMap& map) {
+  std::vector<std::string> names;
+  for (const auto& [name, link] : map.semantics.links) names.push_back(name);
+  return names;
+}
+
+TEST(Interpretation, FindsFloorWallsTableAndCounterOfANoisyRoom) {
+  const InterpretedMap map = interpreted(scan_room(kitchen(), kOrigins, 0.002, 1));
+  EXPECT_THAT(names_of(map),
+              testing::UnorderedElementsAre("ceiling", "counter_1", "floor", "table_1", "wall_east",
+                                            "wall_north", "wall_south", "wall_west"));
+  EXPECT_NEAR(height_of(map, "floor"), 0, 0.005);
+  EXPECT_NEAR(height_of(map, "table_1"), 0.74, 0.005);
+  EXPECT_NEAR(height_of(map, "counter_1"), 0.90, 0.005);
+  expect_box(outline_box(map, "table_1"), {1.4, 0.5}, {2.6, 1.3}, 0.03);
+  expect_box(outline_box(map, "counter_1"), {0.5, 2.4}, {2.9, 3.0}, 0.03);
+  const Json& north = map.semantics.links.at("wall_north").geometry;
+  EXPECT_NEAR(north.at("normal").at(1).get<double>(), -1, 1e-3);  // into the room
+  EXPECT_NEAR(north.at("offset").get<double>(), -3, 0.01);
+}
+
+TEST(Interpretation, EveryLinkHasEvidenceGeometryCollisionAndInertia) {
+  const InterpretedMap map = interpreted(scan_room(kitchen(), kOrigins, 0.002, 2));
+  for (const auto& [name, semantics] : map.semantics.links) {
+    EXPECT_GT(semantics.evidence.at("inliers").get<size_t>(), 0U) << name;
+    EXPECT_FALSE(semantics.evidence.at("scans").empty()) << name;
+    EXPECT_GT(semantics.confidence, 0) << name;
+    EXPECT_LE(semantics.confidence, 1) << name;
+    const Link* link = map.world.find_link(name);
+    ASSERT_NE(link, nullptr) << name;
+    EXPECT_FALSE(link->visuals.empty());
+    EXPECT_FALSE(link->collisions.empty());
+    ASSERT_TRUE(link->inertial.has_value());
+    EXPECT_GT(link->inertial->mass, 0);
+    EXPECT_NE(map.world.find_joint(name + "_joint"), nullptr);
+  }
+  const World again = parse_urdf(urdf_text(map.world), "map.urdf");
+  EXPECT_EQ(again.links.size(), map.world.links.size());
+}
+
+TEST(Interpretation, SupportFrameStandsAtTheCentreOfItsTopWithXAwayFromTheWall) {
+  const InterpretedMap map = interpreted(scan_room(kitchen(), kOrigins, 0.002, 3));
+  const Joint* joint = map.world.find_joint("counter_1_joint");
+  ASSERT_NE(joint, nullptr);
+  const Vector3d origin = joint->parent_from_joint.translation();
+  EXPECT_NEAR(origin.x(), 1.7, 0.03);
+  EXPECT_NEAR(origin.y(), 2.7, 0.03);
+  EXPECT_NEAR(origin.z(), 0.9, 0.005);
+  EXPECT_NEAR(joint->parent_from_joint.linear()(1, 0), -1, 0.01);  // x looks to -y
+}
+
+TEST(Interpretation, SaysWhyASupportHasItsClass) {
+  const InterpretedMap map = interpreted(scan_room(kitchen(), kOrigins, 0.002, 4));
+  EXPECT_THAT(map.semantics.links.at("table_1").evidence.at("class_because").get<std::string>(),
+              testing::HasSubstr("free space seen under"));
+  EXPECT_THAT(map.semantics.links.at("counter_1").evidence.at("class_because").get<std::string>(),
+              testing::HasSubstr("from a wall"));
+}
+
+TEST(Interpretation, SameKitchenScannedFromElsewhereGetsTheSameNames) {
+  AnalyticRoom room = kitchen();
+  room.solids.push_back({{3.4, 0.4, 0}, {4.0, 1.4, 0.9}});  // a second counter, at the east wall
+  const InterpretedMap first = interpreted(scan_room(room, kOrigins, 0.002, 5));
+  const InterpretedMap second =
+      interpreted(scan_room(room, {{1.0, 1.7, 1.6}, {3.1, 2.0, 1.4}, {2.9, 1.6, 1.5}}, 0.002, 6));
+  EXPECT_EQ(names_of(first), names_of(second));
+  for (const char* name : {"counter_1", "counter_2"}) {
+    const Box2 a = outline_box(first, name);
+    const Box2 b = outline_box(second, name);
+    EXPECT_LT((a.low - b.low).norm() + (a.high - b.high).norm(), 0.15) << name;
+  }
+}
+
+TEST(Interpretation, PartialViewGivesNothingThatWasNotSeen) {
+  // One look from the south: the walls behind the sensor and the far end are not seen.
+  ScanSet scans = scan_room(kitchen(), {{2.0, 0.2, 1.5}}, 0.002, 7);
+  std::erase_if(scans.scans[0].points, [](const ScanPoint& point) { return point.position.y() < 0.3F; });
+  const InterpretedMap map = interpreted(scans);
+  EXPECT_FALSE(map.semantics.links.contains("wall_south"));
+  EXPECT_TRUE(map.semantics.links.contains("wall_north"));
+  EXPECT_TRUE(map.semantics.links.contains("counter_1"));
+}
+
+TEST(Interpretation, LevelsATiltedInputByItsFloorAndSaysHow) {
+  ScanSet scans = scan_room(kitchen(), kOrigins, 0.002, 8);
+  Isometry3d tilted = Isometry3d::Identity();
+  tilted.linear() = (Eigen::AngleAxisd(0.2, Vector3d::UnitX()) * Eigen::AngleAxisd(-0.1, Vector3d::UnitY()))
+                        .toRotationMatrix();
+  tilted.translation().z() = -1.3;
+  for (Scan& scan : scans.scans) scan.map_from_scan = tilted * scan.map_from_scan;
+  scans.levelled = false;
+  const InterpretedMap map = interpreted(scans);
+  ASSERT_TRUE(map.semantics.map_from_input.has_value());
+  const Vector3d up = *map.semantics.map_from_input * (tilted * Vector3d(0, 0, 1));
+  EXPECT_NEAR(up.z(), 1, 0.01);
+  EXPECT_NEAR(height_of(map, "table_1"), 0.74, 0.01);
+}
+
+TEST(Interpretation, BareCloudSaysThatThereIsNoFreeSpaceEvidence) {
+  ScanSet scans = scan_room(kitchen(), kOrigins, 0.002, 9);
+  scans.free_space = false;
+  const InterpretedMap map = interpreted(scans);
+  EXPECT_THAT(map.notes, testing::Contains(testing::HasSubstr("no free-space evidence")));
+  EXPECT_TRUE(map.semantics.links.contains("table_1"));
+  EXPECT_FALSE(map.semantics.links.at("table_1").evidence.contains("seen_below"));
+}
+
+TEST(Interpretation, ChairSeatIsLeftOutWithANote) {
+  AnalyticRoom room = kitchen();
+  add_table(room, {0.6, 1.2}, {1.0, 1.6}, 0.45);                // a stool
+  room.solids.push_back({{0.6, 1.57, 0.45}, {1.0, 1.6, 0.9}});  // with a back
+  const InterpretedMap map = interpreted(scan_room(room, kOrigins, 0.002, 10));
+  EXPECT_THAT(map.notes, testing::Contains(testing::HasSubstr("seat")));
+  for (const auto& [name, link] : map.semantics.links)
+    if (link.geometry.contains("height")) {
+      EXPECT_GT(std::abs(link.geometry.at("height").get<double>() - 0.45), 0.05) << name;
+    }
+}
+
+TEST(Interpretation, CounterThatOneCanWalkAroundIsAnIsland) {
+  AnalyticRoom room;
+  room.solids.push_back({{1.4, 1.1, 0}, {2.6, 1.8, 0.92}});
+  const InterpretedMap map =
+      interpreted(scan_room(room, {{0.6, 0.6, 1.6}, {3.4, 2.5, 1.6}, {0.6, 2.5, 1.6}}, 0.002, 12));
+  ASSERT_TRUE(map.semantics.links.contains("island_1"));
+  expect_box(outline_box(map, "island_1"), {1.4, 1.1}, {2.6, 1.8}, 0.03);
+}
+
+TEST(Interpretation, OpenDrawerIsNoShelf) {
+  AnalyticRoom room = kitchen();
+  room.solids.push_back({{1.0, 2.05, 0.55}, {1.6, 2.45, 0.65}});  // juts out from below the counter
+  const InterpretedMap map = interpreted(scan_room(room, kOrigins, 0.002, 13));
+  EXPECT_THAT(map.notes, testing::Contains(testing::HasSubstr("open drawer")));
+  EXPECT_FALSE(map.semantics.links.contains("shelf_1"));
+}
+
+TEST(Interpretation, CounterRoundACornerIsOneSupportWithTwoBoxes) {
+  AnalyticRoom room;
+  room.solids.push_back({{0.0, 2.4, 0}, {3.0, 3.0, 0.9}});
+  room.solids.push_back({{0.0, 0.8, 0}, {0.6, 2.4, 0.9}});
+  const InterpretedMap map =
+      interpreted(scan_room(room, {{2.0, 1.2, 1.6}, {3.0, 1.0, 1.5}, {1.2, 0.8, 1.5}}, 0.002, 14));
+  ASSERT_TRUE(map.semantics.links.contains("counter_1"));
+  EXPECT_FALSE(map.semantics.links.contains("counter_2"));
+  EXPECT_EQ(map.world.find_link("counter_1")->collisions.size(), 2U);
+  EXPECT_EQ(map.semantics.links.at("counter_1").geometry.at("outline").size(), 6U);
+  expect_box(outline_box(map, "counter_1"), {0.0, 0.8}, {3.0, 3.0}, 0.04);
+}
+
+TEST(Interpretation, SameResultOnOneAndTwoThreads) {
+  const ScanSet scans = scan_room(kitchen(), kOrigins, 0.003, 11);
+  const InterpretedMap one = interpreted(scans, 1);
+  const InterpretedMap two = interpreted(scans, 2);
+  EXPECT_EQ(urdf_text(one.world), urdf_text(two.world));
+  EXPECT_EQ(to_json(one.semantics), to_json(two.semantics));
+  EXPECT_EQ(one.notes, two.notes);
+}
+
+TEST(Interpretation, RefusesAScanSetWithoutPoints) {
+  EXPECT_THROW(interpreted(ScanSet{}), Error);
+  ScanSet empty;
+  empty.scans.emplace_back();
+  empty.scans.back().origins.emplace_back(0.F, 0.F, 0.F);
+  EXPECT_THROW(interpreted(empty), Error);
+}
+
+TEST(Interpretation, NoiseWithoutSurfacesGivesNothing) {
+  ScanSet scans;
+  Scan scan;
+  scan.origins.emplace_back(0.F, 0.F, 1.5F);
+  Random random(12);
+  for (int i = 0; i < 50000; ++i) {
+    ScanPoint point;
+    for (int k = 0; k < 3; ++k) point.position[k] = static_cast<float>(random.uniform(-2, 2));
+    scan.points.push_back(point);
+  }
+  scans.scans.push_back(std::move(scan));
+  EXPECT_FALSE(interpreted(scans).usable());
+}
+
+TEST(Interpretation, OptionsOutOfBoundsAreAllNamed) {
+  InterpretationOptions options;
+  options.plane_tolerance_m = -1;
+  options.wall_min_top_m = 100;
+  NoProgress progress;
+  try {
+    interpret(scan_room(kitchen(), {kOrigins[0]}, 0, 1), options, progress);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("plane_tolerance_m"),
+                                             testing::HasSubstr("wall_min_top_m")));
+  }
+}
+
+}  // namespace
+}  // namespace loci::test
