@@ -22,6 +22,20 @@ double log_odds(double probability) {
   return std::log(probability / (1 - probability));
 }
 
+/// A camera that stands still sees the same side again: the faces are averaged. Another view point sees
+/// further parts: the box grows quickly and shrinks slowly.
+AxisBox fused_box(const AxisBox& believed, const AxisBox& seen, double gain, bool other_view) {
+  const double outward = other_view ? std::max(gain, 0.5) : gain;
+  const double inward = other_view ? 0.1 * gain : gain;
+  Vector3d low = believed.low(), high = believed.high();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double below = seen.low()[axis] - low[axis], above = seen.high()[axis] - high[axis];
+    low[axis] += (below < 0 ? outward : inward) * below;
+    high[axis] += (above > 0 ? outward : inward) * above;
+  }
+  return {(low + high) / 2, high - low};
+}
+
 /// Carries the belief over one scene; its members are what the steps share.
 class Step {
  public:
@@ -184,9 +198,8 @@ class Step {
     }
     const double variance = std::max(expected_[o].variance, 1e-12);
     const double gain = variance / (variance + noise);
-    AxisBox fused;
-    fused.centre = box_now.centre + gain * (observation.box.centre - box_now.centre);
-    fused.size = box_now.size + gain * (observation.box.size - box_now.size);
+    const bool other_view = !object.map_from_camera.isApprox(scene_.view.map_from_camera, 1e-9);
+    const AxisBox fused = fused_box(box_now, observation.box, gain, other_view);
     object.box.size = fused.size;
     object.box.centre = pose_of(object.place, scene_.places).inverse() * fused.centre;
     // Errors of one view point repeat: the position never becomes much better than one look.
@@ -243,7 +256,7 @@ class Step {
     ProtoObject& object = state_.objects[o];
     const Expectation& e = expected_[o];
     const double empty = empty_share_in_hindsight(o);
-    const EmptinessEvidence evidence = emptiness(empty, seconds_, options_);
+    const EmptinessEvidence evidence = emptiness(empty, seconds_, e.box.size.z(), options_);
     const double in_view = 1 - e.undetectable;
     const double there = e.here * (e.undetectable + in_view * std::exp(evidence.if_there));
     const double away = (1 - e.here) * (e.undetectable + in_view * std::exp(evidence.if_gone));
@@ -279,25 +292,17 @@ class Step {
     note_hidden(object, e);
   }
 
-  /// Of what was seen of the place, the share that speaks against the object: looked through, or taken by
-  /// something that turned out to be another object (unless that cluster swallowed both).
+  /// empty_share() now that it is decided what the others are (a cluster that swallowed both does not count).
   double empty_share_in_hindsight(size_t o) const {
-    const Expectation& e = expected_[o];
-    double taken = 0;
-    for (size_t k = 0; k < e.seen.share.size(); ++k) {
-      if (update_.observations[k].explanation == Explanation::clutter) continue;
-      const AxisBox& box = scene_.observations[k].box;
-      if (partner_of_observation_[k] && update_.observations[k].explanation != Explanation::move) {
-        const double grown =
-            box.volume() / std::max(1e-9, expected_[*partner_of_observation_[k]].box.volume());
-        if (grown > 1.4) continue;
-      }
-      taken += e.seen.share[k];
+    std::vector<double> other(scene_.observations.size(), snapshot_ ? 1.0 : 0.3);
+    for (size_t k = 0; k < other.size(); ++k) {
+      const ObservationOutcome& outcome = update_.observations[k];
+      if (outcome.explanation == Explanation::clutter) other[k] = 0;
+      if (!partner_of_observation_[k] || outcome.explanation == Explanation::move) continue;
+      const double before = expected_[*partner_of_observation_[k]].box.volume();
+      if (scene_.observations[k].box.volume() > 1.4 * before) other[k] = 0;
     }
-    // In a video two things that touch often melt into one cluster for some frames.
-    if (!snapshot_) taken *= 0.3;
-    const double looked = e.seen.visibility.looked();
-    return looked > 0 ? std::min(1.0, (e.seen.visibility.seen_through + taken) / looked) : 0.0;
+    return empty_share(expected_[o].seen, other);
   }
 
   void note_hidden(ProtoObject& object, const Expectation& e) {

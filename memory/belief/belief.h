@@ -65,6 +65,7 @@ struct PairEvidence {
   std::vector<Distances> distances;
   PairTable closeness;  ///< the dissertation's similarity in [0,1]; NaN = nothing to compare
   PairTable log_similar, log_proximity;
+  PairTable log_size;  ///< the part of log_similar that is about size; 0 = not comparable
 };
 
 /// An object that became certain enough to be told: its number, and its earlier sightings.

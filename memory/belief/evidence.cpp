@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "memory/belief/proximity.h"
 
@@ -42,6 +43,14 @@ Likeness compare_with_looks(const ProtoObject& object, const Observation& observ
   return best;
 }
 
+/// Log ratio of where a moved thing is put down, against anywhere on the place: half of all moves are short.
+double log_near(const Vector3d& offset, const BeliefOptions& options) {
+  const double variance = options.nudge_m * options.nudge_m;
+  const double density =
+      std::exp(-offset.head<2>().squaredNorm() / (2 * variance)) / (2 * std::numbers::pi * variance);
+  return std::log(0.5 + 0.5 * options.area_m2 * density);
+}
+
 }  // namespace
 
 double seconds_since_last_scene(const BeliefState& state, const Scene& scene) {
@@ -62,8 +71,12 @@ std::vector<Expectation> expect(const BeliefState& state, const Scene& scene, co
     e.box = box_in_map(object, scene.places);
     e.variance = object.variance + view_change_variance(object.map_from_camera, scene.view.map_from_camera,
                                                         e.box.size.maxCoeff(), options);
-    const double seconds = seconds_between(object.last_update, scene.time);
+    const double watched = is_snapshot(state, scene, options) ? 1.0 : options.watched;
+    const double seconds = watched * seconds_between(object.last_update, scene.time);
     e.handled = options.move_cap * (1 - std::exp(-seconds / options.move_time_s));
+    const Isometry3d change = object.map_from_camera.inverse() * scene.view.map_from_camera;
+    const double motion = change.translation().norm() + Eigen::AngleAxisd(change.linear()).angle();
+    e.turned = 0.002 + e.handled / 2 + options.newview * (1 - std::exp(-motion / 0.5));
     e.here = object.probability_here * (1 - e.handled);
     e.seen =
         look_at_who(scene.view, e.box, std::sqrt(e.variance), scene.observations.size(), options.visibility);
@@ -73,11 +86,20 @@ std::vector<Expectation> expect(const BeliefState& state, const Scene& scene, co
   return expected;
 }
 
-EmptinessEvidence emptiness(double empty_share, double seconds, const BeliefOptions& options) {
+EmptinessEvidence emptiness(double empty_share, double seconds, double height, const BeliefOptions& options) {
   const double independence = std::clamp(seconds, 0.05, 1.0);
   const double found_occupied_if_gone = 0.1;
-  return {independence * (empty_share * std::log(options.empty_if_there) + std::log(1 - options.detection)),
-          independence * (1 - empty_share) * std::log(found_occupied_if_gone)};
+  const double solid = std::clamp((height - 0.015) / 0.02, 0.0, 1.0);
+  const double detection = options.detection * (0.4 + 0.6 * solid);
+  return {independence * (solid * empty_share * std::log(options.empty_if_there) + std::log(1 - detection)),
+          independence * solid * (1 - empty_share) * std::log(found_occupied_if_gone)};
+}
+
+double empty_share(const OccupiedBy& seen, const std::vector<double>& taken_by_other) {
+  double against = seen.visibility.seen_through;
+  for (size_t k = 0; k < seen.share.size(); ++k) against += seen.share[k] * taken_by_other[k];
+  const double looked = seen.visibility.looked();
+  return looked > 0 ? std::min(1.0, against / looked) : 0.0;
 }
 
 PairEvidence pair_evidence(const BeliefState& state, const std::vector<Expectation>& expected,
@@ -86,6 +108,7 @@ PairEvidence pair_evidence(const BeliefState& state, const std::vector<Expectati
   PairEvidence evidence;
   evidence.log_similar.setZero(rows, columns);
   evidence.log_proximity.setZero(rows, columns);
+  evidence.log_size.setZero(rows, columns);
   evidence.closeness.setConstant(rows, columns, std::numeric_limits<double>::quiet_NaN());
   for (const Comparison& comparison : comparisons())
     evidence.distances.push_back({comparison.kind, evidence.closeness});
@@ -100,6 +123,8 @@ PairEvidence pair_evidence(const BeliefState& state, const std::vector<Expectati
       for (const Likeness::Part& part : likeness.parts)
         for (PairEvidence::Distances& d : evidence.distances)
           if (d.kind == part.kind) d.distance(o, k) = part.distance;
+      for (const Likeness::Part& part : likeness.parts)
+        if (find_comparison(part.kind)->whole_only) evidence.log_size(o, k) += part.log_ratio;
       const double variance = e.variance + observation_variance(observation, options);
       evidence.log_proximity(o, k) =
           std::clamp(log_proximity(e.box, variance, object.partial, observation, options), -kLargestEvidence,
@@ -116,6 +141,7 @@ LogOddsProblem identity_problem(const BeliefState& state, const std::vector<Expe
                                 const BeliefOptions& options) {
   const size_t m = state.objects.size(), n = scene.observations.size();
   const double seconds = std::min(1e9, seconds_since_last_scene(state, scene));
+  const bool snapshot = is_snapshot(state, scene, options);
   LogOddsProblem problem;
   problem.log_similar = evidence.log_similar;
   problem.log_proximity = evidence.log_proximity;
@@ -124,21 +150,35 @@ LogOddsProblem identity_problem(const BeliefState& state, const std::vector<Expe
   for (size_t o = 0; o < m; ++o) {
     const Expectation& e = expected[o];
     const double before = state.objects[o].probability_here;
-    const EmptinessEvidence empty = emptiness(e.seen.visibility.empty_share(), seconds, options);
+    std::vector<double> other(n, 0.0);
+    for (size_t k = 0; k < n; ++k) {
+      // Unless it is there itself; and in a video two things that touch often melt into one for some frames.
+      const double same =
+          evidence.log_proximity(index(o), index(k)) + evidence.log_similar(index(o), index(k));
+      other[k] = (snapshot ? 1.0 : 0.3) / (1 + std::exp(std::clamp(same, -30.0, 30.0)));
+    }
+    const EmptinessEvidence empty = emptiness(empty_share(e.seen, other), seconds, e.box.size.z(), options);
     const double in_view = 1 - e.undetectable;
     const double stays = std::max(1e-6, e.here) * options.detection;
     // Half of what is handled is carried off, half is put down somewhere else.
-    const double moves = (before * e.handled / 2 + (1 - before) * options.reappear) * options.detection;
-    problem.stay_prior.row(index(o)).setConstant(std::log(stays * (1 - options.newview)));
-    problem.newview_prior.row(index(o)).setConstant(std::log(stays * options.newview));
-    problem.move_prior.row(index(o)).setConstant(
-        std::log(std::max(1e-9, moves * (e.undetectable + in_view * std::exp(empty.if_gone)))));
+    const double back = state.objects[o].status == Status::gone ? options.reappear : 0.5;
+    const double moves = (before * e.handled / 2 + (1 - before) * back) * options.detection;
+    problem.stay_prior.row(index(o)).setConstant(std::log(stays * (1 - e.turned)));
+    for (size_t k = 0; k < n; ++k)  // another side may have other colours, hardly another size
+      problem.newview_prior(index(o), index(k)) =
+          std::log(stays * e.turned) + std::min(0.0, evidence.log_size(index(o), index(k)));
+    const double log_moves =
+        std::log(std::max(1e-9, moves * (e.undetectable + in_view * std::exp(empty.if_gone))));
+    for (size_t k = 0; k < n; ++k) {
+      const bool returns = state.objects[o].status == Status::gone;
+      problem.move_prior(index(o), index(k)) =
+          log_moves + (returns ? 0.0 : log_near(e.box.centre - scene.observations[k].box.centre, options));
+    }
     problem.out_of_view.push_back(e.undetectable);
     problem.disappear_prior.push_back(std::log(std::max(1e-6, 1 - e.here)) + empty.if_gone);
     problem.missed_prior.push_back(std::log(std::max(1e-6, e.here)) + empty.if_there);
     problem.hidden_prior.push_back(0.0);
   }
-  const bool snapshot = is_snapshot(state, scene, options);
   for (const Observation& observation : scene.observations) {
     // A piece of something that is already believed in: objects fall into parts, more often than a new one
     // is put inside an old one.

@@ -11,6 +11,7 @@ struct Expectation {
   AxisBox box;              ///< map frame
   double variance = 0;      ///< of the centre, without the observation's own noise, m²
   double handled = 0;       ///< probability that somebody moved or took it since the last look
+  double turned = 0;        ///< probability that it looks different though it stays: another side, or handled
   double here = 1;          ///< probability that it is still there
   OccupiedBy seen;          ///< what looking there showed
   double undetectable = 0;  ///< too little of it in view
@@ -24,11 +25,17 @@ struct EmptinessEvidence {
   double if_there = 0;
   double if_gone = 0;
 };
-EmptinessEvidence emptiness(double empty_share, double seconds, const BeliefOptions& options);
+/// `height` of the object in metres: what is flat can hardly be told from the surface it lies on, and is
+/// often not found.
+EmptinessEvidence emptiness(double empty_share, double seconds, double height, const BeliefOptions& options);
 
 /// Whether scenes are too far apart in time to confirm each other.
 bool is_snapshot(const BeliefState& state, const Scene& scene, const BeliefOptions& options);
 double seconds_since_last_scene(const BeliefState& state, const Scene& scene);
+
+/// Of what was seen of an object's place, the share that speaks against the object: looked through, or taken
+/// by something else. `taken_by_other[k]`: how sure it is that observation k is something else there.
+double empty_share(const OccupiedBy& seen, const std::vector<double>& taken_by_other);
 
 PairEvidence pair_evidence(const BeliefState& state, const std::vector<Expectation>& expected,
                            const Scene& scene, const BeliefOptions& options);

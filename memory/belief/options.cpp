@@ -20,7 +20,14 @@ void BeliefOptions::declare(OptionTable& table) {
                "Time after which an object has been handled with most of its final probability.", 1, 1e9);
   table.number("move_cap", move_cap, "",
                "Probability that an object has been handled after a very long time.", 0.01, 0.99);
-  table.number("newview", newview, "", "Probability that an object that stays looks different.", 0, 1);
+  table.number(
+      "watched", watched, "",
+      "Share of the time that counts between the frames of a video: who handles things comes into view.", 0,
+      1);
+  table.number("nudge_m", nudge_m, "m", "Length of a short move; half of all moves are short.", 0.01, 10);
+  table.number("newview", newview, "",
+               "Probability that an object that stays looks different from an altogether different side.", 0,
+               1);
   table.number("appear", appear, "", "New objects expected in a scene.", 0.001, 100);
   table.number("reappear", reappear, "", "Probability that an object that was gone is back.", 0, 1);
   table.number("detection", detection, "", "Probability that an object in full view is found.", 0.01, 0.999);

@@ -17,11 +17,13 @@ struct BeliefOptions {
   double area_m2 = 1.0;
 
   // What happens between looks.
-  double move_time_s = 3600;
+  double move_time_s = 1200;
   double move_cap = 0.8;
-  double newview = 0.05;
-  double appear = 0.5;
-  double reappear = 0.05;
+  double watched = 0.1;
+  double nudge_m = 0.1;
+  double newview = 0.1;
+  double appear = 0.3;
+  double reappear = 0.1;
 
   // What detectors do.
   double detection = 0.9;

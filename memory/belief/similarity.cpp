@@ -48,7 +48,7 @@ const std::vector<Comparison>& comparisons() {
   static const std::vector<Comparison> all = {
       {"color_histogram",
        histogram_distance,
-       {{0.0, 2.5}, {0.2, 2.0}, {0.35, 1.0}, {0.5, 0.0}, {0.7, -2.0}, {0.9, -4.0}, {1.0, -5.0}},
+       {{0.0, 2.0}, {0.2, 1.7}, {0.4, 0.9}, {0.6, 0.0}, {0.75, -1.5}, {0.9, -3.5}, {1.0, -5.0}},
        0.5,
        false},
       {"mean_color",
@@ -58,7 +58,7 @@ const std::vector<Comparison>& comparisons() {
        false},
       {"extents",
        extent_distance,
-       {{0.0, 1.8}, {0.1, 1.3}, {0.25, 0.0}, {0.5, -2.0}, {1.0, -4.5}},
+       {{0.0, 2.2}, {0.08, 1.4}, {0.15, 0.5}, {0.25, -1.0}, {0.4, -3.0}, {0.55, -4.5}, {1.0, -6.0}},
        0.4,
        true},
   };

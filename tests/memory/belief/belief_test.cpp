@@ -78,8 +78,8 @@ TEST_F(Belief, TwoEqualCupsThatBothMovedAreAmbiguous) {
   kitchen.things = {{"cup_1", at(-0.2, 0.1), {0.08, 0.08, 0.1}, kWhite},
                     {"cup_2", at(0.2, 0.1), {0.08, 0.08, 0.1}, kWhite}};
   look(0);
-  kitchen.thing("cup_1").centre = at(-0.1, -0.1);
-  kitchen.thing("cup_2").centre = at(0.1, -0.1);
+  kitchen.thing("cup_1").centre = at(0, -0.1);
+  kitchen.thing("cup_2").centre = at(0, 0.25);
   const BeliefUpdate update = look(600);
   EXPECT_THAT(told(update), UnorderedElementsAre("moved 1", "moved 2"));
   for (const ObservationOutcome& outcome : update.observations) {
