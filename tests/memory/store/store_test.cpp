@@ -3,6 +3,7 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 
 #include "memory/store/depth_thumbnail.h"
@@ -118,6 +119,33 @@ TEST_F(StoreTest, SurvivesBeingKilledInTheMiddleOfAScene) {
   }
   Store again = Store::open_write(file_);  // The dead writer's lock has fallen.
   EXPECT_TRUE(again.writable());
+}
+
+TEST_F(StoreTest, KeepsWhatWasCommittedWhenNothingMoreCanBeWritten) {
+  make_memory();
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{fs::file_size(file_) + 100000, fs::file_size(file_) + 100000};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    const std::string text = message([&] {
+      Store store = Store::open_write(file_);
+      const Id run = store.begin_run("full", "{}");
+      add_one_scene(store, run, 1, 2000);
+      SceneTransaction scene(store, run);
+      scene.add_blob(std::string(3000000, 'x'), "image/jpeg");  // Media that are not compressed again.
+      scene.add_scene({.time = 3000});
+      scene.commit();
+    });
+    ::_exit(text == "no error" || text.find('\n') != std::string::npos ? 1 : 0);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  const Store store = Store::open_read(file_);
+  EXPECT_EQ(store.frames(1), (std::set<int64_t>{0, 1}));
+  NoProgress quiet;
+  EXPECT_THAT(store.verify(quiet).problems, testing::IsEmpty());
 }
 
 TEST_F(StoreTest, ACleanCloseLeavesOneFileThatCanBeCopied) {
