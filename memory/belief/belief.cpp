@@ -10,6 +10,8 @@ namespace loci::belief {
 namespace {
 
 constexpr double kSmallestShare = 0.001;
+/// So probable must it have been to find an object in its place before its absence makes it gone.
+constexpr double kLooked = 0.3;
 
 const Isometry3d& pose_of(const std::string& place, const std::vector<PlacePose>& places) {
   static const Isometry3d still = Isometry3d::Identity();
@@ -262,9 +264,11 @@ class Step {
     const double away = (1 - e.here) * (e.undetectable + in_view * std::exp(evidence.if_gone));
     object.probability_here = there / std::max(1e-300, there + away);
     object.last_update = scene_.time;
-    const double hidden = e.here * e.undetectable, missed = there - hidden;
-    const Explanation explanation = hidden >= missed && hidden >= away ? Explanation::hidden
-                                    : missed >= away                   ? Explanation::missed
+    // Where the look could not tell, it explains nothing: there or away, the object is out of sight.
+    const double hidden = e.undetectable;
+    const double missed = there - e.here * e.undetectable, left = away - (1 - e.here) * e.undetectable;
+    const Explanation explanation = hidden >= missed && hidden >= left ? Explanation::hidden
+                                    : missed >= left                   ? Explanation::missed
                                                                        : Explanation::disappear;
     update_.objects[o].explanation = explanation;
     if (object.status == Status::tentative) {
@@ -274,7 +278,8 @@ class Step {
       return;
     }
     if (object.status != Status::present) return;
-    if (1 - object.probability_here >= options_.gone) {
+    // Time alone makes nothing go: what is out of view stays remembered until somebody looks.
+    if (1 - object.probability_here >= options_.gone && in_view >= kLooked) {
       object.status = Status::gone;
       object.told_hidden = false;
       update_.events.push_back({EventKind::gone,
