@@ -87,7 +87,7 @@ void MainWindow::build_docks() {
 void MainWindow::default_layout() {
   if (!default_state_.isEmpty()) restoreState(default_state_);
   const auto dock = [this](const char* name) { return findChild<QDockWidget*>(name); };
-  resizeDocks({dock("objects"), dock("scene")}, {290, 360}, Qt::Horizontal);
+  resizeDocks({dock("objects"), dock("scene")}, {300, 360}, Qt::Horizontal);
   resizeDocks({dock("scene"), dock("selection")}, {280, 330}, Qt::Vertical);
   resizeDocks({dock("time")}, {110}, Qt::Vertical);
 }

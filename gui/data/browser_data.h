@@ -55,6 +55,7 @@ struct SceneEntry {
   int64_t id = 0;
   TimeNs time = 0;
   std::string name;
+  std::optional<Isometry3d> map_from_camera;
 };
 
 /// Something that happened, for the time bar and the card.
@@ -76,7 +77,7 @@ struct HistoryEntry {
 /// An object as it was found in a picture.
 struct ImageBox {
   int64_t object = 0;
-  std::string name;
+  std::string name;  ///< empty = of no object
   cv::Rect2d color;  ///< pixels of the colour picture
   cv::Rect2d depth;  ///< pixels of the depth picture
 };
@@ -95,6 +96,13 @@ struct SceneContent {
 struct FoundThings {
   std::vector<int64_t> objects;  ///< most probable first; empty when it is a place
   std::string place;
+};
+
+/// A place that is no link of a map.
+struct PlaceOutline {
+  std::string name;
+  std::vector<Vector2d> outline;  ///< map frame
+  double height = 0;              ///< metres
 };
 
 struct MemoryInfo {
@@ -118,6 +126,8 @@ class BrowserData {
   virtual const std::vector<EventEntry>& events() const = 0;
   /// The map; unset when the memory was made without one.
   virtual const std::optional<World>& world() const = 0;
+  /// Places that the map does not draw, or all where there is none.
+  virtual std::vector<PlaceOutline> loose_places() const { return {}; }
   /// Where the map's meshes are looked for.
   virtual MeshSearch mesh_search() const { return {}; }
   virtual BelievedScene belief_at(TimeNs time) const = 0;

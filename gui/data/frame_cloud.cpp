@@ -9,7 +9,7 @@ namespace {
 std::array<uint8_t, 3> color_at(const SceneContent& content, const Vector3d& in_camera) {
   constexpr std::array<uint8_t, 3> kGrey = {150, 150, 150};
   if (content.color.empty()) return kGrey;
-  const Vector3d in_color = content.camera.depth_from_color.inverse(Eigen::Isometry) * in_camera;
+  const Vector3d in_color = content.camera.depth_from_color.inverse() * in_camera;
   if (in_color.z() <= 0) return kGrey;
   const Vector2d pixel = content.camera.color.project(in_color);
   if (!content.camera.color.contains(pixel)) return kGrey;

@@ -13,7 +13,10 @@
 #include "memory/questions/snapshot.h"
 #include "memory/questions/words.h"
 #include "memory/store/depth_thumbnail.h"
+#include "memory/store/feature_structures.h"
 #include "memory/store/store.h"
+#include "perception/types/geometry.h"
+#include "perception/types/types.h"
 
 namespace loci {
 namespace {
@@ -50,6 +53,19 @@ PinholeCamera pinhole_of(const SceneCamera& camera) {
   return {camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy};
 }
 
+/// Where a part of the depth picture is in the colour picture, at the distance of what it shows.
+cv::Rect2d in_color_picture(const cv::Rect2d& roi, const std::optional<Vector3d>& position,
+                            const SceneContent& content) {
+  const RgbdCamera& camera = content.camera;
+  const Isometry3d color_from_depth = camera.depth_from_color.inverse();
+  double z = 1;
+  if (position && content.map_from_camera) z = (content.map_from_camera->inverse() * *position).z();
+  Eigen::AlignedBox2d area;
+  for (const auto& [u, v] : {std::pair(roi.x, roi.y), std::pair(roi.x + roi.width, roi.y + roi.height)})
+    area.extend(camera.color.project(color_from_depth * camera.depth.unproject(u, v, std::max(z, 0.1))));
+  return {area.min().x(), area.min().y(), area.sizes().x(), area.sizes().y()};
+}
+
 class MemoryData : public BrowserData {
  public:
   explicit MemoryData(const std::filesystem::path& path) : store_(Store::open_read(path)) {
@@ -67,6 +83,7 @@ class MemoryData : public BrowserData {
   const std::optional<World>& world() const override { return world_; }
   MeshSearch mesh_search() const override { return {{}, store_.path().parent_path()}; }
 
+  std::vector<PlaceOutline> loose_places() const override;
   BelievedScene belief_at(TimeNs time) const override;
   SceneContent scene(int64_t id) const override;
   std::vector<HistoryEntry> history(int64_t object) const override;
@@ -85,6 +102,8 @@ class MemoryData : public BrowserData {
   std::string name_of(Id object) const;
   BelievedObject believed(const BeliefRow& row) const;
   const ObservationRow& observation(Id id) const;
+  RgbdCamera cameras_of(const SceneRow& row) const;
+  SceneContent read_scene(const SceneRow& row) const;
   std::vector<ImageBox> boxes(const SceneRow& row, const SceneContent& content) const;
 
   Store store_;
@@ -95,6 +114,7 @@ class MemoryData : public BrowserData {
   std::map<Id, SceneRow> rows_;
   std::vector<EventEntry> events_;
   std::optional<World> world_;
+  mutable std::optional<SceneContent> last_scene_;
   mutable std::map<Id, ObservationRow> observations_;  ///< read once, asked for at every step in time
 };
 
@@ -110,7 +130,7 @@ void MemoryData::read_scenes() {
   for (SceneRow& row : store_.scenes()) {
     const std::string name =
         row.frame_index ? fmt::format("frame {}", *row.frame_index) : fmt::format("scene {}", row.id);
-    scenes_.push_back({row.id, row.time, name});
+    scenes_.push_back({row.id, row.time, name, row.map_from_camera});
     rows_.emplace(row.id, std::move(row));
   }
 }
@@ -118,6 +138,8 @@ void MemoryData::read_scenes() {
 void MemoryData::read_events() {
   for (const Change& change : ask(store_, ChangesQuestion{}).changes)
     events_.push_back({change.time, change.kind, change.object ? change.object->id : 0, change_text(change)});
+  std::stable_sort(events_.begin(), events_.end(),
+                   [](const EventEntry& a, const EventEntry& b) { return a.time < b.time; });
 }
 
 void MemoryData::read_map() {
@@ -125,6 +147,14 @@ void MemoryData::read_map() {
   if (maps.empty()) return;
   const MapRow& newest = maps.back();
   world_ = parse_urdf(store_.blob(newest.urdf).bytes, newest.name);
+}
+
+std::vector<PlaceOutline> MemoryData::loose_places() const {
+  std::vector<PlaceOutline> loose;
+  for (const PlaceRow& place : store_.places())
+    if (place.height && place.outline.size() > 2 && !(world_ && world_->find_link(place.name) != nullptr))
+      loose.push_back({place.name, place.outline, *place.height});
+  return loose;
 }
 
 void MemoryData::describe() {
@@ -210,29 +240,50 @@ std::vector<ImageBox> MemoryData::boxes(const SceneRow& row, const SceneContent&
     const auto found = object_of.find(seen.id);
     ImageBox box;
     box.object = found == object_of.end() ? 0 : found->second;
-    box.name = box.object == 0 ? "unassigned" : name_of(box.object);
+    if (box.object != 0) box.name = name_of(box.object);
     const auto& roi = *seen.roi;
     box.depth = cv::Rect2d(roi[0], roi[1], roi[2], roi[3]);
-    box.color = box.depth;
-    if (content.camera.color != content.camera.depth && seen.position && content.map_from_camera)
-      box.color = cv::Rect2d();
+    box.color = in_color_picture(box.depth, seen.position, content);
     boxes.push_back(std::move(box));
   }
   return boxes;
 }
 
+/// The cameras of a scene: the depth camera is in its row, the colour camera beside it when a pipeline of
+/// ours wrote it; otherwise the picture is taken to be registered to the depth.
+RgbdCamera MemoryData::cameras_of(const SceneRow& row) const {
+  RgbdCamera cameras;
+  cameras.depth = cameras.color = pinhole_of(*row.camera);
+  for (const FeatureStructureRow& stored :
+       store_.feature_structures(row.id, std::string(types::CameraInfo::kTypeName))) {
+    cas::Cas cas(types::type_system());
+    const types::CameraInfo info(read_feature_structure(store_, stored.id, cas));
+    if (info.name.get() != "color") continue;
+    cameras.color = {info.width.get(), info.height.get(), info.fx.get(),
+                     info.fy.get(),    info.cx.get(),     info.cy.get()};
+    if (const types::Transform pose = info.depth_from_camera.get())
+      cameras.depth_from_color = types::from<Isometry3d>(pose);
+  }
+  return cameras;
+}
+
 SceneContent MemoryData::scene(int64_t id) const {
   const auto found = rows_.find(id);
   if (found == rows_.end()) throw Error(fmt::format("no scene {}", id), {info_.path, 0, {}});
-  const SceneRow& row = found->second;
+  // Map and picture ask for the same scene one after the other.
+  if (!last_scene_ || last_scene_->scene.id != id) last_scene_ = read_scene(found->second);
+  return *last_scene_;
+}
+
+SceneContent MemoryData::read_scene(const SceneRow& row) const {
   SceneContent content;
   content.scene =
-      *std::find_if(scenes_.begin(), scenes_.end(), [&](const SceneEntry& s) { return s.id == id; });
+      *std::find_if(scenes_.begin(), scenes_.end(), [&](const SceneEntry& s) { return s.id == row.id; });
   content.map_from_camera = row.map_from_camera;
-  if (row.camera) content.camera.depth = content.camera.color = pinhole_of(*row.camera);
+  if (row.camera) content.camera = cameras_of(row);
   if (row.picture)
     content.color =
-        decode_color(store_.blob(*row.picture), fmt::format("{}: picture of scene {}", info_.path, id));
+        decode_color(store_.blob(*row.picture), fmt::format("{}: picture of scene {}", info_.path, row.id));
   if (row.depth && row.depth_width > 0) {
     std::vector<float> depth = decode_depth_thumbnail(store_.blob(*row.depth).bytes);
     if (depth.size() == static_cast<size_t>(row.depth_width) * static_cast<size_t>(row.depth_height))

@@ -102,13 +102,11 @@ QVariant ObjectsModel::data(const QModelIndex& index, int role) const {
 QVariant ObjectsModel::group_data(const Group& group, int column, int role) const {
   switch (role) {
     case Qt::DisplayRole:
-      if (column == name_column) return group.title;
-      if (column == state_column)
-        return QString("%1 object%2").arg(group.objects.size()).arg(group.objects.size() == 1 ? "" : "s");
-      return {};
+      return column == name_column ? QString("%1  (%2)").arg(group.title).arg(group.objects.size())
+                                   : QVariant();
     case Qt::FontRole: {
       QFont font = QApplication::font();
-      font.setBold(column == name_column);
+      font.setBold(true);
       return font;
     }
     case Qt::ForegroundRole:
@@ -154,6 +152,8 @@ QVariant ObjectsModel::object_data(const BelievedObject& object, int column, int
 }
 
 QVariant ObjectsModel::headerData(int section, Qt::Orientation orientation, int role) const {
+  if (orientation == Qt::Horizontal && role == Qt::ToolTipRole && section == probability_column)
+    return "How probable it is that the object is there";
   if (orientation != Qt::Horizontal || role != Qt::DisplayRole) return {};
   switch (section) {
     case name_column:

@@ -20,8 +20,10 @@
 namespace loci {
 namespace {
 
-constexpr double kFrustumRange = 0.35;  // metres; longer pyramids hide the room
-constexpr double kFieldOfViewDeg = 35;  // little perspective: sizes stay comparable
+// The pyramid of the camera, by the size of what is looked at: longer ones hide it.
+constexpr double kFrustumPart = 0.08;
+constexpr double kLongestFrustum = 0.35;  // metres
+constexpr double kFieldOfViewDeg = 35;    // little perspective: sizes stay comparable
 constexpr double kMargin = 1.06;
 constexpr double kAroundObjects = 0.5;  // metres of room shown around the objects
 
@@ -94,8 +96,8 @@ struct MapScene::Impl {
     const auto things = objects.bounds();
     const auto room = world.bounds();
     if (things && room) {
-      const Eigen::AlignedBox3d near = inflated(*things, kAroundObjects).intersection(*room);
-      if (!near.isEmpty()) return near;
+      Eigen::AlignedBox3d near = inflated(*things, kAroundObjects).intersection(*room);
+      return near.extend(*things);
     }
     if (things) return inflated(*things, 0.2);
     if (room) return *room;
@@ -142,6 +144,10 @@ void MapScene::clear_world() {
   impl_->world.clear();
 }
 
+void MapScene::add_place(const std::string& name, const std::vector<Vector2d>& outline, double height) {
+  impl_->world.add_outline(name, outline, height, impl_->colors);
+}
+
 void MapScene::set_joints(const JointState& state, Warnings& warnings) {
   JointState known;
   for (const auto& [name, position] : state) {
@@ -164,7 +170,8 @@ void MapScene::set_cloud(const ColoredCloud& cloud) {
 }
 
 void MapScene::set_camera(const PinholeCamera& camera, const Isometry3d& map_from_camera) {
-  impl_->frame.set_camera(camera, map_from_camera, kFrustumRange, impl_->colors);
+  const double range = std::min(kLongestFrustum, kFrustumPart * impl_->interesting().diagonal().norm());
+  impl_->frame.set_camera(camera, map_from_camera, range, impl_->colors);
 }
 
 void MapScene::clear_frame() {

@@ -42,6 +42,8 @@ class MapScene {
 
   void set_world(const World& world, const MeshSearch& search, Warnings& warnings);
   void clear_world();
+  /// A place that is no link of a map: a flat outline (map frame) at a height.
+  void add_place(const std::string& name, const std::vector<Vector2d>& outline, double height);
   /// A joint that the map does not have is left out and added to the warnings.
   void set_joints(const JointState& state, Warnings& warnings);
   void set_objects(std::vector<MapObject> objects);

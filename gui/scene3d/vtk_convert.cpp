@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <tuple>
 
 namespace loci {
@@ -53,6 +54,12 @@ void collect_edges(const TriangleMesh& mesh, std::map<std::pair<Grid, Grid>, Edg
       ++edge.faces;
     }
   }
+}
+
+vtkSmartPointer<vtkPoints> points_of(const std::vector<Vector2d>& outline, double height) {
+  auto points = vtkSmartPointer<vtkPoints>::New();
+  for (const Vector2d& p : outline) points->InsertNextPoint(p.x(), p.y(), height);
+  return points;
 }
 
 vtkIdType insert_point(vtkPoints& points, const Eigen::Vector3f& p) {
@@ -105,6 +112,29 @@ vtkSmartPointer<vtkPolyData> sharp_edges_of(const std::vector<MeshPart>& parts) 
   auto data = vtkSmartPointer<vtkPolyData>::New();
   data->SetPoints(points);
   data->SetLines(lines);
+  return data;
+}
+
+vtkSmartPointer<vtkPolyData> area_of(const std::vector<Vector2d>& outline, double height) {
+  std::vector<vtkIdType> ids(outline.size());
+  std::iota(ids.begin(), ids.end(), 0);
+  vtkNew<vtkCellArray> cells;
+  cells->InsertNextCell(static_cast<vtkIdType>(ids.size()), ids.data());
+  auto data = vtkSmartPointer<vtkPolyData>::New();
+  data->SetPoints(points_of(outline, height));
+  data->SetPolys(cells);
+  return data;
+}
+
+vtkSmartPointer<vtkPolyData> loop_of(const std::vector<Vector2d>& outline, double height) {
+  std::vector<vtkIdType> ids(outline.size());
+  std::iota(ids.begin(), ids.end(), 0);
+  ids.push_back(0);
+  vtkNew<vtkCellArray> cells;
+  cells->InsertNextCell(static_cast<vtkIdType>(ids.size()), ids.data());
+  auto data = vtkSmartPointer<vtkPolyData>::New();
+  data->SetPoints(points_of(outline, height));
+  data->SetLines(cells);
   return data;
 }
 

@@ -27,6 +27,10 @@ vtkSmartPointer<vtkPolyData> surface_of(const std::vector<MeshPart>& parts);
 /// The edges at which a surface bends by more than 30 degrees or ends; what makes boxes readable.
 vtkSmartPointer<vtkPolyData> sharp_edges_of(const std::vector<MeshPart>& parts);
 
+/// A flat outline (x, y) at a height, filled, and its closed edge.
+vtkSmartPointer<vtkPolyData> area_of(const std::vector<Vector2d>& outline, double height);
+vtkSmartPointer<vtkPolyData> loop_of(const std::vector<Vector2d>& outline, double height);
+
 void set_color(vtkProperty& property, const SceneColor& color);
 
 vtkSmartPointer<vtkMatrix4x4> matrix_of(const Isometry3d& pose);

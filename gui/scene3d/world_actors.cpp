@@ -67,6 +67,25 @@ void WorldActors::clear() {
     renderer_->RemoveActor(link.edges);
   }
   links_.clear();
+  world_ = {};
+}
+
+void WorldActors::add_outline(const std::string& name, const std::vector<Vector2d>& outline, double height,
+                              const SceneColors& colors) {
+  if (outline.size() < 3) return;
+  LinkActors actors;
+  actors.name = name;
+  for (const Vector2d& p : outline) actors.box.extend(Vector3d(p.x(), p.y(), height));
+  actors.surface = actor_of(area_of(outline, height));
+  actors.edges = actor_of(loop_of(outline, height));
+  actors.edges->PickableOff();
+  renderer_->AddActor(actors.surface);
+  renderer_->AddActor(actors.edges);
+  links_.push_back(std::move(actors));
+  set_colors(colors);
+  set_color(*links_.back().surface->GetProperty(), colors.accent);
+  links_.back().surface->GetProperty()->SetOpacity(0.10);
+  set_visible(visible_);
 }
 
 void WorldActors::set(const World& world, const MeshSearch& search, const SceneColors& colors,
@@ -92,9 +111,9 @@ void WorldActors::set(const World& world, const MeshSearch& search, const SceneC
 }
 
 void WorldActors::set_joints(const JointState& state) {
-  if (links_.empty()) return;
+  if (world_.links.empty()) return;
   const auto poses = root_from_links(world_, state);
-  for (size_t i = 0; i < links_.size(); ++i) {
+  for (size_t i = 0; i < poses.size(); ++i) {
     links_[i].map_from_link = poses[i];
     const auto matrix = matrix_of(poses[i]);
     links_[i].surface->SetUserMatrix(matrix);

@@ -23,6 +23,9 @@ class WorldActors {
   /// Replaces the world. Links without a material take `colors.world`.
   void set(const World& world, const MeshSearch& search, const SceneColors& colors, Warnings& warnings);
   void clear();
+  /// Adds a place that is no link: a translucent area with its edge. Does not move.
+  void add_outline(const std::string& name, const std::vector<Vector2d>& outline, double height,
+                   const SceneColors& colors);
   void set_joints(const JointState& state);
   void set_colors(const SceneColors& colors);
   void set_visible(bool visible);

@@ -44,6 +44,14 @@ bool is_blank(const QImage& image) {
   return true;
 }
 
+/// Where the cameras looked from, by and large: from there the room is open.
+Vector3d usual_side(const BrowserData& memory) {
+  Vector3d sum = Vector3d::Zero();
+  for (const SceneEntry& scene : memory.scenes())
+    if (scene.map_from_camera) sum -= scene.map_from_camera->linear().col(2);
+  return sum;
+}
+
 MapObject map_object_of(const BelievedObject& object) {
   MapObject result;
   result.id = object.id;
@@ -97,7 +105,11 @@ void MapView::show_memory() {
   const BrowserData* memory = browser_.data();
   if (memory != nullptr && memory->world())
     scene_->set_world(*memory->world(), memory->mesh_search(), warnings);
+  if (memory != nullptr)
+    for (const PlaceOutline& place : memory->loose_places())
+      scene_->add_place(place.name, place.outline, place.height);
   for (const std::string& text : warnings.texts()) Q_EMIT warned(QString::fromStdString(text));
+  scene_->set_overview_side(memory == nullptr ? Vector3d(-0.5, -1, 0) : usual_side(*memory));
   first_look_ = true;
 }
 
@@ -127,7 +139,6 @@ void MapView::show_frame() {
     if (!content.map_from_camera) return;
     scene_->set_cloud(frame_cloud(content, kMaxPoints));
     scene_->set_camera(content.camera.depth, *content.map_from_camera);
-    if (first_look_) scene_->set_overview_side(-content.map_from_camera->linear().col(2));
   } catch (const Error& error) {
     Q_EMIT warned(QString::fromUtf8(error.what()));
   }

@@ -26,7 +26,7 @@ ObjectsTree::ObjectsTree(Browser& browser, QWidget* parent)
   search_->setToolTip("Shows only what contains this text (Ctrl+K)");
   view_->setModel(filtered_);
   view_->setUniformRowHeights(true);
-  view_->setRootIsDecorated(true);
+  view_->setIndentation(14);
   view_->setAlternatingRowColors(false);
   view_->setEditTriggers(QAbstractItemView::NoEditTriggers);
   view_->header()->setStretchLastSection(false);
@@ -42,6 +42,7 @@ ObjectsTree::ObjectsTree(Browser& browser, QWidget* parent)
   connect(search_, &QLineEdit::textChanged, this, [this](const QString& text) {
     following_ = true;  // The view moves on to a row that stays; nobody chose it.
     filtered_->setFilterFixedString(text);
+    for (int row = 0; row < filtered_->rowCount(); ++row) view_->setFirstColumnSpanned(row, {}, true);
     view_->expandAll();
     follow_selection();
   });
@@ -64,6 +65,7 @@ ObjectsTree::ObjectsTree(Browser& browser, QWidget* parent)
 void ObjectsTree::restore_open_groups() {
   for (int row = 0; row < filtered_->rowCount(); ++row) {
     const QModelIndex index = filtered_->index(row, 0);
+    view_->setFirstColumnSpanned(row, {}, true);
     view_->setExpanded(index, !closed_.contains(index.data(ObjectsModel::group_role).toString()));
   }
 }

@@ -137,12 +137,13 @@ void SceneImage::paint_box(QPainter& painter, const ImageBox& box) const {
   if (area.isEmpty()) return;
   const Theme theme = Theme::of(palette());
   const bool selected = browser_.selection().object() == box.object && box.object != 0;
-  const QColor color = selected ? theme.accent : QColor(255, 255, 255);
+  const QColor color = selected ? theme.accent : QColor(255, 255, 255, box.object == 0 ? 120 : 255);
   painter.setBrush(Qt::NoBrush);
-  painter.setPen(QPen(QColor(0, 0, 0, 140), selected ? 4.5 : 3));
+  painter.setPen(QPen(QColor(0, 0, 0, box.object == 0 ? 60 : 140), selected ? 4.5 : 3));
   painter.drawRoundedRect(area, 2, 2);
   painter.setPen(QPen(color, selected ? 2.5 : 1.3));
   painter.drawRoundedRect(area, 2, 2);
+  if (box.name.empty()) return;
 
   QFont font = scaled_font(this->font(), 0.88);
   font.setBold(selected);

@@ -6,6 +6,7 @@
 #include <QLineEdit>
 #include <QToolButton>
 #include <QVBoxLayout>
+#include <algorithm>
 
 #include "gui/text.h"
 #include "gui/theme.h"
@@ -75,6 +76,18 @@ void TimeBar::paint_buttons() {
   }
 }
 
+/// A line that is cut off says so.
+void TimeBar::elide() {
+  const int width = std::max(0, happened_->width() - 2);
+  happened_->setText(fontMetrics().elidedText(happened_->toolTip(), Qt::ElideRight, width));
+}
+
+void TimeBar::resizeEvent(QResizeEvent* event) {
+  QWidget::resizeEvent(event);
+  layout()->activate();
+  elide();
+}
+
 void TimeBar::changeEvent(QEvent* event) {
   QWidget::changeEvent(event);
   if (event->type() == QEvent::PaletteChange) paint_buttons();
@@ -138,8 +151,8 @@ void TimeBar::refresh() {
   const SceneEntry* scene = browser_.scene();
   const auto number = scene - memory->scenes().data() + 1;
   scene_->setText(QString("scene %1 of %2").arg(number).arg(memory->scenes().size()));
-  happened_->setText(what_happened());
-  happened_->setToolTip(happened_->text());
+  happened_->setToolTip(what_happened());
+  elide();
   QPalette colors = palette();
   colors.setColor(QPalette::WindowText, Theme::of(palette()).muted);
   for (QLabel* label : {zone_, happened_}) label->setPalette(colors);

@@ -34,12 +34,14 @@ class TimeBar : public QWidget {
 
  protected:
   void changeEvent(QEvent* event) override;
+  void resizeEvent(QResizeEvent* event) override;
 
  private:
   void refresh();
   void take_stamp();
   void play_step();
   void paint_buttons();
+  void elide();
   QString what_happened() const;
 
   Browser& browser_;

@@ -161,14 +161,15 @@ void TimeTrack::paint_axis(QPainter& painter) const {
 void TimeTrack::paint_events(QPainter& painter) const {
   const Theme theme = Theme::of(palette());
   const auto object = browser_.selection().object();
-  for (const EventEntry& event : browser_.data()->events()) {
-    const bool other = object && event.object != *object;
-    QColor color = theme.of_event(event.kind);
-    if (other) color.setAlphaF(0.18);
-    painter.setPen(Qt::NoPen);
+  const auto dot = [&](const EventEntry& event, const QColor& color) {
     painter.setBrush(color);
     painter.drawEllipse(QPointF(x_of(event.time), kEventsY), kDotRadius, kDotRadius);
-  }
+  };
+  painter.setPen(Qt::NoPen);
+  for (const EventEntry& event : browser_.data()->events())
+    if (object && event.object != *object) dot(event, theme.grid);
+  for (const EventEntry& event : browser_.data()->events())
+    if (!object || event.object == *object) dot(event, theme.of_event(event.kind));
 }
 
 void TimeTrack::paint_handle(QPainter& painter) const {
