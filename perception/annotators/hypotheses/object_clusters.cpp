@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 
 namespace loci {
@@ -26,6 +27,7 @@ Vector3f vector_of(const cv::Vec3f& v) {
 
 /// Gives every pixel to the highest support below it.
 std::vector<Standing> stand_on_supports(const cv::Mat& points, const cv::Mat& normals, const cv::Mat& region,
+                                        const PinholeCamera& camera,
                                         const std::vector<SupportPlane>& supports,
                                         const ClusterOptions& options) {
   // Beyond the outline by this much things are still looked at, to tell what merely reaches over the support.
@@ -33,7 +35,7 @@ std::vector<Standing> stand_on_supports(const cv::Mat& points, const cv::Mat& no
   std::vector<Standing> standing(supports.size());
   const auto* point = points.ptr<cv::Vec3f>();
   const auto* normal = normals.ptr<cv::Vec3f>();
-  const float focal_squared = 550.0f * 550.0f;  // Areas are compared with each other only.
+  const auto focal_squared = static_cast<float>(camera.fx * camera.fy);
   for (int i = 0; i < points.rows * points.cols; ++i) {
     if (std::isnan(point[i][2])) continue;
     const int label = region.empty() ? 0 : region.ptr<uint16_t>()[i];
@@ -135,8 +137,31 @@ class ClusterMaker {
     return cluster;
   }
 
-  /// Whether what could be seen below the thing is hidden by something nearer or lies outside the picture, so
-  /// that it may well stand on the support.
+  /// Adds what is enclosed by the thing in the picture and lies within its footprint, though it is as low as
+  /// the support: the bottom of a pot. `taken` marks the pixels of all things.
+  void fill_holes(ObjectCluster& cluster, const cv::Mat& taken) const {
+    cv::Mat outside(cluster.box.height + 2, cluster.box.width + 2, CV_8U, cv::Scalar(255));
+    for (const int pixel : cluster.pixels)
+      outside.at<unsigned char>(pixel / points_.cols - cluster.box.y + 1,
+                                pixel % points_.cols - cluster.box.x + 1) = 0;
+    cv::floodFill(outside, {0, 0}, cv::Scalar(0));
+    const size_t before = cluster.pixels.size();
+    for (int v = 1; v <= cluster.box.height; ++v)
+      for (int u = 1; u <= cluster.box.width; ++u) {
+        if (!outside.at<unsigned char>(v, u)) continue;
+        const int pixel = (v - 1 + cluster.box.y) * points_.cols + u - 1 + cluster.box.x;
+        const cv::Vec3f& p = points_.ptr<cv::Vec3f>()[pixel];
+        if (std::isnan(p[2]) || taken.ptr<unsigned char>()[pixel]) continue;
+        const Vector3d at = support_.in_plane(vector_of(p).cast<double>());
+        if ((at.head<2>().array() > cluster.low.array()).all() &&
+            (at.head<2>().array() < cluster.high.array()).all())
+          cluster.pixels.push_back(pixel);
+      }
+    if (cluster.pixels.size() > before) std::sort(cluster.pixels.begin(), cluster.pixels.end());
+  }
+
+  /// Whether below the thing there is something as near or nearer, or nothing was measured, so that it may
+  /// well stand on the support. Where one looks under it, what is seen is farther away.
   bool foot_hidden(const ObjectCluster& cluster) const {
     const int rows = points_.rows;
     const int cols = points_.cols;
@@ -155,7 +180,7 @@ class ClusterMaker {
       int row = lowest[i] + 1;
       while (row < rows && row < lowest[i] + 12 && std::isnan(point[row * cols + col][2])) ++row;
       ++seen;
-      if (row >= rows || std::isnan(point[row * cols + col][2]) || point[row * cols + col][2] < z - 0.03f)
+      if (row >= rows || std::isnan(point[row * cols + col][2]) || point[row * cols + col][2] < z + 0.01f)
         ++hidden;
     }
     return hidden > 0.5 * seen;
@@ -261,13 +286,12 @@ ConvexParts parts_of(const Standing& all, const ClusterOptions& options) {
 void keep_what_rests(std::vector<ObjectCluster>& clusters, const ClusterMaker& maker,
                      const ClusterOptions& options) {
   const auto below = [&](const ObjectCluster& upper) {
-    const Vector2d centre = (upper.low + upper.high) / 2;
     for (size_t i = 0; i < clusters.size(); ++i) {
       const ObjectCluster& lower = clusters[i];
       if (&lower == &upper || lower.bottom > upper.bottom - 0.01) continue;
       if (std::abs(upper.bottom - lower.top) > options.resting_m) continue;
-      if ((centre.array() > lower.low.array() - 0.02).all() &&
-          (centre.array() < lower.high.array() + 0.02).all())
+      if ((upper.low.array() < lower.high.array() + 0.01).all() &&
+          (upper.high.array() > lower.low.array() - 0.01).all())
         return static_cast<int>(i);
     }
     return -1;
@@ -317,7 +341,8 @@ std::vector<ObjectCluster> extract_clusters(const cv::Mat& points, const cv::Mat
                                             const std::vector<SupportPlane>& supports,
                                             const ClusterOptions& options) {
   std::vector<ObjectCluster> clusters;
-  const std::vector<Standing> standing = stand_on_supports(points, normals, region, supports, options);
+  const std::vector<Standing> standing =
+      stand_on_supports(points, normals, region, camera, supports, options);
   for (size_t s = 0; s < supports.size(); ++s) {
     const Standing& all = standing[s];
     const ClusterMaker maker(points, supports[s], static_cast<int>(s), options);
@@ -336,6 +361,10 @@ std::vector<ObjectCluster> extract_clusters(const cv::Mat& points, const cv::Mat
     for (const std::vector<size_t>& thing : members_of(thing_of_point, count))
       if (auto cluster = maker.make(subset(all, thing))) own.push_back(std::move(*cluster));
     keep_what_rests(own, maker, options);
+    cv::Mat taken = cv::Mat::zeros(points.size(), CV_8U);
+    for (const ObjectCluster& cluster : own)
+      for (const int pixel : cluster.pixels) taken.ptr<unsigned char>()[pixel] = 255;
+    for (ObjectCluster& cluster : own) maker.fill_holes(cluster, taken);
     for (ObjectCluster& cluster : own) {
       if (cluster.stands_on >= 0) cluster.stands_on += static_cast<int>(clusters.size());
     }

@@ -19,7 +19,8 @@ constexpr float kPi = std::numbers::pi_v<float>;
 /// One or several parts that are taken for one thing so far.
 struct Piece {
   std::vector<int> points;
-  double area = 0;  ///< m², as seen
+  double area = 0;   ///< m², as seen
+  double noise = 1;  ///< of the depth relative to that at 1 m
   float bottom = 0;
   float top = 0;
   std::vector<cv::Point2f> footprint;  ///< convex, completed by reflection
@@ -49,7 +50,7 @@ class Assembly {
   void run() {
     while (join_splinter()) {
     }
-    while (join_cavity() || join_contained() || join_appendage() || join_hidden()) {
+    while (join_cavity() || join_contained() || join_appendage() || join_lid() || join_hidden()) {
     }
   }
 
@@ -65,6 +66,9 @@ class Assembly {
       heights.push_back(cloud_.points[static_cast<size_t>(i)].z());
       piece.area += static_cast<double>(cloud_.areas[static_cast<size_t>(i)]);
     }
+    // What a pixel covers grows with the square of the distance, and so does the noise.
+    const double focal_squared = cloud_.camera.fx * cloud_.camera.fy;
+    piece.noise = std::max(1.0, piece.area / static_cast<double>(piece.points.size()) * focal_squared);
     piece.bottom = percentile(heights, 0.02);
     piece.top = percentile(heights, 0.98);
     set_footprint(piece);
@@ -171,7 +175,7 @@ class Assembly {
   bool join_splinter() {
     size_t smallest = pieces_.size();
     for (size_t i = 0; i < pieces_.size(); ++i) {
-      if (!alive(i) || pieces_[i].area >= options_.splinter_m2) continue;
+      if (!alive(i) || pieces_[i].area >= options_.splinter_m2 * pieces_[i].noise) continue;
       if (most_touched(i) == pieces_.size()) continue;
       if (smallest == pieces_.size() || pieces_[i].area < pieces_[smallest].area) smallest = i;
     }
@@ -188,7 +192,7 @@ class Assembly {
         const Piece& a = pieces_[inner];
         const Piece& b = pieces_[outer];
         const auto slack = static_cast<float>(options_.slack_m);
-        if (a.top > b.top + slack || a.bottom < b.bottom - slack) continue;
+        if (a.top > b.top + slack || a.bottom < b.bottom - 0.03f) continue;
         if (share_within(a, b.footprint, options_.slack_m) < options_.within) continue;
         join(inner, outer);
         return true;
@@ -218,7 +222,7 @@ class Assembly {
       for (size_t outer = 0; outer < pieces_.size(); ++outer) {
         const Piece& b = pieces_[outer];
         if (outer == inner || !alive(outer) || b.facing_out < 0 || b.area < options_.splinter_m2) continue;
-        const float width = (b.right - b.left) * b.distance;
+        const float width = std::max(0.1f, (b.right - b.left) * b.distance);
         if (std::abs(a.top - b.top) > slack || a.distance < b.distance || a.distance > b.distance + width)
           continue;
         if (share_between(a, b) < options_.within) continue;
@@ -237,19 +241,72 @@ class Assembly {
            share_within(a, b.footprint, options_.slack_m) > 0.6;
   }
 
+  /// The nearest piece that is larger than `a`; pieces_.size() = none within `reach`.
+  size_t nearest_host(size_t a, double reach) {
+    size_t best = pieces_.size();
+    for (size_t i = 0; i < pieces_.size(); ++i) {
+      if (i == a || !alive(i) || pieces_[a].area > options_.appendage * pieces_[i].area) continue;
+      const double distance = gap(pieces_[a], pieces_[i]);
+      if (distance > reach) continue;
+      reach = distance;
+      best = i;
+    }
+    return best;
+  }
+
+  /// Whether a piece ends above the support and empty space is seen below it.
+  bool hovers(const Piece& piece) const {
+    if (static_cast<double>(piece.bottom) <= options_.hovering_m) return false;
+    int free = 0;
+    int known = 0;
+    const size_t stride = std::max<size_t>(1, piece.points.size() / 400);
+    for (size_t k = 0; k < piece.points.size(); k += stride) {
+      Vector3f p = cloud_.points[static_cast<size_t>(piece.points[k])];
+      if (p.z() > piece.bottom + 0.3f * (piece.top - piece.bottom)) continue;
+      p.z() = 0.5f * piece.bottom;
+      const Space space = space_at(p);
+      known += space == Space::unknown ? 0 : 1;
+      free += space == Space::free ? 1 : 0;
+    }
+    return free > 0.5 * known;
+  }
+
+  /// Handles and other small parts that do not stand by themselves.
   bool join_appendage() {
     for (size_t i = 0; i < pieces_.size(); ++i) {
-      if (!alive(i)) continue;
-      const size_t host = most_touched(i);
-      if (host == pieces_.size()) continue;
+      if (!alive(i) || pieces_[i].points.size() < 20) continue;
       const Piece& a = pieces_[i];
+      const bool hovering = hovers(a);
+      const bool small = a.area < (hovering ? 0.003 : 0.0015) * a.noise;
+      size_t host = most_touched(i);
+      if (host == pieces_.size() && small) host = nearest_host(i, options_.slack_m * 1.5);
+      if (host == pieces_.size()) continue;
       const Piece& b = pieces_[host];
       if (a.area > options_.appendage * b.area || on_top(a, b)) continue;
-      const bool hovers = static_cast<double>(a.bottom) > options_.hovering_m;
       const bool tiny = a.area < 0.12 * b.area;
-      if (!hovers && !tiny) continue;
+      if (!hovering && !tiny) continue;
+      if (contact(i, host) == 0 && a.top > b.top + static_cast<float>(options_.slack_m)) continue;
       join(i, host);
       return true;
+    }
+    return false;
+  }
+
+  /// A lid reaches over the body below it: what hovers must stand on something, and a small strip right under
+  /// it that does not reach out from under it is no thing of its own.
+  bool join_lid() {
+    for (size_t lid = 0; lid < pieces_.size(); ++lid) {
+      if (!alive(lid) || static_cast<double>(pieces_[lid].bottom) <= options_.hovering_m) continue;
+      for (size_t body = 0; body < pieces_.size(); ++body) {
+        const Piece& a = pieces_[body];
+        const Piece& b = pieces_[lid];
+        if (body == lid || !alive(body) || contact(body, lid) == 0) continue;
+        if (a.area > 0.35 * b.area || a.top > b.bottom + 0.03f || a.bottom > b.bottom) continue;
+        if (share_within(a, b.footprint, options_.slack_m) < options_.within) continue;
+        if (share_between(b, a) < 0.6) continue;
+        join(body, lid);
+        return true;
+      }
     }
     return false;
   }
@@ -276,7 +333,7 @@ class Assembly {
     std::vector<cv::Point2f> hull;
     cv::convexHull(both, hull);
     const double own = cv::contourArea(a.footprint) + cv::contourArea(b.footprint);
-    if (cv::contourArea(hull) > 2 * own) return false;
+    if (cv::contourArea(hull) > 3 * own) return false;
     Vector2f low = Vector2f::Constant(1e9f);
     Vector2f high = Vector2f::Constant(-1e9f);
     for (const cv::Point2f& p : hull) {
@@ -298,7 +355,7 @@ class Assembly {
           hidden += space == Space::hidden ? 1 : 0;
         }
       }
-    return hidden > 0.3 * known && free < 0.1 * known;
+    return hidden > 0.3 * known && free < 0.2 * known;
   }
 
   double gap(const Piece& a, const Piece& b) const {

@@ -16,8 +16,8 @@ struct AssemblyOptions {
   double within = 0.8;
   double slack_m = 0.012;
   double appendage = 0.25;
-  double hovering_m = 0.03;
-  double hidden_gap_m = 0.12;
+  double hovering_m = 0.025;
+  double hidden_gap_m = 0.15;
 
   void declare(OptionTable& table);
 };

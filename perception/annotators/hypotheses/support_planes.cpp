@@ -69,8 +69,11 @@ Vector6d monomials(double x, double y) {
   return m;
 }
 
-/// Fits the bend to the inliers and leaves out, step by step, what stands off it.
+/// Fits the bend to the inliers and leaves out, step by step, what stands off it. A small piece of surface is
+/// flat: there a bend would only follow the noise.
 void fit_bend(const std::vector<Sample>& samples, SupportPlane& plane) {
+  constexpr double kStiffness =
+      0.02;  // Metres to the fourth: a metre of surface bends freely, a foot hardly.
   const Isometry3d plane_from_camera = plane.camera_from_plane.inverse();
   const size_t stride = std::max<size_t>(1, samples.size() / 20000);
   double reach = 0.02;
@@ -85,6 +88,8 @@ void fit_bend(const std::vector<Sample>& samples, SupportPlane& plane) {
       a += samples[i].weight * m * m.transpose();
       b += samples[i].weight * p.z() * m;
     }
+    const double weight = a(0, 0);
+    for (int i = 3; i < 6; ++i) a(i, i) += kStiffness * weight;
     const Vector6d solved = a.ldlt().solve(b);
     std::copy_n(solved.data(), 6, plane.bend.begin());
     reach = std::max(0.006, reach * 0.6);
