@@ -65,8 +65,10 @@ Resources make_resources(const Arguments& arguments, Session& session) {
   return resources;
 }
 
-void write_pictures(const Arguments& arguments, const types::SceneCas& scene) {
-  if (!arguments.labels.empty()) write_label_image(scene, arguments.labels);
+void write_pictures(const Arguments& arguments, const types::SceneCas& scene, bool with_memory) {
+  // With a memory the numbers are its objects', otherwise those of the scene's clusters.
+  if (!arguments.labels.empty())
+    write_label_image(scene, arguments.labels, with_memory ? tracked_numbers(scene) : std::vector<int>());
   if (!arguments.pictures.empty()) write_overlay(scene, arguments.pictures);
 }
 
@@ -84,7 +86,7 @@ void run(const Arguments& arguments, Session& session) {
     const types::SceneCas scene(cas);
     text += scene_text(scene);
     if (session.flags().json) scenes.push_back(scene_json(scene));
-    write_pictures(arguments, scene);
+    write_pictures(arguments, scene, resources.find<MemorySession>() != nullptr);
   };
   MemoryRunResult result;
   if (resources.find<MemorySession>() != nullptr)

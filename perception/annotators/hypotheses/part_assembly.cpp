@@ -283,7 +283,7 @@ class Assembly {
       if (host == pieces_.size()) continue;
       const Piece& b = pieces_[host];
       if (a.area > options_.appendage * b.area || on_top(a, b)) continue;
-      const bool tiny = a.area < 0.12 * b.area;
+      const bool tiny = a.area < 0.12 * b.area || a.area < 0.0014 * a.noise;
       if (!hovering && !tiny) continue;
       if (contact(i, host) == 0 && a.top > b.top + static_cast<float>(options_.slack_m)) continue;
       join(i, host);

@@ -34,6 +34,15 @@ cv::Mat label_image(const types::SceneCas& scene, const std::vector<int>& number
   return labels;
 }
 
+std::vector<int> tracked_numbers(const types::SceneCas& scene) {
+  std::vector<int> numbers;
+  for (const types::Cluster& cluster : scene.clusters()) {
+    const auto tracking = cluster.annotations.first<types::TrackingAnnotation>();
+    numbers.push_back(tracking ? static_cast<int>(tracking.tracking_id.get()) : 0);
+  }
+  return numbers;
+}
+
 void write_label_image(const types::SceneCas& scene, const std::filesystem::path& folder,
                        const std::vector<int>& numbers) {
   const std::string frame = std::to_string(scene.scene().frame_index.get());

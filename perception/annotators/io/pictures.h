@@ -11,6 +11,10 @@ namespace loci {
 /// the number that `numbers` gives that cluster (0 = leave out).
 cv::Mat label_image(const types::SceneCas& scene, const std::vector<int>& numbers = {});
 
+/// The memory's numbers of the scene's clusters (from their TrackingAnnotation); 0 = not known to be an
+/// object.
+std::vector<int> tracked_numbers(const types::SceneCas& scene);
+
 /// Writes FOLDER/FRAME_label.png (16 bit), FRAME being the frame's number in the recording.
 void write_label_image(const types::SceneCas& scene, const std::filesystem::path& folder,
                        const std::vector<int>& numbers = {});

@@ -1,0 +1,89 @@
+#include <gmock/gmock.h>
+
+#include <numbers>
+
+#include "perception/annotators/annotators.h"
+#include "perception/annotators/description/color_histogram.h"
+#include "perception/annotators/description/color_name.h"
+#include "perception/annotators/description/geometry_annotator.h"
+#include "perception/annotators/description/location_annotator.h"
+#include "perception/types/types.h"
+
+namespace loci {
+namespace {
+
+using ::testing::ElementsAre;
+
+TEST(ColorName, HuesAcrossZeroHaveARedMean) {
+  cv::Mat image(1, 2, CV_8UC3);
+  image.at<cv::Vec3b>(0, 0) = {20, 0, 200};  // Hue 354.
+  image.at<cv::Vec3b>(0, 1) = {0, 20, 200};  // Hue 6.
+  const NamedColors colors = name_colors(image, cv::Mat(1, 2, CV_8U, cv::Scalar(255)), 0.05);
+  EXPECT_THAT(colors.names, ElementsAre("red"));
+  EXPECT_NEAR(std::remainder(colors.mean_hue, 360), 0, 1);
+}
+
+TEST(ColorName, KnowsTheWords) {
+  EXPECT_STREQ(color_name(0, 0, 0.9f), "white");
+  EXPECT_STREQ(color_name(0, 0, 0.5f), "grey");
+  EXPECT_STREQ(color_name(200, 0.9f, 0.1f), "black");
+  EXPECT_STREQ(color_name(0, 0.9f, 0.8f), "red");
+  EXPECT_STREQ(color_name(55, 0.9f, 0.8f), "yellow");
+  EXPECT_STREQ(color_name(120, 0.9f, 0.8f), "green");
+  EXPECT_STREQ(color_name(220, 0.9f, 0.8f), "blue");
+  EXPECT_STREQ(color_name(28, 0.7f, 0.4f), "brown");
+}
+
+TEST(ColorHistogram, SumsToOneAndPutsGreyInTheFirstBin) {
+  const cv::Mat mask(4, 4, CV_8U, cv::Scalar(255));
+  const auto grey = hue_saturation_histogram(cv::Mat(4, 4, CV_8UC3, cv::Scalar(99, 100, 101)), mask, 12, 4);
+  EXPECT_FLOAT_EQ(grey[0], 1);
+  const auto blue = hue_saturation_histogram(cv::Mat(4, 4, CV_8UC3, cv::Scalar(255, 0, 0)), mask, 12, 4);
+  EXPECT_FLOAT_EQ(blue[8 * 4 + 3], 1);
+}
+
+TEST(Geometry, TheBoxIsUprightTightAndReachesTheGround) {
+  const double yaw = 0.4;
+  std::vector<Vector3d> points;
+  for (double x = -0.1; x <= 0.1; x += 0.005)
+    for (double y = -0.03; y <= 0.03; y += 0.005)
+      for (double z = 0.73; z <= 0.80; z += 0.01)
+        points.push_back(Eigen::AngleAxisd(yaw, Vector3d::UnitZ()) * Vector3d(x, y, z) + Vector3d(1, 2, 0));
+  const UprightBox box = upright_box(points, 0.72, 0.04, 0);
+  EXPECT_NEAR(box.size.x(), 0.2, 0.01);
+  EXPECT_NEAR(box.size.y(), 0.06, 0.01);
+  EXPECT_NEAR(box.size.z(), 0.08, 0.011);
+  EXPECT_NEAR(box.map_from_box.translation().x(), 1, 0.005);
+  const Vector3d x = box.map_from_box.linear().col(0);
+  EXPECT_NEAR(std::remainder(std::atan2(x.y(), x.x()) - yaw, std::numbers::pi), 0, 0.05);
+}
+
+TEST(Location, SaysOnWhatAndHowFarFromWhichEdge) {
+  EXPECT_EQ(place_phrase("table_1", "table"), "on table_1");
+  EXPECT_EQ(place_phrase("drawer_2_bottom", "drawer_bottom"), "in drawer_2");
+  EXPECT_EQ(place_phrase("", ""), "on a surface");
+  const std::vector<Vector2d> outline = {{-0.6, -0.4}, {0.6, -0.4}, {0.6, 0.4}, {-0.6, 0.4}};
+  EXPECT_EQ(edge_phrase({-0.3, 0}, outline), "0.30 m from its left edge");
+  EXPECT_EQ(edge_phrase({0, 0.35}, outline), "0.05 m from its back edge");
+}
+
+TEST(Annotators, EveryTypeThatTheyNameExists) {
+  AnnotatorRegistry registry;
+  add_annotators(registry);
+  for (const std::string& name : registry.annotators()) {
+    const AnnotatorDescriptor descriptor = registry.make(name)->descriptor();
+    EXPECT_FALSE(descriptor.sentence.empty());
+    std::vector<std::string> products = descriptor.makes;
+    products.insert(products.end(), descriptor.needs.begin(), descriptor.needs.end());
+    for (const std::string& product : products) {
+      if (product.starts_with("view:")) continue;
+      bool known = false;
+      for (const char* space : {"core", "cv", "tf", "pcl", "hypothesis", "annotation", "scene", "belief"})
+        known = known || types::type_system()->find("loci." + std::string(space) + "." + product).has_value();
+      EXPECT_TRUE(known) << name << ": " << product;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace loci

@@ -1,0 +1,256 @@
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <map>
+#include <numbers>
+
+#include "mapping/base/files.h"
+#include "mapping/image/image_io.h"
+#include "perception/annotators/hypotheses/depth_normals.h"
+#include "perception/annotators/hypotheses/known_structure.h"
+#include "perception/annotators/hypotheses/object_clusters.h"
+#include "tests/perception/annotators/synthetic_table.h"
+
+namespace loci {
+namespace {
+
+using test::SyntheticTable;
+
+struct Found {
+  cv::Mat labels;
+  std::vector<SupportPlane> supports;
+  std::vector<ObjectCluster> clusters;
+};
+
+Found find(const SyntheticTable& table, double sigma, const std::optional<Vector3d>& up) {
+  Found found;
+  const cv::Mat depth = smooth_depth(table.render(sigma, found.labels), table.camera);
+  const cv::Mat points = points_from_depth(depth, table.camera);
+  const cv::Mat normals = normals_from_points(points);
+  found.supports = find_supports(points, normals, up, SupportOptions());
+  found.clusters = extract_clusters(points, normals, {}, table.camera, found.supports, ClusterOptions());
+  return found;
+}
+
+/// Overlap of a cluster with what is labelled `label`.
+double overlap(const Found& found, const ObjectCluster& cluster, int label) {
+  int both = 0;
+  for (const int pixel : cluster.pixels) both += found.labels.ptr<int>()[pixel] == label ? 1 : 0;
+  const int labelled = cv::countNonZero(found.labels == label);
+  return static_cast<double>(both) / (static_cast<double>(cluster.pixels.size()) + labelled - both);
+}
+
+double best_overlap(const Found& found, int label) {
+  double best = 0;
+  for (const ObjectCluster& cluster : found.clusters) best = std::max(best, overlap(found, cluster, label));
+  return best;
+}
+
+SyntheticTable table_with_boxes() {
+  SyntheticTable table;
+  table.boxes = {{{-0.25, 0.0, 0.05}, {0.12, 0.10, 0.10}},
+                 {{0.05, 0.05, 0.06}, {0.10, 0.10, 0.12}},
+                 {{0.30, -0.1, 0.04}, {0.08, 0.08, 0.08}}};
+  return table;
+}
+
+TEST(Normals, OfATableAreRightWithinAFewDegrees) {
+  SyntheticTable table;
+  cv::Mat labels;
+  const cv::Mat smooth = smooth_depth(table.render(0.1, labels), table.camera);
+  const cv::Mat normals = normals_from_points(points_from_depth(smooth, table.camera));
+  std::vector<double> angles;
+  for (int v = 5; v < normals.rows - 5; ++v)
+    for (int u = 5; u < normals.cols - 5; ++u) {
+      const cv::Vec3f& n = normals.at<cv::Vec3f>(v, u);
+      if (labels.at<int>(v, u) != 0 || std::isnan(n[0])) continue;
+      const Vector3d normal(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
+      angles.push_back(std::acos(std::clamp(normal.dot(table.up()), -1.0, 1.0)) * 180 / std::numbers::pi);
+    }
+  ASSERT_GT(angles.size(), 10000U);
+  std::sort(angles.begin(), angles.end());
+  EXPECT_LT(angles[angles.size() / 2], 5);
+}
+
+TEST(Normals, SmoothingStaysWithinWhatTheDisparityAllows) {
+  SyntheticTable table = table_with_boxes();
+  cv::Mat labels;
+  const cv::Mat depth = table.render(0.1, labels);
+  const NormalOptions options;
+  const cv::Mat smooth = smooth_depth(depth, table.camera, options);
+  const double bf = options.baseline_m * table.camera.fx;
+  for (size_t i = 0; i < depth.total(); ++i) {
+    const auto before = static_cast<double>(depth.ptr<float>()[i]);
+    const auto after = static_cast<double>(smooth.ptr<float>()[i]);
+    ASSERT_EQ(std::isnan(before), std::isnan(after));
+    if (!std::isnan(before)) {
+      ASSERT_LE(std::abs(bf / before - bf / after), options.disparity_quantum_px + 1e-4);
+    }
+  }
+}
+
+TEST(Supports, TheTableIsFoundWithAndWithoutGravity) {
+  const SyntheticTable table = table_with_boxes();
+  for (const std::optional<Vector3d>& up : {std::optional<Vector3d>(table.up()), std::optional<Vector3d>()}) {
+    const Found found = find(table, 0.1, up);
+    ASSERT_EQ(found.supports.size(), 1U);
+    EXPECT_GT(found.supports[0].normal.dot(table.up()), std::cos(1.5 * std::numbers::pi / 180));
+    const Vector3d centre = table.map_from_camera * found.supports[0].camera_from_plane.translation();
+    EXPECT_NEAR(centre.z(), 0, 0.005);
+  }
+}
+
+TEST(Clusters, EveryBoxIsOneObjectAndNothingElseIs) {
+  const Found found = find(table_with_boxes(), 0.1, table_with_boxes().up());
+  EXPECT_EQ(found.clusters.size(), 3U);
+  for (int label = 1; label <= 3; ++label) EXPECT_GT(best_overlap(found, label), 0.8) << label;
+}
+
+TEST(Clusters, TouchingBoxesAreSplitAtTheirConcaveEdge) {
+  SyntheticTable table;
+  table.boxes = {{{-0.05, 0.0, 0.09}, {0.10, 0.10, 0.18}}, {{0.06, -0.01, 0.035}, {0.12, 0.12, 0.07}}};
+  const Found found = find(table, 0.05, table.up());
+  EXPECT_EQ(found.clusters.size(), 2U);
+  for (int label = 1; label <= 2; ++label) EXPECT_GT(best_overlap(found, label), 0.75) << label;
+}
+
+TEST(Clusters, AStackIsTwoObjectsOneOnTheOther) {
+  SyntheticTable table;
+  table.boxes = {{{0, 0, 0.04}, {0.20, 0.20, 0.08}}, {{0, 0.02, 0.13}, {0.09, 0.09, 0.10}}};
+  const Found found = find(table, 0.05, table.up());
+  ASSERT_EQ(found.clusters.size(), 2U);
+  const size_t upper = found.clusters[0].top > found.clusters[1].top ? 0 : 1;
+  EXPECT_EQ(found.clusters[upper].stands_on, static_cast<int>(1 - upper));
+  EXPECT_EQ(found.clusters[1 - upper].stands_on, -1);
+}
+
+TEST(Clusters, ABoxHiddenInTheMiddleIsOneObject) {
+  SyntheticTable table;
+  table.boxes = {{{0, 0.05, 0.04}, {0.24, 0.10, 0.08}}, {{0, -0.08, 0.10}, {0.06, 0.06, 0.20}}};
+  const Found found = find(table, 0.05, table.up());
+  EXPECT_EQ(found.clusters.size(), 2U);
+  EXPECT_GT(best_overlap(found, 1), 0.8);
+}
+
+TEST(Clusters, WhatThePictureCutsOffSaysSo) {
+  SyntheticTable table;
+  table.boxes = {{{-0.49, 0.0, 0.05}, {0.12, 0.10, 0.10}}, {{0.05, 0.0, 0.05}, {0.08, 0.08, 0.10}}};
+  const Found found = find(table, 0, table.up());
+  ASSERT_EQ(found.clusters.size(), 2U);
+  for (const ObjectCluster& cluster : found.clusters)
+    EXPECT_EQ(cluster.at_image_border, cluster.box.x < 4) << cluster.box.x;
+}
+
+TEST(Clusters, AreTheSameEveryTime) {
+  const Found one = find(table_with_boxes(), 0.1, table_with_boxes().up());
+  const Found two = find(table_with_boxes(), 0.1, table_with_boxes().up());
+  ASSERT_EQ(one.clusters.size(), two.clusters.size());
+  for (size_t i = 0; i < one.clusters.size(); ++i) EXPECT_EQ(one.clusters[i].pixels, two.clusters[i].pixels);
+}
+
+/// The labelled scenes of the Object Segmentation Database: label / 10 is the object, from 2 on.
+TEST(Clusters, MatchTheLabelledTableScenes) {
+  const std::filesystem::path root = std::filesystem::path(LOCI_SHARED_DIR) / "data";
+  if (!std::filesystem::exists(root / "osd_tabletop")) GTEST_SKIP() << "needs data/osd_tabletop";
+  const PinholeCamera camera{640, 480, 525, 525, 319.5, 239.5};
+  double sum = 0;
+  int objects = 0;
+  for (const char* name : {"osd_tabletop/learn08", "osd_tabletop/learn21", "osd_tabletop/learn29",
+                           "osd_changes/learn36", "osd_changes/learn41"}) {
+    const cv::Mat raw = read_uint16(root / (std::string(name) + "_depth.png"));
+    cv::Mat depth;
+    raw.convertTo(depth, CV_32F, 0.001);
+    depth.setTo(std::numeric_limits<float>::quiet_NaN(), raw == 0);
+    const std::string bytes = read_file(root / (std::string(name) + "_label.png"));
+    const cv::Mat labels = decode_image({bytes.begin(), bytes.end()}, name);
+    const cv::Mat points = points_from_depth(smooth_depth(depth, camera), camera);
+    const cv::Mat normals = normals_from_points(points);
+    const auto clusters =
+        extract_clusters(points, normals, {}, camera, find_supports(points, normals, std::nullopt, {}), {});
+    std::map<int, int> sizes;
+    for (size_t i = 0; i < labels.total(); ++i) ++sizes[labels.ptr<unsigned char>()[i] / 10];
+    for (const auto& [object, size] : sizes) {
+      if (object < 2) continue;
+      double best = 0;
+      for (const ObjectCluster& cluster : clusters) {
+        int both = 0;
+        for (const int pixel : cluster.pixels)
+          both += labels.ptr<unsigned char>()[pixel] / 10 == object ? 1 : 0;
+        best = std::max(
+            best, static_cast<double>(both) / (size + static_cast<double>(cluster.pixels.size()) - both));
+      }
+      sum += best;
+      ++objects;
+    }
+  }
+  EXPECT_GT(sum / objects, 0.9);
+}
+
+/// A table, and a wall behind it, as a map.
+std::shared_ptr<KnownMap> table_map(double height_error, Warnings& warnings) {
+  World world;
+  world.name = "kitchen";
+  world.root = "map";
+  world.links.push_back({"map", {}, {}, {}});
+  const auto add = [&](const std::string& name, const Vector3d& centre, const Vector3d& size) {
+    Link link;
+    link.name = name;
+    Visual visual;
+    visual.geometry = Box{size};
+    visual.link_from_visual.translation() = Vector3d(0, 0, -size.z() / 2);
+    link.visuals.push_back(visual);
+    Joint joint;
+    joint.name = name + "_joint";
+    joint.parent = "map";
+    joint.child = name;
+    joint.parent_from_joint.translation() = centre + Vector3d(0, 0, size.z() / 2);
+    world.links.push_back(link);
+    world.joints.push_back(joint);
+  };
+  add("table_1", {0, 0, height_error - 0.02}, {1.2, 0.8, 0.04});
+  add("wall_north", {0, 0.25, 0.5}, {2, 0.02, 2});
+  return KnownMap::make(std::move(world), {}, {}, warnings);
+}
+
+TEST(KnownStructure, TheSupportStaysAndTheWallGoesWhateverTheMapsSmallErrors) {
+  for (const double error : {-0.02, 0.0, 0.02}) {
+    SyntheticTable table = table_with_boxes();
+    table.boxes.push_back({{0, 0.25, 0.5}, {2, 0.02, 1}});  // The wall.
+    cv::Mat labels;
+    const cv::Mat points = points_from_depth(table.render(0, labels), table.camera);
+    Warnings warnings;
+    const auto map = table_map(error, warnings);
+    const auto surfaces = map->support_surfaces({"table*"});
+    ASSERT_EQ(surfaces.size(), 1U);
+    EXPECT_EQ(surfaces[0].class_name, "table");
+    const KnownStructure known = find_known_structure(points, table.camera, table.map_from_camera, *map,
+                                                      surfaces, {}, KnownStructureOptions(), 1);
+    int wall_left = 0;
+    int boxes_lost = 0;
+    int table_lost = 0;
+    for (size_t i = 0; i < labels.total(); ++i) {
+      const bool kept = known.region.ptr<uint16_t>()[i] > 0;
+      const int label = labels.ptr<int>()[i];
+      const double z = (table.map_from_camera * Vector3d(static_cast<double>(points.ptr<cv::Vec3f>()[i][0]),
+                                                         static_cast<double>(points.ptr<cv::Vec3f>()[i][1]),
+                                                         static_cast<double>(points.ptr<cv::Vec3f>()[i][2])))
+                           .z();
+      wall_left += label == 4 && kept && z > 0.06 ? 1 : 0;
+      boxes_lost += label >= 1 && label <= 3 && !kept ? 1 : 0;
+      table_lost += label == 0 && !kept ? 1 : 0;
+    }
+    EXPECT_EQ(wall_left, 0) << error;
+    EXPECT_EQ(boxes_lost, 0) << error;
+    EXPECT_EQ(table_lost, 0) << error;
+  }
+}
+
+TEST(KnownMap, ClassesComeFromNamesWithoutASidecar) {
+  Warnings warnings;
+  const auto map = table_map(0, warnings);
+  EXPECT_EQ(map->class_of("drawer_3_bottom"), "drawer_bottom");
+  EXPECT_EQ(map->class_of("counter_1"), "counter");
+}
+
+}  // namespace
+}  // namespace loci

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "mapping/base/pose.h"
+#include "mapping/base/random.h"
+#include "mapping/sensor/camera.h"
+
+namespace loci::test {
+
+/// A box that stands on the table, along the axes of the map.
+struct TableBox {
+  Vector3d centre;
+  Vector3d size;
+};
+
+/// A table (z = 0, 1.2 × 0.8 m) with boxes before a camera that looks down on it, every pixel computed.
+struct SyntheticTable {
+  PinholeCamera camera{320, 240, 290, 290, 160, 120};
+  Isometry3d map_from_camera = Isometry3d::Identity();
+  std::vector<TableBox> boxes;
+
+  SyntheticTable() {
+    const Vector3d from(0, -0.9, 0.8);
+    const Vector3d z = (Vector3d(0, 0, 0.05) - from).normalized();
+    const Vector3d x = z.cross(Vector3d::UnitZ()).normalized();
+    map_from_camera.linear().col(0) = x;
+    map_from_camera.linear().col(1) = z.cross(x);
+    map_from_camera.linear().col(2) = z;
+    map_from_camera.translation() = from;
+  }
+
+  Vector3d up() const { return map_from_camera.linear().transpose() * Vector3d::UnitZ(); }
+
+  /// Which box a pixel shows: 1 + its index, 0 = the table, -1 = nothing; `depth` is set to z in metres.
+  int hit(int u, int v, double& depth) const {
+    const Vector3d ray = map_from_camera.linear() * camera.unproject(u, v, 1.0);
+    const Vector3d origin = map_from_camera.translation();
+    depth = std::numeric_limits<double>::infinity();
+    int what = -1;
+    const double table = -origin.z() / ray.z();
+    const Vector3d on_table = origin + table * ray;
+    if (table > 0 && std::abs(on_table.x()) < 0.6 && std::abs(on_table.y()) < 0.4) {
+      depth = table;
+      what = 0;
+    }
+    for (size_t b = 0; b < boxes.size(); ++b) {
+      const Vector3d low = (boxes[b].centre - boxes[b].size / 2 - origin).cwiseQuotient(ray);
+      const Vector3d high = (boxes[b].centre + boxes[b].size / 2 - origin).cwiseQuotient(ray);
+      const double enter = low.cwiseMin(high).maxCoeff();
+      const double leave = low.cwiseMax(high).minCoeff();
+      if (enter < leave && enter > 0 && enter < depth) {
+        depth = enter;
+        what = static_cast<int>(b) + 1;
+      }
+    }
+    return what;
+  }
+
+  /// CV_32F, metres, with disparity noise of `sigma` pixels quantised to 1/8; `labels` as hit().
+  cv::Mat render(double sigma, cv::Mat& labels) const {
+    cv::Mat depth(camera.height, camera.width, CV_32F);
+    labels = cv::Mat(camera.height, camera.width, CV_32S);
+    Random random(7);
+    for (int v = 0; v < camera.height; ++v)
+      for (int u = 0; u < camera.width; ++u) {
+        double z = 0;
+        const int what = hit(u, v, z);
+        labels.at<int>(v, u) = what;
+        if (sigma > 0 && what >= 0) {
+          const double bf = 0.075 * 585;
+          z = bf / (std::round(8 * (bf / z + random.normal(sigma))) / 8);
+        }
+        depth.at<float>(v, u) = what < 0 ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(z);
+      }
+    return depth;
+  }
+};
+
+}  // namespace loci::test
