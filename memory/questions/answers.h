@@ -109,8 +109,7 @@ struct ContentsQuestion {
 };
 struct PlaceContents {
   PlaceRef place = {};
-  std::vector<ObjectState> there = {};     ///< at least as probable as not
-  std::vector<ObjectState> perhaps = {};   ///< less
+  std::vector<ObjectState> there = {};     ///< believed to be there, most probable first
   std::vector<ObjectState> gone = {};      ///< were there last, and were looked for in vain
   std::optional<SceneRef> last_look = {};  ///< the last scene that saw any of it
   std::optional<double> fraction = {};     ///< how much of it that scene saw

@@ -66,13 +66,10 @@ ContentsAnswer ask(const Store& store, const ContentsQuestion& question) {
     PlaceContents contents{.place = {place.id, place.name, place.container}};
     for (const BeliefRow& row : snapshot.beliefs()) {
       if (row.place != place.id) continue;
-      auto& list = row.status == "gone"     ? contents.gone
-                   : row.probability >= 0.5 ? contents.there
-                                            : contents.perhaps;
+      auto& list = row.status == "gone" ? contents.gone : contents.there;
       list.push_back(snapshot.state(row));
     }
-    for (auto* list : {&contents.there, &contents.perhaps, &contents.gone})
-      std::sort(list->begin(), list->end(), more_probable);
+    for (auto* list : {&contents.there, &contents.gone}) std::sort(list->begin(), list->end(), more_probable);
     for (const VisibilityRow& look : store.visibility_of_place(place.id)) {
       const SceneRow* scene = snapshot.scene(look.scene);
       if (scene == nullptr || look.fraction.value_or(0) <= 0) continue;

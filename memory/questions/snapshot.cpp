@@ -207,6 +207,13 @@ std::vector<Id> Snapshot::find_by_word(const std::string& word) const {
     if (belief(*id) != nullptr) found.push_back(*id);
     return found;
   }
+  // The name of a place means what is there now, not what once was.
+  for (const PlaceRow& place : places_) {
+    if (lower(place.name) != word) continue;
+    for (const BeliefRow& row : beliefs_)
+      if (row.place == place.id && row.status != "gone") found.push_back(row.object);
+    return found;
+  }
   for (const FactRow& fact : facts_)
     if (fact.object && fact.key != "owner" && lower(*fact.value) == word) found.push_back(*fact.object);
   for (const BeliefRow& row : beliefs_) {
@@ -229,7 +236,11 @@ std::vector<std::string> Snapshot::known_names() const {
   }
   for (const FactRow& fact : facts_)
     if (fact.object) names.insert(*fact.value);
-  for (const std::string& value : store_.annotation_values()) names.insert(value);
+  // Words, not sentences.
+  for (const std::string& value : store_.annotation_values())
+    if (value.find_first_of(",0123456789") == std::string::npos) names.insert(value);
+  for (const PlaceRow& place : places_) names.erase(place.name);
+  names.erase("");
   return {names.begin(), names.end()};
 }
 
@@ -255,6 +266,11 @@ std::vector<Id> Snapshot::find_objects(const std::string& subject) const {
     } else {
       matching = find_by_word(words[i]);
       if (matching.empty()) {
+        const bool is_place = std::any_of(places_.begin(), places_.end(), [&](const PlaceRow& place) {
+          return lower(place.name) == words[i];
+        });
+        if (is_place)
+          throw Error(fmt::format("nothing is known to be at {}", words[i]), {store_.path().string(), 0, {}});
         const std::vector<std::string> names = known_names();
         const std::string hint = did_you_mean(words[i], names);
         std::vector<std::string> some(

@@ -239,8 +239,6 @@ std::string to_text(const ContentsAnswer& answer, const TimeWriter& times) {
       lines.push_back(fmt::format("{} {} {} ({}):", plural(contents.there.size(), "object"),
                                   contents.there.size() == 1 ? "is" : "are", where, look));
     for (const ObjectState& state : contents.there) lines.push_back("  " + state_text(state, times));
-    for (const ObjectState& state : contents.perhaps)
-      lines.push_back("  perhaps: " + state_text(state, times));
     for (const ObjectState& state : contents.gone)
       lines.push_back("  no longer: " + state_text(state, times));
   }

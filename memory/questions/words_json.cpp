@@ -147,7 +147,6 @@ Json to_json(const ContentsAnswer& answer) {
     Json entry = {{"place", contents.place.name},
                   {"container", contents.place.container},
                   {"objects", states_json(contents.there)},
-                  {"perhaps", states_json(contents.perhaps)},
                   {"gone", states_json(contents.gone)}};
     put(entry, "last_look", contents.last_look, scene_json);
     if (contents.fraction) entry["fraction"] = *contents.fraction;

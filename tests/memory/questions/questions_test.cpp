@@ -98,6 +98,7 @@ TEST_F(Questions, SubjectsAreIdsAliasesColoursSizesTextsAndPlaces) {
     EXPECT_EQ(where(subject).object.id, 1) << subject;
   EXPECT_EQ(ask(*store_, WhereQuestion{"small"}).objects.size(), 4U);
   EXPECT_EQ(ask(*store_, WhereQuestion{"on counter_1"}).objects.size(), 2U);
+  EXPECT_EQ(ask(*store_, WhereQuestion{"counter_1"}).objects.size(), 2U);
 }
 
 TEST_F(Questions, UnknownNamesAreErrorsWithTheNearest) {
