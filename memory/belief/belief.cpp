@@ -27,7 +27,9 @@ double log_odds(double probability) {
 /// A camera that stands still sees the same side again: the faces are averaged. Another view point sees
 /// further parts: the box grows quickly and shrinks slowly.
 AxisBox fused_box(const AxisBox& believed, const AxisBox& seen, double gain, bool other_view) {
-  const double outward = other_view ? std::max(gain, 0.5) : gain;
+  // Much more than before is rather two things in one cluster.
+  const bool swallowed = other_view && seen.volume() > 2.5 * believed.volume();
+  const double outward = swallowed ? 0.1 * gain : other_view ? std::max(gain, 0.5) : gain;
   const double inward = other_view ? 0.1 * gain : gain;
   Vector3d low = believed.low(), high = believed.high();
   for (int axis = 0; axis < 3; ++axis) {
@@ -36,6 +38,11 @@ AxisBox fused_box(const AxisBox& believed, const AxisBox& seen, double gain, boo
     high[axis] += (above > 0 ? outward : inward) * above;
   }
   return {(low + high) / 2, high - low};
+}
+
+/// What a look is worth keeping: whole ones before those of parts.
+double worth(const Look& look) {
+  return look.partial ? look.weight : look.weight + 5;
 }
 
 /// Carries the belief over one scene; its members are what the steps share.
@@ -85,6 +92,35 @@ class Step {
       partner_of_object_[o] = k;
       partner_of_observation_[k] = o;
     }
+    if (snapshot_) return;
+    for (size_t k = 0; k < partner_of_observation_.size(); ++k) prefer_known(k);
+  }
+
+  /// In a video, what is seen where a known object must be is that object rather than a new one: drift of the
+  /// pose and cut views would otherwise make doubles.
+  void prefer_known(size_t k) {
+    const std::optional<size_t> now = partner_of_observation_[k];
+    if (now && state_.objects[*now].status != Status::tentative) return;
+    std::optional<size_t> known;
+    double most = 0.4;
+    for (size_t o = 0; o < state_.objects.size(); ++o) {
+      if (state_.objects[o].status != Status::present || partner_of_object_[o]) continue;
+      const auto row = static_cast<Eigen::Index>(o), column = static_cast<Eigen::Index>(k);
+      const AxisBox& seen = scene_.observations[k].box;
+      const double covered = covered_share(expected_[o], seen);
+      const double color = update_.evidence.log_similar(row, column) -
+                           options_.appearance_weight * update_.evidence.log_size(row, column);
+      if (covered <= most || color < -2.5 || seen.volume() > 3 * expected_[o].box.volume()) continue;
+      most = covered;
+      known = o;
+    }
+    if (!known) return;
+    if (now) {
+      partner_of_object_[*now].reset();
+      state_.objects[*now].exists_log_odds = -100;  // it was a double
+    }
+    partner_of_object_[*known] = k;
+    partner_of_observation_[k] = known;
   }
 
   Explanation explanation_of_pair(size_t o, size_t k) const {
@@ -92,6 +128,7 @@ class Step {
     const double stay = weights_.stay(row, column), move = weights_.move(row, column),
                  newview = weights_.newview(row, column);
     if (stay >= move && stay >= newview) return Explanation::stay;
+    if (!snapshot_ && covered_share(expected_[o], scene_.observations[k].box) > 0.4) return Explanation::stay;
     return move >= newview ? Explanation::move : Explanation::newview;
   }
 
@@ -108,7 +145,8 @@ class Step {
           outcome.explanation = explanation_of_pair(o, k);
           outcome.probability = share.probability();
         }
-        if (share.probability() >= kSmallestShare) outcome.shares.push_back(share);
+        if (share.probability() >= kSmallestShare || partner_of_observation_[k] == o)
+          outcome.shares.push_back(share);
       }
       std::stable_sort(outcome.shares.begin(), outcome.shares.end(),
                        [](const Share& a, const Share& b) { return a.probability() > b.probability(); });
@@ -131,7 +169,9 @@ class Step {
   // An object was seen.
   void see(size_t o, size_t k) {
     ProtoObject& object = state_.objects[o];
-    const Observation& observation = scene_.observations[k];
+    Observation observation = scene_.observations[k];
+    const bool piece = !snapshot_ && is_piece(expected_[o], observation.box);
+    observation.partial = observation.partial || piece;
     const Explanation explanation = update_.observations[k].explanation;
     update_.objects[o].explanation = explanation;
     const AxisBox before = expected_[o].box;
@@ -144,9 +184,9 @@ class Step {
     if (explanation == Explanation::move || status_before == Status::gone)
       put(object, observation);
     else
-      fuse(o, observation);
+      fuse(o, observation);  // a piece leaves a whole box as it is
     if (!observation.place.empty()) set_place(object, observation.place);
-    remember_look(object, observation);
+    if (!piece) remember_look(object, observation);
     object.probability_here = 1;
     object.hidden_looks = 0;
     object.told_hidden = false;
@@ -241,7 +281,7 @@ class Step {
       object.looks.push_back(fresh);
     } else {
       *std::min_element(object.looks.begin(), object.looks.end(),
-                        [](const Look& a, const Look& b) { return a.weight < b.weight; }) = fresh;
+                        [](const Look& a, const Look& b) { return worth(a) < worth(b); }) = fresh;
     }
   }
 
@@ -369,7 +409,9 @@ class Step {
   void forget_clutter() {
     const double least = -log_odds(options_.confirm);
     std::erase_if(state_.objects, [&](const ProtoObject& object) {
-      return object.status == Status::tentative && object.exists_log_odds <= least;
+      const double unseen = double(scene_.time - object.last_seen) / double(kSecond);
+      return object.status == Status::tentative &&
+             (object.exists_log_odds <= least || unseen > options_.snapshot_gap_s);
     });
   }
 

@@ -102,9 +102,20 @@ double empty_share(const OccupiedBy& seen, const std::vector<double>& taken_by_o
   return looked > 0 ? std::min(1.0, against / looked) : 0.0;
 }
 
+double covered_share(const Expectation& believed, const AxisBox& seen) {
+  AxisBox grown = believed.box;
+  grown.size += Vector3d::Constant(4 * std::sqrt(believed.variance));
+  return shared_volume(grown, seen) / std::max(1e-9, seen.volume());
+}
+
+bool is_piece(const Expectation& believed, const AxisBox& seen) {
+  return seen.volume() < 0.5 * believed.box.volume() && covered_share(believed, seen) > 0.6;
+}
+
 PairEvidence pair_evidence(const BeliefState& state, const std::vector<Expectation>& expected,
                            const Scene& scene, const BeliefOptions& options) {
   const Eigen::Index rows = index(state.objects.size()), columns = index(scene.observations.size());
+  const bool snapshot = is_snapshot(state, scene, options);
   PairEvidence evidence;
   evidence.log_similar.setZero(rows, columns);
   evidence.log_proximity.setZero(rows, columns);
@@ -116,7 +127,8 @@ PairEvidence pair_evidence(const BeliefState& state, const std::vector<Expectati
     const ProtoObject& object = state.objects[size_t(o)];
     const Expectation& e = expected[size_t(o)];
     for (Eigen::Index k = 0; k < columns; ++k) {
-      const Observation& observation = scene.observations[size_t(k)];
+      Observation observation = scene.observations[size_t(k)];
+      if (!snapshot && is_piece(e, observation.box)) observation.partial = true;
       const Likeness likeness = compare_with_looks(object, observation, options);
       evidence.log_similar(o, k) = std::clamp(likeness.log_ratio, -kLargestEvidence, kLargestEvidence);
       if (likeness.closeness) evidence.closeness(o, k) = *likeness.closeness;
@@ -170,9 +182,10 @@ LogOddsProblem identity_problem(const BeliefState& state, const std::vector<Expe
     const double log_moves =
         std::log(std::max(1e-9, moves * (e.undetectable + in_view * std::exp(empty.if_gone))));
     for (size_t k = 0; k < n; ++k) {
-      const bool returns = state.objects[o].status == Status::gone;
+      // A video would have shown the hand that nudges; what was gone may come back anywhere.
+      const bool anywhere = !snapshot || state.objects[o].status == Status::gone;
       problem.move_prior(index(o), index(k)) =
-          log_moves + (returns ? 0.0 : log_near(e.box.centre - scene.observations[k].box.centre, options));
+          log_moves + (anywhere ? 0.0 : log_near(e.box.centre - scene.observations[k].box.centre, options));
     }
     problem.out_of_view.push_back(e.undetectable);
     problem.disappear_prior.push_back(std::log(std::max(1e-6, 1 - e.here)) + empty.if_gone);
@@ -184,8 +197,9 @@ LogOddsProblem identity_problem(const BeliefState& state, const std::vector<Expe
     // is put inside an old one.
     double piece = 0;
     for (size_t o = 0; o < m; ++o) {
-      const double inside =
+      double inside =
           shared_volume(expected[o].box, observation.box) / std::max(1e-9, observation.box.volume());
+      if (!snapshot && is_piece(expected[o], observation.box)) inside = 1;
       piece = std::max(piece, inside * expected[o].here);
     }
     problem.appear_prior.push_back(std::log(options.appear));

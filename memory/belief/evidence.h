@@ -37,6 +37,13 @@ double seconds_since_last_scene(const BeliefState& state, const Scene& scene);
 /// by something else. `taken_by_other[k]`: how sure it is that observation k is something else there.
 double empty_share(const OccupiedBy& seen, const std::vector<double>& taken_by_other);
 
+/// Whether an observation is a piece of what is believed to be in a box: it lies inside and is much smaller.
+/// In a video that is how things look that are cut by chairs, glare or missing depth.
+bool is_piece(const Expectation& believed, const AxisBox& seen);
+
+/// Share of an observation that lies where an object is believed to be, its uncertainty included.
+double covered_share(const Expectation& believed, const AxisBox& seen);
+
 PairEvidence pair_evidence(const BeliefState& state, const std::vector<Expectation>& expected,
                            const Scene& scene, const BeliefOptions& options);
 

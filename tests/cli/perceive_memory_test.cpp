@@ -1,0 +1,114 @@
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <thread>
+
+#include "mapping/base/json.h"
+#include "tests/cli/command.h"
+#include "tests/memory/recorder/memory_dump.h"
+
+namespace loci::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// osd_changes into a memory, in a folder of its own.
+class PerceiveIntoMemory : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    LOCI_NEEDS_SHARED("data/osd_changes");
+    recording = shared("data/osd_changes");
+    folder = fresh_folder();
+  }
+
+  std::string command(const std::string& memory, const std::string& more = {}) const {
+    return std::string(LOCI_BIN_DIR) + "/loci-perceive run " + recording.string() + " --quiet -m " +
+           (folder / memory).string() + " " + more;
+  }
+
+  /// Starts a run in a process of its own and sends it a signal after some time; its wait status.
+  int run_and_signal(const std::string& memory, const std::string& more, int signal,
+                     std::chrono::milliseconds after) const {
+    const pid_t child = fork();
+    if (child == 0) {
+      const std::string line = "exec " + command(memory, more) + " >/dev/null 2>&1";
+      execl("/bin/sh", "sh", "-c", line.c_str(), nullptr);
+      _exit(127);
+    }
+    std::this_thread::sleep_for(after);
+    kill(child, signal);
+    int status = 0;
+    waitpid(child, &status, 0);
+    return status;
+  }
+
+  std::filesystem::path recording, folder;
+};
+
+TEST_F(PerceiveIntoMemory, KilledAtAnyMomentAndResumedGivesTheMemoryOfAnUninterruptedRun) {
+  ASSERT_EQ(loci::test::run(command("whole.loci")).exit_code, 0);
+  for (int attempt = 0; attempt < 6; ++attempt) {
+    run_and_signal("killed.loci", "--resume", SIGKILL, std::chrono::milliseconds(150 + 170 * attempt));
+    if (std::filesystem::exists(folder / "killed.loci")) {
+      const Outcome verify = loci::test::run(std::string(LOCI_BIN_DIR) + "/loci-memory verify -m " +
+                                             (folder / "killed.loci").string());
+      EXPECT_EQ(verify.exit_code, 0) << verify.error;
+    }
+  }
+  const Outcome rest = loci::test::run(command("killed.loci", "--resume"));
+  ASSERT_EQ(rest.exit_code, 0) << rest.error;
+  EXPECT_EQ(memory_dump(folder / "whole.loci"), memory_dump(folder / "killed.loci"));
+}
+
+TEST_F(PerceiveIntoMemory, ThreadsDoNotChangeTheMemory) {
+  ASSERT_EQ(loci::test::run(command("one.loci", "--threads 1")).exit_code, 0);
+  ASSERT_EQ(loci::test::run(command("two.loci", "--threads 2")).exit_code, 0);
+  EXPECT_EQ(memory_dump(folder / "one.loci"), memory_dump(folder / "two.loci"));
+}
+
+TEST_F(PerceiveIntoMemory, SameRecordingTwiceIsRefusedWithOneLine) {
+  ASSERT_EQ(loci::test::run(command("twice.loci")).exit_code, 0);
+  const std::string before = memory_dump(folder / "twice.loci");
+  const Outcome again = loci::test::run(command("twice.loci"));
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_THAT(again.error, HasSubstr("in the memory already"));
+  EXPECT_EQ(std::count(again.error.begin(), again.error.end(), '\n'), 1);
+  EXPECT_EQ(memory_dump(folder / "twice.loci"), before);
+}
+
+TEST_F(PerceiveIntoMemory, RecordingIsKnownByItsContentNotItsPath) {
+  ASSERT_EQ(loci::test::run(command("moved.loci")).exit_code, 0);
+  std::filesystem::copy(recording, folder / "elsewhere");
+  recording = folder / "elsewhere";
+  EXPECT_EQ(loci::test::run(command("moved.loci")).exit_code, 1);
+  const Outcome resumed = loci::test::run(command("moved.loci", "--resume"));
+  EXPECT_EQ(resumed.exit_code, 0);
+  EXPECT_THAT(resumed.out, HasSubstr("10 frames were in the memory already"));
+}
+
+TEST_F(PerceiveIntoMemory, InterruptLeavesWholeScenesAndExits130) {
+  const int status = run_and_signal("stopped.loci", "", SIGINT, std::chrono::milliseconds(400));
+  ASSERT_TRUE(WIFEXITED(status));
+  if (WEXITSTATUS(status) == 0) GTEST_SKIP() << "it was done before the signal came";
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_EQ(loci::test::run(command("stopped.loci", "--resume")).exit_code, 0);
+  ASSERT_EQ(loci::test::run(command("whole.loci")).exit_code, 0);
+  EXPECT_EQ(memory_dump(folder / "whole.loci"), memory_dump(folder / "stopped.loci"));
+}
+
+TEST(EvaluateChanges, TellsMostOfWhatHappenedOnARealTable) {
+  LOCI_NEEDS_SHARED("data/osd_changes");
+  const std::string recording = shared("data/osd_changes");
+  const Outcome result =
+      loci::test::run(std::string(LOCI_BIN_DIR) + "/loci-evaluate changes " + recording + " --json --quiet");
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const Json json = parse_json(result.out, "stdout");
+  EXPECT_GE(json.at("right").get<int>(), 28);
+  EXPECT_EQ(json.at("certain").get<int>(), 33);
+}
+
+}  // namespace
+}  // namespace loci::test

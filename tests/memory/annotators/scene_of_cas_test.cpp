@@ -1,0 +1,78 @@
+#include "memory/annotators/scene_of_cas.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "perception/conversions/camera.h"
+#include "perception/conversions/opencv.h"
+#include "perception/types/geometry.h"
+
+namespace loci {
+namespace {
+
+TEST(RobustBox, OutliersDoNotCount) {
+  std::vector<Vector3d> points;
+  for (int i = 0; i <= 1000; ++i) points.emplace_back(i / 1000.0, 0.5, 0.0);
+  points.emplace_back(50, 50, 50);
+  const belief::AxisBox box = robust_box(points);
+  EXPECT_NEAR(box.centre.x(), 0.5, 0.01);
+  EXPECT_NEAR(box.size.x(), 0.98, 0.02);
+  EXPECT_NEAR(box.centre.z(), 0, 1e-9);
+  EXPECT_TRUE(robust_box({}).size.isZero());
+}
+
+TEST(SceneOfCas, ReadsWhatTheAnnotatorsSaid) {
+  cas::Cas cas(types::type_system());
+  const types::SceneCas facade(cas);
+  const types::Scene scene = facade.create_scene();
+  scene.timestamp.set(7 * kSecond);
+  scene.frame_index.set(3);
+  types::set_cameras(facade, RgbdCamera{});
+  scene.map_from_camera.set(
+      types::to_stamped(cas, Isometry3d::Identity(), "map", "depth_camera", 7 * kSecond));
+  cv::Mat depth(480, 640, CV_32F, cv::Scalar(1.0));
+  depth.at<float>(240, 320) = std::numeric_limits<float>::quiet_NaN();
+  types::set_view_image(facade, types::SceneCas::kDepth, depth);
+  const auto support = types::PlanarSupport::create(cas);
+  support.name.set("table_1");
+  support.support_class.set("table");
+  facade.add_support(support);
+  const auto cluster = types::Cluster::create(cas);
+  const auto points = types::ReferenceClusterPoints::create(cas);
+  std::vector<int32_t> indices;
+  for (int v = 230; v < 250; ++v)
+    for (int u = 310; u < 330; ++u) indices.push_back(v * 640 + u);
+  points.indices.get_or_create().indices.set(indices);
+  cluster.hypotheses.push_back(points);
+  cluster.support.set(support);
+  cluster.at_image_border.set(true);
+  const auto color = types::ColorAnnotation::create(cas);
+  color.names.set(std::vector<std::string>{"red"});
+  color.mean_hue.set(0);
+  color.mean_saturation.set(1);
+  color.mean_value.set(0.5);
+  cluster.annotations.push_back(color);
+  facade.add_cluster(cluster);
+
+  const SceneRecord record = scene_record(facade, nullptr);
+  EXPECT_EQ(record.row.time, 7 * kSecond);
+  EXPECT_EQ(record.row.frame_index, 3);
+  ASSERT_EQ(record.places.size(), 1U);
+  EXPECT_EQ(record.places[0].class_name, "table");
+  ASSERT_EQ(record.observations.size(), 1U);
+  const ObservationRecord& observation = record.observations[0];
+  EXPECT_EQ(observation.evidence.place, "table_1");
+  EXPECT_TRUE(observation.evidence.partial);
+  EXPECT_EQ(observation.evidence.points, 399) << "a pixel without measurement has no point";
+  EXPECT_NEAR(observation.evidence.box.centre.z(), 1, 1e-6);
+  EXPECT_EQ(observation.row.color, "red");
+  EXPECT_EQ(observation.row.roi, (std::array<int, 4>{310, 230, 20, 20}));
+  ASSERT_EQ(observation.evidence.descriptors.size(), 1U);
+  EXPECT_EQ(observation.evidence.descriptors[0].values, (std::vector<float>{0.5F, 0.0F, 0.0F}));
+  EXPECT_EQ(record.view.labels.at<int>(240, 320), 0);
+  EXPECT_EQ(record.view.labels.at<int>(0, 0), -1);
+}
+
+}  // namespace
+}  // namespace loci
