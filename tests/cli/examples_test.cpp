@@ -1,0 +1,113 @@
+// Every example that --help prints and every console block of README and docs works as printed, from a folder
+// that looks like the repository after ./demo.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <sstream>
+#include <vector>
+
+#include "mapping/base/files.h"
+#include "tests/cli/command.h"
+
+namespace loci::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::vector<std::string> kPrograms = {"loci-map", "loci-perceive", "loci-memory", "loci-simulate",
+                                            "loci-evaluate"};
+
+std::vector<std::string> lines(const std::string& text) {
+  std::vector<std::string> result;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) result.push_back(line);
+  return result;
+}
+
+/// The commands that a program has built.
+std::vector<std::string> built_commands(const std::string& program) {
+  std::vector<std::string> names;
+  bool inside = false;
+  for (const std::string& line : lines(run(program + " --help").out)) {
+    if (inside && line.starts_with("  ") && !line.starts_with("   ") &&
+        line.find("(not built yet)") == std::string::npos)
+      names.push_back(line.substr(2, line.find(' ', 2) - 2));
+    if (line.starts_with("Subcommands:")) inside = true;
+  }
+  return names;
+}
+
+std::vector<std::string> help_examples(const std::string& program, const std::string& command) {
+  std::vector<std::string> examples;
+  bool inside = false;
+  for (const std::string& line : lines(run(program + " " + command + " --help").out)) {
+    if (inside && line.starts_with("  ")) examples.push_back(line.substr(2));
+    if (line.starts_with("Examples:")) inside = true;
+  }
+  return examples;
+}
+
+/// The `$ ` lines of the console blocks of a document.
+std::vector<std::string> console_commands(const fs::path& document) {
+  std::vector<std::string> commands;
+  bool inside = false;
+  for (const std::string& line : lines(read_file(document))) {
+    if (line.starts_with("```"))
+      inside = line == "```console";
+    else if (inside && line.starts_with("$ "))
+      commands.push_back(line.substr(2));
+  }
+  return commands;
+}
+
+class Examples : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    root_ = fs::temp_directory_path() / "loci_examples";
+    fs::remove_all(root_);
+    fs::create_directories(root_ / "demo-output");
+    fs::create_directory_symlink(fs::path(LOCI_SOURCE_DIR) / "apps", root_ / "apps");
+    fs::create_directory_symlink(fs::path(LOCI_SOURCE_DIR) / "docs", root_ / "docs");
+    fs::create_directories(root_ / "build/release");
+    fs::create_directory_symlink(LOCI_BIN_DIR, root_ / "build/release/bin");
+    for (const char* command :
+         {"loci-simulate record apps/samples/tour.yaml -o demo-output/tour",
+          "loci-map fuse demo-output/tour -o demo-output/scans",
+          "loci-map interpret demo-output/scans -o demo-output",
+          "loci-simulate record apps/samples/day.yaml -o demo-output/day",
+          "loci-perceive run demo-output/day --map apps/samples/kitchen.urdf -m demo-output/memory.loci"})
+      expect_works(command);
+  }
+
+  static void expect_works(const std::string& command) {
+    const Outcome outcome = run("cd '" + root_.string() + "' && " + command);
+    EXPECT_EQ(outcome.exit_code, 0) << command << "\n" << outcome.error;
+  }
+
+  static fs::path root_;
+};
+fs::path Examples::root_;
+
+TEST_F(Examples, OfEveryCommandWorkAsPrinted) {
+  for (const std::string& program : kPrograms) {
+    for (const std::string& command : built_commands(program)) {
+      const auto examples = help_examples(program, command);
+      EXPECT_GE(examples.size(), 2U) << program << " " << command << " has too few examples";
+      for (const std::string& example : examples) expect_works(example);
+    }
+  }
+}
+
+TEST_F(Examples, OfTheDocumentsWorkAsPrinted) {
+  std::vector<fs::path> documents = {fs::path(LOCI_SOURCE_DIR) / "README.md"};
+  for (const auto& entry : fs::directory_iterator(fs::path(LOCI_SOURCE_DIR) / "docs"))
+    if (entry.path().extension() == ".md") documents.push_back(entry.path());
+  for (const fs::path& document : documents)
+    for (const std::string& command : console_commands(document))
+      // What needs data that does not come with the project says so by its path.
+      if (command.find("YOUR_") == std::string::npos && command.find("./") != 0) expect_works(command);
+}
+
+}  // namespace
+}  // namespace loci::test
