@@ -83,8 +83,8 @@ void run(const Arguments& arguments, Session& session) {
 Command changes_command() {
   return {"changes",
           "What the memory says happened, beside the truth",
-          {"loci-evaluate changes ../shared/data/osd_changes",
-           "loci-evaluate changes ../shared/data/osd_changes --json"},
+          {"loci-evaluate changes demo-output/day --map apps/samples/kitchen.urdf",
+           "loci-evaluate changes demo-output/day --map apps/samples/kitchen.urdf --json"},
           [](CLI::App& app) {
             auto arguments = std::make_shared<Arguments>();
             app.add_option("DIR", arguments->folder,

@@ -7,8 +7,7 @@ namespace loci {
 Command check_command() {
   return {"check",
           "Says what a URDF holds, or why it is refused",
-          {"loci-map check ../shared/data/iai_apartment/apartment.urdf --package-path ../shared/data",
-           "loci-map check ../shared/data/robots/ur5.urdf --json"},
+          {"loci-map check apps/samples/kitchen.urdf", "loci-map check demo-output/map.urdf --json"},
           [](CLI::App& app) {
             struct Arguments {
               std::string urdf;

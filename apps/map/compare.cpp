@@ -9,8 +9,7 @@ Command compare_command() {
       "compare",
       "Compares a map with another map or with the truth",
       {"loci-map compare apps/samples/kitchen.urdf apps/samples/kitchen.urdf",
-       "loci-map compare /tmp/loci_map/map.urdf ../shared/data/iai_apartment/truth.json --region kitchen "
-       "--json"},
+       "loci-map compare demo-output/map.urdf apps/samples/kitchen.urdf --json"},
       [](CLI::App& app) {
         struct Arguments {
           std::string map, truth;

@@ -6,32 +6,31 @@
 namespace loci {
 
 Command fuse_command() {
-  return {
-      "fuse",
-      "Posed depth frames to a scan set",
-      {"loci-map fuse ../shared/data/redkitchen_rgbd -o /tmp/loci_scans",
-       "loci-map fuse ../shared/data/redkitchen_rgbd -o /tmp/loci_coarse --every 4 --voxel-m 0.02 --json"},
-      [](CLI::App& app) {
-        struct Arguments {
-          std::string recording, out;
-          FusionOptions options;
-        };
-        auto arguments = std::make_shared<Arguments>();
-        app.add_option("RECORDING", arguments->recording, "Folder of the recording")->required();
-        app.add_option("-o,--out", arguments->out, "Folder of the scan set")->required();
-        add_options(app, table_of(arguments->options));
-        return [arguments](Session& session) {
-          arguments->options.threads = session.flags().threads;
-          const auto recording = open_recording(arguments->recording);
-          for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
-          const FusionResult result = fuse(*recording, arguments->options, session.progress());
-          write_scan_set(result.scans, arguments->out);
-          session.timing("fuse", result.seconds);
-          Json json = result.report();
-          json["out"] = arguments->out;
-          session.answer(result.summary() + " in " + arguments->out, json);
-        };
-      }};
+  return {"fuse",
+          "Posed depth frames to a scan set",
+          {"loci-map fuse demo-output/tour -o demo-output/scans",
+           "loci-map fuse demo-output/tour -o demo-output/coarse --every 2 --voxel-m 0.02 --json"},
+          [](CLI::App& app) {
+            struct Arguments {
+              std::string recording, out;
+              FusionOptions options;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("RECORDING", arguments->recording, "Folder of the recording")->required();
+            app.add_option("-o,--out", arguments->out, "Folder of the scan set")->required();
+            add_options(app, table_of(arguments->options));
+            return [arguments](Session& session) {
+              arguments->options.threads = session.flags().threads;
+              const auto recording = open_recording(arguments->recording);
+              for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
+              const FusionResult result = fuse(*recording, arguments->options, session.progress());
+              write_scan_set(result.scans, arguments->out);
+              session.timing("fuse", result.seconds);
+              Json json = result.report();
+              json["out"] = arguments->out;
+              session.answer(result.summary() + " in " + arguments->out, json);
+            };
+          }};
 }
 
 }  // namespace loci

@@ -26,8 +26,8 @@ std::string answer_text(const InterpretedMap& map, const std::string& folder) {
 Command interpret_command() {
   return {"interpret",
           "A scan set to a map: floor, walls, supports",
-          {"loci-map interpret /tmp/loci_scans -o /tmp/loci_map",
-           "loci-map interpret ../shared/data/pcl_scans/room_scan1.pcd -o /tmp/loci_map --json"},
+          {"loci-map interpret demo-output/scans -o demo-output",
+           "loci-map interpret demo-output/scans -o demo-output/map --json"},
           [](CLI::App& app) {
             struct Arguments {
               std::string scans, out;

@@ -31,8 +31,7 @@ std::string info_text(const RecordingInfo& info) {
 Command info_command() {
   return {"info",
           "What a recording holds and what was guessed",
-          {"loci-perceive info ../shared/data/redkitchen_rgbd",
-           "loci-perceive info ../shared/data/redkitchen_rgbd/frames --json"},
+          {"loci-perceive info demo-output/day", "loci-perceive info demo-output/tour --json"},
           [](CLI::App& app) {
             auto path = std::make_shared<std::string>();
             app.add_option("RECORDING", *path, "Folder of the recording")->required();

@@ -80,21 +80,27 @@ void run(const Arguments& arguments, Session& session) {
   if (!arguments.pictures.empty()) make_folder(arguments.pictures);
   arguments.memory.prepare(arguments.map, pipeline, registry, resources);
   Context context{resources, session.warnings(), session.flags().threads, {}};
+  const bool remembers = resources.find<MemorySession>() != nullptr;
   std::string text;
+  size_t things = 0;
   Json scenes = Json::array();
   const auto done = [&](cas::Cas& cas) {
     const types::SceneCas scene(cas);
-    text += scene_text(scene);
+    things += scene.scene().clusters.size();
+    // With a memory the questions are the way to look; without one this is the answer.
+    if (!remembers || session.flags().verbose) text += scene_text(scene);
     if (session.flags().json) scenes.push_back(scene_json(scene));
     write_pictures(arguments, scene, resources.find<MemorySession>() != nullptr);
   };
   MemoryRunResult result;
-  if (resources.find<MemorySession>() != nullptr)
+  if (remembers)
     result = run_with_memory(pipeline, context, types::type_system(), session.progress(), done);
   else
     result.pipeline = pipeline.run(context, types::type_system(), session.progress(), done);
   for (const auto& [name, seconds] : result.pipeline.seconds) session.timing(name, seconds);
-  if (result.skipped > 0) text += fmt::format("{} frames were in the memory already\n", result.skipped);
+  text += fmt::format("{} frames, {} things seen", result.pipeline.frames, things);
+  if (result.skipped > 0) text += fmt::format("; {} frames were in the memory already", result.skipped);
+  text += remembers ? fmt::format("; remembered in {}\n", arguments.memory.memory) : "\n";
   session.answer(text, {{"frames", result.pipeline.frames},
                         {"skipped", result.skipped},
                         {"scenes", scenes},
@@ -106,8 +112,9 @@ void run(const Arguments& arguments, Session& session) {
 Command run_command() {
   return {"run",
           "What stands where, frame by frame, through a pipeline of annotators",
-          {"loci-perceive run ../shared/data/osd_changes -m demo-output/osd.loci",
-           "loci-perceive run ../shared/data/redkitchen_rgbd --every 20 --json"},
+          {"loci-perceive run demo-output/day --map apps/samples/kitchen.urdf -m demo-output/memory.loci "
+           "--resume",
+           "loci-perceive run demo-output/day --every 6 --json"},
           [](CLI::App& app) {
             auto arguments = std::make_shared<Arguments>();
             declare(app, *arguments);

@@ -7,8 +7,8 @@ namespace loci {
 Command record_command() {
   return {"record",
           "Plays a scenario and renders it",
-          {"loci-simulate record apps/samples/day.yaml -o /tmp/day",
-           "loci-simulate record apps/samples/tour.yaml -o /tmp/tour --seed 7 --noise none"},
+          {"loci-simulate record apps/samples/day.yaml -o demo-output/day",
+           "loci-simulate record apps/samples/tour.yaml -o demo-output/tour --seed 1 --noise kinect"},
           [](CLI::App& app) {
             struct Arguments {
               std::string scenario, output;

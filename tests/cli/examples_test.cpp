@@ -67,8 +67,8 @@ class Examples : public testing::Test {
     root_ = fs::temp_directory_path() / "loci_examples";
     fs::remove_all(root_);
     fs::create_directories(root_ / "demo-output");
-    fs::create_directory_symlink(fs::path(LOCI_SOURCE_DIR) / "apps", root_ / "apps");
-    fs::create_directory_symlink(fs::path(LOCI_SOURCE_DIR) / "docs", root_ / "docs");
+    for (const char* folder : {"apps", "docs", "mapping", "perception", "memory", "tests"})
+      fs::create_directory_symlink(fs::path(LOCI_SOURCE_DIR) / folder, root_ / folder);
     fs::create_directories(root_ / "build/release");
     fs::create_directory_symlink(LOCI_BIN_DIR, root_ / "build/release/bin");
     for (const char* command :
