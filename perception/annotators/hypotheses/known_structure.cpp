@@ -8,6 +8,8 @@
 namespace loci {
 namespace {
 
+constexpr double kAround = 0.15;  ///< metres
+
 double inside_convex(const std::vector<Vector2d>& outline, const Vector2d& position) {
   double least = 1e9;
   for (size_t i = 0; i < outline.size(); ++i) {
@@ -29,7 +31,9 @@ int region_of(const Vector3d& point, const std::vector<Region>& regions,
     const Vector3d p = top_from_map[r] * point;
     if (p.z() < -options.support_tolerance_m || p.z() > options.region_height_m) continue;
     if (best >= 0 && p.z() >= height) continue;
-    if (inside_convex(regions[r].surface->outline, p.head<2>()) < -options.margin_m) continue;
+    // Above the surface the surroundings are kept too, to tell what merely reaches over it.
+    const double margin = p.z() > options.support_tolerance_m ? kAround : options.margin_m;
+    if (inside_convex(regions[r].surface->outline, p.head<2>()) < -margin) continue;
     best = static_cast<int>(r);
     height = p.z();
   }

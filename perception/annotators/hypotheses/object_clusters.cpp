@@ -102,8 +102,9 @@ float percentile(std::vector<float> values, double fraction) {
 
 class ClusterMaker {
  public:
-  ClusterMaker(const cv::Mat& points, const SupportPlane& support, int index, const ClusterOptions& options)
-      : points_(points), support_(support), index_(index), options_(options) {}
+  ClusterMaker(const cv::Mat& points, const cv::Mat& region, const SupportPlane& support, int index,
+               const ClusterOptions& options)
+      : points_(points), region_(region), support_(support), index_(index), options_(options) {}
 
   /// A cluster of these points, or nothing when they do not look like a thing on the support.
   std::optional<ObjectCluster> make(const Standing& thing) const {
@@ -180,8 +181,13 @@ class ClusterMaker {
       int row = lowest[i] + 1;
       while (row < rows && row < lowest[i] + 12 && std::isnan(point[row * cols + col][2])) ++row;
       ++seen;
-      if (row >= rows || std::isnan(point[row * cols + col][2]) || point[row * cols + col][2] < z + 0.01f)
+      if (row >= rows || std::isnan(point[row * cols + col][2])) {
         ++hidden;
+        continue;
+      }
+      // A known wall right behind the thing hides nothing: the thing hangs there.
+      const bool known = !region_.empty() && region_.ptr<uint16_t>()[row * cols + col] == 0;
+      hidden += point[row * cols + col][2] < z + (known ? -0.03f : 0.01f) ? 1 : 0;
     }
     return hidden > 0.5 * seen;
   }
@@ -247,6 +253,7 @@ class ClusterMaker {
   }
 
   const cv::Mat& points_;
+  const cv::Mat& region_;
   const SupportPlane& support_;
   int index_;
   const ClusterOptions& options_;
@@ -317,8 +324,7 @@ void keep_what_rests(std::vector<ObjectCluster>& clusters, const ClusterMaker& m
 }  // namespace
 
 void ClusterOptions::declare(OptionTable& table) {
-  table.number("tolerance_m", tolerance_m, "m",
-               "Largest gap inside one object (at 1 m; grows with the noise).", 0.001, 1);
+  table.number("tolerance_m", tolerance_m, "m", "Largest gap inside one object.", 0.001, 1);
   table.number("floor_m", floor_m, "m",
                "Points this near to the plane belong to it (plus 1.5 times the noise).", 0, 0.1);
   table.number("min_height_m", min_height_m, "m", "Lower things are part of the support.", 0, 1);
@@ -345,7 +351,7 @@ std::vector<ObjectCluster> extract_clusters(const cv::Mat& points, const cv::Mat
       stand_on_supports(points, normals, region, camera, supports, options);
   for (size_t s = 0; s < supports.size(); ++s) {
     const Standing& all = standing[s];
-    const ClusterMaker maker(points, supports[s], static_cast<int>(s), options);
+    const ClusterMaker maker(points, region, supports[s], static_cast<int>(s), options);
     const Vector2f viewpoint = supports[s].in_plane(Vector3d::Zero()).head<2>().cast<float>();
     const ConvexParts parts = parts_of(all, options);
     int count = 0;
