@@ -223,9 +223,15 @@ BelievedObject MemoryData::believed(const BeliefRow& row) const {
 BelievedScene MemoryData::belief_at(TimeNs time) const {
   BelievedScene belief;
   belief.time = time;
-  for (const BeliefRow& row : store_.beliefs({time, std::nullopt})) belief.objects.push_back(believed(row));
-  if (const SceneEntry* entry = scene_at(time); entry != nullptr && entry->time <= time)
-    belief.joints = rows_.at(entry->id).joints;
+  const SceneEntry* entry = scene_at(time);
+  if (entry != nullptr && entry->time <= time) belief.joints = rows_.at(entry->id).joints;
+  for (const BeliefRow& row : store_.beliefs({time, std::nullopt})) {
+    belief.objects.push_back(believed(row));
+    // A belief holds until the next one: what an earlier scene saw is remembered now.
+    BelievedObject& object = belief.objects.back();
+    if (object.presence == Presence::seen && entry != nullptr && object.last_seen != entry->time)
+      object.presence = Presence::remembered;
+  }
   return belief;
 }
 
@@ -330,11 +336,22 @@ TimeNs MemoryData::time_of(const std::string& text) const {
 
 FoundThings MemoryData::find(const std::string& words, TimeNs time) const {
   const Snapshot snapshot(store_, {time, std::nullopt});
-  const bool is_link = world_ && world_->find_link(words) != nullptr;
-  for (const PlaceRow& place : snapshot.places())
-    if (place.name == words) return {{}, words};
-  if (is_link) return {{}, words};
-  return {snapshot.find_objects(words), {}};
+  if (world_ && world_->find_link(words) != nullptr) return {{}, words};
+  for (const auto& [id, name] : places_)
+    if (name == words) return {{}, words};
+  try {
+    return {snapshot.find_objects(words), {}};
+  } catch (const Error&) {  // No object: perhaps the alias or the beginning of a place's name.
+  }
+  try {
+    return {{}, snapshot.find_places(words).front().name};
+  } catch (const Error&) {
+  }
+  std::vector<std::string> names;
+  for (const BeliefRow& row : snapshot.beliefs()) names.push_back(name_of(row.object));
+  for (const auto& [id, name] : places_) names.push_back(name);
+  throw Error(fmt::format("no object or place is known as '{}' at this time", words), {info_.path, 0, {}},
+              did_you_mean(words, names));
 }
 
 }  // namespace

@@ -255,6 +255,10 @@ void MapScene::frame_selection() {
   fit(*impl_->renderer, box ? inflated(*box, 0.25) : impl_->interesting(), towards_eye);
 }
 
+void MapScene::set_moving(bool moving) {
+  impl_->renderer->SetUseFXAA(!moving);
+}
+
 MapPick MapScene::pick(int x, int y) {
   vtkNew<vtkCellPicker> picker;
   picker->SetTolerance(0.002);

@@ -67,6 +67,9 @@ class MapScene {
   /// view.
   void frame_selection();
 
+  /// While the view moves, speed counts for more than smooth edges.
+  void set_moving(bool moving);
+
   /// `x`, `y` in pixels from the lower left corner.
   MapPick pick(int x, int y);
   const std::vector<MapObject>& objects() const;

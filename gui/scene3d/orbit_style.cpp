@@ -19,7 +19,17 @@ constexpr double kSteepest = 88;           // degrees above or below the horizon
 
 vtkStandardNewMacro(OrbitStyle)
 
-    void OrbitStyle::OnLeftButtonDown() {
+    void OrbitStyle::StartState(int state) {
+  if (on_motion) on_motion(true);
+  Superclass::StartState(state);
+}
+
+void OrbitStyle::StopState() {
+  if (on_motion) on_motion(false);
+  Superclass::StopState();
+}
+
+void OrbitStyle::OnLeftButtonDown() {
   press_x_ = Interactor->GetEventPosition()[0];
   press_y_ = Interactor->GetEventPosition()[1];
   Superclass::OnLeftButtonDown();

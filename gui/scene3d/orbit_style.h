@@ -18,6 +18,11 @@ class OrbitStyle : public vtkInteractorStyleTrackballCamera {
   /// Called with +1 or -1 for Ctrl and the wheel.
   std::function<void(int steps)> on_ctrl_wheel;
 
+  /// Called when a drag begins (true) and ends (false).
+  std::function<void(bool moving)> on_motion;
+
+  void StartState(int state) override;
+  void StopState() override;
   void OnLeftButtonDown() override;
   void OnLeftButtonUp() override;
   void OnMouseWheelForward() override;

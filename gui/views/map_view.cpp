@@ -92,6 +92,7 @@ void MapView::make_widget() {
   scene_ = std::make_unique<MapScene>(window);
   vtkNew<OrbitStyle> style;
   style->on_click = [this](int x, int y) { clicked(x, y); };
+  style->on_motion = [this](bool moving) { scene_->set_moving(moving); };
   style->on_ctrl_wheel = [this](int steps) { change_point_size(steps); };
   window->GetInteractor()->SetInteractorStyle(style);
   auto* layout = new QVBoxLayout(this);
