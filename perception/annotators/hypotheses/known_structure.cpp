@@ -67,6 +67,8 @@ KnownStructure find_known_structure(const cv::Mat& points, const PinholeCamera& 
     result.regions.push_back({&surface, map.scene.map_from_link(surface.link_id) * surface.link_from_top, 0});
     top_from_map.push_back(result.regions.back().map_from_top.inverse());
   }
+  std::vector<bool> is_surface(map.scene.link_names().size(), false);
+  for (const SupportSurface& surface : surfaces) is_surface[surface.link_id] = true;
   result.region = cv::Mat::zeros(points.size(), CV_16U);
   const auto* point = points.ptr<cv::Vec3f>();
   for (int i = 0; i < points.rows * points.cols; ++i) {
@@ -78,13 +80,17 @@ KnownStructure find_known_structure(const cv::Mat& points, const PinholeCamera& 
     const int region = region_of(p, result.regions, top_from_map, options, height);
     const double tolerance = options.support_tolerance_m + 2 * depth_noise(z);
     const auto model = static_cast<double>(view.depth.ptr<float>()[i]);
-    // Around the height of a surface the point belongs to it, even where the map has the surface lower.
-    if (region >= 0 && std::abs(height) <= tolerance) {
+    const bool explained = model - z <= options.epsilon_m + 2 * depth_noise(z);
+    const int link = view.link.ptr<int>()[i];
+    const bool by_surface = link >= 0 && is_surface[static_cast<size_t>(link)];
+    // Around the height of a surface the point belongs to it, even where the map has the surface lower; but
+    // not the foot of the wall behind it.
+    if (region >= 0 && std::abs(height) <= tolerance && (!explained || by_surface)) {
       result.region.ptr<uint16_t>()[i] = static_cast<uint16_t>(region + 1);
       ++result.regions[static_cast<size_t>(region)].pixels;
       continue;
     }
-    if (model - z <= options.epsilon_m + 2 * depth_noise(z)) {
+    if (explained) {
       ++result.known;
       continue;
     }

@@ -50,7 +50,9 @@ SupportPlane support_of_region(const types::PlanarSupport& known, int label, con
     plane = refine_support(points, normals, mask, normal,
                            offset + static_cast<double>(heights[heights.size() / 2]), small);
   }
-  if (!plane) {
+  // A fit to few points may tilt away from what the map says.
+  constexpr double kLeastCosine = 0.985;
+  if (!plane || plane->normal.dot(normal) < kLeastCosine) {
     plane.emplace();
     plane->normal = normal;
     plane->offset = offset;
