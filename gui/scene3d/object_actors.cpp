@@ -90,7 +90,7 @@ void ObjectActors::restyle(const SceneColors& colors) {
     surface->SetColor(object.rgb[0] / 255.0, object.rgb[1] / 255.0, object.rgb[2] / 255.0);
     surface->SetAmbient(0.42);
     surface->SetDiffuse(0.64);
-    surface->SetOpacity(object.ghost ? 0.12 + 0.28 * object.probability : 0.85);
+    surface->SetOpacity(object.ghost ? 0.12 + 0.28 * object.probability : 1.0);
     vtkProperty* edges = actors_[i].edges->GetProperty();
     edges->SetLighting(false);
     set_color(*edges, selected ? colors.accent : colors.edges);

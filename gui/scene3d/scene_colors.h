@@ -12,7 +12,7 @@ struct SceneColors {
   SceneColor background_top = {0.93, 0.94, 0.96};
   SceneColor background_bottom = {0.80, 0.83, 0.87};
   SceneColor world = {0.78, 0.77, 0.75};  ///< links without a material
-  SceneColor edges = {0.30, 0.31, 0.33};
+  SceneColor edges = {0.36, 0.36, 0.37};  ///< opaque: translucent lines cost a pass over the whole picture
   SceneColor label_text = {0.08, 0.09, 0.10};
   SceneColor label_back = {1, 1, 1};
   SceneColor accent = {0.00, 0.45, 0.85};  ///< the selection
@@ -20,7 +20,7 @@ struct SceneColors {
 
   static SceneColors light() { return {}; }
   static SceneColors dark() {
-    return {{0.17, 0.18, 0.20}, {0.09, 0.10, 0.11}, {0.62, 0.62, 0.61}, {0.06, 0.06, 0.07},
+    return {{0.17, 0.18, 0.20}, {0.09, 0.10, 0.11}, {0.62, 0.62, 0.61}, {0.16, 0.16, 0.17},
             {0.95, 0.96, 0.97}, {0.10, 0.11, 0.12}, {0.35, 0.70, 1.00}, {1.00, 0.65, 0.25}};
   }
 };

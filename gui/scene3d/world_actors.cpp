@@ -128,7 +128,6 @@ void WorldActors::set_colors(const SceneColors& colors) {
     link.surface->GetProperty()->SetSpecular(0);
     set_color(*link.edges->GetProperty(), colors.edges);
     link.edges->GetProperty()->SetLighting(false);
-    link.edges->GetProperty()->SetOpacity(0.55);
   }
 }
 
@@ -145,7 +144,6 @@ void WorldActors::select(const std::string& selected, const SceneColors& colors)
     const bool on = !selected.empty() && link.name == selected;
     vtkProperty* edges = link.edges->GetProperty();
     set_color(*edges, on ? colors.accent : colors.edges);
-    edges->SetOpacity(on ? 1.0 : 0.55);
     edges->SetLineWidth(on ? 3.0F : 1.0F);
   }
 }

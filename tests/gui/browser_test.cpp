@@ -24,6 +24,7 @@
 #include "gui/views/time_track.h"
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
+#include "memory/questions/answers.h"
 #include "tests/gui/sample_memory.h"
 
 namespace loci {
@@ -242,6 +243,24 @@ TEST_F(BrowserWindow, AnEmptyWindowSaysWhatToDo) {
   EXPECT_EQ(window.windowTitle(), "loci");
   EXPECT_TRUE(window.card().title().isEmpty());
   EXPECT_NO_THROW(window.screenshot());
+}
+
+TEST_F(BrowserWindow, SaysTheSameAsTheQuestionsOfTheCommandLine) {
+  const Store store = Store::open_read(sample_.path);
+  for (const TimeNs time : {sample_.first, sample_.second, sample_.third}) {
+    selection().set_time(time);
+    const auto states = ask(store, ObjectsQuestion{{}, {time, std::nullopt}}).objects;
+    EXPECT_EQ(states.size(), window.browser().belief().objects.size());
+    for (const ObjectState& state : states) {
+      const BelievedObject* shown = window.browser().belief().find(state.object.id);
+      ASSERT_NE(shown, nullptr) << state.object.name;
+      EXPECT_EQ(shown->name, state.object.name);
+      EXPECT_EQ(shown->place, state.place->name);
+      EXPECT_DOUBLE_EQ(shown->probability, state.probability);
+      EXPECT_EQ(shown->last_seen, state.last_seen->time);
+      EXPECT_EQ(shown->presence == Presence::gone, state.status == "gone");
+    }
+  }
 }
 
 TEST_F(BrowserWindow, ScreenshotIsNotBlank) {
