@@ -78,6 +78,7 @@ class Step {
     }
     for (size_t k = 0; k < scene_.observations.size(); ++k)
       if (!partner_of_observation_[k]) meet(k);
+    if (scene_.seconds_to_next && *scene_.seconds_to_next >= options_.snapshot_gap_s) confirm_unrefuted();
     forget_clutter();
     finish_outcomes();
     state_.last_scene = scene_.time;
@@ -191,8 +192,10 @@ class Step {
     object.hidden_looks = 0;
     object.told_hidden = false;
     mark_seen(object, observation);
-    object.exists_log_odds +=
-        (observation.partial ? 0.5 : 1.0) * std::log(options_.detection / options_.repeat_clutter);
+    // Frames that follow each other quickly repeat each other's errors.
+    const double independence = 1 + std::clamp(seconds_unseen, 0.0, 1.0);
+    object.exists_log_odds += (observation.partial ? 0.5 : 1.0) * independence *
+                              std::log(options_.detection / options_.repeat_clutter);
     object.exists_log_odds = std::min(object.exists_log_odds, 20.0);
 
     if (object.status == Status::tentative) {
@@ -385,12 +388,12 @@ class Step {
     if (snapshot_) confirm(state_.objects.back(), k);
   }
 
-  void confirm(ProtoObject& object, size_t k) {
+  void confirm(ProtoObject& object, std::optional<size_t> k) {
     object.status = Status::present;
     object.id = state_.next_id++;
     std::vector<PendingSighting> earlier = std::move(object.pending);
     object.pending.clear();
-    earlier.pop_back();  // the present one is reported with its scene
+    if (k) earlier.pop_back();  // the present one is reported with its scene
     const double exists = 1 / (1 + std::exp(-object.exists_log_odds));
     update_.confirmed.push_back({object.id, object.key, object.first_seen, std::move(earlier)});
     const bool now = object.first_seen == scene_.time;
@@ -404,6 +407,19 @@ class Step {
                               std::nullopt,
                               box_in_map(object, scene_.places),
                               k});
+  }
+
+  /// Before a long pause nothing more can be learned: what was seen, if only once, and was not missed is
+  /// believed.
+  void confirm_unrefuted() {
+    const double least = log_odds(options_.first_sight) - 0.1;
+    for (ProtoObject& object : state_.objects) {
+      if (object.status != Status::tentative || object.exists_log_odds < least) continue;
+      std::optional<size_t> seen;
+      for (size_t k = 0; k < update_.observations.size(); ++k)
+        if (update_.observations[k].key == object.key) seen = k;
+      confirm(object, seen);
+    }
   }
 
   void forget_clutter() {

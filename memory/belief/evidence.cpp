@@ -176,9 +176,13 @@ LogOddsProblem identity_problem(const BeliefState& state, const std::vector<Expe
     const double back = state.objects[o].status == Status::gone ? options.reappear : 0.5;
     const double moves = (before * e.handled / 2 + (1 - before) * back) * options.detection;
     problem.stay_prior.row(index(o)).setConstant(std::log(stays * (1 - e.turned)));
-    for (size_t k = 0; k < n; ++k)  // another side may have other colours, hardly another size
+    for (size_t k = 0; k < n; ++k) {
+      // Another side may have other colours, though seldom altogether; it hardly has another size.
+      const double size = evidence.log_size(index(o), index(k));
+      const double color = evidence.log_similar(index(o), index(k)) - options.appearance_weight * size;
       problem.newview_prior(index(o), index(k)) =
-          std::log(stays * e.turned) + std::min(0.0, evidence.log_size(index(o), index(k)));
+          std::log(stays * e.turned) + size + 0.25 * std::min(0.0, color);
+    }
     const double log_moves =
         std::log(std::max(1e-9, moves * (e.undetectable + in_view * std::exp(empty.if_gone))));
     for (size_t k = 0; k < n; ++k) {

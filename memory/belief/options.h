@@ -23,7 +23,7 @@ struct BeliefOptions {
   double nudge_m = 0.1;
   double newview = 0.1;
   double appear = 0.3;
-  double reappear = 0.1;
+  double reappear = 0.2;
 
   // What detectors do.
   double detection = 0.9;

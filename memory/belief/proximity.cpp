@@ -29,6 +29,18 @@ double gaussian_log_ratio(const Vector3d& offset, double variance, double spread
          square(offset.z()) / (2 * vertical_variance);
 }
 
+/// What stays has the same extent along the axes of the map; bounded, since parts may be hidden unnoticed.
+double extent_penalty(const AxisBox& believed, const AxisBox& seen, double variance) {
+  constexpr double kLeast = -6;
+  double penalty = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double size = std::max(believed.size[axis], seen.size[axis]);
+    penalty -=
+        square(seen.size[axis] - believed.size[axis]) / (2 * (square(0.01 + 0.1 * size) + 4 * variance));
+  }
+  return std::max(kLeast, penalty);
+}
+
 }  // namespace
 
 double observation_variance(const Observation& observation, const BeliefOptions& options) {
@@ -55,7 +67,8 @@ double log_proximity(const AxisBox& box, double variance, bool box_partial, cons
   if (observation.partial)
     return gaussian_log_ratio(excess(observation.box, box), variance, spread, options.area_m2);
   if (box_partial) return gaussian_log_ratio(excess(box, observation.box), variance, spread, options.area_m2);
-  return gaussian_log_ratio(observation.box.centre - box.centre, variance, 0, options.area_m2);
+  return gaussian_log_ratio(observation.box.centre - box.centre, variance, 0, options.area_m2) +
+         extent_penalty(box, observation.box, variance);
 }
 
 }  // namespace loci::belief
