@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace loci {
 namespace {
@@ -76,14 +77,24 @@ void LabelLayer::lay_out() {
   vtkNew<vtkCoordinate> coordinate;
   coordinate->SetCoordinateSystemToWorld();
   for (Item& item : items_) {
+    item.actor->SetVisibility(false);
+    if (!visible_) continue;
     coordinate->SetValue(item.label.anchor.x(), item.label.anchor.y(), item.label.anchor.z());
     const double* at = coordinate->GetComputedDoubleDisplayValue(renderer_);
-    const Rectangle place = {at[0] - item.width / 2.0, at[1] + kGap, at[0] + item.width / 2.0,
-                             at[1] + kGap + item.height};
-    const bool free = std::none_of(taken.begin(), taken.end(),
-                                   [&](const Rectangle& other) { return place.overlaps(other); });
-    item.actor->SetVisibility(visible_ && free);
-    if (visible_ && free) taken.push_back(place);
+    const int aside = item.width / 2 + kGap;
+    // Above the thing; where that is taken, beside it; else it goes without a name.
+    for (const auto& [dx, dy] :
+         {std::pair(0, kGap), std::pair(aside, -item.height), std::pair(-aside, -item.height)}) {
+      const Rectangle place = {at[0] + dx - item.width / 2.0, at[1] + dy, at[0] + dx + item.width / 2.0,
+                               at[1] + dy + item.height};
+      if (std::any_of(taken.begin(), taken.end(),
+                      [&](const Rectangle& other) { return place.overlaps(other); }))
+        continue;
+      item.actor->SetDisplayOffset(dx, dy);
+      item.actor->SetVisibility(true);
+      taken.push_back(place);
+      break;
+    }
   }
 }
 
