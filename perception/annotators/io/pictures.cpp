@@ -45,8 +45,7 @@ std::vector<int> tracked_numbers(const types::SceneCas& scene) {
 
 void write_label_image(const types::SceneCas& scene, const std::filesystem::path& folder,
                        const std::vector<int>& numbers) {
-  const std::string frame = std::to_string(scene.scene().frame_index.get());
-  write_image(folder / (frame + "_label.png"), label_image(scene, numbers));
+  write_image(folder / (scene.scene().frame_name.get() + "_label.png"), label_image(scene, numbers));
 }
 
 void write_overlay(const types::SceneCas& scene, const std::filesystem::path& folder) {

@@ -15,7 +15,7 @@ cv::Mat label_image(const types::SceneCas& scene, const std::vector<int>& number
 /// object.
 std::vector<int> tracked_numbers(const types::SceneCas& scene);
 
-/// Writes FOLDER/FRAME_label.png (16 bit), FRAME being the frame's number in the recording.
+/// Writes FOLDER/FRAME_label.png (16 bit), FRAME being the frame's name: "learn33" for learn33_depth.png.
 void write_label_image(const types::SceneCas& scene, const std::filesystem::path& folder,
                        const std::vector<int>& numbers = {});
 

@@ -81,6 +81,7 @@ void RecordingReader::read_next(cas::Cas& cas, Context& context) {
   scene.timestamp.set(frame.time_ns);
   scene.time_assumed.set(info.time_assumed);
   scene.frame_index.set(frame.index);
+  scene.frame_name.set(frame.name);
   scene.recording.set(std::filesystem::path(info.path).lexically_normal().filename().string());
   types::set_cameras(facade, frame.camera);
   types::set_view_image(facade, types::SceneCas::kDepth, frame.depth);
