@@ -52,6 +52,10 @@ AnnotatorDescriptor IdentityResolution::descriptor() const {
           {"TrackingAnnotation", "SimilarityMatrix", "DistanceMatrix", "BeliefStateInstance"}};
 }
 
+void IdentityResolution::start(Context& context) {
+  session_of(context, "IdentityResolution").recorder().set_options(options_);
+}
+
 void IdentityResolution::process(cas::Cas& cas, Context& context) {
   const types::SceneCas scene(cas);
   if (!has_pose(scene)) return;

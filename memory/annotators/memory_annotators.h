@@ -21,7 +21,12 @@ class PlaceNaming : public Annotator {
 class IdentityResolution : public Annotator {
  public:
   AnnotatorDescriptor descriptor() const override;
+  void declare(OptionTable& table) override { options_.declare(table); }
+  void start(Context& context) override;
   void process(cas::Cas& cas, Context& context) override;
+
+ private:
+  belief::BeliefOptions options_;
 };
 
 /// Keeps the scene, and all that it changes, in the memory.

@@ -30,6 +30,9 @@ class Recorder {
   /// `run` is from Store::begin_run. Takes up the belief that the memory holds. Error when it cannot be read.
   Recorder(Store& store, Id run, const belief::BeliefOptions& options = {});
 
+  /// How evidence is judged from the next scene on.
+  void set_options(const belief::BeliefOptions& options) { options_ = options; }
+
   /// What a scene would change. Error when it lies before the last one.
   ResolvedScene resolve(const SceneRecord& scene) const;
   /// Adds a scene with everything that it changes, `resolved` being what resolve() said. On Error nothing is
