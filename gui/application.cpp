@@ -6,6 +6,7 @@
 #include <QOpenGLContext>
 #include <QSurfaceFormat>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <regex>
 #include <vector>
@@ -68,11 +69,25 @@ void go_to(MainWindow& window, const BrowseOptions& options) {
     selection.select_object(found.objects.front());
 }
 
-void write_picture(MainWindow& window, const std::string& path, const QSize& size) {
-  window.resize(size);
+MapLayer layer_of(const std::string& name) {
+  static const std::map<std::string, MapLayer> kLayers = {{"map", MapLayer::map},
+                                                          {"objects", MapLayer::objects},
+                                                          {"labels", MapLayer::labels},
+                                                          {"cloud", MapLayer::cloud},
+                                                          {"camera", MapLayer::camera}};
+  const auto found = kLayers.find(name);
+  if (found == kLayers.end())
+    throw Error("--hide '" + name + "' is no layer", {}, "layers are map, objects, labels, cloud, camera");
+  return found->second;
+}
+
+void write_picture(MainWindow& window, const BrowseOptions& options) {
+  const std::string& path = options.screenshot;
+  window.resize(parse_size(options.size));
+  for (const std::string& name : options.hide) window.map_view().set_layer(layer_of(name), false);
   window.show();
   for (int i = 0; i < kRoundsOfEvents; ++i) QApplication::processEvents();
-  const QImage image = window.screenshot();
+  const QImage image = options.view == "map" ? window.map_view().picture() : window.screenshot();
   QByteArray bytes;
   QBuffer buffer(&bytes);
   buffer.open(QIODevice::WriteOnly);
@@ -87,7 +102,7 @@ int take_picture(const BrowseOptions& options, std::unique_ptr<BrowserData> data
   MainWindow window(open_memory_data, window_options);
   window.show_data(std::move(data));
   go_to(window, options);
-  write_picture(window, options.screenshot, parse_size(options.size));
+  write_picture(window, options);
   return 0;
 }
 
@@ -107,6 +122,9 @@ int run_browser(const BrowseOptions& options, const std::string& program) {
   if (picture) {
     if (options.file.empty()) throw Error("a picture needs a memory", {}, "give a FILE.loci");
     parse_size(options.size);
+    for (const std::string& name : options.hide) layer_of(name);
+    if (options.view != "window" && options.view != "map")
+      throw Error("--view '" + options.view + "' is no view", {}, "views are window, map");
     data = open_memory_data(options.file);
     backend = picture_backend(options.has_screen);
   } else if (!options.has_screen) {

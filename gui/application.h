@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "gui/theme.h"
 
@@ -13,6 +14,8 @@ struct BrowseOptions {
   std::string at;          ///< time to show, as people write it; empty = the last scene
   std::string select;      ///< object or place to choose, in words; empty = nothing
   std::string size = "1280x800";
+  std::string view = "window";         ///< what the picture shows: the whole "window", or the "map" alone
+  std::vector<std::string> hide = {};  ///< layers of the 3D view that the picture leaves out
   ThemeChoice theme = ThemeChoice::system;
   bool has_screen = true;   ///< there is an X or Wayland display
   bool has_desktop = true;  ///< which says how its windows should look

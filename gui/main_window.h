@@ -38,6 +38,7 @@ class MainWindow : public QMainWindow {
   void show_data(std::unique_ptr<BrowserData> memory);
   /// The window as a picture. Error when the 3D view stayed blank.
   QImage screenshot();
+  MapView& map_view() { return *map_; }
 
   Browser& browser() { return browser_; }
   MapView& map() { return *map_; }

@@ -36,6 +36,10 @@ void declare(CLI::App& app, loci::BrowseOptions& options) {
   app.add_option("--theme", options.theme, "Colours: system, light, dark [system]")
       ->transform(CLI::CheckedTransformer(kThemes))
       ->option_text("TEXT");
+  app.add_option("--view", options.view, "What the picture shows: the whole window, or the map alone")
+      ->capture_default_str();
+  app.add_option("--hide", options.hide,
+                 "Layers of the map that the picture leaves out: map, objects, labels, cloud, camera");
   app.add_option("--size", options.size, "Size of the picture in pixels")->capture_default_str();
 }
 

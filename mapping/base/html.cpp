@@ -15,7 +15,7 @@ h1 { font-size: 1.6rem; margin: 0 0 .5rem; } h2 { font-size: 1.2rem; margin: 2re
 table { border-collapse: collapse; display: block; overflow-x: auto; }
 th, td { border-bottom: 1px solid var(--line); padding: .25rem .7rem; text-align: left; vertical-align: top; }
 td.number { text-align: right; font-variant-numeric: tabular-nums; }
-img, svg { max-width: 100%; height: auto; } pre { overflow-x: auto; } p.faint { color: var(--faint); }
+img, svg { max-width: 100%; height: auto; } pre { white-space: pre-wrap; } p.faint { color: var(--faint); }
 )";
 constexpr std::string_view kEnd = "</main>";
 

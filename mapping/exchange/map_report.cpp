@@ -94,6 +94,9 @@ const char* color_of(const std::string& class_name) {
   return "#9d174d";
 }
 
+/// Room beside the picture for names of what stands at its edge, pixels.
+constexpr int kLabelMargin = 60;
+
 std::string points_text(const Json& outline, const TopView& view) {
   std::string text;
   for (const Json& corner : outline) {
@@ -166,10 +169,10 @@ std::string top_view_svg(const InterpretedMap& map, const ScanSet& scans) {
   const TopView view = view_of(map, scans);
   const std::vector<unsigned char> png = encode_image(picture_of(map, scans, view), ".png");
   std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" "
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{4} 0 {3} {1}\" width=\"{3}\" height=\"{1}\" "
       "role=\"img\" "
       "aria-label=\"Top view\">\n<image width=\"{0}\" height=\"{1}\" href=\"data:image/png;base64,{2}\"/>\n",
-      view.width(), view.height(), base64(png));
+      view.width(), view.height(), base64(png), view.width() + 2 * kLabelMargin, -kLabelMargin);
   for (const auto& [name, link] : map.semantics.links)
     if (link.geometry.contains("outline")) svg += drawing_of(name, link, view);
   const Vector2d left = {20, view.height() - 20.0};
