@@ -22,7 +22,7 @@ struct BeliefOptions {
   double watched = 0.1;
   double nudge_m = 0.1;
   double newview = 0.1;
-  double appear = 0.3;
+  double appear = 0.45;
   double reappear = 0.2;
 
   // What detectors do.

@@ -58,7 +58,7 @@ const std::vector<Comparison>& comparisons() {
        false},
       {"extents",
        extent_distance,
-       {{0.0, 2.2}, {0.08, 1.4}, {0.15, 0.5}, {0.25, -1.0}, {0.4, -3.0}, {0.55, -4.5}, {1.0, -6.0}},
+       {{0.0, 2.2}, {0.08, 1.4}, {0.15, 0.2}, {0.25, -2.0}, {0.4, -4.0}, {0.55, -5.0}, {1.0, -6.0}},
        0.4,
        true},
   };
@@ -82,10 +82,26 @@ double log_ratio(const Comparison& comparison, double distance) {
   return table.back().log_ratio;
 }
 
+namespace {
+
+/// Whether a look is nearly without colour. Most things in kitchens are white or grey: that two are alike in
+/// this says little.
+bool is_colorless(const std::vector<Descriptor>& look) {
+  for (const Descriptor& d : look) {
+    if (d.kind != "mean_color" || d.values.empty()) continue;
+    const auto [least, most] = std::minmax_element(d.values.begin(), d.values.end());
+    return *most - *least < 0.25F * std::max(*most, 0.2F);
+  }
+  return false;
+}
+
+}  // namespace
+
 Likeness compare(const std::vector<Descriptor>& a, const std::vector<Descriptor>& b, bool partial,
                  double weight) {
   Likeness likeness;
   double log_closeness = 0;
+  const bool colorless = is_colorless(a) && is_colorless(b);
   for (const Comparison& comparison : comparisons()) {
     const auto of_kind = [&](const Descriptor& d) { return d.kind == comparison.kind; };
     const auto in_a = std::find_if(a.begin(), a.end(), of_kind);
@@ -94,7 +110,9 @@ Likeness compare(const std::vector<Descriptor>& a, const std::vector<Descriptor>
     if (partial && comparison.whole_only) continue;
     const double distance = comparison.distance(in_a->values, in_b->values);
     if (!std::isfinite(distance)) continue;
-    likeness.parts.push_back({comparison.kind, distance, log_ratio(comparison, distance)});
+    double ratio = log_ratio(comparison, distance);
+    if (colorless && !comparison.whole_only && ratio > 0) ratio *= 0.5;
+    likeness.parts.push_back({comparison.kind, distance, ratio});
     likeness.log_ratio += weight * likeness.parts.back().log_ratio;
     log_closeness += std::log(std::max(1e-12, gaussian_closeness(distance, comparison.sigma)));
   }
