@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include "mapping/base/base64.h"
+
 namespace loci {
 namespace {
 
@@ -59,19 +61,6 @@ std::string html_escape(std::string_view text) {
   return escaped;
 }
 
-std::string base64(std::span<const unsigned char> bytes) {
-  constexpr std::string_view kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    const size_t left = std::min<size_t>(3, bytes.size() - i);
-    uint32_t group = 0;
-    for (size_t k = 0; k < 3; ++k) group = group << 8 | (k < left ? bytes[i + k] : 0U);
-    for (size_t k = 0; k < 4; ++k) text += k <= left ? kLetters[group >> (18 - 6 * k) & 63U] : '=';
-  }
-  return text;
-}
-
 std::string html_table(const std::vector<std::string>& header,
                        const std::vector<std::vector<std::string>>& rows) {
   std::string html = "<table><tr>";
@@ -93,7 +82,8 @@ std::string html_list(const std::vector<std::string>& items) {
 }
 
 std::string html_image(std::span<const unsigned char> bytes, std::string_view mime, std::string_view alt) {
-  return fmt::format("<img alt=\"{}\" src=\"data:{};base64,{}\">\n", html_escape(alt), mime, base64(bytes));
+  return fmt::format("<img alt=\"{}\" src=\"data:{};base64,{}\">\n", html_escape(alt), mime,
+                     base64_from_bytes({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
 }
 
 std::string html_section(std::string_view id, std::string_view heading, std::string_view body) {

@@ -10,9 +10,6 @@ namespace loci {
 /// Text for HTML or SVG: & < > " ' are escaped.
 std::string html_escape(std::string_view text);
 
-/// Base64 (RFC 4648, with padding), for pictures inside a page.
-std::string base64(std::span<const unsigned char> bytes);
-
 /// A table; cells are text and get escaped. Numbers are set flush right.
 std::string html_table(const std::vector<std::string>& header,
                        const std::vector<std::vector<std::string>>& rows);

@@ -2,7 +2,7 @@
 #include <limits>
 #include <map>
 
-#include "perception/cas/base64.h"
+#include "mapping/base/base64.h"
 #include "perception/cas/json.h"
 
 namespace loci::cas {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <unordered_map>
 
-#include "perception/cas/base64.h"
+#include "mapping/base/base64.h"
 #include "perception/cas/graph.h"
 #include "perception/cas/json.h"
 

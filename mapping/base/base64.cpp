@@ -1,11 +1,11 @@
-#include "perception/cas/base64.h"
+#include "mapping/base/base64.h"
 
 #include <array>
 #include <cstdint>
 
 #include "mapping/base/error.h"
 
-namespace loci::cas {
+namespace loci {
 
 namespace {
 
@@ -55,4 +55,4 @@ std::string bytes_from_base64(std::string_view text) {
   return bytes;
 }
 
-}  // namespace loci::cas
+}  // namespace loci

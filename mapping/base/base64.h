@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-namespace loci::cas {
+namespace loci {
 
 /// RFC 4648, with padding.
 std::string base64_from_bytes(std::string_view bytes);
@@ -11,4 +11,4 @@ std::string base64_from_bytes(std::string_view bytes);
 /// Throws Error when the text is not base64.
 std::string bytes_from_base64(std::string_view text);
 
-}  // namespace loci::cas
+}  // namespace loci
