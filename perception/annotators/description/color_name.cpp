@@ -13,7 +13,9 @@ namespace loci {
 
 const char* color_name(float hue, float saturation, float value) {
   if (value < 0.2f) return "black";
-  if (saturation < 0.15f || (saturation < 0.25f && value < 0.35f))
+  // Daylight tints white things blue; a warm tint of that strength is a colour to people (beige).
+  const bool cool = hue >= 180 && hue < 270 && value > 0.5f;
+  if (saturation < (cool ? 0.26f : 0.15f) || (saturation < 0.25f && value < 0.35f))
     return value > 0.72f ? "white" : value > 0.3f ? "grey" : "black";
   if (hue < 14 || hue >= 345) {
     if (saturation < 0.5f && value > 0.7f) return "pink";
