@@ -18,8 +18,8 @@ Config Config::parse(const std::string& text, const std::string& file) {
   }
 }
 
-Config::Config(YAML::Node node, std::string file, std::string path)
-    : node_(std::move(node)), file_(std::move(file)), path_(std::move(path)) {
+Config::Config(const YAML::Node& node, std::string file, std::string path)
+    : node_(node), file_(std::move(file)), path_(std::move(path)) {
   if (node_ && !node_.IsMap())
     throw Error("a map of keys and values was expected here", {file_, node_.Mark().line + 1, path_});
 }

@@ -59,7 +59,7 @@ class Config {
   Config over(const YAML::Node& node, const std::string& path) const { return {node, file_, path}; }
 
  private:
-  Config(YAML::Node node, std::string file, std::string path);
+  Config(const YAML::Node& node, std::string file, std::string path);
   YAML::Node node_for(const std::string& key) const;
 
   template <class T>

@@ -25,10 +25,11 @@ void parallel_for(size_t count, int threads, const std::function<void(size_t, si
       failures[part] = std::current_exception();
     }
   };
-  std::vector<std::thread> workers;
+  std::vector<std::jthread> workers;  // They join by themselves if the system refuses to start another one.
+  workers.reserve(parts - 1);
   for (size_t part = 1; part < parts; ++part) workers.emplace_back(run, part);
   run(0);
-  for (std::thread& worker : workers) worker.join();
+  for (std::jthread& worker : workers) worker.join();
   for (const auto& failure : failures)
     if (failure) std::rethrow_exception(failure);
 }

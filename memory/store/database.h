@@ -36,6 +36,7 @@ inline SqlValue sql(double value) {
 inline SqlValue sql(const std::string& value) {
   return std::string_view(value);
 }
+SqlValue sql(std::string&& value) = delete;  // Only a view is kept: the text must outlive the columns.
 template <class T>
 SqlValue sql(const std::optional<T>& value) {
   return value ? sql(*value) : SqlValue();
@@ -49,6 +50,7 @@ void add_vector(SqlColumns& columns, const std::string& prefix, const std::optio
 void add_pose(SqlColumns& columns, const std::string& prefix, const std::optional<Isometry3d>& pose);
 void add_color(SqlColumns& columns, const std::optional<HsvColor>& color);
 void add_clock(SqlColumns& columns, const Bitemporal& clock);
+void add_clock(SqlColumns& columns, Bitemporal&& clock) = delete;  // Its source is kept as a view.
 
 /// The row that a query stands at, by column name.
 class SqlRow {

@@ -135,7 +135,8 @@ Id SceneTransaction::add_feature_structure(const FeatureStructureRow& row) {
 
 Id SceneTransaction::add_object(const ObjectRow& row) {
   SqlColumns columns;
-  add_clock(columns, stamped(row.clock, scene_time_, known_, run_));
+  const Bitemporal clock = stamped(row.clock, scene_time_, known_, run_);
+  add_clock(columns, clock);
   return store_.guarded([&] { return store_.insert("object", columns); });
 }
 
@@ -185,7 +186,8 @@ Id SceneTransaction::add_belief(const BeliefRow& row) {
   add_vector(columns, "", row.position);
   add_vector(columns, "size_", row.size);
   add_color(columns, row.hsv);
-  add_clock(columns, stamped(row.clock, scene_time_, known_, run_));
+  const Bitemporal clock = stamped(row.clock, scene_time_, known_, run_);
+  add_clock(columns, clock);
   return store_.guarded([&] { return store_.insert("belief", columns); });
 }
 

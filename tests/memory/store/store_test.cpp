@@ -267,6 +267,26 @@ TEST_F(StoreTest, ARowThatSupersedesAnotherEndsItsBeingKnown) {
   EXPECT_EQ(store.events({.at = {}, .known_at = TimeNs{1}}).size(), 0U);
 }
 
+TEST_F(StoreTest, WhoSaidSoIsKeptForObjectsAndBeliefs) {
+  const Id run = make_memory();
+  Store store = Store::open_write(file_);
+  EXPECT_EQ(store.objects()[0].clock.source, "perceive");
+  EXPECT_EQ(store.beliefs()[0].clock.source, "perceive");
+  const std::string source = "somebody with a name that is too long to be kept inside a string";
+  {
+    SceneTransaction scene(store, run);
+    const Id id = scene.add_scene({.time = 2000});
+    ObjectRow object;
+    object.clock.source = source;
+    BeliefRow belief = {.object = scene.add_object(object), .scene = id, .status = "seen"};
+    belief.clock.source = source;
+    scene.add_belief(belief);
+    scene.commit();
+  }
+  EXPECT_EQ(store.objects().back().clock.source, source);
+  EXPECT_EQ(store.beliefs().back().clock.source, source);
+}
+
 TEST_F(StoreTest, BlobsAreStoredOnceAndCompressedWhenItHelps) {
   Store store = Store::open_write(file_);
   const Id run = store.begin_run("test", "{}");
