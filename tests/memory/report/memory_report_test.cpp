@@ -34,7 +34,8 @@ size_t count(const std::string& text, const std::string& part) {
 
 TEST_F(MemoryReport, NamesEveryObjectAndWhatHappened) {
   const std::string page = memory_report(*store_);
-  for (const char* part : {"object_1", "object_2", "object_3", "object_4", "table_1", "counter_1", "drawer_1"})
+  for (const char* part :
+       {"object_1", "object_2", "object_3", "object_4", "table_1", "counter_1", "drawer_1"})
     EXPECT_THAT(page, HasSubstr(part));
   EXPECT_THAT(page, HasSubstr("$ loci-memory on counter_1"));
   EXPECT_THAT(page, Not(HasSubstr("<script")));
