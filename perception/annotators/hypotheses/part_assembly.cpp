@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "perception/annotators/hypotheses/disjoint_sets.h"
+#include "perception/annotators/hypotheses/upright_outline.h"
 
 namespace loci {
 namespace {
@@ -50,7 +51,8 @@ class Assembly {
   void run() {
     while (join_splinter()) {
     }
-    while (join_cavity() || join_contained() || join_appendage() || join_lid() || join_hidden()) {
+    while (join_cavity() || join_contained() || join_appendage() || join_neck() || join_lid() ||
+           join_hidden()) {
     }
   }
 
@@ -282,7 +284,10 @@ class Assembly {
       if (host == pieces_.size() && small) host = nearest_host(i, options_.slack_m * 1.5);
       if (host == pieces_.size()) continue;
       const Piece& b = pieces_[host];
-      if (a.area > options_.appendage * b.area || on_top(a, b)) continue;
+      // What runs along a thing of the same height is its other side, and may be larger.
+      const bool alongside = std::abs(a.top - b.top) < static_cast<float>(options_.slack_m) &&
+                             contact(i, host) > 0.25 * static_cast<double>(a.points.size());
+      if (a.area > (alongside ? 2 : 1) * options_.appendage * b.area || on_top(a, b)) continue;
       const bool tiny = a.area < 0.12 * b.area || a.area < 0.0014 * a.noise;
       if (!hovering && !tiny) continue;
       if (contact(i, host) == 0 && a.top > b.top + static_cast<float>(options_.slack_m)) continue;
@@ -290,6 +295,40 @@ class Assembly {
       return true;
     }
     return false;
+  }
+
+  /// A neck or a cap: narrow, in the middle above what tapers towards it. What merely stands on something
+  /// stands on a top that is as wide as the rest.
+  bool join_neck() {
+    for (const auto& [pair, count] : contacts_) {
+      auto upper = static_cast<size_t>(pair[0]);
+      auto lower = static_cast<size_t>(pair[1]);
+      if (pieces_[upper].top < pieces_[lower].top) std::swap(upper, lower);
+      const Piece& a = pieces_[upper];
+      const Piece& b = pieces_[lower];
+      if (!on_top(a, b) || a.bottom < 0.5f * (b.bottom + b.top) || a.area > b.area) continue;
+      if (!is_neck(a, b)) continue;
+      join(upper, lower);
+      return true;
+    }
+    return false;
+  }
+
+  bool is_neck(const Piece& neck, const Piece& body) const {
+    const auto band = [&](const Piece& piece, float low) {
+      return outline_band(cloud_.points, piece.points, cloud_.viewpoint, low, piece.top + 0.05f);
+    };
+    const OutlineBand a = band(neck, neck.bottom - 0.05f);
+    const OutlineBand b = band(body, body.bottom - 0.05f);
+    const OutlineBand shoulder = band(body, body.top - static_cast<float>(options_.slack_m));
+    if (a.width > static_cast<float>(options_.neck_m) || shoulder.points < 5) return false;
+    if (shoulder.width > 0.8f * b.width || shoulder.width > 1.75f * a.width) return false;
+    const Vector2f apart = a.middle - b.middle;
+    const auto slack = static_cast<float>(options_.slack_m);
+    if (std::abs(b.across.dot(apart)) > 0.8f * slack) return false;
+    // Only the fronts are seen, and that of a neck lies as far back as the body is thicker.
+    const float back = b.across.x() * apart.y() - b.across.y() * apart.x();
+    return std::abs(back) < 0.5f * (b.width - a.width) + slack;
   }
 
   /// A lid reaches over the body below it: what hovers must stand on something, and a small strip right under
@@ -402,6 +441,8 @@ void AssemblyOptions::declare(OptionTable& table) {
                0.5);
   table.number("hidden_gap_m", hidden_gap_m, "m",
                "Parts of one height are one thing when at most this much between them is hidden.", 0, 1);
+  table.number("neck_m", neck_m, "m", "Widest neck or cap that belongs to the tapering body below it.", 0,
+               0.3);
 }
 
 std::vector<int> assemble_parts(const ConvexParts& parts, const PlaneCloud& cloud,

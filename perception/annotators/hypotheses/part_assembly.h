@@ -18,6 +18,7 @@ struct AssemblyOptions {
   double appendage = 0.25;
   double hovering_m = 0.025;
   double hidden_gap_m = 0.15;
+  double neck_m = 0.05;
 
   void declare(OptionTable& table);
 };
@@ -37,10 +38,11 @@ struct PlaneCloud {
 /// Puts convex parts together to things:
 /// splinters go to the neighbour that they touch most; what lies within another part's footprint and below
 /// its top (the inside of a bowl, the back of a rim) belongs to it; a small part that hovers or sticks to a
-/// large one without standing on top of it (a handle) belongs to it; a far wall that ends at the same rim as
-/// a near one and faces inwards is the inside of the same vessel; and two parts of one height, between which
-/// there is nothing but what is hidden by something nearer, are one thing. Only the front of a thing is seen:
-/// its footprint is completed by reflection. Gives a thing number per part in [0, count).
+/// large one without standing on top of it (a handle) belongs to it; a narrow part in the middle above what
+/// tapers towards it (a neck, a cap) belongs to it; a far wall that ends at the same rim as a near one and
+/// faces inwards is the inside of the same vessel; and two parts of one height, between which there is
+/// nothing but what is hidden by something nearer, are one thing. Only the front of a thing is seen: its
+/// footprint is completed by reflection. Gives a thing number per part in [0, count).
 std::vector<int> assemble_parts(const ConvexParts& parts, const PlaneCloud& cloud,
                                 const AssemblyOptions& options, int& count);
 

@@ -124,6 +124,30 @@ TEST(Clusters, AStackIsTwoObjectsOneOnTheOther) {
   EXPECT_EQ(found.clusters[1 - upper].stands_on, -1);
 }
 
+TEST(Clusters, ABottleKeepsItsNeckAndCap) {
+  for (const double neck : {0.013, 0.018}) {
+    SyntheticTable table;
+    const auto bottle = [&](double x, double y) -> std::vector<test::TableCone> {
+      return {{{x, y, 0}, 0.15, 0.036, 0.036},
+              {{x, y, 0.15}, 0.05, 0.036, neck},
+              {{x, y, 0.20}, 0.04, neck, neck},
+              {{x, y, 0.24}, 0.02, neck + 0.003, neck + 0.003}};
+    };
+    table.rounds = {bottle(-0.2, 0.05), bottle(0.15, -0.1)};
+    const Found found = find(table, 0.05, table.up());
+    EXPECT_EQ(found.clusters.size(), 2U) << neck;
+    for (int label = 1; label <= 2; ++label) EXPECT_GT(best_overlap(found, label), 0.85) << neck;
+  }
+}
+
+TEST(Clusters, ASmallBoxInTheMiddleOfALargerOneIsAThingOfItsOwn) {
+  SyntheticTable table;
+  table.boxes = {{{0, 0, 0.06}, {0.14, 0.10, 0.12}}, {{0, 0, 0.145}, {0.045, 0.045, 0.05}}};
+  const Found found = find(table, 0.05, table.up());
+  EXPECT_EQ(found.clusters.size(), 2U);
+  for (int label = 1; label <= 2; ++label) EXPECT_GT(best_overlap(found, label), 0.7) << label;
+}
+
 TEST(Clusters, ABoxHiddenInTheMiddleIsOneObject) {
   SyntheticTable table;
   table.boxes = {{{0, 0.05, 0.04}, {0.24, 0.10, 0.08}}, {{0, -0.08, 0.10}, {0.06, 0.06, 0.20}}};

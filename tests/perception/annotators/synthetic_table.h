@@ -17,11 +17,40 @@ struct TableBox {
   Vector3d size;
 };
 
-/// A table (z = 0, 1.2 × 0.8 m) with boxes before a camera that looks down on it, every pixel computed.
+/// A piece of a round thing whose axis is upright: the radius changes evenly from the bottom to the top.
+struct TableCone {
+  Vector3d foot;  ///< middle of its bottom
+  double height;
+  double radius_low;
+  double radius_high;
+
+  /// Where a ray enters its side or its top; infinity = nowhere.
+  double enter(const Vector3d& origin, const Vector3d& ray) const {
+    const double slope = (radius_high - radius_low) / height;
+    const Vector3d from = origin - foot;
+    const double radius = radius_low + slope * from.z();
+    const double a = ray.head<2>().squaredNorm() - std::pow(slope * ray.z(), 2);
+    const double b = from.head<2>().dot(ray.head<2>()) - radius * slope * ray.z();
+    const double c = from.head<2>().squaredNorm() - radius * radius;
+    double nearest = std::numeric_limits<double>::infinity();
+    if (b * b >= a * c)
+      for (const double t : {(-b - std::sqrt(b * b - a * c)) / a, (-b + std::sqrt(b * b - a * c)) / a}) {
+        const double z = from.z() + t * ray.z();
+        if (t > 0 && z >= 0 && z <= height && radius_low + slope * z >= 0) nearest = std::min(nearest, t);
+      }
+    const double top = (height - from.z()) / ray.z();
+    if (top > 0 && (from + top * ray).head<2>().norm() <= radius_high) nearest = std::min(nearest, top);
+    return nearest;
+  }
+};
+
+/// A table (z = 0, 1.2 × 0.8 m) with boxes and round things before a camera that looks down on it, every
+/// pixel computed.
 struct SyntheticTable {
   PinholeCamera camera{320, 240, 290, 290, 160, 120};
   Isometry3d map_from_camera = Isometry3d::Identity();
   std::vector<TableBox> boxes;
+  std::vector<std::vector<TableCone>> rounds;  ///< things made of cones
 
   SyntheticTable() {
     const Vector3d from(0, -0.9, 0.8);
@@ -35,7 +64,8 @@ struct SyntheticTable {
 
   Vector3d up() const { return map_from_camera.linear().transpose() * Vector3d::UnitZ(); }
 
-  /// Which box a pixel shows: 1 + its index, 0 = the table, -1 = nothing; `depth` is set to z in metres.
+  /// Which thing a pixel shows: 1 + its index, round things after the boxes, 0 = the table, -1 = nothing;
+  /// `depth` is set to z in metres.
   int hit(int u, int v, double& depth) const {
     const Vector3d ray = map_from_camera.linear() * camera.unproject(u, v, 1.0);
     const Vector3d origin = map_from_camera.translation();
@@ -57,6 +87,12 @@ struct SyntheticTable {
         what = static_cast<int>(b) + 1;
       }
     }
+    for (size_t r = 0; r < rounds.size(); ++r)
+      for (const TableCone& cone : rounds[r])
+        if (const double enter = cone.enter(origin, ray); enter < depth) {
+          depth = enter;
+          what = static_cast<int>(boxes.size() + r) + 1;
+        }
     return what;
   }
 
