@@ -15,18 +15,26 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// osd_changes into a memory, in a folder of its own.
+/// The sample day into a memory, in a folder of its own.
 class PerceiveIntoMemory : public ::testing::Test {
  protected:
+  static void SetUpTestSuite() {
+    day_ = std::filesystem::temp_directory_path() / ("loci_day_" + std::to_string(getpid()));
+    const Outcome outcome =
+        loci::test::run("loci-simulate record apps/samples/day.yaml --quiet -o " + day_.string());
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  }
+  static void TearDownTestSuite() { std::filesystem::remove_all(day_); }
+
   void SetUp() override {
-    LOCI_NEEDS_SHARED("data/osd_changes");
-    recording = shared("data/osd_changes");
+    recording = day_;
     folder = fresh_folder();
   }
 
   std::string command(const std::string& memory, const std::string& more = {}) const {
-    return std::string(LOCI_BIN_DIR) + "/loci-perceive run " + recording.string() + " --quiet -m " +
-           (folder / memory).string() + " " + more;
+    return std::string(LOCI_BIN_DIR) + "/loci-perceive run " + recording.string() +
+           " --map " LOCI_SOURCE_DIR "/apps/samples/kitchen.urdf --quiet -m " + (folder / memory).string() +
+           " " + more;
   }
 
   /// Starts a run in a process of its own and sends it a signal after some time; its wait status.
@@ -46,7 +54,11 @@ class PerceiveIntoMemory : public ::testing::Test {
   }
 
   std::filesystem::path recording, folder;
+
+ private:
+  static std::filesystem::path day_;
 };
+std::filesystem::path PerceiveIntoMemory::day_;
 
 TEST_F(PerceiveIntoMemory, KilledAtAnyMomentAndResumedGivesTheMemoryOfAnUninterruptedRun) {
   ASSERT_EQ(loci::test::run(command("whole.loci")).exit_code, 0);
@@ -81,12 +93,12 @@ TEST_F(PerceiveIntoMemory, SameRecordingTwiceIsRefusedWithOneLine) {
 
 TEST_F(PerceiveIntoMemory, RecordingIsKnownByItsContentNotItsPath) {
   ASSERT_EQ(loci::test::run(command("moved.loci")).exit_code, 0);
-  std::filesystem::copy(recording, folder / "elsewhere");
+  std::filesystem::copy(recording, folder / "elsewhere", std::filesystem::copy_options::recursive);
   recording = folder / "elsewhere";
   EXPECT_EQ(loci::test::run(command("moved.loci")).exit_code, 1);
   const Outcome resumed = loci::test::run(command("moved.loci", "--resume"));
   EXPECT_EQ(resumed.exit_code, 0);
-  EXPECT_THAT(resumed.out, HasSubstr("10 frames were in the memory already"));
+  EXPECT_THAT(resumed.out, HasSubstr("24 frames were in the memory already"));
 }
 
 TEST_F(PerceiveIntoMemory, InterruptLeavesWholeScenesAndExits130) {
