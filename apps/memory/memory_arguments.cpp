@@ -39,4 +39,21 @@ std::string joined(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, " "));
 }
 
+Declare about_place() {
+  return [](CLI::App& app) {
+    struct Arguments {
+      MemoryArguments memory;
+      std::string place;
+    };
+    auto arguments = std::make_shared<Arguments>();
+    arguments->memory.declare(app);
+    app.add_option("place", arguments->place, "The place, e.g. table_1 or drawer_1")->required();
+    return [arguments](Session& session) {
+      const Store store = Store::open_read(arguments->memory.memory);
+      const AsOf as_of = arguments->memory.as_of(store);
+      answer_question(session, store, ContentsQuestion{.place = arguments->place, .as_of = as_of});
+    };
+  };
+}
+
 }  // namespace loci

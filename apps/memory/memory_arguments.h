@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,5 +42,52 @@ void answer_question(Session& session, const Store& store, const Question& quest
   const auto answer = ask(store, question);
   session.answer(to_text(answer, TimeWriter(store)), to_json(answer));
 }
+
+/// What a question command takes, and what it does: open, read the clocks, ask, answer.
+using Declare = std::function<std::function<void(Session&)>(CLI::App&)>;
+
+/// A question about an object in words.
+template <class Question>
+Declare about_object() {
+  return [](CLI::App& app) {
+    struct Arguments {
+      MemoryArguments memory;
+      std::vector<std::string> subject;
+    };
+    auto arguments = std::make_shared<Arguments>();
+    arguments->memory.declare(app);
+    app.add_option("object", arguments->subject, "object_12, a name, a colour, a size, \"on table_1\"")
+        ->required();
+    return [arguments](Session& session) {
+      const Store store = Store::open_read(arguments->memory.memory);
+      const AsOf as_of = arguments->memory.as_of(store);
+      answer_question(session, store, Question{.subject = joined(arguments->subject), .as_of = as_of});
+    };
+  };
+}
+
+/// A question about a span of time.
+template <class Question>
+Declare about_span() {
+  return [](CLI::App& app) {
+    struct Arguments {
+      MemoryArguments memory;
+      SpanArguments span;
+    };
+    auto arguments = std::make_shared<Arguments>();
+    arguments->memory.declare(app);
+    arguments->span.declare(app);
+    return [arguments](Session& session) {
+      const Store store = Store::open_read(arguments->memory.memory);
+      const AsOf as_of = arguments->memory.as_of(store);
+      answer_question(
+          session, store,
+          Question{.from = arguments->span.first(store), .to = arguments->span.last(store), .as_of = as_of});
+    };
+  };
+}
+
+/// What is on or in a place.
+Declare about_place();
 
 }  // namespace loci
