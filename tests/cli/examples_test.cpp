@@ -2,6 +2,7 @@
 // that looks like the repository after ./demo.
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <sstream>
@@ -64,7 +65,8 @@ std::vector<std::string> console_commands(const fs::path& document) {
 class Examples : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    root_ = fs::temp_directory_path() / "loci_examples";
+    // Tests run as processes side by side: each has a folder of its own.
+    root_ = fs::temp_directory_path() / ("loci_examples_" + std::to_string(::getpid()));
     fs::remove_all(root_);
     fs::create_directories(root_ / "demo-output");
     for (const char* folder : {"apps", "docs", "mapping", "perception", "memory", "tests"})
@@ -79,6 +81,8 @@ class Examples : public testing::Test {
           "loci-perceive run demo-output/day --map apps/samples/kitchen.urdf -m demo-output/memory.loci"})
       expect_works(command);
   }
+
+  static void TearDownTestSuite() { fs::remove_all(root_); }
 
   static void expect_works(const std::string& command) {
     const Outcome outcome = run("cd '" + root_.string() + "' && " + command);
