@@ -45,7 +45,15 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {{"fmt/", "f
                                                                      {"vtk", "VTK"},
                                                                      {"QVTK", "VTK"},
                                                                      {"EGL/", "VTK"},
-                                                                     {"GL/", "VTK"}};
+                                                                     {"GL/", "VTK"},
+                                                                     {"embree3/", "Embree"},
+                                                                     {"simde/", "simde"},
+                                                                     {"octomap/", "OctoMap"},
+                                                                     {"ceres/", "Ceres"},
+                                                                     {"sdf/", "sdformat"},
+                                                                     {"bullet/", "Bullet"},
+                                                                     {"btBullet", "Bullet"},
+                                                                     {"benchmark/", "benchmark"}};
 const std::set<std::string> kBaseLibraries = {"fmt", "yaml-cpp", "nlohmann-json", "Eigen"};
 
 std::string trimmed(std::string text) {

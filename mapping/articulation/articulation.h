@@ -1,0 +1,78 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "mapping/base/json.h"
+#include "mapping/base/options.h"
+#include "mapping/sensor/scan.h"
+#include "mapping/world/furniture.h"
+
+namespace loci {
+
+/// How the joint of a front is most likely made, from its shape and where its handle is (§7.4): handle along
+/// the top or middle of a wide front = drawer; upright near one edge = door hinged at the other; along the
+/// top of a tall low front = flap. Without a fixture the type is open: probabilities say so.
+JointEstimate joint_prior(const Front& front);
+
+/// A recorded motion: positions, and orientations where they were measured.
+struct Track {
+  std::vector<Vector3d> positions;
+  std::vector<Eigen::Quaterniond> orientations;  ///< empty, or one per position
+};
+Track read_track(const std::filesystem::path& csv);
+
+struct TrackOptions {
+  double position_sigma_m = 0;       ///< 0 = estimated from the track
+  double orientation_sigma_deg = 0;  ///< 0 = estimated
+  double outlier_probability = 0.05;
+
+  void declare(OptionTable& table);
+};
+
+/// One model fitted to a track.
+struct TrackFit {
+  JointEstimate::Type type = JointEstimate::Type::rigid;
+  Vector3d axis = Vector3d::UnitZ(), centre = Vector3d::Zero();
+  double radius = 0;
+  double rms_m = 0;
+  double log_likelihood = 0, bic = 0;
+  size_t parameters = 0, outliers = 0;
+  std::vector<double> positions;  ///< of the joint at each pose, metres or radians
+};
+
+struct TrackResult {
+  JointEstimate estimate;      ///< in the track's frame
+  std::vector<TrackFit> fits;  ///< rigid, prismatic, revolute
+  bool usable = false;
+  std::string reason;  ///< why not, or what limits it: "neither line nor circle fits"
+  std::string summary() const;
+  Json report() const;
+};
+
+TrackResult fit_track(const Track& track, const TrackOptions& options);
+
+struct DifferenceOptions {
+  double tolerance_m = 0.03;  ///< nearer to what was there before is no change
+  int threads = 0;
+
+  void declare(OptionTable& table);
+};
+
+struct DifferenceResult {
+  std::optional<JointEstimate> joint;  ///< unset: no motion was seen, or it cannot be explained; see reason
+  double moved = 0;                    ///< joint position of `after`, metres or radians
+  std::optional<Front> corrected;      ///< the front's rectangle by the outline of what moved
+  size_t points = 0;                   ///< of the moved part
+  std::string reason;
+  Json report() const;
+};
+
+/// What moved between two scan sets in one map frame, near the front that was pulled: segments the temporal
+/// difference and fits a rigid motion of the front's part to it. `hand_path` (may be empty) is where the
+/// gripper was.
+DifferenceResult articulate(const ScanSet& before, const ScanSet& after, const Front& front,
+                            const std::vector<Isometry3d>& hand_path, const DifferenceOptions& options);
+
+}  // namespace loci

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mapping/base/json.h"
+#include "mapping/base/pose.h"
+
+namespace loci {
+
+/// What a front is opened by: a bar (line model) or a knob (circle model). Map frame, all joints at 0.
+struct Fixture {
+  enum class Kind { handle, knob };
+  Kind kind = Kind::handle;
+  Vector3d centre = Vector3d::Zero();  ///< of the bar or the knob's head
+  Vector3d axis = Vector3d::UnitZ();   ///< along the bar; out of the front for a knob
+  double length = 0;                   ///< of the bar; a knob's diameter
+  double radius = 0.006;               ///< of the bar; a knob's half diameter
+  double protrusion = 0.03;            ///< of the centre before the front
+  double confidence = 0;
+  Json evidence = Json::object();
+};
+
+/// How a part moves. Probabilities of the types sum to one.
+struct JointEstimate {
+  enum class Type { rigid, prismatic, revolute };
+  Type type = Type::rigid;
+  std::array<double, 3> probabilities{1, 0, 0};  ///< by Type
+  Vector3d axis = Vector3d::UnitX();   ///< map frame; prismatic: opens along +; revolute: opens by right hand
+  Vector3d origin = Vector3d::Zero();  ///< revolute: a point of the hinge
+  double lower = 0, upper = 0;         ///< metres or radians; 0 = closed
+  double axis_sd_deg = 0, origin_sd_m = 0;  ///< uncertainty
+  std::string evidence = "prior";           ///< prior, interaction, difference, track
+};
+
+/// The visible face of a drawer, door or flap: a rectangle. Map frame, all joints at 0.
+struct Front {
+  std::string name;                  ///< base name: "drawer_3"; empty until named
+  std::string class_name = "front";  ///< front, drawer, door, flap
+  Vector3d centre = Vector3d::Zero();
+  Vector3d normal = Vector3d::UnitX();  ///< out of the furniture
+  Vector3d up = Vector3d::UnitZ();
+  double width = 0, height = 0;
+  double depth = 0.5;  ///< of what is behind it, as far as known or assumed
+  bool depth_measured = false;
+  std::optional<Fixture> fixture;
+  std::optional<JointEstimate> joint;  ///< unset: it is not known to move
+  std::string appliance;               ///< fridge, oven, dishwasher, …; empty = none
+  double confidence = 0;
+  Json evidence = Json::object();
+
+  /// To the right as seen by someone who stands before it.
+  Vector3d right() const { return up.cross(normal); }
+};
+
+const char* joint_estimate_type_name(JointEstimate::Type type);
+
+}  // namespace loci
