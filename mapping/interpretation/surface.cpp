@@ -112,7 +112,8 @@ Part gather_scan(const Scan& scan, uint16_t number, uint32_t first_origin, bool 
          ++level)
       normal = grids[level].normal(point.position);
     if (normal.dot(to_origin) < 0) normal = -normal;
-    part.points.push_back({map_from_scan * point.position, map_from_scan.linear() * normal, number, origin});
+    part.points.push_back({map_from_scan * point.position, map_from_scan.linear() * normal, number, origin,
+                           point.intensity, point.r, point.g, point.b});
   }
   return part;
 }

@@ -15,7 +15,9 @@ struct SurfacePoint {
   Eigen::Vector3f position;
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, towards the sensor; zero = too few neighbours
   uint16_t scan = 0;
-  uint32_t origin = 0;  ///< into Surface::origins
+  uint32_t origin = 0;          ///< into Surface::origins
+  float intensity = 0;          ///< as in ScanPoint
+  uint8_t r = 0, g = 0, b = 0;  ///< colour
 };
 
 /// All scans as one surface in the map frame, with the rays that measured it.
