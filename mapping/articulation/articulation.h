@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "mapping/base/json.h"
@@ -14,7 +15,14 @@ namespace loci {
 /// How the joint of a front is most likely made, from its shape and where its handle is (§7.4): handle along
 /// the top or middle of a wide front = drawer; upright near one edge = door hinged at the other; along the
 /// top of a tall low front = flap. Without a fixture the type is open: probabilities say so.
+/// The axis, hinge and limits are those of the most probable mounting of the most probable type; where
+/// another mounting of that type may be meant (hinge on the other side), the uncertainties contain it. A
+/// known `front.appliance` counts (an oven has a flap).
 JointEstimate joint_prior(const Front& front);
+
+/// What a front that moves so is called: "drawer", "door" (upright hinge), "flap" (level hinge); "front" when
+/// it does not move.
+std::string front_class(const Front& front, const JointEstimate& joint);
 
 /// A recorded motion: positions, and orientations where they were measured.
 struct Track {

@@ -1,0 +1,17 @@
+#include "mapping/world/furniture.h"
+
+namespace loci {
+
+const char* joint_estimate_type_name(JointEstimate::Type type) {
+  switch (type) {
+    case JointEstimate::Type::rigid:
+      return "rigid";
+    case JointEstimate::Type::prismatic:
+      return "prismatic";
+    case JointEstimate::Type::revolute:
+      return "revolute";
+  }
+  return "rigid";
+}
+
+}  // namespace loci
