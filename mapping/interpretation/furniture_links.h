@@ -6,15 +6,29 @@
 
 namespace loci {
 
-/// Writes a front as links, joints and sidecar entries below `parent`: a drawer as the prototype of §7.5
-/// (front, two sides, back, bottom, handle under one prismatic joint), a door or flap under its hinge, a
-/// front without joint fixed; every link with visual, collision and inertia. Joint names are LINK_joint.
+/// Writes a front as links, joints and sidecar entries below `parent` (§7.5); every link with geometry has
+/// visual, collision and inertia, joint names are LINK_joint, 0 is closed.
+///  - A drawer NAME becomes the prototype: NAME_front (the front's frame) under one prismatic joint, fixed to
+///    it NAME_left, NAME_right, NAME_back, NAME_bottom (a support) and NAME_handle or NAME_knob. Left is left
+///    as seen from the furniture, +y of the front's frame.
+///  - A door or flap NAME is the link NAME whose frame has the origin in the hinge, under a revolute joint;
+///    NAME_front is the front's frame without geometry, and carries NAME_handle or NAME_knob.
+///  - A front without joint, or with a rigid one, is the link NAME, fixed, in the front's frame.
+/// Limits that are not known (upper = lower) become the usual ones. Error for a front without name or size,
+/// or whose name is taken.
 void add_front(const Front& front, const std::string& parent, World& world, SemanticMap& semantics);
 
-/// Takes a front's links, joints and entries out again; what it gets instead keeps its name.
+/// Takes a front's links, joints and entries out again; what it gets instead keeps its name. Error when there
+/// is none of this name.
 void remove_front(const std::string& name, World& world, SemanticMap& semantics);
 
-/// The fronts of a map, as add_front() wrote them or as other tools' URDF with a sidecar tells.
+/// The link that carries a front's sidecar entry and moves, by the front's base name ("drawer_3" →
+/// "drawer_3_front", "door_2" → "door_2"); unset when the map has no such front.
+std::optional<std::string> front_link(const std::string& name, const SemanticMap& semantics);
+
+/// The fronts of a map in the order of their links' names, as add_front() wrote them or as other tools' URDF
+/// with a sidecar tells: rectangle, fixture and evidence from the sidecar, joint from the URDF. Error for a
+/// sidecar entry that lacks what its class needs.
 std::vector<Front> fronts_of(const World& world, const SemanticMap& semantics);
 
 }  // namespace loci

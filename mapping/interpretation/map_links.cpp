@@ -4,69 +4,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "mapping/interpretation/link_parts.h"
+
 namespace loci {
 namespace {
 
 constexpr double kWallThickness = 0.05;  // m; not measured
-constexpr double kDensity = 600;         // kg/m³, as of wood: the map is to run in a physics simulator
 constexpr const char* kRoot = "map";
-
-struct Block {
-  Vector3d centre;  ///< in the link's frame
-  Vector3d size;
-};
-
-Rgba color_of(const std::string& class_name) {
-  if (class_name == "floor") return {0.75F, 0.72F, 0.68F, 1};
-  if (class_name == "ceiling") return {0.95F, 0.95F, 0.95F, 1};
-  if (class_name == "wall") return {0.88F, 0.87F, 0.84F, 1};
-  if (class_name == "table") return {0.72F, 0.52F, 0.32F, 1};
-  if (class_name == "counter") return {0.45F, 0.48F, 0.52F, 1};
-  return {0.62F, 0.45F, 0.35F, 1};
-}
-
-/// Solid blocks of one density about their common centre of mass, axes of the link.
-Inertial inertia_of(const std::vector<Block>& blocks) {
-  Inertial inertial;
-  Vector3d weighted = Vector3d::Zero();
-  for (const Block& block : blocks) {
-    const double mass = kDensity * block.size.prod();
-    inertial.mass += mass;
-    weighted += mass * block.centre;
-  }
-  const Vector3d centre = weighted / inertial.mass;
-  inertial.link_from_inertial.translation() = centre;
-  for (const Block& block : blocks) {
-    const double mass = kDensity * block.size.prod();
-    const Vector3d squares = block.size.cwiseProduct(block.size);
-    inertial.inertia += mass / 12 * Eigen::Matrix3d((squares.sum() - squares.array()).matrix().asDiagonal());
-    const Vector3d offset = block.centre - centre;
-    inertial.inertia +=
-        mass * (offset.squaredNorm() * Eigen::Matrix3d::Identity() - offset * offset.transpose());
-  }
-  return inertial;
-}
-
-void add_link(World& world, const std::string& name, const std::string& class_name,
-              const Isometry3d& map_from_link, const std::vector<Block>& blocks) {
-  Link link;
-  link.name = name;
-  for (const Block& block : blocks) {
-    Isometry3d link_from_block = Isometry3d::Identity();
-    link_from_block.translation() = block.centre;
-    link.visuals.push_back(
-        {"", link_from_block, Box{block.size}, Material{class_name, color_of(class_name), ""}});
-    link.collisions.push_back({"", link_from_block, Box{block.size}});
-  }
-  link.inertial = inertia_of(blocks);
-  world.links.push_back(std::move(link));
-  Joint joint;
-  joint.name = name + "_joint";
-  joint.parent = kRoot;
-  joint.child = name;
-  joint.parent_from_joint = map_from_link;
-  world.joints.push_back(std::move(joint));
-}
 
 double rounded(double value) {
   return std::round(value * 1e4) / 1e4;
@@ -100,9 +44,9 @@ void add_level(const RecognisedRoom& room, const LevelPlane& plane, const std::s
   const Eigen::Rotation2Dd map_from_room(room.yaw);
   const Vector2d size = plane.extent.size();
   const double middle = class_name == "floor" ? -kWallThickness / 2 : kWallThickness / 2;
-  add_link(map.world, class_name, class_name,
+  add_link(map.world, class_name, class_name, kRoot,
            pose_at(map_from_room * plane.extent.centre(), plane.height, room.yaw),
-           {{{0, 0, middle}, {size.x(), size.y(), kWallThickness}}});
+           {box_part({0, 0, middle}, {size.x(), size.y(), kWallThickness})});
   const Extent& e = plane.extent;
   SemanticLink link;
   link.class_name = class_name;
@@ -122,8 +66,8 @@ void add_wall(const VerticalPlane& wall, const std::string& name, InterpretedMap
   const Vector2d middle = wall.at((wall.along_min + wall.along_max) / 2);
   const double yaw = std::atan2(wall.normal.y(), wall.normal.x());
   const double height = wall.top - wall.bottom;
-  add_link(map.world, name, "wall", pose_at(middle, (wall.top + wall.bottom) / 2, yaw),
-           {{{-kWallThickness / 2, 0, 0}, {kWallThickness, wall.length(), height}}});
+  add_link(map.world, name, "wall", kRoot, pose_at(middle, (wall.top + wall.bottom) / 2, yaw),
+           {box_part({-kWallThickness / 2, 0, 0}, {kWallThickness, wall.length(), height})});
   SemanticLink link;
   link.class_name = "wall";
   link.confidence = capped(0.4 + 0.3 * std::min(1.0, wall.area / 3) + 0.2 * (1 - wall.behind) +
@@ -183,14 +127,14 @@ void add_support(const RecognisedRoom& room, const Support& support, const std::
     parts.push_back({a.cwiseMin(b), a.cwiseMax(b)});
     all = {all.min.cwiseMin(parts.back().min), all.max.cwiseMax(parts.back().max)};
   }
-  std::vector<Block> blocks;
+  std::vector<LinkPart> blocks;
   for (const Extent& part : parts) {
     const Vector2d centre = part.centre() - all.centre();
-    blocks.push_back({{centre.x(), centre.y(), -options.slab_thickness_m / 2},
-                      {part.size().x(), part.size().y(), options.slab_thickness_m}});
+    blocks.push_back(box_part({centre.x(), centre.y(), -options.slab_thickness_m / 2},
+                              {part.size().x(), part.size().y(), options.slab_thickness_m}));
   }
   const Isometry3d map_from_link = pose_at(Eigen::Rotation2Dd(yaw) * all.centre(), support.height, yaw);
-  add_link(map.world, name, support.class_name, map_from_link, blocks);
+  add_link(map.world, name, support.class_name, kRoot, map_from_link, blocks);
   SemanticLink link;
   link.class_name = support.class_name;
   link.confidence = confidence_of(support, room.free_space);

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mapping/world/world.h"
+
+namespace loci {
+
+constexpr double kWoodDensity = 600;    // kg/m³
+constexpr double kSteelDensity = 7800;  // kg/m³
+
+/// A solid piece of a link: seen, touched and weighed alike.
+struct LinkPart {
+  Geometry shape;  ///< box or cylinder
+  Isometry3d link_from_part = Isometry3d::Identity();
+  double density = kWoodDensity;  ///< kg/m³
+};
+
+/// A box with its centre at a point of the link, in the link's axes.
+LinkPart box_part(const Vector3d& centre, const Vector3d& size);
+
+/// A cylinder between two points of the link.
+LinkPart rod_part(const Vector3d& from, const Vector3d& to, double radius, double density);
+
+/// Mass, centre of mass and inertia of solid parts; positive definite where a part has a volume.
+Inertial inertial_of(const std::vector<LinkPart>& parts);
+
+/// What links of a class look like.
+Rgba color_of(const std::string& class_name);
+
+/// Appends a link with visual and collision geometry and inertia, fixed to its parent by LINK_joint; the
+/// joint may be changed afterwards. A link without parts is a frame.
+Joint& add_link(World& world, const std::string& name, const std::string& class_name,
+                const std::string& parent, const Isometry3d& parent_from_link,
+                const std::vector<LinkPart>& parts);
+
+}  // namespace loci

@@ -1,0 +1,266 @@
+#include "mapping/interpretation/furniture_links.h"
+
+#include <gmock/gmock.h>
+
+#include <Eigen/Eigenvalues>
+
+#include "mapping/base/error.h"
+#include "mapping/base/files.h"
+#include "mapping/world/kinematics.h"
+#include "mapping/world/urdf.h"
+
+namespace loci {
+namespace {
+
+using ::testing::UnorderedElementsAre;
+
+struct Map {
+  World world;
+  SemanticMap semantics;
+
+  Map() {
+    world.name = "map";
+    world.root = "map";
+    world.links.resize(2);
+    world.links[0].name = "map";
+    world.links[1].name = "counter_1";
+    Joint joint;
+    joint.name = "counter_1_joint";
+    joint.parent = "map";
+    joint.child = "counter_1";
+    joint.parent_from_joint = Eigen::Translation3d(1, 2, 0.9) * Eigen::AngleAxisd(0.7, Vector3d::UnitZ());
+    world.joints = {joint};
+  }
+
+  Isometry3d pose(const std::string& link, const JointState& state = {}) const {
+    return root_from_links(world, state)[world.link_index(link)];
+  }
+  std::vector<std::string> links() const {
+    std::vector<std::string> names;
+    for (const Link& link : world.links) names.push_back(link.name);
+    return names;
+  }
+};
+
+Front a_front(const std::string& name) {
+  Front front;
+  front.name = name;
+  front.class_name = name.substr(0, name.find('_'));
+  front.normal = Vector3d(0.6, -0.8, 0);
+  front.centre = Vector3d(1.3, 1.7, 0.61);
+  front.width = 0.6;
+  front.height = 0.2;
+  front.depth = 0.45;
+  front.depth_measured = true;
+  front.appliance = "oven";
+  front.confidence = 0.83;
+  front.evidence = {{"inliers", 412}, {"scans", {0, 3}}};
+  Fixture bar;
+  bar.centre = front.centre + 0.035 * front.normal + Vector3d(0, 0, 0.05);
+  bar.axis = front.right();
+  bar.length = 0.16;
+  bar.radius = 0.007;
+  bar.protrusion = 0.035;
+  bar.confidence = 0.9;
+  bar.evidence = {{"inliers", 61}};
+  front.fixture = bar;
+  return front;
+}
+
+Front a_drawer() {
+  Front front = a_front("drawer_3");
+  JointEstimate joint;
+  joint.type = JointEstimate::Type::prismatic;
+  joint.probabilities = {0.05, 0.9, 0.05};
+  // Real drawers run a few degrees off their front's normal.
+  joint.axis = Eigen::AngleAxisd(0.04, Vector3d::UnitZ()) * front.normal;
+  joint.upper = 0.4;
+  joint.axis_sd_deg = 1.5;
+  joint.evidence = "interaction";
+  front.joint = joint;
+  return front;
+}
+
+Front a_door() {
+  Front front = a_front("door_2");
+  front.height = 0.7;
+  JointEstimate joint;
+  joint.type = JointEstimate::Type::revolute;
+  joint.probabilities = {0.1, 0.2, 0.7};
+  joint.axis = Vector3d::UnitZ();
+  joint.origin = front.centre - 0.3 * front.right();
+  joint.upper = 1.5;
+  joint.origin_sd_m = 0.02;
+  front.joint = joint;
+  front.fixture->kind = Fixture::Kind::knob;
+  front.fixture->axis = front.normal;
+  front.fixture->length = 0.03;
+  front.fixture->radius = 0.015;
+  return front;
+}
+
+void expect_equal(const Front& a, const Front& b) {
+  constexpr double kEqual = 1e-9;
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.class_name, b.class_name);
+  EXPECT_EQ(a.centre, b.centre);
+  EXPECT_EQ(a.normal, b.normal);
+  EXPECT_EQ(a.up, b.up);
+  EXPECT_EQ(a.width, b.width);
+  EXPECT_EQ(a.height, b.height);
+  EXPECT_EQ(a.depth, b.depth);
+  EXPECT_EQ(a.depth_measured, b.depth_measured);
+  EXPECT_EQ(a.appliance, b.appliance);
+  EXPECT_EQ(a.confidence, b.confidence);
+  EXPECT_EQ(a.evidence, b.evidence);
+  ASSERT_EQ(a.fixture.has_value(), b.fixture.has_value());
+  if (a.fixture) {
+    EXPECT_EQ(a.fixture->kind, b.fixture->kind);
+    EXPECT_EQ(a.fixture->centre, b.fixture->centre);
+    EXPECT_EQ(a.fixture->axis, b.fixture->axis);
+    EXPECT_EQ(a.fixture->length, b.fixture->length);
+    EXPECT_EQ(a.fixture->radius, b.fixture->radius);
+    EXPECT_EQ(a.fixture->protrusion, b.fixture->protrusion);
+    EXPECT_EQ(a.fixture->confidence, b.fixture->confidence);
+    EXPECT_EQ(a.fixture->evidence, b.fixture->evidence);
+  }
+  ASSERT_EQ(a.joint.has_value(), b.joint.has_value());
+  if (a.joint) {
+    EXPECT_EQ(a.joint->type, b.joint->type);
+    EXPECT_EQ(a.joint->probabilities, b.joint->probabilities);
+    EXPECT_EQ(a.joint->evidence, b.joint->evidence);
+    EXPECT_LT((a.joint->axis - b.joint->axis).norm(), kEqual);
+    EXPECT_LT((a.joint->origin - b.joint->origin).norm(), kEqual);
+    EXPECT_NEAR(a.joint->lower, b.joint->lower, kEqual);
+    EXPECT_NEAR(a.joint->upper, b.joint->upper, kEqual);
+    EXPECT_EQ(a.joint->axis_sd_deg, b.joint->axis_sd_deg);
+    EXPECT_EQ(a.joint->origin_sd_m, b.joint->origin_sd_m);
+  }
+}
+
+TEST(FurnitureLinks, DrawerBecomesThePrototypeUnderOneJoint) {
+  Map map;
+  add_front(a_drawer(), "counter_1", map.world, map.semantics);
+  EXPECT_THAT(map.links(),
+              UnorderedElementsAre("map", "counter_1", "drawer_3_front", "drawer_3_left", "drawer_3_right",
+                                   "drawer_3_back", "drawer_3_bottom", "drawer_3_handle"));
+  for (const Joint& joint : map.world.joints) {
+    EXPECT_EQ(joint.name, joint.child + "_joint");
+    EXPECT_EQ(joint.type != JointType::fixed, joint.child == "drawer_3_front");
+  }
+  const std::map<std::string, std::string> classes = {
+      {"drawer_3_front", "drawer"},         {"drawer_3_left", "drawer_side"},
+      {"drawer_3_right", "drawer_side"},    {"drawer_3_back", "drawer_side"},
+      {"drawer_3_bottom", "drawer_bottom"}, {"drawer_3_handle", "handle"}};
+  ASSERT_EQ(map.semantics.links.size(), classes.size());
+  for (const auto& [name, class_name] : classes)
+    EXPECT_EQ(map.semantics.links.at(name).class_name, class_name);
+}
+
+TEST(FurnitureLinks, FrontFrameHasXOutwardAndZUpInTheCentre) {
+  for (const Front& front : {a_drawer(), a_door(), a_front("front_1")}) {
+    Map map;
+    add_front(front, "counter_1", map.world, map.semantics);
+    const std::string frame = front.class_name == "front" ? front.name : front.name + "_front";
+    const Isometry3d pose = map.pose(frame);
+    EXPECT_LT((pose.translation() - front.centre).norm(), 1e-12) << frame;
+    EXPECT_LT((pose.linear().col(0) - front.normal).norm(), 1e-12) << frame;
+    EXPECT_LT((pose.linear().col(2) - front.up).norm(), 1e-12) << frame;
+  }
+}
+
+TEST(FurnitureLinks, OpeningMovesDrawerAlongItsAxisWithAllThatBelongsToIt) {
+  Map map;
+  const Front drawer = a_drawer();
+  add_front(drawer, "counter_1", map.world, map.semantics);
+  for (const char* part : {"_front", "_left", "_right", "_back", "_bottom", "_handle"}) {
+    const Vector3d moved =
+        map.pose("drawer_3" + std::string(part), {{"drawer_3_front_joint", 0.3}}).translation() -
+        map.pose("drawer_3" + std::string(part)).translation();
+    EXPECT_LT((moved - 0.3 * drawer.joint->axis).norm(), 1e-12) << part;
+  }
+}
+
+TEST(FurnitureLinks, OpeningTurnsDoorAboutItsHinge) {
+  Map map;
+  const Front door = a_door();
+  add_front(door, "counter_1", map.world, map.semantics);
+  const Isometry3d turn = Eigen::Translation3d(door.joint->origin) *
+                          Eigen::AngleAxisd(0.8, door.joint->axis) *
+                          Eigen::Translation3d(-door.joint->origin);
+  for (const char* part : {"door_2", "door_2_front", "door_2_knob"})
+    EXPECT_TRUE(map.pose(part, {{"door_2_joint", 0.8}}).isApprox(turn * map.pose(part), 1e-12)) << part;
+}
+
+TEST(FurnitureLinks, EveryLinkWithGeometryCanBeSimulated) {
+  Map map;
+  add_front(a_drawer(), "counter_1", map.world, map.semantics);
+  add_front(a_door(), "counter_1", map.world, map.semantics);
+  add_front(a_front("front_1"), "counter_1", map.world, map.semantics);
+  for (const Link& link : map.world.links) {
+    EXPECT_EQ(link.visuals.size(), link.collisions.size()) << link.name;
+    EXPECT_EQ(link.visuals.empty(), !link.inertial.has_value()) << link.name;
+    if (!link.inertial) continue;
+    EXPECT_GT(link.inertial->mass, 0.01) << link.name;
+    const Eigen::Vector3d moments =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(link.inertial->inertia).eigenvalues();
+    EXPECT_GT(moments.x(), 0) << link.name;
+    EXPECT_GT(moments.x() + moments.y(), moments.z() * (1 - 1e-9)) << link.name;  // of a real body
+  }
+}
+
+TEST(FurnitureLinks, FrontsComeBackAsTheyWereWritten) {
+  Map map;
+  const std::vector<Front> fronts = {a_door(), a_drawer(), a_front("front_1")};
+  for (const Front& front : fronts) add_front(front, "counter_1", map.world, map.semantics);
+  const std::vector<Front> back = fronts_of(map.world, map.semantics);
+  ASSERT_EQ(back.size(), fronts.size());
+  for (size_t i = 0; i < fronts.size(); ++i) expect_equal(fronts[i], back[i]);
+}
+
+TEST(FurnitureLinks, FrontsSurviveTheFiles) {
+  Map map;
+  add_front(a_door(), "counter_1", map.world, map.semantics);
+  add_front(a_drawer(), "counter_1", map.world, map.semantics);
+  const World world = parse_urdf(urdf_text(map.world), "map.urdf");
+  const SemanticMap semantics =
+      semantic_map_from_json(parse_json(to_json(map.semantics).dump(), "map.json"), "map.json");
+  const std::vector<Front> back = fronts_of(world, semantics);
+  ASSERT_EQ(back.size(), 2U);
+  expect_equal(a_door(), back[0]);
+  expect_equal(a_drawer(), back[1]);
+}
+
+TEST(FurnitureLinks, RemovingLeavesTheMapAsItWas) {
+  Map map;
+  add_front(a_front("front_1"), "counter_1", map.world, map.semantics);
+  const std::string before = urdf_text(map.world) + to_json(map.semantics).dump();
+  for (const Front& front : {a_drawer(), a_door()}) {
+    add_front(front, "counter_1", map.world, map.semantics);
+    remove_front(front.name, map.world, map.semantics);
+    EXPECT_EQ(urdf_text(map.world) + to_json(map.semantics).dump(), before);
+  }
+  EXPECT_THROW(remove_front("drawer_3", map.world, map.semantics), Error);
+}
+
+TEST(FurnitureLinks, NameIsTakenOnce) {
+  Map map;
+  add_front(a_drawer(), "counter_1", map.world, map.semantics);
+  EXPECT_THROW(add_front(a_drawer(), "counter_1", map.world, map.semantics), Error);
+}
+
+TEST(FurnitureLinks, ReadsTheDrawersOfASampleMadeByHand) {
+  const std::filesystem::path urdf = std::filesystem::path(LOCI_SOURCE_DIR) / "apps/samples/kitchen.urdf";
+  const std::vector<Front> fronts = fronts_of(read_urdf(urdf), read_semantic_map(sidecar_path(urdf)));
+  ASSERT_EQ(fronts.size(), 3U);
+  EXPECT_EQ(fronts[0].name, "drawer_1");
+  ASSERT_TRUE(fronts[0].joint && fronts[0].fixture);
+  EXPECT_EQ(fronts[0].joint->type, JointEstimate::Type::prismatic);
+  EXPECT_LT((fronts[0].joint->axis - Vector3d(0, -1, 0)).norm(), 1e-6);
+  EXPECT_NEAR(fronts[0].joint->upper, 0.5, 1e-12);
+  EXPECT_NEAR(fronts[0].fixture->length, 0.24, 1e-12);
+  EXPECT_NEAR(fronts[0].fixture->protrusion, 0.035, 1e-9);
+}
+
+}  // namespace
+}  // namespace loci
