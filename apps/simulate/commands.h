@@ -5,5 +5,6 @@
 namespace loci {
 
 Command record_command();
+Command scan_command();
 
 }  // namespace loci

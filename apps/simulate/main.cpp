@@ -3,6 +3,6 @@
 int main(int argc, char** argv) {
   loci::Program program("loci-simulate", "Makes worlds and recordings with ground truth.");
   program.add(loci::record_command());
-  program.add_planned("scan", "Scans a world with a simulated laser");
+  program.add(loci::scan_command());
   return program.run(argc, argv);
 }

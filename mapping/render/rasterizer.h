@@ -14,7 +14,7 @@ namespace loci::render_detail {
 struct Chunk {
   std::vector<Eigen::Vector3f> vertices;  ///< link frame, metres
   std::vector<std::array<uint32_t, 3>> triangles;
-  std::vector<std::array<uint8_t, 3>> colors;        ///< BGR, one for all or one per triangle
+  std::vector<std::array<uint8_t, 3>> colors;        ///< RGB, one for all or one per triangle
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of the bounding sphere, link frame
   double radius = 0;
   size_t link = 0;              ///< link id

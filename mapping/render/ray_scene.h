@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <memory>
 #include <string>
@@ -17,10 +18,23 @@ struct RayHit {
   int link = -1;                                     ///< index into RayScene::link_names(), -1 = nothing
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, map frame, towards the ray's origin
   std::array<uint8_t, 3> color{};                    ///< red, green, blue of the material
+  bool glossy = false;                               ///< mirrors rather than scatters, see glossy_material()
 };
 
+/// The surface point that is nearest to another point.
+struct NearestSurface {
+  int link = -1;  ///< index into RayScene::link_names(), -1 = nothing within reach
+  double distance = 0;
+  Vector3d point = Vector3d::Zero();  ///< map frame
+};
+
+/// URDF cannot say that a material is shiny, so its name does: one that contains "glossy", "glass", "mirror"
+/// or "chrome" (in any case) is.
+bool glossy_material(const std::string& name);
+
 /// Worlds for ray casting (Embree): for lasers, and to check the rasteriser. Its sibling for whole pictures
-/// is RenderScene; parts, joints and names work alike.
+/// is RenderScene; parts, joints and names work alike. Links that no joint moves against each other share one
+/// search tree, so that moving a joint costs microseconds, whatever it carries.
 class RayScene {
  public:
   RayScene();
@@ -33,9 +47,18 @@ class RayScene {
   size_t add(const std::string& name, const TriangleMesh& mesh, const Isometry3d& map_from_mesh);
   void set_joints(size_t part, const JointState& state);
   const std::vector<std::string>& link_names() const;
+  Isometry3d map_from_link(size_t link) const;
+  /// Of all that was added, map frame; may be empty.
+  Eigen::AlignedBox3d bounds() const;
 
   /// Casts a ray; `direction` is a unit vector. Safe to call from several threads at once.
   RayHit cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float range_max) const;
+
+  /// A link whose surface reaches into an upright cylinder; -1 = none does. Looks at every triangle: for now
+  /// and then.
+  int link_in_cylinder(const Vector2d& centre, double radius, double z_min, double z_max) const;
+  /// The surface that is nearest to a point, within `radius`. Looks at every triangle, too.
+  NearestSurface nearest(const Vector3d& point, double radius) const;
 
  private:
   struct Impl;

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
-#include <unordered_map>
 
 #include "mapping/base/parallel.h"
 #include "mapping/render/rasterizer.h"
+#include "mapping/render/scene_parts.h"
 
 namespace loci {
 
@@ -19,14 +18,6 @@ using render_detail::Raster;
 namespace {
 
 constexpr size_t kChunkTriangles = 1024;
-constexpr float kDefaultGrey = 0.7f;
-
-std::array<uint8_t, 3> bgr_from(const Rgba& color) {
-  const auto byte = [](float value) {
-    return static_cast<uint8_t>(std::lround(std::clamp(value, 0.f, 1.f) * 255.f));
-  };
-  return {byte(color[2]), byte(color[1]), byte(color[0])};
-}
 
 void bound(Chunk& chunk) {
   Eigen::AlignedBox3d box;
@@ -44,15 +35,15 @@ void append_chunks(const TriangleMesh& mesh, const Isometry3d& link_from_mesh,
   vertices.reserve(mesh.vertices.size());
   for (const Eigen::Vector3f& vertex : mesh.vertices)
     vertices.push_back((link_from_mesh * vertex.cast<double>()).cast<float>());
-  const Rgba plain = color.value_or(Rgba(kDefaultGrey, kDefaultGrey, kDefaultGrey, 1));
-  const bool own_colors = !color && mesh.colors.size() == mesh.triangles.size();
+  const std::vector<std::array<uint8_t, 3>> colors = render_detail::triangle_colors(mesh, color);
+  const bool own_colors = colors.size() == mesh.triangles.size();
   std::vector<uint32_t> local(vertices.size(), kNoTriangle);
   for (size_t begin = 0; begin < mesh.triangles.size(); begin += kChunkTriangles) {
     const size_t end = std::min(begin + kChunkTriangles, mesh.triangles.size());
     Chunk chunk;
     chunk.link = link;
     chunk.first_triangle = triangle_count;
-    if (!own_colors) chunk.colors = {bgr_from(plain)};
+    if (!own_colors) chunk.colors = colors;
     std::vector<uint32_t> used;
     for (size_t i = begin; i < end; ++i) {
       std::array<uint32_t, 3> triangle{};
@@ -66,7 +57,7 @@ void append_chunks(const TriangleMesh& mesh, const Isometry3d& link_from_mesh,
         triangle[k] = index;
       }
       chunk.triangles.push_back(triangle);
-      if (own_colors) chunk.colors.push_back(bgr_from(mesh.colors[i]));
+      if (own_colors) chunk.colors.push_back(colors[i]);
     }
     for (const uint32_t vertex : used) local[vertex] = kNoTriangle;
     triangle_count += static_cast<uint32_t>(end - begin);
@@ -78,79 +69,15 @@ void append_chunks(const TriangleMesh& mesh, const Isometry3d& link_from_mesh,
 }  // namespace
 
 struct RenderScene::Impl {
-  struct Part {
-    World world;  ///< kept for its joints; a free mesh is a world of one link
-    Isometry3d map_from_part = Isometry3d::Identity();
-    std::vector<Isometry3d> part_from_links;
-    size_t first_link = 0;
-    bool visible = true;
-  };
-
-  std::vector<Part> parts;
+  render_detail::SceneParts parts;
   std::vector<Chunk> chunks;
-  std::vector<std::string> names;    ///< by link id, as shown
-  std::vector<size_t> part_of_link;  ///< by link id
   uint32_t triangle_count = 0;
-
-  struct Uses {
-    size_t first = 0;  ///< link id
-    size_t count = 0;
-  };
-  std::unordered_map<std::string, Uses> bare_uses;  ///< by "LINK"
-  std::unordered_map<std::string, Uses> full_uses;  ///< by "WORLD/LINK"
-
-  Part& part(size_t number) {
-    if (number >= parts.size()) throw Error("the scene has no part " + std::to_string(number));
-    return parts[number];
-  }
-
-  size_t add_part(Part added) {
-    added.first_link = part_of_link.size();
-    added.part_from_links = root_from_links(added.world, {});
-    part_of_link.insert(part_of_link.end(), added.world.links.size(), parts.size());
-    parts.push_back(std::move(added));
-    for (size_t link = names.size(); link < part_of_link.size(); ++link) name_link(link);
-    return parts.size() - 1;
-  }
-
-  void name_link(size_t link);
-
-  Isometry3d map_from_link(size_t link) const {
-    const Part& part = parts[part_of_link[link]];
-    return part.map_from_part * part.part_from_links[link - part.first_link];
-  }
 
   std::vector<PlacedChunk> visible_chunks(const std::vector<Isometry3d>& camera_from_links) const;
   void shade(const Raster& raster, const PinholeCamera& camera,
              const std::vector<Isometry3d>& camera_from_links, const RenderOptions& options, size_t row_begin,
              size_t row_end, RenderedView& view) const;
 };
-
-/// Names the last link: its own name; where that repeats the world's name in front; where that repeats, too,
-/// the part's number. A link that had a name alone until now is named again.
-void RenderScene::Impl::name_link(size_t link) {
-  const auto full_name = [&](size_t id) {
-    const Part& part = parts[part_of_link[id]];
-    return part.world.name + "/" + part.world.links[id - part.first_link].name;
-  };
-  const auto bare_name = [&](size_t id) {
-    const Part& part = parts[part_of_link[id]];
-    return part.world.links[id - part.first_link].name;
-  };
-  const auto name = [&](size_t id) {
-    if (bare_uses[bare_name(id)].count == 1) return bare_name(id);
-    if (full_uses[full_name(id)].count == 1) return full_name(id);
-    const Part& part = parts[part_of_link[id]];
-    return part.world.name + "#" + std::to_string(part_of_link[id]) + "/" + bare_name(id);
-  };
-  Uses& bare = bare_uses.try_emplace(bare_name(link), Uses{link, 0}).first->second;
-  Uses& full = full_uses.try_emplace(full_name(link), Uses{link, 0}).first->second;
-  ++bare.count;
-  ++full.count;
-  names.push_back(name(link));
-  if (bare.count == 2) names[bare.first] = name(bare.first);
-  if (full.count == 2) names[full.first] = name(full.first);
-}
 
 /// Nearest first, so that what is near hides what is behind before that is drawn.
 std::vector<PlacedChunk> RenderScene::Impl::visible_chunks(
@@ -159,7 +86,7 @@ std::vector<PlacedChunk> RenderScene::Impl::visible_chunks(
   sorted.reserve(chunks.size());
   for (size_t i = 0; i < chunks.size(); ++i) {
     const Chunk& chunk = chunks[i];
-    if (!parts[part_of_link[chunk.link]].visible) continue;
+    if (!parts.part_of_link(chunk.link).visible) continue;
     const double z = (camera_from_links[chunk.link] * chunk.centre).z();
     if (z + chunk.radius > 0) sorted.emplace_back(z - chunk.radius, i);
   }
@@ -206,9 +133,9 @@ void RenderScene::Impl::shade(const Raster& raster, const PinholeCamera& camera,
                                            static_cast<float>(towards.z())};
       }
       if (options.colors) {
-        const auto& bgr =
+        const auto& rgb =
             chunk->colors.size() == 1 ? chunk->colors[0] : chunk->colors[triangle - chunk->first_triangle];
-        view.color.at<cv::Vec3b>(v, u) = {bgr[0], bgr[1], bgr[2]};
+        view.color.at<cv::Vec3b>(v, u) = {rgb[2], rgb[1], rgb[0]};
       }
     }
   }
@@ -221,59 +148,41 @@ RenderScene& RenderScene::operator=(RenderScene&&) noexcept = default;
 
 size_t RenderScene::add(const World& world, const MeshSearch& search, const Isometry3d& map_from_root,
                         Warnings& warnings) {
-  const size_t number = impl_->add_part({world, map_from_root, {}, 0, true});
-  const size_t first_link = impl_->parts[number].first_link;
-  std::map<std::string, TriangleMesh> loaded;  // A mesh is often used many times.
-  for (size_t i = 0; i < world.links.size(); ++i)
-    for (const Visual& visual : world.links[i].visuals) {
-      TriangleMesh own;
-      const TriangleMesh* triangles = &own;
-      if (const Mesh* mesh = std::get_if<Mesh>(&visual.geometry)) {
-        const Vector3d& s = mesh->scale;
-        const std::string key = mesh->uri + " " + std::to_string(s.x()) + " " + std::to_string(s.y()) + " " +
-                                std::to_string(s.z());
-        if (!loaded.contains(key)) loaded[key] = load_mesh(*mesh, search, warnings);
-        triangles = &loaded[key];
-      } else {
-        own = triangulate(visual.geometry, search, warnings);
-      }
-      append_chunks(*triangles, visual.link_from_visual,
-                    visual.material ? visual.material->color : std::nullopt, first_link + i,
-                    impl_->triangle_count, impl_->chunks);
-    }
+  const size_t number = impl_->parts.add(world, map_from_root);
+  const size_t first_link = impl_->parts.part(number).first_link;
+  const auto append = [&](size_t link, const Visual& visual, const TriangleMesh& mesh) {
+    append_chunks(mesh, visual.link_from_visual, visual.material ? visual.material->color : std::nullopt,
+                  first_link + link, impl_->triangle_count, impl_->chunks);
+  };
+  render_detail::for_each_visual(world, search, warnings, append);
   return number;
 }
 
 size_t RenderScene::add(const std::string& name, const TriangleMesh& mesh, const Isometry3d& map_from_mesh) {
-  World world;
-  world.name = world.root = name;
-  world.links.emplace_back().name = name;
-  const size_t number = impl_->add_part({std::move(world), map_from_mesh, {}, 0, true});
-  append_chunks(mesh, Isometry3d::Identity(), std::nullopt, impl_->parts[number].first_link,
+  const size_t number = impl_->parts.add(name, map_from_mesh);
+  append_chunks(mesh, Isometry3d::Identity(), std::nullopt, impl_->parts.part(number).first_link,
                 impl_->triangle_count, impl_->chunks);
   return number;
 }
 
 void RenderScene::set_joints(size_t part, const JointState& state) {
-  Impl::Part& changed = impl_->part(part);
-  changed.part_from_links = root_from_links(changed.world, state);
+  impl_->parts.set_joints(part, state);
 }
 
 void RenderScene::set_pose(size_t part, const Isometry3d& map_from_part) {
-  impl_->part(part).map_from_part = map_from_part;
+  impl_->parts.part(part).map_from_part = map_from_part;
 }
 
 void RenderScene::set_visible(size_t part, bool visible) {
-  impl_->part(part).visible = visible;
+  impl_->parts.part(part).visible = visible;
 }
 
 const std::vector<std::string>& RenderScene::link_names() const {
-  return impl_->names;
+  return impl_->parts.names();
 }
 
 Isometry3d RenderScene::map_from_link(size_t link) const {
-  if (link >= impl_->part_of_link.size()) throw Error("the scene has no link " + std::to_string(link));
-  return impl_->map_from_link(link);
+  return impl_->parts.map_from_link(link);
 }
 
 RenderedView RenderScene::render(const PinholeCamera& camera, const Isometry3d& map_from_camera,
@@ -290,9 +199,9 @@ RenderedView RenderScene::render(const PinholeCamera& camera, const Isometry3d& 
 
   const Isometry3d camera_from_map = map_from_camera.inverse();
   std::vector<Isometry3d> camera_from_links;
-  camera_from_links.reserve(impl_->part_of_link.size());
-  for (size_t link = 0; link < impl_->part_of_link.size(); ++link)
-    camera_from_links.push_back(camera_from_map * impl_->map_from_link(link));
+  camera_from_links.reserve(impl_->parts.names().size());
+  for (size_t link = 0; link < impl_->parts.names().size(); ++link)
+    camera_from_links.push_back(camera_from_map * impl_->parts.map_from_link(link));
   const std::vector<PlacedChunk> chunks = impl_->visible_chunks(camera_from_links);
   const size_t pixels = static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height);
   Raster raster{std::vector<float>(pixels, 0.f), std::vector<uint32_t>(pixels, kNoTriangle)};

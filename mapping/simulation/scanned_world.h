@@ -8,16 +8,16 @@
 
 #include "mapping/base/error.h"
 #include "mapping/sensor/laser.h"
+#include "mapping/simulation/laser_sweep.h"
 #include "mapping/world/world.h"
 
 namespace loci {
 
-class RayScene;
-
 struct ScannedWorldOptions {
   std::vector<std::filesystem::path> package_paths = {};  ///< where package:// is looked for
-  std::optional<double> floor = 0;                        ///< height of a floor to add; unset = none
-  std::optional<double> ceiling;                          ///< height of a ceiling to add
+  /// Heights of a floor and a ceiling to add, as large as the world; unset = none. A world that has a link
+  /// of that name keeps its own.
+  std::optional<double> floor = 0, ceiling;
   LaserModel laser;
   OdometryModel odometry;
   uint64_t seed = 1;
@@ -28,7 +28,7 @@ struct ScannedWorldOptions {
 struct PullResult {
   std::string link;   ///< that was taken hold of; empty = nothing is there
   std::string joint;  ///< that gave way; empty = it did not move
-  double moved = 0;   ///< metres or radians
+  double moved = 0;   ///< metres or radians by which the joint opened, positive
   Isometry3d map_from_link_before = Isometry3d::Identity();
   std::vector<Isometry3d> hand_path;  ///< true poses of the gripper on the way, map frame, first = closed
 };
@@ -41,17 +41,28 @@ class ScannedWorld : public Scanner {
                Warnings& warnings);
   ~ScannedWorld() override;
 
+  /// The robot ends beside the goal by what its odometry mis-measured on the way, and believes to be there.
+  /// The covariance says how far off that may be since the start or the last localize(). Error, with the
+  /// robot still where it was, when it would stand in the furniture: a disc of 25 cm radius between 5 cm and
+  /// 1.3 m height must be free. The way there is not looked at.
   Scan scan_at(const PlanarPose& goal) override;
   void localize(const PlanarPose& pose) override;
 
-  /// Takes hold of what is within 5 cm of a point that the robot believes in (its pose error applies) and
-  /// pulls it along the compliant path of its joint by at most `way` metres of hand path.
+  /// Takes hold of the surface that is nearest to a point that the robot believes in (its pose error applies,
+  /// nothing beyond 5 cm is reached) and pulls it along the compliant path of its joint by at most `way`
+  /// metres of hand path. The joint is the nearest one above the link that moves; pulling at one that mimics
+  /// moves the one that it mimics. It opens away from zero, or towards the robot where both ways are free,
+  /// and no farther than its limits.
   PullResult pull(const Vector3d& believed_point, double way);
+  /// Moves joints of the world by hand, the others stay; Error for a joint that the world does not have or a
+  /// position beyond its limits.
+  void set_joints(const JointState& state);
   /// Closes everything.
   void close_all();
 
   // Truth, for evaluation only.
   PlanarPose true_pose() const;
+  Isometry3d true_map_from_scanner() const;
   const World& world() const;
   const JointState& joints() const;
 
@@ -59,10 +70,5 @@ class ScannedWorld : public Scanner {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/// One noisy sweep from a true pose: points in the scanner frame, one per ray (no return = range_max), rays
-/// nearer than range_min left out. Same seed, same bytes on any number of threads.
-Scan simulate_sweep(const RayScene& scene, const Isometry3d& map_from_scanner, const LaserModel& laser,
-                    const Random& random, int threads);
 
 }  // namespace loci

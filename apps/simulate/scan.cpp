@@ -1,0 +1,160 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <numbers>
+#include <sstream>
+
+#include "apps/simulate/commands.h"
+#include "mapping/base/files.h"
+#include "mapping/simulation/scanned_world.h"
+
+namespace loci {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+struct Arguments {
+  std::string world, out, poses, floor = "0", ceiling = "none";
+  std::vector<std::string> joints;
+  std::vector<std::filesystem::path> package_paths;
+  bool odometry = false;
+  int seed = 1;
+  LaserModel laser;
+  OdometryModel drift;
+
+  void declare(OptionTable& table) {
+    table.flag("odometry", odometry, "Poses drift as a wheeled robot's do, and have covariances.");
+    table.integer("seed", seed, "", "Seed of noise and drift; the same seed gives the same bytes.", 0,
+                  1 << 30);
+    laser.declare(table);
+    drift.declare(table);
+  }
+};
+
+double number_from(const std::string& text, const std::string& what) {
+  std::istringstream stream(text);
+  double value = 0;
+  if (!(stream >> value) || !(stream >> std::ws).eof())
+    throw Error(fmt::format("{}: '{}' is no number", what, text));
+  return value;
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+  return parts;
+}
+
+/// "x,y,yaw_deg; x,y,yaw_deg; …"
+std::vector<PlanarPose> poses_from(const std::string& text) {
+  std::vector<PlanarPose> poses;
+  for (const std::string& part : split(text, ';')) {
+    if (part.find_first_not_of(" \t\n") == std::string::npos) continue;
+    const std::vector<std::string> values = split(part, ',');
+    if (values.size() != 3)
+      throw Error(fmt::format("--poses: '{}' is no pose", part), {},
+                  "a pose is x,y,yaw_deg; poses are separated by ;");
+    poses.push_back({number_from(values[0], "--poses"), number_from(values[1], "--poses"),
+                     number_from(values[2], "--poses") * kDegree});
+  }
+  if (poses.empty()) throw Error("--poses names no pose");
+  return poses;
+}
+
+JointState joints_from(const std::vector<std::string>& texts) {
+  JointState state;
+  for (const std::string& text : texts) {
+    const size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw Error(fmt::format("--joints: '{}' is not joint=value", text));
+    state[text.substr(0, equals)] = number_from(text.substr(equals + 1), "--joints");
+  }
+  return state;
+}
+
+std::optional<double> height_from(const std::string& text, const std::string& what) {
+  if (text == "none") return std::nullopt;
+  return number_from(text, what);
+}
+
+Json scan_report(const Scan& scan) {
+  size_t returned = 0;
+  for (const ScanPoint& point : scan.points) returned += point.returned ? 1 : 0;
+  return {{"name", scan.name},
+          {"pose", values_from_pose(scan.map_from_scan)},
+          {"rays", scan.points.size()},
+          {"returns", returned}};
+}
+
+/// A line of truth.jsonl, which only evaluation reads.
+std::string truth_line(const std::string& name, const ScannedWorld& robot) {
+  const Json line = {
+      {"scan", name}, {"pose", values_from_pose(robot.true_map_from_scanner())}, {"joints", robot.joints()}};
+  return line.dump();
+}
+
+void scan(Arguments& arguments, Session& session) {
+  table_of(arguments).validate();
+  const std::vector<PlanarPose> poses = poses_from(arguments.poses);
+  ScannedWorldOptions options;
+  options.package_paths = arguments.package_paths;
+  options.floor = height_from(arguments.floor, "--floor");
+  options.ceiling = height_from(arguments.ceiling, "--ceiling");
+  options.laser = arguments.laser;
+  options.odometry = arguments.odometry ? arguments.drift : OdometryModel{0, 0, 0};
+  options.seed = static_cast<uint64_t>(arguments.seed);
+  options.threads = session.flags().threads;
+  ScannedWorld robot(arguments.world, options, poses.front(), session.warnings());
+  robot.set_joints(joints_from(arguments.joints));
+
+  ScanSet set;
+  std::string truth;
+  set.sensor = "hokuyo";
+  set.range_max = options.laser.range_max_m;
+  Json reports = Json::array();
+  const auto begin = std::chrono::steady_clock::now();
+  for (const PlanarPose& pose : poses) {
+    session.progress().check(static_cast<double>(set.scans.size()) / static_cast<double>(poses.size()),
+                             "scanning");
+    set.scans.push_back(robot.scan_at(pose));
+    reports.push_back(scan_report(set.scans.back()));
+    truth += truth_line(set.scans.back().name, robot) + "\n";
+  }
+  session.timing("sweeps", std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  write_scan_set(set, arguments.out);
+  write_file_atomically(std::filesystem::path(arguments.out) / "truth.jsonl", truth);
+  session.answer(fmt::format("{}: {} scans", arguments.out, set.scans.size()),
+                 {{"folder", arguments.out}, {"scans", reports}});
+}
+
+}  // namespace
+
+Command scan_command() {
+  return {
+      "scan",
+      "Scans a world with a simulated tilting laser",
+      {"loci-simulate scan apps/samples/kitchen.urdf --poses \"1.5,1.5,0; 2.5,1.5,180\" -o demo-output/laser",
+       "loci-simulate scan apps/samples/kitchen.urdf --poses \"1.5,1.5,90\" --joints "
+       "drawer_1_front_joint=0.3 --odometry --seed 7 -o demo-output/laser_open"},
+      [](CLI::App& app) {
+        auto arguments = std::make_shared<Arguments>();
+        app.add_option("WORLD", arguments->world, "World (URDF)")->required();
+        app.add_option(
+               "--poses", arguments->poses,
+               "Where the robot stands: \"x,y,yaw_deg; x,y,yaw_deg; …\", metres, in the world's frame")
+            ->required();
+        app.add_option("-o,--output", arguments->out, "Folder of the scan set")->required();
+        app.add_option("--package-path", arguments->package_paths,
+                       "Folder that holds packages (package://NAME/…); can be given several times")
+            ->allow_extra_args(false);
+        app.add_option("--floor", arguments->floor,
+                       "Height of a floor that is added where the world has none, or 'none' [m]");
+        app.add_option("--ceiling", arguments->ceiling, "Likewise of a ceiling [m]");
+        app.add_option("--joints", arguments->joints, "What stands open: joint=value … [m or rad]");
+        add_options(app, table_of(*arguments));
+        return [arguments](Session& session) { scan(*arguments, session); };
+      }};
+}
+
+}  // namespace loci

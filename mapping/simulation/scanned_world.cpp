@@ -1,0 +1,255 @@
+#include "mapping/simulation/scanned_world.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mapping/world/kinematics.h"
+#include "mapping/world/urdf.h"
+
+namespace loci {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kRobotRadius = 0.25, kRobotBottom = 0.05, kRobotTop = 1.3;
+constexpr double kReach = 0.05;     ///< of the gripper around the point that it is sent to
+constexpr double kHandStep = 0.01;  ///< of the hand path, metres
+
+using Covariance = Eigen::Matrix<double, 6, 6>;
+
+/// Of a pose after a move, from that before and that of the move (x, y and yaw only).
+Covariance compounded(const Covariance& before, const Isometry3d& map_from_before, const Covariance& motion,
+                      const Isometry3d& before_from_after) {
+  const Vector3d way = map_from_before.linear() * before_from_after.translation();
+  Covariance lever = Covariance::Identity();  // A turned start moves the end sideways.
+  lever(0, 5) = -way.y();
+  lever(1, 5) = way.x();
+  Covariance turned = Covariance::Identity();
+  turned.topLeftCorner<3, 3>() = map_from_before.linear();
+  return lever * before * lever.transpose() + turned * motion * turned.transpose();
+}
+
+TriangleMesh level_rectangle(const Eigen::AlignedBox3d& box, double height, bool face_up) {
+  TriangleMesh mesh;
+  const auto z = static_cast<float>(height);
+  const Eigen::Vector3f a = box.min().cast<float>(), b = box.max().cast<float>();
+  mesh.vertices = {{a.x(), a.y(), z}, {b.x(), a.y(), z}, {b.x(), b.y(), z}, {a.x(), b.y(), z}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  if (!face_up) mesh.triangles = {{0, 2, 1}, {0, 3, 2}};
+  return mesh;
+}
+
+/// Positions that a joint can take.
+std::pair<double, double> range_of(const Joint& joint) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  if (joint.type == JointType::continuous) return {-infinity, infinity};
+  if (joint.type != JointType::revolute && joint.type != JointType::prismatic) return {0, 0};
+  if (!joint.limits) return {-infinity, infinity};
+  return {joint.limits->lower, joint.limits->upper};
+}
+
+}  // namespace
+
+struct ScannedWorld::Impl {
+  ScannedWorldOptions options;
+  World world;
+  JointState joints;
+  RayScene scene;
+  Isometry3d map_from_true, map_from_believed;  ///< the robot's base
+  Covariance covariance = Covariance::Zero();
+  Random random;
+  size_t scans = 0;
+
+  Impl(const fs::path& urdf, const ScannedWorldOptions& chosen, const PlanarPose& start, Warnings& warnings)
+      : options(chosen),
+        world(read_urdf(urdf)),
+        map_from_true(map_from_base(start)),
+        map_from_believed(map_from_base(start)),
+        random(chosen.seed) {
+    scene.add(world, {options.package_paths, urdf.parent_path()}, Isometry3d::Identity(), warnings);
+    const Eigen::AlignedBox3d box = scene.bounds();
+    if (box.isEmpty()) throw Error("the world has nothing that a laser can see", {urdf.string(), 0, {}});
+    for (const bool is_floor : {true, false}) {
+      const std::string name = is_floor ? "floor" : "ceiling";
+      const std::optional<double> height = is_floor ? options.floor : options.ceiling;
+      if (height && world.find_link(name) == nullptr)
+        scene.add(name, level_rectangle(box, *height, is_floor), Isometry3d::Identity());
+    }
+  }
+
+  Isometry3d base_from_scanner() const {
+    Isometry3d pose = Isometry3d::Identity();
+    pose.translation().z() = options.laser.height_m;
+    return pose;
+  }
+  const Joint* moving_joint(const std::string& link) const;
+  /// Where a point of a link is with a joint at a position and all others as they are.
+  Isometry3d map_from_link(size_t link, const Joint& joint, double position) const;
+  double opening_direction(const Joint& joint, size_t link, const Vector3d& link_point,
+                           const Vector3d& hand) const;
+  void move_along(const Joint& joint, size_t link, const Isometry3d& map_from_hand, double way,
+                  PullResult& result);
+};
+
+/// The nearest joint above a link that moves it, or the one that this mimics; nullptr = it stands firm.
+const Joint* ScannedWorld::Impl::moving_joint(const std::string& link) const {
+  for (const Joint* joint = world.parent_joint(link); joint != nullptr;
+       joint = world.parent_joint(joint->parent)) {
+    const Joint* master = joint;
+    for (size_t i = 0; master != nullptr && master->mimic && i < world.joints.size(); ++i)
+      master = world.find_joint(master->mimic->joint);
+    if (master == nullptr) continue;
+    const auto [lower, upper] = range_of(*master);
+    if (lower < upper) return master;
+  }
+  return nullptr;
+}
+
+Isometry3d ScannedWorld::Impl::map_from_link(size_t link, const Joint& joint, double position) const {
+  JointState state = joints;
+  state[joint.name] = position;
+  return root_from_links(world, state)[link];
+}
+
+/// +1 or -1; 0 = it is open as far as it goes.
+double ScannedWorld::Impl::opening_direction(const Joint& joint, size_t link, const Vector3d& link_point,
+                                             const Vector3d& hand) const {
+  constexpr double tiny = 1e-6;
+  const auto [lower, upper] = range_of(joint);
+  const auto at = joints.find(joint.name);
+  const double position = at == joints.end() ? 0 : at->second;
+  const bool up = upper > std::max(position, 0.) + tiny, down = lower < std::min(position, 0.) - tiny;
+  if (up != down) return up ? 1 : -1;
+  if (!up) return 0;
+  const Vector3d change = map_from_link(link, joint, position + 1e-3) * link_point - hand;
+  return change.dot(map_from_true.translation() - hand) >= 0 ? 1 : -1;
+}
+
+void ScannedWorld::Impl::move_along(const Joint& joint, size_t link, const Isometry3d& map_from_hand,
+                                    double way, PullResult& result) {
+  const Isometry3d link_from_hand = scene.map_from_link(link).inverse() * map_from_hand;
+  const auto [lower, upper] = range_of(joint);
+  const double start = joints.contains(joint.name) ? joints.at(joint.name) : 0;
+  const double direction =
+      opening_direction(joint, link, link_from_hand.translation(), map_from_hand.translation());
+  if (direction == 0) return;
+  const auto hand_at = [&](double position) {
+    return Isometry3d(map_from_link(link, joint, position) * link_from_hand);
+  };
+  double position = start, gone = 0;
+  while (gone < way - 1e-9) {
+    constexpr double probe = 1e-4;
+    const Isometry3d& hand = result.hand_path.back();
+    const double speed =
+        (hand_at(position + direction * probe).translation() - hand.translation()).norm() / probe;
+    if (speed < 1e-3) break;  // Held on the hinge itself.
+    const double next =
+        std::clamp(position + direction * std::min(kHandStep, way - gone) / speed, lower, upper);
+    if (next == position) break;
+    const Isometry3d map_from_next = hand_at(next);
+    gone += (map_from_next.translation() - hand.translation()).norm();
+    result.hand_path.push_back(map_from_next);
+    position = next;
+  }
+  if (position == start) return;
+  result.joint = joint.name;
+  result.moved = std::abs(position - start);
+  joints[joint.name] = position;
+  scene.set_joints(0, joints);
+}
+
+ScannedWorld::ScannedWorld(const fs::path& urdf, const ScannedWorldOptions& options, const PlanarPose& start,
+                           Warnings& warnings)
+    : impl_(std::make_unique<Impl>(urdf, options, start, warnings)) {}
+ScannedWorld::~ScannedWorld() = default;
+
+Scan ScannedWorld::scan_at(const PlanarPose& goal) {
+  Impl& robot = *impl_;
+  const size_t number = robot.scans;
+  Random drawn = robot.random.fork(2 * number);
+  const Isometry3d motion = robot.map_from_believed.inverse() * map_from_base(goal);
+  const Isometry3d map_from_true = robot.map_from_true * robot.options.odometry.measured(motion, drawn);
+  const int blocking = robot.scene.link_in_cylinder(map_from_true.translation().head<2>(), kRobotRadius,
+                                                    kRobotBottom, kRobotTop);
+  if (blocking >= 0)
+    throw Error(fmt::format("the robot cannot stand at ({:.2f}, {:.2f}): '{}' is in the way", goal.x, goal.y,
+                            robot.scene.link_names()[static_cast<size_t>(blocking)]));
+  robot.covariance = compounded(robot.covariance, robot.map_from_believed,
+                                robot.options.odometry.covariance(motion), motion);
+  robot.map_from_true = map_from_true;
+  robot.map_from_believed = map_from_base(goal);
+  ++robot.scans;
+
+  Scan scan = simulate_sweep(robot.scene, true_map_from_scanner(), robot.options.laser,
+                             robot.random.fork(2 * number + 1), robot.options.threads);
+  scan.name = fmt::format("scan_{:03}", number);
+  scan.map_from_scan = robot.map_from_believed * robot.base_from_scanner();
+  scan.covariance = robot.covariance;
+  return scan;
+}
+
+void ScannedWorld::localize(const PlanarPose& pose) {
+  impl_->map_from_believed = map_from_base(pose);
+  impl_->covariance.setZero();
+}
+
+PullResult ScannedWorld::pull(const Vector3d& believed_point, double way) {
+  Impl& robot = *impl_;
+  PullResult result;
+  const Vector3d point = robot.map_from_true * (robot.map_from_believed.inverse() * believed_point);
+  const NearestSurface held = robot.scene.nearest(point, kReach);
+  if (held.link < 0) return result;
+  const auto link = static_cast<size_t>(held.link);
+  result.link = robot.scene.link_names()[link];
+  result.map_from_link_before = robot.scene.map_from_link(link);
+  const Vector3d towards = held.point - robot.map_from_true.translation();
+  Isometry3d map_from_hand = map_from_base({0, 0, std::atan2(towards.y(), towards.x())});
+  map_from_hand.translation() = held.point;
+  result.hand_path = {map_from_hand};
+  if (link >= robot.world.links.size()) return result;  // The floor or the ceiling.
+  if (const Joint* joint = robot.moving_joint(result.link))
+    robot.move_along(*joint, link, map_from_hand, way, result);
+  return result;
+}
+
+void ScannedWorld::set_joints(const JointState& state) {
+  JointState joints = impl_->joints;
+  for (const auto& [name, position] : state) {
+    const Joint* joint = impl_->world.find_joint(name);
+    if (joint != nullptr) {
+      const auto [lower, upper] = range_of(*joint);
+      if (!(position >= lower && position <= upper))
+        throw Error(
+            fmt::format("joint '{}' cannot be at {}: it goes from {} to {}", name, position, lower, upper));
+    }
+    joints[name] = position;
+  }
+  impl_->scene.set_joints(0, joints);  // Error for a joint that is not there.
+  impl_->joints = joints;
+}
+
+void ScannedWorld::close_all() {
+  impl_->joints.clear();
+  impl_->scene.set_joints(0, {});
+}
+
+PlanarPose ScannedWorld::true_pose() const {
+  return planar(impl_->map_from_true);
+}
+
+Isometry3d ScannedWorld::true_map_from_scanner() const {
+  return impl_->map_from_true * impl_->base_from_scanner();
+}
+
+const World& ScannedWorld::world() const {
+  return impl_->world;
+}
+
+const JointState& ScannedWorld::joints() const {
+  return impl_->joints;
+}
+
+}  // namespace loci
