@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,11 +14,15 @@ namespace loci {
 struct RegistrationOptions {
   std::string method = "plane";   ///< point (§7.3), plane, generalised
   int dof = 3;                    ///< 3: x, y, yaw of a levelled robot; 6: all
-  double position_error_m = 0.3;  ///< expected localisation error: the widest search radius
-  double yaw_error_deg = 10;      ///< expected
+  double position_error_m = 0.3;  ///< expected localisation error (σ): the search reaches twice as far
+  double yaw_error_deg = 15;      ///< expected (σ)
   double voxel_m = 0.05;          ///< of the finest level
   double overlap_min = 0.3;       ///< less shared surface is no evidence
-  int threads = 0;
+  double conflict_max = 0.08;     ///< more points in free space, and it is another place
+  double degeneracy_min = 0.01;   ///< less, and the pose may slide or turn
+  double rmse_max_m = 0.03;       ///< more, and it is another surface
+  double rival_gap = 0.03;        ///< a second pose must fit worse by this part of the surface
+  int threads = 0;  ///< 0 = all cores; not declared as an option: the result is the same on any number
 
   void declare(OptionTable& table);
 };
@@ -26,7 +31,8 @@ struct RegistrationOptions {
 struct PairAlignment {
   size_t target = 0, source = 0;  ///< indices into the scan set
   Isometry3d target_from_source = Isometry3d::Identity();
-  Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();  ///< x y z roll pitch yaw
+  /// x y z roll pitch yaw of a motion in the target's frame, about its origin.
+  Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
   double overlap = 0;     ///< part of the smaller scan's visible surface that the other one has, too
   double rmse_m = 0;      ///< over the overlap
   double degeneracy = 0;  ///< smallest over largest eigenvalue of the scaled Hessian
@@ -36,22 +42,27 @@ struct PairAlignment {
 };
 
 struct RegistrationResult {
+  std::vector<std::string> names;         ///< of the scans
   std::vector<Isometry3d> map_from_scan;  ///< one per scan
   std::vector<bool> connected;            ///< whether a trusted chain of pairs leads to the first scan
-  std::vector<PairAlignment> pairs;
+  std::vector<PairAlignment> pairs;       ///< that were tried
   double seconds = 0;
 
+  /// Whether the poses say more than the input: every scan is alone, or at least one pair is trusted.
   bool usable() const;
+  size_t connected_count() const;
   std::string summary() const;
   Json report() const;
 };
 
-/// Aligns one pair from an initial guess, coarse to fine.
+/// Aligns one pair from an initial guess, coarse to fine: a search over turns and shifts within twice the
+/// expected error, then iterative closest point on the surface that both scans have. Never throws for scans
+/// that do not fit: the verdict says so.
 PairAlignment align(const Scan& target, const Scan& source, const Isometry3d& target_from_source,
                     const RegistrationOptions& options);
 
 /// All overlapping pairs, then a pose graph with robust loss; the first scan stays where it is. Scans without
-/// a trusted connection keep their pose and are named.
+/// a trusted connection keep their pose and are named. Error for a set without scans.
 RegistrationResult register_scans(const ScanSet& scans, const RegistrationOptions& options,
                                   Progress& progress);
 
@@ -62,6 +73,7 @@ class IncrementalRegistration {
   ~IncrementalRegistration();
 
   /// Aligns the scan with those before it that it overlaps and solves the graph; poses of all may change.
+  /// The scan's pose is where the search begins; its covariance (where not zero) says how far it reaches.
   const RegistrationResult& add(const Scan& scan);
   const RegistrationResult& result() const;
 

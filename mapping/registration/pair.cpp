@@ -1,0 +1,181 @@
+#include "mapping/registration/pair.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/registration/icp.h"
+#include "mapping/registration/verdict.h"
+
+namespace loci::registration {
+namespace {
+
+constexpr size_t kStarts = 6;
+constexpr size_t kSamplesCoarse = 1500;
+constexpr size_t kSamplesMiddle = 3000;
+/// Poses that are nearer to one another than this are the same one.
+constexpr double kSamePosition = 0.1;
+constexpr double kSameAngle = 3 * M_PI / 180;
+/// Residuals of neighbouring surfels err alike (calibration, wide beams): so many count as one.
+constexpr double kCorrelated = 10;
+constexpr double kSigmaMin = 0.002;  ///< metres: no surfel is known better
+
+struct Candidate {
+  Isometry3d pose;
+  double score = 0;
+};
+
+class PairAligner {
+ public:
+  PairAligner(const PreparedScan& target, const PreparedScan& source, const RegistrationOptions& options)
+      : target_(target), source_(source), options_(options), planar_(options.dof == 3) {}
+
+  PairAlignment run(const Isometry3d& guess, const SearchWindow& window) const {
+    PairAlignment pair;
+    pair.target_from_source = guess;
+    if (target_.points == 0 || source_.points == 0) {
+      pair.reason = fmt_empty();
+      return finished(pair);
+    }
+    const std::vector<Candidate> candidates = descend(starts(guess, window));
+    const IcpResult best = polish(candidates.front().pose);
+    pair.target_from_source = best.target_from_source;
+    const Agreement fits = agreement(target_, source_, best.target_from_source, 0, planar_, 0);
+    pair.overlap = fits.overlap;
+    pair.conflict = fits.conflict;
+    pair.rmse_m = best.rmse;
+    measure_hold(best, pair);
+    // The scores of rivals are of a coarser level: compared are those of one level.
+    double rival = -1e9;
+    if (candidates.size() > 1) rival = fits.score() - candidates[0].score + candidates[1].score;
+    const Verdict verdict = judge(pair, fits, rival, options_);
+    pair.trusted = verdict.trusted;
+    pair.reason = verdict.reason;
+    return finished(pair);
+  }
+
+ private:
+  std::string fmt_empty() const {
+    return "scan " + (target_.points == 0 ? target_.name : source_.name) + " has no points";
+  }
+
+  IcpOptions level_options(size_t level) const {
+    IcpOptions icp_options;
+    icp_options.metric = options_.method == "point"   ? Metric::kPoint
+                         : options_.method == "plane" ? Metric::kPlane
+                                                      : Metric::kGeneralised;
+    icp_options.planar = planar_;
+    icp_options.radius = 1.5 * target_.levels[level].cell;
+    icp_options.sigma = 0.5 * target_.levels[level].cell;
+    icp_options.accuracy = 0.01 * target_.levels[level].cell;
+    return icp_options;
+  }
+
+  std::vector<Isometry3d> starts(const Isometry3d& guess, const SearchWindow& window) const {
+    if (window.position < kSamePosition && window.angle < kSameAngle) return {guess};
+    return promising_starts(target_, source_, guess, window, planar_, kStarts);
+  }
+
+  double score_of(const Isometry3d& pose, size_t level) const {
+    return agreement(target_, source_, pose, level, planar_, 1000).score();
+  }
+
+  bool same(const Isometry3d& a, const Isometry3d& b) const {
+    const Vector3d centre = source_.centre.cast<double>();
+    return (a * centre - b * centre).norm() < kSamePosition &&
+           Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() < kSameAngle;
+  }
+
+  /// Different poses that the starts lead to on the way down to the second finest level, best first.
+  std::vector<Candidate> descend(const std::vector<Isometry3d>& starts) const {
+    std::vector<Candidate> candidates;
+    for (const Isometry3d& start : starts) candidates.push_back({start, 0});
+    const size_t last = std::min<size_t>(1, target_.levels.size() - 1);
+    for (size_t level = target_.levels.size(); level-- > last;) {
+      IcpOptions icp_options = level_options(level);
+      icp_options.samples = level + 1 == target_.levels.size() ? kSamplesCoarse : kSamplesMiddle;
+      std::vector<Candidate> refined;
+      for (const Candidate& candidate : candidates) {
+        Candidate next;
+        next.pose =
+            icp(target_.levels[level], source_.levels[level], candidate.pose, icp_options).target_from_source;
+        const bool known = std::any_of(refined.begin(), refined.end(),
+                                       [&](const Candidate& other) { return same(other.pose, next.pose); });
+        if (known) continue;
+        next.score = score_of(next.pose, level);
+        refined.push_back(next);
+      }
+      std::stable_sort(refined.begin(), refined.end(),
+                       [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
+      if (refined.size() > 3) refined.resize(3);
+      candidates = std::move(refined);
+    }
+    return candidates;
+  }
+
+  /// The finest level, then once more with the tolerance that its residuals ask for.
+  IcpResult polish(const Isometry3d& pose) const {
+    IcpOptions icp_options = level_options(0);
+    IcpResult result = icp(target_.finest(), source_.finest(), pose, icp_options);
+    icp_options.sigma = std::clamp(3 * result.rmse, 3 * kSigmaMin, icp_options.sigma);
+    icp_options.accuracy = 1e-5;
+    return icp(target_.finest(), source_.finest(), result.target_from_source, icp_options);
+  }
+
+  void measure_hold(const IcpResult& best, PairAlignment& pair) const {
+    const Vector3d centre = best.target_from_source * source_.centre.cast<double>();
+    double squares = 0;
+    for (const Eigen::Vector3f& position : source_.finest().position)
+      squares += (position - source_.centre).squaredNorm();
+    const double lever = std::sqrt(squares / (2 * static_cast<double>(source_.finest().size())));
+    pair.degeneracy = registration::degeneracy(best.hessian, centre, lever, planar_);
+    const double sigma = std::max(best.rmse, kSigmaMin);
+    pair.information = best.hessian / (kCorrelated * sigma * sigma);
+    if (!planar_) return;
+    for (const int held : {2, 3, 4}) {  // What was not free is not known from this pair.
+      pair.information.row(held).setZero();
+      pair.information.col(held).setZero();
+    }
+  }
+
+  /// From the upright frames into the scans' own.
+  PairAlignment finished(PairAlignment pair) const {
+    pair.target_from_source =
+        target_.level_from_scan.inverse() * pair.target_from_source * source_.level_from_scan;
+    Matrix6d turn = Matrix6d::Zero();
+    turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = target_.level_from_scan.linear();
+    pair.information = turn.transpose() * pair.information * turn;
+    return pair;
+  }
+
+  const PreparedScan& target_;
+  const PreparedScan& source_;
+  const RegistrationOptions& options_;
+  bool planar_;
+};
+
+}  // namespace
+
+SearchWindow window_of(const RegistrationOptions& options) {
+  return {2 * options.position_error_m, 2 * options.yaw_error_deg * M_PI / 180};
+}
+
+PairAlignment align_pair(const PreparedScan& target, const PreparedScan& source,
+                         const Isometry3d& target_from_source, const SearchWindow& window,
+                         const RegistrationOptions& options) {
+  const Isometry3d guess = target.level_from_scan * target_from_source * source.level_from_scan.inverse();
+  return PairAligner(target, source, options).run(guess, window);
+}
+
+double expected_overlap(const PreparedScan& target, const PreparedScan& source,
+                        const Isometry3d& target_from_source) {
+  const Isometry3d pose = target.level_from_scan * target_from_source * source.level_from_scan.inverse();
+  const Surfels& surfels = source.coarsest();
+  size_t near = 0;
+  for (const Eigen::Vector3f& position : surfels.position) {
+    const Vector3d point = pose * position.cast<double>();
+    near += target.net.index.find(cell_of(point, surfels.cell)) != CellIndex::kNone ? 1 : 0;
+  }
+  return surfels.size() > 0 ? static_cast<double>(near) / static_cast<double>(surfels.size()) : 0;
+}
+
+}  // namespace loci::registration

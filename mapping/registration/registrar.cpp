@@ -1,0 +1,161 @@
+#include "mapping/registration/registrar.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/base/parallel.h"
+#include "mapping/registration/pose_graph.h"
+
+namespace loci::registration {
+namespace {
+
+/// A pair is tried when the guess promises this part of the overlap that is wanted.
+constexpr double kPromising = 0.5;
+/// A scan is searched for against so many others at most before it counts as unconnected.
+constexpr size_t kSearchesMax = 6;
+/// What remains to be found of a pair whose scans are both connected.
+constexpr SearchWindow kRefine = {0.05, 0.02};
+/// An edge that is off by more standard deviations than this contradicts the others.
+constexpr double kContradiction = 12;
+
+}  // namespace
+
+Registrar::Registrar(const RegistrationOptions& options) : options_(options) {}
+
+void Registrar::add(PreparedScan scan, const Isometry3d& map_from_scan, const SearchWindow& window) {
+  const size_t added = scans_.size();
+  result_.names.push_back(scan.name);
+  result_.map_from_scan.push_back(map_from_scan);
+  scans_.push_back(std::move(scan));
+  root_.push_back(added);
+  const std::vector<Partner> partners = partners_of(added, added, window.position);
+  if (connect(added, partners, window)) refine(added, partners);
+  spread();
+}
+
+void Registrar::retry(const SearchWindow& window) {
+  for (size_t scan = 1; scan < scans_.size(); ++scan) {
+    if (root_[scan] == 0) continue;
+    std::vector<Partner> partners = partners_of(scan, scans_.size(), window.position);
+    std::erase_if(partners, [&](const Partner& partner) { return root_[partner.scan] != 0; });
+    if (connect(scan, partners, window)) refine(scan, partners);
+    spread();
+  }
+}
+
+/// Scans before `end` that may share enough surface, the most first; those with connection before others.
+std::vector<Registrar::Partner> Registrar::partners_of(size_t scan, size_t end, double reach) const {
+  std::vector<Partner> partners;
+  const Isometry3d& pose = result_.map_from_scan[scan];
+  for (size_t other = 0; other < end; ++other) {
+    if (other == scan) continue;
+    const Isometry3d other_from_scan = result_.map_from_scan[other].inverse() * pose;
+    const double overlap = std::max(expected_overlap(scans_[other], scans_[scan], other_from_scan),
+                                    expected_overlap(scans_[scan], scans_[other], other_from_scan.inverse()));
+    // A wide window may bring more into reach than the guess shows.
+    const double wanted = kPromising * options_.overlap_min / (1 + reach);
+    if (overlap >= wanted) partners.push_back({other, overlap});
+  }
+  std::stable_sort(partners.begin(), partners.end(),
+                   [](const Partner& a, const Partner& b) { return a.overlap > b.overlap; });
+  return partners;
+}
+
+PairAlignment Registrar::aligned(size_t target, size_t source, const SearchWindow& window) const {
+  const Isometry3d guess = result_.map_from_scan[target].inverse() * result_.map_from_scan[source];
+  PairAlignment pair = align_pair(scans_[target], scans_[source], guess, window, options_);
+  pair.target = target;
+  pair.source = source;
+  return pair;
+}
+
+/// Searches until one pair is trusted, and moves the scan there.
+bool Registrar::connect(size_t scan, const std::vector<Partner>& partners, const SearchWindow& window) {
+  size_t searches = 0;
+  for (const Partner& partner : partners) {
+    if (++searches > kSearchesMax) break;
+    PairAlignment pair = aligned(partner.scan, scan, window);
+    const bool trusted = pair.trusted;
+    if (trusted) result_.map_from_scan[scan] = result_.map_from_scan[partner.scan] * pair.target_from_source;
+    put(std::move(pair));
+    if (trusted) return true;
+  }
+  return false;
+}
+
+void Registrar::refine(size_t scan, const std::vector<Partner>& partners) {
+  std::vector<PairAlignment> pairs(partners.size());
+  parallel_for(partners.size(), options_.threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) pairs[i] = aligned(partners[i].scan, scan, kRefine);
+  });
+  for (PairAlignment& pair : pairs) put(std::move(pair));
+}
+
+/// One verdict per pair: a trusted one stays, otherwise the later one.
+void Registrar::put(PairAlignment pair) {
+  for (PairAlignment& known : result_.pairs) {
+    const bool same = known.target == pair.target && known.source == pair.source;
+    const bool turned = known.target == pair.source && known.source == pair.target;
+    if (!same && !turned) continue;
+    if (!known.trusted) known = std::move(pair);
+    return;
+  }
+  result_.pairs.push_back(std::move(pair));
+}
+
+/// Follows trusted pairs from each part's first scan; a scan that is newly reached gets its pose by the
+/// chain.
+void Registrar::spread() {
+  const std::vector<size_t> before = root_;
+  std::vector<bool> reached(scans_.size(), false);
+  for (size_t first = 0; first < scans_.size(); ++first) {
+    if (reached[first]) continue;
+    std::vector<size_t> open = {first};
+    reached[first] = true;
+    while (!open.empty()) {
+      const size_t at = open.back();
+      open.pop_back();
+      root_[at] = first;
+      for (const PairAlignment& pair : result_.pairs) {
+        if (!pair.trusted || (pair.target != at && pair.source != at)) continue;
+        const size_t next = pair.target == at ? pair.source : pair.target;
+        if (reached[next]) continue;
+        reached[next] = true;
+        open.push_back(next);
+        if (before[next] == before[at]) continue;
+        result_.map_from_scan[next] =
+            result_.map_from_scan[at] *
+            (pair.target == at ? pair.target_from_source : pair.target_from_source.inverse());
+      }
+    }
+  }
+}
+
+void Registrar::solve() {
+  for (int round = 0; round < 3; ++round) {
+    spread();
+    std::vector<Edge> edges;
+    std::vector<PairAlignment*> pairs;
+    for (PairAlignment& pair : result_.pairs) {
+      if (!pair.trusted) continue;
+      edges.push_back({pair.target, pair.source, pair.target_from_source, pair.information});
+      pairs.push_back(&pair);
+    }
+    std::vector<bool> fixed(scans_.size());
+    for (size_t i = 0; i < fixed.size(); ++i) fixed[i] = root_[i] == i;
+    const std::vector<double> off = solve_pose_graph(result_.map_from_scan, fixed, edges, options_.dof == 3);
+    bool contradiction = false;
+    for (size_t i = 0; i < off.size(); ++i) {
+      if (off[i] < kContradiction) continue;
+      pairs[i]->trusted = false;
+      pairs[i]->reason = "contradicts the other pairs";
+      contradiction = true;
+    }
+    if (!contradiction) break;
+  }
+  spread();
+  result_.connected.resize(scans_.size());
+  for (size_t i = 0; i < scans_.size(); ++i) result_.connected[i] = root_[i] == 0;
+}
+
+}  // namespace loci::registration

@@ -1,0 +1,140 @@
+#include "mapping/registration/surfels.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace loci::registration {
+namespace {
+
+/// A plane is trusted fully when its thickness variance is far below its smaller extent's, not at all at this
+/// part of it.
+constexpr double kThicknessRatio = 0.3;
+/// Cosines of incidence between which trust rises from none to full: at grazing angles a wide beam is drawn
+/// towards the sensor, which would shift the plane.
+constexpr double kGrazingCosine = 0.25;
+constexpr double kSteepCosine = 0.45;
+constexpr double kPointsForPlane = 5;
+constexpr double kPointsOfOwn = 12;
+constexpr float kSameSide = 0.5F;  ///< cosine: normals agree within 60 degrees
+
+double rising(double value, double low, double high) {
+  return std::clamp((value - low) / (high - low), 0.0, 1.0);
+}
+
+/// Lower corner of the 2x2x2 cells whose union holds everything within half a cell of the point.
+Eigen::Vector3i corner_of(const Eigen::Vector3f& point, double cell) {
+  return ((point.cast<double>() / cell).array() - 0.5).floor().cast<int>();
+}
+
+void fit_plane(Surfels& surfels, size_t i, const Moments& moments, const PlaneFit& fit) {
+  const Vector3d own = surfels.moments[i].sum / surfels.moments[i].count;
+  surfels.position[i] = own.cast<float>();
+  if (moments.count < kPointsForPlane) return;
+  const Vector3d mean = moments.sum / moments.count;
+  const Eigen::Matrix3d covariance = moments.products / moments.count - mean * mean.transpose();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(covariance);
+  const Vector3d values = solver.eigenvalues().cwiseMax(0.0);
+  const double smallest_extent = 0.15 * surfels.cell;  // Less is a line or a spot.
+  if (values[1] < smallest_extent * smallest_extent) return;
+  Vector3d normal = solver.eigenvectors().col(0);
+  const Vector3d view = (surfels.origin[i].cast<double>() - own).normalized();
+  double trust = 1 - rising(values[0] / values[1], 0.05, kThicknessRatio);
+  if (fit.oriented) trust *= rising(std::abs(normal.dot(view)), kGrazingCosine, kSteepCosine);
+  if (values[0] > kThicknessRatio * values[1]) return;
+  if (normal.dot(view) < 0) normal = -normal;
+  surfels.normal[i] = normal.cast<float>();
+  surfels.trust[i] = static_cast<float>(trust);
+  surfels.position[i] = (own - normal * normal.dot(own - mean)).cast<float>();
+}
+
+template <class Visit>
+void for_neighbours(const Eigen::Vector3i& cell, const Visit& visit) {
+  for (int x = -1; x <= 1; ++x)
+    for (int y = -1; y <= 1; ++y)
+      for (int z = -1; z <= 1; ++z) visit(Eigen::Vector3i(cell + Eigen::Vector3i(x, y, z)));
+}
+
+}  // namespace
+
+uint32_t Surfels::nearest(const Eigen::Vector3f& point, const Eigen::Vector3f& facing, float radius) const {
+  const Eigen::Vector3i corner = corner_of(point, cell);
+  const bool has_side = facing.squaredNorm() > 0.5F;
+  float best = radius * radius;
+  uint32_t found = CellIndex::kNone;
+  for (int k = 0; k < 8; ++k) {
+    const uint32_t i = index.find(corner + Eigen::Vector3i(k & 1, k >> 1 & 1, k >> 2));
+    if (i == CellIndex::kNone) continue;
+    const float squared = (position[i] - point).squaredNorm();
+    if (squared >= best) continue;
+    if (has_side && normal[i].squaredNorm() > 0.5F && normal[i].dot(facing) < kSameSide) continue;
+    best = squared;
+    found = i;
+  }
+  return found;
+}
+
+bool Surfels::near(const Eigen::Vector3f& point) const {
+  const Eigen::Vector3i corner = corner_of(point, cell);
+  for (int k = 0; k < 8; ++k)
+    if (index.find(corner + Eigen::Vector3i(k & 1, k >> 1 & 1, k >> 2)) != CellIndex::kNone) return true;
+  return false;
+}
+
+Surfels coarser(const Surfels& fine) {
+  Surfels coarse;
+  coarse.cell = 2 * fine.cell;
+  coarse.index = CellIndex(fine.moments.size() / 3);
+  for (size_t i = 0; i < fine.moments.size(); ++i) {
+    const Eigen::Vector3i& cell = fine.index.cells()[i];
+    const uint32_t number = coarse.index.insert({cell.x() >> 1, cell.y() >> 1, cell.z() >> 1});
+    if (number == coarse.moments.size()) {
+      coarse.moments.emplace_back();
+      coarse.origin.push_back(fine.origin[i]);
+    }
+    coarse.moments[number].add(fine.moments[i]);
+  }
+  return coarse;
+}
+
+void fit_planes(Surfels& surfels, bool finest, const PlaneFit& fit) {
+  const size_t count = surfels.moments.size();
+  surfels.position.assign(count, Eigen::Vector3f::Zero());
+  surfels.normal.assign(count, Eigen::Vector3f::Zero());
+  surfels.trust.assign(count, 0.F);
+  for (size_t i = 0; i < count; ++i) {
+    if (!finest && surfels.moments[i].count >= kPointsOfOwn) {
+      fit_plane(surfels, i, surfels.moments[i], fit);
+      continue;
+    }
+    Moments around;
+    for_neighbours(surfels.index.cells()[i], [&](const Eigen::Vector3i& cell) {
+      const uint32_t j = surfels.index.find(cell);
+      if (j != CellIndex::kNone) around.add(surfels.moments[j]);
+    });
+    fit_plane(surfels, i, around, fit);
+  }
+}
+
+WideNet wide_net(const Surfels& surfels) {
+  WideNet net;
+  net.index = CellIndex(surfels.size() * 8);
+  const auto centre_distance = [&](const Eigen::Vector3i& cell, uint32_t i) {
+    const Vector3d centre = (cell.cast<double>().array() + 0.5) * surfels.cell;
+    return (centre - surfels.position[i].cast<double>()).squaredNorm();
+  };
+  for (uint32_t i = 0; i < surfels.size(); ++i) {
+    for_neighbours(surfels.index.cells()[i], [&](const Eigen::Vector3i& cell) {
+      const uint32_t number = net.index.insert(cell);
+      if (number == net.surfel.size()) {
+        net.surfel.push_back(i);
+      } else if (centre_distance(cell, i) < centre_distance(cell, net.surfel[number])) {
+        net.surfel[number] = i;
+      }
+    });
+  }
+  return net;
+}
+
+}  // namespace loci::registration

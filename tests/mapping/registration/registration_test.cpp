@@ -1,0 +1,177 @@
+#include "mapping/registration/registration.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/mapping/registration/box_room.h"
+
+namespace loci {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::kitchen;
+using testing::study;
+using testing::sweep;
+
+constexpr double kDegree = M_PI / 180;
+
+Isometry3d planar_motion(double x, double y, double yaw_deg) {
+  Isometry3d motion = Isometry3d::Identity();
+  motion.translation() = Vector3d(x, y, 0);
+  motion.linear() = Eigen::AngleAxisd(yaw_deg * kDegree, Vector3d::UnitZ()).toRotationMatrix();
+  return motion;
+}
+
+Isometry3d between(const Scan& target, const Scan& source) {
+  return target.map_from_scan.inverse() * source.map_from_scan;
+}
+
+double position_error(const Isometry3d& a, const Isometry3d& b) {
+  return (a.translation() - b.translation()).norm();
+}
+
+double angle_error_deg(const Isometry3d& a, const Isometry3d& b) {
+  return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() / kDegree;
+}
+
+Scan kitchen_scan(double x, double y, double yaw_deg, uint64_t seed) {
+  return sweep(kitchen(), x, y, yaw_deg * kDegree, seed);
+}
+
+TEST(Align, FindsThePoseFromHalfAMetreAndThirtyDegreesOff) {
+  const Scan target = kitchen_scan(-0.8, -0.3, 60, 1), source = kitchen_scan(0.3, 0.2, 100, 2);
+  const Isometry3d truth = between(target, source);
+  for (const double side : {-1.0, 1.0}) {
+    for (const char* method : {"plane", "generalised", "point"}) {
+      RegistrationOptions options;
+      options.method = method;
+      const Isometry3d guess = truth * planar_motion(0.35 * side, 0.35, -30 * side);
+      const PairAlignment pair = align(target, source, guess, options);
+      EXPECT_TRUE(pair.trusted) << method << ": " << pair.reason;
+      const bool paper = std::string(method) == "point";
+      EXPECT_LT(position_error(pair.target_from_source, truth), paper ? 0.02 : 0.005) << method;
+      EXPECT_LT(angle_error_deg(pair.target_from_source, truth), paper ? 0.4 : 0.1) << method;
+    }
+  }
+}
+
+TEST(Align, FindsAllSixDegreesOfFreedom) {
+  const Scan target = kitchen_scan(-0.8, -0.3, 60, 1), source = kitchen_scan(0.3, 0.2, 100, 2);
+  const Isometry3d truth = between(target, source);
+  RegistrationOptions options;
+  options.dof = 6;
+  Isometry3d guess = truth * planar_motion(0.2, -0.2, 10);
+  guess.rotate(Eigen::AngleAxisd(8 * kDegree, Vector3d::UnitX()));
+  guess.translation().z() += 0.2;
+  const PairAlignment pair = align(target, source, guess, options);
+  EXPECT_TRUE(pair.trusted) << pair.reason;
+  EXPECT_LT(position_error(pair.target_from_source, truth), 0.008);
+  EXPECT_LT(angle_error_deg(pair.target_from_source, truth), 0.15);
+}
+
+TEST(Align, RefusesScansOfTwoDifferentRooms) {
+  const Scan target = kitchen_scan(-0.3, -0.3, 60, 1);
+  for (const double yaw_deg : {0.0, 60.0, 120.0, 200.0, 290.0}) {
+    const Scan source = sweep(study(), 0.2, 0, yaw_deg * kDegree, 7);
+    const PairAlignment pair = align(target, source, between(target, source), {});
+    EXPECT_FALSE(pair.trusted) << yaw_deg << ": " << pair.reason;
+    EXPECT_FALSE(pair.reason.empty());
+  }
+}
+
+TEST(Align, RefusesWhatCouldSlide) {
+  testing::BoxRoom corridor;  // Two parallel walls, floor and ceiling, the ends out of sight.
+  corridor.shell = {{-50, -1, 0}, {50, 1, 2.5}};
+  const Scan target = sweep(corridor, 0, 0, 0, 1), source = sweep(corridor, 0.5, 0, 0, 2);
+  const PairAlignment pair = align(target, source, between(target, source), {});
+  EXPECT_FALSE(pair.trusted) << pair.reason;
+  EXPECT_LT(pair.degeneracy, 0.01);
+}
+
+TEST(Align, RefusesAScanUpsideDown) {
+  const Scan target = kitchen_scan(-0.8, -0.3, 60, 1);
+  Scan source = kitchen_scan(-0.6, -0.2, 80, 2);
+  const Isometry3d guess = between(target, source);
+  for (ScanPoint& point : source.points)
+    point.position = {point.position.x(), -point.position.y(), -point.position.z()};
+  const PairAlignment pair = align(target, source, guess, {});
+  EXPECT_FALSE(pair.trusted) << pair.reason;
+}
+
+TEST(Align, RefusesAnEmptyScan) {
+  const Scan target = kitchen_scan(-0.8, -0.3, 60, 1);
+  Scan empty;
+  empty.name = "nothing";
+  const PairAlignment pair = align(target, empty, Isometry3d::Identity(), {});
+  EXPECT_FALSE(pair.trusted);
+  EXPECT_THAT(pair.reason, HasSubstr("nothing has no points"));
+}
+
+ScanSet tour(double position_error_m, double yaw_error_deg) {
+  ScanSet set;
+  set.range_max = 10;
+  Random random(5);
+  const std::vector<std::array<double, 3>> stops = {
+      {-1.2, 0.4, 20}, {-0.6, -0.4, 50}, {0.2, 0.3, 110}, {1.2, 0.2, 190}, {0.6, 0.5, 250}};
+  for (const auto& [x, y, yaw] : stops) set.scans.push_back(kitchen_scan(x, y, yaw, set.scans.size() + 1));
+  for (size_t i = 1; i < set.scans.size(); ++i)
+    set.scans[i].map_from_scan = set.scans[i].map_from_scan * planar_motion(random.normal(position_error_m),
+                                                                            random.normal(position_error_m),
+                                                                            random.normal(yaw_error_deg));
+  return set;
+}
+
+TEST(Registration, BringsATourToMillimetres) {
+  const ScanSet truth = tour(0, 0), drifted = tour(0.1, 4);
+  NoProgress progress;
+  const RegistrationResult result = register_scans(drifted, {}, progress);
+  ASSERT_EQ(result.connected_count(), truth.scans.size()) << result.summary();
+  for (size_t i = 0; i < truth.scans.size(); ++i) {
+    EXPECT_LT(position_error(result.map_from_scan[i], truth.scans[i].map_from_scan), 0.005) << i;
+    EXPECT_LT(angle_error_deg(result.map_from_scan[i], truth.scans[i].map_from_scan), 0.1) << i;
+  }
+}
+
+TEST(Registration, SameResultOnAnyNumberOfThreads) {
+  const ScanSet set = tour(0.1, 4);
+  NoProgress progress;
+  RegistrationOptions one, many;
+  one.threads = 1;
+  many.threads = 3;
+  Json a = register_scans(set, one, progress).report(), b = register_scans(set, many, progress).report();
+  a.erase("seconds");
+  b.erase("seconds");
+  EXPECT_EQ(a.dump(), b.dump());
+}
+
+TEST(Registration, NamesTheScanOfAnotherRoomAndLeavesItWhereItWas) {
+  ScanSet set = tour(0.05, 2);
+  set.scans.push_back(sweep(study(), 0.2, 0, 1.0, 9));
+  NoProgress progress;
+  const RegistrationResult result = register_scans(set, {}, progress);
+  EXPECT_TRUE(result.usable());
+  EXPECT_EQ(result.connected_count(), set.scans.size() - 1) << result.summary();
+  EXPECT_FALSE(result.connected.back());
+  EXPECT_THAT(result.summary(), HasSubstr("scan_9 has no trusted connection"));
+  EXPECT_TRUE(result.map_from_scan.back().isApprox(set.scans.back().map_from_scan));
+}
+
+TEST(Registration, OneByOneIsAsGoodAsAllAtOnce) {
+  const ScanSet truth = tour(0, 0), drifted = tour(0.05, 2);
+  IncrementalRegistration incremental{RegistrationOptions{}};
+  for (const Scan& scan : drifted.scans) incremental.add(scan);
+  const RegistrationResult& result = incremental.result();
+  ASSERT_EQ(result.connected_count(), truth.scans.size()) << result.summary();
+  for (size_t i = 0; i < truth.scans.size(); ++i)
+    EXPECT_LT(position_error(result.map_from_scan[i], truth.scans[i].map_from_scan), 0.005) << i;
+}
+
+TEST(Registration, RejectsFiveDegreesOfFreedom) {
+  NoProgress progress;
+  RegistrationOptions options;
+  options.dof = 5;
+  EXPECT_THROW(register_scans(tour(0, 0), options, progress), Error);
+}
+
+}  // namespace
+}  // namespace loci
