@@ -8,6 +8,8 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/exchange/compare_furniture.h"
+
 namespace loci {
 namespace {
 
@@ -177,10 +179,6 @@ void compare_walls(const MapStructure& map, const MapStructure& truth, const Com
   }
 }
 
-std::string number(const std::optional<double>& value, const char* format) {
-  return value ? fmt::format(fmt::runtime(format), *value) : std::string("-");
-}
-
 }  // namespace
 
 void ComparisonOptions::declare(OptionTable& table) {
@@ -192,6 +190,8 @@ void ComparisonOptions::declare(OptionTable& table) {
                0.001, 1);
   table.number("wall_angle_deg", wall_angle_deg, "deg", "Walls match when their normals differ by no more.",
                0.1, 45);
+  table.number("handle_tolerance_m", handle_tolerance_m, "m",
+               "Handles match when their centres are no further apart.", 0.001, 1);
   table.text("region", region, "Asks only for things of this region of the truth; empty = all.");
 }
 
@@ -218,6 +218,7 @@ Comparison compare(const MapStructure& map, const MapStructure& truth, const Com
   result.truth_source = truth.source;
   compare_supports(map, truth, options, result);
   compare_walls(map, truth, options, result);
+  compare_furniture(map, truth, options, result);
   if (truth.floor_height) {
     ComparedThing floor;
     floor.kind = "floor";
@@ -230,76 +231,6 @@ Comparison compare(const MapStructure& map, const MapStructure& truth, const Com
     result.things.push_back(floor);
   }
   return result;
-}
-
-double Comparison::Counts::precision() const {
-  const size_t all = matched + minor + extra;
-  return all == 0 ? 1 : static_cast<double>(matched + minor) / static_cast<double>(all);
-}
-
-double Comparison::Counts::recall() const {
-  const size_t all = matched + missed;
-  return all == 0 ? 1 : static_cast<double>(matched) / static_cast<double>(all);
-}
-
-Comparison::Counts Comparison::counts(const std::string& kind) const {
-  Counts counts;
-  for (const ComparedThing& thing : things) {
-    if (thing.kind != kind) continue;
-    counts.matched += thing.verdict == "matched";
-    counts.missed += thing.verdict == "missed";
-    counts.extra += thing.verdict == "extra";
-    counts.minor += thing.verdict == "minor";
-  }
-  return counts;
-}
-
-std::string Comparison::text() const {
-  std::string text = fmt::format("{:<8} {:<8} {:<16} {:<28} {:>8} {:>6} {:>8} {:>7}  edges\n", "kind",
-                                 "verdict", "map", "truth", "height", "IoU", "offset", "angle");
-  for (const ComparedThing& thing : things) {
-    text += fmt::format("{:<8} {:<8} {:<16} {:<28} {:>8} {:>6} {:>8} {:>7}", thing.kind, thing.verdict,
-                        thing.map_name.empty() ? "-" : thing.map_name,
-                        thing.truth_name.empty() ? "-" : thing.truth_name,
-                        number(thing.height_error, "{:+.3f}"), number(thing.overlap, "{:.2f}"),
-                        number(thing.offset_error, "{:+.3f}"), number(thing.angle_error_deg, "{:.2f}"));
-    if (thing.overlap)
-      text += fmt::format("  {:+.3f} {:+.3f} {:+.3f} {:+.3f}", thing.edge_errors[0], thing.edge_errors[1],
-                          thing.edge_errors[2], thing.edge_errors[3]);
-    text += "\n";
-  }
-  for (const char* kind : {"support", "wall"}) {
-    const Counts c = counts(kind);
-    text += fmt::format("{}s: {} matched, {} missed, {} extra, {} minor; precision {:.2f}, recall {:.2f}\n",
-                        kind, c.matched, c.missed, c.extra, c.minor, c.precision(), c.recall());
-  }
-  return text;
-}
-
-Json Comparison::report() const {
-  Json list = Json::array();
-  const auto set = [](Json& json, const char* key, const std::optional<double>& value) {
-    if (value) json[key] = *value;
-  };
-  for (const ComparedThing& thing : things) {
-    Json json = {{"kind", thing.kind}, {"verdict", thing.verdict}};
-    json["map"] = thing.map_name.empty() ? Json(nullptr) : Json(thing.map_name);
-    json["truth"] = thing.truth_name.empty() ? Json(nullptr) : Json(thing.truth_name);
-    set(json, "height_error_m", thing.height_error);
-    set(json, "iou", thing.overlap);
-    set(json, "offset_error_m", thing.offset_error);
-    set(json, "angle_error_deg", thing.angle_error_deg);
-    if (thing.overlap) json["edge_errors_m"] = thing.edge_errors;
-    list.push_back(std::move(json));
-  }
-  Json json = {{"map_source", map_source}, {"truth_source", truth_source}, {"things", list}};
-  for (const char* kind : {"support", "wall"}) {
-    const Counts c = counts(kind);
-    json[std::string(kind) + "s"] = {{"matched", c.matched},       {"missed", c.missed},
-                                     {"extra", c.extra},           {"minor", c.minor},
-                                     {"precision", c.precision()}, {"recall", c.recall()}};
-  }
-  return json;
 }
 
 }  // namespace loci

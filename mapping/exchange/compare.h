@@ -15,20 +15,33 @@ struct ComparisonOptions {
   double overlap_min = 0.25;
   double wall_tolerance_m = 0.10;
   double wall_angle_deg = 10;
+  double handle_tolerance_m = 0.10;
   std::string region;
 
   void declare(OptionTable& table);
 };
 
+/// How a front moves in the map and in the truth.
+struct ComparedJoint {
+  std::string map_type;                  ///< "prismatic", "revolute", "rigid"; "" where the map says nothing
+  std::string truth_type;                ///< the same
+  std::string evidence;                  ///< of the map: "prior", "interaction", …
+  std::optional<double> axis_error_deg;  ///< between the directions of opening; of joints of one type
+  std::optional<double> hinge_error;     ///< between the hinges, at the height or place of the front, metres
+  bool right() const { return map_type == truth_type; }
+};
+
 /// One thing of the map, of the truth, or of both.
 struct ComparedThing {
-  std::string kind;     ///< "support", "wall", "floor"
+  std::string kind;     ///< "support", "wall", "floor", "front", "handle" (and knobs)
   std::string verdict;  ///< "matched", "missed", "extra", "minor" (found, though not among the main things)
   std::string map_name, truth_name;       ///< empty where there is none
   std::optional<double> height_error;     ///< map minus truth, metres
   std::optional<double> overlap;          ///< intersection over union of the outlines
-  std::optional<double> offset_error;     ///< of a wall's plane, metres
-  std::optional<double> angle_error_deg;  ///< of a wall's normal
+  std::optional<double> offset_error;     ///< of a wall's or front's plane, metres
+  std::optional<double> angle_error_deg;  ///< of a wall's or front's normal, of a handle's bar
+  std::optional<double> centre_error;     ///< of a handle, metres
+  std::optional<ComparedJoint> joint;     ///< of a front that moves in the truth
   std::array<double, 4>
       edge_errors{};  ///< of a support: u min, u max, v min, v max in the truth's axes, metres
 };
@@ -43,13 +56,24 @@ struct Comparison {
     double recall() const;
   };
   Counts counts(const std::string& kind) const;
+  /// Joints of the matched fronts: how many the truth has, and how many of them are of the right type.
+  struct Joints {
+    size_t asked = 0, right = 0;
+    double rate() const;
+  };
+  Joints joints() const;
+  /// A figure of all matched things of a kind, absolute, those that have it.
+  std::vector<double> errors(const std::string& kind, std::optional<double> ComparedThing::*figure) const;
+  std::vector<double> joint_errors(std::optional<double> ComparedJoint::*figure) const;
+  /// A table per kind and a line of counts per kind.
   std::string text() const;
   Json report() const;
 };
 
 /// Supports match by height and overlap, best overlap first, each once; walls by angle, offset and shared
-/// length, several pieces of a map may belong to one true wall. With a region, only things of the truth in it
-/// are asked for.
+/// length, several pieces of a map may belong to one true wall; handles and knobs by the distance of their
+/// centres, nearest first; fronts by their matched handles, then by overlap. With a region, only things of
+/// the truth in it are asked for, and furniture of the map outside of it is no mistake.
 Comparison compare(const MapStructure& map, const MapStructure& truth, const ComparisonOptions& options);
 
 /// Intersection over union of two patches, rastered at 5 mm.

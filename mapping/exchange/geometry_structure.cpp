@@ -2,8 +2,9 @@
 #include <cmath>
 #include <map>
 
+#include "mapping/exchange/furniture_structure.h"
 #include "mapping/exchange/map_structure.h"
-#include "mapping/world/kinematics.h"
+#include "mapping/exchange/world_triangles.h"
 
 namespace loci {
 namespace {
@@ -15,36 +16,6 @@ constexpr double kHighest = 2.0;
 constexpr double kFreeAbove = 0.25;  // m; less room above and nothing can be put there or seen
 constexpr double kSameHeight = 0.01;
 
-struct Triangle {
-  std::array<Vector3d, 3> corners;
-  Vector3d normal;  ///< unit
-  double area = 0;
-  size_t link = 0;
-};
-
-std::vector<Triangle> triangles_of(const World& world, const MeshSearch& search, Warnings& warnings) {
-  const std::vector<Isometry3d> root_from_link = root_from_links(world, {});
-  std::vector<Triangle> triangles;
-  for (size_t i = 0; i < world.links.size(); ++i)
-    for (const Visual& visual : world.links[i].visuals) {
-      const Isometry3d root_from_visual = root_from_link[i] * visual.link_from_visual;
-      const TriangleMesh mesh = triangulate(visual.geometry, search, warnings);
-      for (const auto& corners : mesh.triangles) {
-        Triangle triangle;
-        for (size_t k = 0; k < 3; ++k)
-          triangle.corners[k] = root_from_visual * mesh.vertices[corners[k]].cast<double>();
-        const Vector3d cross =
-            (triangle.corners[1] - triangle.corners[0]).cross(triangle.corners[2] - triangle.corners[0]);
-        triangle.area = cross.norm() / 2;
-        if (triangle.area < 1e-8) continue;
-        triangle.normal = cross.normalized();
-        triangle.link = i;
-        triangles.push_back(triangle);
-      }
-    }
-  return triangles;
-}
-
 /// Whether a movable joint lies between a link and the root.
 bool moves(const World& world, size_t link) {
   for (const Joint* joint = world.parent_joint(world.links[link].name); joint != nullptr;
@@ -53,7 +24,7 @@ bool moves(const World& world, size_t link) {
   return false;
 }
 
-bool over(const Triangle& triangle, const Vector3d& point) {
+bool over(const WorldTriangle& triangle, const Vector3d& point) {
   const Vector2d p = point.head<2>();
   double first = 0;
   for (size_t k = 0; k < 3; ++k) {
@@ -69,12 +40,12 @@ bool over(const Triangle& triangle, const Vector3d& point) {
 }
 
 /// Fraction of a patch's area with room above, judged at the middles of its triangles.
-double open_fraction(const std::vector<const Triangle*>& patch, const std::vector<Triangle>& all) {
+double open_fraction(const std::vector<const WorldTriangle*>& patch, const std::vector<WorldTriangle>& all) {
   double open = 0;
   double total = 0;
-  for (const Triangle* triangle : patch) {
+  for (const WorldTriangle* triangle : patch) {
     const Vector3d middle = (triangle->corners[0] + triangle->corners[1] + triangle->corners[2]) / 3;
-    const bool covered = std::any_of(all.begin(), all.end(), [&](const Triangle& other) {
+    const bool covered = std::any_of(all.begin(), all.end(), [&](const WorldTriangle& other) {
       return std::abs(other.normal.z()) > 0.1 && over(other, middle);
     });
     total += triangle->area;
@@ -83,9 +54,9 @@ double open_fraction(const std::vector<const Triangle*>& patch, const std::vecto
   return open / total;
 }
 
-void add_supports(const World& world, const std::vector<Triangle>& triangles, MapStructure& structure) {
-  std::map<std::pair<size_t, long>, std::vector<const Triangle*>> patches;
-  for (const Triangle& triangle : triangles) {
+void add_supports(const World& world, const std::vector<WorldTriangle>& triangles, MapStructure& structure) {
+  std::map<std::pair<size_t, long>, std::vector<const WorldTriangle*>> patches;
+  for (const WorldTriangle& triangle : triangles) {
     const double z = triangle.corners[0].z();
     if (triangle.normal.z() > 0.99 && z > kLowest && z < kHighest)
       patches[{triangle.link, std::lround(z / kSameHeight)}].push_back(&triangle);
@@ -93,7 +64,7 @@ void add_supports(const World& world, const std::vector<Triangle>& triangles, Ma
   for (const auto& [key, patch] : patches) {
     SurfacePatch surface;
     double area = 0;
-    for (const Triangle* triangle : patch) {
+    for (const WorldTriangle* triangle : patch) {
       std::vector<Vector2d> polygon;
       for (const Vector3d& corner : triangle->corners) polygon.push_back(corner.head<2>());
       surface.polygons.push_back(std::move(polygon));
@@ -108,9 +79,9 @@ void add_supports(const World& world, const std::vector<Triangle>& triangles, Ma
   }
 }
 
-void add_walls(const World& world, const std::vector<Triangle>& triangles, MapStructure& structure) {
-  std::map<std::array<long, 3>, std::vector<const Triangle*>> patches;  // link, direction, offset
-  for (const Triangle& triangle : triangles) {
+void add_walls(const World& world, const std::vector<WorldTriangle>& triangles, MapStructure& structure) {
+  std::map<std::array<long, 3>, std::vector<const WorldTriangle*>> patches;  // link, direction, offset
+  for (const WorldTriangle& triangle : triangles) {
     if (std::abs(triangle.normal.z()) > 0.05) continue;
     const long angle = std::lround(std::atan2(triangle.normal.y(), triangle.normal.x()) * 60);
     const long offset = std::lround(triangle.normal.dot(triangle.corners[0]) / 0.02);
@@ -123,7 +94,7 @@ void add_walls(const World& world, const std::vector<Triangle>& triangles, MapSt
     wall.offset = wall.normal.dot(patch.front()->corners[0]);
     wall.along_min = wall.bottom = 1e9;
     wall.along_max = wall.top = -1e9;
-    for (const Triangle* triangle : patch) {
+    for (const WorldTriangle* triangle : patch) {
       area += triangle->area;
       for (const Vector3d& corner : triangle->corners) {
         const double along = wall.normal.x() * corner.y() - wall.normal.y() * corner.x();
@@ -146,9 +117,10 @@ void add_walls(const World& world, const std::vector<Triangle>& triangles, MapSt
 MapStructure structure_from_geometry(const World& world, const MeshSearch& search, Warnings& warnings) {
   MapStructure structure;
   structure.source = "geometry of the URDF";
-  const std::vector<Triangle> triangles = triangles_of(world, search, warnings);
+  const std::vector<WorldTriangle> triangles = triangles_of(world, search, warnings);
   add_supports(world, triangles, structure);
   add_walls(world, triangles, structure);
+  add_geometry_furniture(world, triangles, structure);
   return structure;
 }
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "mapping/world/semantic_map.h"
+#include "mapping/exchange/furniture_structure.h"
 #include "mapping/world/urdf.h"
 
 namespace loci {
@@ -50,10 +50,10 @@ void span(WallPatch& wall, const std::vector<Vector3d>& corners) {
 
 }  // namespace
 
-MapStructure structure_from_sidecar(const Json& sidecar, const std::string& file) {
+MapStructure structure_from_sidecar(const SemanticMap& sidecar, const World& world, const std::string& file) {
   MapStructure structure;
   structure.source = "sidecar";
-  for (const auto& [name, link] : semantic_map_from_json(sidecar, file).links) {
+  for (const auto& [name, link] : sidecar.links) {
     const Json& geometry = link.geometry;
     try {
       if (link.class_name == "floor") structure.floor_height = geometry.at("height").get<double>();
@@ -75,6 +75,7 @@ MapStructure structure_from_sidecar(const Json& sidecar, const std::string& file
       throw Error("the geometry of a link lacks what its class needs", {file, 0, name});
     }
   }
+  add_sidecar_furniture(world, sidecar, file, structure);
   return structure;
 }
 
@@ -105,6 +106,7 @@ MapStructure structure_from_truth(const Json& truth, const std::string& file) {
     wall.main = json.value("faces_furniture_side", true) && json.value("fill", 1.0) > 0.3;
     structure.walls.push_back(std::move(wall));
   }
+  add_truth_furniture(truth, file, structure);
   if (truth.contains("floor")) structure.floor_height = truth["floor"].value("offset", 0.0);
   return structure;
 }
@@ -113,13 +115,15 @@ MapStructure read_structure(const std::filesystem::path& path, const MeshSearch&
   if (path.extension() == ".json") {
     const Json json = read_json(path);
     if (json.contains("support_surfaces")) return structure_from_truth(json, path.string());
-    if (json.contains("links")) return structure_from_sidecar(json, path.string());
+    if (json.contains("links"))
+      return structure_from_sidecar(semantic_map_from_json(json, path.string()), {}, path.string());
     throw Error("this JSON file is neither a truth (support_surfaces) nor a sidecar (links)",
                 {path.string(), 0, ""});
   }
   const World world = read_urdf(path);
   const std::filesystem::path sidecar = sidecar_path(path);
-  if (std::filesystem::exists(sidecar)) return structure_from_sidecar(read_json(sidecar), sidecar.string());
+  if (std::filesystem::exists(sidecar))
+    return structure_from_sidecar(read_semantic_map(sidecar), world, sidecar.string());
   return structure_from_geometry(world, search, warnings);
 }
 

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "mapping/base/json.h"
+#include "mapping/world/furniture.h"
 #include "mapping/world/mesh.h"
+#include "mapping/world/semantic_map.h"
 
 namespace loci {
 
@@ -31,19 +34,41 @@ struct WallPatch {
   bool main = true;
 };
 
+/// A handle or knob.
+struct KnownFixture {
+  std::string name;
+  std::string region;
+  std::string front;  ///< name of the KnownFront that it opens; empty where unknown
+  Fixture fixture;
+  bool main = true;
+};
+
+/// A furniture front, with its joint where it moves. Its fixture is among the structure's fixtures.
+struct KnownFront {
+  std::string name;  ///< of the link
+  std::string region;
+  Front front;
+  bool main = true;
+};
+
 /// What a comparison looks at.
 struct MapStructure {
   std::string source;  ///< "sidecar", "geometry of the URDF", "truth.json"
   std::vector<SurfacePatch> supports;
   std::vector<WallPatch> walls;
+  std::vector<KnownFront> fronts;
+  std::vector<KnownFixture> fixtures;
   std::optional<double> floor_height;
+  std::map<std::string, Eigen::AlignedBox3d> regions;  ///< where they are, of a truth that says so
 };
 
 /// Reads a URDF (its sidecar where there is one, otherwise the upward and the vertical faces of its visual
-/// geometry, all joints at 0) or a JSON file with `support_surfaces` and `walls`. Error for other files.
+/// geometry, all joints at 0) or a JSON file with `support_surfaces`, `walls`, `handles`, `joints`. Error for
+/// other files.
 MapStructure read_structure(const std::filesystem::path& path, const MeshSearch& search, Warnings& warnings);
 
-MapStructure structure_from_sidecar(const Json& sidecar, const std::string& file);
+/// The joints are the world's; a sidecar without its world knows of none.
+MapStructure structure_from_sidecar(const SemanticMap& sidecar, const World& world, const std::string& file);
 MapStructure structure_from_truth(const Json& truth, const std::string& file);
 MapStructure structure_from_geometry(const World& world, const MeshSearch& search, Warnings& warnings);
 

@@ -57,7 +57,8 @@ class FrontReader {
   }
 
   std::optional<JointEstimate> joint_of(const std::string& name, const SemanticLink& link) const {
-    const Joint* moving = world_.find_link(name) == nullptr ? nullptr : moving_joint(name);
+    if (world_.find_link(name) == nullptr) return std::nullopt;  // a sidecar without its world
+    const Joint* moving = moving_joint(name);
     JointEstimate estimate;
     if (moving != nullptr) {
       const Isometry3d& map_from_joint = map_from_link_[world_.link_index(moving->child)];

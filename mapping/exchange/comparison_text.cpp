@@ -1,0 +1,238 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numeric>
+
+#include "mapping/exchange/compare.h"
+
+namespace loci {
+namespace {
+
+constexpr std::array<const char*, 4> kKinds = {"support", "wall", "front", "handle"};
+
+std::string number(const std::optional<double>& value, const char* format) {
+  return value ? fmt::format(fmt::runtime(format), *value) : std::string("-");
+}
+
+std::string or_dash(const std::string& text) {
+  return text.empty() ? "-" : text;
+}
+
+/// One column of a kind's table.
+struct Column {
+  const char* heading;
+  size_t width;
+  std::function<std::string(const ComparedThing&)> text;
+};
+
+std::string edges_text(const ComparedThing& thing) {
+  if (!thing.overlap) return "-";
+  return fmt::format("{:+.3f} {:+.3f} {:+.3f} {:+.3f}", thing.edge_errors[0], thing.edge_errors[1],
+                     thing.edge_errors[2], thing.edge_errors[3]);
+}
+
+template <class Member>
+Column column(const char* heading, size_t width, const char* format, Member member) {
+  return {heading, width, [=](const ComparedThing& thing) { return number(thing.*member, format); }};
+}
+
+template <class Text>
+Column joint_column(const char* heading, size_t width, Text text) {
+  return {heading, width,
+          [=](const ComparedThing& thing) { return thing.joint ? text(*thing.joint) : std::string("-"); }};
+}
+
+std::vector<Column> columns_of(const std::string& kind) {
+  using T = ComparedThing;
+  if (kind == "wall")
+    return {column("offset m", 9, "{:+.3f}", &T::offset_error),
+            column("angle deg", 10, "{:.2f}", &T::angle_error_deg)};
+  if (kind == "handle")
+    return {column("centre m", 9, "{:.3f}", &T::centre_error),
+            column("bar deg", 8, "{:.1f}", &T::angle_error_deg)};
+  if (kind == "front")
+    return {
+        column("IoU", 6, "{:.2f}", &T::overlap),
+        column("offset m", 9, "{:+.3f}", &T::offset_error),
+        joint_column("true joint", 11, [](const ComparedJoint& j) { return j.truth_type; }),
+        joint_column("joint", 10, [](const ComparedJoint& j) { return or_dash(j.map_type); }),
+        joint_column("evidence", 12, [](const ComparedJoint& j) { return or_dash(j.evidence); }),
+        joint_column("axis deg", 9,
+                     [](const ComparedJoint& j) { return number(j.axis_error_deg, "{:.2f}"); }),
+        joint_column("hinge m", 8, [](const ComparedJoint& j) { return number(j.hinge_error, "{:.3f}"); })};
+  return {column("height m", 9, "{:+.3f}", &T::height_error),
+          column("IoU", 6, "{:.2f}", &T::overlap),
+          {"edges m", 29, edges_text}};
+}
+
+std::string table_text(const std::string& kind, const std::vector<const ComparedThing*>& things) {
+  const std::vector<Column> columns = columns_of(kind);
+  std::string text = fmt::format("{:<9}{:<26} {:<34}", kind, "map", "truth");
+  for (const Column& one : columns) text += fmt::format(" {:>{}}", one.heading, one.width);
+  text += "\n";
+  for (const ComparedThing* thing : things) {
+    text += fmt::format("{:<9}{:<26} {:<34}", thing->verdict, or_dash(thing->map_name),
+                        or_dash(thing->truth_name));
+    for (const Column& one : columns) text += fmt::format(" {:>{}}", one.text(*thing), one.width);
+    text += "\n";
+  }
+  return text + "\n";
+}
+
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+Json statistics(const std::vector<double>& values) {
+  if (values.empty()) return nullptr;
+  std::vector<double> sorted = values;
+  std::ranges::sort(sorted);
+  return {{"mean", mean_of(values)},
+          {"median", sorted[sorted.size() / 2]},
+          {"min", sorted.front()},
+          {"max", sorted.back()}};
+}
+
+std::string statistics_text(const char* what, const std::vector<double>& values, const char* format) {
+  if (values.empty()) return {};
+  const auto [least, most] = std::ranges::minmax(values);
+  return fmt::format("; {} {} mean ({} to {})", what, number(mean_of(values), format), number(least, format),
+                     number(most, format));
+}
+
+Json json_of(const ComparedJoint& joint) {
+  Json json = {{"map_type", joint.map_type.empty() ? Json(nullptr) : Json(joint.map_type)},
+               {"truth_type", joint.truth_type},
+               {"right", joint.right()}};
+  if (!joint.evidence.empty()) json["evidence"] = joint.evidence;
+  if (joint.axis_error_deg) json["axis_error_deg"] = *joint.axis_error_deg;
+  if (joint.hinge_error) json["hinge_error_m"] = *joint.hinge_error;
+  return json;
+}
+
+Json json_of(const ComparedThing& thing) {
+  Json json = {{"kind", thing.kind}, {"verdict", thing.verdict}};
+  json["map"] = thing.map_name.empty() ? Json(nullptr) : Json(thing.map_name);
+  json["truth"] = thing.truth_name.empty() ? Json(nullptr) : Json(thing.truth_name);
+  const auto set = [&](const char* key, const std::optional<double>& value) {
+    if (value) json[key] = *value;
+  };
+  set("height_error_m", thing.height_error);
+  set("iou", thing.overlap);
+  set("offset_error_m", thing.offset_error);
+  set("angle_error_deg", thing.angle_error_deg);
+  set("centre_error_m", thing.centre_error);
+  if (thing.kind == "support" && thing.overlap) json["edge_errors_m"] = thing.edge_errors;
+  if (thing.joint) json["joint"] = json_of(*thing.joint);
+  return json;
+}
+
+}  // namespace
+
+double Comparison::Counts::precision() const {
+  const size_t all = matched + minor + extra;
+  return all == 0 ? 1 : static_cast<double>(matched + minor) / static_cast<double>(all);
+}
+
+double Comparison::Counts::recall() const {
+  const size_t all = matched + missed;
+  return all == 0 ? 1 : static_cast<double>(matched) / static_cast<double>(all);
+}
+
+Comparison::Counts Comparison::counts(const std::string& kind) const {
+  Counts counts;
+  for (const ComparedThing& thing : things) {
+    if (thing.kind != kind) continue;
+    counts.matched += thing.verdict == "matched";
+    counts.missed += thing.verdict == "missed";
+    counts.extra += thing.verdict == "extra";
+    counts.minor += thing.verdict == "minor";
+  }
+  return counts;
+}
+
+double Comparison::Joints::rate() const {
+  return asked == 0 ? 1 : static_cast<double>(right) / static_cast<double>(asked);
+}
+
+Comparison::Joints Comparison::joints() const {
+  Joints joints;
+  for (const ComparedThing& thing : things) {
+    if (thing.verdict != "matched" || !thing.joint) continue;
+    ++joints.asked;
+    joints.right += thing.joint->right();
+  }
+  return joints;
+}
+
+std::vector<double> Comparison::errors(const std::string& kind,
+                                       std::optional<double> ComparedThing::*figure) const {
+  std::vector<double> values;
+  for (const ComparedThing& thing : things)
+    if (thing.kind == kind && thing.verdict == "matched" && thing.*figure)
+      values.push_back(std::abs(*(thing.*figure)));
+  return values;
+}
+
+std::vector<double> Comparison::joint_errors(std::optional<double> ComparedJoint::*figure) const {
+  std::vector<double> values;
+  for (const ComparedThing& thing : things)
+    if (thing.verdict == "matched" && thing.joint && (*thing.joint).*figure)
+      values.push_back(*((*thing.joint).*figure));
+  return values;
+}
+
+std::string Comparison::text() const {
+  std::string text;
+  for (const char* kind : {"support", "wall", "floor", "front", "handle"}) {
+    std::vector<const ComparedThing*> of_kind;
+    for (const ComparedThing& thing : things)
+      if (thing.kind == kind) of_kind.push_back(&thing);
+    if (!of_kind.empty()) text += table_text(kind, of_kind);
+  }
+  for (const char* kind : kKinds) {
+    const Counts c = counts(kind);
+    text += fmt::format("{}s: {} matched, {} missed, {} extra, {} minor; precision {:.2f}, recall {:.2f}",
+                        kind, c.matched, c.missed, c.extra, c.minor, c.precision(), c.recall());
+    text += statistics_text("IoU", errors(kind, &ComparedThing::overlap), "{:.2f}");
+    text += statistics_text("centre", errors(kind, &ComparedThing::centre_error), "{:.3f} m");
+    text += "\n";
+  }
+  const Joints moving = joints();
+  text += fmt::format("joints: {} of {} found have the right type", moving.right, moving.asked);
+  text += statistics_text("axis", joint_errors(&ComparedJoint::axis_error_deg), "{:.2f} deg");
+  text += statistics_text("hinge", joint_errors(&ComparedJoint::hinge_error), "{:.3f} m");
+  return text + "\n";
+}
+
+Json Comparison::report() const {
+  Json list = Json::array();
+  for (const ComparedThing& thing : things) list.push_back(json_of(thing));
+  Json json = {{"map_source", map_source}, {"truth_source", truth_source}, {"things", list}};
+  for (const char* kind : kKinds) {
+    const Counts c = counts(kind);
+    Json& sum = json[std::string(kind) + "s"] = {{"matched", c.matched},       {"missed", c.missed},
+                                                 {"extra", c.extra},           {"minor", c.minor},
+                                                 {"precision", c.precision()}, {"recall", c.recall()}};
+    const auto add = [&](const char* key, std::optional<double> ComparedThing::*figure) {
+      if (Json value = statistics(errors(kind, figure)); !value.is_null()) sum[key] = std::move(value);
+    };
+    add("height_error_m", &ComparedThing::height_error);
+    add("iou", &ComparedThing::overlap);
+    add("offset_error_m", &ComparedThing::offset_error);
+    add("angle_error_deg", &ComparedThing::angle_error_deg);
+    add("centre_error_m", &ComparedThing::centre_error);
+  }
+  const Joints moving = joints();
+  json["joints"] = {{"asked", moving.asked},
+                    {"right", moving.right},
+                    {"rate", moving.rate()},
+                    {"axis_error_deg", statistics(joint_errors(&ComparedJoint::axis_error_deg))},
+                    {"hinge_error_m", statistics(joint_errors(&ComparedJoint::hinge_error))}};
+  return json;
+}
+
+}  // namespace loci

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "mapping/base/error.h"
+#include "mapping/world/mesh.h"
+#include "mapping/world/world.h"
+
+namespace loci {
+
+/// A triangle of a world's visual geometry, root frame.
+struct WorldTriangle {
+  std::array<Vector3d, 3> corners;
+  Vector3d normal;  ///< unit
+  double area = 0;
+  size_t link = 0;  ///< index into the world's links
+  Rgba color = Rgba(0.7F, 0.7F, 0.7F, 1);
+};
+
+/// All visual geometry with the joints at 0; slivers are left out.
+std::vector<WorldTriangle> triangles_of(const World& world, const MeshSearch& search, Warnings& warnings);
+
+}  // namespace loci
