@@ -64,7 +64,7 @@ std::vector<std::string> console_commands(const fs::path& document) {
 
 class Examples : public testing::Test {
  protected:
-  static void SetUpTestSuite() {
+  void SetUp() override {
     // Tests run as processes side by side: each has a folder of its own.
     root_ = fs::temp_directory_path() / ("loci_examples_" + std::to_string(::getpid()));
     fs::remove_all(root_);
@@ -82,16 +82,15 @@ class Examples : public testing::Test {
       expect_works(command);
   }
 
-  static void TearDownTestSuite() { fs::remove_all(root_); }
+  void TearDown() override { fs::remove_all(root_); }
 
-  static void expect_works(const std::string& command) {
+  void expect_works(const std::string& command) const {
     const Outcome outcome = run("cd '" + root_.string() + "' && " + command);
     EXPECT_EQ(outcome.exit_code, 0) << command << "\n" << outcome.error;
   }
 
-  static fs::path root_;
+  fs::path root_;
 };
-fs::path Examples::root_;
 
 TEST_F(Examples, OfEveryCommandWorkAsPrinted) {
   for (const std::string& program : kPrograms) {

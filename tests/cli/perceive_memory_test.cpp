@@ -18,18 +18,14 @@ using ::testing::HasSubstr;
 /// The sample day into a memory, in a folder of its own.
 class PerceiveIntoMemory : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    day_ = std::filesystem::temp_directory_path() / ("loci_day_" + std::to_string(getpid()));
+  void SetUp() override {
+    recording = std::filesystem::temp_directory_path() / ("loci_day_" + std::to_string(getpid()));
+    folder = fresh_folder();
     const Outcome outcome =
-        loci::test::run("loci-simulate record apps/samples/day.yaml --quiet -o " + day_.string());
+        loci::test::run("loci-simulate record apps/samples/day.yaml --quiet -o " + recording.string());
     ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
   }
-  static void TearDownTestSuite() { std::filesystem::remove_all(day_); }
-
-  void SetUp() override {
-    recording = day_;
-    folder = fresh_folder();
-  }
+  void TearDown() override { std::filesystem::remove_all(recording); }
 
   std::string command(const std::string& memory, const std::string& more = {}) const {
     return std::string(LOCI_BIN_DIR) + "/loci-perceive run " + recording.string() +
@@ -54,11 +50,7 @@ class PerceiveIntoMemory : public ::testing::Test {
   }
 
   std::filesystem::path recording, folder;
-
- private:
-  static std::filesystem::path day_;
 };
-std::filesystem::path PerceiveIntoMemory::day_;
 
 TEST_F(PerceiveIntoMemory, KilledAtAnyMomentAndResumedGivesTheMemoryOfAnUninterruptedRun) {
   ASSERT_EQ(loci::test::run(command("whole.loci")).exit_code, 0);

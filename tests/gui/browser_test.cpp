@@ -33,12 +33,13 @@ namespace {
 /// A window on the sample memory, shown on the virtual screen.
 class BrowserWindow : public testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    folder_ = std::filesystem::temp_directory_path() / ("loci_gui_test_" + std::to_string(getpid()));
-    make_folder(folder_);
-    sample_ = test::write_sample_memory(folder_ / "sample.loci");
-  }
-  static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
+  /// A folder that goes when the test ends.
+  struct Folder {
+    Folder() { make_folder(path); }
+    ~Folder() { std::filesystem::remove_all(path); }
+    std::filesystem::path path =
+        std::filesystem::temp_directory_path() / ("loci_gui_test_" + std::to_string(getpid()));
+  };
 
   BrowserWindow() : window(open_memory_data, {MapBackend::widget, false}) {
     window.show_data(open_memory_data(sample_.path));
@@ -61,12 +62,10 @@ class BrowserWindow : public testing::Test {
     return nullptr;
   }
 
-  static std::filesystem::path folder_;
-  static test::SampleMemory sample_;
+  Folder folder_;
+  test::SampleMemory sample_ = test::write_sample_memory(folder_.path / "sample.loci");
   MainWindow window;
 };
-std::filesystem::path BrowserWindow::folder_;
-test::SampleMemory BrowserWindow::sample_;
 
 TEST_F(BrowserWindow, OpensAtTheLastSceneWithFileAndSchemaInTheTitle) {
   EXPECT_EQ(selection().time(), sample_.third);
@@ -193,7 +192,7 @@ TEST_F(BrowserWindow, MapAndCloudAreDrawnWithinTheirLimits) {
 }
 
 TEST_F(BrowserWindow, BrokenFileIsExplainedAndTheOpenMemoryStays) {
-  write_file_atomically(folder_ / "broken.loci", "this is no memory");
+  write_file_atomically(folder_.path / "broken.loci", "this is no memory");
   QString reason;
   QTimer::singleShot(200, &window, [&] {
     auto* box = qobject_cast<QMessageBox*>(QApplication::activeModalWidget());
@@ -201,13 +200,13 @@ TEST_F(BrowserWindow, BrokenFileIsExplainedAndTheOpenMemoryStays) {
     reason = box->text() + box->informativeText();
     box->accept();
   });
-  EXPECT_FALSE(window.open(QString::fromStdString((folder_ / "broken.loci").string())));
+  EXPECT_FALSE(window.open(QString::fromStdString((folder_.path / "broken.loci").string())));
   EXPECT_TRUE(reason.contains("broken.loci")) << reason.toStdString();
   EXPECT_TRUE(window.windowTitle().contains("sample.loci"));
 }
 
 TEST_F(BrowserWindow, DroppedFileIsOpened) {
-  const std::filesystem::path other = folder_ / "dropped.loci";
+  const std::filesystem::path other = folder_.path / "dropped.loci";
   std::filesystem::copy_file(sample_.path, other);
   QMimeData files;
   files.setUrls({QUrl::fromLocalFile(QString::fromStdString(other.string()))});
