@@ -60,16 +60,4 @@ struct OdometryModel {
   Eigen::Matrix<double, 6, 6> covariance(const Isometry3d& from_to) const;
 };
 
-/// Something that drives on the floor and scans: simulated, a real robot, or a pool of recorded scans.
-class Scanner {
- public:
-  virtual ~Scanner() = default;
-
-  /// Goes to `goal` as far as it believes, scans there. The scan's pose (map_from_scan, covariance) is the
-  /// robot's own estimate, which drifts. Error when it cannot get there.
-  virtual Scan scan_at(const PlanarPose& goal) = 0;
-  /// Where the robot believes to be after the scans were registered: corrects its estimate.
-  virtual void localize(const PlanarPose& pose) = 0;
-};
-
 }  // namespace loci

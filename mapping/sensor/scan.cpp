@@ -116,19 +116,32 @@ ScanSet set_from_bare_cloud(const fs::path& path) {
   return set;
 }
 
-}  // namespace
+void write_points(const Scan& scan, const fs::path& folder) {
+  write_pcd(cloud_from_points(scan.points), folder / (scan.name + ".pcd"));
+}
 
-void write_scan_set(const ScanSet& set, const fs::path& folder) {
-  make_folder(folder);
+/// Last of all: a folder without this file is not a scan set.
+void write_list(const ScanSet& set, const fs::path& folder) {
   std::string text = fmt::format(
       "version: 1\nsensor: {}\nlevelled: {}\nrange_max: {}\nresolution: {}\nfree_space: {}\nscans:{}\n",
       set.sensor.empty() ? "unknown" : set.sensor, set.levelled, set.range_max, set.resolution,
       set.free_space, set.scans.empty() ? " []" : "");
-  for (const Scan& scan : set.scans) {
-    write_pcd(cloud_from_points(scan.points), folder / (scan.name + ".pcd"));
-    text += scan_text(scan);
-  }
-  write_file_atomically(folder / "scans.yaml", text);  // Last: a folder without it is not a scan set.
+  for (const Scan& scan : set.scans) text += scan_text(scan);
+  write_file_atomically(folder / "scans.yaml", text);
+}
+
+}  // namespace
+
+void write_scan_set(const ScanSet& set, const fs::path& folder) {
+  make_folder(folder);
+  for (const Scan& scan : set.scans) write_points(scan, folder);
+  write_list(set, folder);
+}
+
+void append_to_scan_set(const ScanSet& set, const fs::path& folder) {
+  make_folder(folder);
+  if (!set.scans.empty()) write_points(set.scans.back(), folder);
+  write_list(set, folder);
 }
 
 ScanSet read_scan_set(const fs::path& path) {

@@ -43,6 +43,10 @@ struct ScanSet {
 /// origin_index return).
 void write_scan_set(const ScanSet& set, const std::filesystem::path& folder);
 
+/// Like write_scan_set for a set that has grown by its last scan since it was written: points that are there
+/// already are not written again, poses of all scans are.
+void append_to_scan_set(const ScanSet& set, const std::filesystem::path& folder);
+
 /// Reads what write_scan_set wrote, or a single bare PCD (then free_space is false and the origin is
 /// unknown).
 ScanSet read_scan_set(const std::filesystem::path& path);

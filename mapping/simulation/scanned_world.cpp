@@ -131,6 +131,8 @@ double ScannedWorld::Impl::opening_direction(const Joint& joint, size_t link, co
 void ScannedWorld::Impl::move_along(const Joint& joint, size_t link, const Isometry3d& map_from_hand,
                                     double way, PullResult& result) {
   const Isometry3d link_from_hand = scene.map_from_link(link).inverse() * map_from_hand;
+  const Isometry3d believed_from_true = map_from_believed * map_from_true.inverse();
+  Isometry3d map_from_hand_now = map_from_hand;
   const auto [lower, upper] = range_of(joint);
   const double start = joints.contains(joint.name) ? joints.at(joint.name) : 0;
   const double direction =
@@ -142,16 +144,15 @@ void ScannedWorld::Impl::move_along(const Joint& joint, size_t link, const Isome
   double position = start, gone = 0;
   while (gone < way - 1e-9) {
     constexpr double probe = 1e-4;
-    const Isometry3d& hand = result.hand_path.back();
-    const double speed =
-        (hand_at(position + direction * probe).translation() - hand.translation()).norm() / probe;
+    const Vector3d hand = map_from_hand_now.translation();
+    const double speed = (hand_at(position + direction * probe).translation() - hand).norm() / probe;
     if (speed < 1e-3) break;  // Held on the hinge itself.
     const double next =
         std::clamp(position + direction * std::min(kHandStep, way - gone) / speed, lower, upper);
     if (next == position) break;
-    const Isometry3d map_from_next = hand_at(next);
-    gone += (map_from_next.translation() - hand.translation()).norm();
-    result.hand_path.push_back(map_from_next);
+    map_from_hand_now = hand_at(next);
+    gone += (map_from_hand_now.translation() - hand).norm();
+    result.hand_path.push_back(believed_from_true * map_from_hand_now);
     position = next;
   }
   if (position == start) return;
@@ -208,7 +209,7 @@ PullResult ScannedWorld::pull(const Vector3d& believed_point, double way) {
   const Vector3d towards = held.point - robot.map_from_true.translation();
   Isometry3d map_from_hand = map_from_base({0, 0, std::atan2(towards.y(), towards.x())});
   map_from_hand.translation() = held.point;
-  result.hand_path = {map_from_hand};
+  result.hand_path = {robot.map_from_believed * robot.map_from_true.inverse() * map_from_hand};
   if (link >= robot.world.links.size()) return result;  // The floor or the ceiling.
   if (const Joint* joint = robot.moving_joint(result.link))
     robot.move_along(*joint, link, map_from_hand, way, result);
@@ -234,6 +235,63 @@ void ScannedWorld::set_joints(const JointState& state) {
 void ScannedWorld::close_all() {
   impl_->joints.clear();
   impl_->scene.set_joints(0, {});
+}
+
+Json ScannedWorld::state() const {
+  return {{"map_from_true", values_from_pose(impl_->map_from_true)},
+          {"map_from_believed", values_from_pose(impl_->map_from_believed)},
+          {"covariance", std::vector<double>(impl_->covariance.data(), impl_->covariance.data() + 36)},
+          {"joints", impl_->joints},
+          {"scans", impl_->scans}};
+}
+
+void ScannedWorld::restore(const Json& state) {
+  const auto pose = [&](const char* key) {
+    return pose_from_values(state.at(key).get<std::array<double, 7>>());
+  };
+  impl_->map_from_true = pose("map_from_true");
+  impl_->map_from_believed = pose("map_from_believed");
+  impl_->covariance = Eigen::Map<const Covariance>(state.at("covariance").get<std::vector<double>>().data());
+  impl_->joints = state.at("joints").get<JointState>();
+  impl_->scans = state.at("scans");
+  impl_->scene.set_joints(0, impl_->joints);
+}
+
+void ScannedWorld::put_at(const PlanarPose& pose) {
+  impl_->map_from_true = impl_->map_from_believed = map_from_base(pose);
+  impl_->covariance.setZero();
+}
+
+PlanarPose ScannedWorld::open_place() const {
+  constexpr double kStep = 0.2;
+  constexpr int kDirections = 24;
+  const RayScene& scene = impl_->scene;
+  const Eigen::AlignedBox3d box = scene.bounds();
+  PlanarPose best;
+  double most = 0;
+  for (double y = box.min().y(); y <= box.max().y(); y += kStep) {
+    for (double x = box.min().x(); x <= box.max().x(); x += kStep) {
+      double clearance = std::numeric_limits<double>::infinity();
+      int walled = 0;
+      for (int i = 0; i < kDirections; ++i) {
+        const double angle = 2 * M_PI * i / kDirections;
+        const Eigen::Vector3f along(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)),
+                                    0);
+        for (const double height : {0.15, 0.5, 0.85, impl_->options.laser.height_m}) {
+          const RayHit hit = scene.cast(Vector3d(x, y, height).cast<float>(), along,
+                                        static_cast<float>(impl_->options.laser.range_max_m));
+          clearance = std::min(clearance, static_cast<double>(hit.distance));
+          if (height == impl_->options.laser.height_m && hit.link >= 0) ++walled;
+        }
+      }
+      // Outside the walls there is more room still.
+      if (10 * walled < 9 * kDirections || clearance <= most) continue;
+      most = clearance;
+      best = {x, y, 0};
+    }
+  }
+  if (most == 0) throw Error("no place inside the world is open enough to start from", {}, "give --start");
+  return best;
 }
 
 PlanarPose ScannedWorld::true_pose() const {

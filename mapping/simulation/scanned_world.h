@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "mapping/base/error.h"
-#include "mapping/sensor/laser.h"
+#include "mapping/sensor/robot.h"
 #include "mapping/simulation/laser_sweep.h"
 #include "mapping/world/world.h"
 
@@ -24,18 +24,9 @@ struct ScannedWorldOptions {
   int threads = 0;
 };
 
-/// What pulling at a point of the world did.
-struct PullResult {
-  std::string link;   ///< that was taken hold of; empty = nothing is there
-  std::string joint;  ///< that gave way; empty = it did not move
-  double moved = 0;   ///< metres or radians by which the joint opened, positive
-  Isometry3d map_from_link_before = Isometry3d::Identity();
-  std::vector<Isometry3d> hand_path;  ///< true poses of the gripper on the way, map frame, first = closed
-};
-
 /// A simulated kitchen with a robot in it that scans (sensor of DESIGN §4) and pulls handles. The map's frame
 /// is the world's; the first pose is exact, every later one drifts until localize().
-class ScannedWorld : public Scanner {
+class ScannedWorld : public Robot {
  public:
   ScannedWorld(const std::filesystem::path& urdf, const ScannedWorldOptions& options, const PlanarPose& start,
                Warnings& warnings);
@@ -53,12 +44,21 @@ class ScannedWorld : public Scanner {
   /// metres of hand path. The joint is the nearest one above the link that moves; pulling at one that mimics
   /// moves the one that it mimics. It opens away from zero, or towards the robot where both ways are free,
   /// and no farther than its limits.
-  PullResult pull(const Vector3d& believed_point, double way);
+  PullResult pull(const Vector3d& believed_point, double way) override;
   /// Moves joints of the world by hand, the others stay; Error for a joint that the world does not have or a
   /// position beyond its limits.
   void set_joints(const JointState& state);
   /// Closes everything.
-  void close_all();
+  void close_all() override;
+
+  /// The true and the believed pose, the joints, how many scans were made.
+  Json state() const override;
+  void restore(const Json& state) override;
+
+  /// Puts the robot somewhere and tells it exactly where; for the start.
+  void put_at(const PlanarPose& pose);
+  /// The middle of the most open floor inside the world: a place to start from.
+  PlanarPose open_place() const;
 
   // Truth, for evaluation only.
   PlanarPose true_pose() const;
