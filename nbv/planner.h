@@ -1,6 +1,5 @@
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,8 +7,13 @@
 #include "mapping/base/json.h"
 #include "mapping/base/options.h"
 #include "mapping/base/random.h"
+#include "mapping/occupancy/floor_grid.h"
 #include "mapping/occupancy/occupancy.h"
 #include "mapping/sensor/laser.h"
+#include "nbv/costmaps.h"
+#include "nbv/fringe.h"
+#include "nbv/panorama.h"
+#include "nbv/reach.h"
 
 namespace loci {
 
@@ -21,11 +25,12 @@ struct PlannerOptions {
   double opening_deg = 180;
   double robot_radius_m = 0.30;
   double overlap_wanted = 0.5;
-  double gain_weight = 0.5;  ///< 0 = overlap only, 1 = gain only
-  int samples = 11;
+  double gain_weight = 0.5;
+  int samples = 64;
+  double ray_step_deg = 2;
   double travel_cost_per_m = 0;
-  double gain_min = 0;  ///< stop when the best validated view gains less, m² of fringe
-  int threads = 0;
+  double gain_min = 0.3;
+  int threads = 0;  ///< 0 = all cores; not declared as an option: the result is the same on any number
 
   void declare(OptionTable& table);
 };
@@ -35,16 +40,44 @@ struct NextView {
   std::optional<PlanarPose> pose;  ///< unset: stop
   std::string reason;              ///< of the stop, or of the choice
   double expected_overlap = 0;     ///< n_o / (n_o + n_f) of the validated view
-  double expected_gain = 0;        ///< fringe voxels that would be seen
+  double expected_gain = 0;        ///< windows into the unknown that would be looked through, m²
   size_t fringe_voxels = 0;        ///< in the whole map
-  std::vector<PlanarPose> path;    ///< way there on the floor
+  std::vector<PlanarPose> path;    ///< way there on the floor, its corners, the pose last
   Json details;                    ///< samples with scores, times, stopping measures
 };
 
+/// A pose that was validated by casting its rays.
+struct ViewSample {
+  PlanarPose pose;
+  double cost_value = 0;  ///< c of the costmap
+  ViewCounts counts;
+  double score = 0;
+};
+
+/// All that a decision was made from, for pictures and reports.
+struct ViewPlan {
+  NextView view;
+  Voxels voxels;
+  ViewVoxels fringe;
+  FloorGrid floor;
+  Reach reach;
+  CostmapStack fringe_costs;    ///< C_F
+  CostmapStack occupied_costs;  ///< C_O
+  CostmapStack costs;           ///< C = min(C_F, C_O) where the robot can stand, 0 elsewhere
+  std::vector<ViewSample> samples;
+};
+
 /// Next best view by costmaps (§7.3.1): fringe and occupied voxels vote through a visibility kernel per
-/// orientation for planar poses; poses sampled in proportion to C = min(C_F, C_O) are validated by ray
-/// casting and scored c · H(n_o, n_f); the best that can be reached wins.
+/// orientation for planar poses; places sampled in proportion to C = min(C_F, C_O) are validated by ray
+/// casting with the sensor's model, in all orientations at once, and scored by c · H(n_o, n_f). With
+/// gain_weight other than 0.5 the score is the geometric mean between that and n_o alone (0) or n_f alone
+/// (1). Poses that the robot cannot drive to, or where no floor was seen, are not candidates. The map's floor
+/// is at z = 0. Same seed, same plan, on any number of threads.
+ViewPlan plan_view(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
+                   const PlannerOptions& options, const Random& random);
+
+/// The decision alone.
 NextView next_view(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
-                   const PlannerOptions& options, Random& random);
+                   const PlannerOptions& options, const Random& random);
 
 }  // namespace loci

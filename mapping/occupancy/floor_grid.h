@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "mapping/occupancy/occupancy.h"
+
+namespace loci {
+
+/// What is known of the floor, for driving: cells of the map's x and y, x fastest.
+struct FloorGrid {
+  double cell = 0;                  ///< metres
+  Vector2d low = Vector2d::Zero();  ///< corner of the first cell, map frame, metres
+  int width = 0, height = 0;        ///< cells in x and in y
+  std::vector<uint8_t> seen;        ///< the floor was scanned here (an occupied voxel at z ≈ 0)
+  std::vector<uint8_t> obstacle;    ///< something stands or hangs here where the robot's body would be
+  std::vector<uint8_t> open;        ///< some of the body's space is known to be free
+
+  size_t cells() const { return seen.size(); }
+  size_t index(int x, int y) const {
+    return static_cast<size_t>(x) + static_cast<size_t>(width) * static_cast<size_t>(y);
+  }
+  bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < width && y < height; }
+  Eigen::Vector2i cell_of(const Vector2d& point) const {
+    return ((point - low) / cell).array().floor().cast<int>();
+  }
+  Vector2d center(int x, int y) const { return low + cell * Vector2d(x + 0.5, y + 0.5); }
+};
+
+/// Projects voxels of a levelled map (floor at z = 0) onto the floor. Cells are at least one voxel wide. The
+/// floor is what is occupied within 1.6 voxels of z = 0; what is occupied above that, up to `body_height`
+/// metres, is an obstacle.
+FloorGrid floor_grid(const Voxels& voxels, double cell_m, double body_height);
+
+/// Writes an occupancy grid as ROS's map_server reads it: `path` (.pgm; free 254, occupied 0, unknown 205)
+/// and a .yaml beside it. Free is where the floor was seen and no obstacle is.
+void write_map_server_grid(const FloorGrid& grid, const std::filesystem::path& path);
+
+}  // namespace loci

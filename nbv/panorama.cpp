@@ -1,0 +1,119 @@
+#include "nbv/panorama.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace loci {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+}  // namespace
+
+ViewCaster::ViewCaster(const Voxels& voxels, const ViewVoxels& view, const LaserModel& laser,
+                       double range_max, double step_deg)
+    : voxels_(voxels),
+      view_(view),
+      height_(laser.height_m),
+      opening_(laser.azimuth_range_deg * kDegree),
+      range_max_(std::min(range_max, laser.range_max_m)),
+      columns_(std::max(8, static_cast<int>(std::lround(360 / step_deg)))) {
+  step_ = 2 * std::numbers::pi / columns_;
+  const int rows =
+      std::max(1, static_cast<int>(std::lround((laser.tilt_max_deg - laser.tilt_min_deg) / step_deg)));
+  for (int i = 0; i < rows; ++i) {
+    const double tilt =
+        (laser.tilt_min_deg + (laser.tilt_max_deg - laser.tilt_min_deg) * (i + 0.5) / rows) * kDegree;
+    tilts_.push_back({std::sin(tilt), std::cos(tilt)});
+  }
+}
+
+/// Goes from voxel to voxel (Amanatides and Woo 1987) to the first surface or out of what is known.
+void ViewCaster::cast(const Vector3d& origin, const Vector3d& direction, double area,
+                      ViewCounts& counts) const {
+  const Vector3d start = (origin - voxels_.low) / voxels_.resolution;
+  Eigen::Vector3i voxel = start.array().floor().cast<int>();
+  if (!voxels_.contains(voxel)) return;
+  const double limit = range_max_ / voxels_.resolution;
+  std::ptrdiff_t strides[3] = {1, voxels_.size.x(),
+                               static_cast<std::ptrdiff_t>(voxels_.size.x()) * voxels_.size.y()};
+  double next[3], delta[3];
+  int left[3];  // Voxels to the border of the grid.
+  for (int i = 0; i < 3; ++i) {
+    const bool up = direction[i] > 0;
+    delta[i] = direction[i] == 0 ? std::numeric_limits<double>::infinity() : 1 / std::abs(direction[i]);
+    next[i] = direction[i] == 0 ? delta[i] : (up ? voxel[i] + 1 - start[i] : start[i] - voxel[i]) * delta[i];
+    left[i] = up ? voxels_.size[i] - 1 - voxel[i] : voxel[i];
+    if (!up) strides[i] = -strides[i];
+  }
+  const ViewVoxel* state = &view_.states[voxels_.index(voxel)];
+  bool was_fringe = false, began = false;
+  double way = 0;
+  while (true) {
+    if (*state == ViewVoxel::occupied) {
+      counts.occupied += area * way * way;
+      return;
+    }
+    if (*state == ViewVoxel::unknown && began) {
+      if (was_fringe) counts.fringe += area * way * way;
+      return;
+    }
+    began = began || *state != ViewVoxel::unknown;  // Where the sensor stands may be unknown.
+    was_fringe = *state == ViewVoxel::fringe;
+    const int axis = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
+    way = next[axis];
+    if (way > limit) return;
+    if (left[axis]-- == 0) {
+      if (was_fringe) counts.fringe += area * way * way;
+      return;
+    }
+    next[axis] += delta[axis];
+    state += strides[axis];
+  }
+}
+
+ViewCounts ViewCaster::column(const Vector3d& origin, double azimuth) const {
+  ViewCounts counts;
+  const double ca = std::cos(azimuth), sa = std::sin(azimuth);
+  const double tilt_step = (std::asin(tilts_.back().sine) - std::asin(tilts_.front().sine)) /
+                           std::max<double>(1, static_cast<double>(tilts_.size()) - 1);
+  const double voxel_area = voxels_.resolution * voxels_.resolution;
+  for (const Tilt& tilt : tilts_)
+    cast(origin, {tilt.cosine * ca, tilt.cosine * sa, tilt.sine},
+         step_ * tilt_step * tilt.cosine * voxel_area, counts);
+  return counts;
+}
+
+std::vector<ViewCounts> ViewCaster::panorama(const Vector2d& place) const {
+  std::vector<ViewCounts> columns;
+  for (int i = 0; i < columns_; ++i) columns.push_back(column({place.x(), place.y(), height_}, i * step_));
+  return columns;
+}
+
+ViewCounts ViewCaster::part(const std::vector<ViewCounts>& panorama, double yaw) const {
+  ViewCounts sum;
+  const int half = static_cast<int>(std::floor(opening_ / 2 / step_ + 1e-9));
+  const int middle = static_cast<int>(std::lround(yaw / step_));
+  for (int i = middle - half; i <= std::min(middle + half, middle - half + columns_ - 1); ++i) {
+    const ViewCounts& counts = panorama[static_cast<size_t>((i % columns_ + columns_) % columns_)];
+    sum.occupied += counts.occupied;
+    sum.fringe += counts.fringe;
+  }
+  return sum;
+}
+
+ViewCounts ViewCaster::view(const PlanarPose& pose) const {
+  ViewCounts sum;
+  const int half = static_cast<int>(std::floor(opening_ / 2 / step_ + 1e-9));
+  const int middle = static_cast<int>(std::lround(pose.yaw / step_));
+  for (int i = middle - half; i <= std::min(middle + half, middle - half + columns_ - 1); ++i) {
+    const ViewCounts counts = column({pose.x, pose.y, height_}, i * step_);
+    sum.occupied += counts.occupied;
+    sum.fringe += counts.fringe;
+  }
+  return sum;
+}
+
+}  // namespace loci

@@ -1,0 +1,229 @@
+#include "nbv/planner.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include "mapping/base/parallel.h"
+
+namespace loci {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// Seconds since it was made or last read.
+class Watch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// Voxels of a kind over each cell of the floor.
+std::vector<int> projected(const Voxels& voxels, const ViewVoxels& view, const FloorGrid& floor,
+                           ViewVoxel kind) {
+  std::vector<int> counts(floor.cells(), 0);
+  for (int z = 0; z < voxels.size.z(); ++z)
+    for (int y = 0; y < voxels.size.y(); ++y)
+      for (int x = 0; x < voxels.size.x(); ++x) {
+        if (view.states[voxels.index({x, y, z})] != kind) continue;
+        const Eigen::Vector2i cell = floor.cell_of(voxels.center({x, y, z}).head<2>());
+        ++counts[floor.index(cell.x(), cell.y())];
+      }
+  return counts;
+}
+
+/// C = min(C_F, C_O), less for far ways, zero where the robot cannot stand.
+CostmapStack combined(const ViewPlan& plan, const PlannerOptions& options) {
+  CostmapStack costs = plan.fringe_costs;
+  for (size_t layer = 0; layer < costs.layers.size(); ++layer)
+    for (size_t cell = 0; cell < plan.floor.cells(); ++cell) {
+      float& value = costs.layers[layer][cell];
+      value =
+          plan.reach.stands(plan.floor, cell) ? std::min(value, plan.occupied_costs.layers[layer][cell]) : 0;
+      if (value > 0 && options.travel_cost_per_m > 0)
+        value *= static_cast<float>(std::exp(-options.travel_cost_per_m * plan.reach.distance[cell]));
+    }
+  return costs;
+}
+
+/// Draws places in proportion to C, summed over orientations: systematic sampling, which spreads them over
+/// the map. A place that is drawn again is kept once.
+std::vector<size_t> draw_places(const CostmapStack& costs, size_t cells, int samples, Random random) {
+  std::vector<double> sums(cells, 0);
+  double total = 0;
+  for (size_t cell = 0; cell < cells; ++cell) {
+    for (const auto& layer : costs.layers) total += static_cast<double>(layer[cell]);
+    sums[cell] = total;
+  }
+  std::vector<size_t> places;
+  if (total <= 0) return places;
+  const double step = total / samples;
+  double mark = step * random.uniform();
+  for (size_t cell = 0; cell < cells && mark < total; ++cell) {
+    if (sums[cell] <= mark) continue;
+    places.push_back(cell);
+    mark += step * std::ceil((sums[cell] - mark) / step);
+  }
+  return places;
+}
+
+/// Binary entropy (eq. 7.2, logarithm to base 2).
+double entropy(double p) {
+  return p <= 0 || p >= 1 ? 0 : -p * std::log2(p) - (1 - p) * std::log2(1 - p);
+}
+
+double score_of(const ViewSample& sample, double gain_weight) {
+  const ViewCounts& counts = sample.counts;
+  const double paper = sample.cost_value * entropy(counts.overlap());
+  if (gain_weight <= 0.5)
+    return std::pow(counts.occupied, 1 - 2 * gain_weight) * std::pow(paper, 2 * gain_weight);
+  return std::pow(paper, 2 - 2 * gain_weight) * std::pow(counts.fringe, 2 * gain_weight - 1);
+}
+
+/// Each place in the orientations of the costmaps, by one round of rays.
+std::vector<ViewSample> validate(const ViewPlan& plan, const std::vector<size_t>& places,
+                                 const ViewCaster& caster, const PlannerOptions& options) {
+  const size_t layers = plan.costs.layers.size();
+  std::vector<ViewSample> samples(places.size() * layers);
+  parallel_for(places.size(), options.threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const auto width = static_cast<size_t>(plan.floor.width);
+      const Vector2d place =
+          plan.floor.center(static_cast<int>(places[i] % width), static_cast<int>(places[i] / width));
+      const std::vector<ViewCounts> panorama = caster.panorama(place);
+      for (size_t layer = 0; layer < layers; ++layer) {
+        ViewSample& sample = samples[i * layers + layer];
+        const double yaw = plan.costs.yaw(layer);
+        sample.pose = {place.x(), place.y(), std::remainder(yaw, 2 * std::numbers::pi)};
+        sample.cost_value = static_cast<double>(plan.costs.layers[layer][places[i]]);
+        sample.counts = caster.part(panorama, yaw);
+        sample.score = score_of(sample, options.gain_weight);
+      }
+    }
+  });
+  return samples;
+}
+
+Json sample_json(const ViewSample& sample) {
+  return {{"pose", {sample.pose.x, sample.pose.y, sample.pose.yaw / kDegree}},
+          {"cost_value", sample.cost_value},
+          {"occupied_m2", sample.counts.occupied},
+          {"fringe_m2", sample.counts.fringe},
+          {"overlap", sample.counts.overlap()},
+          {"score", sample.score}};
+}
+
+/// Chooses among the validated samples, or says why to stop.
+void decide(ViewPlan& plan, const PlannerOptions& options) {
+  NextView& view = plan.view;
+  double gain_best = 0;
+  const ViewSample* best = nullptr;
+  for (const ViewSample& sample : plan.samples) {
+    gain_best = std::max(gain_best, sample.counts.fringe);
+    if (sample.counts.fringe < options.gain_min) continue;
+    if (best == nullptr || sample.score > best->score) best = &sample;
+  }
+  view.details["gain_best_m2"] = gain_best;
+  if (best == nullptr || best->score <= 0) {
+    view.reason = fmt::format("no reachable view gains {} m² of windows into the unknown (the best {:.2f})",
+                              options.gain_min, gain_best);
+    return;
+  }
+  view.pose = best->pose;
+  view.expected_overlap = best->counts.overlap();
+  view.expected_gain = best->counts.fringe;
+  view.path = way_to(plan.floor, plan.reach, best->pose);
+  view.reason = fmt::format("looks through {:.2f} m² of windows into the unknown, {:.0f} % overlap{}",
+                            view.expected_gain, 100 * view.expected_overlap,
+                            view.expected_overlap < options.overlap_wanted ? ", less than wanted" : "");
+}
+
+std::vector<VisibilityKernel> kernels_of(const PlannerOptions& options, double cell) {
+  std::vector<VisibilityKernel> kernels;
+  for (int i = 0; i < options.orientations; ++i)
+    kernels.emplace_back(options.opening_deg * kDegree, options.distance_min_m, options.distance_max_m,
+                         2 * std::numbers::pi * i / options.orientations, cell);
+  return kernels;
+}
+
+}  // namespace
+
+void PlannerOptions::declare(OptionTable& table) {
+  table.number("cell_m", cell_m, "m", "Cell of the costmaps.", 0.02, 1);
+  table.integer("orientations", orientations, "", "Orientations of the costmaps.", 1, 72);
+  table.number("distance_min_m", distance_min_m, "m",
+               "Of the visibility kernel: nearest floor that the scanner sees.", 0, 10);
+  table.number("distance_max_m", distance_max_m, "m", "Of the visibility kernel: farther is too coarse.", 0.5,
+               30);
+  table.number("opening_deg", opening_deg, "deg", "Of the visibility kernel.", 10, 360);
+  table.number("robot_radius_m", robot_radius_m, "m", "Obstacles are dilated by it.", 0.05, 2);
+  table.number("overlap_wanted", overlap_wanted, "", "Less overlap with what is known is reported.", 0, 1);
+  table.number("gain_weight", gain_weight, "",
+               "0 looks for overlap only, 0.5 for as much gain as overlap, 1 for gain only.", 0, 1);
+  table.integer("samples", samples, "", "Places that are validated by ray casting.", 1, 10000);
+  table.number("ray_step_deg", ray_step_deg, "deg", "Between rays of the validation.", 0.25, 10);
+  table.number("travel_cost_per_m", travel_cost_per_m, "1/m", "A place counts e^(-cost · way).", 0, 10);
+  table.number("gain_min", gain_min, "m²", "Stops when no view gains more (windows into the unknown).", 0,
+               100);
+}
+
+ViewPlan plan_view(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
+                   const PlannerOptions& options, const Random& random) {
+  ViewPlan plan;
+  Watch watch;
+  Json times;
+  plan.voxels = map.voxels();
+  plan.fringe = find_fringe(plan.voxels, options.threads);
+  plan.view.fringe_voxels = plan.fringe.fringe;
+  times["fringe"] = watch.lap();
+  plan.floor = floor_grid(plan.voxels, options.cell_m, laser.height_m + 0.1);
+  plan.reach =
+      find_ways(plan.floor, robot, options.robot_radius_m, options.distance_min_m + 2 * plan.floor.cell);
+  size_t standing = 0;
+  for (size_t cell = 0; cell < plan.floor.cells(); ++cell)
+    standing += plan.reach.stands(plan.floor, cell) ? 1 : 0;
+  times["ways"] = watch.lap();
+  const std::vector<VisibilityKernel> kernels = kernels_of(options, plan.floor.cell);
+  plan.fringe_costs = vote(plan.floor, projected(plan.voxels, plan.fringe, plan.floor, ViewVoxel::fringe),
+                           kernels, options.threads);
+  plan.occupied_costs = vote(plan.floor, projected(plan.voxels, plan.fringe, plan.floor, ViewVoxel::occupied),
+                             kernels, options.threads);
+  plan.costs = combined(plan, options);
+  times["costmaps"] = watch.lap();
+  const std::vector<size_t> places = draw_places(plan.costs, plan.floor.cells(), options.samples, random);
+  const ViewCaster caster(plan.voxels, plan.fringe, laser, options.distance_max_m, options.ray_step_deg);
+  plan.samples = validate(plan, places, caster, options);
+  times["validation"] = watch.lap();
+
+  plan.view.details = {{"reachable_m2", static_cast<double>(standing) * plan.floor.cell * plan.floor.cell},
+                       {"fringe_voxels", plan.fringe.fringe},
+                       {"places", places.size()}};
+  if (plan.voxels.states.empty())
+    plan.view.reason = "nothing is known yet: scan where the robot stands";
+  else if (standing == 0)
+    plan.view.reason = "no pose can be reached: there is no free floor that was seen around the robot";
+  else if (plan.fringe.fringe == 0)
+    plan.view.reason = "free space borders on nothing unknown";
+  else
+    decide(plan, options);
+  plan.view.details["times_s"] = times;
+  for (const ViewSample& sample : plan.samples) plan.view.details["samples"].push_back(sample_json(sample));
+  return plan;
+}
+
+NextView next_view(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
+                   const PlannerOptions& options, const Random& random) {
+  return plan_view(map, robot, laser, options, random).view;
+}
+
+}  // namespace loci

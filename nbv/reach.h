@@ -1,0 +1,33 @@
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "mapping/occupancy/floor_grid.h"
+#include "mapping/sensor/laser.h"
+
+namespace loci {
+
+/// Where a robot can drive to, and how far that is.
+struct Reach {
+  static constexpr float kNever = std::numeric_limits<float>::infinity();
+
+  std::vector<float> distance;  ///< metres of way per cell of the floor grid; kNever = no way
+  std::vector<int32_t> parent;  ///< cell before it on the way; -1 = the start or no way
+
+  /// Whether the robot can go there and stand on floor that was seen.
+  bool stands(const FloorGrid& floor, size_t cell) const {
+    return distance[cell] < kNever && floor.seen[cell] != 0;
+  }
+};
+
+/// Shortest ways (Dijkstra, eight neighbours, no cutting of corners) from the robot over the floor grid
+/// dilated by the robot's radius. The way leads over floor that was seen; within `blind_radius` of the robot,
+/// where its scanner cannot see the floor, also over floor whose space above is known to be free. Where the
+/// robot stands now it may stand, whatever the grid says.
+Reach find_ways(const FloorGrid& floor, const PlanarPose& robot, double robot_radius, double blind_radius);
+
+/// The way to a pose as its corners, each looking along the way, the last one the pose itself; empty = none.
+std::vector<PlanarPose> way_to(const FloorGrid& floor, const Reach& reach, const PlanarPose& goal);
+
+}  // namespace loci

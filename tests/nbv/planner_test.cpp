@@ -1,0 +1,219 @@
+#include "nbv/planner.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tests/mapping/occupancy/box_room.h"
+
+namespace loci {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+Isometry3d scanner_at(const PlanarPose& pose) {
+  Isometry3d scanner = map_from_base(pose);
+  scanner.translation().z() = LaserModel().height_m;
+  return scanner;
+}
+
+/// A long room with a cupboard that hides its east end from the west.
+BoxRoom divided_room() {
+  BoxRoom room;
+  room.room = {Vector3d(-3, -2, 0), Vector3d(4, 2, 2.5)};
+  room.furniture = {{Vector3d(0.5, -2, 0), Vector3d(0.9, 0.6, 2.2)}};
+  return room;
+}
+
+Scan scan_from(const BoxRoom& room, const PlanarPose& pose) {
+  return room.sweep(scanner_at(pose), 360, 190, 10, 0.005, 3, 180);
+}
+
+OccupancyMap map_of(const BoxRoom& room, const std::vector<PlanarPose>& poses) {
+  OccupancyMap map({0.05, 5, 2});
+  for (const PlanarPose& pose : poses) map.insert(scan_from(room, pose));
+  return map;
+}
+
+const PlanarPose kStart{-2, -0.5, 0};
+
+TEST(FloorGrid, TellsFloorObstaclesAndTheUnseenApart) {
+  BoxRoom room = divided_room();
+  room.furniture.push_back({Vector3d(-1, -1.5, 0.7), Vector3d(-0.2, -1, 0.75)});  // A table top.
+  const FloorGrid floor = floor_grid(map_of(room, {kStart}).voxels(), 0.1, 1.35);
+  const auto at = [&](double x, double y) {
+    const Eigen::Vector2i cell = floor.cell_of({x, y});
+    return floor.index(cell.x(), cell.y());
+  };
+  EXPECT_TRUE(floor.seen[at(-0.5, 0.5)]);
+  EXPECT_FALSE(floor.obstacle[at(-0.5, 0.5)]);
+  EXPECT_TRUE(floor.obstacle[at(-0.55, -1.25)]);
+  EXPECT_TRUE(floor.obstacle[at(0.5, -1)]);
+  EXPECT_FALSE(floor.seen[at(2.5, -1)]);  // Behind the cupboard.
+  EXPECT_FALSE(floor.seen[at(-2.2, 0)]);  // Below and behind the scanner.
+}
+
+TEST(Reach, KeepsTheRobotsRadiusFromObstaclesAndGoesAroundThem) {
+  const OccupancyMap map = map_of(divided_room(), {kStart, {1.5, 1.4, -1.2}, {-0.3, 1.3, 0}});
+  const FloorGrid floor = floor_grid(map.voxels(), 0.1, 1.35);
+  const Reach reach = find_ways(floor, kStart, 0.3, 1.2);
+  const PlanarPose goal{2, -1, 0.5};
+  const std::vector<PlanarPose> way = way_to(floor, reach, goal);
+  ASSERT_GE(way.size(), 3U);
+  EXPECT_EQ(way.back().yaw, goal.yaw);
+  double length = 0;
+  for (size_t i = 0; i + 1 < way.size(); ++i) {
+    const Vector2d from(way[i].x, way[i].y), to(way[i + 1].x, way[i + 1].y);
+    length += (to - from).norm();
+    for (double t = 0; t <= 1; t += 0.05) {
+      const Vector2d p = from + t * (to - from);
+      const double dx = std::max({0.5 - p.x(), 0.0, p.x() - 0.9}), dy = std::max(0.0, p.y() - 0.6);
+      EXPECT_GT(std::hypot(dx, dy), 0.2);  // Less half a cell's diagonal.
+    }
+  }
+  EXPECT_GT(length, 4.2);  // Straight through the cupboard it would be 4.03 m.
+  EXPECT_TRUE(way_to(floor, reach, {7, 7, 0}).empty());
+}
+
+TEST(VisibilityKernel, HoldsThePlacesFromWhichTheVoxelIsSeen) {
+  const VisibilityKernel kernel(180 * kDegree, 1, 4, 90 * kDegree, 0.1);  // Looking along +y.
+  size_t cells = 0;
+  for (const auto& run : kernel.runs())
+    for (int x = run.x_begin; x < run.x_end; ++x) {
+      ++cells;
+      EXPECT_LE(run.y, 0);  // Only from places with the voxel in front, at larger y.
+      EXPECT_GE(std::hypot(x, run.y), 10 - 1e-9);
+      EXPECT_LE(std::hypot(x, run.y), 40 + 1e-9);
+    }
+  EXPECT_NEAR(static_cast<double>(cells) * 0.01, std::numbers::pi / 2 * (16 - 1), 0.5);  // Half a ring, m².
+}
+
+TEST(Costmaps, AStencilIsTheSumOverAllVoxels) {
+  FloorGrid floor;
+  floor.cell = 0.1;
+  floor.width = 70;
+  floor.height = 50;
+  for (auto* layer : {&floor.seen, &floor.obstacle, &floor.open}) layer->assign(3500, 0);
+  std::vector<int> votes(3500, 0);
+  Random random(4);
+  for (int i = 0; i < 30; ++i) votes[random.index(3500)] += 1 + static_cast<int>(random.index(3));
+  const VisibilityKernel kernel(120 * kDegree, 0.5, 2, 45 * kDegree, 0.1);
+  const CostmapStack stack = vote(floor, votes, {kernel, kernel}, 2);
+  for (int trial = 0; trial < 200; ++trial) {
+    const int x = static_cast<int>(random.index(70)), y = static_cast<int>(random.index(50));
+    int sum = 0;
+    for (int vy = 0; vy < 50; ++vy)
+      for (int vx = 0; vx < 70; ++vx) {
+        const double distance = 0.1 * std::hypot(vx - x, vy - y);
+        const double off = std::remainder(std::atan2(vy - y, vx - x) - 45 * kDegree, 2 * std::numbers::pi);
+        if (distance >= 0.5 && distance <= 2 && std::abs(off) <= 60 * kDegree + 1e-9)
+          sum += votes[floor.index(vx, vy)];
+      }
+    ASSERT_EQ(stack.layers[1][floor.index(x, y)], static_cast<float>(sum));
+  }
+}
+
+TEST(ViewCaster, AllAroundCountsTheAreaOfTheWallsOfARoom) {
+  const BoxRoom room = divided_room();
+  Voxels voxels;  // A closed box of 4 × 4 × 2.5 m, its walls one voxel thick.
+  voxels.resolution = 0.05;
+  voxels.size = {80, 80, 50};
+  voxels.states.assign(80 * 80 * 50, Occupancy::free);
+  ViewVoxels view;
+  view.states.assign(voxels.states.size(), ViewVoxel::free);
+  for (int z = 0; z < 50; ++z)
+    for (int y = 0; y < 80; ++y)
+      for (int x = 0; x < 80; ++x)
+        if (std::min({x, y, z, 79 - x, 79 - y, 49 - z}) == 0)
+          view.states[voxels.index({x, y, z})] = x == 79 ? ViewVoxel::unknown : ViewVoxel::occupied;
+        else if (x == 78)
+          view.states[voxels.index({x, y, z})] = ViewVoxel::fringe;
+  const ViewCaster caster(voxels, view, LaserModel(), 10, 2);
+  const ViewCounts east = caster.view({2, 2, 0}), west = caster.view({2, 2, std::numbers::pi});
+  EXPECT_GT(east.fringe, 3);
+  EXPECT_LT(west.fringe, 0.5);
+  const std::vector<ViewCounts> panorama = caster.panorama({2, 2});
+  EXPECT_DOUBLE_EQ(caster.part(panorama, 0).fringe, east.fringe);
+  EXPECT_DOUBLE_EQ(caster.part(panorama, std::numbers::pi).occupied, west.occupied);
+  const ViewCaster finer(voxels, view, LaserModel(), 10, 1);
+  EXPECT_NEAR(finer.view({2, 2, 0}).fringe, east.fringe,
+              0.1 * east.fringe);  // An area, not a number of rays.
+}
+
+TEST(NextView, LooksAroundTheCornerAndSaysWhy) {
+  const BoxRoom room = divided_room();
+  const OccupancyMap map = map_of(room, {kStart});
+  const NextView view = next_view(map, kStart, LaserModel(), {}, Random(1));
+  ASSERT_TRUE(view.pose) << view.reason;
+  EXPECT_GT(view.expected_gain, 1);
+  EXPECT_GT(view.expected_overlap, 0.1);
+  EXPECT_FALSE(view.reason.empty());
+  ASSERT_FALSE(view.path.empty());
+  EXPECT_EQ(view.path.back().x, view.pose->x);
+  // The scan there shows what was hidden.
+  OccupancyMap after = map_of(room, {kStart});
+  after.insert(scan_from(room, *view.pose));
+  const auto known = [](const OccupancyMap& m) {
+    const Voxels voxels = m.voxels();
+    return std::count(voxels.states.begin(), voxels.states.end(), Occupancy::occupied);
+  };
+  EXPECT_GT(known(after), 1.15 * static_cast<double>(known(map)));
+}
+
+TEST(NextView, IsTheSameOnAnyNumberOfThreads) {
+  const OccupancyMap map = map_of(divided_room(), {kStart});
+  PlannerOptions options;
+  options.threads = 1;
+  const NextView one = next_view(map, kStart, LaserModel(), options, Random(9));
+  options.threads = 3;
+  const NextView three = next_view(map, kStart, LaserModel(), options, Random(9));
+  EXPECT_EQ(one.details["samples"], three.details["samples"]);
+  EXPECT_EQ(one.reason, three.reason);
+}
+
+TEST(NextView, StopsInTheEndWithItsReason) {
+  const BoxRoom room = divided_room();
+  OccupancyMap map = map_of(room, {kStart});
+  PlanarPose robot = kStart;
+  int scans = 1;
+  NextView view;
+  for (; scans < 20; ++scans) {
+    view = next_view(map, robot, LaserModel(), {}, Random(static_cast<uint64_t>(scans)));
+    if (!view.pose) break;
+    robot = *view.pose;
+    map.insert(scan_from(room, robot));
+  }
+  EXPECT_FALSE(view.pose);
+  EXPECT_LT(scans, 14);
+  EXPECT_NE(view.reason.find("no reachable view"), std::string::npos) << view.reason;
+  EXPECT_EQ(map.at({3.97, -1.5, 1.0}), Occupancy::occupied);  // The hidden end's wall.
+}
+
+TEST(NextView, WeightTurnsFromOverlapToGain) {
+  const OccupancyMap map = map_of(divided_room(), {kStart});
+  PlannerOptions options;
+  std::vector<NextView> views;
+  for (const double weight : {0.0, 0.5, 1.0}) {
+    options.gain_weight = weight;
+    views.push_back(next_view(map, kStart, LaserModel(), options, Random(2)));
+    ASSERT_TRUE(views.back().pose);
+  }
+  EXPECT_GE(views[0].expected_overlap, views[1].expected_overlap);
+  EXPECT_GE(views[2].expected_gain, views[1].expected_gain);
+  EXPECT_GT(views[2].expected_gain, views[0].expected_gain);
+}
+
+TEST(NextView, SaysThatNothingIsKnownOrNothingCanBeReached) {
+  const OccupancyMap empty({0.05, 5, 1});
+  NextView view = next_view(empty, {}, LaserModel(), {}, Random(1));
+  EXPECT_FALSE(view.pose);
+  EXPECT_NE(view.reason.find("nothing is known"), std::string::npos);
+  view = next_view(map_of(divided_room(), {kStart}), {30, 30, 0}, LaserModel(), {}, Random(1));
+  EXPECT_FALSE(view.pose);
+  EXPECT_NE(view.reason.find("no pose can be reached"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace loci
