@@ -249,17 +249,23 @@ TEST(FurnitureLinks, NameIsTakenOnce) {
   EXPECT_THROW(add_front(a_drawer(), "counter_1", map.world, map.semantics), Error);
 }
 
-TEST(FurnitureLinks, ReadsTheDrawersOfASampleMadeByHand) {
+TEST(FurnitureLinks, ReadsTheFrontsOfASampleMadeByHand) {
   const std::filesystem::path urdf = std::filesystem::path(LOCI_SOURCE_DIR) / "apps/samples/kitchen.urdf";
   const std::vector<Front> fronts = fronts_of(read_urdf(urdf), read_semantic_map(sidecar_path(urdf)));
-  ASSERT_EQ(fronts.size(), 3U);
-  EXPECT_EQ(fronts[0].name, "drawer_1");
-  ASSERT_TRUE(fronts[0].joint && fronts[0].fixture);
-  EXPECT_EQ(fronts[0].joint->type, JointEstimate::Type::prismatic);
-  EXPECT_LT((fronts[0].joint->axis - Vector3d(0, -1, 0)).norm(), 1e-6);
-  EXPECT_NEAR(fronts[0].joint->upper, 0.5, 1e-12);
-  EXPECT_NEAR(fronts[0].fixture->length, 0.24, 1e-12);
-  EXPECT_NEAR(fronts[0].fixture->protrusion, 0.035, 1e-9);
+  ASSERT_EQ(fronts.size(), 8U);  // Five doors, three drawers.
+  for (const Front& front : fronts) ASSERT_TRUE(front.joint && front.fixture) << front.name;
+  const Front& door = fronts[0];
+  EXPECT_EQ(door.name, "door_1");
+  EXPECT_EQ(door.joint->type, JointEstimate::Type::revolute);
+  EXPECT_LT((door.joint->axis - Vector3d(0, 0, -1)).norm(), 1e-6);
+  EXPECT_NEAR(door.joint->origin.x(), door.centre.x() - door.width / 2, 1e-6);
+  const Front& drawer = fronts[5];
+  EXPECT_EQ(drawer.name, "drawer_1");
+  EXPECT_EQ(drawer.joint->type, JointEstimate::Type::prismatic);
+  EXPECT_LT((drawer.joint->axis - Vector3d(0, -1, 0)).norm(), 1e-6);
+  EXPECT_NEAR(drawer.joint->upper, 0.5, 1e-12);
+  EXPECT_NEAR(drawer.fixture->length, 0.24, 1e-12);
+  EXPECT_NEAR(drawer.fixture->protrusion, 0.035, 1e-9);
 }
 
 }  // namespace
