@@ -5,5 +5,6 @@
 namespace loci {
 
 Command changes_command();
+Command identity_command();
 
 }  // namespace loci

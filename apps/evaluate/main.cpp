@@ -3,9 +3,9 @@
 int main(int argc, char** argv) {
   loci::Program program("loci-evaluate", "Measures every claim against its peers.");
   program.add(loci::changes_command());
+  program.add(loci::identity_command());
   program.add_planned("nbv", "Next best view against its peers");
   program.add_planned("registration", "Registration against its peers");
-  program.add_planned("identity", "The identity experiment");
   program.add_planned("normals", "Normal estimation against its peers");
   return program.run(argc, argv);
 }

@@ -1,0 +1,143 @@
+#include <algorithm>
+
+#include "apps/evaluate/identity/model.h"
+#include "memory/identity/matchings.h"
+
+namespace loci::identity_experiment {
+namespace {
+
+using Pairs = std::vector<std::pair<size_t, size_t>>;
+
+/// Methods that pair up and know no probabilities. What stays alone in view is gone, out of view it is
+/// hidden.
+class PairingModel : public Model {
+ public:
+  Judgement judge(const View& view, int, const std::vector<Entry>& old, const std::vector<Measurement>& seen,
+                  bool) override {
+    Judgement judgement;
+    judgement.seen.assign(seen.size(), {std::nullopt, 1, Explanation::appear, 1});
+    for (const Entry& entry : old) {
+      const bool in_view = view.contains(entry.last.table, entry.last.position.x());
+      judgement.old.push_back({std::nullopt, 1, in_view ? Explanation::disappear : Explanation::hidden, 1});
+      judgement.kept.push_back(!in_view);
+    }
+    for (const auto& [o, k] : pair_up(old, seen)) {
+      const Explanation explanation = explain(old[o], seen[k]);
+      judgement.links.push_back({o, k, explanation});
+      judgement.old[o] = {k, 1, explanation, 1};
+      judgement.seen[k] = {o, 1, explanation, 1};
+    }
+    return judgement;
+  }
+
+ private:
+  virtual Pairs pair_up(const std::vector<Entry>& old, const std::vector<Measurement>& seen) const = 0;
+
+  virtual Explanation explain(const Entry& old, const Measurement& seen) const {
+    const Closeness close = compare(old.last, seen, kEffectiveScale);
+    if (close.proximity < 0.5 && close.similar > close.proximity) return Explanation::move;
+    return close.similar < 0.5 ? Explanation::newview : Explanation::stay;
+  }
+};
+
+/// Half similarity, half proximity, as the annotator that RoboSherlock ships weighs what was seen within the
+/// last two minutes.
+double combined(const Entry& old, const Measurement& seen) {
+  const Closeness close = compare(old.last, seen, kEffectiveScale);
+  return 0.5 * close.similar + 0.5 * close.proximity;
+}
+constexpr double kLeastCombined = 0.2;
+
+/// RoboSherlock's ObjectIdentityResolution: who is each other's best is the same, if they are alike enough.
+class GreedyModel : public PairingModel {
+  Pairs pair_up(const std::vector<Entry>& old, const std::vector<Measurement>& seen) const override {
+    std::vector<size_t> best_seen(old.size(), 0), best_old(seen.size(), 0);
+    std::vector<double> most_of_seen(seen.size(), 0);
+    for (size_t o = 0; o < old.size(); ++o) {
+      double most = 0;
+      for (size_t k = 0; k < seen.size(); ++k) {
+        const double value = combined(old[o], seen[k]);
+        if (value > most) {
+          most = value;
+          best_seen[o] = k;
+        }
+        if (value > most_of_seen[k]) {
+          most_of_seen[k] = value;
+          best_old[k] = o;
+        }
+      }
+    }
+    Pairs pairs;
+    for (size_t k = 0; k < seen.size(); ++k)
+      if (most_of_seen[k] > kLeastCombined && best_seen[best_old[k]] == k) pairs.emplace_back(best_old[k], k);
+    return pairs;
+  }
+};
+
+/// A tracker of positions: the nearest first.
+class NearestModel : public PairingModel {
+  Pairs pair_up(const std::vector<Entry>& old, const std::vector<Measurement>& seen) const override {
+    struct Candidate {
+      double distance;
+      size_t old, seen;
+    };
+    std::vector<Candidate> candidates;
+    for (size_t o = 0; o < old.size(); ++o)
+      for (size_t k = 0; k < seen.size(); ++k) {
+        const double distance = (old[o].last.position - seen[k].position).norm();
+        if (old[o].last.table == seen[k].table && distance <= kEffectiveScale)
+          candidates.push_back({distance, o, k});
+      }
+    std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+      return std::tie(a.distance, a.old, a.seen) < std::tie(b.distance, b.old, b.seen);
+    });
+    std::vector<bool> old_taken(old.size()), seen_taken(seen.size());
+    Pairs pairs;
+    for (const Candidate& candidate : candidates) {
+      if (old_taken[candidate.old] || seen_taken[candidate.seen]) continue;
+      old_taken[candidate.old] = seen_taken[candidate.seen] = true;
+      pairs.emplace_back(candidate.old, candidate.seen);
+    }
+    return pairs;
+  }
+  Explanation explain(const Entry&, const Measurement&) const override { return Explanation::stay; }
+};
+
+/// The assignment of the largest sum of what the greedy method compares.
+class HungarianModel : public PairingModel {
+  Pairs pair_up(const std::vector<Entry>& old, const std::vector<Measurement>& seen) const override {
+    if (old.empty() || seen.empty()) return {};
+    IdentityComponent component;
+    component.transposed = seen.size() < old.size();
+    const size_t rows = std::min(old.size(), seen.size()), columns = std::max(old.size(), seen.size());
+    component.log_ratio.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
+    for (size_t i = 0; i < rows; ++i) component.rows.push_back(i);
+    for (size_t j = 0; j < columns; ++j) component.columns.push_back(j);
+    for (size_t i = 0; i < rows; ++i)
+      for (size_t j = 0; j < columns; ++j) {
+        const size_t o = component.transposed ? j : i, k = component.transposed ? i : j;
+        const double gain = combined(old[o], seen[k]) - kLeastCombined;
+        component.log_ratio(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+            gain > 0 ? gain : kNever;
+      }
+    component.row_free.assign(rows, true);
+    component.column_free.assign(columns, true);
+    return ranked_matchings(component, 1).front().pairs;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Model> make_greedy_model() {
+  return std::make_unique<GreedyModel>();
+}
+
+std::unique_ptr<Model> make_nearest_model() {
+  return std::make_unique<NearestModel>();
+}
+
+std::unique_ptr<Model> make_hungarian_model() {
+  return std::make_unique<HungarianModel>();
+}
+
+}  // namespace loci::identity_experiment

@@ -1,0 +1,156 @@
+#include "apps/evaluate/identity/simulator.h"
+
+#include <algorithm>
+
+namespace loci::identity_experiment {
+namespace {
+
+struct Thing {
+  bool present = false;
+  bool handled = false;  ///< in this step
+  Eigen::Vector3d color = Eigen::Vector3d::Zero();
+  Origin origin;
+};
+
+class World {
+ public:
+  World(const WorldOptions& options, int limit, double sigma, Random random)
+      : options_(options), limit_(limit), sigma_(sigma), random_(random) {
+    things_.resize(static_cast<size_t>(options.objects));
+    for (size_t i = 0; i < things_.size(); ++i) {
+      things_[i].origin.object = static_cast<int>(i);
+      things_[i].color = any_color();
+    }
+    const int start = std::min(options.objects, static_cast<int>(limit * options.start_share + 1e-9));
+    for (int i = 0; i < start; ++i) act(Action::appear);
+  }
+
+  SimulatedScene step(int actions) {
+    SimulatedScene scene;
+    for (const Thing& thing : things_)
+      if (thing.present) scene.before.push_back(measure(thing));
+    for (Thing& thing : things_) thing.handled = false;
+    for (int i = 0; i < actions; ++i) {
+      const std::optional<Action> action = draw_action();
+      if (!action) break;
+      act(*action);
+      ++scene.actions[static_cast<size_t>(*action)];
+    }
+    scene.view.table = static_cast<int>(random_.index(static_cast<uint64_t>(options_.tables)));
+    scene.view.centre = random_.uniform();
+    scene.view.half = options_.view_m / 2;
+    for (const Thing& thing : things_) {
+      if (!thing.present) continue;
+      ++scene.present;
+      if (scene.view.contains(thing.origin.table, thing.origin.position.x()))
+        scene.seen.push_back(measure(thing));
+    }
+    for (size_t i = scene.seen.size(); i > 1; --i) std::swap(scene.seen[i - 1], scene.seen[random_.index(i)]);
+    return scene;
+  }
+
+ private:
+  Eigen::Vector3d any_color() {
+    Eigen::Vector3d color;
+    for (int i = 0; i < 3; ++i) color[i] = random_.uniform();
+    return color;
+  }
+
+  std::vector<size_t> candidates(Action action) const {
+    std::vector<size_t> found;
+    int present = 0;
+    for (size_t i = 0; i < things_.size(); ++i) {
+      present += things_[i].present ? 1 : 0;
+      if (!things_[i].handled && things_[i].present != (action == Action::appear)) found.push_back(i);
+    }
+    if (action == Action::appear && present >= limit_) found.clear();
+    return found;
+  }
+
+  /// Among the types that are possible, by their weights.
+  std::optional<Action> draw_action() {
+    std::array<double, kActions> weight{options_.appear, options_.disappear, options_.move, options_.newview};
+    double sum = 0;
+    for (size_t i = 0; i < kActions; ++i) {
+      if (candidates(static_cast<Action>(i)).empty()) weight[i] = 0;
+      sum += weight[i];
+    }
+    if (!(sum > 0)) return std::nullopt;
+    double drawn = random_.uniform(0, sum);
+    size_t last = 0;
+    for (size_t i = 0; i < kActions; ++i) {
+      if (weight[i] == 0) continue;
+      last = i;
+      if (drawn < weight[i]) break;
+      drawn -= weight[i];
+    }
+    return static_cast<Action>(last);
+  }
+
+  void act(Action action) {
+    const std::vector<size_t> possible = candidates(action);
+    Thing& thing = things_[possible[random_.index(possible.size())]];
+    thing.handled = true;
+    if (action == Action::disappear) thing.present = false;
+    if (action == Action::newview) {
+      thing.color = any_color();
+      ++thing.origin.looks;
+    }
+    if (action != Action::appear && action != Action::move) return;
+    thing.present = true;
+    thing.origin.table = static_cast<int>(random_.index(static_cast<uint64_t>(options_.tables)));
+    thing.origin.position.x() = random_.uniform();
+    thing.origin.position.y() = random_.uniform();
+    ++thing.origin.placings;
+  }
+
+  Sighting measure(const Thing& thing) {
+    Sighting sighting;
+    sighting.origin = thing.origin;
+    sighting.seen.table = thing.origin.table;
+    for (int i = 0; i < 2; ++i) sighting.seen.position[i] = thing.origin.position[i] + random_.normal(sigma_);
+    for (int i = 0; i < 3; ++i) sighting.seen.color[i] = thing.color[i] + random_.normal(sigma_);
+    return sighting;
+  }
+
+  const WorldOptions& options_;
+  int limit_;
+  double sigma_;
+  Random random_;
+  std::vector<Thing> things_;
+};
+
+}  // namespace
+
+void WorldOptions::declare(OptionTable& table) {
+  table.number("appear", appear, "", "How often an action puts an absent object on a table.", 0, 1000);
+  table.number("disappear", disappear, "", "How often it takes one away.", 0, 1000);
+  table.number("move", move, "", "How often it puts one somewhere else.", 0, 1000);
+  table.number("newview", newview, "", "How often it gives one another colour.", 0, 1000);
+  table.integer("tables", tables, "", "Tables of 1 m by 1 m.", 1, 100);
+  table.integer("objects", objects, "", "Objects that exist.", 1, 200);
+  table.number("view_m", view_m, "m", "Width of the strip that the sensor sees.", 0.05, 2);
+  table.number("start_share", start_share, "", "Share of the object limit that is there at the start.", 0, 1);
+  table.integer("steps", steps, "", "Scenes of one sequence.", 1, 10000);
+  table.integer("fewest_objects", fewest_objects, "", "Smallest object limit.", 1, 100);
+  table.integer("most_objects", most_objects, "", "Largest object limit.", 1, 100);
+  table.integer("fewest_actions", fewest_actions, "", "Fewest actions between two scenes.", 0, 100);
+  table.integer("most_actions", most_actions, "", "Most actions between two scenes.", 0, 100);
+}
+
+Sequence simulate(const WorldOptions& options, int limit, int actions, double sigma, Random random) {
+  World world(options, limit, sigma, random);
+  Sequence sequence{limit, actions, {}};
+  for (int i = 0; i < options.steps; ++i) sequence.scenes.push_back(world.step(actions));
+  return sequence;
+}
+
+std::vector<Sequence> simulate_level(const WorldOptions& options, double sigma, const Random& random) {
+  std::vector<Sequence> sequences;
+  for (int limit = options.fewest_objects; limit <= options.most_objects; ++limit)
+    for (int actions = options.fewest_actions; actions <= options.most_actions; ++actions)
+      sequences.push_back(simulate(options, limit, actions, sigma, random.fork(sequences.size())));
+  return sequences;
+}
+
+}  // namespace loci::identity_experiment
