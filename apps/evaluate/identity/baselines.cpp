@@ -12,7 +12,7 @@ using Pairs = std::vector<std::pair<size_t, size_t>>;
 /// hidden.
 class PairingModel : public Model {
  public:
-  Judgement judge(const View& view, int, const std::vector<Entry>& old, const std::vector<Measurement>& seen,
+  Judgement judge(const View& view, int, std::vector<Entry>& old, const std::vector<Measurement>& seen,
                   bool) override {
     Judgement judgement;
     judgement.seen.assign(seen.size(), {std::nullopt, 1, Explanation::appear, 1});
@@ -23,7 +23,7 @@ class PairingModel : public Model {
     }
     for (const auto& [o, k] : pair_up(old, seen)) {
       const Explanation explanation = explain(old[o], seen[k]);
-      judgement.links.push_back({o, k, explanation});
+      judgement.links.push_back({o, k});
       judgement.old[o] = {k, 1, explanation, 1};
       judgement.seen[k] = {o, 1, explanation, 1};
     }

@@ -61,6 +61,7 @@ class Run {
     for (const Sighting& sighting : scene.seen) seen.push_back(sighting.seen);
     const Judgement judgement = model_.judge(scene.view, number, old, seen, condition_ == Condition::fresh);
     const SceneTruth truth = truth_of(scene, believed_);
+    for (size_t o = 0; o < old.size(); ++o) believed_[o].entry.where = std::move(old[o].where);
     count_scene(scene, sequence_.actions, believed_, truth, judgement, score_);
     if (condition_ == Condition::own) go_on(scene, number, judgement.links, judgement.kept);
     if (condition_ == Condition::truth) go_on_with_truth(scene, number, truth);
@@ -81,9 +82,9 @@ class Run {
     for (size_t k = 0; k < scene.seen.size(); ++k) {
       const Measurement& seen = scene.seen[k].seen;
       const Link* link = link_of[k];
-      next.push_back({link ? model_.update(believed_[link->old].entry, seen, number, link->explanation)
-                           : Entry::first(seen, number),
-                      scene.seen[k].origin});
+      next.push_back(
+          {link ? model_.update(believed_[link->old].entry, seen, number, *link) : Entry::first(seen, number),
+           scene.seen[k].origin});
     }
     believed_ = std::move(next);
   }
@@ -91,7 +92,9 @@ class Run {
   void go_on_with_truth(const SimulatedScene& scene, int number, const SceneTruth& truth) {
     std::vector<Link> links;
     for (size_t k = 0; k < scene.seen.size(); ++k)
-      if (truth.partner_of_seen[k]) links.push_back({*truth.partner_of_seen[k], k, truth.seen[k]});
+      if (truth.partner_of_seen[k])
+        links.push_back({*truth.partner_of_seen[k], k, truth.seen[k] == Explanation::move ? 0.0 : 1.0,
+                         truth.seen[k] == Explanation::newview ? 0.0 : 1.0});
     std::vector<bool> kept;
     for (size_t o = 0; o < believed_.size(); ++o) {
       const bool seen = std::any_of(scene.seen.begin(), scene.seen.end(), [&](const Sighting& sighting) {

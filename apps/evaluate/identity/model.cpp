@@ -6,7 +6,7 @@
 
 namespace loci::identity_experiment {
 
-Entry Model::update(const Entry&, const Measurement& seen, int step, Explanation) const {
+Entry Model::update(const Entry&, const Measurement& seen, int step, const Link&) const {
   return Entry::first(seen, step);
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/evaluate/identity/simulator.h"
+#include "memory/belief/whereabouts.h"
 #include "memory/identity/solution.h"
 
 namespace loci::identity_experiment {
@@ -15,13 +16,14 @@ struct Entry {
   int step = 0;                                ///< of the last measurement
   Measurement fused;                           ///< mean over the sightings since the last change
   double position_looks = 1, color_looks = 1;  ///< how many sightings are in that mean
+  std::vector<belief::Whereabouts> where;      ///< when it is not seen; per level of busyness
 
-  static Entry first(const Measurement& seen, int step) { return {seen, step, seen, 1, 1}; }
+  static Entry first(const Measurement& seen, int step) { return {seen, step, seen, 1, 1, {}}; }
 };
 
 struct Link {
   size_t old = 0, seen = 0;
-  Explanation explanation = Explanation::stay;
+  double same_position = 1, same_color = 1;  ///< probabilities that this has not changed
 };
 
 /// A model's answer to one scene.
@@ -40,11 +42,12 @@ class Model {
 
   /// A new world: nothing is believed.
   virtual void begin(const Sequence&) {}
-  /// `everything_seen_before`: all tables were looked at as a whole just before the actions of this step.
-  virtual Judgement judge(const View& view, int step, const std::vector<Entry>& old,
+  /// `everything_seen_before`: all tables were looked at as a whole just before the actions of this step. May
+  /// note in `old` what not being seen tells about where an object is.
+  virtual Judgement judge(const View& view, int step, std::vector<Entry>& old,
                           const std::vector<Measurement>& seen, bool everything_seen_before) = 0;
   /// What is believed of an object that was seen again.
-  virtual Entry update(const Entry& before, const Measurement& seen, int step, Explanation explanation) const;
+  virtual Entry update(const Entry& before, const Measurement& seen, int step, const Link& link) const;
 };
 
 struct NoiseSetting {

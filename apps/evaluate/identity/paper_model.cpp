@@ -8,7 +8,7 @@ class PaperModel : public Model {
  public:
   explicit PaperModel(double scale) : scale_(scale) { options_.best = 1; }
 
-  Judgement judge(const View& view, int, const std::vector<Entry>& old, const std::vector<Measurement>& seen,
+  Judgement judge(const View& view, int, std::vector<Entry>& old, const std::vector<Measurement>& seen,
                   bool) override {
     IdentityProblem problem;
     problem.old_count = old.size();
