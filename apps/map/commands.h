@@ -6,6 +6,7 @@ namespace loci {
 
 Command check_command();
 Command compare_command();
+Command export_command();
 Command fuse_command();
 Command interpret_command();
 

@@ -6,10 +6,10 @@ int main(int argc, char** argv) {
   program.add(loci::fuse_command());
   program.add(loci::interpret_command());
   program.add(loci::compare_command());
+  program.add(loci::export_command());
   program.add_planned("explore", "Scans an unknown kitchen by next best view and maps it");
   program.add_planned("next-view", "Where to scan next");
   program.add_planned("register", "Scans to poses");
   program.add_planned("articulate", "Joints from tracks");
-  program.add_planned("export", "SDF, OWL, PLY, grid, link graph");
   return program.run(argc, argv);
 }

@@ -1,0 +1,135 @@
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "apps/map/commands.h"
+#include "mapping/base/files.h"
+#include "mapping/exchange/link_graph.h"
+#include "mapping/exchange/occupancy_grid.h"
+#include "mapping/exchange/owl.h"
+#include "mapping/exchange/ply.h"
+#include "mapping/exchange/sdf.h"
+#include "mapping/world/urdf.h"
+
+namespace loci {
+namespace {
+
+struct Arguments {
+  std::string input, format, out, root;
+  std::vector<std::string> package_paths;
+  GridOptions grid;
+};
+
+/// The format that was named, or else that a file's ending means.
+std::string format_of(const Arguments& arguments) {
+  if (!arguments.format.empty()) return arguments.format;
+  const std::string ending = std::filesystem::path(arguments.out).extension();
+  for (const char* format : {"sdf", "owl", "ply", "bt", "svg"})
+    if (ending == std::string(".") + format) return format;
+  if (ending == ".pgm" || ending == ".yaml") return "grid";
+  throw Error("the ending of '" + arguments.out + "' names no format", {},
+              "give --format: sdf, owl, ply, grid, bt, svg");
+}
+
+/// PGM and YAML side by side. Returns what to tell.
+Json write_grid(const OccupancyGrid& grid, const std::filesystem::path& out) {
+  const std::filesystem::path pgm = std::filesystem::path(out).replace_extension(".pgm");
+  const std::filesystem::path yaml = std::filesystem::path(out).replace_extension(".yaml");
+  write_file_atomically(pgm, pgm_text(grid));
+  write_file_atomically(yaml, grid_yaml(grid, pgm.filename()));
+  return {{"files", {pgm.string(), yaml.string()}},
+          {"cells", {grid.width, grid.height}},
+          {"occupied", std::ranges::count(grid.cells, Occupancy::occupied)},
+          {"free", std::ranges::count(grid.cells, Occupancy::free)}};
+}
+
+Json write_text(const std::string& text, const std::filesystem::path& out) {
+  write_file_atomically(out, text);
+  return {{"files", {out.string()}}, {"bytes", text.size()}};
+}
+
+int64_t modified_ns(const std::filesystem::path& file) {
+  const auto time = std::chrono::file_clock::to_sys(std::filesystem::last_write_time(file));
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count();
+}
+
+Json export_map(const Arguments& arguments, const std::string& format, Session& session) {
+  const World world = read_urdf(arguments.input);
+  const std::filesystem::path sidecar = sidecar_path(arguments.input);
+  const bool described = std::filesystem::exists(sidecar);
+  const SemanticMap semantics = described ? read_semantic_map(sidecar) : SemanticMap{};
+  if (format == "sdf") return write_text(sdf_text(world, session.warnings()), arguments.out);
+  if (format == "svg") return write_text(link_graph_svg(world, semantics, arguments.root), arguments.out);
+  if (format == "owl") {
+    if (!described)
+      throw Error("what the links are is not known", {arguments.input, 0, ""},
+                  "OWL needs the sidecar " + sidecar.string());
+    return write_text(owl_text(world, semantics, world.name, modified_ns(arguments.input)), arguments.out);
+  }
+  MeshSearch search;
+  search.package_paths.assign(arguments.package_paths.begin(), arguments.package_paths.end());
+  search.urdf_folder = std::filesystem::path(arguments.input).parent_path();
+  const std::vector<WorldTriangle> triangles = triangles_of(world, search, session.warnings());
+  if (format == "ply") return write_text(ply_text(triangles), arguments.out);
+  if (format == "grid")
+    return write_grid(occupancy_grid(triangles, arguments.grid, session.warnings()), arguments.out);
+  write_surface_tree(triangles, arguments.grid.resolution_m, arguments.out);
+  return {{"files", {arguments.out}}};
+}
+
+Json export_scans(const Arguments& arguments, const std::string& format) {
+  const ScanSet scans = read_scan_set(arguments.input);
+  if (format == "ply") return write_text(ply_text(scans), arguments.out);
+  if (format != "grid" && format != "bt")
+    throw Error("scans have no links and joints", {arguments.input, 0, ""},
+                "export the map for " + format + "; scans go to ply, grid, bt");
+  OccupancyOptions options;
+  options.resolution_m = arguments.grid.resolution_m;
+  if (scans.range_max > 0) options.range_max_m = scans.range_max;
+  OccupancyMap map(options);
+  for (const Scan& scan : scans.scans) map.insert(scan);
+  if (format == "grid") return write_grid(occupancy_grid(map.tree(), arguments.grid), arguments.out);
+  map.write_bt(arguments.out);
+  return {{"files", {arguments.out}}};
+}
+
+void run(const Arguments& arguments, Session& session) {
+  const std::string format = format_of(arguments);
+  const std::filesystem::path input = arguments.input;
+  if (!std::filesystem::exists(input)) throw Error("does not exist", {arguments.input, 0, ""});
+  const bool scans = std::filesystem::is_directory(input) || input.extension() == ".pcd";
+  Json answer = {{"format", format}};
+  answer.update(scans ? export_scans(arguments, format) : export_map(arguments, format, session));
+  std::string text = format + ":";
+  for (const Json& file : answer["files"]) text += " " + file.get<std::string>();
+  session.answer(text + "\n", answer);
+}
+
+}  // namespace
+
+Command export_command() {
+  return {"export",
+          "A map as SDF, OWL, PLY, grid, OctoMap or link graph; scans as PLY, grid, OctoMap",
+          {"loci-map export apps/samples/kitchen.urdf -o demo-output/kitchen.sdf",
+           "loci-map export apps/samples/kitchen.urdf --format grid --resolution-m 0.02 -o "
+           "demo-output/floor.yaml"},
+          [](CLI::App& app) {
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("MAP", arguments->input,
+                           "URDF of the map (its sidecar beside it), or a folder of scans")
+                ->required();
+            app.add_option("-o,--out", arguments->out, "File to write")->required();
+            app.add_option("--format", arguments->format, "What to write; without, the file's ending says it")
+                ->check(CLI::IsMember({"sdf", "owl", "ply", "grid", "bt", "svg"}));
+            app.add_option("--root", arguments->root, "Link graph: begin with this link");
+            app.add_option("--package-path", arguments->package_paths,
+                           "Folder for package:// names; may repeat");
+            add_options(app, table_of(arguments->grid));
+            return [arguments](Session& session) {
+              table_of(arguments->grid).validate({"", 0, "export"});
+              run(*arguments, session);
+            };
+          }};
+}
+
+}  // namespace loci
