@@ -35,5 +35,8 @@ endif()
 
 if(LOCI_TESTS)
   find_package(GTest REQUIRED)
+  # Whether maps run elsewhere: Gazebo's reader and a physics engine.
+  find_package(sdformat12 REQUIRED)
+  pkg_check_modules(bullet REQUIRED IMPORTED_TARGET bullet)
   include(GoogleTest)
 endif()

@@ -168,13 +168,22 @@ class Writer {
     }
   }
 
+  /// The link that a frame belongs to, or the world.
+  std::string anchor_of(std::string link) const {
+    while (is_frame(*world_.find_link(link))) {
+      const Joint* above = world_.parent_joint(link);
+      if (above == nullptr) return "world";
+      link = above->parent;
+    }
+    return link;
+  }
+
   void add_joint(XMLElement& model, const Joint& joint) const {
     if (is_frame(*world_.find_link(joint.child)) || joint.type == JointType::floating) return;
     XMLElement& element = named(model, "joint", joint.name);
     const std::string type = type_of(joint);
     element.SetAttribute("type", type.c_str());
-    const bool on_world = joint.parent == world_.root && is_frame(*world_.find_link(joint.parent));
-    child(element, "parent", on_world ? "world" : joint.parent);
+    child(element, "parent", anchor_of(joint.parent));
     child(element, "child", joint.child);
     if (type == "fixed") return;
     XMLElement& axis = child(element, "axis");
