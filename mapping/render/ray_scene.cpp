@@ -10,6 +10,7 @@
 #include <unordered_map>
 
 #include "mapping/render/scene_parts.h"
+#include "mapping/render/triangles.h"
 
 namespace loci {
 
@@ -67,53 +68,6 @@ std::vector<size_t> base_links(const World& world) {
   return bases;
 }
 
-/// The part of a polygon on the side `sign · z <= sign · limit`.
-std::vector<Vector3d> clipped(const std::vector<Vector3d>& polygon, double limit, double sign) {
-  std::vector<Vector3d> result;
-  for (size_t i = 0; i < polygon.size(); ++i) {
-    const Vector3d &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-    const double da = sign * (a.z() - limit), db = sign * (b.z() - limit);
-    if (da <= 0) result.push_back(a);
-    if ((da < 0 && db > 0) || (da > 0 && db < 0)) result.push_back(a + (b - a) * (da / (da - db)));
-  }
-  return result;
-}
-
-/// From a point to a convex polygon, both seen from above; 0 inside.
-double distance_from_above(const std::vector<Vector3d>& polygon, const Vector2d& point) {
-  double distance = std::numeric_limits<double>::infinity();
-  bool left = true, right = true;
-  for (size_t i = 0; i < polygon.size(); ++i) {
-    const Vector2d a = polygon[i].head<2>(), b = polygon[(i + 1) % polygon.size()].head<2>();
-    const Vector2d edge = b - a, to = point - a;
-    const double side = edge.x() * to.y() - edge.y() * to.x();
-    left = left && side >= 0;
-    right = right && side <= 0;
-    const double along = edge.squaredNorm() > 0 ? std::clamp(to.dot(edge) / edge.squaredNorm(), 0., 1.) : 0;
-    distance = std::min(distance, (to - along * edge).norm());
-  }
-  // Upright polygons are lines from above: there only the distance to their edges counts.
-  return left != right ? 0 : distance;
-}
-
-/// The point of a triangle that is nearest to `p` (Ericson, Real-Time Collision Detection, 5.1.5).
-Vector3d nearest_of_triangle(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
-  const Vector3d ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0 && d2 <= 0) return a;
-  const double d3 = ab.dot(p - b), d4 = ac.dot(p - b);
-  if (d3 >= 0 && d4 <= d3) return b;
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + ab * (d1 / (d1 - d3));
-  const double d5 = ab.dot(p - c), d6 = ac.dot(p - c);
-  if (d6 >= 0 && d5 <= d6) return c;
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + ac * (d2 / (d2 - d6));
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 >= d3 && d5 >= d6) return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
-  return a + (ab * vb + ac * vc) / (va + vb + vc);
-}
-
 }  // namespace
 
 bool glossy_material(const std::string& name) {
@@ -143,6 +97,7 @@ struct RayScene::Impl {
   Impl& operator=(const Impl&) = delete;
 
   void add_body(Body body);
+  static int link_around(const Vector3d& point, const RayScene& scene);
   void place(Body& body);
   /// Calls use(corners in the map frame, link) for all triangles.
   template <class Use>
@@ -168,6 +123,19 @@ void RayScene::Impl::add_body(Body added) {
   rtcSetGeometryInstancedScene(body.instance, body.scene);
   rtcAttachGeometryByID(scene, body.instance, static_cast<unsigned>(bodies.size() - 1));
   place(body);
+}
+
+/// The link that is seen from behind in all four directions, near by: a cupboard, but not a room.
+int RayScene::Impl::link_around(const Vector3d& point, const RayScene& scene) {
+  constexpr float near = 1;
+  int around = -1;
+  for (const Vector3f& direction :
+       {Vector3f(1, 0, 0), Vector3f(0, 1, 0), Vector3f(-1, 0, 0), Vector3f(0, -1, 0)}) {
+    const RayHit hit = scene.cast(point.cast<float>(), direction, near);
+    if (!hit.from_behind || (around >= 0 && hit.link != around)) return -1;
+    around = hit.link;
+  }
+  return around;
 }
 
 void RayScene::Impl::place(Body& body) {
@@ -274,7 +242,8 @@ RayHit RayScene::cast(const Vector3f& origin, const Vector3f& direction, float r
   hit.distance = ray.ray.tfar;
   hit.link = static_cast<int>(surface.link);
   hit.normal = (body.rotation * Vector3f(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z)).normalized();
-  if (hit.normal.dot(direction) > 0) hit.normal = -hit.normal;
+  hit.from_behind = hit.normal.dot(direction) > 0;
+  if (hit.from_behind) hit.normal = -hit.normal;
   hit.color = surface.color;
   hit.glossy = surface.glossy;
   return hit;
@@ -285,18 +254,18 @@ int RayScene::link_in_cylinder(const Vector2d& centre, double radius, double z_m
   const auto look = [&](const Vector3d& a, const Vector3d& b, const Vector3d& c, int link) {
     if (found >= 0 || std::max({a.z(), b.z(), c.z()}) < z_min || std::min({a.z(), b.z(), c.z()}) > z_max)
       return;
-    const std::vector<Vector3d> inside = clipped(clipped({a, b, c}, z_max, 1), z_min, -1);
-    if (!inside.empty() && distance_from_above(inside, centre) < radius) found = link;
+    const auto inside = render_detail::between_heights({a, b, c}, z_min, z_max);
+    if (!inside.empty() && render_detail::distance_from_above(inside, centre) < radius) found = link;
   };
   impl_->for_each_triangle(look);
-  return found;
+  return found >= 0 ? found : Impl::link_around({centre.x(), centre.y(), (z_min + z_max) / 2}, *this);
 }
 
 NearestSurface RayScene::nearest(const Vector3d& point, double radius) const {
   NearestSurface best;
   best.distance = radius;
   const auto look = [&](const Vector3d& a, const Vector3d& b, const Vector3d& c, int link) {
-    const Vector3d on = nearest_of_triangle(point, a, b, c);
+    const Vector3d on = render_detail::nearest_of_triangle(point, a, b, c);
     const double distance = (on - point).norm();
     if (distance < best.distance) best = {link, distance, on};
   };

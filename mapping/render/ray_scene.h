@@ -18,6 +18,7 @@ struct RayHit {
   int link = -1;                                     ///< index into RayScene::link_names(), -1 = nothing
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, map frame, towards the ray's origin
   std::array<uint8_t, 3> color{};                    ///< red, green, blue of the material
+  bool from_behind = false;                          ///< the side of the triangle that is inside was met
   bool glossy = false;                               ///< mirrors rather than scatters, see glossy_material()
 };
 
@@ -54,8 +55,8 @@ class RayScene {
   /// Casts a ray; `direction` is a unit vector. Safe to call from several threads at once.
   RayHit cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float range_max) const;
 
-  /// A link whose surface reaches into an upright cylinder; -1 = none does. Looks at every triangle: for now
-  /// and then.
+  /// A link whose surface reaches into an upright cylinder, or a small closed body (less than a metre to its
+  /// sides) that the cylinder's middle lies in; -1 = none. Looks at every triangle: for now and then.
   int link_in_cylinder(const Vector2d& centre, double radius, double z_min, double z_max) const;
   /// The surface that is nearest to a point, within `radius`. Looks at every triangle, too.
   NearestSurface nearest(const Vector3d& point, double radius) const;

@@ -54,11 +54,14 @@ TEST(RayScene, HitSaysDistanceLinkNormalAndColour) {
   EXPECT_LT((hit.normal - Vector3f(-1, 0, 0)).norm(), 1e-6);
   EXPECT_EQ(hit.color, (std::array<uint8_t, 3>{255, 0, 0}));
   EXPECT_FALSE(hit.glossy);
+  EXPECT_FALSE(hit.from_behind);
 }
 
 TEST(RayScene, NormalPointsTowardsTheOriginFromInsideToo) {
   const RayScene scene = scene_of(slide());
-  EXPECT_LT((scene.cast({2.05f, 0, 0}, {1, 0, 0}, kFar).normal - Vector3f(-1, 0, 0)).norm(), 1e-6);
+  const RayHit hit = scene.cast({2.05f, 0, 0}, {1, 0, 0}, kFar);
+  EXPECT_LT((hit.normal - Vector3f(-1, 0, 0)).norm(), 1e-6);
+  EXPECT_TRUE(hit.from_behind);
 }
 
 TEST(RayScene, MissAndTooFarAreNothing) {
@@ -112,6 +115,14 @@ TEST(RayScene, CylinderMeetsWhatReachesIntoIt) {
   EXPECT_GE(scene.link_in_cylinder({1.2, 0}, 0.25, -1, 1), 1);     // The knob at 1.38 - 0.02.
   EXPECT_EQ(scene.link_in_cylinder({1.2, 0}, 0.25, 0.15, 1), -1);  // Above it and the drawer.
   EXPECT_EQ(scene.link_in_cylinder({1.8, 1}, 0.25, 0.15, 0.2), 0);
+  // Inside a tall box that is wider than the cylinder, but not in a room that is one box.
+  const auto box = [](const std::string& size) {
+    return scene_of(world_of("<link name=\"box\"><visual><geometry><box size=\"" + size +
+                             "\"/></geometry></visual></link>"));
+  };
+  EXPECT_EQ(box("0.7 0.7 4").link_in_cylinder({0, 0}, 0.25, 0.05, 1.3), 0);
+  EXPECT_EQ(box("5 5 4").link_in_cylinder({0, 0}, 0.25, 0.05, 1.3), -1);
+  EXPECT_EQ(box("0.7 0.7 4").link_in_cylinder({2, 0}, 0.25, 0.05, 1.3), -1);
   // In the middle of a wide top, far from its edges.
   const RayScene table = scene_of(
       world_of(R"(<link name="table"><visual><geometry><box size="4 4 0.04"/></geometry></visual></link>)"));
