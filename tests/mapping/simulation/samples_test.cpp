@@ -145,6 +145,30 @@ TEST(SampleKitchenL, HasWhatExplorationHasToCopeWith) {
   EXPECT_EQ(classes["island"], 1);
 }
 
+TEST(Apartment, EveryVisibleHandleOpensWhatItHangsOn) {
+  const fs::path data = fs::path(LOCI_SHARED_DIR) / "data";
+  if (!fs::exists(data / "iai_apartment")) GTEST_SKIP() << "no shared data";
+  ScannedWorldOptions options;
+  options.package_paths = {data};
+  Warnings warnings;
+  ScannedWorld robot(data / "iai_apartment/apartment.urdf", options, {1.5, 2, 0}, warnings);
+  const Json truth = read_json(data / "iai_apartment/truth.json");
+  int opened = 0;
+  for (const Json& handle : truth["handles"]) {
+    if (!handle["visible_when_closed"].get<bool>()) continue;
+    const PullResult result = robot.pull(vector_of(handle["bar_centre"]), 0.2);
+    const Joint* joint = robot.world().parent_joint(handle["front_link"].get<std::string>());
+    ASSERT_NE(joint, nullptr);
+    // The lower half of a folding door follows the upper one, which is what opens.
+    EXPECT_EQ(result.joint, joint->mimic ? joint->mimic->joint : joint->name) << handle["link"];
+    ASSERT_GE(result.hand_path.size(), 2u) << handle["link"];
+    EXPECT_GT((result.hand_path.back().translation() - result.hand_path.front().translation()).norm(), 0.15);
+    robot.close_all();
+    ++opened;
+  }
+  EXPECT_GE(opened, 20);
+}
+
 TEST(SampleKitchenFirst, DrawersOpenIntoTheRoom) {
   const World world = read_urdf(kSamples / "kitchen.urdf");
   for (int i = 1; i <= 3; ++i) {
