@@ -52,6 +52,7 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {{"fmt/", "f
                                                                      {"ceres/", "Ceres"},
                                                                      {"sdf/", "sdformat"},
                                                                      {"bullet/", "Bullet"},
+                                                                     {"BulletDynamics/", "Bullet"},
                                                                      {"btBullet", "Bullet"},
                                                                      {"benchmark/", "benchmark"}};
 const std::set<std::string> kBaseLibraries = {"fmt", "yaml-cpp", "nlohmann-json", "Eigen"};
