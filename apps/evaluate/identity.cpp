@@ -1,4 +1,6 @@
 #include "apps/evaluate/commands.h"
+#include "apps/evaluate/identity/figures.h"
+#include "apps/evaluate/identity/speed.h"
 #include "apps/evaluate/identity/tables.h"
 
 namespace loci {
@@ -9,13 +11,21 @@ using namespace identity_experiment;
 struct Arguments {
   WorldOptions world;
   ExperimentOptions experiment;
+  std::string figures;
+  bool speed = false;
 };
 
 void run(Arguments& arguments, Session& session) {
   table_of(arguments.world).validate();
   table_of(arguments.experiment).validate();
+  if (arguments.speed) {
+    const std::vector<SpeedRow> rows = measure_speed(arguments.experiment.seed);
+    session.answer(text_of(rows), json_of(rows));
+    return;
+  }
   const ExperimentResult result =
       run_experiment(arguments.world, arguments.experiment, session.flags().threads, session.progress());
+  if (!arguments.figures.empty()) write_figures(result, arguments.figures);
   session.answer(text_of(result, session.flags().verbose), json_of(result));
 }
 
@@ -23,12 +33,15 @@ void run(Arguments& arguments, Session& session) {
 
 Command identity_command() {
   return {"identity",
-          "The identity experiment: who is who and what happened, beside greedy and paper",
-          {"loci-evaluate identity --runs 1", "loci-evaluate identity --runs 1 --noise estimated --json"},
+          "The identity experiment: the paper's model, ours and simpler ones, who is who and what happened",
+          {"loci-evaluate identity --runs 1 -o demo-output/identity",
+           "loci-evaluate identity --runs 1 --noise estimated --tables 8 --json"},
           [](CLI::App& app) {
             auto arguments = std::make_shared<Arguments>();
             add_options(app, table_of(arguments->experiment));
             add_options(app, table_of(arguments->world));
+            app.add_option("-o,--output", arguments->figures, "Folder for figures 6.5 and 6.8 as SVG");
+            app.add_flag("--speed", arguments->speed, "Measure how fast problems are solved instead");
             return [arguments](Session& session) { run(*arguments, session); };
           }};
 }

@@ -202,9 +202,10 @@ IdentityWeights weights_of(const LogOddsProblem& problem, const IdentityOptions&
   add_to(weights.missed, problem.missed_prior, "missed_prior");
   add_to(weights.hidden, problem.hidden_prior, "hidden_prior");
 
-  const double limit = 700.0 / static_cast<double>(std::max<size_t>(1, std::min(m, n)));
-  const auto limited = [&](double value) {
-    return value == kNever ? value : std::clamp(value, -limit, limit);
+  // Only where doubles end: products over many pairs are kept in range part by part (components.cpp), and
+  // strong evidence against a pair is what lets the problem fall into parts.
+  const auto limited = [](double value) {
+    return value == kNever ? value : std::clamp(value, -700.0, 700.0);
   };
   const auto prior = [](const PairTable& table, Eigen::Index o, Eigen::Index k, double common) {
     return common + (table.size() > 0 ? table(o, k) : 0.0);

@@ -126,7 +126,8 @@ class OurModel : public Model {
     told_rates_[Change::changed] = of(Action::newview);
     told_rates_[Change::returned] = of(Action::appear) * present / std::max(1.0, world_.objects - present);
     told_rates_[Change::arrived] = of(Action::appear) / cells_.total_area();
-    told_rates_[Change::initial] = std::max(1e-6, sequence.limit * world_.start_share / cells_.total_area());
+    told_rates_[Change::initial] =
+        std::max(1e-6, start_objects(world_, sequence.limit) / cells_.total_area());
   }
 
   void set_rates() {

@@ -21,7 +21,7 @@ class World {
       things_[i].origin.object = static_cast<int>(i);
       things_[i].color = any_color();
     }
-    const int start = std::min(options.objects, static_cast<int>(limit * options.start_share + 1e-9));
+    const int start = std::min(options.objects, start_objects(options, limit));
     for (int i = 0; i < start; ++i) act(Action::appear);
   }
 
@@ -130,12 +130,17 @@ void WorldOptions::declare(OptionTable& table) {
   table.integer("tables", tables, "", "Tables of 1 m by 1 m.", 1, 100);
   table.integer("objects", objects, "", "Objects that exist.", 1, 200);
   table.number("view_m", view_m, "m", "Width of the strip that the sensor sees.", 0.05, 2);
-  table.number("start_share", start_share, "", "Share of the object limit that is there at the start.", 0, 1);
+  table.integer("start_objects", start_objects, "",
+                "Objects there before the first step; negative = a third of the limit.", -1, 100);
   table.integer("steps", steps, "", "Scenes of one sequence.", 1, 10000);
   table.integer("fewest_objects", fewest_objects, "", "Smallest object limit.", 1, 100);
   table.integer("most_objects", most_objects, "", "Largest object limit.", 1, 100);
   table.integer("fewest_actions", fewest_actions, "", "Fewest actions between two scenes.", 0, 100);
   table.integer("most_actions", most_actions, "", "Most actions between two scenes.", 0, 100);
+}
+
+int start_objects(const WorldOptions& options, int limit) {
+  return std::min(limit, options.start_objects < 0 ? limit / 3 : options.start_objects);
 }
 
 Sequence simulate(const WorldOptions& options, int limit, int actions, double sigma, Random random) {
@@ -146,6 +151,8 @@ Sequence simulate(const WorldOptions& options, int limit, int actions, double si
 }
 
 std::vector<Sequence> simulate_level(const WorldOptions& options, double sigma, const Random& random) {
+  if (options.fewest_objects > options.most_objects || options.fewest_actions > options.most_actions)
+    throw Error("the fewest objects or actions are more than the most");
   std::vector<Sequence> sequences;
   for (int limit = options.fewest_objects; limit <= options.most_objects; ++limit)
     for (int actions = options.fewest_actions; actions <= options.most_actions; ++actions)

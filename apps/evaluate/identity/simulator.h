@@ -19,7 +19,7 @@ struct WorldOptions {
   int tables = 4;
   int objects = 15;
   double view_m = 1.0;
-  double start_share = 1.0 / 3.0;
+  int start_objects = -1;  ///< there before the first step; negative = a third of the limit, rounded down
   int steps = 20;
   int fewest_objects = 3, most_objects = 10;
   int fewest_actions = 1, most_actions = 5;
@@ -74,6 +74,8 @@ struct Sequence {
   int actions = 0;  ///< per step
   std::vector<SimulatedScene> scenes;
 };
+
+int start_objects(const WorldOptions& options, int limit);
 
 /// Standard deviation `sigma` of each measured number.
 Sequence simulate(const WorldOptions& options, int limit, int actions, double sigma, Random random);

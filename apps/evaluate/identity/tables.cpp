@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <set>
 
 namespace loci::identity_experiment {
 namespace {
@@ -94,16 +95,20 @@ std::string confusion(const std::array<std::array<int64_t, size>, size>& counts,
 
 std::string by_number(const ExperimentResult& result, Condition condition, const std::string& model,
                       std::map<int, Success> Score::*part, int most) {
+  std::set<int> numbers;
+  for (size_t i = 0; i < result.levels.size(); ++i)
+    for (const auto& [number, success] : result.cell(condition, model, i).score.*part)
+      if (number <= most) numbers.insert(number);
   std::string out = fmt::format("  {} {:<14}", condition_name(condition), model);
-  for (int number = 0; number <= most; ++number)
-    if ((result.cell(condition, model, 0).score.*part).count(number) > 0)
-      out += fmt::format(" {:>13}", number);
+  for (const int number : numbers) out += fmt::format(" {:>13}", number);
   out += '\n';
   for (size_t i = 0; i < result.levels.size(); ++i) {
-    out += fmt::format("    {:<14}", result.levels[i]);
-    const auto& numbers = result.cell(condition, model, i).score.*part;
-    for (const auto& [number, success] : numbers)
-      if (number <= most) out += fmt::format(" {:>13}", both(success));
+    out += fmt::format("    {:<12}", result.levels[i]);
+    const auto& counts = result.cell(condition, model, i).score.*part;
+    for (const int number : numbers) {
+      const auto found = counts.find(number);
+      out += fmt::format(" {:>13}", found == counts.end() ? "" : both(found->second));
+    }
     out += '\n';
   }
   return out;

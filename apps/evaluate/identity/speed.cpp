@@ -1,0 +1,74 @@
+#include "apps/evaluate/identity/speed.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "mapping/base/random.h"
+#include "memory/identity/solution.h"
+
+namespace loci::identity_experiment {
+namespace {
+
+/// Objects in groups of `block` that may be confused with each other; pairs of different groups are as unlike
+/// as calibrated evidence makes them.
+LogOddsProblem problem_of(Eigen::Index size, Eigen::Index block, Random random) {
+  LogOddsProblem problem;
+  problem.log_similar.resize(size, size);
+  problem.log_proximity.resize(size, size);
+  for (Eigen::Index o = 0; o < size; ++o)
+    for (Eigen::Index k = 0; k < size; ++k) {
+      const bool same_block = o / block == k / block;
+      problem.log_similar(o, k) = same_block ? random.uniform(-3, 3) : random.uniform(-60, -30);
+      problem.log_proximity(o, k) = same_block ? random.uniform(-3, 3) : random.uniform(-60, -30);
+    }
+  for (Eigen::Index o = 0; o < size; ++o) problem.out_of_view.push_back(random.uniform(0, 0.5));
+  return problem;
+}
+
+SpeedRow measure(const std::string& name, Eigen::Index size, Eigen::Index block, double aim, int seed) {
+  using Clock = std::chrono::steady_clock;
+  const LogOddsProblem problem = problem_of(size, block, Random(static_cast<uint64_t>(seed)));
+  IdentityOptions options;
+  options.best = 1;
+  SpeedRow row{name, 1e300, aim, 0};
+  const Clock::time_point start = Clock::now();
+  for (int repeat = 0; repeat < 200; ++repeat) {
+    const Clock::time_point before = Clock::now();
+    row.gate_bound = solve(problem, options).gate_bound;
+    const Clock::time_point after = Clock::now();
+    row.milliseconds =
+        std::min(row.milliseconds, std::chrono::duration<double, std::milli>(after - before).count());
+    if (repeat >= 5 && after - start > std::chrono::seconds(1)) break;
+  }
+  return row;
+}
+
+}  // namespace
+
+std::vector<SpeedRow> measure_speed(int seed) {
+  return {measure("10 x 10 dense", 10, 10, 0.1, seed), measure("16 x 16 dense", 16, 16, 15, seed),
+          measure("50 x 50 gated, groups of 5", 50, 5, 0.5, seed),
+          measure("50 x 50 gated, groups of 10", 50, 10, 0, seed)};
+}
+
+std::string text_of(const std::vector<SpeedRow>& rows) {
+  std::string out = "Exact marginals and the best matching, one core, best of many\n";
+  for (const SpeedRow& row : rows)
+    out += fmt::format("  {:<30} {:>9.3f} ms  {:<14} error at most {:.1e}\n", row.problem, row.milliseconds,
+                       row.aim_milliseconds > 0 ? fmt::format("aim {} ms", row.aim_milliseconds) : "",
+                       row.gate_bound);
+  return out;
+}
+
+Json json_of(const std::vector<SpeedRow>& rows) {
+  Json json = Json::array();
+  for (const SpeedRow& row : rows)
+    json.push_back({{"problem", row.problem},
+                    {"milliseconds", row.milliseconds},
+                    {"aim_milliseconds", row.aim_milliseconds},
+                    {"gate_error_bound", row.gate_bound}});
+  return {{"speed", json}};
+}
+
+}  // namespace loci::identity_experiment
