@@ -20,6 +20,10 @@ namespace loci {
 /// known `front.appliance` counts (an oven has a flap).
 JointEstimate joint_prior(const Front& front);
 
+/// Logarithm of the density of fronts of this size with their fixture there, over all mountings of the same
+/// model: which of several rectangles around a handle is the likeliest front. Its scale is arbitrary.
+double front_log_likelihood(const Front& front);
+
 /// What a front that moves so is called: "drawer", "door" (upright hinge), "flap" (level hinge); "front" when
 /// it does not move.
 std::string front_class(const Front& front, const JointEstimate& joint);

@@ -86,21 +86,26 @@ double log_appliance_odds(const std::string& appliance, Mounting mounting) {
   return 0;
 }
 
-std::array<double, mounting_count> mounting_probabilities(const Front& front) {
-  std::array<double, mounting_count> probabilities{};
+/// Logarithms of the joint densities of a mounting and what the front looks like.
+std::array<double, mounting_count> mounting_scores(const Front& front) {
+  std::array<double, mounting_count> scores{};
   for (size_t i = 0; i < mounting_count; ++i) {
     const Habits& habits = kHabits[i];
     double share = habits.share;
     if (!front.fixture)
       share =
           i == fixed ? kFixedWithoutFixture : share * (1 - kFixedWithoutFixture) / (1 - kHabits[fixed].share);
-    double log_probability = std::log(share) + log_size_density(front.width, habits.width) +
-                             log_size_density(front.height, habits.height) +
-                             log_density(front.centre.z(), habits.elevation) +
-                             log_appliance_odds(front.appliance, Mounting(i));
-    if (front.fixture) log_probability += log_fixture_likelihood(front, *front.fixture, habits);
-    probabilities[i] = log_probability;
+    scores[i] = std::log(share) + log_size_density(front.width, habits.width) +
+                log_size_density(front.height, habits.height) +
+                log_density(front.centre.z(), habits.elevation) +
+                log_appliance_odds(front.appliance, Mounting(i));
+    if (front.fixture) scores[i] += log_fixture_likelihood(front, *front.fixture, habits);
   }
+  return scores;
+}
+
+std::array<double, mounting_count> mounting_probabilities(const Front& front) {
+  std::array<double, mounting_count> probabilities = mounting_scores(front);
   const double largest = *std::max_element(probabilities.begin(), probabilities.end());
   double sum = 0;
   for (double& p : probabilities) sum += p = std::exp(p - largest);
@@ -169,6 +174,14 @@ JointEstimate joint_prior(const Front& front) {
   joint.origin_sd_m = std::sqrt(origin_variance);
   joint.evidence = "prior";
   return joint;
+}
+
+double front_log_likelihood(const Front& front) {
+  const std::array<double, mounting_count> scores = mounting_scores(front);
+  const double largest = *std::max_element(scores.begin(), scores.end());
+  double sum = 0;
+  for (const double score : scores) sum += std::exp(score - largest);
+  return largest + std::log(sum);
 }
 
 std::string front_class(const Front& front, const JointEstimate& joint) {

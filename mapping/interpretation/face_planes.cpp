@@ -1,0 +1,205 @@
+#include "mapping/interpretation/face_planes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "mapping/base/cell_index.h"
+
+namespace loci {
+namespace {
+
+constexpr double kPiece = 0.03;          // m; side of the cells whose points are averaged
+constexpr int kAngles = 240;             // of 1.5 degrees
+constexpr double kOffsetBin = 0.015;     // m
+constexpr double kFacing = 0.95;         // cosine between a piece's normal and its plane's
+constexpr double kTaken = 0.022;         // m; pieces this near to a plane are explained by it
+constexpr double kLeastArea = 0.04;      // m²; a small drawer front
+constexpr double kGap = 1.0;             // m; a mirror-like front may leave such a hole
+constexpr double kSameFace = 0.035;      // m; layers of one face
+constexpr double kSameDirection = 0.99;  // cosine
+constexpr size_t kMostFaces = 80;
+constexpr double kLowest = 0.03;  // m above the floor
+constexpr size_t kFewestPoints = 2;
+
+/// A small piece of vertical surface.
+struct Piece {
+  Vector2d position = Vector2d::Zero();
+  Vector2d normal = Vector2d::Zero();
+  double height = 0;
+  bool taken = false;
+};
+
+std::vector<Piece> pieces_of(const Surface& surface, double floor_height) {
+  struct Sum {
+    Vector3d position = Vector3d::Zero(), normal = Vector3d::Zero();
+    double count = 0;
+  };
+  CellIndex index(surface.points.size() / 8);
+  std::vector<Sum> sums;
+  for (const SurfacePoint& point : surface.points) {
+    if (std::abs(point.normal.z()) > 0.35F || point.normal.isZero()) continue;
+    if (static_cast<double>(point.position.z()) < floor_height + kLowest) continue;
+    const uint32_t number = index.insert(cell_of(point.position, kPiece));
+    if (number == sums.size()) sums.emplace_back();
+    Sum& sum = sums[number];
+    sum.position += point.position.cast<double>();
+    sum.normal += point.normal.cast<double>();
+    ++sum.count;
+  }
+  std::vector<Piece> pieces;
+  for (const Sum& sum : sums) {
+    if (sum.count < kFewestPoints || sum.normal.norm() < 0.6 * sum.count) continue;
+    const Vector3d normal = sum.normal.normalized();
+    if (std::abs(normal.z()) > 0.25) continue;
+    const Vector3d position = sum.position / sum.count;
+    pieces.push_back({position.head<2>(), normal.head<2>().normalized(), position.z(), false});
+  }
+  return pieces;
+}
+
+/// Votes of pieces for (angle, offset).
+class Votes {
+ public:
+  explicit Votes(const std::vector<Piece>& pieces) {
+    double reach = 0;
+    for (const Piece& piece : pieces) reach = std::max(reach, piece.position.norm());
+    offsets_ = 2 * static_cast<int>(reach / kOffsetBin + 2) + 1;
+    votes_.assign(static_cast<size_t>(kAngles * offsets_), 0);
+    for (const Piece& piece : pieces) vote(piece, 1);
+  }
+  void vote(const Piece& piece, int amount) {
+    const int centre = static_cast<int>(std::lround(std::atan2(piece.normal.y(), piece.normal.x()) / kStep));
+    for (int d = -3; d <= 3; ++d) {
+      const int angle = (centre + d + 2 * kAngles) % kAngles;
+      const int offset =
+          static_cast<int>(std::lround(direction(angle).dot(piece.position) / kOffsetBin)) + offsets_ / 2;
+      votes_[static_cast<size_t>(angle * offsets_ + offset)] += amount;
+    }
+  }
+  struct Peak {
+    size_t bin = 0;
+    Vector2d normal;
+    double offset = 0;
+    int votes = 0;
+  };
+  Peak strongest() const {
+    const auto best = std::max_element(votes_.begin(), votes_.end());
+    const int at = static_cast<int>(best - votes_.begin());
+    return {static_cast<size_t>(at), direction(at / offsets_), (at % offsets_ - offsets_ / 2) * kOffsetBin,
+            *best};
+  }
+  void forget(const Peak& peak) { votes_[peak.bin] = 0; }
+
+ private:
+  static constexpr double kStep = 2 * std::numbers::pi / kAngles;
+  static Vector2d direction(int angle) { return {std::cos(angle * kStep), std::sin(angle * kStep)}; }
+
+  int offsets_ = 0;
+  std::vector<int> votes_;
+};
+
+std::vector<size_t> inliers_of(const std::vector<Piece>& pieces, const Vector2d& normal, double offset,
+                               double width) {
+  std::vector<size_t> inliers;
+  for (size_t i = 0; i < pieces.size(); ++i)
+    if (!pieces[i].taken && std::abs(normal.dot(pieces[i].position) - offset) < width &&
+        normal.dot(pieces[i].normal) > kFacing)
+      inliers.push_back(i);
+  return inliers;
+}
+
+/// Fits the plane to its inliers a few times, within ever narrower limits.
+std::vector<size_t> refine(const std::vector<Piece>& pieces, Vector2d& normal, double& offset) {
+  std::vector<size_t> inliers;
+  for (const double width : {0.03, 0.022, 0.018, 0.015}) {
+    inliers = inliers_of(pieces, normal, offset, width);
+    if (inliers.size() < 8) break;
+    Vector2d mean = Vector2d::Zero();
+    for (const size_t i : inliers) mean += pieces[i].position;
+    mean /= static_cast<double>(inliers.size());
+    double xx = 0;
+    double xy = 0;
+    double yy = 0;
+    for (const size_t i : inliers) {
+      const Vector2d d = pieces[i].position - mean;
+      xx += d.x() * d.x();
+      xy += d.x() * d.y();
+      yy += d.y() * d.y();
+    }
+    const double along = 0.5 * std::atan2(2 * xy, xx - yy);
+    const Vector2d fitted(-std::sin(along), std::cos(along));
+    const Vector2d turned = fitted.dot(normal) < 0 ? Vector2d(-fitted) : fitted;
+    if (turned.dot(normal) > 0.99) normal = turned;  // a short plane keeps its direction
+    offset = normal.dot(mean);
+  }
+  return inliers;
+}
+
+/// Parts a plane where it has gaps wider than kGap.
+std::vector<Face> faces_of(const std::vector<Piece>& pieces, std::vector<size_t> inliers,
+                           const Vector2d& normal, double offset) {
+  Face plane;
+  plane.normal = normal;
+  plane.offset = offset;
+  const auto along = [&](size_t i) { return plane.right().dot(pieces[i].position); };
+  std::stable_sort(inliers.begin(), inliers.end(), [&](size_t a, size_t b) { return along(a) < along(b); });
+  std::vector<Face> faces;
+  double last = -1e9;
+  for (const size_t i : inliers) {
+    const double u = along(i);
+    if (u - last > kGap) {
+      faces.push_back(plane);
+      faces.back().u_min = u;
+      faces.back().v_min = faces.back().v_max = pieces[i].height;
+    }
+    last = u;
+    Face& face = faces.back();
+    face.u_max = u;
+    face.v_min = std::min(face.v_min, pieces[i].height);
+    face.v_max = std::max(face.v_max, pieces[i].height);
+    face.area += kPiece * kPiece;
+  }
+  std::erase_if(faces, [](const Face& face) { return face.area < kLeastArea; });
+  return faces;
+}
+
+/// Whether a plane is but the fringe of a stronger one: noise, mixed returns, panels a little behind it.
+bool same_face(const Face& strong, const Face& weak) {
+  if (strong.normal.dot(weak.normal) < kSameDirection) return false;
+  const Vector3d middle = weak.at((weak.u_min + weak.u_max) / 2, 0);
+  const Vector3d in_strong = strong.coordinates(middle);
+  return std::abs(in_strong.z()) < kSameFace && in_strong.x() > strong.u_min - kGap / 4 &&
+         in_strong.x() < strong.u_max + kGap / 4;
+}
+
+}  // namespace
+
+std::vector<Face> find_faces(const Surface& surface, double floor_height) {
+  std::vector<Piece> pieces = pieces_of(surface, floor_height);
+  std::vector<Face> faces;
+  if (pieces.empty()) return faces;
+  Votes votes(pieces);
+  const int fewest = static_cast<int>(0.4 * kLeastArea / (kPiece * kPiece));
+  for (size_t round = 0; round < 4 * kMostFaces && faces.size() < kMostFaces; ++round) {
+    const Votes::Peak peak = votes.strongest();
+    if (peak.votes < fewest) break;
+    Vector2d normal = peak.normal;
+    double offset = peak.offset;
+    const std::vector<size_t> inliers = refine(pieces, normal, offset);
+    const std::vector<Face> found = faces_of(pieces, inliers, normal, offset);
+    if (found.empty()) votes.forget(peak);
+    for (const size_t i :
+         found.empty() ? std::vector<size_t>() : inliers_of(pieces, normal, offset, kTaken)) {
+      pieces[i].taken = true;
+      votes.vote(pieces[i], -1);
+    }
+    for (const Face& face : found)
+      if (std::none_of(faces.begin(), faces.end(), [&](const Face& other) { return same_face(other, face); }))
+        faces.push_back(face);
+  }
+  return faces;
+}
+
+}  // namespace loci

@@ -1,0 +1,352 @@
+#include "mapping/interpretation/fixtures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <set>
+
+namespace loci {
+namespace {
+
+constexpr double kLeastProtrusion = 0.015;  // m
+constexpr double kLineTolerance = 0.012;    // m; registration of the scans and half a bar
+constexpr double kLongestBar = 1.3;         // m; of a fridge
+constexpr double kShortestBar = 0.045;      // m
+constexpr double kThickestBar = 0.045;      // m
+constexpr double kLargestKnob = 0.065;      // m
+constexpr double kSmallestKnob = 0.008;     // m
+constexpr double kElongated = 2.2;          // length over width that makes a bar
+constexpr double kMostTurned = 0.35;        // rad; handles are level or upright
+constexpr size_t kFewestPoints = 10;
+constexpr double kSurroundings = 0.035;  // m beside a fixture in which its front shows
+constexpr double kLeastShown = 0.5;      // of these must be face
+constexpr float kFewest = 0.07F;         // points per cell after smoothing: one within 6 mm
+constexpr double kHalfRound =
+    0.785;  // mean distance of the visible half of a cylinder from its axis / radius
+
+struct Point {
+  double u, v, depth;
+  Vector2d toward;  ///< change of u, v per metre along the ray, towards the sensor
+  double lean;      ///< change of depth per metre along the ray
+  uint16_t scan;
+};
+
+/// The line or circle through a cluster.
+struct Shape {
+  Vector2d centre = Vector2d::Zero();
+  Vector2d axis = Vector2d::UnitX();
+  double length = 0, width = 0;
+  std::vector<size_t> inliers;
+};
+
+double percentile(std::vector<double> values, double fraction) {
+  const auto at = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<size_t>(at)];
+}
+
+/// Rasters of what the rays met: the face, something shortly before it, something farther before it.
+struct Layers3 {
+  cv::Mat face, fixture, farther;
+};
+
+Layers3 count(const FaceRays& rays, const FaceGrid& grid, double threshold) {
+  const cv::Mat empty = cv::Mat::zeros(grid.height, grid.width, CV_32F);
+  Layers3 layers{empty.clone(), empty.clone(), empty.clone()};
+  for (const FaceRay& ray : rays.rays) {
+    const double depth = static_cast<double>(ray.depth);
+    const bool before = ray.returned && depth > threshold;
+    const double u = before ? ray.point_u() : static_cast<double>(ray.u);
+    const double v = before ? ray.point_v() : static_cast<double>(ray.v);
+    const int x = grid.column(u);
+    const int y = grid.row(v);
+    if (!grid.inside(x, y)) continue;
+    cv::Mat& layer = !before ? layers.face : depth < kFixtureReach ? layers.fixture : layers.farther;
+    // A mirror-like front gives no returns: that nothing came back says that nothing stands before it.
+    if (before || !ray.returned || depth > -kFaceRelief) layer.at<float>(y, x) += 1;
+  }
+  for (cv::Mat* layer : {&layers.face, &layers.fixture, &layers.farther})
+    cv::GaussianBlur(*layer, *layer, {}, 1.5, 1.5, cv::BORDER_CONSTANT);
+  return layers;
+}
+
+/// Cells in which a good part of the points stands shortly before the face.
+cv::Mat candidates(const Layers3& layers) {
+  constexpr float kShare = 0.3F;
+  cv::Mat mask = (layers.fixture > kFewest) & (layers.fixture > kShare * (layers.fixture + layers.face));
+  // A bar may be hidden or missed in parts; what goes on in its direction belongs to it.
+  cv::Mat level, upright;
+  cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, cv::Mat::ones(3, 3, CV_8U));
+  cv::morphologyEx(mask, level, cv::MORPH_CLOSE, cv::Mat::ones(1, 9, CV_8U));
+  cv::morphologyEx(mask, upright, cv::MORPH_CLOSE, cv::Mat::ones(9, 1, CV_8U));
+  return level | upright;
+}
+
+Shape line_through(const std::vector<Point>& points, Random random) {
+  Shape best;
+  for (int round = 0; round < 200; ++round) {
+    const Point& a = points[random.index(points.size())];
+    const Point& b = points[random.index(points.size())];
+    const Vector2d way(b.u - a.u, b.v - a.v);
+    if (way.norm() < 0.01) continue;
+    const Vector2d across = Vector2d(-way.y(), way.x()).normalized();
+    std::vector<size_t> inliers;
+    for (size_t i = 0; i < points.size(); ++i)
+      if (std::abs(across.dot(Vector2d(points[i].u - a.u, points[i].v - a.v))) < kLineTolerance)
+        inliers.push_back(i);
+    if (inliers.size() > best.inliers.size()) best.inliers = std::move(inliers);
+  }
+  return best;
+}
+
+/// Centre, main axis, extents of the inliers.
+void measure(const std::vector<Point>& points, Shape& shape) {
+  Vector2d mean = Vector2d::Zero();
+  for (const size_t i : shape.inliers) mean += Vector2d(points[i].u, points[i].v);
+  mean /= static_cast<double>(shape.inliers.size());
+  double xx = 0;
+  double xy = 0;
+  double yy = 0;
+  for (const size_t i : shape.inliers) {
+    const Vector2d d = Vector2d(points[i].u, points[i].v) - mean;
+    xx += d.x() * d.x();
+    xy += d.x() * d.y();
+    yy += d.y() * d.y();
+  }
+  const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
+  shape.axis = {std::cos(angle), std::sin(angle)};
+  const Vector2d across(-shape.axis.y(), shape.axis.x());
+  std::vector<double> along;
+  std::vector<double> beside;
+  for (const size_t i : shape.inliers) {
+    const Vector2d d = Vector2d(points[i].u, points[i].v) - mean;
+    along.push_back(shape.axis.dot(d));
+    beside.push_back(across.dot(d));
+  }
+  const double low = percentile(along, 0.02);
+  const double high = percentile(along, 0.98);
+  const double left = percentile(beside, 0.05);
+  const double right = percentile(beside, 0.95);
+  shape.length = high - low;
+  shape.width = (right - left) / 0.9;
+  shape.centre = mean + (low + high) / 2 * shape.axis + (left + right) / 2 * across;
+}
+
+/// Depth of what stands before the face in a cluster whose rays partly pass it: a mixture of two normals,
+/// the face's known.
+double depth_of(const std::vector<double>& depths, double start, double sigma) {
+  double depth = start;
+  double share = 0.5;
+  for (int round = 0; round < 15; ++round) {
+    double sum = 0;
+    double weights = 0;
+    for (const double d : depths) {
+      const double before = share * std::exp(-0.5 * (d - depth) * (d - depth) / (sigma * sigma));
+      const double face = (1 - share) * std::exp(-0.5 * d * d / (sigma * sigma)) + 1e-9;
+      const double weight = before / (before + face);
+      sum += weight * d;
+      weights += weight;
+    }
+    if (weights < 1) break;
+    depth = sum / weights;
+    share = std::clamp(weights / static_cast<double>(depths.size()), 0.05, 0.95);
+  }
+  return depth;
+}
+
+class FixtureFinder {
+ public:
+  FixtureFinder(const FaceRays& rays)
+      : rays_(rays),
+        grid_(rays.face),
+        threshold_(std::clamp(2 * rays.sigma, kLeastProtrusion, 0.03)),
+        layers_(count(rays, grid_, threshold_)) {}
+
+  FixtureSearch search(const Random& random) {
+    cv::Mat labels, stats, centroids;
+    const int number = cv::connectedComponentsWithStats(candidates(layers_), labels, stats, centroids, 8);
+    std::vector<std::vector<Point>> clusters(static_cast<size_t>(number));
+    for (const FaceRay& ray : rays_.rays) {
+      const double depth = static_cast<double>(ray.depth);
+      if (!ray.returned || depth < threshold_ || depth > kFixtureReach) continue;
+      const int x = grid_.column(ray.point_u());
+      const int y = grid_.row(ray.point_v());
+      if (!grid_.inside(x, y) || labels.at<int>(y, x) == 0) continue;
+      const double norm =
+          std::hypot(1.0, std::hypot(static_cast<double>(ray.slope_u), static_cast<double>(ray.slope_v)));
+      clusters[static_cast<size_t>(labels.at<int>(y, x))].push_back(
+          {ray.point_u(), ray.point_v(), depth,
+           Vector2d(static_cast<double>(ray.slope_u), static_cast<double>(ray.slope_v)) / norm, 1 / norm,
+           ray.scan});
+    }
+    for (size_t i = 1; i < clusters.size(); ++i) {
+      const int label = static_cast<int>(i);
+      const FaceRect box{
+          grid_.u(stats.at<int>(label, cv::CC_STAT_LEFT)) - kFaceCell / 2,
+          grid_.u(stats.at<int>(label, cv::CC_STAT_LEFT) + stats.at<int>(label, cv::CC_STAT_WIDTH)) -
+              kFaceCell / 2,
+          grid_.v(stats.at<int>(label, cv::CC_STAT_TOP)) - kFaceCell / 2,
+          grid_.v(stats.at<int>(label, cv::CC_STAT_TOP) + stats.at<int>(label, cv::CC_STAT_HEIGHT)) -
+              kFaceCell / 2};
+      if (clusters[i].size() < kFewestPoints) continue;
+      const std::string why = try_cluster(clusters[i], box, random.fork(i));
+      if (why.empty()) continue;
+      const Vector3d at = rays_.face.at(box.u(), box.v());
+      result_.notes.push_back(
+          fmt::format("what stands before the face at ({:.2f}, {:.2f}, {:.2f}) is no fixture: {}", at.x(),
+                      at.y(), at.z(), why));
+    }
+    return std::move(result_);
+  }
+
+ private:
+  std::string try_cluster(const std::vector<Point>& points, const FaceRect& box, const Random& random) {
+    if (std::min(box.width(), box.height()) > 3 * kThickestBar) return "it is large";
+    Shape shape = line_through(points, random);
+    if (shape.inliers.size() < kFewestPoints) return "few points";
+    measure(points, shape);
+    const bool bar = shape.length > kElongated * shape.width && shape.length > kShortestBar;
+    if (!bar) {
+      shape.inliers.resize(points.size());
+      for (size_t i = 0; i < points.size(); ++i) shape.inliers[i] = i;
+      measure(points, shape);
+    }
+    const std::string why = bar ? why_no_bar(shape, points.size()) : why_no_knob(shape);
+    if (!why.empty()) return why;
+    return add(points, shape, bar);
+  }
+
+  static std::string why_no_bar(const Shape& shape, size_t points) {
+    if (shape.length > kLongestBar) return fmt::format("{:.2f} m long", shape.length);
+    if (shape.width > kThickestBar) return fmt::format("{:.3f} m thick", shape.width);
+    if (static_cast<double>(shape.inliers.size()) < 0.7 * static_cast<double>(points))
+      return "no line explains it";
+    const double turned = std::atan2(std::abs(shape.axis.y()), std::abs(shape.axis.x()));
+    if (turned > kMostTurned && turned < M_PI_2 - kMostTurned) return "it is neither level nor upright";
+    return {};
+  }
+  static std::string why_no_knob(const Shape& shape) {
+    if (shape.length > kLargestKnob) return fmt::format("{:.3f} m by {:.3f} m", shape.length, shape.width);
+    if (shape.length < kSmallestKnob) return "it is tiny";
+    return {};
+  }
+
+  /// Share of a band beside the fixture in which the face itself was met; unset cells do not count.
+  double shown(const Shape& shape, double side, bool along) const {
+    const Vector2d axis = along ? shape.axis : Vector2d(-shape.axis.y(), shape.axis.x());
+    const Vector2d across(-axis.y(), axis.x());
+    const double half_length = (along ? shape.length : shape.width) / 2;
+    const double half_width = (along ? shape.width : shape.length) / 2;
+    double face = 0;
+    double known = 0;
+    for (double s = -half_length; s <= half_length + 1e-9; s += kFaceCell)
+      for (double t = half_width + 0.008; t < half_width + kSurroundings; t += kFaceCell) {
+        const Vector2d at = shape.centre + s * axis + side * t * across;
+        const int x = grid_.column(at.x());
+        const int y = grid_.row(at.y());
+        if (!grid_.inside(x, y)) continue;
+        const float on = layers_.face.at<float>(y, x);
+        const float off = layers_.fixture.at<float>(y, x) + layers_.farther.at<float>(y, x);
+        known += 1;
+        face += on > kFewest && on > off ? 1 : 0;
+      }
+    return known > 0 ? face / known : 0;
+  }
+
+  /// Points farther before the face over the fixture, per point of it: the edge of something that stands
+  /// there gives both.
+  double farther(const Shape& shape, size_t points) const {
+    double sum = 0;
+    for (double s = -shape.length / 2; s <= shape.length / 2 + 1e-9; s += kFaceCell)
+      for (double t = -0.012; t <= 0.012; t += kFaceCell) {
+        const Vector2d at = shape.centre + s * shape.axis + t * Vector2d(-shape.axis.y(), shape.axis.x());
+        const int x = grid_.column(at.x());
+        const int y = grid_.row(at.y());
+        if (grid_.inside(x, y)) sum += static_cast<double>(layers_.farther.at<float>(y, x));
+      }
+    return sum / static_cast<double>(points);
+  }
+
+  std::string add(const std::vector<Point>& points, Shape& shape, bool bar) {
+    const double above = std::min(shown(shape, 1, true), shown(shape, -1, true));
+    if (above < kLeastShown) return fmt::format("the face shows beside {:.0f} % of it", 100 * above);
+    if (!bar) {
+      const double ends = std::min(shown(shape, 1, false), shown(shape, -1, false));
+      if (ends < kLeastShown) return fmt::format("the face shows beside {:.0f} % of it", 100 * ends);
+    }
+    const double before = farther(shape, shape.inliers.size());
+    if (before > 0.5) return "more stands farther before the face there";
+    std::set<int> scans;
+    std::vector<double> first_depths;
+    for (const size_t i : shape.inliers) {
+      scans.insert(points[i].scan);
+      first_depths.push_back(points[i].depth);
+    }
+    FaceFixture found;
+    Fixture& fixture = found.fixture;
+    fixture.kind = bar ? Fixture::Kind::handle : Fixture::Kind::knob;
+    fixture.radius =
+        std::clamp(bar ? (shape.width - 0.004) / 2 : (shape.length + shape.width) / 4, 0.003, 0.03);
+    fixture.length = bar ? shape.length : 2 * fixture.radius;
+    std::vector<double> depths;
+    const Vector2d across(-shape.axis.y(), shape.axis.x());
+    const double reach_along = bar ? 0.4 * shape.length : 0.3 * shape.width;
+    for (const FaceRay& ray : rays_.rays) {
+      if (!ray.returned || static_cast<double>(ray.depth) > kFixtureReach ||
+          static_cast<double>(ray.depth) < -kFaceRelief)
+        continue;
+      const Vector2d d = Vector2d(ray.point_u(), ray.point_v()) - shape.centre;
+      if (std::abs(shape.axis.dot(d)) < reach_along && std::abs(across.dot(d)) < 0.35 * shape.width)
+        depths.push_back(static_cast<double>(ray.depth));
+    }
+    const double surface = depth_of(depths, percentile(first_depths, 0.5), std::max(rays_.sigma, 0.003));
+    if (surface < 0.9 * kLeastProtrusion) return fmt::format("it stands out by {:.3f} m only", surface);
+    // The sensor sees one half of a bar: its axis lies behind.
+    Vector2d toward = Vector2d::Zero();
+    double lean = 0;
+    for (const size_t i : shape.inliers) {
+      toward += points[i].toward / static_cast<double>(shape.inliers.size());
+      lean += points[i].lean / static_cast<double>(shape.inliers.size());
+    }
+    if (bar) toward -= toward.dot(shape.axis) * shape.axis;
+    const double behind = bar ? kHalfRound * fixture.radius : 0;
+    const Vector2d centre = shape.centre - behind * toward;
+    fixture.protrusion = surface - behind * lean;
+    found.u = centre.x();
+    found.v = centre.y();
+    const Face& face = rays_.face;
+    fixture.centre = face.at(found.u, found.v, fixture.protrusion);
+    fixture.axis =
+        bar ? Vector3d(shape.axis.x() * face.right3() + shape.axis.y() * Vector3d::UnitZ()) : face.normal3();
+    const double half_u =
+        bar ? std::abs(shape.axis.x()) * shape.length / 2 + std::abs(shape.axis.y()) * fixture.radius
+            : fixture.radius;
+    const double half_v =
+        bar ? std::abs(shape.axis.y()) * shape.length / 2 + std::abs(shape.axis.x()) * fixture.radius
+            : fixture.radius;
+    found.box = {found.u - half_u, found.u + half_u, found.v - half_v, found.v + half_v};
+    const double many = static_cast<double>(shape.inliers.size());
+    fixture.confidence = above * many / (many + 15) * (scans.size() > 1 || rays_.scans < 2 ? 1 : 0.6);
+    fixture.evidence = {{"inliers", shape.inliers.size()},
+                        {"scans", std::vector<int>(scans.begin(), scans.end())},
+                        {"model", bar ? "line" : "circle"}};
+    result_.fixtures.push_back(std::move(found));
+    return {};
+  }
+
+  const FaceRays& rays_;
+  FaceGrid grid_;
+  double threshold_;
+  Layers3 layers_;
+  FixtureSearch result_;
+};
+
+}  // namespace
+
+FixtureSearch find_fixtures(const FaceRays& rays, const Random& random) {
+  return FixtureFinder(rays).search(random);
+}
+
+}  // namespace loci

@@ -1,0 +1,281 @@
+#include "mapping/interpretation/front_layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace loci {
+namespace {
+
+constexpr double kLeastZ = 5;         // of a cut
+constexpr double kLeastShare = 0.6;   // of its length that shows it
+constexpr double kLeastSide = 0.028;  // m; narrower parts are not cut off
+constexpr double kUnbroken = 0.3;     // of a line's mean score along all its length
+constexpr double kLeastFront = 0.08;  // m
+constexpr double kSomeFace = 0.08;       // share of these that is face, while it is cut
+constexpr double kLeastKnown = 0.1;   // share of a row or column that rays met
+constexpr double kLeastFace = 0.4;    // and of these that is face
+constexpr int kDeepest = 60;          // cuts one after the other
+constexpr double kSameLine = 0.03;      // m
+constexpr double kClearZ = 8;            // of the seam of a front without fixture
+constexpr double kLeastArea = 0.02;      // m², of a front without fixture
+constexpr double kProud = 0.003;      // m
+
+enum Side : size_t { left, right, bottom, top };
+
+/// Trims rows and columns at the border in which there is no face.
+void shrink(const SeamMap& seams, PlacedFront& part, double least_face) {
+  const auto trim = [least_face](const std::vector<std::array<float, 2>>& shares) {
+    const auto good = [least_face](const std::array<float, 2>& s) {
+      return s[0] >= static_cast<float>(kLeastKnown) && s[1] >= static_cast<float>(least_face);
+    };
+    const auto first = std::find_if(shares.begin(), shares.end(), good);
+    const auto last = std::find_if(shares.rbegin(), shares.rend(), good);
+    return std::pair<double, double>(static_cast<double>(first - shares.begin()) * kFaceCell,
+                                     static_cast<double>(last - shares.rbegin()) * kFaceCell);
+  };
+  for (int round = 0; round < 2; ++round) {
+    FaceRect& rect = part.rect;
+    if (rect.width() <= 0 || rect.height() <= 0) return;
+    const auto [l, r] = trim(seams.column_shares(rect));
+    rect.u0 += l;
+    rect.u1 -= r;
+    if (rect.width() <= 0) return;
+    const auto [b, t] = trim(seams.row_shares(rect));
+    rect.v0 += b;
+    rect.v1 -= t;
+    const double trimmed[4] = {l, r, b, t};
+    for (size_t side = 0; side < 4; ++side)
+      if (trimmed[side] > 2 * kFaceCell) part.edges[side] = {};
+  }
+}
+
+struct Cut {
+  bool upright = true;
+  LineEvidence line;
+};
+
+/// Whether a line through a part would cut one of its fixtures.
+bool cuts_fixture(const FaceRect& rect, bool upright, double position,
+                  const std::vector<FaceFixture>& fixtures) {
+  constexpr double kBeside = 0.004;  // m
+  return std::any_of(fixtures.begin(), fixtures.end(), [&](const FaceFixture& fixture) {
+    const FaceRect box = fixture.box.grown(kBeside);
+    return rect.contains(fixture.u, fixture.v) &&
+           (upright ? position > box.u0 && position < box.u1 : position > box.v0 && position < box.v1);
+  });
+}
+
+/// Significant lines through a part, the strongest first.
+std::vector<Cut> possible_cuts(const SeamMap& seams, const FaceRect& rect,
+                               const std::vector<FaceFixture>& fixtures) {
+  std::vector<Cut> cuts;
+  for (const bool upright : {true, false}) {
+    const double low = upright ? rect.u0 : rect.v0;
+    const double high = upright ? rect.u1 : rect.v1;
+    for (double p = low + kLeastSide; p < high - kLeastSide; p += kFaceCell) {
+      const LineEvidence line =
+          upright ? seams.upright(p, rect.v0, rect.v1) : seams.level(p, rect.u0, rect.u1);
+      if (line.z < kLeastZ || line.share < kLeastShare || line.weakest < kUnbroken) continue;
+      if (!cuts_fixture(rect, upright, p, fixtures)) cuts.push_back({upright, line});
+    }
+  }
+  std::stable_sort(cuts.begin(), cuts.end(), [](const Cut& a, const Cut& b) { return a.line.z > b.line.z; });
+  return cuts;
+}
+
+/// The strongest line whose exact position is well inside the part: an edge of the part shows a little way
+/// into it.
+std::optional<Cut> strongest_cut(const SeamMap& seams, const FaceRect& rect,
+                                 const std::vector<FaceFixture>& fixtures) {
+  std::vector<Cut> cuts = possible_cuts(seams, rect, fixtures);
+  while (!cuts.empty()) {
+    Cut cut = cuts.front();
+    const double found = cut.line.position;
+    const double from = cut.upright ? rect.v0 : rect.u0;
+    const double to = cut.upright ? rect.v1 : rect.u1;
+    cut.line = seams.refine(cut.upright, cut.line, from, to);
+    const double low = cut.upright ? rect.u0 : rect.v0;
+    const double high = cut.upright ? rect.u1 : rect.v1;
+    const double half = cut.line.width / 2;
+    if (cut.line.position - half > low + kLeastSide / 2 && cut.line.position + half < high - kLeastSide / 2 &&
+        std::abs(cut.line.position - found) < kSameLine)
+      return cut;
+    std::erase_if(cuts, [&](const Cut& other) {
+      return other.upright == cut.upright && std::abs(other.line.position - found) < kFaceCell * 1.5;
+    });
+  }
+  return std::nullopt;
+}
+
+FrontEdge edge_of(const LineEvidence& line, double sign) {
+  FrontEdge edge;
+  edge.kind = line.kind == LineEvidence::Kind::seam ? FrontEdge::Kind::seam : FrontEdge::Kind::step;
+  edge.z = line.z;
+  edge.relief = line.relief;
+  edge.rise = sign * line.rise;
+  return edge;
+}
+
+class Layout {
+ public:
+  Layout(const SeamMap& seams, const Face& face, const std::vector<FaceFixture>& fixtures)
+      : seams_(seams), face_(face), fixtures_(fixtures), housed_(fixtures.size(), false) {}
+
+  FrontLayout run() {
+    PlacedFront all;
+    const FaceGrid& grid = seams_.grid();
+    all.rect = {grid.u0, grid.u0 + grid.width * kFaceCell, grid.v0, grid.v0 + grid.height * kFaceCell};
+    cut(all, 0);
+    drop_lonely();
+    for (size_t i = 0; i < housed_.size(); ++i)
+      if (!housed_[i]) result_.homeless.push_back(i);
+    return std::move(result_);
+  }
+
+ private:
+  void cut(PlacedFront part, int depth) {
+    shrink(seams_, part, kSomeFace);
+    if (part.rect.width() < kLeastSide || part.rect.height() < kLeastSide) return;
+    const std::optional<Cut> best =
+        depth < kDeepest ? strongest_cut(seams_, part.rect, fixtures_) : std::nullopt;
+    if(getenv("TRACE")) { printf("%*s[%.3f %.3f]x[%.3f %.3f] ",depth,"",part.rect.u0,part.rect.u1,part.rect.v0,part.rect.v1); if(best) printf("%s %.3f w %.3f z %.1f share %.2f weak %.2f relief %d rise %.3f kind %d\n",best->upright?"U":"L",best->line.position,best->line.width,best->line.z,best->line.share,best->line.weakest,best->line.relief,best->line.rise,(int)best->line.kind); else printf("leaf\n"); }//TRACE
+    if (!best) return finish(part);
+    PlacedFront low = part;
+    PlacedFront high = part;
+    const double half = best->line.width / 2;
+    if (best->upright) {
+      low.rect.u1 = best->line.position - half;
+      high.rect.u0 = best->line.position + half;
+      low.edges[right] = edge_of(best->line, -1);
+      high.edges[left] = edge_of(best->line, 1);
+    } else {
+      low.rect.v1 = best->line.position - half;
+      high.rect.v0 = best->line.position + half;
+      low.edges[top] = edge_of(best->line, -1);
+      high.edges[bottom] = edge_of(best->line, 1);
+    }
+    cut(low, depth + 1);
+    cut(high, depth + 1);
+  }
+
+  void finish(PlacedFront part) {
+    shrink(seams_, part, kLeastFace);
+    settle_edges(part);
+    const SeamMap::Look look = seams_.look(part.rect);
+    part.depth = look.depth;
+    std::vector<size_t> inside;
+    for (size_t i = 0; i < fixtures_.size(); ++i)
+      if (part.rect.contains(fixtures_[i].u, fixtures_[i].v)) inside.push_back(i);
+    for (const size_t i : inside) housed_[i] = true;
+    if (inside.size() > 1) {
+      for (PlacedFront& front : divide_evenly(seams_, face_, part, fixtures_, inside)) {
+        front.depth = seams_.look(front.rect).depth;
+        result_.fronts.push_back(front);
+      }
+      return;
+    }
+    if (inside.size() == 1) {
+      part.fixture = static_cast<int>(inside[0]);
+    } else if (part.rect.width() < kLeastFront || part.rect.height() < kLeastFront || !encloses(part) ||
+               look.known * look.face * look.returned < 0.5) {
+      return;
+    }
+    part.confidence = 0.9;
+    result_.fronts.push_back(part);
+  }
+
+  /// Looks at each edge again over the length that it has in the end.
+  void settle_edges(PlacedFront& part) const {
+    constexpr double kMostMoved = 0.012;  // m
+    for (const size_t side : {left, right, bottom, top}) {
+      if (part.rect.width() < 2 * kLeastSide || part.rect.height() < 2 * kLeastSide) return;
+      const bool upright = side == left || side == right;
+      double& position = side == left     ? part.rect.u0
+                         : side == right  ? part.rect.u1
+                         : side == bottom ? part.rect.v0
+                                          : part.rect.v1;
+      const double from = upright ? part.rect.v0 : part.rect.u0;
+      const double to = upright ? part.rect.v1 : part.rect.u1;
+      LineEvidence line = upright ? seams_.upright(position, from, to) : seams_.level(position, from, to);
+      const double z = std::max(line.z, part.edges[side].z);
+      line = seams_.refine(upright, line, from, to);
+      const double sign = side == left || side == bottom ? 1 : -1;
+      const double settled = line.position + sign * line.width / 2;
+      if (std::abs(settled - position) > kMostMoved || z < kLeastZ) continue;
+      position = settled;
+      part.edges[side] = edge_of(line, sign);
+      part.edges[side].z = z;
+    }
+  }
+
+  /// Whether seams and borders enclose a part without fixture, and nothing around it stands proud of it.
+  static bool encloses(const PlacedFront& part) {
+    int seams = 0;
+    int painted = 0;
+    for (const FrontEdge& edge : part.edges) {
+      if (edge.kind == FrontEdge::Kind::seam && edge.z > kClearZ) ++seams;
+      if (edge.kind != FrontEdge::Kind::step) continue;
+      if (edge.rise < -kProud) return false;
+      if (edge.rise < kProud) ++painted;
+    }
+    return seams > 0 && painted < 2 && part.rect.width() * part.rect.height() > kLeastArea;
+  }
+
+  /// Whether two fronts meet in a seam of the first.
+  static bool share_seam(const PlacedFront& a, const PlacedFront& b) {
+    constexpr double kGap = 0.03;    // m
+    constexpr double kShared = 0.5;  // of the shorter edge
+    const auto overlap = [](double a0, double a1, double b0, double b1) {
+      return std::min(a1, b1) - std::max(a0, b0) > kShared * std::min(a1 - a0, b1 - b0);
+    };
+    const bool beside = overlap(a.rect.v0, a.rect.v1, b.rect.v0, b.rect.v1);
+    const bool stacked = overlap(a.rect.u0, a.rect.u1, b.rect.u0, b.rect.u1);
+    const auto seam = [&](Side side) { return a.edges[side].kind == FrontEdge::Kind::seam; };
+    return (seam(left) && beside && std::abs(a.rect.u0 - b.rect.u1) < kGap) ||
+           (seam(right) && beside && std::abs(b.rect.u0 - a.rect.u1) < kGap) ||
+           (seam(bottom) && stacked && std::abs(a.rect.v0 - b.rect.v1) < kGap) ||
+           (seam(top) && stacked && std::abs(b.rect.v0 - a.rect.v1) < kGap);
+  }
+
+  /// A seam parts two fronts: what has no fixture and no front on the other side of a seam is the side of a
+  /// cupboard or a box on a counter.
+  void drop_lonely() {
+    std::vector<PlacedFront>& fronts = result_.fronts;
+    const auto lonely = [&](const PlacedFront& front) {
+      return front.fixture < 0 && std::none_of(fronts.begin(), fronts.end(), [&](const PlacedFront& other) {
+               return &other != &front && share_seam(front, other);
+             });
+    };
+    for (auto found = fronts.begin(); (found = std::find_if(fronts.begin(), fronts.end(), lonely)) != fronts.end();)
+      fronts.erase(found);
+  }
+
+  const SeamMap& seams_;
+  const Face& face_;
+  const std::vector<FaceFixture>& fixtures_;
+  std::vector<bool> housed_;
+  FrontLayout result_;
+};
+
+}  // namespace
+
+const char* front_edge_name(FrontEdge::Kind kind) {
+  switch (kind) {
+    case FrontEdge::Kind::border:
+      return "border";
+    case FrontEdge::Kind::seam:
+      return "seam";
+    case FrontEdge::Kind::step:
+      return "step";
+    case FrontEdge::Kind::regular:
+      return "regular";
+  }
+  return "border";
+}
+
+FrontLayout lay_out_fronts(const SeamMap& seams, const Face& face, const std::vector<FaceFixture>& fixtures) {
+  return Layout(seams, face, fixtures).run();
+}
+
+}  // namespace loci

@@ -1,0 +1,128 @@
+#include "mapping/interpretation/fronts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "mapping/base/parallel.h"
+#include "mapping/interpretation/front_layout.h"
+
+namespace loci {
+namespace {
+
+constexpr uint64_t kSeed = 7;        // of the sample consensus
+constexpr double kSameWall = 0.05;   // m
+constexpr double kMostUneven = 1.8;  // times the usual scatter; more is no plane but corners and clutter
+
+struct FaceResult {
+  std::vector<Front> fronts;
+  std::vector<std::string> notes;
+};
+
+Front front_of(const PlacedFront& placed, const FaceRays& rays, const std::vector<FaceFixture>& fixtures) {
+  const Face& face = rays.face;
+  Front front;
+  front.centre = face.at(placed.rect.u(), placed.rect.v(), placed.depth);
+  front.normal = face.normal3();
+  front.width = placed.rect.width();
+  front.height = placed.rect.height();
+  front.confidence = placed.confidence;
+  if (placed.fixture >= 0) {
+    front.fixture = fixtures[static_cast<size_t>(placed.fixture)].fixture;
+    front.fixture->protrusion -= placed.depth;
+    front.confidence *= 0.5 + 0.5 * front.fixture->confidence;
+  }
+  std::vector<size_t> points(1);
+  std::vector<int> scans;
+  for (const FaceRay& ray : rays.rays) {
+    if (!ray.returned || std::abs(ray.depth) > static_cast<float>(kFaceRelief)) continue;
+    if (!placed.rect.contains(static_cast<double>(ray.u), static_cast<double>(ray.v))) continue;
+    points.resize(std::max<size_t>(points.size(), ray.scan + size_t{1}));
+    ++points[ray.scan];
+  }
+  size_t inliers = 0;
+  for (size_t scan = 0; scan < points.size(); ++scan) {
+    inliers += points[scan];
+    if (points[scan] > 20) scans.push_back(static_cast<int>(scan));
+  }
+  Json edges = Json::object();
+  const std::array<const char*, 4> names = {"left", "right", "bottom", "top"};
+  for (size_t side = 0; side < 4; ++side) edges[names[side]] = front_edge_name(placed.edges[side].kind);
+  Json scores = Json::array();
+  for (const FrontEdge& edge : placed.edges) scores.push_back(std::round(10 * edge.z) / 10);
+  front.evidence = {{"inliers", inliers}, {"scans", scans}, {"edges", edges}, {"edge_scores", scores}};
+  return front;
+}
+
+FaceResult interpret_face(const FaceRays& rays, const Random& random) {
+  FaceResult result;
+  const FixtureSearch found = find_fixtures(rays, random);
+  const SeamMap seams(rays, found.fixtures);
+  const FrontLayout layout = lay_out_fronts(seams, rays.face, found.fixtures);
+  for (const PlacedFront& placed : layout.fronts)
+    result.fronts.push_back(front_of(placed, rays, found.fixtures));
+  if (result.fronts.empty()) return result;  // not furniture: what hangs before it is no near miss
+  result.notes = found.notes;
+  for (const size_t i : layout.homeless) {
+    const Vector3d& at = found.fixtures[i].fixture.centre;
+    result.notes.push_back(
+        fmt::format("what looks like a fixture at ({:.2f}, {:.2f}, {:.2f}) has no front around it", at.x(),
+                    at.y(), at.z()));
+  }
+  return result;
+}
+
+/// The median over area of how much depths scatter on a face.
+double usual_sigma(const std::vector<FaceRays>& rays) {
+  std::vector<std::pair<double, double>> faces;
+  double area = 0;
+  for (const FaceRays& face : rays) {
+    faces.emplace_back(face.sigma, face.face.area);
+    area += face.face.area;
+  }
+  std::sort(faces.begin(), faces.end());
+  double sum = 0;
+  for (const auto& [sigma, own] : faces)
+    if (sum += own; sum >= area / 2) return sigma;
+  return 0;
+}
+
+/// Whether a face is a piece of a wall.
+bool is_wall(const Face& face, const std::vector<VerticalPlane>& walls) {
+  const Vector2d middle = face.at((face.u_min + face.u_max) / 2, 0).head<2>();
+  return std::any_of(walls.begin(), walls.end(), [&](const VerticalPlane& wall) {
+    const double along = wall.direction().dot(middle);
+    return wall.normal.dot(face.normal) > 0.99 &&
+           std::abs(wall.normal.dot(middle) - wall.offset) < kSameWall &&
+           along > wall.along_min - kSameWall && along < wall.along_max + kSameWall;
+  });
+}
+
+}  // namespace
+
+FrontSearch find_fronts(const Surface& surface, double floor_height, const WallSearch& vertical,
+                        const InterpretationOptions& options, Progress& progress) {
+  std::vector<Face> faces = find_faces(surface, floor_height);
+  std::erase_if(faces, [&](const Face& face) { return is_wall(face, vertical.walls); });
+  progress.check(0.2, "furniture faces");
+  std::vector<FaceRays> rays(faces.size());
+  parallel_for(faces.size(), options.threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) rays[i] = gather_rays(surface, faces[i], floor_height);
+  });
+  const double most = kMostUneven * usual_sigma(rays);
+  std::erase_if(rays, [&](const FaceRays& face) { return face.sigma > most; });
+  progress.check(0.5, "furniture fronts");
+  std::vector<FaceResult> results(rays.size());
+  const Random random(kSeed);
+  parallel_for(rays.size(), options.threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) results[i] = interpret_face(rays[i], random.fork(i));
+  });
+  FrontSearch search;
+  for (const FaceResult& result : results) {
+    search.fronts.insert(search.fronts.end(), result.fronts.begin(), result.fronts.end());
+    search.notes.insert(search.notes.end(), result.notes.begin(), result.notes.end());
+  }
+  return search;
+}
+
+}  // namespace loci
