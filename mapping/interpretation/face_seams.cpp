@@ -44,16 +44,16 @@ void SeamMap::gather(const FaceRays& rays, const std::vector<FaceFixture>& fixtu
   }
   std::vector<float> on(grid_.size(), 0);
   std::vector<float> off(grid_.size(), 0);
-  const float before = static_cast<float>(std::max(0.015, 2 * rays.sigma));
+  const auto before = static_cast<float>(std::max(0.02, 2.5 * rays.sigma));
   const auto relief = static_cast<float>(kFaceRelief);
   const FaceRect extent{rays.face.u_min, rays.face.u_max, rays.face.v_min, rays.face.v_max};
   const auto used = [&](const FaceRay& ray, int& x, int& y) {
     if (ray.returned && ray.depth > before) return false;  // it ended before it met the face
     x = grid_.column(static_cast<double>(ray.u));
     y = grid_.row(static_cast<double>(ray.v));
-    return grid_.inside(x, y) && std::none_of(fixtures.begin(), fixtures.end(), [&](const FaceFixture& fixture) {
-             return touches(ray, fixture);
-           });
+    return grid_.inside(x, y) &&
+           std::none_of(fixtures.begin(), fixtures.end(),
+                        [&](const FaceFixture& fixture) { return touches(ray, fixture); });
   };
   for (const FaceRay& ray : rays.rays) {
     int x = 0;
@@ -353,7 +353,6 @@ LineEvidence SeamMap::refine(bool upright, const LineEvidence& line, double from
 SeamMap::Look SeamMap::look(const FaceRect& rect) const {
   Look look;
   double cells = 0;
-  double weight = 0;
   double rays = 0;
   for (int y = std::max(0, grid_.row(rect.v0)); y < std::min(grid_.height, grid_.row(rect.v1) + 1); ++y)
     for (int x = std::max(0, grid_.column(rect.u0)); x < std::min(grid_.width, grid_.column(rect.u1) + 1);
@@ -364,11 +363,7 @@ SeamMap::Look SeamMap::look(const FaceRect& rect) const {
       look.face += face_[cell] == 1 ? 1 : 0;
       rays += static_cast<double>(sums_[missing].weight[cell]);
       look.returned += static_cast<double>(sums_[missing].weight[cell] - sums_[missing].sum[cell]);
-      if (face_[cell] != 1) continue;
-      look.depth += static_cast<double>(sums_[depth].sum[cell]);
-      weight += static_cast<double>(sums_[depth].weight[cell]);
     }
-  if (weight > 0) look.depth /= weight;
   if (rays > 0) look.returned /= rays;
   if (look.known > 0) look.face /= look.known;
   if (cells > 0) look.known /= cells;

@@ -73,15 +73,50 @@ Layers3 count(const FaceRays& rays, const FaceGrid& grid, double threshold) {
 }
 
 /// Cells in which a good part of the points stands shortly before the face.
-cv::Mat candidates(const Layers3& layers) {
-  constexpr float kShare = 0.3F;
-  cv::Mat mask = (layers.fixture > kFewest) & (layers.fixture > kShare * (layers.fixture + layers.face));
-  // A bar may be hidden or missed in parts; what goes on in its direction belongs to it.
-  cv::Mat level, upright;
-  cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, cv::Mat::ones(3, 3, CV_8U));
-  cv::morphologyEx(mask, level, cv::MORPH_CLOSE, cv::Mat::ones(1, 9, CV_8U));
-  cv::morphologyEx(mask, upright, cv::MORPH_CLOSE, cv::Mat::ones(9, 1, CV_8U));
-  return level | upright;
+cv::Mat candidates(const Layers3& layers, float share) {
+  return (layers.fixture > kFewest) & (layers.fixture > share * (layers.fixture + layers.face));
+}
+
+/// A connected piece of the candidates' raster.
+struct Patch {
+  cv::Rect cells;
+  size_t cluster = 0;  ///< which it belongs to: its own number or that of a patch in line with it
+};
+
+/// By label; the first is the background.
+std::vector<Patch> patches_of(const cv::Mat& mask, cv::Mat& labels) {
+  cv::Mat stats, centroids;
+  const int number = cv::connectedComponentsWithStats(mask, labels, stats, centroids, 8);
+  std::vector<Patch> patches;
+  for (int i = 0; i < number; ++i)
+    patches.push_back({{stats.at<int>(i, cv::CC_STAT_LEFT), stats.at<int>(i, cv::CC_STAT_TOP),
+                        stats.at<int>(i, cv::CC_STAT_WIDTH), stats.at<int>(i, cv::CC_STAT_HEIGHT)},
+                       static_cast<size_t>(i)});
+  return patches;
+}
+
+/// A bar may be hidden or missed in parts: thin patches in line with each other, a little apart, are one.
+void join_in_line(std::vector<Patch>& patches) {
+  constexpr int kThin = 8;    // cells
+  constexpr int kApart = 11;  // cells
+  constexpr int kAside = 2;   // cells
+  const auto in_line = [](const cv::Rect& a, const cv::Rect& b) {
+    const auto along = [](int a0, int a1, int b0, int b1, int a_low, int a_size, int b_low, int b_size) {
+      return std::max(a0, b0) - std::min(a1, b1) <= kApart && a_size <= kThin && b_size <= kThin &&
+             std::abs(2 * a_low + a_size - 2 * b_low - b_size) <= 2 * kAside;
+    };
+    return along(a.x, a.x + a.width, b.x, b.x + b.width, a.y, a.height, b.y, b.height) ||
+           along(a.y, a.y + a.height, b.y, b.y + b.height, a.x, a.width, b.x, b.width);
+  };
+  for (size_t i = 1; i < patches.size(); ++i)
+    for (size_t k = 1; k < i; ++k) {
+      const size_t from = patches[i].cluster;
+      const size_t to = patches[k].cluster;
+      if (from == to || !in_line(patches[i].cells, patches[k].cells)) continue;
+      for (Patch& patch : patches)
+        if (patch.cluster == from) patch.cluster = to;
+      patches[to].cells |= patches[from].cells;
+    }
 }
 
 Shape line_through(const std::vector<Point>& points, Random random) {
@@ -165,43 +200,60 @@ class FixtureFinder {
         layers_(count(rays, grid_, threshold_)) {}
 
   FixtureSearch search(const Random& random) {
-    cv::Mat labels, stats, centroids;
-    const int number = cv::connectedComponentsWithStats(candidates(layers_), labels, stats, centroids, 8);
-    std::vector<std::vector<Point>> clusters(static_cast<size_t>(number));
+    constexpr float kSome = 0.3F;
+    constexpr float kMost = 0.65F;
+    // What hangs together with something large, a handle close below a counter, is looked at more closely.
+    const cv::Mat rest = search(candidates(layers_, kSome), random.fork(0), false);
+    search(rest & candidates(layers_, kMost), random.fork(1), true);
+    return std::move(result_);
+  }
+
+ private:
+  /// Tries every patch of a raster; returns those that are no fixtures. Only the last try says why.
+  cv::Mat search(const cv::Mat& mask, const Random& random, bool last) {
+    cv::Mat labels;
+    std::vector<Patch> patches = patches_of(mask, labels);
+    join_in_line(patches);
+    const std::vector<std::vector<Point>> clusters = clusters_of(patches, labels);
+    std::vector<bool> failed(patches.size(), false);
+    for (size_t i = 1; i < clusters.size(); ++i) {
+      if (clusters[i].size() < kFewestPoints) continue;
+      const cv::Rect& cells = patches[i].cells;
+      const FaceRect box{grid_.u0 + cells.x * kFaceCell, grid_.u0 + (cells.x + cells.width) * kFaceCell,
+                         grid_.v0 + cells.y * kFaceCell, grid_.v0 + (cells.y + cells.height) * kFaceCell};
+      const std::string why = try_cluster(clusters[i], box, random.fork(i));
+      if (why.empty()) continue;
+      failed[i] = true;
+      if (!last) continue;
+      const Vector3d at = rays_.face.at(box.u(), box.v());
+      result_.notes.push_back(
+          fmt::format("what stands before the face at ({:.2f}, {:.2f}, {:.2f}) is no fixture: {}", at.x(),
+                      at.y(), at.z(), why));
+    }
+    cv::Mat rest = cv::Mat::zeros(mask.size(), CV_8U);
+    for (int y = 0; y < labels.rows; ++y)
+      for (int x = 0; x < labels.cols; ++x)
+        if (failed[patches[static_cast<size_t>(labels.at<int>(y, x))].cluster]) rest.at<uint8_t>(y, x) = 255;
+    return rest;
+  }
+
+  std::vector<std::vector<Point>> clusters_of(const std::vector<Patch>& patches,
+                                              const cv::Mat& labels) const {
+    std::vector<std::vector<Point>> clusters(patches.size());
     for (const FaceRay& ray : rays_.rays) {
       const double depth = static_cast<double>(ray.depth);
       if (!ray.returned || depth < threshold_ || depth > kFixtureReach) continue;
       const int x = grid_.column(ray.point_u());
       const int y = grid_.row(ray.point_v());
       if (!grid_.inside(x, y) || labels.at<int>(y, x) == 0) continue;
-      const double norm =
-          std::hypot(1.0, std::hypot(static_cast<double>(ray.slope_u), static_cast<double>(ray.slope_v)));
-      clusters[static_cast<size_t>(labels.at<int>(y, x))].push_back(
-          {ray.point_u(), ray.point_v(), depth,
-           Vector2d(static_cast<double>(ray.slope_u), static_cast<double>(ray.slope_v)) / norm, 1 / norm,
-           ray.scan});
+      const Vector2d slope(static_cast<double>(ray.slope_u), static_cast<double>(ray.slope_v));
+      const double norm = std::hypot(1.0, slope.norm());
+      clusters[patches[static_cast<size_t>(labels.at<int>(y, x))].cluster].push_back(
+          {ray.point_u(), ray.point_v(), depth, slope / norm, 1 / norm, ray.scan});
     }
-    for (size_t i = 1; i < clusters.size(); ++i) {
-      const int label = static_cast<int>(i);
-      const FaceRect box{
-          grid_.u(stats.at<int>(label, cv::CC_STAT_LEFT)) - kFaceCell / 2,
-          grid_.u(stats.at<int>(label, cv::CC_STAT_LEFT) + stats.at<int>(label, cv::CC_STAT_WIDTH)) -
-              kFaceCell / 2,
-          grid_.v(stats.at<int>(label, cv::CC_STAT_TOP)) - kFaceCell / 2,
-          grid_.v(stats.at<int>(label, cv::CC_STAT_TOP) + stats.at<int>(label, cv::CC_STAT_HEIGHT)) -
-              kFaceCell / 2};
-      if (clusters[i].size() < kFewestPoints) continue;
-      const std::string why = try_cluster(clusters[i], box, random.fork(i));
-      if (why.empty()) continue;
-      const Vector3d at = rays_.face.at(box.u(), box.v());
-      result_.notes.push_back(
-          fmt::format("what stands before the face at ({:.2f}, {:.2f}, {:.2f}) is no fixture: {}", at.x(),
-                      at.y(), at.z(), why));
-    }
-    return std::move(result_);
+    return clusters;
   }
 
- private:
   std::string try_cluster(const std::vector<Point>& points, const FaceRect& box, const Random& random) {
     if (std::min(box.width(), box.height()) > 3 * kThickestBar) return "it is large";
     Shape shape = line_through(points, random);

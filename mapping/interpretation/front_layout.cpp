@@ -12,13 +12,13 @@ constexpr double kLeastShare = 0.6;   // of its length that shows it
 constexpr double kLeastSide = 0.028;  // m; narrower parts are not cut off
 constexpr double kUnbroken = 0.3;     // of a line's mean score along all its length
 constexpr double kLeastFront = 0.08;  // m
-constexpr double kSomeFace = 0.08;       // share of these that is face, while it is cut
+constexpr double kSomeFace = 0.08;    // share of these that is face, while it is cut
 constexpr double kLeastKnown = 0.1;   // share of a row or column that rays met
 constexpr double kLeastFace = 0.4;    // and of these that is face
 constexpr int kDeepest = 60;          // cuts one after the other
-constexpr double kSameLine = 0.03;      // m
-constexpr double kClearZ = 8;            // of the seam of a front without fixture
-constexpr double kLeastArea = 0.02;      // m², of a front without fixture
+constexpr double kSameLine = 0.03;    // m
+constexpr double kClearZ = 8;         // of the seam of a front without fixture
+constexpr double kLeastArea = 0.02;   // m², of a front without fixture
 constexpr double kProud = 0.003;      // m
 
 enum Side : size_t { left, right, bottom, top };
@@ -139,7 +139,6 @@ class Layout {
     if (part.rect.width() < kLeastSide || part.rect.height() < kLeastSide) return;
     const std::optional<Cut> best =
         depth < kDeepest ? strongest_cut(seams_, part.rect, fixtures_) : std::nullopt;
-    if(getenv("TRACE")) { printf("%*s[%.3f %.3f]x[%.3f %.3f] ",depth,"",part.rect.u0,part.rect.u1,part.rect.v0,part.rect.v1); if(best) printf("%s %.3f w %.3f z %.1f share %.2f weak %.2f relief %d rise %.3f kind %d\n",best->upright?"U":"L",best->line.position,best->line.width,best->line.z,best->line.share,best->line.weakest,best->line.relief,best->line.rise,(int)best->line.kind); else printf("leaf\n"); }//TRACE
     if (!best) return finish(part);
     PlacedFront low = part;
     PlacedFront high = part;
@@ -163,22 +162,19 @@ class Layout {
     shrink(seams_, part, kLeastFace);
     settle_edges(part);
     const SeamMap::Look look = seams_.look(part.rect);
-    part.depth = look.depth;
+    if (part.rect.width() < kLeastFront || part.rect.height() < kLeastFront) return;
     std::vector<size_t> inside;
     for (size_t i = 0; i < fixtures_.size(); ++i)
       if (part.rect.contains(fixtures_[i].u, fixtures_[i].v)) inside.push_back(i);
     for (const size_t i : inside) housed_[i] = true;
     if (inside.size() > 1) {
-      for (PlacedFront& front : divide_evenly(seams_, face_, part, fixtures_, inside)) {
-        front.depth = seams_.look(front.rect).depth;
-        result_.fronts.push_back(front);
-      }
+      const std::vector<PlacedFront> fronts = divide_evenly(seams_, face_, part, fixtures_, inside);
+      result_.fronts.insert(result_.fronts.end(), fronts.begin(), fronts.end());
       return;
     }
     if (inside.size() == 1) {
       part.fixture = static_cast<int>(inside[0]);
-    } else if (part.rect.width() < kLeastFront || part.rect.height() < kLeastFront || !encloses(part) ||
-               look.known * look.face * look.returned < 0.5) {
+    } else if (!encloses(part) || look.known * look.face * look.returned < 0.5) {
       return;
     }
     part.confidence = 0.9;
@@ -247,7 +243,8 @@ class Layout {
                return &other != &front && share_seam(front, other);
              });
     };
-    for (auto found = fronts.begin(); (found = std::find_if(fronts.begin(), fronts.end(), lonely)) != fronts.end();)
+    for (auto found = fronts.begin();
+         (found = std::find_if(fronts.begin(), fronts.end(), lonely)) != fronts.end();)
       fronts.erase(found);
   }
 

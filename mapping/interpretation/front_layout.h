@@ -28,7 +28,6 @@ struct PlacedFront {
   FaceRect rect;
   int fixture = -1;                  ///< index; -1 = none
   std::array<FrontEdge, 4> edges{};  ///< left, right, bottom, top
-  double depth = 0;                  ///< of the front against the face's plane, metres
   double confidence = 0;
 };
 

@@ -19,17 +19,32 @@ struct FaceResult {
   std::vector<std::string> notes;
 };
 
+/// The median depth of a front against the plane of its face.
+double depth_of(const FaceRect& rect, const FaceRays& rays) {
+  constexpr double kMargin = -0.01;  // m
+  std::vector<float> depths;
+  for (const FaceRay& ray : rays.rays)
+    if (ray.returned && std::abs(ray.depth) < static_cast<float>(kFaceRelief) &&
+        rect.contains(static_cast<double>(ray.u), static_cast<double>(ray.v), kMargin))
+      depths.push_back(ray.depth);
+  if (depths.empty()) return 0;
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  return static_cast<double>(*middle);
+}
+
 Front front_of(const PlacedFront& placed, const FaceRays& rays, const std::vector<FaceFixture>& fixtures) {
   const Face& face = rays.face;
   Front front;
-  front.centre = face.at(placed.rect.u(), placed.rect.v(), placed.depth);
+  const double depth = depth_of(placed.rect, rays);
+  front.centre = face.at(placed.rect.u(), placed.rect.v(), depth);
   front.normal = face.normal3();
   front.width = placed.rect.width();
   front.height = placed.rect.height();
   front.confidence = placed.confidence;
   if (placed.fixture >= 0) {
     front.fixture = fixtures[static_cast<size_t>(placed.fixture)].fixture;
-    front.fixture->protrusion -= placed.depth;
+    front.fixture->protrusion -= depth;
     front.confidence *= 0.5 + 0.5 * front.fixture->confidence;
   }
   std::vector<size_t> points(1);

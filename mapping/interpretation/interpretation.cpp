@@ -8,6 +8,8 @@
 #include <map>
 
 #include "mapping/base/cell_index.h"
+#include "mapping/interpretation/front_links.h"
+#include "mapping/interpretation/fronts.h"
 #include "mapping/interpretation/levelling.h"
 #include "mapping/interpretation/map_links.h"
 
@@ -155,15 +157,20 @@ InterpretedMap interpret(const ScanSet& scans, const InterpretationOptions& opti
   progress.check(0.35, "walls");
   WallSearch vertical = find_walls(surface, floor_height, options);
   watch.lap("levels and walls");
-  PartialProgress supporting(progress, 0.5, 1);
+  PartialProgress supporting(progress, 0.45, 0.7);
   SupportSearch horizontal = find_supports(surface, floor_height, room.yaw, vertical, options, supporting);
   watch.lap("supports");
+  PartialProgress fronting(progress, 0.7, 1);
+  FrontSearch furniture = find_fronts(surface, floor_height, vertical, options, fronting);
+  watch.lap("fronts");
   room.walls = std::move(vertical.walls);
   room.supports = std::move(horizontal.supports);
   if (room.walls.empty()) map.notes.push_back("no walls were recognised");
   map.notes.insert(map.notes.end(), vertical.notes.begin(), vertical.notes.end());
   map.notes.insert(map.notes.end(), horizontal.notes.begin(), horizontal.notes.end());
+  map.notes.insert(map.notes.end(), furniture.notes.begin(), furniture.notes.end());
   add_links(room, options, map);
+  add_fronts(room, std::move(furniture.fronts), map);
   progress.check(1, "interpreted");
   return map;
 }

@@ -3,6 +3,7 @@
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
 #include "mapping/sensor/scan.h"
+#include "mapping/world/furniture.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/world.h"
 
@@ -30,6 +31,7 @@ struct StageTime {
 /// A map out of scans: what was recognised, with evidence, and what was not.
 struct InterpretedMap {
   World world;                     ///< floor, walls, supports as links with visual, collision and inertia
+  std::vector<Front> fronts;       ///< furniture fronts with fixtures and joints, as their links tell
   SemanticMap semantics;           ///< class, geometry, confidence, evidence of each link
   std::vector<std::string> notes;  ///< e.g. "no free-space evidence: the input is a bare cloud"
   Json configuration;              ///< the effective options
@@ -42,7 +44,8 @@ struct InterpretedMap {
   Json report() const;
 };
 
-/// Floor, walls and horizontal supports (counter, table, shelf) with outlines from a scan set (§7.4). Never
+/// Floor, walls, horizontal supports (counter, table, shelf) with outlines, and furniture fronts with their
+/// fixtures and the joints that their shape suggests, from a scan set (§7.4). Never
 /// invents: every link says which points and scans it rests on. Input that is not levelled is levelled by its
 /// floor (semantics.map_from_input). Error for a scan set without points.
 InterpretedMap interpret(const ScanSet& scans, const InterpretationOptions& options, Progress& progress);

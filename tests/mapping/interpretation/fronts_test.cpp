@@ -1,0 +1,169 @@
+#include "mapping/interpretation/fronts.h"
+
+#include <gtest/gtest.h>
+
+#include "mapping/base/progress.h"
+#include "tests/mapping/interpretation/synthetic_furniture.h"
+
+namespace loci::test {
+namespace {
+
+std::vector<Front> fronts_of_furniture(const Furniture& furniture, uint64_t seed, int threads = 0) {
+  InterpretationOptions options;
+  options.threads = threads;
+  NoProgress progress;
+  const Surface surface = gather_surface(scan_furniture(furniture, kStandpoints, seed), threads, progress);
+  return find_fronts(surface, 0, find_walls(surface, 0, options), options, progress).fronts;
+}
+
+/// Intersection over union of a front with a rectangle given by its borders.
+double overlap(const Front& front, const Furniture& furniture, double u0, double u1, double v0, double v1) {
+  const Vector3d centre = furniture.map_from_furniture.inverse() * front.centre;
+  const double width =
+      std::min(u1, -centre.y() + front.width / 2) - std::max(u0, -centre.y() - front.width / 2);
+  const double height =
+      std::min(v1, centre.z() + front.height / 2) - std::max(v0, centre.z() - front.height / 2);
+  if (width <= 0 || height <= 0 || std::abs(centre.x()) > 0.03) return 0;
+  const double both = width * height;
+  return both / (front.width * front.height + (u1 - u0) * (v1 - v0) - both);
+}
+
+const Front* front_at(const std::vector<Front>& fronts, const Furniture& furniture, double u0, double u1,
+                      double v0, double v1, double least = 0.85) {
+  for (const Front& front : fronts)
+    if (overlap(front, furniture, u0, u1, v0, v1) >= least) return &front;
+  return nullptr;
+}
+
+/// A block of 3 × 3 drawers with gaps of 6 mm and a bar on each.
+Furniture drawer_block() {
+  Furniture block;
+  block.add_body(-0.75, 0.75, 0.1, 0.85);
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row) {
+      const double u = -0.75 + 0.5 * column;
+      const double v = 0.1 + 0.25 * row;
+      block.add_panel(u + 0.003, u + 0.497, v + 0.003, v + 0.247);
+      block.add_level_bar(u + 0.25, v + 0.2, 0.16);
+    }
+  return block;
+}
+
+void expect_block(const Furniture& block, const std::vector<Front>& fronts) {
+  EXPECT_EQ(fronts.size(), 9U);
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row) {
+      const double u = -0.75 + 0.5 * column;
+      const double v = 0.1 + 0.25 * row;
+      const Front* front = front_at(fronts, block, u, u + 0.5, v, v + 0.25);
+      ASSERT_NE(front, nullptr) << column << " " << row;
+      ASSERT_TRUE(front->fixture.has_value());
+      EXPECT_EQ(front->fixture->kind, Fixture::Kind::handle);
+      EXPECT_LT((front->fixture->centre - block.at(u + 0.25, v + 0.2, 0.03)).norm(), 0.015);
+      EXPECT_NEAR(front->fixture->length, 0.16, 0.02);
+      EXPECT_GT(std::abs(front->fixture->axis.dot(front->right())), 0.99);
+      EXPECT_GT(front->evidence.at("inliers").get<size_t>(), 100U);
+    }
+}
+
+TEST(Fronts, BlockOfNineDrawersComesApart) {
+  const Furniture block = drawer_block();
+  expect_block(block, fronts_of_furniture(block, 1));
+}
+
+TEST(Fronts, FurnitureThatStandsAskewIsFoundToo) {
+  Furniture block = drawer_block();
+  block.map_from_furniture = Eigen::Translation3d(2, 1, 0) * Eigen::AngleAxisd(0.4, Vector3d::UnitZ());
+  expect_block(block, fronts_of_furniture(block, 2));
+}
+
+TEST(Fronts, SameOnAnyNumberOfThreads) {
+  const Furniture block = drawer_block();
+  const std::vector<Front> one = fronts_of_furniture(block, 3, 1);
+  const std::vector<Front> two = fronts_of_furniture(block, 3, 2);
+  ASSERT_EQ(one.size(), two.size());
+  for (size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one[i].centre, two[i].centre);
+    EXPECT_EQ(one[i].fixture->centre, two[i].fixture->centre);
+  }
+}
+
+TEST(Fronts, TellsAKnobFromAHandle) {
+  Furniture furniture;
+  furniture.add_body(-0.5, 0.5, 0.1, 0.8);
+  furniture.add_panel(-0.497, -0.003, 0.1, 0.8);
+  furniture.add_panel(0.003, 0.497, 0.1, 0.8);
+  furniture.add_knob(-0.06, 0.6);
+  furniture.add_upright_bar(0.06, 0.6, 0.14);
+  const std::vector<Front> fronts = fronts_of_furniture(furniture, 4);
+  const Front* knob = front_at(fronts, furniture, -0.5, 0, 0.1, 0.8);
+  const Front* bar = front_at(fronts, furniture, 0, 0.5, 0.1, 0.8);
+  ASSERT_NE(knob, nullptr);
+  ASSERT_NE(bar, nullptr);
+  ASSERT_TRUE(knob->fixture && bar->fixture);
+  EXPECT_EQ(knob->fixture->kind, Fixture::Kind::knob);
+  EXPECT_LT((knob->fixture->centre - furniture.at(-0.06, 0.6, 0.03)).norm(), 0.015);
+  EXPECT_GT(knob->fixture->axis.dot(knob->normal), 0.99);
+  EXPECT_EQ(bar->fixture->kind, Fixture::Kind::handle);
+  EXPECT_GT(std::abs(bar->fixture->axis.z()), 0.99);
+  EXPECT_LT((bar->fixture->centre - furniture.at(0.06, 0.6, 0.03)).norm(), 0.015);
+}
+
+TEST(Fronts, FrontWithoutHandleIsReportedWhereASeamPartsItFromAnother) {
+  Furniture furniture;
+  furniture.add_body(-0.5, 0.5, 0.1, 0.8);
+  furniture.add_panel(-0.495, -0.005, 0.1, 0.8);
+  furniture.add_panel(0.005, 0.495, 0.1, 0.8);
+  furniture.add_upright_bar(-0.06, 0.6, 0.14);
+  const std::vector<Front> fronts = fronts_of_furniture(furniture, 5);
+  EXPECT_EQ(fronts.size(), 2U);
+  const Front* plain = front_at(fronts, furniture, 0, 0.5, 0.1, 0.8);
+  ASSERT_NE(plain, nullptr);
+  EXPECT_FALSE(plain->fixture.has_value());
+}
+
+TEST(Fronts, PlainBoxHasNone) {
+  Furniture furniture;
+  furniture.add_body(-0.5, 0.5, 0.1, 0.8);
+  furniture.add_body(-0.2, 0.2, 0.8, 1.1);
+  EXPECT_TRUE(fronts_of_furniture(furniture, 6).empty());
+}
+
+TEST(Fronts, DrawersWithoutVisibleSeamAreDividedByTheirHandlesAndSurenessIsLess) {
+  Furniture furniture;
+  furniture.add_body(-0.3, 0.3, 0.1, 0.82);
+  furniture.add_panel(-0.3, 0.3, 0.1, 0.82);
+  for (const double v : {0.22, 0.46, 0.7}) furniture.add_level_bar(0, v, 0.16);
+  const std::vector<Front> fronts = fronts_of_furniture(furniture, 7);
+  ASSERT_EQ(fronts.size(), 3U);
+  for (const double v : {0.22, 0.46, 0.7}) {
+    const Front* front = front_at(fronts, furniture, -0.3, 0.3, v - 0.12, v + 0.12, 0.8);
+    ASSERT_NE(front, nullptr) << v;
+    EXPECT_LT(front->confidence, 0.6);
+  }
+}
+
+TEST(Fronts, MirrorLikeFrontLeavesItsNeighboursAlone) {
+  Furniture furniture;
+  furniture.add_body(-0.9, 0.9, 0.1, 0.8);
+  for (int i = 0; i < 3; ++i) {
+    const double u = -0.9 + 0.6 * i;
+    furniture.add_panel(u + 0.003, u + 0.597, 0.1, 0.8, i == 1);
+    furniture.add_level_bar(u + 0.3, 0.72, 0.2);
+  }
+  const std::vector<Front> fronts = fronts_of_furniture(furniture, 8);
+  for (const int i : {0, 2}) {
+    const double u = -0.9 + 0.6 * i;
+    const Front* front = front_at(fronts, furniture, u, u + 0.6, 0.1, 0.8);
+    ASSERT_NE(front, nullptr) << i;
+    EXPECT_TRUE(front->fixture.has_value());
+  }
+  EXPECT_LE(fronts.size(), 3U);
+}
+
+TEST(Fronts, NothingIsFoundInNothing) {
+  EXPECT_TRUE(fronts_of_furniture({}, 9).empty());
+}
+
+}  // namespace
+}  // namespace loci::test
