@@ -5,6 +5,7 @@
 namespace loci {
 
 Command changes_command();
+Command mapping_command();
 Command identity_command();
 
 }  // namespace loci

@@ -3,6 +3,7 @@
 int main(int argc, char** argv) {
   loci::Program program("loci-evaluate", "Measures every claim against its peers.");
   program.add(loci::changes_command());
+  program.add(loci::mapping_command());
   program.add(loci::identity_command());
   program.add_planned("nbv", "Next best view against its peers");
   program.add_planned("registration", "Registration against its peers");

@@ -1,17 +1,15 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <numbers>
 #include <sstream>
 
 #include "apps/simulate/commands.h"
 #include "mapping/base/files.h"
+#include "mapping/sensor/pose_text.h"
 #include "mapping/simulation/scanned_world.h"
 
 namespace loci {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 struct Arguments {
   std::string world, out, poses, floor = "0", ceiling = "none";
@@ -37,29 +35,6 @@ double number_from(const std::string& text, const std::string& what) {
   if (!(stream >> value) || !(stream >> std::ws).eof())
     throw Error(fmt::format("{}: '{}' is no number", what, text));
   return value;
-}
-
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts;
-  std::istringstream stream(text);
-  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
-  return parts;
-}
-
-/// "x,y,yaw_deg; x,y,yaw_deg; …"
-std::vector<PlanarPose> poses_from(const std::string& text) {
-  std::vector<PlanarPose> poses;
-  for (const std::string& part : split(text, ';')) {
-    if (part.find_first_not_of(" \t\n") == std::string::npos) continue;
-    const std::vector<std::string> values = split(part, ',');
-    if (values.size() != 3)
-      throw Error(fmt::format("--poses: '{}' is no pose", part), {},
-                  "a pose is x,y,yaw_deg; poses are separated by ;");
-    poses.push_back({number_from(values[0], "--poses"), number_from(values[1], "--poses"),
-                     number_from(values[2], "--poses") * kDegree});
-  }
-  if (poses.empty()) throw Error("--poses names no pose");
-  return poses;
 }
 
 JointState joints_from(const std::vector<std::string>& texts) {
@@ -96,7 +71,7 @@ std::string truth_line(const std::string& name, const ScannedWorld& robot) {
 
 void scan(Arguments& arguments, Session& session) {
   table_of(arguments).validate();
-  const std::vector<PlanarPose> poses = poses_from(arguments.poses);
+  const std::vector<PlanarPose> poses = planar_poses_from(arguments.poses, "--poses");
   ScannedWorldOptions options;
   options.package_paths = arguments.package_paths;
   options.floor = height_from(arguments.floor, "--floor");

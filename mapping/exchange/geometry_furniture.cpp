@@ -110,12 +110,14 @@ class FurnitureReader {
       if (outside) return face.normal.dot(*outside - face.middle()) > 0;
       return !inside || face.normal.dot(face.middle() - *inside) > 0;
     };
-    // Outer and inner side are about as large: how a face looks decides before its size does.
-    const double largest = std::ranges::max(faces, {}, &Face::area).area;
-    std::erase_if(faces, [&](const Face& face) { return face.area < 0.6 * largest; });
-    return *std::ranges::max_element(faces, [&](const Face& a, const Face& b) {
-      return std::pair(looks_out(a), a.area) < std::pair(looks_out(b), b.area);
+    if (std::ranges::any_of(faces, looks_out))
+      std::erase_if(faces, [&](const Face& face) { return !looks_out(face); });
+    const Face largest = *std::ranges::max_element(faces, {}, &Face::area);
+    // A seal or a back board may be larger than what is before it.
+    std::erase_if(faces, [&](const Face& face) {
+      return face.normal.dot(largest.normal) < kSameNormal || face.area < 0.6 * largest.area;
     });
+    return *std::ranges::max_element(faces, {}, &Face::offset);
   }
 
   static std::vector<Face> faces_of(const std::vector<const WorldTriangle*>& body) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <numbers>
 
+#include "mapping/exchange/furniture_structure.h"
 #include "mapping/world/urdf.h"
 
 namespace loci {
@@ -171,8 +172,11 @@ TEST(CompareFurniture, ApartmentByGeometryIsNearItsTruth) {
   const MeshSearch search{{folder.parent_path()}, folder};
   ComparisonOptions options;
   options.region = "kitchen";
-  const Comparison result = compare(read_structure(folder / "apartment.urdf", search, warnings),
-                                    read_structure(folder / "truth.json", search, warnings), options);
+  const World world = read_urdf(folder / "apartment.urdf");
+  MapStructure geometry;
+  add_geometry_furniture(world, triangles_of(world, search, warnings), geometry);
+  const Comparison result =
+      compare(geometry, read_structure(folder / "truth.json", search, warnings), options);
   EXPECT_EQ(result.counts("handle").missed, 0U) << result.text();
   EXPECT_THAT(result.errors("handle", &ComparedThing::centre_error), testing::Each(testing::Lt(0.005)));
   EXPECT_EQ(result.counts("front").missed, 0U) << result.text();

@@ -1,0 +1,218 @@
+#include "apps/evaluate/mapping/figures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace loci::mapping_claim {
+namespace {
+
+/// What a figure must be: at least or at most so much; NaN = no aim, it is reported.
+struct Aim {
+  enum class Kind { none, least, most } kind = Kind::none;
+  double value = 0;
+};
+
+constexpr Aim kNone{};
+Aim least(double value) {
+  return {Aim::Kind::least, value};
+}
+Aim most(double value) {
+  return {Aim::Kind::most, value};
+}
+
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double worst_of(const std::vector<double>& values) {
+  return *std::ranges::max_element(values);
+}
+
+double part_within(const std::vector<double>& values, double limit) {
+  const auto within = std::ranges::count_if(values, [&](double value) { return value <= limit; });
+  return 100 * static_cast<double>(within) / static_cast<double>(values.size());
+}
+
+class Table {
+ public:
+  explicit Table(const std::vector<const MappedWorld*>& maps) : maps_(maps) {}
+
+  std::vector<Figure> figures() {
+    count("handles found", "handle", false);
+    count("handles not invented", "handle", true);
+    spread("handle centre, mean", "cm", 100, things("handle", &ComparedThing::centre_error), mean_of,
+           most(1.5));
+    part("handle centres within 1.5 cm", things("handle", &ComparedThing::centre_error), 0.015);
+    count("fronts found", "front", false);
+    count("fronts not invented", "front", true);
+    spread("front IoU, mean", "", 1, things("front", &ComparedThing::overlap), mean_of, least(0.85));
+    joint_types("joint type before interaction", &MappedWorld::before, 85);
+    joint_types("joint type", &MappedWorld::comparison, 95);
+    const std::vector<double> axes = joints(&ComparedJoint::axis_error_deg);
+    const std::vector<double> hinges = joints(&ComparedJoint::hinge_error);
+    spread("axis, mean", "deg", 1, axes, mean_of, most(1));
+    part("axes within 1 deg", axes, 1);
+    spread("hinge, mean", "cm", 100, hinges, mean_of, most(2));
+    part("hinges within 2 cm", hinges, 0.02);
+    count("supports found", "support", false);
+    spread("support height, worst", "cm", 100, things("support", &ComparedThing::height_error), worst_of,
+           most(1));
+    spread("support IoU, mean", "", 1, things("support", &ComparedThing::overlap), mean_of, least(0.9));
+    count("walls found", "wall", false);
+    spread("wall offset, worst", "cm", 100, things("wall", &ComparedThing::offset_error), worst_of, most(1));
+    spread("wall angle, worst", "deg", 1, things("wall", &ComparedThing::angle_error_deg), worst_of,
+           most(0.3));
+    each(
+        "scans", "", [](const MappedWorld& map) { return static_cast<double>(map.scans); }, kNone);
+    each(
+        "time", "s", [](const MappedWorld& map) { return map.seconds; }, kNone);
+    each(
+        "peak memory", "MB", [](const MappedWorld& map) { return map.memory_mb; }, most(4000));
+    return std::move(figures_);
+  }
+
+ private:
+  void add(const char* name, const char* unit, std::optional<double> value, Aim aim) {
+    Figure figure;
+    figure.name = name;
+    figure.unit = unit;
+    if (aim.kind != Aim::Kind::none)
+      figure.aim = fmt::format("{} {:g}", aim.kind == Aim::Kind::least ? "≥" : "≤", aim.value);
+    figure.known = value.has_value();
+    figure.value = value.value_or(0);
+    figure.met = figure.known && (aim.kind == Aim::Kind::least  ? figure.value >= aim.value
+                                  : aim.kind == Aim::Kind::most ? figure.value <= aim.value
+                                                                : true);
+    figures_.push_back(std::move(figure));
+  }
+
+  /// Found of those asked for, or right of those that were found, in percent over all seeds.
+  void count(const char* name, const char* kind, bool of_found) {
+    size_t right = 0, all = 0;
+    for (const MappedWorld* map : maps_) {
+      const Comparison::Counts counts = map->comparison.counts(kind);
+      right += counts.matched + (of_found ? counts.minor : 0);
+      all += counts.matched + (of_found ? counts.minor + counts.extra : counts.missed);
+    }
+    const bool handles = std::string(kind) == "handle";
+    add(name, "%", percent(right, all), handles ? least(95) : kNone);
+  }
+
+  void joint_types(const char* name, Comparison MappedWorld::*comparison, double aim) {
+    size_t right = 0, all = 0;
+    for (const MappedWorld* map : maps_) {
+      const Comparison::Joints joints = (map->*comparison).joints();
+      right += joints.right;
+      all += joints.asked;
+    }
+    add(name, "%", percent(right, all), least(aim));
+  }
+
+  static std::optional<double> percent(size_t part, size_t all) {
+    if (all == 0) return std::nullopt;
+    return 100 * static_cast<double>(part) / static_cast<double>(all);
+  }
+
+  template <class Reduce>
+  void spread(const char* name, const char* unit, double scale, const std::vector<double>& values,
+              const Reduce& reduce, Aim aim) {
+    add(name, unit, values.empty() ? std::nullopt : std::optional(scale * reduce(values)), aim);
+  }
+
+  void part(const char* name, const std::vector<double>& values, double limit) {
+    add(name, "%", values.empty() ? std::nullopt : std::optional(part_within(values, limit)), kNone);
+  }
+
+  template <class Value>
+  void each(const char* name, const char* unit, const Value& value, Aim aim) {
+    std::vector<double> values;
+    for (const MappedWorld* map : maps_) values.push_back(value(*map));
+    spread(name, unit, 1, values, worst_of, aim);
+  }
+
+  std::vector<double> things(const char* kind, std::optional<double> ComparedThing::*figure) const {
+    std::vector<double> values;
+    for (const MappedWorld* map : maps_)
+      std::ranges::copy(map->comparison.errors(kind, figure), std::back_inserter(values));
+    return values;
+  }
+
+  std::vector<double> joints(std::optional<double> ComparedJoint::*figure) const {
+    std::vector<double> values;
+    for (const MappedWorld* map : maps_)
+      std::ranges::copy(map->comparison.joint_errors(figure), std::back_inserter(values));
+    return values;
+  }
+
+  const std::vector<const MappedWorld*>& maps_;
+  std::vector<Figure> figures_;
+};
+
+/// The worlds in the order in which they were mapped.
+std::vector<std::pair<std::string, std::vector<Figure>>> by_world(const std::vector<MappedWorld>& maps) {
+  std::vector<std::pair<std::string, std::vector<const MappedWorld*>>> worlds;
+  for (const MappedWorld& map : maps) {
+    auto world = std::ranges::find_if(worlds, [&](const auto& known) { return known.first == map.world; });
+    if (world == worlds.end()) world = worlds.insert(worlds.end(), {map.world, {}});
+    world->second.push_back(&map);
+  }
+  std::vector<std::pair<std::string, std::vector<Figure>>> columns;
+  for (const auto& [world, of_world] : worlds) columns.emplace_back(world, figures_of(of_world));
+  return columns;
+}
+
+}  // namespace
+
+std::vector<Figure> figures_of(const std::vector<const MappedWorld*>& maps) {
+  return Table(maps).figures();
+}
+
+std::string table_text(const std::vector<MappedWorld>& maps) {
+  const auto columns = by_world(maps);
+  std::string text = fmt::format("{:<36} {:>8}", "", "aim");
+  for (const auto& [world, figures] : columns)
+    text += fmt::format(" {:>18}", std::filesystem::path(world).stem().string());
+  text += "\n";
+  for (size_t row = 0; row < columns.front().second.size(); ++row) {
+    const Figure& first = columns.front().second[row];
+    const std::string unit = first.unit.empty() ? "" : " [" + first.unit + "]";
+    text += fmt::format("{:<36} {:>8}", first.name + unit, first.aim.empty() ? "-" : first.aim);
+    for (const auto& [world, figures] : columns) {
+      const Figure& figure = figures[row];
+      const char* mark = !figure.known || figure.aim.empty() ? " " : figure.met ? "+" : "-";
+      text += fmt::format(" {:>16} {}", figure.known ? fmt::format("{:.2f}", figure.value) : "-", mark);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+Json table_json(const std::vector<MappedWorld>& maps) {
+  Json json = {{"worlds", Json::array()}, {"maps", Json::array()}};
+  for (const auto& [world, figures] : by_world(maps)) {
+    Json entry = {{"world", world}, {"figures", Json::array()}};
+    for (const Figure& figure : figures) {
+      Json one = {{"name", figure.name}, {"unit", figure.unit}};
+      one["value"] = figure.known ? Json(figure.value) : Json(nullptr);
+      if (!figure.aim.empty()) {
+        one["aim"] = figure.aim;
+        one["met"] = figure.met;
+      }
+      entry["figures"].push_back(std::move(one));
+    }
+    json["worlds"].push_back(std::move(entry));
+  }
+  for (const MappedWorld& map : maps)
+    json["maps"].push_back({{"world", map.world},
+                            {"seed", map.seed},
+                            {"scans", map.scans},
+                            {"seconds", map.seconds},
+                            {"comparison", map.comparison.report()},
+                            {"joints_before", map.before.report().at("joints")}});
+  return json;
+}
+
+}  // namespace loci::mapping_claim

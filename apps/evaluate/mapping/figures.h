@@ -1,0 +1,38 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "mapping/exchange/compare.h"
+
+namespace loci::mapping_claim {
+
+/// One map that was made of a world, against the truth.
+struct MappedWorld {
+  std::string world;
+  uint64_t seed = 0;
+  Comparison comparison;
+  /// The same map with the joints that its geometry alone suggests.
+  Comparison before;
+  size_t scans = 0;
+  double seconds = 0;    ///< without simulating the sensor where the scans were simulated beforehand
+  double memory_mb = 0;  ///< peak of the whole process so far
+};
+
+/// A figure of the claim with its aim, over all seeds of a world.
+struct Figure {
+  std::string name, unit, aim;
+  double value = 0;
+  bool known = false;  ///< whether there was anything to measure
+  bool met = false;    ///< of figures with an aim
+};
+
+/// The figures of the claim in the order of the table; `maps` are those of one world.
+std::vector<Figure> figures_of(const std::vector<const MappedWorld*>& maps);
+
+/// One column per world.
+std::string table_text(const std::vector<MappedWorld>& maps);
+Json table_json(const std::vector<MappedWorld>& maps);
+
+}  // namespace loci::mapping_claim

@@ -1,0 +1,43 @@
+#include "mapping/sensor/pose_text.h"
+
+#include <numbers>
+#include <sstream>
+
+#include "mapping/base/error.h"
+
+namespace loci {
+namespace {
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+  return parts;
+}
+
+bool read_number(const std::string& text, double& value) {
+  std::istringstream stream(text);
+  return (stream >> value) && (stream >> std::ws).eof();
+}
+
+}  // namespace
+
+std::vector<PlanarPose> planar_poses_from(const std::string& text, const std::string& what) {
+  std::vector<PlanarPose> poses;
+  for (const std::string& part : split(text, ';')) {
+    if (part.find_first_not_of(" \t\n") == std::string::npos) continue;
+    const std::vector<std::string> values = split(part, ',');
+    PlanarPose pose;
+    double yaw_deg = 0;
+    if (values.size() != 3 || !read_number(values[0], pose.x) || !read_number(values[1], pose.y) ||
+        !read_number(values[2], yaw_deg))
+      throw Error(what + ": '" + part + "' is no pose", {},
+                  "a pose is x,y,yaw_deg; poses are separated by ;");
+    pose.yaw = yaw_deg * std::numbers::pi / 180;
+    poses.push_back(pose);
+  }
+  if (poses.empty()) throw Error(what + " names no pose");
+  return poses;
+}
+
+}  // namespace loci
