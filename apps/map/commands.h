@@ -9,5 +9,6 @@ Command compare_command();
 Command export_command();
 Command fuse_command();
 Command interpret_command();
+Command register_command();
 
 }  // namespace loci
