@@ -7,5 +7,6 @@ namespace loci {
 Command changes_command();
 Command mapping_command();
 Command identity_command();
+Command registration_command();
 
 }  // namespace loci

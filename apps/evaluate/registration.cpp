@@ -1,0 +1,126 @@
+#include "apps/evaluate/commands.h"
+#include "apps/evaluate/registration/comparison.h"
+
+namespace loci {
+namespace {
+
+using namespace registration_evaluation;
+
+struct Arguments {
+  std::vector<std::string> worlds;
+  std::vector<std::filesystem::path> package_paths;
+  std::string recording, clouds;
+  int scans = 8, compared = 20, verdicts = 180, different = 20, frames = 12, ahead = 4, seed = 1;
+  double voxel_m = 0.05;
+  bool peers = true;
+
+  void declare(OptionTable& table) {
+    table.integer("scans", scans, "", "Scans that are simulated in each world.", 2, 100);
+    table.integer("compared", compared, "", "Simulated pairs in the comparison with the peers.", 0, 10000);
+    table.integer("verdicts", verdicts, "", "Pairs of one place in the test of verdicts.", 0, 100000);
+    table.integer("different", different, "", "Pairs of different places in it.", 0, 100000);
+    table.integer("frames", frames, "", "Pairs of frames of the recording.", 0, 10000);
+    table.integer("ahead", ahead, "", "The second frame of a pair is so many frames later.", 1, 10000);
+    table.number("voxel_m", voxel_m, "m", "What the compared clouds are thinned to.", 0.01, 0.5);
+    table.flag("peers", peers, "Runs PCL's methods beside ours.");
+    table.integer("seed", seed, "", "Seed of places, noise and starts.", 0, 1 << 30);
+  }
+};
+
+constexpr double kFarShift = 0.5, kFarTurn = 30;
+
+/// Pairs of scans of different worlds; they start as if the robot had not moved.
+PairSet different_places(const std::vector<std::vector<Scan>>& worlds, size_t count, Random random) {
+  PairSet set;
+  set.name = "different places";
+  while (worlds.size() > 1 && set.pairs.size() < count) {
+    const size_t a = random.index(worlds.size()), b = random.index(worlds.size());
+    if (a == b) continue;
+    const Scan& target = worlds[a][random.index(worlds[a].size())];
+    const Scan& source = worlds[b][random.index(worlds[b].size())];
+    set.pairs.push_back(
+        {target.name + " <- " + source.name, &target, &source, Isometry3d::Identity(), false, 0});
+  }
+  return set;
+}
+
+void append(Evaluation& evaluation, std::vector<MethodRow> rows) {
+  std::move(rows.begin(), rows.end(), std::back_inserter(evaluation.methods));
+}
+
+void append(Evaluation& evaluation, std::vector<VerdictRow> rows) {
+  std::move(rows.begin(), rows.end(), std::back_inserter(evaluation.verdicts));
+}
+
+/// Scans of the worlds: comparison with peers, verdicts, tours.
+void evaluate_worlds(const Arguments& arguments, const std::vector<Disturbance>& disturbances,
+                     Evaluation& evaluation, Session& session) {
+  const Random random(static_cast<uint64_t>(arguments.seed));
+  const size_t count = arguments.worlds.size();
+  RegistrationOptions options;
+  options.threads = session.flags().threads;
+  std::vector<std::vector<Scan>> scans;
+  for (size_t w = 0; w < count; ++w) {
+    session.progress().check(0, "scanning " + arguments.worlds[w]);
+    scans.push_back(simulated_scans({arguments.worlds[w], arguments.package_paths},
+                                    static_cast<size_t>(arguments.scans), random.fork(w), options.threads,
+                                    session.warnings()));
+  }
+  for (size_t w = 0; w < count; ++w) {
+    const std::string name = std::filesystem::path(arguments.worlds[w]).stem().string();
+    const auto share = [&](int all) { return (static_cast<size_t>(all) + w) / count; };
+    const Random draw = random.fork(1000 + w);
+    PairSet set = pairs_among(name, scans[w], 0.5, share(arguments.compared), draw.fork(0));
+    append(evaluation, compare_methods(set, disturbances, arguments.voxel_m, arguments.peers, draw.fork(1),
+                                       session.progress()));
+    set = pairs_among(name, scans[w], 0.3, SIZE_MAX, draw.fork(2));
+    const size_t wanted = share(arguments.verdicts), there = set.pairs.size();
+    // A pair is taken again from another start when there are fewer than wanted.
+    for (size_t i = 0; there > 0 && set.pairs.size() < wanted; ++i) set.pairs.push_back(set.pairs[i % there]);
+    if (set.pairs.size() > wanted) set.pairs.resize(wanted);
+    append(evaluation, test_verdicts(set, kFarShift, kFarTurn, options, draw.fork(3), session.progress()));
+    evaluation.tours.push_back(test_tour(name, scans[w], 0.2, 10, options, draw.fork(4), session.progress()));
+  }
+  append(evaluation,
+         test_verdicts(different_places(scans, static_cast<size_t>(arguments.different), random.fork(2000)),
+                       kFarShift, kFarTurn, options, random.fork(2001), session.progress()));
+}
+
+void run(Arguments& arguments, Session& session) {
+  table_of(arguments).validate();
+  const Random random(static_cast<uint64_t>(arguments.seed));
+  const std::vector<Disturbance> disturbances = {{"10 cm, 5°", 0.1, 5}, {"50 cm, 30°", kFarShift, kFarTurn}};
+  Evaluation evaluation;
+  evaluate_worlds(arguments, disturbances, evaluation, session);
+  std::vector<PairSet> recorded;
+  if (!arguments.clouds.empty()) recorded.push_back(pcl_pairs(arguments.clouds));
+  if (!arguments.recording.empty())
+    recorded.push_back(recording_pairs(arguments.recording, static_cast<size_t>(arguments.frames),
+                                       static_cast<size_t>(arguments.ahead)));
+  for (const PairSet& set : recorded)
+    append(evaluation, compare_methods(set, disturbances, arguments.voxel_m, arguments.peers,
+                                       random.fork(3000), session.progress()));
+  session.answer(evaluation.text(session.flags().verbose), evaluation.to_json());
+}
+
+}  // namespace
+
+Command registration_command() {
+  return {"registration",
+          "Registration against its peers, and whether its verdicts are true",
+          {"loci-evaluate registration apps/samples/kitchen.urdf --scans 3 --compared 1 --verdicts 2",
+           "loci-evaluate registration apps/samples/kitchen.urdf --scans 3 --compared 1 --verdicts 2 --json"},
+          [](CLI::App& app) {
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("WORLDS", arguments->worlds, "Worlds (URDF) that are scanned");
+            app.add_option("--package-path", arguments->package_paths,
+                           "Folder that holds packages (package://NAME/…); can be given several times")
+                ->allow_extra_args(false);
+            app.add_option("--recording", arguments->recording, "Depth frames with poses");
+            app.add_option("--clouds", arguments->clouds, "Folder of PCL's tutorial clouds");
+            add_options(app, table_of(*arguments));
+            return [arguments](Session& session) { run(*arguments, session); };
+          }};
+}
+
+}  // namespace loci

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/evaluate/registration/pairs.h"
+#include "mapping/base/json.h"
+#include "mapping/base/progress.h"
+#include "mapping/registration/registration.h"
+
+namespace loci::registration_evaluation {
+
+/// How far starts are off in a comparison.
+struct Disturbance {
+  std::string name;
+  double shift_m = 0, turn_deg = 0;
+};
+
+/// One method over one set of pairs with one disturbance.
+struct MethodRow {
+  std::string set, disturbance, method;
+  size_t pairs = 0, right = 0, claimed = 0, false_claims = 0;
+  std::vector<double> errors_m, errors_deg, seconds;
+
+  double median_m() const;
+  double median_deg() const;
+  double mean_seconds() const;
+};
+
+/// Ours (plane, point, generalised) and the peers on the same thinned clouds from the same starts, one
+/// thread.
+std::vector<MethodRow> compare_methods(const PairSet& set, const std::vector<Disturbance>& disturbances,
+                                       double voxel_m, bool with_peers, const Random& random,
+                                       Progress& progress);
+
+/// What the verdict of one pair was worth.
+struct VerdictRow {
+  std::string name;
+  bool same_place = true, trusted = false, right = false;
+  double overlap = 0, error_m = 0, error_deg = 0;
+  PairAlignment alignment;
+
+  /// Trusted although it is wrong.
+  bool false_trust() const { return trusted && !right; }
+  /// Refused although half of the surface is in both scans.
+  bool missed() const { return !trusted && same_place && overlap >= 0.5; }
+};
+
+/// Whole scans, from starts that are off by up to `shift_m` and `turn_deg`.
+std::vector<VerdictRow> test_verdicts(const PairSet& set, double shift_m, double turn_deg,
+                                      const RegistrationOptions& options, const Random& random,
+                                      Progress& progress);
+
+/// Pose errors of a tour after the pose graph against the truth, first scan at its true pose.
+struct TourRow {
+  std::string world;
+  size_t scans = 0, connected = 0;
+  double largest_m = 0, largest_deg = 0, mean_m = 0, mean_deg = 0, seconds = 0;
+};
+TourRow test_tour(const std::string& world, const std::vector<Scan>& scans, double shift_m, double turn_deg,
+                  const RegistrationOptions& options, const Random& random, Progress& progress);
+
+struct Evaluation {
+  std::vector<MethodRow> methods;
+  std::vector<VerdictRow> verdicts;
+  std::vector<TourRow> tours;
+
+  std::string text(bool verbose) const;
+  Json to_json() const;
+};
+
+}  // namespace loci::registration_evaluation

@@ -1,0 +1,211 @@
+#include "apps/evaluate/registration/pairs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "mapping/base/cell_index.h"
+#include "mapping/fusion/fusion.h"
+#include "mapping/recording/recording.h"
+#include "mapping/simulation/laser_sweep.h"
+#include "mapping/world/urdf.h"
+
+namespace loci::registration_evaluation {
+namespace {
+
+constexpr double kDegree = M_PI / 180;
+
+Isometry3d pose_of(const Vector3d& position, const Vector3d& rotation_vector) {
+  Isometry3d pose = Isometry3d::Identity();
+  pose.translation() = position;
+  const double angle = rotation_vector.norm();
+  if (angle > 0) pose.linear() = Eigen::AngleAxisd(angle, rotation_vector / angle).toRotationMatrix();
+  return pose;
+}
+
+Isometry3d between(const Scan& target, const Scan& source) {
+  return target.map_from_scan.inverse() * source.map_from_scan;
+}
+
+/// The floor is a thin box so that it is seen from above as any other thing.
+TriangleMesh floor_of(const Eigen::AlignedBox3d& bounds) {
+  TriangleMesh mesh;
+  const Eigen::Vector3f a = bounds.min().cast<float>(), b = bounds.max().cast<float>();
+  mesh.vertices = {{a.x(), a.y(), 0}, {b.x(), a.y(), 0}, {b.x(), b.y(), 0}, {a.x(), b.y(), 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return mesh;
+}
+
+/// Whether a robot can stand there with walls around it.
+bool inside(const RayScene& scene, const Vector2d& place) {
+  int walls = 0;
+  for (int i = 0; i < 8; ++i) {
+    const auto angle = static_cast<float>(i * 45 * kDegree);
+    const Eigen::Vector3f from(static_cast<float>(place.x()), static_cast<float>(place.y()), 1.25F);
+    walls += scene.cast(from, {std::cos(angle), std::sin(angle), 0.F}, 9.F).link >= 0 ? 1 : 0;
+  }
+  return walls >= 6 && scene.link_in_cylinder(place, 0.3, 0.05, 1.3) < 0;
+}
+
+Scan scan_of_frame(const RgbdFrame& frame, int64_t index) {
+  constexpr int step = 2;
+  Scan scan;
+  scan.name = fmt::format("frame_{}", index);
+  scan.map_from_scan = *frame.map_from_camera;
+  scan.origins.emplace_back(0.F, 0.F, 0.F);
+  cv::Mat depth = frame.depth.clone();
+  drop_flying_pixels(depth);
+  for (int v = 0; v < depth.rows; v += step)
+    for (int u = 0; u < depth.cols; u += step) {
+      const auto z = static_cast<double>(depth.at<float>(v, u));
+      if (!(z > 0)) continue;
+      ScanPoint point;
+      point.position = frame.camera.depth.unproject(u, v, z).cast<float>();
+      scan.points.push_back(point);
+    }
+  return scan;
+}
+
+}  // namespace
+
+std::vector<Scan> simulated_scans(const SimulatedWorld& world, size_t count, const Random& random,
+                                  int threads, Warnings& warnings) {
+  RayScene scene;
+  const World read = read_urdf(world.urdf);
+  scene.add(read, {world.package_paths, world.urdf.parent_path()}, Isometry3d::Identity(), warnings);
+  const Eigen::AlignedBox3d bounds = scene.bounds();
+  if (read.find_link("floor") == nullptr) scene.add("floor", floor_of(bounds), Isometry3d::Identity());
+  const LaserModel laser;
+  Random places = random.fork(0);
+  std::vector<Scan> scans;
+  for (int attempt = 0; scans.size() < count && attempt < 10000; ++attempt) {
+    const Vector2d place(places.uniform(bounds.min().x(), bounds.max().x()),
+                         places.uniform(bounds.min().y(), bounds.max().y()));
+    const double yaw = places.uniform(-M_PI, M_PI);
+    if (!inside(scene, place)) continue;
+    Isometry3d pose = pose_of({place.x(), place.y(), laser.height_m}, {0, 0, yaw});
+    scans.push_back(simulate_sweep(scene, pose, laser, random.fork(1 + scans.size()), threads));
+    scans.back().name = fmt::format("{}_{}", world.urdf.stem().string(), scans.size());
+  }
+  return scans;
+}
+
+PairSet pairs_among(std::string name, std::vector<Scan> scans, double overlap_min, size_t count,
+                    const Random& random) {
+  PairSet set;
+  set.name = std::move(name);
+  set.scans = std::move(scans);
+  for (size_t i = 0; i < set.scans.size(); ++i)
+    for (size_t j = 0; j < set.scans.size(); ++j) {
+      if (i == j) continue;
+      const Scan &target = set.scans[i], &source = set.scans[j];
+      const Isometry3d truth = between(target, source);
+      const double overlap = true_overlap(target, source, truth);
+      if (overlap < overlap_min) continue;
+      set.pairs.push_back({target.name + " <- " + source.name, &target, &source, truth, true, overlap});
+    }
+  Random draw = random;
+  for (size_t i = set.pairs.size(); i > 1; --i) std::swap(set.pairs[i - 1], set.pairs[draw.index(i)]);
+  if (set.pairs.size() > count) set.pairs.resize(count);
+  return set;
+}
+
+PairSet recording_pairs(const std::filesystem::path& folder, size_t count, size_t ahead) {
+  PairSet set;
+  set.name = folder.filename().string();
+  set.planar = false;
+  if (!std::filesystem::exists(folder)) return set;
+  const auto recording = open_recording(folder);
+  if (recording->size() <= ahead) return set;
+  const size_t last = recording->size() - ahead;
+  set.scans.reserve(2 * count);
+  for (size_t k = 0; k < count; ++k) {
+    const size_t first = k * last / count;
+    for (const size_t i : {first, first + ahead})
+      set.scans.push_back(scan_of_frame(recording->frame(i), recording->index_of(i)));
+    const Scan &target = set.scans[2 * k], &source = set.scans[2 * k + 1];
+    const Isometry3d truth = between(target, source);
+    set.pairs.push_back({target.name + " <- " + source.name, &target, &source, truth, true,
+                         true_overlap(target, source, truth)});
+  }
+  return set;
+}
+
+PairSet pcl_pairs(const std::filesystem::path& folder) {
+  // Relative poses as its README states them: measured with another ICP, no ground truth.
+  struct Known {
+    const char *target, *source;
+    Vector3d position, rotation_deg;
+  };
+  const std::array<Known, 3> known = {{
+      {"room_scan1", "room_scan2", {1.971, 0.057, 0.025}, Vector3d(-0.0062, 0.0260, 0.7128) / kDegree},
+      {"capture0001", "capture0002", {-0.115, 0.009, 0.007}, {0.23, 1.21, -0.40}},
+      {"capture0002", "capture0003", {-0.147, -0.004, 0.012}, {-0.26, -2.19, -0.41}},
+  }};
+  PairSet set;
+  set.name = "pcl_scans";
+  set.planar = false;
+  if (!std::filesystem::exists(folder)) return set;
+  set.scans.reserve(2 * known.size());
+  for (const Known& pair : known) {
+    for (const char* file : {pair.target, pair.source})
+      set.scans.push_back(read_scan_set(folder / (std::string(file) + ".pcd")).scans.front());
+    const Scan &target = set.scans[set.scans.size() - 2], &source = set.scans.back();
+    const Isometry3d truth = pose_of(pair.position, pair.rotation_deg * kDegree);
+    set.pairs.push_back({fmt::format("{} <- {}", pair.target, pair.source), &target, &source, truth, true,
+                         true_overlap(target, source, truth)});
+  }
+  return set;
+}
+
+double true_overlap(const Scan& target, const Scan& source, const Isometry3d& target_from_source) {
+  constexpr double cell = 0.1;
+  CellIndex own, other;
+  for (const ScanPoint& point : target.points)
+    if (point.returned) own.insert(cell_of(point.position, cell));
+  for (const ScanPoint& point : source.points)
+    if (point.returned) other.insert(cell_of(target_from_source * point.position.cast<double>(), cell));
+  size_t common = 0;
+  for (const Eigen::Vector3i& at : other.cells()) common += own.find(at) != CellIndex::kNone ? 1 : 0;
+  const size_t smaller = std::min(own.size(), other.size());
+  return smaller > 0 ? static_cast<double>(common) / static_cast<double>(smaller) : 0;
+}
+
+Isometry3d perturbed(const Isometry3d& pose, double shift, double turn_deg, bool planar, Random& random) {
+  const auto direction = [&] {
+    if (planar) {
+      const double angle = random.uniform(-M_PI, M_PI);
+      return Vector3d(std::cos(angle), std::sin(angle), 0);
+    }
+    return Vector3d(Vector3d(random.normal(), random.normal(), random.normal()).normalized());
+  };
+  const Vector3d axis = planar ? Vector3d(0, 0, random.uniform() < 0.5 ? -1 : 1) : direction();
+  const Vector3d off = direction() * random.uniform(0, shift);
+  return pose * pose_of(off, axis * random.uniform(0, turn_deg) * kDegree);
+}
+
+Scan thinned(const Scan& scan, double voxel) {
+  Scan result;
+  result.name = scan.name;
+  result.map_from_scan = scan.map_from_scan;
+  result.origins = scan.origins;
+  CellIndex index;
+  std::vector<std::pair<Vector3d, double>> sums;
+  for (const ScanPoint& point : scan.points) {
+    if (!point.returned) continue;
+    const uint32_t number = index.insert(cell_of(point.position, voxel));
+    if (number == sums.size()) {
+      sums.emplace_back(Vector3d::Zero(), 0.0);
+      result.points.push_back(point);
+    }
+    sums[number].first += point.position.cast<double>();
+    sums[number].second += 1;
+  }
+  for (size_t i = 0; i < sums.size(); ++i)
+    result.points[i].position = (sums[i].first / sums[i].second).cast<float>();
+  return result;
+}
+
+}  // namespace loci::registration_evaluation
