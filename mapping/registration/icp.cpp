@@ -62,7 +62,7 @@ class Aligner {
       const Eigen::Vector3f point = turn * source_.position[i] + shift;
       const Eigen::Vector3f facing = turn * source_.normal[i];
       const uint32_t j = target_.nearest(point, facing, radius);
-      if (j == CellIndex::kNone) continue;
+      if (j == CellGrid::kNone) continue;
       if (planes)
         add_plane(sum, point, facing, trust, j);
       else

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/cell_index.h"
 #include "mapping/registration/icp.h"
 #include "mapping/registration/verdict.h"
 
@@ -173,7 +174,7 @@ double expected_overlap(const PreparedScan& target, const PreparedScan& source,
   size_t near = 0;
   for (const Eigen::Vector3f& position : surfels.position) {
     const Vector3d point = pose * position.cast<double>();
-    near += target.net.index.find(cell_of(point, surfels.cell)) != CellIndex::kNone ? 1 : 0;
+    near += target.net.find(cell_of(point, surfels.cell)) != CellGrid::kNone ? 1 : 0;
   }
   return surfels.size() > 0 ? static_cast<double>(near) / static_cast<double>(surfels.size()) : 0;
 }

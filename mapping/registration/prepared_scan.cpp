@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "mapping/base/cell_index.h"
+
 namespace loci::registration {
 namespace {
 
@@ -20,22 +22,26 @@ Isometry3d upright(const Isometry3d& map_from_scan) {
 Surfels finest_cells(const Scan& scan, const Isometry3d& level_from_scan, double cell) {
   Surfels surfels;
   surfels.cell = cell;
-  surfels.index = CellIndex(scan.points.size() / 8);
   std::vector<Eigen::Vector3f> origins;
   for (const Eigen::Vector3f& origin : scan.origins)
     origins.push_back((level_from_scan * origin.cast<double>()).cast<float>());
   if (origins.empty()) origins.emplace_back(Eigen::Vector3f::Zero());
-  const double reach = cell * 1e6;  // The numbering of cells ends there.
+  const auto reach = static_cast<float>(cell * (1 << 20));
+  const auto usable = [&](const ScanPoint& point) {
+    return point.returned && point.position.cwiseAbs().maxCoeff() < reach;  // NaN is not.
+  };
+  Eigen::AlignedBox3d box;
+  for (const ScanPoint& point : scan.points)
+    if (usable(point)) box.extend(level_from_scan * point.position.cast<double>());
+  if (box.isEmpty()) return surfels;
+  surfels.grid = CellGrid(cell_of(box.min(), cell), cell_of(box.max(), cell), cell_of(origins.front(), cell));
   for (const ScanPoint& point : scan.points) {
-    if (!point.returned) continue;
+    if (!usable(point)) continue;
     const Vector3d position = level_from_scan * point.position.cast<double>();
-    if (!(position.cwiseAbs().maxCoeff() < reach)) continue;
-    const uint32_t number = surfels.index.insert(cell_of(position, cell));
-    if (number == surfels.moments.size()) {
-      surfels.moments.emplace_back();
-      surfels.origin.push_back(origins[point.origin_index < origins.size() ? point.origin_index : 0]);
-    }
-    surfels.moments[number].add(position);
+    const Eigen::Vector3i at = cell_of(position, cell);
+    if (!surfels.grid.covers(at)) continue;
+    const size_t origin = point.origin_index < origins.size() ? point.origin_index : 0;
+    surfels.moments[surfels.number_of(at, origins[origin])].add(position);
   }
   return surfels;
 }

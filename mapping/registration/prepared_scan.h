@@ -15,7 +15,7 @@ struct PreparedScan {
   std::string name;
   Isometry3d level_from_scan = Isometry3d::Identity();
   std::vector<Surfels> levels;  ///< finest first, cells twice as wide each
-  WideNet net;                  ///< over the coarsest level
+  CellGrid net;                 ///< wide, over the coarsest level
   FreeSpace free_space;
   Eigen::Vector3f centre = Eigen::Vector3f::Zero();  ///< mean of the origins: the scan is turned about it
   size_t points = 0;                                 ///< that were returned

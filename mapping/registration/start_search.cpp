@@ -12,6 +12,8 @@ constexpr double kTurnStepPlanar = 5 * M_PI / 180;  ///< radians
 constexpr double kTurnStep = 12 * M_PI / 180;
 constexpr size_t kSamplesPlanar = 400;
 constexpr size_t kSamples = 160;
+constexpr size_t kFirstLook = 40;
+constexpr float kHopeless = 0.5F;
 constexpr float kPlaneDistance = 0.15F;  ///< metres: where a sample counts no more
 constexpr float kSameSide = 0.7F;        ///< cosine: normals agree within 45 degrees
 
@@ -19,6 +21,16 @@ struct Sample {
   Eigen::Vector3f position;
   Eigen::Vector3f normal;
 };
+
+/// The same in an order in which every beginning is a fair choice of the whole.
+std::vector<Sample> interleaved(const std::vector<Sample>& samples) {
+  std::vector<Sample> mixed;
+  mixed.reserve(samples.size());
+  constexpr size_t stride = 37;
+  for (size_t first = 0; first < stride; ++first)
+    for (size_t i = first; i < samples.size(); i += stride) mixed.push_back(samples[i]);
+  return mixed;
+}
 
 /// Surfels in equal shares from all directions of normals, so that the floor does not outweigh the few
 /// surfaces that fix the pose. Planar search leaves out the horizontal ones, which say nothing.
@@ -47,7 +59,7 @@ std::vector<Sample> balanced_samples(const Surfels& surfels, bool planar, size_t
       samples.push_back({surfels.position[i], surfels.normal[i]});
     }
   }
-  return samples;
+  return interleaved(samples);
 }
 
 /// Steps of a grid over [-half, half]: the middle one is 0.
@@ -81,26 +93,33 @@ class Scorer {
     }
   }
 
-  /// Mean agreement, 0 to 1, of the turned samples at a shift.
-  float score(const Eigen::Vector3f& shift) const {
+  /// Mean agreement, 0 to 1, of the turned samples at a shift. What is hopeless after a part of the samples
+  /// is given up: its score is that of the part.
+  float score(const Eigen::Vector3f& shift) {
     float sum = 0;
-    for (const Sample& sample : turned_) {
+    for (size_t k = 0; k < turned_.size(); ++k) {
+      if (k == kFirstLook && sum < kHopeless * best_ * static_cast<float>(kFirstLook))
+        return sum / static_cast<float>(turned_.size());
+      const Sample& sample = turned_[k];
       const Eigen::Vector3f point = sample.position + shift;
-      const uint32_t number = net_.index.find(cell_of(point, surfels_.cell));
-      if (number == CellIndex::kNone) continue;
-      const uint32_t i = net_.surfel[number];
+      const uint32_t i = net_.find((point * per_metre_).array().floor().cast<int>());
+      if (i == CellGrid::kNone) continue;
       if (surfels_.normal[i].dot(sample.normal) < kSameSide) continue;
       const float off = surfels_.normal[i].dot(point - surfels_.position[i]) / kPlaneDistance;
       sum += std::max(0.F, 1.F - off * off);
     }
-    return turned_.empty() ? 0.F : sum / static_cast<float>(turned_.size());
+    const float mean = turned_.empty() ? 0.F : sum / static_cast<float>(turned_.size());
+    best_ = std::max(best_, mean);
+    return mean;
   }
 
  private:
-  const WideNet& net_;
+  const CellGrid& net_;
   const Surfels& surfels_;
   std::vector<Sample> samples_;
   std::vector<Sample> turned_;
+  float best_ = 0;
+  float per_metre_ = 1.F / static_cast<float>(surfels_.cell);
 };
 
 Eigen::Matrix3d rotation_of(const Vector3d& turn) {

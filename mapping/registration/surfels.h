@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "mapping/base/cell_index.h"
 #include "mapping/base/pose.h"
+#include "mapping/registration/cell_grid.h"
 
 namespace loci::registration {
 
@@ -31,7 +31,8 @@ struct Moments {
 /// Arrays of what is used together; positions in metres, in the frame of the prepared scan.
 struct Surfels {
   double cell = 0;
-  CellIndex index;
+  CellGrid grid;
+  std::vector<Eigen::Vector3i> cells;
   std::vector<Eigen::Vector3f>
       position;  ///< mean of the points, moved onto the fitted plane where there is one
   std::vector<Eigen::Vector3f> normal;  ///< towards where it was seen from; zero: no plane was found
@@ -40,9 +41,11 @@ struct Surfels {
   std::vector<Eigen::Vector3f> origin;  ///< from where the cell's first point was seen
 
   size_t size() const { return position.size(); }
+  /// The number of a cell that the grid covers, a new one if it has none yet.
+  uint32_t number_of(const Eigen::Vector3i& cell, const Eigen::Vector3f& seen_from);
 
   /// The nearest surfel among the eight cells around a point whose normal agrees (either may have none), not
-  /// farther than `radius`; CellIndex::kNone if there is none. Finds everything within half a cell.
+  /// farther than `radius`; CellGrid::kNone if there is none. Finds everything within half a cell.
   uint32_t nearest(const Eigen::Vector3f& point, const Eigen::Vector3f& facing, float radius) const;
   /// Whether any surface is in the eight cells around a point.
   bool near(const Eigen::Vector3f& point) const;
@@ -62,10 +65,6 @@ void fit_planes(Surfels& surfels, bool finest, const PlaneFit& fit);
 
 /// Every cell within one cell of a surfel, with the number of the nearest one: a wide net for a coarse
 /// search.
-struct WideNet {
-  CellIndex index;
-  std::vector<uint32_t> surfel;
-};
-WideNet wide_net(const Surfels& surfels);
+CellGrid wide_net(const Surfels& surfels);
 
 }  // namespace loci::registration

@@ -36,7 +36,7 @@ Count compare(const PreparedScan& scan, const PreparedScan& other, const Isometr
     const bool telling = asked.trust[i] > 0.F && !(planar && std::abs(asked.normal[i].z()) > kHorizontal);
     count.telling += telling ? 1 : 0;
     const uint32_t j = known.nearest(point, facing, 1.5F * cell);
-    bool matched = j != CellIndex::kNone;
+    bool matched = j != CellGrid::kNone;
     if (matched && known.trust[j] > 0.F)
       matched = std::abs(known.normal[j].dot(point - known.position[j])) < kSurfaceOffset * cell;
     count.matched += matched ? 1 : 0;
@@ -70,7 +70,7 @@ Agreement agreement(const PreparedScan& target, const PreparedScan& source,
 double degeneracy(const Matrix6d& hessian, const Vector3d& about, double lever, bool planar) {
   // The motion about `about` instead of the origin, turns in units of the lever.
   Matrix6d shifted = Matrix6d::Identity();
-  shifted.topRightCorner<3, 3>() << 0, about.z(), -about.y(), -about.z(), 0, about.x(), about.y(), -about.x(),
+  shifted.topRightCorner<3, 3>() << 0, -about.z(), about.y(), about.z(), 0, -about.x(), -about.y(), about.x(),
       0;
   shifted.rightCols<3>() /= std::max(lever, 1e-6);
   const Matrix6d scaled = shifted.transpose() * hessian * shifted;
@@ -93,7 +93,8 @@ Verdict judge(const PairAlignment& pair, const Agreement& agreement, double riva
   if (pair.conflict > options.conflict_max)
     return refused(
         fmt::format("{:.0f} % of the points stand where the other scan saw free space", 100 * pair.conflict));
-  if (pair.degeneracy < options.degeneracy_min)
+  // Six directions share what three have to themselves.
+  if (pair.degeneracy < options.degeneracy_min * (options.dof == 3 ? 1.0 : 0.3))
     return refused("the surfaces in common do not hold the pose: it could slide or turn");
   if (pair.rmse_m > options.rmse_max_m)
     return refused(fmt::format("the surfaces fit only to {:.1f} cm", 100 * pair.rmse_m));

@@ -85,7 +85,7 @@ TEST(Align, RefusesWhatCouldSlide) {
   const Scan target = sweep(corridor, 0, 0, 0, 1), source = sweep(corridor, 0.5, 0, 0, 2);
   const PairAlignment pair = align(target, source, between(target, source), {});
   EXPECT_FALSE(pair.trusted) << pair.reason;
-  EXPECT_LT(pair.degeneracy, 0.01);
+  EXPECT_LT(pair.degeneracy, 0.001);
 }
 
 TEST(Align, RefusesAScanUpsideDown) {

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace loci::registration {
+
+/// Numbers of the cells of a bounded grid, for very many look-ups: blocks of 4x4x4 cells behind a dense
+/// directory, so that a look-up is two loads without hashing. (mapping/base/cell_index is for grids without
+/// bounds.)
+class CellGrid {
+ public:
+  static constexpr uint32_t kNone = UINT32_MAX;
+
+  CellGrid() = default;
+  /// For cells from `low` to `high`, both included. A grid that would be larger than kBlocksMax is cut off
+  /// evenly around `centre`.
+  CellGrid(const Eigen::Vector3i& low, const Eigen::Vector3i& high, const Eigen::Vector3i& centre);
+
+  bool covers(const Eigen::Vector3i& cell) const {
+    const Eigen::Vector3i at = block_of(cell);
+    return (at.array() >= 0).all() && (at.array() < size_.array()).all();
+  }
+
+  uint32_t find(const Eigen::Vector3i& cell) const {
+    const Eigen::Vector3i at = block_of(cell);
+    if (static_cast<uint32_t>(at.x()) >= static_cast<uint32_t>(size_.x()) ||
+        static_cast<uint32_t>(at.y()) >= static_cast<uint32_t>(size_.y()) ||
+        static_cast<uint32_t>(at.z()) >= static_cast<uint32_t>(size_.z()))
+      return kNone;
+    const uint32_t block = directory_[directory_index(at)];
+    return block == kNone ? kNone : blocks_[block][slot_of(cell)];
+  }
+
+  /// The number of a covered cell, to be set: kNone at first.
+  uint32_t& at(const Eigen::Vector3i& cell) {
+    uint32_t& block = directory_[directory_index(block_of(cell))];
+    if (block == kNone) {
+      block = static_cast<uint32_t>(blocks_.size());
+      blocks_.emplace_back().fill(kNone);
+    }
+    return blocks_[block][slot_of(cell)];
+  }
+
+ private:
+  static constexpr int64_t kBlocksMax = int64_t{1} << 22;
+
+  Eigen::Vector3i block_of(const Eigen::Vector3i& cell) const {
+    return Eigen::Vector3i(cell.x() >> 2, cell.y() >> 2, cell.z() >> 2) - low_;
+  }
+  size_t directory_index(const Eigen::Vector3i& at) const {
+    return (static_cast<size_t>(at.z()) * static_cast<size_t>(size_.y()) + static_cast<size_t>(at.y())) *
+               static_cast<size_t>(size_.x()) +
+           static_cast<size_t>(at.x());
+  }
+  static size_t slot_of(const Eigen::Vector3i& cell) {
+    return static_cast<size_t>((cell.z() & 3) << 4 | (cell.y() & 3) << 2 | (cell.x() & 3));
+  }
+
+  Eigen::Vector3i low_ = Eigen::Vector3i::Zero();   ///< first block
+  Eigen::Vector3i size_ = Eigen::Vector3i::Zero();  ///< in blocks
+  std::vector<uint32_t> directory_;
+  std::vector<std::array<uint32_t, 64>> blocks_;
+};
+
+}  // namespace loci::registration
