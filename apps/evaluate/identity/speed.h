@@ -10,7 +10,7 @@ namespace loci::identity_experiment {
 /// How long one problem takes to solve exactly on one core.
 struct SpeedRow {
   std::string problem;
-  double milliseconds = 0;  ///< best of the repetitions
+  double milliseconds = 0;  ///< processor time, best of the repetitions
   double aim_milliseconds = 0;
   double gate_bound = 0;  ///< largest error of a probability
 };
