@@ -26,7 +26,8 @@ struct ComparedJoint {
   std::string map_type;                  ///< "prismatic", "revolute", "rigid"; "" where the map says nothing
   std::string truth_type;                ///< the same
   std::string evidence;                  ///< of the map: "prior", "interaction", …
-  std::optional<double> axis_error_deg;  ///< between the directions of opening; of joints of one type
+  std::optional<double> axis_error_deg;  ///< between the axes, 0 to 90; of joints of one type
+  bool other_way = false;                ///< the map's opens against the true direction
   std::optional<double> hinge_error;     ///< between the hinges, at the height or place of the front, metres
   bool right() const { return map_type == truth_type; }
 };
@@ -58,7 +59,7 @@ struct Comparison {
   Counts counts(const std::string& kind) const;
   /// Joints of the matched fronts: how many the truth has, and how many of them are of the right type.
   struct Joints {
-    size_t asked = 0, right = 0;
+    size_t asked = 0, right = 0, other_way = 0;
     double rate() const;
   };
   Joints joints() const;

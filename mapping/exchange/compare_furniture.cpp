@@ -168,7 +168,9 @@ ComparedJoint compare_joints(const std::optional<JointEstimate>& map, const Join
   joint.map_type = joint_estimate_type_name(map->type);
   joint.evidence = map->evidence;
   if (!joint.right()) return joint;
-  joint.axis_error_deg = angle_deg(opening_axis(*map), opening_axis(truth));
+  const double angle = angle_deg(opening_axis(*map), opening_axis(truth));
+  joint.axis_error_deg = std::min(angle, 180 - angle);
+  joint.other_way = angle > 90;
   if (truth.type != JointEstimate::Type::revolute) return joint;
   const Vector3d axis = truth.axis.normalized();
   const Vector3d hinge = truth.origin + axis.dot(front_centre - truth.origin) * axis;

@@ -106,7 +106,8 @@ std::string statistics_text(const char* what, const std::vector<double>& values,
 Json json_of(const ComparedJoint& joint) {
   Json json = {{"map_type", joint.map_type.empty() ? Json(nullptr) : Json(joint.map_type)},
                {"truth_type", joint.truth_type},
-               {"right", joint.right()}};
+               {"right", joint.right()},
+               {"other_way", joint.other_way}};
   if (!joint.evidence.empty()) json["evidence"] = joint.evidence;
   if (joint.axis_error_deg) json["axis_error_deg"] = *joint.axis_error_deg;
   if (joint.hinge_error) json["hinge_error_m"] = *joint.hinge_error;
@@ -164,6 +165,7 @@ Comparison::Joints Comparison::joints() const {
     if (thing.verdict != "matched" || !thing.joint) continue;
     ++joints.asked;
     joints.right += thing.joint->right();
+    joints.other_way += thing.joint->other_way;
   }
   return joints;
 }
@@ -203,6 +205,7 @@ std::string Comparison::text() const {
   }
   const Joints moving = joints();
   text += fmt::format("joints: {} of {} found have the right type", moving.right, moving.asked);
+  if (moving.other_way > 0) text += fmt::format(", {} of these open the other way", moving.other_way);
   text += statistics_text("axis", joint_errors(&ComparedJoint::axis_error_deg), "{:.2f} deg");
   text += statistics_text("hinge", joint_errors(&ComparedJoint::hinge_error), "{:.3f} m");
   return text + "\n";
@@ -230,6 +233,7 @@ Json Comparison::report() const {
   json["joints"] = {{"asked", moving.asked},
                     {"right", moving.right},
                     {"rate", moving.rate()},
+                    {"other_way", moving.other_way},
                     {"axis_error_deg", statistics(joint_errors(&ComparedJoint::axis_error_deg))},
                     {"hinge_error_m", statistics(joint_errors(&ComparedJoint::hinge_error))}};
   return json;
