@@ -9,14 +9,27 @@
 namespace loci {
 namespace {
 
+/// The most telling numbers of a link's geometry, by what its class has of them.
+std::string where_text(const Json& geometry) {
+  if (geometry.contains("offset")) return fmt::format("offset {:.3f} m", geometry["offset"].get<double>());
+  std::string text;
+  if (geometry.contains("width"))
+    text =
+        fmt::format("{:.3f} x {:.3f} m", geometry["width"].get<double>(), geometry["height"].get<double>());
+  else if (geometry.contains("height"))
+    text = fmt::format("height {:.3f} m", geometry["height"].get<double>());
+  else if (geometry.contains("length"))
+    text = fmt::format("{:.3f} m long", geometry["length"].get<double>());
+  if (!geometry.contains("centre")) return text;
+  const Json& centre = geometry["centre"];
+  return text + fmt::format(" at ({:.3f}, {:.3f}, {:.3f})", centre[0].get<double>(), centre[1].get<double>(),
+                            centre[2].get<double>());
+}
+
 std::string answer_text(const InterpretedMap& map, const std::string& folder) {
   std::string text = map.summary() + "\n";
   for (const auto& [name, link] : map.semantics.links) {
-    const Json& geometry = link.geometry;
-    const std::string where = geometry.contains("height")
-                                  ? fmt::format("height {:.3f} m", geometry["height"].get<double>())
-                                  : fmt::format("offset {:.3f} m", geometry["offset"].get<double>());
-    text += fmt::format("  {:<14} {}, confidence {:.2f}\n", name, where, link.confidence);
+    text += fmt::format("  {:<16} {}, confidence {:.2f}\n", name, where_text(link.geometry), link.confidence);
   }
   return text + "in " + folder + "/map.urdf\n";
 }
