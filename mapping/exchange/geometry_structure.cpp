@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kLeastSurface = 0.05;  // m²
 constexpr double kLeastWall = 0.5;      // m²
+constexpr double kReveal = 0.3;         // m; narrower faces of walls
 constexpr double kLowest = 0.2;         // m; lower surfaces are the floor or plinths
 constexpr double kHighest = 2.0;
 constexpr double kFreeAbove = 0.25;  // m; less room above and nothing can be put there or seen
@@ -79,6 +80,29 @@ void add_supports(const World& world, const std::vector<WorldTriangle>& triangle
   }
 }
 
+/// Whether a ray hits a triangle.
+bool hit(const WorldTriangle& triangle, const Vector3d& origin, const Vector3d& ray) {
+  const double slope = triangle.normal.dot(ray);
+  if (std::abs(slope) < 1e-9) return false;
+  const double distance = triangle.normal.dot(triangle.corners[0] - origin) / slope;
+  if (distance < 1e-3) return false;
+  const Vector3d at = origin + distance * ray;
+  for (size_t k = 0; k < 3; ++k) {
+    const Vector3d edge = triangle.corners[(k + 1) % 3] - triangle.corners[k];
+    if (edge.cross(at - triangle.corners[k]).dot(triangle.normal) < 0) return false;
+  }
+  return true;
+}
+
+/// Whether a wall's face looks into the world, not away from it: something stands before a part of it.
+bool looks_inwards(const std::vector<const WorldTriangle*>& patch, const std::vector<WorldTriangle>& all) {
+  return std::any_of(patch.begin(), patch.end(), [&](const WorldTriangle* triangle) {
+    const Vector3d middle = (triangle->corners[0] + triangle->corners[1] + triangle->corners[2]) / 3;
+    return std::any_of(all.begin(), all.end(),
+                       [&](const WorldTriangle& other) { return hit(other, middle, triangle->normal); });
+  });
+}
+
 void add_walls(const World& world, const std::vector<WorldTriangle>& triangles, MapStructure& structure) {
   std::map<std::array<long, 3>, std::vector<const WorldTriangle*>> patches;  // link, direction, offset
   for (const WorldTriangle& triangle : triangles) {
@@ -106,8 +130,10 @@ void add_walls(const World& world, const std::vector<WorldTriangle>& triangles, 
     }
     if (area < kLeastWall || wall.top < 1.2) continue;
     wall.name = world.links[static_cast<size_t>(key[0])].name;
-    // Sides of furniture are vertical planes too; only links that are called so are walls to be found.
-    wall.main = wall.name.find("wall") != std::string::npos;
+    // Sides of furniture are vertical planes too; only links that are called so are walls to be found, on the
+    // side that faces the room, and reveals and ends of walls need not be.
+    wall.main = wall.name.find("wall") != std::string::npos && wall.along_max - wall.along_min > kReveal &&
+                looks_inwards(patch, triangles);
     structure.walls.push_back(std::move(wall));
   }
 }

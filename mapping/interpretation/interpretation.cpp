@@ -155,7 +155,8 @@ InterpretedMap interpret(const ScanSet& scans, const InterpretationOptions& opti
   find_levels(surface, room, map);
   const double floor_height = room.floor ? room.floor->height : 0;
   progress.check(0.35, "walls");
-  WallSearch vertical = find_walls(surface, floor_height, options);
+  WallSearch vertical = find_walls(
+      surface, floor_height, room.ceiling ? std::optional(room.ceiling->height) : std::nullopt, options);
   watch.lap("levels and walls");
   PartialProgress supporting(progress, 0.45, 0.7);
   SupportSearch horizontal = find_supports(surface, floor_height, room.yaw, vertical, options, supporting);

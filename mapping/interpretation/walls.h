@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,8 +33,10 @@ struct WallSearch {
   std::vector<std::string> notes;     ///< why not
 };
 
-/// Large vertical planes; a wall is one that reaches high and has next to nothing behind it (§7.4: furniture
-/// hides a wall below, not above; and no sensor looks through it).
-WallSearch find_walls(const Surface& surface, double floor_height, const InterpretationOptions& options);
+/// Large vertical planes; a wall is one that goes up as far as the room does (§7.4: adjacent to the ceiling,
+/// where it is known; otherwise nothing was seen over it), and through which few rays passed. Pieces of one
+/// wall beside doors and windows are united; panes, reveals and tall furniture are no walls.
+WallSearch find_walls(const Surface& surface, double floor_height, std::optional<double> ceiling_height,
+                      const InterpretationOptions& options);
 
 }  // namespace loci

@@ -1,0 +1,231 @@
+#include "mapping/interpretation/vertical_planes.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "mapping/base/cell_index.h"
+
+namespace loci {
+namespace {
+
+constexpr double kSurfel = 0.03;     // m; points are thinned to these before planes are sought
+constexpr double kAreaCell = 0.05;   // m; area of a plane is counted in such cells
+constexpr double kOffsetBin = 0.03;  // m
+constexpr int kAngleBins = 120;      // of 3 degrees
+constexpr double kFacing = 0.94;     // cosine between a point's normal and its plane's
+constexpr double kSameWall =
+    0.07;                     // m; parallel layers this near (noise, drift, posters) belong to the plane
+constexpr double kGap = 0.6;  // m; wider gaps part a plane into pieces
+constexpr size_t kMostPlanes = 60;
+
+/// Votes of vertical surfels for (angle, offset) of vertical planes.
+class PlaneVotes {
+ public:
+  explicit PlaneVotes(const std::vector<Surfel>& surfels) {
+    for (const Surfel& surfel : surfels)
+      if (surfel.vertical()) reach_ = std::max(reach_, surfel.position.head<2>().norm());
+    offsets_ = 2 * static_cast<int>(reach_ / kOffsetBin + 2) + 1;
+    votes_.assign(static_cast<size_t>(kAngleBins * offsets_), 0);
+    for (const Surfel& surfel : surfels)
+      if (surfel.vertical()) vote(surfel, 1);
+  }
+
+  void vote(const Surfel& surfel, int amount) {
+    const double angle = std::atan2(surfel.normal.y(), surfel.normal.x());
+    const int centre = static_cast<int>(std::lround(angle / step()));
+    for (int d = -2; d <= 2; ++d) {
+      const int bin = (centre + d + 2 * kAngleBins) % kAngleBins;
+      const Vector2d normal = direction(bin);
+      const int offset =
+          static_cast<int>(std::lround(normal.dot(surfel.position.head<2>()) / kOffsetBin)) + offsets_ / 2;
+      votes_[static_cast<size_t>(bin * offsets_ + offset)] += amount;
+    }
+  }
+
+  struct Peak {
+    Vector2d normal;
+    double offset = 0;
+    int votes = 0;
+  };
+  Peak strongest() const {
+    const auto best = std::max_element(votes_.begin(), votes_.end());
+    const int at = static_cast<int>(best - votes_.begin());
+    return {direction(at / offsets_), (at % offsets_ - offsets_ / 2) * kOffsetBin, *best};
+  }
+  void forget(const Peak& peak) {
+    const int angle = static_cast<int>(std::lround(std::atan2(peak.normal.y(), peak.normal.x()) / step()));
+    const int offset = static_cast<int>(std::lround(peak.offset / kOffsetBin)) + offsets_ / 2;
+    votes_[static_cast<size_t>((angle + kAngleBins) % kAngleBins * offsets_ + offset)] = 0;
+  }
+
+ private:
+  static double step() { return 2 * std::numbers::pi / kAngleBins; }
+  static Vector2d direction(int bin) { return {std::cos(bin * step()), std::sin(bin * step())}; }
+
+  double reach_ = 0;
+  int offsets_ = 0;
+  std::vector<int> votes_;
+};
+
+std::vector<size_t> inliers_of(const std::vector<Surfel>& surfels, const std::vector<size_t>& upright,
+                               const Vector2d& normal, double offset, double tolerance) {
+  std::vector<size_t> inliers;
+  for (const size_t i : upright) {
+    const Surfel& surfel = surfels[i];
+    if (surfel.taken) continue;
+    if (std::abs(normal.dot(surfel.position.head<2>()) - offset) > tolerance) continue;
+    if (normal.dot(surfel.normal.head<2>()) > kFacing) inliers.push_back(i);
+  }
+  return inliers;
+}
+
+/// The line in x, y through inliers; `normal` is kept where they do not say it.
+void fit(const std::vector<Surfel>& surfels, const std::vector<size_t>& inliers, Vector2d& normal,
+         double& offset) {
+  Vector2d mean = Vector2d::Zero();
+  for (const size_t i : inliers) mean += surfels[i].position.head<2>();
+  mean /= static_cast<double>(inliers.size());
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  for (const size_t i : inliers) {
+    const Vector2d d = surfels[i].position.head<2>() - mean;
+    covariance += d * d.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(covariance);
+  // A patch that is not much longer than thick says nothing about the direction.
+  if (solver.eigenvalues()[1] > 20 * solver.eigenvalues()[0]) {
+    Vector2d fitted = solver.eigenvectors().col(0);
+    if (fitted.dot(normal) < 0) fitted = -fitted;
+    if (fitted.dot(normal) > 0.98) normal = fitted;
+  }
+  offset = normal.dot(mean);
+}
+
+/// Fits a plane to its inliers, a few times; returns the last inliers.
+std::vector<size_t> refine(const std::vector<Surfel>& surfels, const std::vector<size_t>& upright,
+                           Vector2d& normal, double& offset, double tolerance) {
+  for (const double width : {0.06, 0.04, 0.03, tolerance}) {
+    const std::vector<size_t> inliers = inliers_of(surfels, upright, normal, offset, width);
+    if (inliers.size() < 20) break;
+    fit(surfels, inliers, normal, offset);
+  }
+  return inliers_of(surfels, upright, normal, offset, tolerance * 1.5);
+}
+
+/// Parts a plane's inliers where there is a wide gap along it.
+std::vector<std::vector<size_t>> pieces(const std::vector<Surfel>& surfels, std::vector<size_t> inliers,
+                                        const Vector2d& direction) {
+  const auto along = [&](size_t i) { return direction.dot(surfels[i].position.head<2>()); };
+  std::stable_sort(inliers.begin(), inliers.end(), [&](size_t a, size_t b) { return along(a) < along(b); });
+  std::vector<std::vector<size_t>> parts;
+  double last = -1e9;
+  for (const size_t i : inliers) {
+    if (along(i) - last > kGap) parts.emplace_back();
+    last = along(i);
+    parts.back().push_back(i);
+  }
+  return parts;
+}
+
+double percentile(std::vector<double> values, double fraction) {
+  const auto at = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<size_t>(at)];
+}
+
+VerticalPlane plane_of(const std::vector<Surfel>& surfels, const std::vector<size_t>& inliers,
+                       const Vector2d& normal) {
+  VerticalPlane plane;
+  plane.normal = normal;
+  std::vector<double> distances, along, heights;
+  std::set<std::pair<int, int>> cells;
+  std::set<uint16_t> scans;
+  for (const size_t i : inliers) {
+    const Surfel& surfel = surfels[i];
+    distances.push_back(normal.dot(surfel.position.head<2>()));
+    along.push_back(plane.direction().dot(surfel.position.head<2>()));
+    heights.push_back(surfel.position.z());
+    cells.emplace(std::floor(along.back() / kAreaCell), std::floor(heights.back() / kAreaCell));
+    scans.insert(surfel.scans.begin(), surfel.scans.end());
+    plane.inliers += surfel.count;
+  }
+  plane.offset = percentile(distances, 0.5);
+  plane.along_min = percentile(along, 0.005);
+  plane.along_max = percentile(along, 0.995);
+  plane.bottom = percentile(heights, 0.005);
+  plane.top = percentile(heights, 0.995);
+  plane.area = static_cast<double>(cells.size()) * kAreaCell * kAreaCell;
+  double squares = 0;
+  for (const double distance : distances) squares += (distance - plane.offset) * (distance - plane.offset);
+  plane.sd = std::sqrt(squares / static_cast<double>(distances.size()));
+  plane.scans.assign(scans.begin(), scans.end());
+  return plane;
+}
+
+}  // namespace
+
+std::vector<Surfel> surfels_of(const Surface& surface) {
+  CellIndex index(surface.points.size() / 8);
+  std::vector<Surfel> surfels;
+  for (const SurfacePoint& point : surface.points) {
+    const uint32_t number = index.insert(cell_of(point.position, kSurfel));
+    if (number == surfels.size()) surfels.emplace_back();
+    Surfel& surfel = surfels[number];
+    surfel.position += point.position.cast<double>();
+    surfel.normal += point.normal.cast<double>();
+    ++surfel.count;
+    // Points come scan by scan.
+    if (surfel.scans.empty() || surfel.scans.back() != point.scan) surfel.scans.push_back(point.scan);
+  }
+  for (Surfel& surfel : surfels) {
+    surfel.position /= static_cast<double>(surfel.count);
+    const double length = surfel.normal.norm();
+    surfel.normal = length > 0.3 * static_cast<double>(surfel.count) ? Vector3d(surfel.normal / length)
+                                                                     : Vector3d(Vector3d::Zero());
+  }
+  return surfels;
+}
+
+std::vector<PlanePatch> vertical_planes(std::vector<Surfel>& surfels, const InterpretationOptions& options) {
+  std::vector<size_t> upright;
+  for (size_t i = 0; i < surfels.size(); ++i)
+    if (surfels[i].vertical()) upright.push_back(i);
+  PlaneVotes votes(surfels);
+  std::vector<PlanePatch> result;
+  const int fewest = static_cast<int>(0.3 * options.wall_min_area_m2 / (kSurfel * kSurfel));
+  for (size_t round = 0; round < kMostPlanes; ++round) {
+    const PlaneVotes::Peak peak = votes.strongest();
+    if (peak.votes < fewest) break;
+    Vector2d normal = peak.normal;
+    double offset = peak.offset;
+    const std::vector<size_t> inliers = refine(surfels, upright, normal, offset, options.plane_tolerance_m);
+    if (inliers.size() < static_cast<size_t>(fewest)) {
+      votes.forget(peak);
+      continue;
+    }
+    for (const size_t i : inliers_of(surfels, upright, normal, offset, kSameWall)) {
+      surfels[i].taken = true;
+      votes.vote(surfels[i], -1);
+    }
+    for (std::vector<size_t>& piece : pieces(surfels, inliers, {-normal.y(), normal.x()})) {
+      VerticalPlane plane = plane_of(surfels, piece, normal);
+      if (plane.area >= options.wall_min_area_m2 / 2) result.push_back({std::move(plane), std::move(piece)});
+    }
+  }
+  return result;
+}
+
+PlanePatch united(const std::vector<Surfel>& surfels, const PlanePatch& a, const PlanePatch& b) {
+  PlanePatch patch;
+  patch.surfels = a.surfels;
+  patch.surfels.insert(patch.surfels.end(), b.surfels.begin(), b.surfels.end());
+  Vector2d normal = a.plane.normal;
+  double offset = a.plane.offset;
+  fit(surfels, patch.surfels, normal, offset);
+  patch.plane = plane_of(surfels, patch.surfels, normal);
+  return patch;
+}
+
+}  // namespace loci
