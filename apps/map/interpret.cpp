@@ -4,6 +4,7 @@
 #include "mapping/base/files.h"
 #include "mapping/exchange/map_report.h"
 #include "mapping/interpretation/interpretation.h"
+#include "mapping/interpretation/take_names.h"
 #include "mapping/world/urdf.h"
 
 namespace loci {
@@ -43,20 +44,28 @@ Command interpret_command() {
            "loci-map interpret demo-output/scans -o demo-output/map --json"},
           [](CLI::App& app) {
             struct Arguments {
-              std::string scans, out;
+              std::string scans, out, names_from;
               InterpretationOptions options;
             };
             auto arguments = std::make_shared<Arguments>();
             app.add_option("SCANS", arguments->scans, "Folder of a scan set, or a PCD file")->required();
             app.add_option("-o,--out", arguments->out, "Folder of the map")->required();
+            app.add_option("--names-from", arguments->names_from,
+                           "Older map (URDF) of the place: what was there before keeps its name");
             add_options(app, table_of(arguments->options));
             return [arguments](Session& session) {
               arguments->options.threads = session.flags().threads;
               const ScanSet scans = read_scan_set(arguments->scans);
-              const InterpretedMap map = interpret(scans, arguments->options, session.progress());
+              InterpretedMap map = interpret(scans, arguments->options, session.progress());
               for (const std::string& note : map.notes) session.warnings().add(note);
               for (const StageTime& time : map.times) session.timing(time.stage, time.seconds);
               if (!map.usable()) throw Error(map.summary(), {arguments->scans, 0, ""}, "nothing was written");
+              if (!arguments->names_from.empty()) {
+                const TakenNames names = take_names(map.world, map.semantics,
+                                                    read_semantic_map(sidecar_path(arguments->names_from)));
+                for (const std::string& name : names.vanished)
+                  session.warnings().add("'" + name + "' of the older map was not found again");
+              }
               make_folder(arguments->out);
               const std::filesystem::path urdf = std::filesystem::path(arguments->out) / "map.urdf";
               write_urdf(map.world, urdf);

@@ -12,6 +12,7 @@
 #include "mapping/interpretation/fronts.h"
 #include "mapping/interpretation/levelling.h"
 #include "mapping/interpretation/map_links.h"
+#include "mapping/interpretation/scan_checks.h"
 
 namespace loci {
 namespace {
@@ -142,12 +143,14 @@ InterpretedMap interpret(const ScanSet& scans, const InterpretationOptions& opti
 
   PartialProgress gathering(progress, 0, 0.3);
   Surface surface = gather_surface(scans, options.threads, gathering);
-  if (surface.points.empty()) throw Error("the scan set has no points");
+  if (surface.points.empty())
+    throw Error("no ray of the scan set returned: there is nothing to interpret", {}, "scan the place again");
   watch.lap("surface");
   if (!surface.free_space)
     map.notes.push_back(
         "no free-space evidence: the input is a bare cloud; outlines and classes are less certain");
   if (!scans.levelled) level(scans, surface, map);
+  if (surface.free_space) leave_out_bad_scans(scans, surface, map.notes);
 
   RecognisedRoom room;
   room.free_space = surface.free_space;

@@ -115,26 +115,71 @@ double confidence_of(const Support& support, bool free_space) {
   return capped(confidence);
 }
 
-void add_support(const RecognisedRoom& room, const Support& support, const std::string& name,
-                 const InterpretationOptions& options, InterpretedMap& map) {
-  const double yaw = frame_yaw(room, support);
+/// The slab of a polygon as boxes side by side across x; `corners` in the link's axes.
+std::vector<LinkPart> strips(const std::vector<Vector2d>& corners, double thickness) {
+  constexpr double kWidth = 0.05;  // m
+  double low = 1e9;
+  double high = -1e9;
+  for (const Vector2d& corner : corners) {
+    low = std::min(low, corner.x());
+    high = std::max(high, corner.x());
+  }
+  const int count = std::max(1, static_cast<int>(std::lround((high - low) / kWidth)));
+  const double width = (high - low) / count;
+  std::vector<LinkPart> parts;
+  for (int i = 0; i < count; ++i) {
+    const double x = low + (i + 0.5) * width;
+    std::vector<double> crossings;
+    for (size_t k = 0; k < corners.size(); ++k) {
+      const Vector2d& from = corners[k];
+      const Vector2d& to = corners[(k + 1) % corners.size()];
+      if ((from.x() < x) != (to.x() < x))
+        crossings.push_back(from.y() + (to.y() - from.y()) * (x - from.x()) / (to.x() - from.x()));
+    }
+    std::sort(crossings.begin(), crossings.end());
+    for (size_t k = 0; k + 1 < crossings.size(); k += 2)
+      parts.push_back(box_part({x, (crossings[k] + crossings[k + 1]) / 2, -thickness / 2},
+                               {width, crossings[k + 1] - crossings[k], thickness}));
+  }
+  return parts;
+}
+
+/// The slab of a support in its link's frame, whose axes are turned by `yaw`; gives its centre in those axes.
+std::vector<LinkPart> slab(const Support& support, double yaw, double thickness, Vector2d& centre) {
   const Eigen::Rotation2Dd link_from_axes(support.yaw - yaw);
-  std::vector<Extent> parts;
+  std::vector<Extent> extents;
   Extent all{Vector2d::Constant(1e9), Vector2d::Constant(-1e9)};
   for (const Extent& part : support.parts) {
     const Vector2d a = link_from_axes * part.min;
     const Vector2d b = link_from_axes * part.max;
-    parts.push_back({a.cwiseMin(b), a.cwiseMax(b)});
-    all = {all.min.cwiseMin(parts.back().min), all.max.cwiseMax(parts.back().max)};
+    extents.push_back({a.cwiseMin(b), a.cwiseMax(b)});
+    all = {all.min.cwiseMin(extents.back().min), all.max.cwiseMax(extents.back().max)};
   }
-  std::vector<LinkPart> blocks;
-  for (const Extent& part : parts) {
-    const Vector2d centre = part.centre() - all.centre();
-    blocks.push_back(box_part({centre.x(), centre.y(), -options.slab_thickness_m / 2},
-                              {part.size().x(), part.size().y(), options.slab_thickness_m}));
+  centre = all.centre();
+  if (support.radius > 0)
+    return {rod_part({0, 0, -thickness}, Vector3d::Zero(), support.radius, kWoodDensity)};
+  std::vector<LinkPart> parts;
+  if (!support.polygon.empty()) {
+    std::vector<Vector2d> corners;
+    for (const Vector2d& corner : support.polygon)
+      corners.push_back(Eigen::Rotation2Dd(-yaw) * corner - centre);
+    return strips(corners, thickness);
   }
-  const Isometry3d map_from_link = pose_at(Eigen::Rotation2Dd(yaw) * all.centre(), support.height, yaw);
-  add_link(map.world, name, support.class_name, kRoot, map_from_link, blocks);
+  for (const Extent& extent : extents) {
+    const Vector2d middle = extent.centre() - centre;
+    parts.push_back(box_part({middle.x(), middle.y(), -thickness / 2},
+                             {extent.size().x(), extent.size().y(), thickness}));
+  }
+  return parts;
+}
+
+void add_support(const RecognisedRoom& room, const Support& support, const std::string& name,
+                 const InterpretationOptions& options, InterpretedMap& map) {
+  const double yaw = frame_yaw(room, support);
+  Vector2d centre = Vector2d::Zero();
+  const std::vector<LinkPart> parts = slab(support, yaw, options.slab_thickness_m, centre);
+  const Isometry3d map_from_link = pose_at(Eigen::Rotation2Dd(yaw) * centre, support.height, yaw);
+  add_link(map.world, name, support.class_name, kRoot, map_from_link, parts);
   SemanticLink link;
   link.class_name = support.class_name;
   link.confidence = confidence_of(support, room.free_space);
@@ -151,6 +196,10 @@ void add_support(const RecognisedRoom& room, const Support& support, const std::
                    {"axes_yaw_deg", rounded(support.yaw * 180 / std::numbers::pi)},
                    {"edges", edges},
                    {"extent_from", support.behind_face ? "front and wall" : "surface"},
+                   {"shape", support.radius > 0         ? "round"
+                             : !support.polygon.empty() ? "polygon"
+                             : support.parts.size() > 1 ? "rectangles"
+                                                        : "rectangle"},
                    {"class_because", support.reason}};
   if (room.free_space) link.evidence["seen_below"] = rounded(support.seen_below);
   map.semantics.links[name] = std::move(link);

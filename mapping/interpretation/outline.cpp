@@ -72,6 +72,7 @@ std::vector<Vector2d> union_outline(const std::vector<Extent>& parts) {
 }  // namespace
 
 std::vector<Vector2d> Support::outline() const {
+  if (!polygon.empty()) return polygon;
   std::vector<Vector2d> corners = union_outline(parts);
   for (Vector2d& corner : corners) corner = map_from_axes() * corner;
   return corners;

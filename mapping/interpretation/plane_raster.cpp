@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 namespace loci {
 namespace {
@@ -43,6 +44,8 @@ PlaneRaster::PlaneRaster(const PlaneEvidence& evidence, const std::vector<Vector
     if (Cell* c = at(point)) c->consumed = true;
   for (const Vector2d& point : evidence.above)
     if (Cell* c = at(point)) ++c->above;
+  for (const Vector2d& point : evidence.shadow)
+    if (Cell* c = at(point)) ++c->shadow;
   score_cells();
 }
 
@@ -80,6 +83,7 @@ void PlaneRaster::score_cells() {
                                  : is_support(cell)    ? kSupport
                                  : is_pierced(cell)    ? kPierced
                                  : is_sunk(cell)       ? kSunkIn
+                                 : cell.shadow > 0     ? kHidden
                                  : !near_support(x, y) ? kUnknown
                                  : cell.above > 0      ? kHidden
                                                        : kNear;
@@ -140,6 +144,54 @@ PlaneRaster::Counts PlaneRaster::count(const Extent& extent) const {
       counts.sunk += is_sunk(cell) ? 1 : 0;
     }
   return counts;
+}
+
+double PlaneRaster::score_of(const std::vector<Vector2d>& polygon) const {
+  std::vector<cv::Point2f> corners;
+  for (const Vector2d& corner : polygon) {
+    const Vector2d at = (axes_from_map_ * corner - origin_) / cell_;
+    corners.emplace_back(static_cast<float>(at.x()), static_cast<float>(at.y()));
+  }
+  double sum = 0;
+  for (int y = 0; y < height_; ++y)
+    for (int x = 0; x < width_; ++x) {
+      const cv::Point2f middle(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F);
+      if (cv::pointPolygonTest(corners, middle, false) >= 0)
+        sum += static_cast<double>(scores_[number_of(x, y)]);
+    }
+  return sum * cell_ * cell_;
+}
+
+std::vector<Vector2d> PlaneRaster::contour(const Extent& box) const {
+  constexpr double kGap = 0.12;    // m; gaps of this width are closed
+  constexpr double kAround = 0.1;  // m
+  constexpr int kFiner = 3;        // the contour runs through cells of a finer picture
+  cv::Mat mask = cv::Mat::zeros(height_, width_, CV_8UC1);
+  cv::Mat pierced = cv::Mat::zeros(height_, width_, CV_8UC1);
+  for (int y = 0; y < height_; ++y)
+    for (int x = 0; x < width_; ++x) {
+      const Cell& cell = cells_[number_of(x, y)];
+      const bool near = box.contains(origin_ + cell_ * Vector2d(x + 0.5, y + 0.5), kAround);
+      if (near && is_support(cell)) mask.at<uint8_t>(y, x) = 255;
+      if (is_pierced(cell)) pierced.at<uint8_t>(y, x) = 255;
+    }
+  const int reach = static_cast<int>(std::lround(kGap / cell_ / 2));
+  const cv::Mat kernel = cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * reach + 1, 2 * reach + 1});
+  cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, kernel);
+  mask.setTo(0, pierced);
+  cv::morphologyEx(mask, mask, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));
+  cv::resize(mask, mask, {}, kFiner, kFiner, cv::INTER_NEAREST);
+  std::vector<std::vector<cv::Point>> contours;
+  cv::findContours(mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+  const auto largest = std::max_element(contours.begin(), contours.end(), [](const auto& a, const auto& b) {
+    return cv::contourArea(a) < cv::contourArea(b);
+  });
+  std::vector<Vector2d> boundary;
+  if (largest == contours.end()) return boundary;
+  for (const cv::Point& at : *largest)
+    boundary.push_back(axes_from_map_.inverse() *
+                       (origin_ + cell_ / kFiner * Vector2d(at.x + 0.5, at.y + 0.5)));
+  return boundary;
 }
 
 }  // namespace loci

@@ -18,6 +18,8 @@ struct PlaneEvidence {
   std::vector<Vector2d> sunk;         ///< where rays passed through, but not far: a sink, a chair's seat
   std::vector<Vector2d> taken;        ///< upward points that another support has already
   std::vector<Vector2d> above;        ///< points right above: something stands there
+  std::vector<Vector2d> shadow;       ///< where rays would have met the plane, had nothing stood on it
+  std::vector<Vector2d> rim;          ///< points right below the height: of the slab's vertical edge
 };
 
 /// A ray that ends less than this below a plane has sunk in, not passed through, metres.
@@ -32,6 +34,10 @@ class PlaneRaster {
 
   /// The rectangle of cells with the largest sum of scores; empty (zero size) when no sum is positive.
   Extent best_rectangle(double* score = nullptr) const;
+  /// The sum of scores within a polygon of the map, in m².
+  double score_of(const std::vector<Vector2d>& polygon) const;
+  /// The outer boundary, in the map, of the surface in and around a box, with small gaps closed.
+  std::vector<Vector2d> contour(const Extent& box) const;
   /// Takes a rectangle out: nothing found later overlaps it.
   void consume(const Extent& extent);
 
@@ -44,7 +50,7 @@ class PlaneRaster {
 
  private:
   struct Cell {
-    int support = 0, pierced = 0, sunk = 0, above = 0;
+    int support = 0, pierced = 0, sunk = 0, above = 0, shadow = 0;
     bool consumed = false;
   };
   size_t number_of(int x, int y) const {

@@ -10,6 +10,10 @@ namespace loci {
 void measure(Support& support, const PlaneEvidence& evidence, const PlaneRaster& raster,
              const std::vector<VerticalPlane>& walls, const Surface& surface);
 
+/// Replaces rectangles by a circle or a polygon where that fits what was seen clearly better: round tables,
+/// tops with slanted sides.
+void fit_outline(Support& support, const PlaneEvidence& evidence, const PlaneRaster& raster);
+
 /// Adds counters whose tops were hardly seen (black gloss gives a depth camera nothing) where a furniture
 /// face with a level upper edge stands before a wall, pieces of surface confirm the height, and no ray passed
 /// through. Pieces of surface that such a counter explains are taken out.

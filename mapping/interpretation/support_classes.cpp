@@ -14,6 +14,10 @@ constexpr double kNarrow = 0.33;      // m; a narrower board at a wall is a shel
 constexpr double kShelfLength = 0.5;  // m; shorter things against a wall above a counter stand on it
 constexpr double kTableTop = 0.80;    // m; tables are lower, counters higher
 constexpr double kCounterTop = 1.05;  // m
+constexpr double kLowCounter = 0.65;  // m; lower things over cabinets are shelves
+constexpr double kBarTop = 1.2;       // m
+constexpr double kLegs = 0.4;         // fraction of the footprint seen from below that only legs leave free
+constexpr double kTableLength = 0.6;  // m
 constexpr double kSeatLow = 0.36;     // m
 constexpr double kSeatHigh = 0.54;
 constexpr double kSeatSide = 0.62;  // m; largest side of a seat
@@ -112,12 +116,18 @@ void choose_class(Support& support, double floor_height, bool free_space) {
   const std::string beside = support.wall_distance > 1e6 ? "no wall beside it"
                              : at_wall ? fmt::format("{:.2f} m from a wall", support.wall_distance)
                                        : fmt::format("{:.2f} m away from the walls", support.wall_distance);
+  const bool stands_on_legs = open_below && support.seen_below > kLegs && height >= kSeatLow &&
+                              height <= kBarTop && support.parts.front().size().maxCoeff() > kTableLength;
   if (depth < kNarrow && at_wall)
     support.class_name = "shelf",
     support.reason = fmt::format("only {:.2f} m deep; {}; {}", depth, tall, beside);
+  else if (stands_on_legs)
+    support.class_name = "table", support.reason = fmt::format("{}; {}; {}", tall, below, beside + basis);
   else if (height >= kTableTop && height <= kCounterTop && free_all_round(support))
     support.class_name = "island", support.reason = fmt::format("{}; {}; {}", tall, below, beside + basis);
   else if (height >= kTableTop && height <= kCounterTop)
+    support.class_name = "counter", support.reason = fmt::format("{}; {}; {}", tall, below, beside + basis);
+  else if (height < kTableTop && height >= kLowCounter && free_space && at_wall && !open_below)
     support.class_name = "counter", support.reason = fmt::format("{}; {}; {}", tall, below, beside + basis);
   else if (height < kTableTop && depth >= kNarrow && (open_below || !at_wall))
     support.class_name = "table", support.reason = fmt::format("{}; {}; {}", tall, below, beside + basis);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 
+#include "mapping/interpretation/edge_position.h"
 #include "mapping/interpretation/support_checks.h"
 
 namespace loci {
@@ -58,6 +59,34 @@ void refine_edge(Extent& extent, Side side, const std::vector<PlaneEvidence::Sup
   if (!opinions.empty()) side.edge(extent) = side.sign() * median(opinions);
 }
 
+EdgeSamples samples_at(const Extent& extent, Side side, const PlaneEvidence& evidence,
+                       const Eigen::Rotation2Dd& axes_from_map) {
+  constexpr double kInset = 0.03;  // m from the corners
+  const int across = 1 - side.axis;
+  Extent copy = extent;
+  const double edge = side.sign() * side.edge(copy);
+  EdgeSamples samples;
+  const auto add = [&](const Vector2d& map_point, std::vector<double>& list) {
+    const Vector2d at = axes_from_map * map_point;
+    if (at[across] < extent.min[across] + kInset || at[across] > extent.max[across] - kInset) return;
+    const double value = side.sign() * at[side.axis] - edge;
+    if (std::abs(value) < kEdgeWindow) list.push_back(value);
+  };
+  for (const Vector2d& point : evidence.rim) add(point, samples.rim);
+  for (const auto& point : evidence.support) add(point.position, samples.support);
+  for (const Vector2d& point : evidence.pierced) add(point, samples.passed);
+  for (const Vector2d& point : evidence.sunk) add(point, samples.passed);
+  return samples;
+}
+
+/// A free edge by what shows it best.
+void sharpen_edge(Extent& extent, Side side, const PlaneEvidence& evidence,
+                  const Eigen::Rotation2Dd& axes_from_map) {
+  const EdgeSamples samples = samples_at(extent, side, evidence, axes_from_map);
+  const double length = extent.size()[1 - side.axis];
+  if (const auto position = edge_position(samples, length)) side.edge(extent) += side.sign() * *position;
+}
+
 Extent strip_outside(const Extent& extent, Side side) {
   Extent strip = extent;
   const double edge = side.upper ? extent.max[side.axis] : extent.min[side.axis];
@@ -98,6 +127,7 @@ void measure_edges(Support& support, const PlaneEvidence& evidence, const PlaneR
   for (size_t number = 0; number < support.parts.size(); ++number) {
     Extent& part = support.parts[number];
     for (size_t i = 0; i < 4; ++i) refine_edge(part, Side::of(i), points);
+    for (size_t i = 0; i < 4; ++i) sharpen_edge(part, Side::of(i), evidence, axes_from_map);
     for (size_t i = 0; i < 4; ++i) {
       const Side side = Side::of(i);
       int wall = -1;

@@ -7,8 +7,10 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "mapping/base/cell_index.h"
 #include "mapping/interpretation/layers.h"
 #include "mapping/interpretation/plane_raster.h"
 #include "mapping/interpretation/support_checks.h"
@@ -22,8 +24,10 @@ constexpr double kCoarseCell = 0.04;  // m, for the search of the yaw
 constexpr double kReach = 0.4;        // m; pieces of one height this near are looked at together
 constexpr double kMargin = 0.1;       // m around the pieces
 constexpr double kThrough = 0.05;     // m; a ray that comes from above and ends this far below passed through
-constexpr double kLargestTilt = 0.03;  // slope; more is no support, drift makes less
-constexpr double kTouch = 0.06;        // m between rectangles of one support
+constexpr double kRimDepth = 0.03;    // m below a plane that belong to the edge of its slab
+constexpr double kLongestShadow = 1.0;  // m from a thing on a plane to what it hides of it
+constexpr double kLargestTilt = 0.03;   // slope; more is no support, drift makes less
+constexpr double kTouch = 0.06;         // m between rectangles of one support
 
 /// z = height + slope · (x, y) - what a support's points lie on; drift tilts it a little.
 struct HorizontalPlane {
@@ -120,6 +124,30 @@ bool holds(const Support& support, const Vector3d& position) {
                      [&](const Extent& part) { return part.contains(at, 0.02); });
 }
 
+/// Where tall things stand on a plane or go through it (a fridge beside a counter): what they hide is not
+/// their support.
+class TallThings {
+ public:
+  void add(const Vector2d& position, double above) {
+    if (above < 0 || above >= kTall) return;
+    const uint32_t number = cells_.insert(cell_of(Vector3d(position.x(), position.y(), 0), kCell));
+    if (number == slices_.size()) slices_.push_back(0);
+    slices_[number] |= 1U << static_cast<unsigned>(above / kSlice);
+  }
+  bool stands_at(const Vector2d& position) const {
+    const uint32_t number = cells_.find(cell_of(Vector3d(position.x(), position.y(), 0), kCell));
+    return number != CellIndex::kNone && slices_[number] + 1 == 1U << kSlices;
+  }
+
+ private:
+  static constexpr double kTall = 0.6;  // m; things that stand on a counter are lower
+  static constexpr double kCell = 0.05;
+  static constexpr unsigned kSlices = 5;
+  static constexpr double kSlice = kTall / kSlices;
+  CellIndex cells_;
+  std::vector<unsigned> slices_;  ///< one bit for each slice of height in which something was seen
+};
+
 PlaneEvidence collect(const Surface& surface, const Seed& seed, const std::vector<Support>& found,
                       double tolerance) {
   PlaneEvidence evidence;
@@ -135,11 +163,26 @@ PlaneEvidence collect(const Surface& surface, const Seed& seed, const std::vecto
     const bool deep = end_above < -kSunk || start_above < 0;
     if (box.contains(crossing, kReach)) (deep ? evidence.pierced : evidence.sunk).push_back(crossing);
   };
+  TallThings tall;
+  for (const SurfacePoint& point : surface.points) {
+    const Vector3d position = point.position.cast<double>();
+    if (box.contains(position.head<2>(), kReach)) tall.add(position.head<2>(), seed.plane.above(position));
+  }
   for (const SurfacePoint& point : surface.points) {
     const Vector3d position = point.position.cast<double>();
     if (surface.free_space) add_ray(surface.origins[point.origin], point.position);
     if (!box.contains(position.head<2>(), kReach)) continue;
     const double above = seed.plane.above(position);
+    if (std::abs(above + kRimDepth / 2) < kRimDepth / 2 && !looks_up(point) &&
+        !tall.stands_at(position.head<2>()))
+      evidence.rim.push_back(position.head<2>());
+    if (surface.free_space && above > 0.03 && !tall.stands_at(position.head<2>())) {
+      const Vector3d origin = surface.origins[point.origin].cast<double>();
+      const double start = seed.plane.above(origin);
+      const double reach = start / (start - above);  // of the ray, in its lengths
+      if (start > above && (reach - 1) * (position - origin).norm() < kLongestShadow)
+        evidence.shadow.push_back((origin + (position - origin) * reach).head<2>());
+    }
     if (std::abs(above) < tolerance && looks_up(point)) {
       const bool taken =
           std::any_of(found.begin(), found.end(), [&](const Support& s) { return holds(s, position); });
@@ -155,10 +198,20 @@ PlaneEvidence collect(const Surface& surface, const Seed& seed, const std::vecto
   return evidence;
 }
 
-/// The yaw near the room's in which one rectangle explains most; the room's unless another is clearly better
-/// and there is surface enough to tell.
+/// The yaw of the smallest rectangle around the surface.
+double box_yaw(const PlaneEvidence& evidence) {
+  std::vector<cv::Point2f> points;
+  for (const auto& point : evidence.support)
+    points.emplace_back(static_cast<float>(point.position.x()), static_cast<float>(point.position.y()));
+  if (points.size() < 3) return 0;
+  return cv::minAreaRect(points).angle * std::numbers::pi / 180;
+}
+
+/// The yaw in which one rectangle explains most: the room's, one near it, or an askew table's own; the room's
+/// unless another is clearly better and there is surface enough to tell.
 double local_yaw(const PlaneEvidence& evidence, const Seed& seed, double room_yaw) {
   constexpr double kDegree = std::numbers::pi / 180;
+  constexpr double kQuarter = std::numbers::pi / 2;
   constexpr double kEnough = 0.3;  // m²
   constexpr double kClearly = 1.05;
   const auto score_at = [&](double yaw) {
@@ -170,13 +223,17 @@ double local_yaw(const PlaneEvidence& evidence, const Seed& seed, double room_ya
   const double at_room_yaw = score_at(room_yaw);
   if (at_room_yaw < kEnough) return room_yaw;
   double best = kClearly * at_room_yaw;
-  for (int step = -10; step <= 10; ++step) {
-    const double yaw = room_yaw + step * kDegree;
+  const auto try_yaw = [&](double yaw) {
     const double score = score_at(yaw);
-    if (score <= best) continue;
+    if (score <= best) return;
     best = score;
     best_yaw = yaw;
-  }
+  };
+  for (int step = -10; step <= 10; ++step) try_yaw(room_yaw + step * kDegree);
+  if (best_yaw == room_yaw) try_yaw(room_yaw + std::remainder(box_yaw(evidence) - room_yaw, kQuarter));
+  if (best_yaw == room_yaw) return room_yaw;
+  const double around = best_yaw;
+  for (int step = -5; step <= 5; ++step) try_yaw(around + 0.4 * step * kDegree);
   return best_yaw;
 }
 
@@ -233,6 +290,14 @@ const char* edge_kind_name(EdgeKind kind) {
 
 double Support::area() const {
   double sum = 0;
+  if (!polygon.empty()) {
+    for (size_t i = 0; i < polygon.size(); ++i) {
+      const Vector2d& a = polygon[i];
+      const Vector2d& b = polygon[(i + 1) % polygon.size()];
+      sum += (a.x() * b.y() - b.x() * a.y()) / 2;
+    }
+    return sum;
+  }
   for (const Extent& part : parts) sum += part.area();
   return sum;
 }
@@ -273,6 +338,7 @@ SupportSearch find_supports(const Surface& surface, double floor_height, double 
       support.yaw = support_yaw;
       support.parts = std::move(parts);
       measure(support, evidence, whole, vertical.walls, surface);
+      fit_outline(support, evidence, whole);
       consume(support);
       result.supports.push_back(std::move(support));
     }

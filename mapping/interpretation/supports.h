@@ -39,6 +39,9 @@ struct Support {
   double yaw = 0;     ///< of its axes against the map's
   /// Rectangles that touch, the largest first; more than one where the surface goes round a corner.
   std::vector<Extent> parts;
+  /// Outline where rectangles do not fit it, in the map, counter-clockwise; the first part is its box then.
+  std::vector<Vector2d> polygon;
+  double radius = 0;                ///< of a round one; 0 = not round
   std::array<EdgeKind, 4> edges{};  ///< of the first part: x min, x max, y min, y max
   double observed_area = 0;         ///< m² of surface that was seen inside the outline
   double pierced_area = 0;          ///< m² inside through which a ray passed: against it

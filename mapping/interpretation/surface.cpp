@@ -95,6 +95,7 @@ struct Part {
 
 Part gather_scan(const Scan& scan, uint16_t number, uint32_t first_origin, bool free_space) {
   Part part;
+  part.points.reserve(scan.points.size());
   std::vector<MomentGrid> grids;
   for (const double size : kCellSizes) grids.emplace_back(scan, size);
   const Eigen::Isometry3f map_from_scan = scan.map_from_scan.cast<float>();
@@ -143,6 +144,7 @@ Surface gather_surface(const ScanSet& scans, int threads, Progress& progress) {
     first_origin.push_back(static_cast<uint32_t>(surface.origins.size()));
     for (const Eigen::Vector3f& origin : scan.origins)
       surface.origins.push_back((scan.map_from_scan * origin.cast<double>()).cast<float>());
+    surface.scan_of_origin.resize(surface.origins.size(), static_cast<uint16_t>(first_origin.size() - 1));
   }
   progress.check(0, "surface normals");
   std::vector<Part> parts(scans.scans.size());
@@ -150,9 +152,18 @@ Surface gather_surface(const ScanSet& scans, int threads, Progress& progress) {
     for (size_t i = begin; i < end; ++i)
       parts[i] = gather_scan(scans.scans[i], static_cast<uint16_t>(i), first_origin[i], surface.free_space);
   });
+  size_t points = 0;
+  size_t free_ends = 0;
   for (const Part& part : parts) {
+    points += part.points.size();
+    free_ends += part.free_ends.size();
+  }
+  surface.points.reserve(points);
+  surface.free_ends.reserve(free_ends);
+  for (Part& part : parts) {
     surface.points.insert(surface.points.end(), part.points.begin(), part.points.end());
     surface.free_ends.insert(surface.free_ends.end(), part.free_ends.begin(), part.free_ends.end());
+    part = {};
   }
   if (!surface.free_space && !surface.points.empty()) orient_without_origins(surface);
   return surface;

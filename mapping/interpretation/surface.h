@@ -24,6 +24,7 @@ struct SurfacePoint {
 struct Surface {
   std::vector<SurfacePoint> points;
   std::vector<Eigen::Vector3f> origins;
+  std::vector<uint16_t> scan_of_origin;
   std::vector<std::pair<Eigen::Vector3f, uint32_t>>
       free_ends;           ///< ends of rays that hit nothing, and their origins
   bool free_space = true;  ///< whether origins are known

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,9 +11,38 @@
 
 namespace loci::test {
 
-/// An axis-aligned box of an analytic room.
+/// A box of an analytic room, turned about its vertical middle, or an upright cylinder in it.
 struct Solid {
   Vector3d low, high;
+  double yaw = 0;
+  bool round = false;
+
+  /// Distance along a ray to where it enters; infinite = it misses.
+  double cast(const Vector3d& map_origin, const Vector3d& map_ray) const {
+    const Vector3d middle = (low + high) / 2;
+    const Eigen::AngleAxisd turn(-yaw, Vector3d::UnitZ());
+    const Vector3d origin = middle + turn * (map_origin - middle);
+    const Vector3d ray = turn * map_ray;
+    double enter = 0;
+    double leave = 1e9;
+    for (int i = round ? 2 : 0; i < 3; ++i) {
+      const double a = (low[i] - origin[i]) / ray[i];
+      const double b = (high[i] - origin[i]) / ray[i];
+      enter = std::max(enter, std::min(a, b));
+      leave = std::min(leave, std::max(a, b));
+    }
+    if (round) {
+      const double radius = (high.x() - low.x()) / 2;
+      const Vector2d from = (origin - middle).head<2>();
+      const double a = ray.head<2>().squaredNorm();
+      const double b = from.dot(ray.head<2>());
+      const double root = b * b - a * (from.squaredNorm() - radius * radius);
+      if (root < 0) return 1e9;
+      enter = std::max(enter, (-b - std::sqrt(root)) / a);
+      leave = std::min(leave, (-b + std::sqrt(root)) / a);
+    }
+    return enter < leave && enter > 0 ? enter : 1e9;
+  }
 };
 
 /// A room of 4 × 3 m, 2.5 m high, seen from inside, with solids in it.
@@ -27,17 +57,7 @@ struct AnalyticRoom {
       const double wall = ray[i] > 0 ? size[i] : 0;
       if (std::abs(ray[i]) > 1e-12) nearest = std::min(nearest, (wall - origin[i]) / ray[i]);
     }
-    for (const Solid& solid : solids) {
-      double enter = 0;
-      double leave = 1e9;
-      for (int i = 0; i < 3; ++i) {
-        const double a = (solid.low[i] - origin[i]) / ray[i];
-        const double b = (solid.high[i] - origin[i]) / ray[i];
-        enter = std::max(enter, std::min(a, b));
-        leave = std::min(leave, std::max(a, b));
-      }
-      if (enter < leave && enter > 0) nearest = std::min(nearest, enter);
-    }
+    for (const Solid& solid : solids) nearest = std::min(nearest, solid.cast(origin, ray));
     return nearest;
   }
 };
@@ -64,7 +84,7 @@ inline AnalyticRoom kitchen() {
 /// Scans by a camera-like sensor that turns all round and looks down a little, with Gaussian noise along the
 /// ray that grows with the square of the range. `noise` in metres at 1 m.
 inline ScanSet scan_room(const AnalyticRoom& room, const std::vector<Vector3d>& origins, double noise,
-                         uint64_t seed) {
+                         uint64_t seed, double highest_pitch = 0.35) {
   ScanSet set;
   set.sensor = "synthetic";
   set.range_max = 6;
@@ -76,7 +96,7 @@ inline ScanSet scan_room(const AnalyticRoom& room, const std::vector<Vector3d>& 
     scan.map_from_scan.translation() = origins[i];
     scan.origins.emplace_back(0.F, 0.F, 0.F);
     constexpr double kStep = 0.45 * std::numbers::pi / 180;
-    for (double pitch = -1.25; pitch < 0.35; pitch += kStep)
+    for (double pitch = -1.25; pitch < highest_pitch; pitch += kStep)
       for (double yaw = 0; yaw < 2 * std::numbers::pi; yaw += kStep / std::cos(pitch)) {
         const Vector3d ray(std::cos(yaw) * std::cos(pitch) + 1e-9, std::sin(yaw) * std::cos(pitch) + 1e-9,
                            std::sin(pitch));

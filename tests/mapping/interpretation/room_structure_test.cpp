@@ -1,0 +1,173 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "mapping/interpretation/interpretation.h"
+#include "mapping/interpretation/take_names.h"
+#include "mapping/world/urdf.h"
+#include "tests/mapping/interpretation/synthetic_room.h"
+
+namespace loci::test {
+namespace {
+
+InterpretedMap interpreted(const ScanSet& scans) {
+  NoProgress progress;
+  return interpret(scans, {}, progress);
+}
+
+const std::vector<Vector3d> kLaserOrigins = {
+    {0.8, 1.9, 1.25}, {2.0, 1.7, 1.25}, {3.2, 1.7, 1.25}, {3.3, 0.5, 1.25}, {0.7, 0.5, 1.25}};
+
+/// As high as a tilting laser looks.
+constexpr double kUp = 0.78;
+
+std::vector<Vector2d> outline_of(const InterpretedMap& map, const std::string& name) {
+  std::vector<Vector2d> outline;
+  for (const Json& corner : map.semantics.links.at(name).geometry.at("outline"))
+    outline.emplace_back(corner.at(0).get<double>(), corner.at(1).get<double>());
+  return outline;
+}
+
+bool inside(const std::vector<Vector2d>& polygon, const Vector2d& at) {
+  bool odd = false;
+  for (size_t i = 0; i < polygon.size(); ++i) {
+    const Vector2d& a = polygon[i];
+    const Vector2d& b = polygon[(i + 1) % polygon.size()];
+    if ((a.y() < at.y()) != (b.y() < at.y()) &&
+        at.x() < a.x() + (at.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
+      odd = !odd;
+  }
+  return odd;
+}
+
+/// Intersection over union of an outline and a region, by centimetres in a room of 4 × 3 m.
+template <class Region>
+double overlap(const std::vector<Vector2d>& outline, const Region& region) {
+  double shared = 0;
+  double both = 0;
+  for (double x = 0.005; x < 4; x += 0.01)
+    for (double y = 0.005; y < 3; y += 0.01) {
+      const bool a = inside(outline, {x, y});
+      const bool b = region(Vector2d(x, y));
+      shared += a && b;
+      both += a || b;
+    }
+  return shared / both;
+}
+
+TEST(RoomStructure, WallThatIsSeenFromBothSidesIsFoundOnBoth) {
+  AnalyticRoom room;
+  room.solids.push_back({{2.0, 0.0, 0.0}, {2.1, 1.6, 2.5}});
+  const InterpretedMap map = interpreted(scan_room(
+      room, {{0.8, 0.8, 1.25}, {3.2, 0.8, 1.25}, {2.0, 2.4, 1.25}, {0.6, 2.2, 1.25}}, 0.002, 21, kUp));
+  size_t east_face = 0;
+  size_t west_face = 0;
+  for (const auto& [name, link] : map.semantics.links) {
+    if (link.class_name != "wall") continue;
+    const double x = link.geometry.at("normal").at(0).get<double>();
+    const double offset = link.geometry.at("offset").get<double>();
+    east_face += x > 0.99 && std::abs(offset - 2.1) < 0.01;
+    west_face += x < -0.99 && std::abs(offset + 2.0) < 0.01;
+  }
+  EXPECT_EQ(east_face, 1U);
+  EXPECT_EQ(west_face, 1U);
+}
+
+TEST(RoomStructure, TallCupboardBelowTheCeilingIsNoWall) {
+  AnalyticRoom room;
+  room.solids.push_back({{0.5, 2.4, 0}, {2.9, 3.0, 2.1}});
+  const InterpretedMap map = interpreted(scan_room(room, kLaserOrigins, 0.002, 22, kUp));
+  size_t walls = 0;
+  for (const auto& [name, link] : map.semantics.links) walls += link.class_name == "wall";
+  EXPECT_EQ(walls, 4U);
+}
+
+TEST(RoomStructure, RoundTableHasARoundOutline) {
+  AnalyticRoom room;
+  room.solids.push_back({{1.4, 0.6, 0.71}, {2.4, 1.6, 0.74}, 0, true});
+  room.solids.push_back({{1.85, 1.05, 0.0}, {1.95, 1.15, 0.71}, 0, true});
+  const InterpretedMap map = interpreted(scan_room(room, kLaserOrigins, 0.002, 23));
+  ASSERT_TRUE(map.semantics.links.contains("table_1"));
+  const auto disc = [](const Vector2d& at) { return (at - Vector2d(1.9, 1.1)).norm() < 0.5; };
+  EXPECT_GT(overlap(outline_of(map, "table_1"), disc), 0.95);
+  const Link* link = map.world.find_link("table_1");
+  EXPECT_TRUE(std::holds_alternative<Cylinder>(link->collisions.front().geometry));
+}
+
+TEST(RoomStructure, TableAskewToTheRoomKeepsItsOwnDirection) {
+  AnalyticRoom room;
+  const double yaw = 0.5;
+  room.solids.push_back({{1.4, 0.7, 0.71}, {2.6, 1.4, 0.74}, yaw});
+  room.solids.push_back({{1.9, 0.95, 0.0}, {2.1, 1.15, 0.71}, yaw});
+  const InterpretedMap map = interpreted(scan_room(room, kLaserOrigins, 0.002, 24));
+  ASSERT_TRUE(map.semantics.links.contains("table_1"));
+  const auto top = [&](const Vector2d& at) {
+    const Vector2d own = Eigen::Rotation2Dd(-yaw) * (at - Vector2d(2.0, 1.05));
+    return std::abs(own.x()) < 0.6 && std::abs(own.y()) < 0.35;
+  };
+  EXPECT_GT(overlap(outline_of(map, "table_1"), top), 0.93);
+}
+
+TEST(RoomStructure, EmptyRoomIsAValidMapOfFloorAndWalls) {
+  const InterpretedMap map = interpreted(scan_room({}, kLaserOrigins, 0.002, 25));
+  EXPECT_TRUE(map.usable());
+  for (const auto& [name, link] : map.semantics.links)
+    EXPECT_THAT(link.class_name, testing::AnyOf("floor", "ceiling", "wall")) << name;
+  EXPECT_EQ(map.semantics.links.count("floor"), 1U);
+  EXPECT_EQ(parse_urdf(urdf_text(map.world), "map.urdf").links.size(), map.world.links.size());
+}
+
+void turn_over(Scan& scan) {
+  for (ScanPoint& point : scan.points) point.position.tail<2>() *= -1;
+}
+
+TEST(RoomStructure, ScansThatAreUpsideDownAreRefused) {
+  ScanSet scans = scan_room(kitchen(), kLaserOrigins, 0.002, 26);
+  for (Scan& scan : scans.scans) turn_over(scan);
+  try {
+    interpreted(scans);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("upside down"));
+  }
+}
+
+TEST(RoomStructure, OneBadScanIsNamedAndDoesNotSpoilTheMap) {
+  ScanSet scans = scan_room(kitchen(), kLaserOrigins, 0.002, 27);
+  turn_over(scans.scans[1]);
+  scans.scans[4].points.clear();
+  const InterpretedMap map = interpreted(scans);
+  EXPECT_THAT(map.notes, testing::Contains(testing::AllOf(testing::HasSubstr("upside down"),
+                                                          testing::HasSubstr(scans.scans[1].name))));
+  EXPECT_THAT(map.notes, testing::Contains(testing::AllOf(testing::HasSubstr("without returns"),
+                                                          testing::HasSubstr(scans.scans[4].name))));
+  EXPECT_TRUE(map.semantics.links.contains("table_1"));
+}
+
+TEST(RoomStructure, NamesOfAnOlderMapAreTakenOver) {
+  const InterpretedMap before = interpreted(scan_room(kitchen(), kLaserOrigins, 0.002, 28));
+  SemanticMap older = before.semantics;
+  const auto rename = [&](const std::string& from, const std::string& to) {
+    auto node = older.links.extract(from);
+    node.key() = to;
+    older.links.insert(std::move(node));
+  };
+  rename("counter_1", "counter_7");
+  rename("wall_north", "wall_with_the_clock");
+  older.links.at("table_1").aliases = {"the dining table"};
+  AnalyticRoom room = kitchen();
+  room.solids.push_back({{3.4, 0.4, 0}, {4.0, 1.4, 0.9}});  // bought since
+  InterpretedMap now = interpreted(scan_room(room, kLaserOrigins, 0.002, 29));
+  const TakenNames names = take_names(now.world, now.semantics, older);
+  for (const char* name : {"counter_7", "wall_with_the_clock", "table_1", "floor"}) {
+    EXPECT_TRUE(now.semantics.links.contains(name)) << name;
+    EXPECT_NE(now.world.find_link(name), nullptr) << name;
+    EXPECT_NE(now.world.find_joint(std::string(name) + "_joint"), nullptr) << name;
+  }
+  EXPECT_EQ(now.semantics.links.at("table_1").aliases.size(), 1U);
+  EXPECT_TRUE(names.vanished.empty());
+  ASSERT_EQ(names.added.size(), 1U);
+  EXPECT_FALSE(older.links.contains(names.added.front()));
+}
+
+}  // namespace
+}  // namespace loci::test
