@@ -19,11 +19,13 @@ constexpr double kMostPassedOver = 0.3;  // of its length; furniture is lower th
 constexpr double kLookedOver = 0.3;      // of its length, which is enough to know
 constexpr double kMostPierced = 0.6;     // of its area; a wall may have large windows
 constexpr double kAtCeiling = 0.12;      // m
-constexpr double kNarrow = 0.3;          // m; narrower planes are reveals of windows and doors, or pillars
-constexpr double kParallel = 0.9995;     // cosine of 1.8°
-constexpr double kSamePlane = 0.025;     // m between pieces of one wall
-constexpr double kDoor = 1.3;            // m; a gap in a wall that a door makes
-constexpr double kDeepestWindow = 0.5;   // m from a wall's face to the pane
+constexpr double kBelowCeiling = 0.25;   // m
+constexpr double kCupboardSide = 1.0;  // m; narrower planes that end below the ceiling are sides of furniture
+constexpr double kNarrow = 0.3;        // m; narrower planes are reveals of windows and doors, or pillars
+constexpr double kParallel = 0.9995;   // cosine of 1.8°
+constexpr double kSamePlane = 0.025;   // m between pieces of one wall
+constexpr double kDoor = 1.3;          // m; a gap in a wall that a door makes
+constexpr double kDeepestWindow = 0.5;  // m from a wall's face to the pane
 constexpr double kShallowestWindow = 0.03;
 
 /// A plane on trial.
@@ -76,6 +78,9 @@ std::string why_not_upright(const Candidate& candidate, double floor_height, std
     return fmt::format("something was seen over {:.0f} % of its length", 100 * candidate.rays.passed_over);
   if (free_space && candidate.rays.pierced > kMostPierced)
     return fmt::format("rays passed through {:.0f} % of it", 100 * candidate.rays.pierced);
+  if (ceiling && plane.top < *ceiling - kBelowCeiling && plane.length() < kCupboardSide)
+    return fmt::format("it is {:.2f} m wide and ends {:.2f} m below the ceiling", plane.length(),
+                       *ceiling - plane.top);
   const bool full_height = (ceiling && plane.top > *ceiling - kAtCeiling) ||
                            (free_space && candidate.rays.looked_over > kLookedOver);
   if (!full_height && plane.behind > kMostBehind)

@@ -76,9 +76,10 @@ TEST(RoomStructure, TallCupboardBelowTheCeilingIsNoWall) {
   AnalyticRoom room;
   room.solids.push_back({{0.5, 2.4, 0}, {2.9, 3.0, 2.1}});
   const InterpretedMap map = interpreted(scan_room(room, kLaserOrigins, 0.002, 22, kUp));
-  size_t walls = 0;
-  for (const auto& [name, link] : map.semantics.links) walls += link.class_name == "wall";
-  EXPECT_EQ(walls, 4U);
+  std::vector<std::string> walls;
+  for (const auto& [name, link] : map.semantics.links)
+    if (link.class_name == "wall") walls.push_back(name + " " + link.geometry.at("offset").dump());
+  EXPECT_EQ(walls.size(), 4U) << testing::PrintToString(walls);
 }
 
 TEST(RoomStructure, RoundTableHasARoundOutline) {
