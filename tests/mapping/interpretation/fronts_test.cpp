@@ -13,7 +13,7 @@ std::vector<Front> fronts_of_furniture(const Furniture& furniture, uint64_t seed
   options.threads = threads;
   NoProgress progress;
   const Surface surface = gather_surface(scan_furniture(furniture, kStandpoints, seed), threads, progress);
-  return find_fronts(surface, 0, find_walls(surface, 0, options), options, progress).fronts;
+  return find_fronts(surface, 0, find_walls(surface, 0, std::nullopt, options), options, progress).fronts;
 }
 
 /// Intersection over union of a front with a rectangle given by its borders.
