@@ -13,8 +13,9 @@
 namespace loci {
 namespace {
 
-constexpr double kMargin = 0.5;  // m of unknown around everything
-constexpr double kFloor = 0.05;  // m; upward faces so near to the floor's height are floor
+constexpr double kMargin = 0.5;      // m of unknown around everything
+constexpr double kFloor = 0.05;      // m; upward faces so near to the floor's height are floor
+constexpr double kLeastFloor = 0.1;  // of the area that the geometry spans
 constexpr double kMostCells = 4e8;
 constexpr int kShift = 4;  // fractional bits of OpenCV's polygon corners
 
@@ -93,7 +94,9 @@ OccupancyGrid occupancy_grid(const std::vector<WorldTriangle>& triangles, const 
     if (is_floor(triangle, options.floor_m))
       fill(floor, grid, {triangle.corners.begin(), triangle.corners.end()});
   }
-  if (cv::countNonZero(floor) == 0) {
+  // Sills and plinths lie low, too, but are no floor.
+  const double reached = box.sizes().prod() / (options.resolution_m * options.resolution_m);
+  if (cv::countNonZero(floor) < kLeastFloor * reached) {
     warnings.add("the map has no floor: all that its geometry encloses counts as floor");
     const Vector3d low(box.min().x(), box.min().y(), 0);
     const Vector3d high(box.max().x(), box.max().y(), 0);

@@ -181,6 +181,19 @@ TEST(Grid, FurnitureIsOccupiedFloorIsFreeTheRestUnknown) {
   EXPECT_TRUE(warnings.empty());
 }
 
+TEST(Grid, WorldWithoutFloorStandsOnOne) {
+  FurnishedMap map;
+  std::erase_if(map.world.joints, [](const Joint& joint) { return joint.child == "floor"; });
+  std::erase_if(map.world.links, [](const Link& link) { return link.name == "floor"; });
+  Warnings warnings;
+  GridOptions above_all;
+  above_all.height_min_m = 1;
+  const OccupancyGrid grid = occupancy_grid(triangles_of(map.world), above_all, warnings);
+  EXPECT_FALSE(warnings.empty());
+  EXPECT_EQ(at(grid, 0, 1.7), Occupancy::free);
+  EXPECT_EQ(at(grid, 0, 1.1), Occupancy::unknown);
+}
+
 TEST(Grid, WhatARobotDrivesOverOrUnderIsNoObstacle) {
   const FurnishedMap map;
   Warnings warnings;
