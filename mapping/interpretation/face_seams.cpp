@@ -9,6 +9,7 @@ namespace {
 constexpr int kFlank = 6;             // cells on each side that a line is compared with
 constexpr int kFlankGap = 1;          // cells between a line and its flanks
 constexpr int kWindow = 5;            // chunks; a line that shows nothing over this length is interrupted
+constexpr float kLeastCosine = 0.3F;  // of incidence; a flatter ray tells where it crosses the face too badly
 constexpr double kMostZ = 4;          // influence of one chunk
 constexpr double kShownZ = 1;         // a chunk with more shows the line
 constexpr float kLeastWeight = 1.5F;  // rays in a line's part of a chunk
@@ -16,9 +17,14 @@ constexpr float kLeastWeight = 1.5F;  // rays in a line's part of a chunk
 constexpr std::array<double, 6> kTrivial = {0.001, 0.02, 0.008, 0.006, 0.006, 0.006};
 constexpr std::array<double, 6> kLeastSd = {0.002, 0.05, 0.01, 0.008, 0.008, 0.008};
 
+/// Of the angle of incidence on the face.
+float cosine_of(const FaceRay& ray) {
+  return 1 / std::sqrt(1 + ray.slope_u * ray.slope_u + ray.slope_v * ray.slope_v);
+}
+
 /// Whether a ray comes near a fixture: part of its beam may have met it, or the post below it.
 bool touches(const FaceRay& ray, const FaceFixture& fixture) {
-  constexpr double kBeam = 0.012;  // m
+  constexpr double kBeam = 0.018;  // m
   for (const double part : {0.0, 0.35, 0.7, 1.0}) {
     const double depth = part * fixture.fixture.protrusion;
     if (fixture.box.contains(static_cast<double>(ray.u) + static_cast<double>(ray.slope_u) * depth,
@@ -49,6 +55,7 @@ void SeamMap::gather(const FaceRays& rays, const std::vector<FaceFixture>& fixtu
   const FaceRect extent{rays.face.u_min, rays.face.u_max, rays.face.v_min, rays.face.v_max};
   const auto used = [&](const FaceRay& ray, int& x, int& y) {
     if (ray.returned && ray.depth > before) return false;  // it ended before it met the face
+    if (cosine_of(ray) < kLeastCosine) return false;
     x = grid_.column(static_cast<double>(ray.u));
     y = grid_.row(static_cast<double>(ray.v));
     return grid_.inside(x, y) &&
@@ -60,9 +67,10 @@ void SeamMap::gather(const FaceRays& rays, const std::vector<FaceFixture>& fixtu
     int y = 0;
     if (!used(ray, x, y)) continue;
     const size_t cell = grid_.number(x, y);
+    const float weight = std::min(1.F, 2 * cosine_of(ray) * cosine_of(ray));
     const auto add = [&](size_t channel, float value) {
-      sums_[channel].sum[cell] += value;
-      sums_[channel].weight[cell] += 1;
+      sums_[channel].sum[cell] += weight * value;
+      sums_[channel].weight[cell] += weight;
     };
     add(missing, ray.returned ? 0.F : 1.F);
     // A mirror-like front gives no returns, but neither does the sky beside a face.

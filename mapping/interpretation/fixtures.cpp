@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <set>
+
+#include "mapping/interpretation/face_ground.h"
 
 namespace loci {
 namespace {
@@ -19,9 +22,13 @@ constexpr double kLargestKnob = 0.065;      // m
 constexpr double kSmallestKnob = 0.008;     // m
 constexpr double kElongated = 2.2;          // length over width that makes a bar
 constexpr double kMostTurned = 0.35;        // rad; handles are level or upright
+/// Of the points in a cell that stand before the face, for the cell to belong to a fixture; look by look.
+constexpr std::array<float, 3> kShares = {0.3F, 0.45F, 0.65F};
+constexpr double kLeastShownAtEnds = 0.25;
 constexpr size_t kFewestPoints = 10;
+constexpr double kFewestBeside = 6;      // cells beside a fixture that rays met
 constexpr double kSurroundings = 0.035;  // m beside a fixture in which its front shows
-constexpr double kLeastShown = 0.5;      // of these must be face
+constexpr double kLeastShown = 0.4;      // of these must be face
 constexpr float kFewest = 0.07F;         // points per cell after smoothing: one within 6 mm
 constexpr double kHalfRound =
     0.785;  // mean distance of the visible half of a cylinder from its axis / radius
@@ -47,33 +54,36 @@ double percentile(std::vector<double> values, double fraction) {
   return values[static_cast<size_t>(at)];
 }
 
-/// Rasters of what the rays met: the face, something shortly before it, something farther before it.
-struct Layers3 {
-  cv::Mat face, fixture, farther;
+/// Rasters of what the rays met: the face, something shortly or farther before it, something behind it.
+struct Layers {
+  cv::Mat face, fixture, farther, behind;
 };
 
-Layers3 count(const FaceRays& rays, const FaceGrid& grid, double threshold) {
+Layers count(const FaceRays& rays, const FaceGrid& grid, const FaceGround& ground, double threshold) {
   const cv::Mat empty = cv::Mat::zeros(grid.height, grid.width, CV_32F);
-  Layers3 layers{empty.clone(), empty.clone(), empty.clone()};
+  Layers layers{empty.clone(), empty.clone(), empty.clone(), empty.clone()};
   for (const FaceRay& ray : rays.rays) {
-    const double depth = static_cast<double>(ray.depth);
+    double u = ray.point_u();
+    double v = ray.point_v();
+    const double depth = static_cast<double>(ray.depth) - ground.at(u, v);
     const bool before = ray.returned && depth > threshold;
-    const double u = before ? ray.point_u() : static_cast<double>(ray.u);
-    const double v = before ? ray.point_v() : static_cast<double>(ray.v);
+    if (!before) u = static_cast<double>(ray.u), v = static_cast<double>(ray.v);
     const int x = grid.column(u);
     const int y = grid.row(v);
     if (!grid.inside(x, y)) continue;
-    cv::Mat& layer = !before ? layers.face : depth < kFixtureReach ? layers.fixture : layers.farther;
     // A mirror-like front gives no returns: that nothing came back says that nothing stands before it.
-    if (before || !ray.returned || depth > -kFaceRelief) layer.at<float>(y, x) += 1;
+    cv::Mat& layer = before ? (depth < kFixtureReach ? layers.fixture : layers.farther)
+                     : ray.returned && depth < -threshold ? layers.behind
+                                                          : layers.face;
+    layer.at<float>(y, x) += 1;
   }
-  for (cv::Mat* layer : {&layers.face, &layers.fixture, &layers.farther})
+  for (cv::Mat* layer : {&layers.face, &layers.fixture, &layers.farther, &layers.behind})
     cv::GaussianBlur(*layer, *layer, {}, 1.5, 1.5, cv::BORDER_CONSTANT);
   return layers;
 }
 
 /// Cells in which a good part of the points stands shortly before the face.
-cv::Mat candidates(const Layers3& layers, float share) {
+cv::Mat candidates(const Layers& layers, float share) {
   return (layers.fixture > kFewest) & (layers.fixture > share * (layers.fixture + layers.face));
 }
 
@@ -196,20 +206,22 @@ class FixtureFinder {
   FixtureFinder(const FaceRays& rays)
       : rays_(rays),
         grid_(rays.face),
+        ground_(rays),
         threshold_(std::clamp(2 * rays.sigma, kLeastProtrusion, 0.03)),
-        layers_(count(rays, grid_, threshold_)) {}
+        layers_(count(rays, grid_, ground_, threshold_)) {}
 
   FixtureSearch search(const Random& random) {
-    constexpr float kSome = 0.3F;
-    constexpr float kMost = 0.65F;
     // What hangs together with something large, a handle close below a counter, is looked at more closely.
-    const cv::Mat rest = search(candidates(layers_, kSome), random.fork(0), false);
-    search(rest & candidates(layers_, kMost), random.fork(1), true);
+    cv::Mat rest(grid_.height, grid_.width, CV_8U, cv::Scalar(255));
+    for (size_t look = 0; look < kShares.size(); ++look)
+      rest = search(rest & candidates(layers_, kShares[look]), random.fork(look), look + 1 == kShares.size());
+    drop_ghosts();
     return std::move(result_);
   }
 
  private:
-  /// Tries every patch of a raster; returns those that are no fixtures. Only the last try says why.
+  /// Tries every patch of a raster; returns those without the shape of a fixture, to be looked at again. Only
+  /// the last look says why.
   cv::Mat search(const cv::Mat& mask, const Random& random, bool last) {
     cv::Mat labels;
     std::vector<Patch> patches = patches_of(mask, labels);
@@ -221,10 +233,11 @@ class FixtureFinder {
       const cv::Rect& cells = patches[i].cells;
       const FaceRect box{grid_.u0 + cells.x * kFaceCell, grid_.u0 + (cells.x + cells.width) * kFaceCell,
                          grid_.v0 + cells.y * kFaceCell, grid_.v0 + (cells.y + cells.height) * kFaceCell};
-      const std::string why = try_cluster(clusters[i], box, random.fork(i));
+      bool shapeless = false;
+      const std::string why = try_cluster(clusters[i], box, random.fork(i), shapeless);
       if (why.empty()) continue;
-      failed[i] = true;
-      if (!last) continue;
+      failed[i] = shapeless;
+      if (shapeless && !last) continue;
       const Vector3d at = rays_.face.at(box.u(), box.v());
       result_.notes.push_back(
           fmt::format("what stands before the face at ({:.2f}, {:.2f}, {:.2f}) is no fixture: {}", at.x(),
@@ -241,7 +254,7 @@ class FixtureFinder {
                                               const cv::Mat& labels) const {
     std::vector<std::vector<Point>> clusters(patches.size());
     for (const FaceRay& ray : rays_.rays) {
-      const double depth = static_cast<double>(ray.depth);
+      const double depth = static_cast<double>(ray.depth) - ground_.at(ray.point_u(), ray.point_v());
       if (!ray.returned || depth < threshold_ || depth > kFixtureReach) continue;
       const int x = grid_.column(ray.point_u());
       const int y = grid_.row(ray.point_v());
@@ -254,7 +267,9 @@ class FixtureFinder {
     return clusters;
   }
 
-  std::string try_cluster(const std::vector<Point>& points, const FaceRect& box, const Random& random) {
+  std::string try_cluster(const std::vector<Point>& points, const FaceRect& box, const Random& random,
+                          bool& shapeless) {
+    shapeless = true;
     if (std::min(box.width(), box.height()) > 3 * kThickestBar) return "it is large";
     Shape shape = line_through(points, random);
     if (shape.inliers.size() < kFewestPoints) return "few points";
@@ -265,9 +280,36 @@ class FixtureFinder {
       for (size_t i = 0; i < points.size(); ++i) shape.inliers[i] = i;
       measure(points, shape);
     }
+    if (bar) extend(shape);
     const std::string why = bar ? why_no_bar(shape, points.size()) : why_no_knob(shape);
     if (!why.empty()) return why;
+    shapeless = false;
     return add(points, shape, bar);
+  }
+
+  /// A closer look sees less: the bar goes on as long as points before the face follow each other along it.
+  void extend(Shape& shape) const {
+    constexpr double kReach = 0.12;  // m beyond each end
+    constexpr double kStep = 0.012;  // m between points that follow each other
+    const Vector2d across(-shape.axis.y(), shape.axis.x());
+    std::vector<double> along;
+    for (const FaceRay& ray : rays_.rays) {
+      if (!ray.returned || ray.depth > static_cast<float>(2 * kFixtureReach)) continue;
+      const Vector2d d = Vector2d(ray.point_u(), ray.point_v()) - shape.centre;
+      const double depth = static_cast<double>(ray.depth) - ground_.at(ray.point_u(), ray.point_v());
+      if (std::abs(across.dot(d)) < 0.4 * shape.width && depth > threshold_ && depth < kFixtureReach &&
+          std::abs(shape.axis.dot(d)) < shape.length / 2 + kReach)
+        along.push_back(shape.axis.dot(d));
+    }
+    std::sort(along.begin(), along.end());
+    double low = -shape.length / 2;
+    double high = shape.length / 2;
+    for (const double a : along)
+      if (a > high && a - high < kStep) high = a;
+    for (size_t i = along.size(); i-- > 0;)
+      if (along[i] < low && low - along[i] < kStep) low = along[i];
+    shape.centre += (low + high) / 2 * shape.axis;
+    shape.length = high - low;
   }
 
   static std::string why_no_bar(const Shape& shape, size_t points) {
@@ -285,26 +327,50 @@ class FixtureFinder {
     return {};
   }
 
-  /// Share of a band beside the fixture in which the face itself was met; unset cells do not count.
+  /// Beams that meet a bar and the front beside it give a second, weak bar near it.
+  void drop_ghosts() {
+    constexpr double kNear = 0.1;   // m
+    constexpr double kWeak = 0.35;  // of the bar's points
+    const auto points = [](const FaceFixture& fixture) {
+      return fixture.fixture.evidence.at("inliers").get<double>();
+    };
+    const std::vector<FaceFixture> all = result_.fixtures;
+    std::erase_if(result_.fixtures, [&](const FaceFixture& weak) {
+      return std::any_of(all.begin(), all.end(), [&](const FaceFixture& strong) {
+        return points(weak) < kWeak * points(strong) && strong.box.grown(kNear).contains(weak.u, weak.v) &&
+               std::abs(weak.fixture.axis.dot(strong.fixture.axis)) > 0.9;
+      });
+    });
+  }
+
+  /// Share of a band beside the fixture in which the face itself was met: the least of its thirds, for what
+  /// ends the face (the edge of a counter) may have something else behind a part of it.
   double shown(const Shape& shape, double side, bool along) const {
     const Vector2d axis = along ? shape.axis : Vector2d(-shape.axis.y(), shape.axis.x());
     const Vector2d across(-axis.y(), axis.x());
-    const double half_length = (along ? shape.length : shape.width) / 2;
+    const double length = along ? shape.length : shape.width;
     const double half_width = (along ? shape.width : shape.length) / 2;
-    double face = 0;
-    double known = 0;
-    for (double s = -half_length; s <= half_length + 1e-9; s += kFaceCell)
+    std::array<double, 3> face{};
+    std::array<double, 3> cells{};
+    for (double s = -length / 2; s <= length / 2 + 1e-9; s += kFaceCell)
       for (double t = half_width + 0.008; t < half_width + kSurroundings; t += kFaceCell) {
         const Vector2d at = shape.centre + s * axis + side * t * across;
         const int x = grid_.column(at.x());
         const int y = grid_.row(at.y());
+        const auto third = static_cast<size_t>(std::clamp(3 * (s / length + 0.5), 0.0, 2.0));
         if (!grid_.inside(x, y)) continue;
         const float on = layers_.face.at<float>(y, x);
-        const float off = layers_.fixture.at<float>(y, x) + layers_.farther.at<float>(y, x);
-        known += 1;
-        face += on > kFewest && on > off ? 1 : 0;
+        const float off = layers_.fixture.at<float>(y, x) + layers_.farther.at<float>(y, x) +
+                          layers_.behind.at<float>(y, x);
+        if (on + off < kFewest) continue;  // in the shadow
+        cells[third] += 1;
+        face[third] += on > off ? 1 : 0;
       }
-    return known > 0 ? face / known : 0;
+    double least = 1;
+    if (cells[0] + cells[1] + cells[2] < kFewestBeside) return 0;
+    for (size_t i = 0; i < 3; ++i)
+      if (cells[i] > 0) least = std::min(least, face[i] / cells[i]);
+    return least;
   }
 
   /// Points farther before the face over the fixture, per point of it: the edge of something that stands
@@ -324,10 +390,9 @@ class FixtureFinder {
   std::string add(const std::vector<Point>& points, Shape& shape, bool bar) {
     const double above = std::min(shown(shape, 1, true), shown(shape, -1, true));
     if (above < kLeastShown) return fmt::format("the face shows beside {:.0f} % of it", 100 * above);
-    if (!bar) {
-      const double ends = std::min(shown(shape, 1, false), shown(shape, -1, false));
-      if (ends < kLeastShown) return fmt::format("the face shows beside {:.0f} % of it", 100 * ends);
-    }
+    const double ends = std::min(shown(shape, 1, false), shown(shape, -1, false));
+    if (ends < (bar ? kLeastShownAtEnds : kLeastShown))
+      return fmt::format("the face shows beyond its ends in {:.0f} %", 100 * ends);
     const double before = farther(shape, shape.inliers.size());
     if (before > 0.5) return "more stands farther before the face there";
     std::set<int> scans;
@@ -342,16 +407,16 @@ class FixtureFinder {
     fixture.radius =
         std::clamp(bar ? (shape.width - 0.004) / 2 : (shape.length + shape.width) / 4, 0.003, 0.03);
     fixture.length = bar ? shape.length : 2 * fixture.radius;
+    const double ground = ground_.at(shape.centre.x(), shape.centre.y());
     std::vector<double> depths;
     const Vector2d across(-shape.axis.y(), shape.axis.x());
     const double reach_along = bar ? 0.4 * shape.length : 0.3 * shape.width;
     for (const FaceRay& ray : rays_.rays) {
-      if (!ray.returned || static_cast<double>(ray.depth) > kFixtureReach ||
-          static_cast<double>(ray.depth) < -kFaceRelief)
-        continue;
+      const double depth = static_cast<double>(ray.depth) - ground;
+      if (!ray.returned || depth > kFixtureReach || depth < -kFaceRelief) continue;
       const Vector2d d = Vector2d(ray.point_u(), ray.point_v()) - shape.centre;
       if (std::abs(shape.axis.dot(d)) < reach_along && std::abs(across.dot(d)) < 0.35 * shape.width)
-        depths.push_back(static_cast<double>(ray.depth));
+        depths.push_back(depth);
     }
     const double surface = depth_of(depths, percentile(first_depths, 0.5), std::max(rays_.sigma, 0.003));
     if (surface < 0.9 * kLeastProtrusion) return fmt::format("it stands out by {:.3f} m only", surface);
@@ -369,7 +434,9 @@ class FixtureFinder {
     found.u = centre.x();
     found.v = centre.y();
     const Face& face = rays_.face;
-    fixture.centre = face.at(found.u, found.v, fixture.protrusion);
+    fixture.centre = face.at(found.u, found.v, ground + fixture.protrusion);
+    if (!FaceRect{face.u_min, face.u_max, face.v_min, face.v_max}.contains(found.u, found.v))
+      return "it is beside the face";
     fixture.axis =
         bar ? Vector3d(shape.axis.x() * face.right3() + shape.axis.y() * Vector3d::UnitZ()) : face.normal3();
     const double half_u =
@@ -390,8 +457,9 @@ class FixtureFinder {
 
   const FaceRays& rays_;
   FaceGrid grid_;
+  FaceGround ground_;
   double threshold_;
-  Layers3 layers_;
+  Layers layers_;
   FixtureSearch result_;
 };
 

@@ -7,13 +7,14 @@
 namespace loci {
 namespace {
 
-constexpr double kLeastZ = 5;         // of a cut
+constexpr double kLeastZ = 6;         // of a cut
 constexpr double kLeastShare = 0.6;   // of its length that shows it
 constexpr double kLeastSide = 0.028;  // m; narrower parts are not cut off
 constexpr double kUnbroken = 0.3;     // of a line's mean score along all its length
 constexpr double kLeastFront = 0.08;  // m
 constexpr double kSomeFace = 0.08;    // share of these that is face, while it is cut
 constexpr double kLeastKnown = 0.1;   // share of a row or column that rays met
+constexpr double kLeastGap = 0.015;   // m; wider strips without face part it
 constexpr double kLeastFace = 0.4;    // and of these that is face
 constexpr int kDeepest = 60;          // cuts one after the other
 constexpr double kSameLine = 0.03;    // m
@@ -48,6 +49,24 @@ void shrink(const SeamMap& seams, PlacedFront& part, double least_face) {
     for (size_t side = 0; side < 4; ++side)
       if (trimmed[side] > 2 * kFaceCell) part.edges[side] = {};
   }
+}
+
+/// The widest strip across a part in which there is no face: something stands out there, or there is a hole.
+std::optional<std::pair<double, double>> widest_gap(const std::vector<std::array<float, 2>>& shares,
+                                                    double start) {
+  std::optional<std::pair<double, double>> widest;
+  size_t begin = 0;
+  for (size_t i = 0; i <= shares.size(); ++i) {
+    const bool face = i == shares.size() || (shares[i][0] >= static_cast<float>(kLeastKnown) &&
+                                             shares[i][1] >= static_cast<float>(kSomeFace));
+    if (!face) continue;
+    const double width = static_cast<double>(i - begin) * kFaceCell;
+    if (begin > 0 && i < shares.size() && width > kLeastGap &&
+        (!widest || width > widest->second - widest->first))
+      widest = {start + static_cast<double>(begin) * kFaceCell, start + static_cast<double>(i) * kFaceCell};
+    begin = i + 1;
+  }
+  return widest;
 }
 
 struct Cut {
@@ -137,6 +156,7 @@ class Layout {
   void cut(PlacedFront part, int depth) {
     shrink(seams_, part, kSomeFace);
     if (part.rect.width() < kLeastSide || part.rect.height() < kLeastSide) return;
+    if (depth < kDeepest && cut_gap(part, depth)) return;
     const std::optional<Cut> best =
         depth < kDeepest ? strongest_cut(seams_, part.rect, fixtures_) : std::nullopt;
     if (!best) return finish(part);
@@ -158,14 +178,33 @@ class Layout {
     cut(high, depth + 1);
   }
 
+  bool cut_gap(const PlacedFront& part, int depth) {
+    for (const bool upright : {false, true}) {
+      const auto gap = upright ? widest_gap(seams_.column_shares(part.rect), part.rect.u0)
+                               : widest_gap(seams_.row_shares(part.rect), part.rect.v0);
+      if (!gap || cuts_fixture(part.rect, upright, (gap->first + gap->second) / 2, fixtures_)) continue;
+      PlacedFront low = part;
+      PlacedFront high = part;
+      (upright ? low.rect.u1 : low.rect.v1) = gap->first;
+      (upright ? high.rect.u0 : high.rect.v0) = gap->second;
+      low.edges[upright ? right : top] = {};
+      high.edges[upright ? left : bottom] = {};
+      cut(low, depth + 1);
+      cut(high, depth + 1);
+      return true;
+    }
+    return false;
+  }
+
   void finish(PlacedFront part) {
     shrink(seams_, part, kLeastFace);
     settle_edges(part);
-    const SeamMap::Look look = seams_.look(part.rect);
     if (part.rect.width() < kLeastFront || part.rect.height() < kLeastFront) return;
     std::vector<size_t> inside;
     for (size_t i = 0; i < fixtures_.size(); ++i)
       if (part.rect.contains(fixtures_[i].u, fixtures_[i].v)) inside.push_back(i);
+    const SeamMap::Look look = seams_.look(part.rect);
+    if (look.known * look.face < 0.5) return;
     for (const size_t i : inside) housed_[i] = true;
     if (inside.size() > 1) {
       const std::vector<PlacedFront> fronts = divide_evenly(seams_, face_, part, fixtures_, inside);
@@ -205,43 +244,44 @@ class Layout {
     }
   }
 
-  /// Whether seams and borders enclose a part without fixture, and nothing around it stands proud of it.
+  /// Whether resolved lines and borders enclose a part without fixture, and nothing around it stands proud of
+  /// it.
   static bool encloses(const PlacedFront& part) {
-    int seams = 0;
-    int painted = 0;
-    for (const FrontEdge& edge : part.edges) {
-      if (edge.kind == FrontEdge::Kind::seam && edge.z > kClearZ) ++seams;
-      if (edge.kind != FrontEdge::Kind::step) continue;
-      if (edge.rise < -kProud) return false;
-      if (edge.rise < kProud) ++painted;
-    }
-    return seams > 0 && painted < 2 && part.rect.width() * part.rect.height() > kLeastArea;
+    return part.rect.width() * part.rect.height() > kLeastArea &&
+           std::none_of(part.edges.begin(), part.edges.end(), [](const FrontEdge& edge) {
+             return (edge.kind == FrontEdge::Kind::step && edge.rise < -kProud) ||
+                    (edge.kind != FrontEdge::Kind::border && edge.z < kClearZ);
+           });
   }
 
-  /// Whether two fronts meet in a seam of the first.
-  static bool share_seam(const PlacedFront& a, const PlacedFront& b) {
-    constexpr double kGap = 0.03;    // m
+  /// How closely a front is bound to another by resolved lines between them: 2 by a seam, 1 by a step.
+  static int bond(const PlacedFront& a, const PlacedFront& b) {
+    constexpr double kGap = 0.012;   // m
     constexpr double kShared = 0.5;  // of the shorter edge
     const auto overlap = [](double a0, double a1, double b0, double b1) {
       return std::min(a1, b1) - std::max(a0, b0) > kShared * std::min(a1 - a0, b1 - b0);
     };
     const bool beside = overlap(a.rect.v0, a.rect.v1, b.rect.v0, b.rect.v1);
     const bool stacked = overlap(a.rect.u0, a.rect.u1, b.rect.u0, b.rect.u1);
-    const auto seam = [&](Side side) { return a.edges[side].kind == FrontEdge::Kind::seam; };
-    return (seam(left) && beside && std::abs(a.rect.u0 - b.rect.u1) < kGap) ||
-           (seam(right) && beside && std::abs(b.rect.u0 - a.rect.u1) < kGap) ||
-           (seam(bottom) && stacked && std::abs(a.rect.v0 - b.rect.v1) < kGap) ||
-           (seam(top) && stacked && std::abs(b.rect.v0 - a.rect.v1) < kGap);
+    const std::array<bool, 4> meets = {
+        beside && std::abs(a.rect.u0 - b.rect.u1) < kGap, beside && std::abs(b.rect.u0 - a.rect.u1) < kGap,
+        stacked && std::abs(a.rect.v0 - b.rect.v1) < kGap, stacked && std::abs(b.rect.v0 - a.rect.v1) < kGap};
+    for (size_t side = 0; side < 4; ++side)
+      if (meets[side] && a.edges[side].kind == FrontEdge::Kind::seam) return 2;
+    for (size_t side = 0; side < 4; ++side)
+      if (meets[side] && a.edges[side].kind == FrontEdge::Kind::step) return 1;
+    return 0;
   }
 
-  /// A seam parts two fronts: what has no fixture and no front on the other side of a seam is the side of a
-  /// cupboard or a box on a counter.
+  /// A seam parts two fronts: what has no fixture and no front on the other side of a seam, nor fronts on two
+  /// of its sides, is the side of a cupboard or a box on a counter.
   void drop_lonely() {
     std::vector<PlacedFront>& fronts = result_.fronts;
     const auto lonely = [&](const PlacedFront& front) {
-      return front.fixture < 0 && std::none_of(fronts.begin(), fronts.end(), [&](const PlacedFront& other) {
-               return &other != &front && share_seam(front, other);
-             });
+      int bonds = 0;
+      for (const PlacedFront& other : fronts)
+        if (&other != &front) bonds += bond(front, other);
+      return front.fixture < 0 && bonds < 2;
     };
     for (auto found = fronts.begin();
          (found = std::find_if(fronts.begin(), fronts.end(), lonely)) != fronts.end();)

@@ -8,7 +8,9 @@
 namespace loci {
 namespace {
 
-constexpr double kStep = 0.005;          // m; of possible edges
+constexpr double kStep = 0.01;           // m; of possible edges
+constexpr double kStyleStep = 0.005;     // m
+constexpr double kFrame = 2.5;           // cost of a frame beside the outermost fronts
 constexpr double kLeastMargin = 0.01;    // m between a fixture and the edge of its front
 constexpr double kHandWidth = 0.06;      // m; what an upright handle or knob takes at least
 constexpr double kPartedColumns = 0.12;  // m between fixtures of neighbouring columns
@@ -113,45 +115,67 @@ class Divider {
     return z * z / 2;
   }
 
-  /// Edges between the groups by dynamic programming; `style` is the distance of the upper edge from the
-  /// fixture that the fronts share, or negative: they share none.
-  std::vector<double> edges_between(const FaceRect& rect, const Groups& groups, bool u, double style,
-                                    double& total) const {
-    const double low = u ? rect.u0 : rect.v0;
-    const double high = u ? rect.u1 : rect.v1;
-    std::vector<std::vector<double>> positions{{low}};
-    for (size_t i = 1; i < groups.size(); ++i) {
+  /// Where the edges of the groups may be: the first and last within the part (a frame may remain beside
+  /// them), the others between neighbours.
+  std::vector<std::vector<double>> possible_edges(const FaceRect& rect, const Groups& groups, bool u) const {
+    std::vector<std::vector<double>> positions;
+    for (size_t i = 0; i <= groups.size(); ++i) {
+      const double first = i == 0 ? (u ? rect.u0 : rect.v0) : extent(groups[i - 1], u).second + kLeastMargin;
+      const double last =
+          i == groups.size() ? (u ? rect.u1 : rect.v1) : extent(groups[i], u).first - kLeastMargin;
       std::vector<double> possible;
-      const double first = extent(groups[i - 1], u).second + kLeastMargin;
-      const double last = extent(groups[i], u).first - kLeastMargin;
-      for (double p = first; p <= last; p += kStep) possible.push_back(p);
-      if (possible.empty()) possible.push_back((first + last) / 2);
+      if (i == groups.size())
+        for (double p = last; p > first; p -= kStep) possible.push_back(p);
+      else
+        for (double p = first; p < last; p += kStep) possible.push_back(p);
+      if (possible.empty())
+        possible.push_back(i == groups.size() ? last : i == 0 ? first : (first + last) / 2);
       positions.push_back(possible);
     }
-    positions.push_back({high});
-    std::vector<std::vector<double>> best{{0}};
-    std::vector<std::vector<size_t>> from{{0}};
-    for (size_t i = 0; i < groups.size(); ++i) {
-      std::vector<double> costs;
-      std::vector<size_t> origins;
-      for (const double end : positions[i + 1]) {
-        double least = std::numeric_limits<double>::max();
-        size_t origin = 0;
-        for (size_t k = 0; k < positions[i].size(); ++k) {
-          const double value = best[i][k] + cost(rect, groups[i], u, positions[i][k], end) +
-                               unlike(groups[i], u, positions[i][k], end, style);
-          if (value < least) least = value, origin = k;
+    return positions;
+  }
+
+  /// Costs of every group by its two edges, [group][first edge][last edge], without what styles add.
+  std::vector<std::vector<std::vector<double>>> costs_of(
+      const FaceRect& rect, const Groups& groups, bool u,
+      const std::vector<std::vector<double>>& positions) const {
+    std::vector<std::vector<std::vector<double>>> costs(groups.size());
+    for (size_t i = 0; i < groups.size(); ++i)
+      for (size_t k = 0; k < positions[i].size(); ++k) {
+        costs[i].emplace_back();
+        for (size_t m = 0; m < positions[i + 1].size(); ++m) {
+          double value = cost(rect, groups[i], u, positions[i][k], positions[i + 1][m]);
+          if (i == 0 && k > 0) value += kFrame;
+          if (i + 1 == groups.size() && m > 0) value += kFrame;
+          if (i + 1 < groups.size()) value -= gain(rect, u, positions[i + 1][m]);
+          costs[i].back().push_back(value);
         }
-        const bool inner = i + 1 < groups.size();
-        costs.push_back(least - (inner ? gain(rect, u, end) : 0));
-        origins.push_back(origin);
       }
-      best.push_back(costs);
-      from.push_back(origins);
+    return costs;
+  }
+
+  /// The cheapest edges by dynamic programming; `style` is the distance of the upper edge from the fixture
+  /// that the fronts share, 0: they have it in the middle, negative: they share nothing.
+  std::vector<double> edges_between(const Groups& groups, bool u, double style,
+                                    const std::vector<std::vector<double>>& positions,
+                                    const std::vector<std::vector<std::vector<double>>>& costs,
+                                    double& total) const {
+    std::vector<std::vector<double>> best{std::vector<double>(positions[0].size(), 0)};
+    std::vector<std::vector<size_t>> from{std::vector<size_t>(positions[0].size(), 0)};
+    for (size_t i = 0; i < groups.size(); ++i) {
+      best.emplace_back(positions[i + 1].size(), std::numeric_limits<double>::max());
+      from.emplace_back(positions[i + 1].size(), 0);
+      for (size_t m = 0; m < positions[i + 1].size(); ++m)
+        for (size_t k = 0; k < positions[i].size(); ++k) {
+          const double value =
+              best[i][k] + costs[i][k][m] + unlike(groups[i], u, positions[i][k], positions[i + 1][m], style);
+          if (value < best[i + 1][m]) best[i + 1][m] = value, from[i + 1][m] = k;
+        }
     }
-    total = best.back()[0];
+    const auto cheapest = std::min_element(best.back().begin(), best.back().end());
+    total = *cheapest;
+    auto at = static_cast<size_t>(cheapest - best.back().begin());
     std::vector<double> edges(groups.size() + 1);
-    size_t at = 0;
     for (size_t i = groups.size() + 1; i-- > 0;) {
       edges[i] = positions[i][at];
       at = from[i][at];
@@ -170,13 +194,15 @@ class Divider {
   }
 
   std::vector<PlacedFront> apply(const PlacedFront& part, const Groups& groups, bool u) {
+    const std::vector<std::vector<double>> positions = possible_edges(part.rect, groups, u);
+    const auto costs = costs_of(part.rect, groups, u, positions);
     double least = 0;
-    std::vector<double> edges = edges_between(part.rect, groups, u, -1, least);
+    std::vector<double> edges = edges_between(groups, u, -1, positions, costs, least);
     if (!u) {
       least += kMostUnlike * static_cast<double>(groups.size());
-      for (double style = 0; style < 0.15; style += kStep) {
+      for (double style = 0; style < 0.15; style += kStyleStep) {
         double total = 0;
-        const std::vector<double> styled = edges_between(part.rect, groups, u, style, total);
+        const std::vector<double> styled = edges_between(groups, u, style, positions, costs, total);
         if (total < least) least = total, edges = styled;
       }
     }
@@ -187,8 +213,10 @@ class Divider {
       (u ? piece.rect.u1 : piece.rect.v1) = edges[i + 1];
       const size_t first = u ? 0 : 2;
       const FrontEdge regular{FrontEdge::Kind::regular, 0, false, 0};
-      if (i > 0) piece.edges[first] = regular;
-      if (i + 1 < groups.size()) piece.edges[first + 1] = regular;
+      const double low = u ? part.rect.u0 : part.rect.v0;
+      const double high = u ? part.rect.u1 : part.rect.v1;
+      if (edges[i] > low + kStep / 2) piece.edges[first] = regular;
+      if (edges[i + 1] < high - kStep / 2) piece.edges[first + 1] = regular;
       const std::vector<PlacedFront> own = divide(piece, groups[i]);
       fronts.insert(fronts.end(), own.begin(), own.end());
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "mapping/base/parallel.h"
+#include "mapping/interpretation/appliances.h"
 #include "mapping/interpretation/front_layout.h"
 
 namespace loci {
@@ -12,6 +13,9 @@ namespace {
 
 constexpr uint64_t kSeed = 7;        // of the sample consensus
 constexpr double kSameWall = 0.05;   // m
+constexpr double kWidest = 1.4;      // m; wider is no front
+constexpr double kLargest = 2.2;     // m²
+constexpr int kResolvedOnWall = 3;   // edges
 constexpr double kMostUneven = 1.8;  // times the usual scatter; more is no plane but corners and clutter
 
 struct FaceResult {
@@ -44,9 +48,10 @@ Front front_of(const PlacedFront& placed, const FaceRays& rays, const std::vecto
   front.confidence = placed.confidence;
   if (placed.fixture >= 0) {
     front.fixture = fixtures[static_cast<size_t>(placed.fixture)].fixture;
-    front.fixture->protrusion -= depth;
+    front.fixture->protrusion = front.normal.dot(front.fixture->centre - front.centre);
     front.confidence *= 0.5 + 0.5 * front.fixture->confidence;
   }
+  front.appliance = appliance_of(front, placed.rect, rays);
   std::vector<size_t> points(1);
   std::vector<int> scans;
   for (const FaceRay& ray : rays.rays) {
@@ -69,13 +74,25 @@ Front front_of(const PlacedFront& placed, const FaceRays& rays, const std::vecto
   return front;
 }
 
-FaceResult interpret_face(const FaceRays& rays, const Random& random) {
+int resolved_edges(const PlacedFront& front) {
+  return static_cast<int>(std::count_if(front.edges.begin(), front.edges.end(), [](const FrontEdge& edge) {
+    return edge.kind == FrontEdge::Kind::seam || edge.kind == FrontEdge::Kind::step;
+  }));
+}
+
+/// On what was taken for a wall only fronts with fixtures whose edges were resolved count: tall furniture may
+/// hide the wall altogether.
+FaceResult interpret_face(const FaceRays& rays, bool wall, const Random& random) {
   FaceResult result;
   const FixtureSearch found = find_fixtures(rays, random);
+  if (wall && found.fixtures.empty()) return result;
   const SeamMap seams(rays, found.fixtures);
   const FrontLayout layout = lay_out_fronts(seams, rays.face, found.fixtures);
-  for (const PlacedFront& placed : layout.fronts)
-    result.fronts.push_back(front_of(placed, rays, found.fixtures));
+  for (const PlacedFront& placed : layout.fronts) {
+    if (placed.rect.width() > kWidest || placed.rect.width() * placed.rect.height() > kLargest) continue;
+    if (!wall || (placed.fixture >= 0 && resolved_edges(placed) >= kResolvedOnWall))
+      result.fronts.push_back(front_of(placed, rays, found.fixtures));
+  }
   if (result.fronts.empty()) return result;  // not furniture: what hangs before it is no near miss
   result.notes = found.notes;
   for (const size_t i : layout.homeless) {
@@ -117,8 +134,7 @@ bool is_wall(const Face& face, const std::vector<VerticalPlane>& walls) {
 
 FrontSearch find_fronts(const Surface& surface, double floor_height, const WallSearch& vertical,
                         const InterpretationOptions& options, Progress& progress) {
-  std::vector<Face> faces = find_faces(surface, floor_height);
-  std::erase_if(faces, [&](const Face& face) { return is_wall(face, vertical.walls); });
+  const std::vector<Face> faces = find_faces(surface, floor_height);
   progress.check(0.2, "furniture faces");
   std::vector<FaceRays> rays(faces.size());
   parallel_for(faces.size(), options.threads, [&](size_t begin, size_t end) {
@@ -130,7 +146,8 @@ FrontSearch find_fronts(const Surface& surface, double floor_height, const WallS
   std::vector<FaceResult> results(rays.size());
   const Random random(kSeed);
   parallel_for(rays.size(), options.threads, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) results[i] = interpret_face(rays[i], random.fork(i));
+    for (size_t i = begin; i < end; ++i)
+      results[i] = interpret_face(rays[i], is_wall(rays[i].face, vertical.walls), random.fork(i));
   });
   FrontSearch search;
   for (const FaceResult& result : results) {
