@@ -13,6 +13,8 @@ namespace loci {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kAreaPerSample = 0.1;  ///< m²: poses nearer to each other see nearly the same
+constexpr int kSamplesMin = 8;
 
 /// Seconds since it was made or last read.
 class Watch {
@@ -123,8 +125,8 @@ Json sample_json(const ViewSample& sample) {
           {"score", sample.score}};
 }
 
-/// Chooses among the validated samples, or says why to stop.
-void decide(ViewPlan& plan, const PlannerOptions& options) {
+/// Chooses among the validated samples, or says why to stop and returns null.
+const ViewSample* decide(ViewPlan& plan, const PlannerOptions& options) {
   NextView& view = plan.view;
   double gain_best = 0;
   const ViewSample* best = nullptr;
@@ -137,15 +139,15 @@ void decide(ViewPlan& plan, const PlannerOptions& options) {
   if (best == nullptr || best->score <= 0) {
     view.reason = fmt::format("no reachable view gains {} m² of windows into the unknown (the best {:.2f})",
                               options.gain_min, gain_best);
-    return;
+    return nullptr;
   }
   view.pose = best->pose;
   view.expected_overlap = best->counts.overlap();
   view.expected_gain = best->counts.fringe;
-  view.path = way_to(plan.floor, plan.reach, best->pose);
   view.reason = fmt::format("looks through {:.2f} m² of windows into the unknown, {:.0f} % overlap{}",
                             view.expected_gain, 100 * view.expected_overlap,
                             view.expected_overlap < options.overlap_wanted ? ", less than wanted" : "");
+  return best;
 }
 
 std::vector<VisibilityKernel> kernels_of(const PlannerOptions& options, double cell) {
@@ -154,6 +156,27 @@ std::vector<VisibilityKernel> kernels_of(const PlannerOptions& options, double c
     kernels.emplace_back(options.opening_deg * kDegree, options.distance_min_m, options.distance_max_m,
                          2 * std::numbers::pi * i / options.orientations, cell);
   return kernels;
+}
+
+/// C_F and C_O.
+void add_costmaps(ViewPlan& plan, const PlannerOptions& options) {
+  const std::vector<VisibilityKernel> kernels = kernels_of(options, plan.floor.cell);
+  plan.fringe_costs = vote(plan.floor, projected(plan.voxels, plan.fringe, plan.floor, ViewVoxel::fringe),
+                           kernels, options.threads);
+  plan.occupied_costs = vote(plan.floor, projected(plan.voxels, plan.fringe, plan.floor, ViewVoxel::occupied),
+                             kernels, options.threads);
+}
+
+/// min(C_F, C_O) at a pose, in the layer nearest to its orientation.
+double cost_at(const ViewPlan& plan, const PlanarPose& pose) {
+  const Eigen::Vector2i cell = plan.floor.cell_of({pose.x, pose.y});
+  if (!plan.floor.contains(cell.x(), cell.y())) return 0;
+  const auto layers = static_cast<int>(plan.fringe_costs.layers.size());
+  const int nearest = static_cast<int>(std::lround(pose.yaw / (2 * std::numbers::pi) * layers));
+  const auto layer = static_cast<size_t>((nearest % layers + layers) % layers);
+  const size_t at = plan.floor.index(cell.x(), cell.y());
+  return static_cast<double>(
+      std::min(plan.fringe_costs.layers[layer][at], plan.occupied_costs.layers[layer][at]));
 }
 
 }  // namespace
@@ -170,11 +193,26 @@ void PlannerOptions::declare(OptionTable& table) {
   table.number("overlap_wanted", overlap_wanted, "", "Less overlap with what is known is reported.", 0, 1);
   table.number("gain_weight", gain_weight, "",
                "0 looks for overlap only, 0.5 for as much gain as overlap, 1 for gain only.", 0, 1);
-  table.integer("samples", samples, "", "Places that are validated by ray casting.", 1, 10000);
+  table.integer(
+      "samples", samples, "",
+      "Places that are validated by ray casting, at most; there is one per 0.1 m² of reachable floor.", 1,
+      10000);
   table.number("ray_step_deg", ray_step_deg, "deg", "Between rays of the validation.", 0.25, 10);
   table.number("travel_cost_per_m", travel_cost_per_m, "1/m", "A place counts e^(-cost · way).", 0, 10);
   table.number("gain_min", gain_min, "m²", "Stops when no view gains more (windows into the unknown).", 0,
                100);
+}
+
+FloorGrid drivable_floor(const Voxels& voxels, const PlanarPose& robot, const LaserModel& laser,
+                         const PlannerOptions& options) {
+  FloorGrid floor = floor_grid(voxels, options.cell_m, laser.height_m + 0.1);
+  const Eigen::Vector2i here = floor.cell_of({robot.x, robot.y});
+  if (floor.contains(here.x(), here.y())) floor.seen[floor.index(here.x(), here.y())] = 1;
+  return floor;
+}
+
+Reach drivable_ways(const FloorGrid& floor, const PlanarPose& robot, const PlannerOptions& options) {
+  return find_ways(floor, robot, options.robot_radius_m, options.distance_min_m + 2 * floor.cell);
 }
 
 ViewPlan plan_view(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
@@ -186,39 +224,65 @@ ViewPlan plan_view(const OccupancyMap& map, const PlanarPose& robot, const Laser
   plan.fringe = find_fringe(plan.voxels, options.threads);
   plan.view.fringe_voxels = plan.fringe.fringe;
   times["fringe"] = watch.lap();
-  plan.floor = floor_grid(plan.voxels, options.cell_m, laser.height_m + 0.1);
-  plan.reach =
-      find_ways(plan.floor, robot, options.robot_radius_m, options.distance_min_m + 2 * plan.floor.cell);
+  plan.floor = drivable_floor(plan.voxels, robot, laser, options);
+  plan.reach = drivable_ways(plan.floor, robot, options);
   size_t standing = 0;
   for (size_t cell = 0; cell < plan.floor.cells(); ++cell)
     standing += plan.reach.stands(plan.floor, cell) ? 1 : 0;
   times["ways"] = watch.lap();
-  const std::vector<VisibilityKernel> kernels = kernels_of(options, plan.floor.cell);
-  plan.fringe_costs = vote(plan.floor, projected(plan.voxels, plan.fringe, plan.floor, ViewVoxel::fringe),
-                           kernels, options.threads);
-  plan.occupied_costs = vote(plan.floor, projected(plan.voxels, plan.fringe, plan.floor, ViewVoxel::occupied),
-                             kernels, options.threads);
+  add_costmaps(plan, options);
   plan.costs = combined(plan, options);
   times["costmaps"] = watch.lap();
-  const std::vector<size_t> places = draw_places(plan.costs, plan.floor.cells(), options.samples, random);
+  const double standing_m2 = static_cast<double>(standing) * plan.floor.cell * plan.floor.cell;
+  const int samples = std::clamp(static_cast<int>(standing_m2 / kAreaPerSample),
+                                 std::min(kSamplesMin, options.samples), options.samples);
+  const std::vector<size_t> places = draw_places(plan.costs, plan.floor.cells(), samples, random);
   const ViewCaster caster(plan.voxels, plan.fringe, laser, options.distance_max_m, options.ray_step_deg);
   plan.samples = validate(plan, places, caster, options);
   times["validation"] = watch.lap();
 
-  plan.view.details = {{"reachable_m2", static_cast<double>(standing) * plan.floor.cell * plan.floor.cell},
-                       {"fringe_voxels", plan.fringe.fringe},
-                       {"places", places.size()}};
+  plan.view.details = {
+      {"reachable_m2", standing_m2}, {"fringe_voxels", plan.fringe.fringe}, {"places", places.size()}};
   if (plan.voxels.states.empty())
     plan.view.reason = "nothing is known yet: scan where the robot stands";
   else if (standing == 0)
     plan.view.reason = "no pose can be reached: there is no free floor that was seen around the robot";
   else if (plan.fringe.fringe == 0)
     plan.view.reason = "free space borders on nothing unknown";
-  else
-    decide(plan, options);
+  else if (const ViewSample* best = decide(plan, options); best != nullptr)
+    plan.view.path = way_to(plan.floor, plan.reach, best->pose);
   plan.view.details["times_s"] = times;
   for (const ViewSample& sample : plan.samples) plan.view.details["samples"].push_back(sample_json(sample));
   return plan;
+}
+
+PoolChoice choose_view(const OccupancyMap& map, const std::vector<PlanarPose>& poses, const LaserModel& laser,
+                       const PlannerOptions& options) {
+  ViewPlan plan;
+  plan.voxels = map.voxels();
+  plan.fringe = find_fringe(plan.voxels, options.threads);
+  plan.view.fringe_voxels = plan.fringe.fringe;
+  plan.floor = floor_grid(plan.voxels, options.cell_m, laser.height_m + 0.1);
+  add_costmaps(plan, options);
+  const ViewCaster caster(plan.voxels, plan.fringe, laser, options.distance_max_m, options.ray_step_deg);
+  plan.samples.resize(poses.size());
+  parallel_for(poses.size(), options.threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      ViewSample& sample = plan.samples[i];
+      sample.pose = poses[i];
+      sample.counts = caster.view(poses[i]);
+      sample.cost_value = cost_at(plan, poses[i]);
+      sample.score = score_of(sample, options.gain_weight);
+    }
+  });
+  PoolChoice choice;
+  if (plan.voxels.states.empty())
+    plan.view.reason = "nothing is known yet: begin with any scan";
+  else if (const ViewSample* best = decide(plan, options); best != nullptr)
+    choice.index = static_cast<size_t>(best - plan.samples.data());
+  for (const ViewSample& sample : plan.samples) plan.view.details["samples"].push_back(sample_json(sample));
+  choice.view = std::move(plan.view);
+  return choice;
 }
 
 NextView next_view(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,

@@ -26,8 +26,8 @@ struct PlannerOptions {
   double robot_radius_m = 0.30;
   double overlap_wanted = 0.5;
   double gain_weight = 0.5;
-  int samples = 64;
-  double ray_step_deg = 2;
+  int samples = 64;  ///< at most, and one per 0.1 m² where the robot can stand
+  double ray_step_deg = 1;
   double travel_cost_per_m = 0;
   double gain_min = 0.3;
   int threads = 0;  ///< 0 = all cores; not declared as an option: the result is the same on any number
@@ -67,6 +67,12 @@ struct ViewPlan {
   std::vector<ViewSample> samples;
 };
 
+/// The floor as the planner sees it: that of the voxels, and that on which the robot stands now.
+FloorGrid drivable_floor(const Voxels& voxels, const PlanarPose& robot, const LaserModel& laser,
+                         const PlannerOptions& options);
+/// Where the robot can drive to on it.
+Reach drivable_ways(const FloorGrid& floor, const PlanarPose& robot, const PlannerOptions& options);
+
 /// Next best view by costmaps (§7.3.1): fringe and occupied voxels vote through a visibility kernel per
 /// orientation for planar poses; places sampled in proportion to C = min(C_F, C_O) are validated by ray
 /// casting with the sensor's model, in all orientations at once, and scored by c · H(n_o, n_f). With
@@ -79,5 +85,16 @@ ViewPlan plan_view(const OccupancyMap& map, const PlanarPose& robot, const Laser
 /// The decision alone.
 NextView next_view(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
                    const PlannerOptions& options, const Random& random);
+
+/// A choice among recorded scans.
+struct PoolChoice {
+  NextView view;
+  std::optional<size_t> index;  ///< of the chosen pose; unset: stop
+};
+
+/// Which of the given poses to take next: a pool of recorded scans, where ways do not matter. Each pose is
+/// validated and scored like a sample of plan_view().
+PoolChoice choose_view(const OccupancyMap& map, const std::vector<PlanarPose>& poses, const LaserModel& laser,
+                       const PlannerOptions& options);
 
 }  // namespace loci

@@ -8,5 +8,6 @@ Command changes_command();
 Command mapping_command();
 Command identity_command();
 Command registration_command();
+Command nbv_command();
 
 }  // namespace loci

@@ -5,8 +5,8 @@ int main(int argc, char** argv) {
   program.add(loci::changes_command());
   program.add(loci::mapping_command());
   program.add(loci::identity_command());
-  program.add_planned("nbv", "Next best view against its peers");
   program.add(loci::registration_command());
+  program.add(loci::nbv_command());
   program.add_planned("normals", "Normal estimation against its peers");
   return program.run(argc, argv);
 }

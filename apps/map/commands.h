@@ -10,5 +10,6 @@ Command export_command();
 Command fuse_command();
 Command interpret_command();
 Command register_command();
+Command next_view_command();
 
 }  // namespace loci

@@ -1,10 +1,6 @@
 #include "mapping/occupancy/floor_grid.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
-
-#include "mapping/base/files.h"
 
 namespace loci {
 
@@ -36,22 +32,6 @@ FloorGrid floor_grid(const Voxels& voxels, double cell_m, double body_height) {
       }
   }
   return grid;
-}
-
-void write_map_server_grid(const FloorGrid& grid, const std::filesystem::path& path) {
-  std::string pixels = fmt::format("P5\n{} {}\n255\n", grid.width, grid.height);
-  for (int y = grid.height - 1; y >= 0; --y)  // The picture's first row is the map's last.
-    for (int x = 0; x < grid.width; ++x) {
-      const size_t at = grid.index(x, y);
-      pixels += static_cast<char>(grid.obstacle[at] != 0 ? 0 : grid.seen[at] != 0 ? 254 : 205);
-    }
-  write_file_atomically(path, pixels);
-  std::filesystem::path yaml = path;
-  write_file_atomically(
-      yaml.replace_extension(".yaml"),
-      fmt::format("image: {}\nresolution: {}\norigin: [{}, {}, 0]\nnegate: 0\noccupied_thresh: 0.65\n"
-                  "free_thresh: 0.196\n",
-                  path.filename().string(), grid.cell, grid.low.x(), grid.low.y()));
 }
 
 }  // namespace loci

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <vector>
 
 #include "mapping/occupancy/occupancy.h"
@@ -32,9 +31,5 @@ struct FloorGrid {
 /// floor is what is occupied within 1.6 voxels of z = 0; what is occupied above that, up to `body_height`
 /// metres, is an obstacle.
 FloorGrid floor_grid(const Voxels& voxels, double cell_m, double body_height);
-
-/// Writes an occupancy grid as ROS's map_server reads it: `path` (.pgm; free 254, occupied 0, unknown 205)
-/// and a .yaml beside it. Free is where the floor was seen and no obstacle is.
-void write_map_server_grid(const FloorGrid& grid, const std::filesystem::path& path);
 
 }  // namespace loci

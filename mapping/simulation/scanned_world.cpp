@@ -302,6 +302,10 @@ Isometry3d ScannedWorld::true_map_from_scanner() const {
   return impl_->map_from_true * impl_->base_from_scanner();
 }
 
+const RayScene& ScannedWorld::scene() const {
+  return impl_->scene;
+}
+
 const World& ScannedWorld::world() const {
   return impl_->world;
 }

@@ -64,6 +64,7 @@ class ScannedWorld : public Robot {
   PlanarPose true_pose() const;
   Isometry3d true_map_from_scanner() const;
   const World& world() const;
+  const RayScene& scene() const;  ///< with the floor and ceiling that were added
   const JointState& joints() const;
 
  private:

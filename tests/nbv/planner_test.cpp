@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "nbv/pictures.h"
 #include "tests/mapping/occupancy/box_room.h"
 
 namespace loci {
@@ -116,7 +117,6 @@ TEST(Costmaps, AStencilIsTheSumOverAllVoxels) {
 }
 
 TEST(ViewCaster, AllAroundCountsTheAreaOfTheWallsOfARoom) {
-  const BoxRoom room = divided_room();
   Voxels voxels;  // A closed box of 4 × 4 × 2.5 m, its walls one voxel thick.
   voxels.resolution = 0.05;
   voxels.size = {80, 80, 50};
@@ -203,6 +203,34 @@ TEST(NextView, WeightTurnsFromOverlapToGain) {
   EXPECT_GE(views[0].expected_overlap, views[1].expected_overlap);
   EXPECT_GE(views[2].expected_gain, views[1].expected_gain);
   EXPECT_GT(views[2].expected_gain, views[0].expected_gain);
+}
+
+TEST(NextView, ChoosesFromAPoolWhatShowsMost) {
+  const OccupancyMap map = map_of(divided_room(), {kStart});
+  const std::vector<PlanarPose> pool = {{-2, 0.5, 0}, {1.6, 1.3, -1.0}, {-1.8, -0.5, 0}};
+  PlannerOptions options;
+  options.gain_weight = 1;
+  const PoolChoice choice = choose_view(map, pool, LaserModel(), options);
+  ASSERT_TRUE(choice.index) << choice.view.reason;
+  EXPECT_EQ(*choice.index, 1U);  // Behind the cupboard.
+  options.gain_min = 50;
+  EXPECT_FALSE(choose_view(map, pool, LaserModel(), options).index);
+  EXPECT_FALSE(choose_view(map, {}, LaserModel(), options).index);
+}
+
+TEST(ViewPictures, ShowFringeCostsOfEachOrientationAndTheChoice) {
+  const OccupancyMap map = map_of(divided_room(), {kStart});
+  const ViewPlan plan = plan_view(map, kStart, LaserModel(), {}, Random(1));
+  const std::vector<ViewPicture> pictures = view_pictures(plan, kStart);
+  EXPECT_EQ(pictures.size(), 4U + 8 + 1);
+  for (const ViewPicture& picture : pictures) {
+    EXPECT_EQ(picture.image.size(), pictures[0].image.size());
+    cv::Scalar mean, deviation;
+    cv::meanStdDev(picture.image, mean, deviation);
+    EXPECT_GT(deviation[1], 1) << picture.name;  // Not blank.
+  }
+  EXPECT_TRUE(
+      view_pictures(plan_view(OccupancyMap({0.05, 5, 1}), {}, LaserModel(), {}, Random(1)), {}).empty());
 }
 
 TEST(NextView, SaysThatNothingIsKnownOrNothingCanBeReached) {

@@ -1,0 +1,53 @@
+#include "apps/evaluate/commands.h"
+#include "apps/evaluate/nbv/exploration.h"
+#include "mapping/base/files.h"
+
+namespace loci {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> worlds = {"apps/samples/kitchen.urdf"};
+  std::vector<std::filesystem::path> package_paths;
+  std::string picture;
+  nbv::ExplorationOptions options;
+};
+
+void run(Arguments& arguments, Session& session) {
+  nbv::ExplorationOptions& options = arguments.options;
+  table_of(options).validate();
+  options.threads = options.planner.threads = options.occupancy.threads = session.flags().threads;
+  std::vector<nbv::WorldResult> results;
+  const auto count = static_cast<double>(arguments.worlds.size());
+  for (size_t i = 0; i < arguments.worlds.size(); ++i) {
+    PartialProgress part(session.progress(), static_cast<double>(i) / count,
+                         static_cast<double>(i + 1) / count);
+    results.push_back(
+        nbv::explore(arguments.worlds[i], arguments.package_paths, options, part, session.warnings()));
+  }
+  if (!arguments.picture.empty())
+    write_file_atomically(arguments.picture, nbv::coverage_svg(results, options.goal));
+  Json json = {{"options", table_of(options).to_json()},
+               {"worlds", nbv::json_of_results(results, options.goal)}};
+  session.answer(nbv::table_of_results(results, options.goal), json);
+}
+
+}  // namespace
+
+Command nbv_command() {
+  return {"nbv",
+          "Next best view against its peers: coverage against number of scans, and time",
+          {"loci-evaluate nbv apps/samples/kitchen.urdf --starts 1 --scans-max 2 --ray-step-deg 4",
+           "loci-evaluate nbv apps/samples/kitchen.urdf --starts 1 --scans-max 2 --ray-step-deg 4 --json"},
+          [](CLI::App& app) {
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("WORLDS", arguments->worlds, "Worlds (URDF)")->capture_default_str();
+            app.add_option("--package-path", arguments->package_paths,
+                           "Folder that holds packages (package://NAME/…); can be given several times")
+                ->allow_extra_args(false);
+            app.add_option("--picture", arguments->picture, "Write coverage over scans as SVG");
+            add_options(app, table_of(arguments->options));
+            return [arguments](Session& session) { run(*arguments, session); };
+          }};
+}
+
+}  // namespace loci

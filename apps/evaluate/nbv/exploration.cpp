@@ -1,0 +1,111 @@
+#include "apps/evaluate/nbv/exploration.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+
+namespace loci::nbv {
+namespace {
+
+/// Starts: random reachable places, looking where there is most room.
+std::vector<PlanarPose> starts_of(const Truth& truth, const RayScene& scene,
+                                  const ExplorationOptions& options) {
+  std::vector<PlanarPose> starts;
+  Random random(static_cast<uint64_t>(options.seed));
+  for (int i = 0; i < options.starts; ++i) {
+    const Vector2d place = truth.places[random.index(truth.places.size())];
+    PlanarPose start{place.x(), place.y(), 0};
+    double most = 0;
+    for (int direction = 0; direction < 8; ++direction) {
+      const double yaw = std::numbers::pi / 4 * direction;
+      const Eigen::Vector3f ray(static_cast<float>(std::cos(yaw)), static_cast<float>(std::sin(yaw)), 0);
+      const double room =
+          std::min(10.F, scene.cast(Vector3d(place.x(), place.y(), 0.5).cast<float>(), ray, 10).distance);
+      if (room > most) {
+        most = room;
+        start.yaw = yaw;
+      }
+    }
+    starts.push_back(start);
+  }
+  return starts;
+}
+
+Run run_of(const NamedStrategy& strategy, const PlanarPose& start, const Truth& truth, const RayScene& scene,
+           const LaserModel& laser, const ExplorationOptions& options, uint64_t seed, Progress& progress) {
+  Run run;
+  run.strategy = strategy.name;
+  run.start = start;
+  Random random(seed);
+  OccupancyMap map(options.occupancy);
+  PlanarPose robot = start;
+  while (true) {
+    progress.check(static_cast<double>(run.coverage.size()) / options.scans_max, strategy.name);
+    Isometry3d scanner = map_from_base(robot);
+    scanner.translation().z() = laser.height_m;
+    map.insert(simulate_sweep(scene, scanner, laser, random.fork(run.coverage.size()), options.threads));
+    run.coverage.push_back(truth.coverage(map));
+    if (static_cast<int>(run.coverage.size()) == options.scans_max) return run;
+    const Decision decision = strategy.decide(map, robot, random);
+    run.seconds.push_back(decision.seconds);
+    run.cut = run.cut || decision.cut;
+    if (!decision.pose) break;
+    run.overlap.push_back(decision.overlap);
+    robot = *decision.pose;
+  }
+  run.stopped = true;
+  return run;
+}
+
+}  // namespace
+
+void ExplorationOptions::declare(OptionTable& table) {
+  table.integer("starts", starts, "", "Random starts per world.", 1, 100);
+  table.integer("seed", seed, "", "Seed of starts and noise.", 0, 1 << 30);
+  table.integer("scans_max", scans_max, "", "Scans of an exploration.", 1, 200);
+  table.number("exhaustive_s", exhaustive_s, "s", "Longest decision of the exhaustive planner.", 0.1, 1e5);
+  table.number("goal", goal, "", "Coverage to reach.", 0.01, 1);
+  planner.declare(table);
+  occupancy.declare(table);
+}
+
+int Run::scans_to(double goal) const {
+  for (size_t i = 0; i < coverage.size(); ++i)
+    if (coverage[i] >= goal) return static_cast<int>(i) + 1;
+  return 0;
+}
+
+WorldResult explore(const std::filesystem::path& urdf,
+                    const std::vector<std::filesystem::path>& package_paths,
+                    const ExplorationOptions& options, Progress& progress, Warnings& warnings) {
+  ScannedWorldOptions world_options;
+  world_options.package_paths = package_paths;
+  world_options.threads = options.threads;
+  const ScannedWorld world(urdf, world_options, {}, warnings);
+  const PlanarPose inside = world.open_place();
+  TruthOptions truth_options;
+  truth_options.robot_radius = options.planner.robot_radius_m;
+  truth_options.voxel = options.occupancy.resolution_m;
+  truth_options.range_max = options.occupancy.range_max_m;
+  truth_options.threads = options.threads;
+  progress.check(0, "truth");
+  const Truth truth = find_truth(world.scene(), {inside.x, inside.y}, world_options.laser, truth_options);
+  WorldResult result;
+  result.world = urdf.stem().string();
+  result.places = truth.places.size();
+  result.surface = truth.surface.size();
+  const std::vector<PlanarPose> starts = starts_of(truth, world.scene(), options);
+  const auto all = strategies(world_options.laser, options.planner, options.exhaustive_s);
+  const double total = static_cast<double>(starts.size() * all.size());
+  for (size_t i = 0; i < starts.size(); ++i)
+    for (const NamedStrategy& strategy : all) {
+      const double done = static_cast<double>(result.runs.size());
+      PartialProgress part(progress, done / total, (done + 1) / total);
+      result.runs.push_back(run_of(strategy, starts[i], truth, world.scene(), world_options.laser, options,
+                                   static_cast<uint64_t>(options.seed) * 1000 + i, part));
+    }
+  return result;
+}
+
+}  // namespace loci::nbv

@@ -1,0 +1,184 @@
+#include "apps/evaluate/nbv/strategies.h"
+
+#include <chrono>
+#include <cmath>
+#include <mutex>
+#include <numbers>
+
+#include "mapping/base/parallel.h"
+
+namespace loci::nbv {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+/// What the peers see of a map: the same as our planner.
+struct Surroundings {
+  Voxels voxels;
+  FloorGrid floor;
+  Reach reach;
+  std::vector<size_t> standing;
+
+  Surroundings(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
+               const PlannerOptions& options)
+      : voxels(map.voxels()),
+        floor(drivable_floor(voxels, robot, laser, options)),
+        reach(drivable_ways(floor, robot, options)) {
+    for (size_t cell = 0; cell < floor.cells(); ++cell)
+      if (reach.stands(floor, cell)) standing.push_back(cell);
+  }
+  Vector2d center(size_t cell) const {
+    const auto width = static_cast<size_t>(floor.width);
+    return floor.center(static_cast<int>(cell % width), static_cast<int>(cell / width));
+  }
+};
+
+Decision ours(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
+              const PlannerOptions& options, Random& random) {
+  Decision decision;
+  const auto begin = std::chrono::steady_clock::now();
+  const NextView view = next_view(map, robot, laser, options, random.fork(random.bits()));
+  decision.seconds = seconds_since(begin);
+  decision.pose = view.pose;
+  decision.overlap = view.expected_overlap;
+  decision.views = 2 * view.details["places"].get<size_t>();  // All around is twice a view.
+  return decision;
+}
+
+Decision random_pose(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
+                     const PlannerOptions& options, Random& random) {
+  Decision decision;
+  const auto begin = std::chrono::steady_clock::now();
+  const Surroundings around(map, robot, laser, options);
+  if (!around.standing.empty()) {
+    const Vector2d place = around.center(around.standing[random.index(around.standing.size())]);
+    decision.pose = PlanarPose{place.x(), place.y(), random.uniform(-std::numbers::pi, std::numbers::pi)};
+  }
+  decision.seconds = seconds_since(begin);
+  return decision;
+}
+
+/// Frontier cells, free floor beside floor that is not known, in connected groups (eight neighbours).
+std::vector<std::vector<size_t>> frontiers(const FloorGrid& floor) {
+  const auto is_frontier = [&](int x, int y) {
+    const size_t at = floor.index(x, y);
+    if (floor.seen[at] == 0 || floor.obstacle[at] != 0) return false;
+    for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+      if (!floor.contains(x + dx, y + dy)) return true;
+      const size_t next = floor.index(x + dx, y + dy);
+      if (floor.seen[next] == 0 && floor.obstacle[next] == 0) return true;
+    }
+    return false;
+  };
+  std::vector<uint8_t> todo(floor.cells(), 0);
+  for (int y = 0; y < floor.height; ++y)
+    for (int x = 0; x < floor.width; ++x) todo[floor.index(x, y)] = is_frontier(x, y) ? 1 : 0;
+  std::vector<std::vector<size_t>> groups;
+  for (size_t seed = 0; seed < todo.size(); ++seed) {
+    if (todo[seed] == 0) continue;
+    std::vector<size_t> group{seed};
+    todo[seed] = 0;
+    for (size_t i = 0; i < group.size(); ++i) {
+      const int x = static_cast<int>(group[i] % static_cast<size_t>(floor.width));
+      const int y = static_cast<int>(group[i] / static_cast<size_t>(floor.width));
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+          if (!floor.contains(x + dx, y + dy) || todo[floor.index(x + dx, y + dy)] == 0) continue;
+          todo[floor.index(x + dx, y + dy)] = 0;
+          group.push_back(floor.index(x + dx, y + dy));
+        }
+    }
+    groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+/// Goes to the nearest frontier that is as long as the robot is wide: to the reachable place nearest to its
+/// middle, looking at it. A frontier that the robot stands beside already shows nothing new, it is left out.
+Decision nearest_frontier(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
+                          const PlannerOptions& options, Random&) {
+  Decision decision;
+  const auto begin = std::chrono::steady_clock::now();
+  const Surroundings around(map, robot, laser, options);
+  float nearest = Reach::kNever;
+  for (const auto& group : frontiers(around.floor)) {
+    if (static_cast<double>(group.size()) * around.floor.cell < 2 * options.robot_radius_m) continue;
+    Vector2d middle = Vector2d::Zero();
+    for (const size_t cell : group) middle += around.center(cell);
+    middle /= static_cast<double>(group.size());
+    double closest = 1;  // A frontier farther than this from any reachable place is out of reach, metres.
+    size_t place = around.floor.cells();
+    for (const size_t cell : around.standing)
+      if (const double distance = (around.center(cell) - middle).norm(); distance < closest) {
+        closest = distance;
+        place = cell;
+      }
+    if (place == around.floor.cells() || around.reach.distance[place] >= nearest ||
+        around.reach.distance[place] < 0.2F)
+      continue;
+    nearest = around.reach.distance[place];
+    const Vector2d at = around.center(place), look = middle - at;
+    decision.pose =
+        PlanarPose{at.x(), at.y(), look.norm() > 1e-6 ? std::atan2(look.y(), look.x()) : robot.yaw};
+  }
+  decision.seconds = seconds_since(begin);
+  return decision;
+}
+
+Decision exhaustive(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
+                    const PlannerOptions& options, double limit, Random& random) {
+  Decision decision;
+  const auto begin = std::chrono::steady_clock::now();
+  const Surroundings around(map, robot, laser, options);
+  const ViewVoxels fringe = find_fringe(around.voxels, options.threads);
+  const ViewCaster caster(around.voxels, fringe, laser, options.distance_max_m, options.ray_step_deg);
+  std::vector<std::pair<size_t, int>> views;
+  for (const size_t cell : around.standing)
+    for (int i = 0; i < options.orientations; ++i) views.emplace_back(cell, i);
+  for (size_t i = views.size(); i > 1; --i) std::swap(views[i - 1], views[random.index(i)]);
+  std::mutex mutex;
+  ViewCounts best;
+  const double prepared = seconds_since(begin);
+  parallel_for(views.size(), options.threads, [&](size_t from, size_t to) {
+    for (size_t i = from; i < to && seconds_since(begin) < limit; ++i) {
+      const Vector2d place = around.center(views[i].first);
+      const double yaw =
+          std::remainder(2 * std::numbers::pi * views[i].second / options.orientations, 2 * std::numbers::pi);
+      const PlanarPose pose{place.x(), place.y(), yaw};
+      const ViewCounts counts = caster.view(pose);
+      const std::lock_guard lock(mutex);
+      ++decision.views;
+      if (counts.fringe < options.gain_min || counts.fringe <= best.fringe) continue;
+      best = counts;
+      decision.pose = pose;
+      decision.overlap = counts.overlap();
+    }
+  });
+  decision.cut = decision.views < views.size();
+  decision.seconds = prepared + (seconds_since(begin) - prepared) * static_cast<double>(views.size()) /
+                                    static_cast<double>(std::max<size_t>(decision.views, 1));
+  return decision;
+}
+
+}  // namespace
+
+std::vector<NamedStrategy> strategies(const LaserModel& laser, const PlannerOptions& options,
+                                      double exhaustive_s) {
+  const auto named = [&](std::string name, auto decide) {
+    return NamedStrategy{std::move(name), [laser, options, decide](const OccupancyMap& map,
+                                                                   const PlanarPose& robot, Random& random) {
+                           return decide(map, robot, laser, options, random);
+                         }};
+  };
+  return {named("ours", ours),
+          named("random", random_pose),
+          named("frontier", nearest_frontier),
+          {"exhaustive",
+           [laser, options, exhaustive_s](const OccupancyMap& map, const PlanarPose& robot, Random& random) {
+             return exhaustive(map, robot, laser, options, exhaustive_s, random);
+           }}};
+}
+
+}  // namespace loci::nbv

@@ -1,0 +1,173 @@
+#include "nbv/pictures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+
+#include "mapping/base/files.h"
+#include "mapping/image/image_io.h"
+
+namespace loci {
+namespace {
+
+const cv::Scalar kUnknown(225, 225, 225), kFree(170, 220, 170), kOccupied(60, 60, 200), kBlue(200, 120, 30),
+    kGreen(40, 160, 40), kRed(30, 30, 220), kRobot(0, 140, 255);
+
+/// A picture of the floor, some pixels per cell.
+class Sheet {
+ public:
+  explicit Sheet(const FloorGrid& floor)
+      : floor_(floor),
+        scale_(std::clamp(900 / std::max({floor.width, floor.height, 1}), 3, 12)),
+        image_(floor.height * scale_, floor.width * scale_, CV_8UC3, cv::Scalar::all(255)) {}
+
+  cv::Point at(const Vector2d& point) const {
+    const Vector2d cells = (point - floor_.low) / floor_.cell * scale_;
+    return {static_cast<int>(std::lround(cells.x())),
+            image_.rows - 1 - static_cast<int>(std::lround(cells.y()))};
+  }
+  void square(const Vector2d& center, double edge, const cv::Scalar& color) {
+    const Vector2d half(edge / 2, edge / 2);
+    cv::rectangle(image_, at(center - half), at(center + half), color, cv::FILLED);
+  }
+  void dot(const Vector2d& point) { cv::circle(image_, at(point), 1, cv::Scalar::all(0), cv::FILLED); }
+  void arrow(const PlanarPose& pose, const cv::Scalar& color, int width) {
+    const Vector2d from(pose.x, pose.y);
+    const Vector2d to = from + 0.35 * Vector2d(std::cos(pose.yaw), std::sin(pose.yaw));
+    cv::arrowedLine(image_, at(from), at(to), color, width, cv::LINE_AA, 0, 0.35);
+  }
+  void way(const std::vector<PlanarPose>& corners) {
+    for (size_t i = 0; i + 1 < corners.size(); ++i)
+      cv::line(image_, at({corners[i].x, corners[i].y}), at({corners[i + 1].x, corners[i + 1].y}), kRobot, 1,
+               cv::LINE_AA);
+  }
+  void robot(const PlanarPose& pose) {
+    cv::circle(image_, at({pose.x, pose.y}), static_cast<int>(0.25 / floor_.cell * scale_), kRobot, 2,
+               cv::LINE_AA);
+    arrow(pose, kRobot, 2);
+  }
+  /// Grey values of a cost layer: white = 0, black = the largest.
+  void costs(const std::vector<float>& values) {
+    const float largest =
+        std::max(1e-6F, values.empty() ? 0.F : *std::max_element(values.begin(), values.end()));
+    for (int y = 0; y < floor_.height; ++y)
+      for (int x = 0; x < floor_.width; ++x) {
+        const double share = static_cast<double>(values[floor_.index(x, y)] / largest);
+        if (share > 0) square(floor_.center(x, y), floor_.cell, cv::Scalar::all(255 * (1 - share)));
+      }
+  }
+  const cv::Mat& image() const { return image_; }
+
+ private:
+  const FloorGrid& floor_;
+  int scale_;
+  cv::Mat image_;
+};
+
+std::vector<float> summed(const CostmapStack& stack) {
+  std::vector<float> sum(stack.layers.front().size(), 0.F);
+  for (const auto& layer : stack.layers)
+    for (size_t i = 0; i < sum.size(); ++i) sum[i] += layer[i];
+  return sum;
+}
+
+/// Calls task(center) for every voxel of a kind.
+template <class Task>
+void for_voxels(const ViewPlan& plan, ViewVoxel kind, const Task& task) {
+  const Voxels& voxels = plan.voxels;
+  for (int z = 0; z < voxels.size.z(); ++z)
+    for (int y = 0; y < voxels.size.y(); ++y)
+      for (int x = 0; x < voxels.size.x(); ++x)
+        if (plan.fringe.states[voxels.index({x, y, z})] == kind) task(voxels.center({x, y, z}));
+}
+
+cv::Mat fringe_picture(const ViewPlan& plan, const PlanarPose& robot) {
+  Sheet sheet(plan.floor);
+  const double edge = plan.voxels.resolution;
+  sheet.square(plan.floor.center(plan.floor.width / 2, plan.floor.height / 2), 1e3, kUnknown);
+  for_voxels(plan, ViewVoxel::free, [&](const Vector3d& p) { sheet.square(p.head<2>(), edge, kFree); });
+  for_voxels(plan, ViewVoxel::fringe, [&](const Vector3d& p) { sheet.square(p.head<2>(), edge, kOccupied); });
+  sheet.robot(robot);
+  return sheet.image();
+}
+
+/// Surfaces from above, dark = low.
+cv::Mat occupied_picture(const ViewPlan& plan, const PlanarPose& robot) {
+  Sheet sheet(plan.floor);
+  for_voxels(plan, ViewVoxel::occupied, [&](const Vector3d& p) {
+    const double share = std::clamp(p.z() / 2.2, 0.0, 1.0);
+    if (p.z() < 2.2)
+      sheet.square(p.head<2>(), plan.voxels.resolution,
+                   {60 + 40 * share, 60 + 140 * share, 120 + 130 * share});
+  });
+  sheet.robot(robot);
+  return sheet.image();
+}
+
+cv::Mat cost_picture(const ViewPlan& plan, const std::vector<float>& costs, const PlanarPose& robot) {
+  Sheet sheet(plan.floor);
+  sheet.costs(costs);
+  sheet.robot(robot);
+  return sheet.image();
+}
+
+/// Fig. 7.4: a sample per place, in its best orientation.
+cv::Mat samples_picture(const ViewPlan& plan, const PlanarPose& robot) {
+  Sheet sheet(plan.floor);
+  sheet.costs(summed(plan.costs));
+  for_voxels(plan, ViewVoxel::fringe, [&](const Vector3d& p) { sheet.dot(p.head<2>()); });
+  const size_t layers = plan.costs.layers.size();
+  const ViewSample* most = nullptr;
+  for (size_t i = 0; i + layers <= plan.samples.size(); i += layers) {
+    const auto first = plan.samples.begin() + static_cast<std::ptrdiff_t>(i);
+    const auto best =
+        std::max_element(first, first + static_cast<std::ptrdiff_t>(layers),
+                         [](const ViewSample& a, const ViewSample& b) { return a.score < b.score; });
+    if (best->score > 0) sheet.arrow(best->pose, kBlue, 1);
+    for (auto sample = first; sample != first + static_cast<std::ptrdiff_t>(layers); ++sample)
+      if (most == nullptr || sample->counts.fringe > most->counts.fringe) most = &*sample;
+  }
+  if (most != nullptr) sheet.arrow(most->pose, kGreen, 3);
+  sheet.way(plan.view.path);
+  if (plan.view.pose) sheet.arrow(*plan.view.pose, kRed, 3);
+  sheet.robot(robot);
+  return sheet.image();
+}
+
+}  // namespace
+
+std::vector<ViewPicture> view_pictures(const ViewPlan& plan, const PlanarPose& robot) {
+  std::vector<ViewPicture> pictures;
+  if (plan.voxels.states.empty() || plan.costs.layers.empty()) return pictures;
+  pictures.push_back(
+      {"fringe", "Free space (green) and fringe (red) from above", fringe_picture(plan, robot)});
+  pictures.push_back({"occupied", "Surfaces by height", occupied_picture(plan, robot)});
+  pictures.push_back(
+      {"costs_fringe", "C_F, all orientations", cost_picture(plan, summed(plan.fringe_costs), robot)});
+  pictures.push_back(
+      {"costs_occupied", "C_O, all orientations", cost_picture(plan, summed(plan.occupied_costs), robot)});
+  for (size_t layer = 0; layer < plan.costs.layers.size(); ++layer) {
+    const int degrees = static_cast<int>(std::lround(plan.costs.yaw(layer) * 180 / std::numbers::pi));
+    pictures.push_back({fmt::format("costs_{:03}", degrees),
+                        fmt::format("C for poses that look along {}°", degrees),
+                        cost_picture(plan, plan.costs.layers[layer], robot)});
+  }
+  pictures.push_back({"samples", "C, fringe, samples and the choice (red)", samples_picture(plan, robot)});
+  return pictures;
+}
+
+std::vector<std::filesystem::path> write_view_pictures(const ViewPlan& plan, const PlanarPose& robot,
+                                                       const std::filesystem::path& folder) {
+  make_folder(folder);
+  std::vector<std::filesystem::path> files;
+  for (const ViewPicture& picture : view_pictures(plan, robot)) {
+    files.push_back(folder / (picture.name + ".png"));
+    write_image(files.back(), picture.image);
+  }
+  return files;
+}
+
+}  // namespace loci
