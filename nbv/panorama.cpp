@@ -9,6 +9,7 @@ namespace loci {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kDepth = 1;  ///< metres of the unknown in which a ray surely meets something
 
 }  // namespace
 
@@ -30,7 +31,8 @@ ViewCaster::ViewCaster(const Voxels& voxels, const ViewVoxels& view, const Laser
   }
 }
 
-/// Goes from voxel to voxel (Amanatides and Woo 1987) to the first surface or out of what is known.
+/// Goes from voxel to voxel (Amanatides and Woo 1987) to the first surface, or through a window into the
+/// unknown as far as that reaches.
 void ViewCaster::cast(const Vector3d& origin, const Vector3d& direction, double area,
                       ViewCounts& counts) const {
   const Vector3d start = (origin - voxels_.low) / voxels_.resolution;
@@ -49,29 +51,35 @@ void ViewCaster::cast(const Vector3d& origin, const Vector3d& direction, double 
     if (!up) strides[i] = -strides[i];
   }
   const ViewVoxel* state = &view_.states[voxels_.index(voxel)];
+  const double depth_max = kDepth / voxels_.resolution;
   bool was_fringe = false, began = false;
-  double way = 0;
+  double way = 0, entered = -1;  // Voxel edges; where the ray went from the fringe into the unknown.
   while (true) {
+    if (entered >= 0 && (*state != ViewVoxel::unknown || way - entered >= depth_max)) break;
     if (*state == ViewVoxel::occupied) {
       counts.occupied += area * way * way;
       return;
     }
-    if (*state == ViewVoxel::unknown && began) {
-      if (was_fringe) counts.fringe += area * way * way;
-      return;
+    if (*state == ViewVoxel::unknown && began && entered < 0) {
+      if (!was_fringe) return;
+      entered = way;
     }
     began = began || *state != ViewVoxel::unknown;  // Where the sensor stands may be unknown.
     was_fringe = *state == ViewVoxel::fringe;
     const int axis = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
     way = next[axis];
-    if (way > limit) return;
-    if (left[axis]-- == 0) {
-      if (was_fringe) counts.fringe += area * way * way;
-      return;
+    if (way > limit) break;
+    if (left[axis]-- == 0) {  // All is unknown outside.
+      if (entered < 0 && was_fringe) entered = way;
+      if (entered >= 0) way = entered + depth_max;
+      break;
     }
     next[axis] += delta[axis];
     state += strides[axis];
   }
+  if (entered < 0) return;
+  const double depth = std::min({way, limit, entered + depth_max}) - entered;
+  counts.fringe += area * (entered + depth) * (entered + depth) * depth / depth_max;
 }
 
 ViewCounts ViewCaster::column(const Vector3d& origin, double azimuth) const {

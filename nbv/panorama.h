@@ -11,13 +11,15 @@ namespace loci {
 /// What a view from a pose would show, as areas perpendicular to its rays, m².
 struct ViewCounts {
   double occupied = 0;  ///< n_o: known surfaces that would be seen again
-  double fringe = 0;    ///< n_f: windows into the unknown that would be looked through
+  double fringe = 0;    ///< n_f: what may be seen anew behind the fringe
 
   double overlap() const { return occupied + fringe > 0 ? occupied / (occupied + fringe) : 0; }
 };
 
 /// Casts the sensor's rays into the voxels, coarsely: a ray stands for the solid angle around it, so that it
-/// counts with the area that this covers where it ends.
+/// counts with the area that this covers where it ends. A ray that goes through the fringe counts where it
+/// leaves the unknown again, at most 1 m deep, and in proportion to that depth: thin shadows hide little, and
+/// a window that is close by shows more than its own area.
 class ViewCaster {
  public:
   /// `step_deg`: angle between rays. Rays count up to `range_max` metres. Keeps references.

@@ -137,15 +137,15 @@ const ViewSample* decide(ViewPlan& plan, const PlannerOptions& options) {
   }
   view.details["gain_best_m2"] = gain_best;
   if (best == nullptr || best->score <= 0) {
-    view.reason = fmt::format("no reachable view gains {} m² of windows into the unknown (the best {:.2f})",
+    view.reason = fmt::format("no reachable view gains {} m² behind the fringe (the best {:.2f})",
                               options.gain_min, gain_best);
     return nullptr;
   }
   view.pose = best->pose;
   view.expected_overlap = best->counts.overlap();
   view.expected_gain = best->counts.fringe;
-  view.reason = fmt::format("looks through {:.2f} m² of windows into the unknown, {:.0f} % overlap{}",
-                            view.expected_gain, 100 * view.expected_overlap,
+  view.reason = fmt::format("may show {:.2f} m² behind the fringe, {:.0f} % overlap{}", view.expected_gain,
+                            100 * view.expected_overlap,
                             view.expected_overlap < options.overlap_wanted ? ", less than wanted" : "");
   return best;
 }
@@ -199,8 +199,7 @@ void PlannerOptions::declare(OptionTable& table) {
       10000);
   table.number("ray_step_deg", ray_step_deg, "deg", "Between rays of the validation.", 0.25, 10);
   table.number("travel_cost_per_m", travel_cost_per_m, "1/m", "A place counts e^(-cost · way).", 0, 10);
-  table.number("gain_min", gain_min, "m²", "Stops when no view gains more (windows into the unknown).", 0,
-               100);
+  table.number("gain_min", gain_min, "m²", "Stops when no view gains more, see expected_gain.", 0, 100);
 }
 
 FloorGrid drivable_floor(const Voxels& voxels, const PlanarPose& robot, const LaserModel& laser,

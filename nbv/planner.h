@@ -40,7 +40,7 @@ struct NextView {
   std::optional<PlanarPose> pose;  ///< unset: stop
   std::string reason;              ///< of the stop, or of the choice
   double expected_overlap = 0;     ///< n_o / (n_o + n_f) of the validated view
-  double expected_gain = 0;        ///< windows into the unknown that would be looked through, m²
+  double expected_gain = 0;        ///< what may be seen anew behind the fringe, m²
   size_t fringe_voxels = 0;        ///< in the whole map
   std::vector<PlanarPose> path;    ///< way there on the floor, its corners, the pose last
   Json details;                    ///< samples with scores, times, stopping measures

@@ -70,7 +70,7 @@ double Truth::coverage(const OccupancyMap& map) const {
     const Vector3d center = voxel * (cell.cast<double>().array() + 0.5).matrix();
     known += std::any_of(
                  around.begin(), around.end(),
-                 [&](const Vector3d& step) { return map.at(center + voxel * step) == Occupancy::occupied; })
+                 [&](const Vector3d& side) { return map.at(center + voxel * side) == Occupancy::occupied; })
                  ? 1
                  : 0;
   }
