@@ -9,7 +9,6 @@ int main(int argc, char** argv) {
   program.add(loci::export_command());
   program.add(loci::next_view_command());
   program.add_planned("explore", "Scans an unknown kitchen by next best view and maps it");
-  program.add_planned("next-view", "Where to scan next");
   program.add(loci::register_command());
   program.add_planned("articulate", "Joints from tracks");
   return program.run(argc, argv);
