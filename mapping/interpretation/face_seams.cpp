@@ -95,26 +95,37 @@ void SeamMap::gather(const FaceRays& rays, const std::vector<FaceFixture>& fixtu
     }
 }
 
-void SeamMap::estimate_noise() {
-  // Differences of neighbouring cells; the median hides the seams.
-  for (size_t c = 0; c < kChannels; ++c) {
-    double sd = kLeastSd[c];
-    std::vector<double> deviations;
-    if (c != missing)
-      for (size_t cell = 0; cell + 1 < grid_.size(); ++cell) {
-        const double a = static_cast<double>(sums_[c].weight[cell]);
-        const double b = static_cast<double>(sums_[c].weight[cell + 1]);
-        if (a < 1 || b < 1) continue;
-        const double difference =
-            static_cast<double>(sums_[c].sum[cell]) / a - static_cast<double>(sums_[c].sum[cell + 1]) / b;
-        deviations.push_back(std::abs(difference) / std::sqrt(1 / a + 1 / b));
-      }
-    if (!deviations.empty()) {
-      const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2);
-      std::nth_element(deviations.begin(), middle, deviations.end());
-      sd = std::max(sd, 1.4826 * *middle);
+double SeamMap::scatter(size_t channel, int columns, int rows) const {
+  std::vector<double> deviations;
+  std::array<double, 2> last{};
+  for (int y = 0; y + rows <= grid_.height; y += rows) {
+    last = {};
+    for (int x = 0; x + columns <= grid_.width; x += columns) {
+      std::array<double, 2> block{};
+      for (int dy = 0; dy < rows; ++dy)
+        for (int dx = 0; dx < columns; ++dx) {
+          const size_t cell = grid_.number(x + dx, y + dy);
+          block[0] += static_cast<double>(sums_[channel].sum[cell]);
+          block[1] += static_cast<double>(sums_[channel].weight[cell]);
+        }
+      if (block[1] >= 1 && last[1] >= 1)
+        deviations.push_back(std::abs(block[0] / block[1] - last[0] / last[1]) /
+                             std::sqrt(1 / block[1] + 1 / last[1]));
+      last = block;
     }
-    variance_[c] = sd * sd;
+  }
+  if (deviations.empty()) return 0;
+  const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2);
+  std::nth_element(deviations.begin(), middle, deviations.end());
+  return 1.4826 * *middle;
+}
+
+void SeamMap::estimate_noise() {
+  // Differences of neighbours; the median hides the seams. Blocks as large as the flanks of a line show noise
+  // that rays share: quantised depth, drift between scans.
+  for (size_t c = 0; c < kChannels; ++c) {
+    const double sd = c == missing ? 0 : std::max(scatter(c, 1, 1), scatter(c, kFlank, kChunk));
+    variance_[c] = std::pow(std::max(kLeastSd[c], sd), 2);
   }
 }
 

@@ -84,6 +84,8 @@ class SeamMap {
   Profile profile(bool upright, int centre, double from, double to) const;
   double unit(size_t channel) const;
   void gather(const FaceRays& rays, const std::vector<FaceFixture>& fixtures);
+  /// Robust standard deviation of a ray, from differences between neighbouring blocks of cells.
+  double scatter(size_t channel, int columns, int rows) const;
   void estimate_noise();
   void score(bool upright, Scores& scores) const;
   void score_channel(bool upright, size_t channel, Scores& scores) const;

@@ -11,12 +11,17 @@
 namespace loci {
 namespace {
 
-constexpr uint64_t kSeed = 7;        // of the sample consensus
-constexpr double kSameWall = 0.05;   // m
-constexpr double kWidest = 1.4;      // m; wider is no front
-constexpr double kLargest = 2.2;     // m²
-constexpr int kResolvedOnWall = 3;   // edges
-constexpr double kMostUneven = 1.8;  // times the usual scatter; more is no plane but corners and clutter
+constexpr uint64_t kSeed = 7;           // of the sample consensus
+constexpr double kSameWall = 0.08;      // m
+constexpr double kWidest = 1.4;         // m; wider is no front
+constexpr double kLargest = 2.2;        // m²
+constexpr double kNarrowest = 0.07;     // m
+constexpr double kMostScatter = 0.015;  // m; half the way that a handle stands out
+constexpr double kLeastSure = 0.4;      // of a fixture
+constexpr double kSureOnWall = 0.75;    // of a fixture
+constexpr size_t kFewestOnWall = 2;     // fronts
+constexpr int kResolvedOnWall = 3;      // edges
+constexpr double kMostUneven = 1.8;     // times the usual scatter; more is no plane but corners and clutter
 
 struct FaceResult {
   std::vector<Front> fronts;
@@ -80,19 +85,30 @@ int resolved_edges(const PlacedFront& front) {
   }));
 }
 
-/// On what was taken for a wall only fronts with fixtures whose edges were resolved count: tall furniture may
-/// hide the wall altogether.
+/// Whether a front is believed. On what was taken for a wall (tall furniture may hide the wall altogether)
+/// only fronts with sure fixtures whose edges were resolved are.
+bool believed(const PlacedFront& front, const std::vector<FaceFixture>& fixtures, bool wall) {
+  const FaceRect& rect = front.rect;
+  if (rect.width() > kWidest || rect.width() * rect.height() > kLargest) return false;
+  if (std::min(rect.width(), rect.height()) < kNarrowest) return false;
+  if (!wall) return true;
+  return front.fixture >= 0 && resolved_edges(front) >= kResolvedOnWall &&
+         fixtures[static_cast<size_t>(front.fixture)].fixture.confidence > kSureOnWall;
+}
+
 FaceResult interpret_face(const FaceRays& rays, bool wall, const Random& random) {
   FaceResult result;
-  const FixtureSearch found = find_fixtures(rays, random);
+  if (rays.sigma > kMostScatter) return result;  // a handle would drown in it
+  FixtureSearch found = find_fixtures(rays, random);
+  std::erase_if(found.fixtures,
+                [](const FaceFixture& fixture) { return fixture.fixture.confidence < kLeastSure; });
   if (wall && found.fixtures.empty()) return result;
   const SeamMap seams(rays, found.fixtures);
   const FrontLayout layout = lay_out_fronts(seams, rays.face, found.fixtures);
-  for (const PlacedFront& placed : layout.fronts) {
-    if (placed.rect.width() > kWidest || placed.rect.width() * placed.rect.height() > kLargest) continue;
-    if (!wall || (placed.fixture >= 0 && resolved_edges(placed) >= kResolvedOnWall))
+  for (const PlacedFront& placed : layout.fronts)
+    if (believed(placed, found.fixtures, wall))
       result.fronts.push_back(front_of(placed, rays, found.fixtures));
-  }
+  if (wall && result.fronts.size() < kFewestOnWall) result.fronts.clear();
   if (result.fronts.empty()) return result;  // not furniture: what hangs before it is no near miss
   result.notes = found.notes;
   for (const size_t i : layout.homeless) {
