@@ -274,13 +274,13 @@ class FixtureFinder {
     Shape shape = line_through(points, random);
     if (shape.inliers.size() < kFewestPoints) return "few points";
     measure(points, shape);
+    if (shape.width < kThickestBar) extend(points, shape);
     const bool bar = shape.length > kElongated * shape.width && shape.length > kShortestBar;
     if (!bar) {
       shape.inliers.resize(points.size());
       for (size_t i = 0; i < points.size(); ++i) shape.inliers[i] = i;
       measure(points, shape);
     }
-    if (bar) extend(shape);
     const std::string why = bar ? why_no_bar(shape, points.size()) : why_no_knob(shape);
     if (!why.empty()) return why;
     shapeless = false;
@@ -288,16 +288,20 @@ class FixtureFinder {
   }
 
   /// A closer look sees less: the bar goes on as long as points before the face follow each other along it.
-  void extend(Shape& shape) const {
+  void extend(const std::vector<Point>& points, Shape& shape) const {
     constexpr double kReach = 0.12;  // m beyond each end
-    constexpr double kStep = 0.012;  // m between points that follow each other
+    constexpr double kStep = 0.022;  // m between points that follow each other
+    constexpr double kAsFar = 0.6;   // of the bar's distance from the face
     const Vector2d across(-shape.axis.y(), shape.axis.x());
+    std::vector<double> depths;
+    for (const size_t i : shape.inliers) depths.push_back(points[i].depth);
+    const double least = std::max(1.3 * threshold_, kAsFar * percentile(depths, 0.5));
     std::vector<double> along;
     for (const FaceRay& ray : rays_.rays) {
       if (!ray.returned || ray.depth > static_cast<float>(2 * kFixtureReach)) continue;
       const Vector2d d = Vector2d(ray.point_u(), ray.point_v()) - shape.centre;
       const double depth = static_cast<double>(ray.depth) - ground_.at(ray.point_u(), ray.point_v());
-      if (std::abs(across.dot(d)) < 0.4 * shape.width && depth > threshold_ && depth < kFixtureReach &&
+      if (std::abs(across.dot(d)) < 0.4 * shape.width && depth > least && depth < kFixtureReach &&
           std::abs(shape.axis.dot(d)) < shape.length / 2 + kReach)
         along.push_back(shape.axis.dot(d));
     }
@@ -327,20 +331,51 @@ class FixtureFinder {
     return {};
   }
 
-  /// Beams that meet a bar and the front beside it give a second, weak bar near it.
+  /// Beams that meet a bar and the front beside it give a second, weak bar near it; a bar in pieces is found
+  /// several times.
   void drop_ghosts() {
-    constexpr double kNear = 0.1;   // m
-    constexpr double kWeak = 0.35;  // of the bar's points
+    constexpr double kNear = 0.1;       // m
+    constexpr double kSameBar = 0.008;  // m
+    constexpr double kWeak = 0.35;      // of the bar's points
     const auto points = [](const FaceFixture& fixture) {
       return fixture.fixture.evidence.at("inliers").get<double>();
     };
-    const std::vector<FaceFixture> all = result_.fixtures;
-    std::erase_if(result_.fixtures, [&](const FaceFixture& weak) {
-      return std::any_of(all.begin(), all.end(), [&](const FaceFixture& strong) {
-        return points(weak) < kWeak * points(strong) && strong.box.grown(kNear).contains(weak.u, weak.v) &&
-               std::abs(weak.fixture.axis.dot(strong.fixture.axis)) > 0.9;
+    std::stable_sort(result_.fixtures.begin(), result_.fixtures.end(),
+                     [&](const FaceFixture& a, const FaceFixture& b) { return points(a) > points(b); });
+    std::vector<FaceFixture> kept;
+    for (const FaceFixture& weak : result_.fixtures) {
+      const auto strong = std::find_if(kept.begin(), kept.end(), [&](const FaceFixture& other) {
+        if (meet(weak.box, other.box.grown(kSameBar))) return true;
+        return points(weak) < kWeak * points(other) && other.box.grown(kNear).contains(weak.u, weak.v) &&
+               std::abs(weak.fixture.axis.dot(other.fixture.axis)) > 0.9;
       });
-    });
+      if (strong == kept.end())
+        kept.push_back(weak);
+      else if (meet(weak.box, strong->box.grown(kSameBar)) && weak.fixture.kind == Fixture::Kind::handle)
+        unite(*strong, weak);
+    }
+    result_.fixtures = std::move(kept);
+  }
+
+  static bool meet(const FaceRect& a, const FaceRect& b) {
+    return a.u0 < b.u1 && b.u0 < a.u1 && a.v0 < b.v1 && b.v0 < a.v1;
+  }
+
+  /// Makes a bar as long as it and a piece of it in the same line are together.
+  void unite(FaceFixture& bar, const FaceFixture& piece) const {
+    constexpr double kAside = 0.015;  // m
+    const bool level = bar.box.width() > bar.box.height();
+    if (level != (piece.box.width() > piece.box.height())) return;
+    if (std::abs(level ? bar.v - piece.v : bar.u - piece.u) > kAside) return;
+    double& low = level ? bar.box.u0 : bar.box.v0;
+    double& high = level ? bar.box.u1 : bar.box.v1;
+    low = std::min(low, level ? piece.box.u0 : piece.box.v0);
+    high = std::max(high, level ? piece.box.u1 : piece.box.v1);
+    const Vector3d depth =
+        (bar.fixture.centre - rays_.face.at(bar.u, bar.v)).dot(rays_.face.normal3()) * rays_.face.normal3();
+    (level ? bar.u : bar.v) = (low + high) / 2;
+    bar.fixture.centre = rays_.face.at(bar.u, bar.v) + depth;
+    bar.fixture.length = high - low;
   }
 
   /// Share of a band beside the fixture in which the face itself was met: the least of its thirds, for what
