@@ -4,6 +4,7 @@
 
 namespace loci {
 
+Command articulation_command();
 Command changes_command();
 Command mapping_command();
 Command identity_command();

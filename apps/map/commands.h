@@ -4,6 +4,7 @@
 
 namespace loci {
 
+Command articulate_command();
 Command check_command();
 Command compare_command();
 Command export_command();

@@ -10,6 +10,6 @@ int main(int argc, char** argv) {
   program.add(loci::next_view_command());
   program.add_planned("explore", "Scans an unknown kitchen by next best view and maps it");
   program.add(loci::register_command());
-  program.add_planned("articulate", "Joints from tracks");
+  program.add(loci::articulate_command());
   return program.run(argc, argv);
 }

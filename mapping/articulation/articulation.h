@@ -30,9 +30,12 @@ std::string front_class(const Front& front, const JointEstimate& joint);
 
 /// A recorded motion: positions, and orientations where they were measured.
 struct Track {
-  std::vector<Vector3d> positions;
+  std::vector<Vector3d> positions;               ///< metres, in the order of recording
   std::vector<Eigen::Quaterniond> orientations;  ///< empty, or one per position
 };
+
+/// Reads a CSV with columns x, y, z and, where there are orientations, qx, qy, qz, qw; others are ignored.
+/// Error with line and column for what is missing, not a finite number, or a quaternion not of unit length.
 Track read_track(const std::filesystem::path& csv);
 
 struct TrackOptions {
@@ -48,21 +51,35 @@ struct TrackFit {
   JointEstimate::Type type = JointEstimate::Type::rigid;
   Vector3d axis = Vector3d::UnitZ(), centre = Vector3d::Zero();
   double radius = 0;
-  double rms_m = 0;
-  double log_likelihood = 0, bic = 0;
+  double rms_m = 0;           ///< distance from the path of what is no outlier
+  double log_likelihood = 0;  ///< as of `TrackResult::effective_poses` independent poses
+  double bic = 0;             ///< parameters · ln(effective poses) − 2 · log likelihood
   size_t parameters = 0, outliers = 0;
   std::vector<double> positions;  ///< of the joint at each pose, metres or radians
 };
 
 struct TrackResult {
-  JointEstimate estimate;      ///< in the track's frame
+  JointEstimate estimate;      ///< in the track's frame; probabilities are even when not usable
   std::vector<TrackFit> fits;  ///< rigid, prismatic, revolute
   bool usable = false;
-  std::string reason;  ///< why not, or what limits it: "neither line nor circle fits"
+  std::string reason;              ///< why not, or what limits it: "neither line nor circle fits"
+  double unknown_probability = 0;  ///< that neither of the three explains the track
+  double effective_poses = 0;      ///< as many independent poses say as much (errors of a path hang together)
+  double sigma_m = 0;              ///< noise per direction, as given or estimated
+  double misfit_m = 0;             ///< by how much the smoothed track leaves the best path
+
+  /// rigid, prismatic, revolute, or unknown.
+  std::string type_name() const;
   std::string summary() const;
   Json report() const;
 };
 
+/// Which joint made a track (after Sturm et al., "A probabilistic framework for learning kinematic models of
+/// articulated objects", JAIR 2011): point, line and circle are fitted with outliers, and compared by their
+/// likelihood with a penalty for parameters (BIC). Errors of recorded paths hang together, so that they count
+/// as fewer poses; what a hand's path bends by is tolerated before a line is called an arc; where neither
+/// fits the type is unknown. Orientations, where there are any, must turn with the arc or stay. Error for
+/// fewer than three poses, values that are not finite, or orientations that do not match in number.
 TrackResult fit_track(const Track& track, const TrackOptions& options);
 
 struct DifferenceOptions {

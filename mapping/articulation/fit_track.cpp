@@ -1,0 +1,293 @@
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/articulation/articulation.h"
+#include "mapping/articulation/path.h"
+#include "mapping/articulation/turn.h"
+
+namespace loci {
+namespace {
+
+using Type = JointEstimate::Type;
+constexpr double kPi = 3.14159265358979323846;
+
+// What is known of joints and of how they are recorded before a track is seen.
+constexpr double kUnknownShare = 0.02;    ///< of tracks are made by something else
+constexpr double kUsualRadius = 0.45;     ///< metres, of a handle about its hinge; log-normal
+constexpr double kRadiusSpread = 0.7;     ///< of its logarithm
+constexpr double kUsualTravel = 0.3;      ///< metres along the path; log-normal
+constexpr double kTravelSpread = 1.2;     ///< of its logarithm
+constexpr double kWander = 0.001;         ///< metres rms by which what stands still seems to move
+constexpr double kBend = 0.0015;          ///< rms by which a straight path bends at least, per length
+constexpr double kSlack = 0.002;          ///< metres by which a real path leaves its line or circle …
+constexpr double kDrift = 3 * kPi / 180;  ///< by which a marker's orientation drifts
+constexpr double kSlackPerLength = 0.01;  ///< … and per length
+
+double square(double x) {
+  return x * x;
+}
+
+double log_normal_odds(double value, double usual, double spread) {
+  return -0.5 * square(std::log(std::max(value, 1e-9) / usual) / spread);
+}
+
+std::vector<Vector3d> across_all(const PathFit& fit, const std::vector<Vector3d>& positions) {
+  std::vector<Vector3d> all;
+  for (const Vector3d& p : positions) all.push_back(fit.path.across(p));
+  return all;
+}
+
+/// How many independent poses say as much as these: the sum of the residuals' autocorrelation up to where it
+/// vanishes.
+double effective_poses(const PathFit& fit, const std::vector<Vector3d>& positions) {
+  const std::vector<Vector3d> residuals = across_all(fit, positions);
+  std::vector<Vector3d> inliers;
+  for (size_t i = 0; i < residuals.size(); ++i)
+    if (fit.weights[i] > 0.5) inliers.push_back(residuals[i]);
+  double variance = 0;
+  for (const Vector3d& r : inliers) variance += r.squaredNorm();
+  double sum = 1;
+  for (size_t lag = 1; lag < inliers.size() / 2; ++lag) {
+    double product = 0;
+    for (size_t i = lag; i < inliers.size(); ++i) product += inliers[i].dot(inliers[i - lag]);
+    const double correlation = variance > 0 ? product / variance : 0;
+    if (correlation < 0.05) break;
+    sum += 2 * correlation;
+  }
+  const double count = static_cast<double>(inliers.size());
+  return std::clamp(count / sum, std::min(4.0, count), count);
+}
+
+/// By how much the track leaves a path once noise and single outliers are smoothed away (moving median):
+/// 90 % of the track is nearer than 1.52 times that, as for a normal misfit.
+double structured_misfit(const PathFit& fit, const std::vector<Vector3d>& positions, double noise) {
+  const std::vector<Vector3d> residuals = across_all(fit, positions);
+  const size_t half = std::min<size_t>(4, residuals.size() / 8);
+  std::vector<double> distances, window;
+  for (size_t i = 0; i < residuals.size(); ++i) {
+    const size_t from = i < half ? 0 : i - half, to = std::min(residuals.size(), i + half + 1);
+    Vector3d smooth = Vector3d::Zero();
+    for (int k = 0; k < 2; ++k) {
+      window.clear();
+      for (size_t j = from; j < to; ++j) window.push_back(residuals[j][k]);
+      const auto middle = window.begin() + static_cast<std::ptrdiff_t>(window.size() / 2);
+      std::nth_element(window.begin(), middle, window.end());
+      smooth[k] = *middle;
+    }
+    distances.push_back(smooth.norm());
+  }
+  const auto most = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() * 9 / 10);
+  std::nth_element(distances.begin(), most, distances.end());
+  const double left = noise * std::min(1.0, std::sqrt(kPi / 2 / static_cast<double>(2 * half + 1)));
+  return std::sqrt(std::max(square(*most / 1.52) - 2 * square(left), 0.0));
+}
+
+/// White noise per direction, from neighbours: blind to the path's shape, and from the calmest fifth of them,
+/// as an outlier spoils three.
+double white_noise(const std::vector<Vector3d>& positions) {
+  std::vector<double> seconds;
+  for (size_t i = 2; i < positions.size(); ++i)
+    seconds.push_back((positions[i] - 2 * positions[i - 1] + positions[i - 2]).norm());
+  const auto calm = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 5);
+  std::nth_element(seconds.begin(), calm, seconds.end());
+  return *calm / (1.003 * std::sqrt(6.0));  // 1.003: a fifth of normal vectors in space is shorter
+}
+
+/// A gain in log likelihood that a systematic error of size `tolerated` (in the units of `effect`) could have
+/// made: the effect counts against noise and systematic error together.
+double tolerant_gain(double gain, double effect, double tolerated) {
+  if (gain <= 0 || effect <= 0) return std::min(gain, 0.0);
+  return 0.5 * square(effect) / (square(effect) / (2 * gain) + square(tolerated));
+}
+
+/// log of exp(-x) · I0(x), Bessel's function.
+double log_scaled_bessel(double x) {
+  return x < 30 ? std::log(std::cyl_bessel_i(0.0, x)) - x : -0.5 * std::log(2 * kPi * x);
+}
+
+/// log of how likely a path of that curvature looks like one of curvature `seen`: errors of standard
+/// deviation `sd` in both directions across the path make it a Rice distribution. A factor common to all is
+/// left out.
+double log_curvature_likelihood(double curvature, double seen, double sd) {
+  return -0.5 * square((seen - curvature) / sd) + log_scaled_bessel(seen * curvature / (sd * sd));
+}
+
+/// The same for a revolute joint, whose radius is not known: the mean over usual ones.
+double log_revolute_likelihood(double seen, double sd) {
+  const double step = 0.02;
+  double sum = 0, largest = -1e300;
+  std::vector<double> logs;
+  for (double z = -4; z < 4; z += step)
+    logs.push_back(-0.5 * z * z +
+                   log_curvature_likelihood(std::exp(-kRadiusSpread * z) / kUsualRadius, seen, sd));
+  for (const double log : logs) largest = std::max(largest, log);
+  for (const double log : logs) sum += std::exp(log - largest);
+  return largest + std::log(sum * step / std::sqrt(2 * kPi));
+}
+
+void check(const Track& track) {
+  if (track.positions.size() < 3)
+    throw Error("the track has " + std::to_string(track.positions.size()) + " poses", {},
+                "a joint shows in three poses at least");
+  if (!track.orientations.empty() && track.orientations.size() != track.positions.size())
+    throw Error("the track has " + std::to_string(track.positions.size()) + " positions and " +
+                std::to_string(track.orientations.size()) + " orientations");
+  for (size_t i = 0; i < track.positions.size(); ++i)
+    if (!track.positions[i].allFinite() ||
+        (!track.orientations.empty() && !track.orientations[i].coeffs().allFinite()))
+      throw Error("pose " + std::to_string(i) + " of the track has a value that is not a finite number");
+}
+
+/// The axis points so that the joint opens in the positive sense.
+void orient(PathFit& fit) {
+  double low = 0, high = 0;
+  for (size_t i = 0; i < fit.along.size(); ++i)
+    if (fit.weights[i] > 0.5) {
+      low = std::min(low, fit.along[i]);
+      high = std::max(high, fit.along[i]);
+    }
+  if (high >= -low) return;
+  fit.path.axis = -fit.path.axis;
+  for (double& s : fit.along) s = -s;
+}
+
+struct Evidence {
+  std::array<double, 4> log{};  ///< rigid, prismatic, revolute, unknown
+};
+
+/// Log evidence of the types from the positions, relative to the circle's likelihood.
+Evidence weigh_types(const std::array<PathFit, 3>& fits, double poses, double misfit) {
+  const auto& [point, line, circle] = fits;
+  const double scale = poses / static_cast<double>(point.weights.size());
+  const double travel = std::max(line.travel, 1e-6);
+  const double still_gain =
+      scale * (std::max(circle.log_likelihood, line.log_likelihood) - point.log_likelihood);
+
+  // A straight path of length l that bends by rms b looks like an arc of 8 · b / (0.298 · l) radians. What
+  // the misfit puts into one bend is its share of a path's few ways to be off.
+  const double bent = std::hypot(kBend * travel, misfit * std::sqrt(std::min(3 / poses, 1.0)));
+  // The curvature of a parabola through noise has the standard deviation σ · √(720 / n) / l².
+  const double bend = bent / travel * 8 / 0.298 / travel;
+  const double noise = circle.sigma * std::sqrt(720 / poses) / square(travel);
+  const bool arc = circle.log_likelihood > line.log_likelihood;
+  const double curvature = arc ? 1 / circle.path.radius : 0, curvature_sd = std::hypot(bend, noise);
+
+  const double penalty = 0.5 * std::log(poses);
+  const double log_travel = log_normal_odds(travel, kUsualTravel, kTravelSpread);
+  const double slack = std::hypot(kSlack, kSlackPerLength * travel);
+  const double log_misfit = -0.5 * square(misfit / slack);
+  Evidence evidence;
+  // Noise alone spreads over some four of its standard deviations; a uniform motion's rms is its way / √12.
+  const double way = std::max(line.travel - 4 * line.sigma, 0.0) / std::sqrt(12.0);
+  evidence.log[0] =
+      -tolerant_gain(still_gain, way, kWander) - 3 * penalty + std::log((1 - kUnknownShare) / 3);
+  // A line has four parameters, and the span over which the poses are spread.
+  const double common = -5 * penalty + log_travel + log_misfit + std::log((1 - kUnknownShare) / 3);
+  evidence.log[1] = common + log_curvature_likelihood(0, curvature, curvature_sd);
+  evidence.log[2] = common + log_revolute_likelihood(curvature, curvature_sd);
+  evidence.log[3] = std::max(evidence.log[1], evidence.log[2]) - log_misfit + std::log(3 * kUnknownShare);
+  return evidence;
+}
+
+/// The best explanation of the orientations under each type.
+void weigh_turns(const Track& track, const std::array<PathFit, 3>& fits, const TrackOptions& options,
+                 Evidence& evidence) {
+  if (track.orientations.empty()) return;
+  const std::vector<double> still(track.positions.size(), 0.0);
+  const TurnFit stays = fit_turn(track.orientations, fits[2].path.axis, still, fits[2].weights);
+  const TurnFit turns = fit_turn(track.orientations, fits[2].path.axis, fits[2].along, fits[2].weights);
+  double sigma = options.orientation_sigma_deg * kPi / 180;
+  if (sigma == 0) sigma = std::max(std::min(stays.sigma, turns.sigma), 0.3 * kPi / 180);
+  const double poses = (stays.sigma < turns.sigma ? stays : turns).effective_poses;
+  const double stay = stays.log_likelihood(sigma, poses), turn = turns.log_likelihood(sigma, poses);
+  // What a marker's orientation drifts by while it moves is no turn yet.
+  const double arc = fits[2].path.radius > 0 ? fits[2].travel / fits[2].path.radius : 0;
+  const double gain = tolerant_gain(std::abs(turn - stay), arc, std::hypot(kDrift, sigma));
+  // Markers flip and hands slip: one time in ten the orientation says nothing.
+  const auto worse_by = [](double log) { return std::log(std::exp(-log) + 0.1 * std::exp(-4)); };
+  const double stay_penalty = worse_by(turn > stay ? gain : 0),
+               turn_penalty = worse_by(turn > stay ? 0 : gain);
+  evidence.log[0] += stay_penalty;
+  evidence.log[1] += stay_penalty;
+  evidence.log[2] += turn_penalty;
+  evidence.log[3] -= 4;  // What is no joint may turn as it likes.
+}
+
+TrackFit fit_of(Type type, const PathFit& path, double poses) {
+  TrackFit fit;
+  fit.type = type;
+  fit.axis = path.path.axis;
+  fit.centre = path.path.centre;
+  fit.radius = path.path.radius;
+  fit.rms_m = path.rms;
+  fit.parameters = static_cast<size_t>(path.path.parameters());
+  fit.outliers = path.outliers();
+  fit.log_likelihood = path.log_likelihood * poses / static_cast<double>(path.weights.size());
+  fit.bic = static_cast<double>(fit.parameters) * std::log(poses) - 2 * fit.log_likelihood;
+  fit.positions = path.along;
+  return fit;
+}
+
+void describe(JointEstimate& estimate, const PathFit& fit, double poses) {
+  estimate.axis = fit.path.axis;
+  estimate.origin = fit.path.centre;
+  for (size_t i = 0; i < fit.along.size(); ++i)
+    if (fit.weights[i] > 0.5) {
+      estimate.lower = std::min(estimate.lower, fit.along[i]);
+      estimate.upper = std::max(estimate.upper, fit.along[i]);
+    }
+  const double correlated = static_cast<double>(fit.weights.size()) / poses;
+  const Eigen::VectorXd variances = correlated * fit.covariance.diagonal();
+  estimate.origin_sd_m = std::sqrt(variances.head(2).sum());
+  const Eigen::Index tilt = fit.path.kind == Path::Kind::circle ? 3 : 2;
+  if (fit.path.kind != Path::Kind::point)
+    estimate.axis_sd_deg = std::sqrt(variances.segment(tilt, 2).sum()) * 180 / kPi;
+}
+
+}  // namespace
+
+TrackResult fit_track(const Track& track, const TrackOptions& options) {
+  check(track);
+  PathOptions path_options{options.position_sigma_m, options.outlier_probability};
+  std::array<PathFit, 3> fits;
+  fits[0] = fit_path(Path::Kind::point, track.positions, path_options);
+  fits[1] = fit_path(Path::Kind::line, track.positions, path_options);
+  path_options.span = fits[1].span;
+  fits[2] = fit_path(Path::Kind::circle, track.positions, path_options);
+  orient(fits[1]);
+  orient(fits[2]);
+
+  TrackResult result;
+  result.effective_poses = effective_poses(fits[2], track.positions);
+  const double noise = white_noise(track.positions);
+  result.misfit_m = std::min(structured_misfit(fits[1], track.positions, noise),
+                             structured_misfit(fits[2], track.positions, noise));
+  result.sigma_m = fits[2].sigma;
+
+  Evidence evidence = weigh_types(fits, result.effective_poses, result.misfit_m);
+  weigh_turns(track, fits, options, evidence);
+  const double largest = *std::max_element(evidence.log.begin(), evidence.log.end());
+  double sum = 0;
+  for (double& log : evidence.log) sum += log = std::exp(log - largest);
+  for (size_t i = 0; i < 3; ++i) {
+    result.fits.push_back(fit_of(static_cast<Type>(i), fits[i], result.effective_poses));
+    result.estimate.probabilities[i] = evidence.log[i] / (sum - evidence.log[3]);
+  }
+  result.unknown_probability = evidence.log[3] / sum;
+  const size_t best =
+      static_cast<size_t>(std::max_element(evidence.log.begin(), evidence.log.end()) - evidence.log.begin());
+  result.usable = best < 3;
+  result.estimate.evidence = "track";
+  if (!result.usable) {
+    result.estimate.probabilities.fill(1.0 / 3);
+    result.reason = "neither line nor circle fits";
+    return result;
+  }
+  result.estimate.type = static_cast<Type>(best);
+  describe(result.estimate, fits[best], result.effective_poses);
+  if (result.estimate.probabilities[best] < 0.9)
+    result.reason = best == 0 ? "it moved too little to tell" : "the arc is too short or too rough to tell";
+  return result;
+}
+
+}  // namespace loci
