@@ -125,12 +125,19 @@ Json sample_json(const ViewSample& sample) {
           {"score", sample.score}};
 }
 
+bool avoided(const PlanarPose& pose, const PlannerOptions& options) {
+  return std::any_of(options.avoid.begin(), options.avoid.end(), [&](const Vector2d& place) {
+    return (Vector2d(pose.x, pose.y) - place).norm() < options.robot_radius_m;
+  });
+}
+
 /// Chooses among the validated samples, or says why to stop and returns null.
 const ViewSample* decide(ViewPlan& plan, const PlannerOptions& options) {
   NextView& view = plan.view;
   double gain_best = 0;
   const ViewSample* best = nullptr;
   for (const ViewSample& sample : plan.samples) {
+    if (avoided(sample.pose, options)) continue;
     gain_best = std::max(gain_best, sample.counts.fringe);
     if (sample.counts.fringe < options.gain_min) continue;
     if (best == nullptr || sample.score > best->score) best = &sample;

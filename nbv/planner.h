@@ -30,6 +30,8 @@ struct PlannerOptions {
   double ray_step_deg = 1;
   double travel_cost_per_m = 0;
   double gain_min = 0.3;
+  /// Places where the robot has failed to get to: nothing within its radius of them is chosen.
+  std::vector<Vector2d> avoid = {};
   int threads = 0;  ///< 0 = all cores; not declared as an option: the result is the same on any number
 
   void declare(OptionTable& table);

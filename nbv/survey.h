@@ -4,24 +4,17 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json.h"
-#include "mapping/base/options.h"
-#include "mapping/base/progress.h"
 #include "mapping/interpretation/interpretation.h"
-#include "mapping/registration/registration.h"
-#include "mapping/simulation/scanned_world.h"
-#include "nbv/planner.h"
+#include "nbv/exploration.h"
+#include "nbv/interaction.h"
 
 namespace loci {
 
 struct SurveyOptions {
-  int scans_max = 40;
   bool interact = false;
-  double pull_way_m = 0.25;
-  PlannerOptions planner;
-  OccupancyOptions occupancy;
-  RegistrationOptions registration;
+  ExplorationOptions exploration;
   InterpretationOptions interpretation;
+  InteractionOptions interaction;
 
   void declare(OptionTable& table);
 };
@@ -29,13 +22,19 @@ struct SurveyOptions {
 struct SurveyResult {
   InterpretedMap map;
   ScanSet scans;
-  Json exploration;  ///< explore.json: per step pose, reason, overlap, coverage, times; the stopping reason
+  std::vector<ExplorationStep> steps;
+  std::vector<Interaction> interactions;
+  std::string stop_reason;
+  double seconds = 0;
+
   std::string summary() const;
+  Json report() const;
 };
 
 /// Explores a room until nothing is gained, interprets it, and with `interact` pulls each handle and scans
-/// again. Writes a checkpoint into `folder` after each scan; with `resume` it goes on from there.
-SurveyResult survey(ScannedWorld& robot, const PlanarPose& start, const std::filesystem::path& folder,
-                    bool resume, const SurveyOptions& options, Progress& progress, Warnings& warnings);
+/// again (§7.3 to §7.5). Writes `scans/`, `explore.json`, `map.urdf`, `map.semantic.json` and `report.html`
+/// into the folder; every scan is a checkpoint from which `resume` goes on.
+SurveyResult survey(Robot& robot, const PlanarPose& start, const std::filesystem::path& folder, bool resume,
+                    const SurveyOptions& options, Progress& progress, Warnings& warnings);
 
 }  // namespace loci

@@ -7,6 +7,7 @@ namespace loci {
 Command articulate_command();
 Command check_command();
 Command compare_command();
+Command explore_command();
 Command export_command();
 Command fuse_command();
 Command interpret_command();

@@ -7,8 +7,8 @@ int main(int argc, char** argv) {
   program.add(loci::interpret_command());
   program.add(loci::compare_command());
   program.add(loci::export_command());
+  program.add(loci::explore_command());
   program.add(loci::next_view_command());
-  program.add_planned("explore", "Scans an unknown kitchen by next best view and maps it");
   program.add(loci::register_command());
   program.add(loci::articulate_command());
   return program.run(argc, argv);

@@ -77,6 +77,16 @@ std::vector<size_t> in_order(const std::vector<Front>& fronts, double yaw) {
   return order;
 }
 
+void add_named(std::vector<Front> fronts, InterpretedMap& map) {
+  std::map<std::string, int> used;
+  for (const size_t i : in_order(fronts, map.room_yaw)) {
+    Front& front = fronts[i];
+    front.name = fmt::format("{}_{}", front.class_name, ++used[front.class_name]);
+    add_front(front, kRoot, map.world, map.semantics);
+    map.fronts.push_back(front);
+  }
+}
+
 }  // namespace
 
 void add_fronts(const RecognisedRoom& room, std::vector<Front> fronts, InterpretedMap& map) {
@@ -87,13 +97,14 @@ void add_fronts(const RecognisedRoom& room, std::vector<Front> fronts, Interpret
     front.joint = joint;
     front.class_name = front_class(front, joint);
   }
-  std::map<std::string, int> used;
-  for (const size_t i : in_order(fronts, room.yaw)) {
-    Front& front = fronts[i];
-    front.name = fmt::format("{}_{}", front.class_name, ++used[front.class_name]);
-    add_front(front, kRoot, map.world, map.semantics);
-    map.fronts.push_back(front);
-  }
+  map.room_yaw = room.yaw;
+  add_named(std::move(fronts), map);
+}
+
+void replace_fronts(std::vector<Front> fronts, InterpretedMap& map) {
+  for (const Front& front : map.fronts) remove_front(front.name, map.world, map.semantics);
+  map.fronts.clear();
+  add_named(std::move(fronts), map);
 }
 
 }  // namespace loci

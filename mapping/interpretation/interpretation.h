@@ -32,6 +32,7 @@ struct StageTime {
 struct InterpretedMap {
   World world;                     ///< floor, walls, supports as links with visual, collision and inertia
   std::vector<Front> fronts;       ///< furniture fronts with fixtures and joints, as their links tell
+  double room_yaw = 0;             ///< of the room's main directions against the map's, radians
   SemanticMap semantics;           ///< class, geometry, confidence, evidence of each link
   std::vector<std::string> notes;  ///< e.g. "no free-space evidence: the input is a bare cloud"
   Json configuration;              ///< the effective options

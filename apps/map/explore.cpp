@@ -1,0 +1,79 @@
+#include <fmt/format.h>
+
+#include "apps/map/commands.h"
+#include "mapping/base/config.h"
+#include "mapping/simulation/scanned_world.h"
+#include "nbv/survey.h"
+
+namespace loci {
+namespace {
+
+struct ExploreArguments {
+  std::string world, out, start, scanner = "hokuyo";
+  std::vector<std::string> package_paths;
+  double floor = 0;
+  std::optional<double> ceiling;
+  bool resume = false;
+  SurveyOptions options;
+};
+
+/// "x,y,yaw_deg" in the world's frame.
+PlanarPose pose_from_text(const std::string& text) {
+  double x = 0, y = 0, yaw_deg = 0;
+  char end = 0;
+  if (std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &x, &y, &yaw_deg, &end) != 3)
+    throw Error(fmt::format("'{}' is no start pose", text), {}, "give x,y,yaw_deg, e.g. --start 1.5,2.0,90");
+  return {x, y, yaw_deg * M_PI / 180};
+}
+
+void explore(ExploreArguments& arguments, Session& session) {
+  ExplorationOptions& exploration = arguments.options.exploration;
+  exploration.threads = session.flags().threads;
+  ScannedWorldOptions world;
+  for (const std::string& folder : arguments.package_paths) world.package_paths.emplace_back(folder);
+  world.floor = arguments.floor;
+  world.ceiling = arguments.ceiling;
+  world.laser = exploration.laser;
+  world.seed = exploration.seed;
+  world.threads = exploration.threads;
+  ScannedWorld robot(arguments.world, world, {}, session.warnings());
+  const PlanarPose start = arguments.start.empty() ? robot.open_place() : pose_from_text(arguments.start);
+  robot.put_at(start);
+  const SurveyResult result = survey(robot, start, arguments.out, arguments.resume, arguments.options,
+                                     session.progress(), session.warnings());
+  for (const std::string& note : result.map.notes) session.warnings().add(note);
+  for (const StageTime& time : result.map.times) session.timing(time.stage, time.seconds);
+  session.answer(
+      result.summary() + "in " + arguments.out + "/map.urdf, see " + arguments.out + "/report.html",
+      result.report());
+}
+
+}  // namespace
+
+Command explore_command() {
+  return {
+      "explore",
+      "Scans an unknown kitchen by next best view and maps it",
+      {"loci-map explore apps/samples/kitchen.urdf -o demo-output/explored",
+       "loci-map explore apps/samples/kitchen.urdf --interact --seed 2 -o demo-output/explored --json"},
+      [](CLI::App& app) {
+        auto arguments = std::make_shared<ExploreArguments>();
+        app.add_option("WORLD", arguments->world, "URDF of the world that is scanned")->required();
+        app.add_option("-o,--out", arguments->out, "Folder of the map, its scans and the report")->required();
+        app.add_option("--package-path", arguments->package_paths,
+                       "Folder that holds packages (package://NAME/…); can be given several times")
+            ->allow_extra_args(false);
+        app.add_option("--start", arguments->start,
+                       "First scan: x,y,yaw_deg in the world's frame (default: the most open floor)");
+        app.add_option("--scanner", arguments->scanner, "Sensor")->check(CLI::IsMember({"hokuyo"}));
+        app.add_option("--floor", arguments->floor, "Height of the floor that is added to the world, m");
+        app.add_option("--ceiling", arguments->ceiling, "Height of a ceiling to add, m (default: none)");
+        app.add_option("--seed", arguments->options.exploration.seed, "Seed of noise and samples");
+        app.add_flag("--interact", arguments->options.interact, "Pull each handle and scan again");
+        app.add_flag("--resume", arguments->resume, "Go on with an exploration that was interrupted");
+        add_options(app, table_of(arguments->options));
+        return [arguments](Session& session) { explore(*arguments, session); };
+      }};
+}
+
+}  // namespace loci

@@ -1,0 +1,348 @@
+#include "nbv/exploration.h"
+
+#include <fmt/format.h>
+
+#include <octomap/octomap.h>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "mapping/base/files.h"
+
+namespace loci {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kVersion = 1;
+/// Scans are inserted again when registration moved one of them by more than this part of a voxel.
+constexpr double kReinsertShift = 0.5;
+
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - start_).count();
+    start_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+Json to_json(const PlanarPose& pose) {
+  return {pose.x, pose.y, pose.yaw * 180 / M_PI};
+}
+
+PlanarPose planar_from(const Json& json) {
+  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>() * M_PI / 180};
+}
+
+Json to_json(const ExplorationStep& step, size_t index, bool registered, const Json& robot) {
+  return {{"scan", index},
+          {"goal", to_json(step.goal)},
+          {"odometry", values_from_pose(step.map_from_scan_odometry)},
+          {"reason", step.reason},
+          {"expected_overlap", step.expected_overlap},
+          {"expected_gain", step.expected_gain},
+          {"reached_overlap", step.reached_overlap},
+          {"registered", registered},
+          {"known_voxels", step.known_voxels},
+          {"fringe_voxels", step.fringe_voxels},
+          {"seconds",
+           {{"scan", step.scan_seconds},
+            {"register", step.register_seconds},
+            {"insert", step.insert_seconds},
+            {"plan", step.plan_seconds}}},
+          {"robot", robot}};
+}
+
+ExplorationStep step_from(const Json& json) {
+  ExplorationStep step;
+  step.goal = planar_from(json.at("goal"));
+  step.map_from_scan_odometry = pose_from_values(json.at("odometry").get<std::array<double, 7>>());
+  step.reason = json.at("reason");
+  step.expected_overlap = json.at("expected_overlap");
+  step.expected_gain = json.at("expected_gain");
+  const Json& seconds = json.at("seconds");
+  step.scan_seconds = seconds.at("scan");
+  step.register_seconds = seconds.at("register");
+  step.insert_seconds = seconds.at("insert");
+  step.plan_seconds = seconds.at("plan");
+  return step;
+}
+
+}  // namespace
+
+void ExplorationOptions::declare(OptionTable& table) {
+  table.integer("scans_max", scans_max, "", "Stop after so many scans.", 1, 1000);
+  table.integer("failures_max", failures_max, "", "Stop after so many goals in a row that were not reached.",
+                1, 100);
+  planner.declare(table);
+  registration.declare(table);
+  occupancy.declare(table);
+}
+
+struct Exploration::Impl {
+  Impl(Robot& scanner, const PlanarPose& begin, fs::path out, const ExplorationOptions& given, Warnings& w)
+      : robot(scanner),
+        start(begin),
+        folder(std::move(out)),
+        options(given),
+        warnings(w),
+        random(given.seed),
+        registrar(given.registration),
+        map(given.occupancy) {
+    set.sensor = "hokuyo";
+    set.levelled = true;
+    set.range_max = options.laser.range_max_m;
+  }
+
+  /// Everything that follows from a scan: its pose and those of the others, and what is known of space.
+  void take_in(Scan scan, ExplorationStep& step) {
+    Stopwatch watch;
+    step.map_from_scan_odometry = scan.map_from_scan;
+    scan.name = fmt::format("scan_{:03}", set.scans.size());
+    set.scans.push_back(std::move(scan));
+    const RegistrationResult& registered = registrar.add(set.scans.back());
+    for (size_t i = 0; i < set.scans.size(); ++i) set.scans[i].map_from_scan = registered.map_from_scan[i];
+    step.reached_overlap = 0;
+    for (const PairAlignment& pair : registered.pairs)
+      if (pair.trusted && std::max(pair.source, pair.target) + 1 == set.scans.size())
+        step.reached_overlap = std::max(step.reached_overlap, pair.overlap);
+    step.register_seconds = watch.lap();
+    insert();
+    step.insert_seconds = watch.lap();
+    step.known_voxels = map.tree().getNumLeafNodes();
+  }
+
+  bool connected(size_t scan) const { return registrar.result().connected[scan]; }
+
+  /// All scans at their best known poses, also those that are not tied to the first one yet: where odometry
+  /// puts them is good enough to plan by.
+  void insert() {
+    const double most = kReinsertShift * map.resolution();
+    bool moved = false;
+    for (size_t i = 0; i < inserted.size(); ++i)
+      moved = moved || (inserted[i].translation() - set.scans[i].map_from_scan.translation()).norm() > most;
+    if (moved) {
+      map = OccupancyMap(options.occupancy);
+      inserted.clear();
+    }
+    for (size_t i = inserted.size(); i < set.scans.size(); ++i) {
+      map.insert(set.scans[i]);
+      inserted.push_back(set.scans[i].map_from_scan);
+    }
+  }
+
+  /// Where the robot believes to be.
+  PlanarPose robot_pose() const { return planar(set.scans.back().map_from_scan); }
+
+  /// Goes to the goal and scans; false when the robot could not get there.
+  bool scan_at(const PlanarPose& goal, ExplorationStep step) {
+    Stopwatch watch;
+    std::optional<Scan> scan;
+    try {
+      scan = robot.scan_at(goal);
+    } catch (const Error& error) {
+      if (set.scans.empty()) throw;
+      warnings.add(fmt::format("goal ({:.2f}, {:.2f}) was not reached: {}", goal.x, goal.y, error.what()));
+      avoid.emplace_back(goal.x, goal.y);
+      return false;
+    }
+    step.goal = goal;
+    step.scan_seconds = watch.lap();
+    take_in(std::move(*scan), step);
+    if (step.reached_overlap > 0) robot.localize(robot_pose());
+    steps.push_back(std::move(step));
+    robot_states.push_back(robot.state());
+    checkpoint();
+    return true;
+  }
+
+  void checkpoint() const {
+    append_to_scan_set(set, folder / "scans");
+    write_json(folder / "explore.json", report());
+  }
+
+  Json configuration() const {
+    ExplorationOptions effective = options;
+    Json json = table_of(effective).to_json();
+    json["seed"] = options.seed;
+    return json;
+  }
+
+  Json report() const {
+    Json list = Json::array();
+    for (size_t i = 0; i < steps.size(); ++i)
+      list.push_back(to_json(steps[i], i, connected(i), robot_states[i]));
+    Json places = Json::array();
+    for (const Vector2d& place : avoid) places.push_back({place.x(), place.y()});
+    return {{"version", kVersion},
+            {"start", to_json(start)},
+            {"finished", !stop_reason.empty()},
+            {"stop_reason", stop_reason},
+            {"steps", list},
+            {"not_reached", places},
+            {"tying", tying},
+            {"configuration", configuration()}};
+  }
+
+  void resume() {
+    const fs::path file = folder / "explore.json";
+    if (!fs::exists(file)) return;  // Killed before the first scan was whole.
+    const Json json = read_json(file);
+    if (json.value("version", 0) != kVersion || json.at("configuration") != configuration() ||
+        json.at("start") != to_json(start))
+      throw Error("this exploration was begun with other options", {file.string(), 0, ""},
+                  "give the same options, or leave --resume away to begin anew");
+    ScanSet before = read_scan_set(folder / "scans");
+    const Json& list = json.at("steps");
+    if (before.scans.size() < list.size())
+      throw Error("there are fewer scans than steps", {file.string(), 0, "steps"},
+                  "begin anew without --resume");
+    for (size_t i = 0; i < list.size(); ++i) {
+      ExplorationStep step = step_from(list[i]);
+      const double seconds = step.register_seconds;
+      Scan scan = std::move(before.scans[i]);
+      scan.map_from_scan = step.map_from_scan_odometry;
+      take_in(std::move(scan), step);
+      step.register_seconds = seconds;
+      step.fringe_voxels = list[i].at("fringe_voxels");
+      steps.push_back(std::move(step));
+      robot_states.push_back(list[i].at("robot"));
+    }
+    if (!robot_states.empty()) robot.restore(robot_states.back());
+    for (const Json& place : json.at("not_reached"))
+      avoid.emplace_back(place.at(0).get<double>(), place.at(1).get<double>());
+    tying = json.at("tying");
+    stop_reason = json.at("stop_reason");
+  }
+
+  /// Plans the next view and goes there, or says why it ends here. After a scan that could not be registered
+  /// (two that face each other share but parallel walls, along which they may slide) a view that sees as much
+  /// as possible of what is known comes first, once: it ties them together.
+  void plan_and_scan() {
+    tying = !tying && !connected(set.scans.size() - 1);
+    for (int attempt = 0; attempt < options.failures_max; ++attempt) {
+      Stopwatch watch;
+      PlannerOptions planner = options.planner;
+      planner.avoid = avoid;
+      if (tying) planner.gain_weight = planner.gain_min = 0;
+      const NextView view = next_view(map, robot_pose(), options.laser, planner,
+                                      random.fork(steps.size()).fork(static_cast<uint64_t>(attempt)));
+      steps.back().plan_seconds += watch.lap();
+      steps.back().fringe_voxels = view.fringe_voxels;
+      if (!view.pose) {
+        stop_reason = view.reason;
+        return;
+      }
+      ExplorationStep step;
+      step.reason = tying ? "ties the scan before to the others: " + view.reason : view.reason;
+      step.expected_overlap = view.expected_overlap;
+      step.expected_gain = view.expected_gain;
+      if (scan_at(*view.pose, std::move(step))) return;
+    }
+    stop_reason = fmt::format("{} goals in a row could not be reached", options.failures_max);
+  }
+
+  void run(Progress& progress) {
+    if (steps.empty()) {
+      progress.check(0, "first scan");
+      ExplorationStep first;
+      first.reason = "start";
+      scan_at(start, std::move(first));
+    }
+    while (stop_reason.empty()) {
+      const double most = static_cast<double>(options.scans_max);
+      progress.check(
+          std::min(0.99, static_cast<double>(steps.size()) / most),
+          fmt::format("{} scans, {} fringe voxels left", steps.size(), steps.back().fringe_voxels));
+      if (steps.size() >= static_cast<size_t>(options.scans_max))
+        stop_reason = fmt::format("the most scans that are allowed ({})", options.scans_max);
+      else
+        plan_and_scan();
+    }
+    for (size_t i = 0; i < set.scans.size(); ++i)
+      if (!connected(i)) warnings.add(fmt::format("scan {} could not be registered and is left out", i));
+    checkpoint();
+  }
+
+  Robot& robot;
+  PlanarPose start;
+  fs::path folder;
+  ExplorationOptions options;
+  Warnings& warnings;
+  Random random;
+  IncrementalRegistration registrar;
+  OccupancyMap map;
+  ScanSet set;
+  std::vector<Isometry3d> inserted;  ///< poses at which scans are in the map
+  std::vector<ExplorationStep> steps;
+  std::vector<Json> robot_states;
+  std::vector<Vector2d> avoid;  ///< goals that were not reached
+  bool tying = false;           ///< the last view was chosen to tie scans together
+  std::string stop_reason;
+};
+
+Exploration::Exploration(Robot& robot, const PlanarPose& start, fs::path folder, bool resume,
+                         const ExplorationOptions& options, Warnings& warnings)
+    : impl_(std::make_unique<Impl>(robot, start, std::move(folder), options, warnings)) {
+  if (resume) impl_->resume();
+}
+
+Exploration::~Exploration() = default;
+
+void Exploration::run(Progress& progress) {
+  impl_->run(progress);
+}
+
+ScanSet Exploration::registered_scans() const {
+  ScanSet set = impl_->set;
+  set.scans.clear();
+  for (size_t i = 0; i < impl_->set.scans.size(); ++i)
+    if (impl_->connected(i)) set.scans.push_back(impl_->set.scans[i]);
+  return set;
+}
+
+std::optional<Isometry3d> Exploration::locate(const Scan& scan) const {
+  constexpr size_t kNearest = 3;
+  std::vector<std::pair<double, size_t>> near;
+  for (size_t i = 0; i < impl_->set.scans.size(); ++i)
+    if (impl_->connected(i))
+      near.emplace_back(
+          (impl_->set.scans[i].map_from_scan.translation() - scan.map_from_scan.translation()).norm(), i);
+  std::sort(near.begin(), near.end());
+  if (near.size() > kNearest) near.resize(kNearest);
+  std::optional<Isometry3d> best;
+  double most = 0;
+  for (const auto& [distance, i] : near) {
+    const Scan& target = impl_->set.scans[i];
+    const PairAlignment pair =
+        align(target, scan, target.map_from_scan.inverse() * scan.map_from_scan, impl_->options.registration);
+    if (!pair.trusted || pair.overlap <= most) continue;
+    most = pair.overlap;
+    best = target.map_from_scan * pair.target_from_source;
+  }
+  return best;
+}
+
+const OccupancyMap& Exploration::occupancy() const {
+  return impl_->map;
+}
+const RegistrationResult& Exploration::registration() const {
+  return impl_->registrar.result();
+}
+const std::vector<ExplorationStep>& Exploration::steps() const {
+  return impl_->steps;
+}
+const std::string& Exploration::stop_reason() const {
+  return impl_->stop_reason;
+}
+Json Exploration::report() const {
+  return impl_->report();
+}
+
+}  // namespace loci

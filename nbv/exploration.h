@@ -1,0 +1,74 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mapping/base/json.h"
+#include "mapping/base/options.h"
+#include "mapping/base/progress.h"
+#include "mapping/occupancy/occupancy.h"
+#include "mapping/registration/registration.h"
+#include "mapping/sensor/robot.h"
+#include "nbv/planner.h"
+
+namespace loci {
+
+struct ExplorationOptions {
+  int scans_max = 40;
+  int failures_max = 5;  ///< goals in a row that the robot could not reach
+  PlannerOptions planner;
+  OccupancyOptions occupancy;
+  RegistrationOptions registration;
+  LaserModel laser;
+  uint64_t seed = 1;
+  int threads = 0;
+
+  void declare(OptionTable& table);
+};
+
+/// One scan of an exploration: why it was taken there and what came of it.
+struct ExplorationStep {
+  PlanarPose goal;
+  Isometry3d map_from_scan_odometry = Isometry3d::Identity();  ///< as the robot believed before registration
+  std::string reason;
+  double expected_overlap = 0;  ///< of the plan, unset (0) for the first scan
+  double expected_gain = 0;
+  double reached_overlap = 0;  ///< by registration, with the best of the scans before
+  size_t known_voxels = 0;     ///< free and occupied after this scan
+  size_t fringe_voxels = 0;    ///< left, when the next view was planned
+  double scan_seconds = 0, register_seconds = 0, insert_seconds = 0, plan_seconds = 0;
+};
+
+/// Scans a room until nothing is gained: scan, register, insert, plan. Every step is a checkpoint in its
+/// folder: `scans/` (poses as far as they are known) and `explore.json`; at most the scan in progress is
+/// lost.
+class Exploration {
+ public:
+  /// With `resume`, goes on from what is in the folder (Error when that was made with other options);
+  /// otherwise begins anew.
+  Exploration(Robot& robot, const PlanarPose& start, std::filesystem::path folder, bool resume,
+              const ExplorationOptions& options, Warnings& warnings);
+  ~Exploration();
+
+  /// Scans until the planner stops. Interrupted leaves a checkpoint.
+  void run(Progress& progress);
+
+  /// All scans, at their registered poses; those that could not be registered are left out (and named).
+  ScanSet registered_scans() const;
+  /// Where another scan was taken, by the scans near it; unset when none of them can be trusted.
+  std::optional<Isometry3d> locate(const Scan& scan) const;
+  const OccupancyMap& occupancy() const;
+  const RegistrationResult& registration() const;
+  const std::vector<ExplorationStep>& steps() const;
+  const std::string& stop_reason() const;
+  Json report() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace loci

@@ -1,0 +1,82 @@
+#include "nbv/survey.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "mapping/base/files.h"
+#include "mapping/interpretation/front_links.h"
+#include "mapping/world/urdf.h"
+#include "nbv/survey_report.h"
+
+namespace loci {
+
+void SurveyOptions::declare(OptionTable& table) {
+  exploration.declare(table);
+  interpretation.declare(table);
+  interaction.declare(table);
+}
+
+std::string SurveyResult::summary() const {
+  std::string text =
+      fmt::format("{} scans, {} registered; it ended: {}\n", steps.size(), scans.scans.size(), stop_reason);
+  if (!interactions.empty()) {
+    const auto moved = std::count_if(interactions.begin(), interactions.end(), [](const Interaction& pull) {
+      return pull.difference.joint.has_value();
+    });
+    text += fmt::format("{} handles pulled, {} parts moved\n", interactions.size(), moved);
+  }
+  return text + map.summary() + "\n";
+}
+
+Json SurveyResult::report() const {
+  Json pulls = Json::array();
+  for (const Interaction& pull : interactions) {
+    Json json = pull.difference.report();
+    json["front"] = pull.front;
+    json["stop"] = pull.stop;
+    json["held"] = pull.held;
+    pulls.push_back(json);
+  }
+  return {{"scans", steps.size()},      {"registered", scans.scans.size()},
+          {"stop_reason", stop_reason}, {"interactions", pulls},
+          {"map", map.report()},        {"seconds", seconds}};
+}
+
+SurveyResult survey(Robot& robot, const PlanarPose& start, const std::filesystem::path& folder, bool resume,
+                    const SurveyOptions& options, Progress& progress, Warnings& warnings) {
+  const auto begin = std::chrono::steady_clock::now();
+  SurveyOptions checked = options;
+  table_of(checked).validate({"", 0, "explore"});
+  make_folder(folder);
+  SurveyResult result;
+
+  Exploration exploration(robot, start, folder, resume, options.exploration, warnings);
+  PartialProgress exploring(progress, 0, options.interact ? 0.4 : 0.8);
+  exploration.run(exploring);
+  result.steps = exploration.steps();
+  result.stop_reason = exploration.stop_reason();
+  result.scans = exploration.registered_scans();
+
+  PartialProgress interpreting(progress, options.interact ? 0.4 : 0.8, options.interact ? 0.5 : 0.98);
+  result.map = interpret(result.scans, options.interpretation, interpreting);
+  if (options.interact) {
+    PartialProgress pulling(progress, 0.5, 0.98);
+    std::vector<Front> fronts = result.map.fronts;
+    result.interactions = interact(robot, exploration, fronts, folder, resume, options.exploration.planner,
+                                   options.interaction, pulling, warnings);
+    replace_fronts(std::move(fronts), result.map);
+  }
+  if (!result.map.usable())
+    throw Error(result.map.summary(), {folder.string(), 0, ""}, "the scans were kept");
+
+  progress.check(0.98, "writes the map");
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  write_urdf(result.map.world, folder / "map.urdf");
+  write_semantic_map(result.map.semantics, folder / "map.semantic.json");
+  write_file_atomically(folder / "report.html", survey_report(result, folder.string()));
+  return result;
+}
+
+}  // namespace loci
