@@ -263,12 +263,11 @@ void ScannedWorld::put_at(const PlanarPose& pose) {
 }
 
 PlanarPose ScannedWorld::open_place() const {
-  constexpr double kStep = 0.2;
+  constexpr double kStep = 0.2, kRoom = 0.4;
   constexpr int kDirections = 24;
   const RayScene& scene = impl_->scene;
   const Eigen::AlignedBox3d box = scene.bounds();
-  PlanarPose best;
-  double most = 0;
+  std::vector<std::pair<double, PlanarPose>> places;  // by the nearest surface around
   for (double y = box.min().y(); y <= box.max().y(); y += kStep) {
     for (double x = box.min().x(); x <= box.max().x(); x += kStep) {
       double clearance = std::numeric_limits<double>::infinity();
@@ -285,13 +284,14 @@ PlanarPose ScannedWorld::open_place() const {
         }
       }
       // Outside the walls there is more room still.
-      if (10 * walled < 9 * kDirections || clearance <= most) continue;
-      most = clearance;
-      best = {x, y, 0};
+      if (10 * walled >= 9 * kDirections) places.push_back({clearance, {x, y, 0}});
     }
   }
-  if (most == 0) throw Error("no place inside the world is open enough to start from", {}, "give --start");
-  return best;
+  std::stable_sort(places.begin(), places.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (const auto& [clearance, place] : places)  // Rays pass over and under a table's top.
+    if (scene.link_in_cylinder({place.x, place.y}, kRoom, kRobotBottom, kRobotTop) < 0) return place;
+  throw Error("no place inside the world is open enough to start from", {}, "give --start");
 }
 
 PlanarPose ScannedWorld::true_pose() const {
