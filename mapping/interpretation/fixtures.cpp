@@ -9,12 +9,12 @@
 #include <set>
 
 #include "mapping/interpretation/face_ground.h"
+#include "mapping/interpretation/fixture_shapes.h"
 
 namespace loci {
 namespace {
 
 constexpr double kLeastProtrusion = 0.015;  // m
-constexpr double kLineTolerance = 0.012;    // m; registration of the scans and half a bar
 constexpr double kLongestBar = 1.3;         // m; of a fridge
 constexpr double kShortestBar = 0.045;      // m
 constexpr double kThickestBar = 0.045;      // m
@@ -32,27 +32,6 @@ constexpr double kLeastShown = 0.4;      // of these must be face
 constexpr float kFewest = 0.07F;         // points per cell after smoothing: one within 6 mm
 constexpr double kHalfRound =
     0.785;  // mean distance of the visible half of a cylinder from its axis / radius
-
-struct Point {
-  double u, v, depth;
-  Vector2d toward;  ///< change of u, v per metre along the ray, towards the sensor
-  double lean;      ///< change of depth per metre along the ray
-  uint16_t scan;
-};
-
-/// The line or circle through a cluster.
-struct Shape {
-  Vector2d centre = Vector2d::Zero();
-  Vector2d axis = Vector2d::UnitX();
-  double length = 0, width = 0;
-  std::vector<size_t> inliers;
-};
-
-double percentile(std::vector<double> values, double fraction) {
-  const auto at = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<size_t>(at)];
-}
 
 /// Rasters of what the rays met: the face, something shortly or farther before it, something behind it.
 struct Layers {
@@ -87,120 +66,6 @@ cv::Mat candidates(const Layers& layers, float share) {
   return (layers.fixture > kFewest) & (layers.fixture > share * (layers.fixture + layers.face));
 }
 
-/// A connected piece of the candidates' raster.
-struct Patch {
-  cv::Rect cells;
-  size_t cluster = 0;  ///< which it belongs to: its own number or that of a patch in line with it
-};
-
-/// By label; the first is the background.
-std::vector<Patch> patches_of(const cv::Mat& mask, cv::Mat& labels) {
-  cv::Mat stats, centroids;
-  const int number = cv::connectedComponentsWithStats(mask, labels, stats, centroids, 8);
-  std::vector<Patch> patches;
-  for (int i = 0; i < number; ++i)
-    patches.push_back({{stats.at<int>(i, cv::CC_STAT_LEFT), stats.at<int>(i, cv::CC_STAT_TOP),
-                        stats.at<int>(i, cv::CC_STAT_WIDTH), stats.at<int>(i, cv::CC_STAT_HEIGHT)},
-                       static_cast<size_t>(i)});
-  return patches;
-}
-
-/// A bar may be hidden or missed in parts: thin patches in line with each other, a little apart, are one.
-void join_in_line(std::vector<Patch>& patches) {
-  constexpr int kThin = 8;    // cells
-  constexpr int kApart = 11;  // cells
-  constexpr int kAside = 2;   // cells
-  const auto in_line = [](const cv::Rect& a, const cv::Rect& b) {
-    const auto along = [](int a0, int a1, int b0, int b1, int a_low, int a_size, int b_low, int b_size) {
-      return std::max(a0, b0) - std::min(a1, b1) <= kApart && a_size <= kThin && b_size <= kThin &&
-             std::abs(2 * a_low + a_size - 2 * b_low - b_size) <= 2 * kAside;
-    };
-    return along(a.x, a.x + a.width, b.x, b.x + b.width, a.y, a.height, b.y, b.height) ||
-           along(a.y, a.y + a.height, b.y, b.y + b.height, a.x, a.width, b.x, b.width);
-  };
-  for (size_t i = 1; i < patches.size(); ++i)
-    for (size_t k = 1; k < i; ++k) {
-      const size_t from = patches[i].cluster;
-      const size_t to = patches[k].cluster;
-      if (from == to || !in_line(patches[i].cells, patches[k].cells)) continue;
-      for (Patch& patch : patches)
-        if (patch.cluster == from) patch.cluster = to;
-      patches[to].cells |= patches[from].cells;
-    }
-}
-
-Shape line_through(const std::vector<Point>& points, Random random) {
-  Shape best;
-  for (int round = 0; round < 200; ++round) {
-    const Point& a = points[random.index(points.size())];
-    const Point& b = points[random.index(points.size())];
-    const Vector2d way(b.u - a.u, b.v - a.v);
-    if (way.norm() < 0.01) continue;
-    const Vector2d across = Vector2d(-way.y(), way.x()).normalized();
-    std::vector<size_t> inliers;
-    for (size_t i = 0; i < points.size(); ++i)
-      if (std::abs(across.dot(Vector2d(points[i].u - a.u, points[i].v - a.v))) < kLineTolerance)
-        inliers.push_back(i);
-    if (inliers.size() > best.inliers.size()) best.inliers = std::move(inliers);
-  }
-  return best;
-}
-
-/// Centre, main axis, extents of the inliers.
-void measure(const std::vector<Point>& points, Shape& shape) {
-  Vector2d mean = Vector2d::Zero();
-  for (const size_t i : shape.inliers) mean += Vector2d(points[i].u, points[i].v);
-  mean /= static_cast<double>(shape.inliers.size());
-  double xx = 0;
-  double xy = 0;
-  double yy = 0;
-  for (const size_t i : shape.inliers) {
-    const Vector2d d = Vector2d(points[i].u, points[i].v) - mean;
-    xx += d.x() * d.x();
-    xy += d.x() * d.y();
-    yy += d.y() * d.y();
-  }
-  const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
-  shape.axis = {std::cos(angle), std::sin(angle)};
-  const Vector2d across(-shape.axis.y(), shape.axis.x());
-  std::vector<double> along;
-  std::vector<double> beside;
-  for (const size_t i : shape.inliers) {
-    const Vector2d d = Vector2d(points[i].u, points[i].v) - mean;
-    along.push_back(shape.axis.dot(d));
-    beside.push_back(across.dot(d));
-  }
-  const double low = percentile(along, 0.02);
-  const double high = percentile(along, 0.98);
-  const double left = percentile(beside, 0.05);
-  const double right = percentile(beside, 0.95);
-  shape.length = high - low;
-  shape.width = (right - left) / 0.9;
-  shape.centre = mean + (low + high) / 2 * shape.axis + (left + right) / 2 * across;
-}
-
-/// Depth of what stands before the face in a cluster whose rays partly pass it: a mixture of two normals,
-/// the face's known.
-double depth_of(const std::vector<double>& depths, double start, double sigma) {
-  double depth = start;
-  double share = 0.5;
-  for (int round = 0; round < 15; ++round) {
-    double sum = 0;
-    double weights = 0;
-    for (const double d : depths) {
-      const double before = share * std::exp(-0.5 * (d - depth) * (d - depth) / (sigma * sigma));
-      const double face = (1 - share) * std::exp(-0.5 * d * d / (sigma * sigma)) + 1e-9;
-      const double weight = before / (before + face);
-      sum += weight * d;
-      weights += weight;
-    }
-    if (weights < 1) break;
-    depth = sum / weights;
-    share = std::clamp(weights / static_cast<double>(depths.size()), 0.05, 0.95);
-  }
-  return depth;
-}
-
 class FixtureFinder {
  public:
   FixtureFinder(const FaceRays& rays)
@@ -224,9 +89,9 @@ class FixtureFinder {
   /// the last look says why.
   cv::Mat search(const cv::Mat& mask, const Random& random, bool last) {
     cv::Mat labels;
-    std::vector<Patch> patches = patches_of(mask, labels);
+    std::vector<FixturePatch> patches = patches_of(mask, labels);
     join_in_line(patches);
-    const std::vector<std::vector<Point>> clusters = clusters_of(patches, labels);
+    const std::vector<std::vector<FixturePoint>> clusters = clusters_of(patches, labels);
     std::vector<bool> failed(patches.size(), false);
     for (size_t i = 1; i < clusters.size(); ++i) {
       if (clusters[i].size() < kFewestPoints) continue;
@@ -250,9 +115,9 @@ class FixtureFinder {
     return rest;
   }
 
-  std::vector<std::vector<Point>> clusters_of(const std::vector<Patch>& patches,
-                                              const cv::Mat& labels) const {
-    std::vector<std::vector<Point>> clusters(patches.size());
+  std::vector<std::vector<FixturePoint>> clusters_of(const std::vector<FixturePatch>& patches,
+                                                     const cv::Mat& labels) const {
+    std::vector<std::vector<FixturePoint>> clusters(patches.size());
     for (const FaceRay& ray : rays_.rays) {
       const double depth = static_cast<double>(ray.depth) - ground_.at(ray.point_u(), ray.point_v());
       if (!ray.returned || depth < threshold_ || depth > kFixtureReach) continue;
@@ -267,11 +132,11 @@ class FixtureFinder {
     return clusters;
   }
 
-  std::string try_cluster(const std::vector<Point>& points, const FaceRect& box, const Random& random,
+  std::string try_cluster(const std::vector<FixturePoint>& points, const FaceRect& box, const Random& random,
                           bool& shapeless) {
     shapeless = true;
     if (std::min(box.width(), box.height()) > 3 * kThickestBar) return "it is large";
-    Shape shape = line_through(points, random);
+    FixtureShape shape = line_through(points, random);
     if (shape.inliers.size() < kFewestPoints) return "few points";
     measure(points, shape);
     if (shape.width < kThickestBar) extend(points, shape);
@@ -288,7 +153,7 @@ class FixtureFinder {
   }
 
   /// A closer look sees less: the bar goes on as long as points before the face follow each other along it.
-  void extend(const std::vector<Point>& points, Shape& shape) const {
+  void extend(const std::vector<FixturePoint>& points, FixtureShape& shape) const {
     constexpr double kReach = 0.12;  // m beyond each end
     constexpr double kStep = 0.022;  // m between points that follow each other
     constexpr double kAsFar = 0.6;   // of the bar's distance from the face
@@ -316,7 +181,7 @@ class FixtureFinder {
     shape.length = high - low;
   }
 
-  static std::string why_no_bar(const Shape& shape, size_t points) {
+  static std::string why_no_bar(const FixtureShape& shape, size_t points) {
     if (shape.length > kLongestBar) return fmt::format("{:.2f} m long", shape.length);
     if (shape.width > kThickestBar) return fmt::format("{:.3f} m thick", shape.width);
     if (static_cast<double>(shape.inliers.size()) < 0.7 * static_cast<double>(points))
@@ -325,7 +190,7 @@ class FixtureFinder {
     if (turned > kMostTurned && turned < M_PI_2 - kMostTurned) return "it is neither level nor upright";
     return {};
   }
-  static std::string why_no_knob(const Shape& shape) {
+  static std::string why_no_knob(const FixtureShape& shape) {
     if (shape.length > kLargestKnob) return fmt::format("{:.3f} m by {:.3f} m", shape.length, shape.width);
     if (shape.length < kSmallestKnob) return "it is tiny";
     return {};
@@ -380,7 +245,7 @@ class FixtureFinder {
 
   /// Share of a band beside the fixture in which the face itself was met: the least of its thirds, for what
   /// ends the face (the edge of a counter) may have something else behind a part of it.
-  double shown(const Shape& shape, double side, bool along) const {
+  double shown(const FixtureShape& shape, double side, bool along) const {
     const Vector2d axis = along ? shape.axis : Vector2d(-shape.axis.y(), shape.axis.x());
     const Vector2d across(-axis.y(), axis.x());
     const double length = along ? shape.length : shape.width;
@@ -410,7 +275,7 @@ class FixtureFinder {
 
   /// Points farther before the face over the fixture, per point of it: the edge of something that stands
   /// there gives both.
-  double farther(const Shape& shape, size_t points) const {
+  double farther(const FixtureShape& shape, size_t points) const {
     double sum = 0;
     for (double s = -shape.length / 2; s <= shape.length / 2 + 1e-9; s += kFaceCell)
       for (double t = -0.012; t <= 0.012; t += kFaceCell) {
@@ -422,7 +287,7 @@ class FixtureFinder {
     return sum / static_cast<double>(points);
   }
 
-  std::string add(const std::vector<Point>& points, Shape& shape, bool bar) {
+  std::string add(const std::vector<FixturePoint>& points, FixtureShape& shape, bool bar) {
     const double above = std::min(shown(shape, 1, true), shown(shape, -1, true));
     if (above < kLeastShown) return fmt::format("the face shows beside {:.0f} % of it", 100 * above);
     const double ends = std::min(shown(shape, 1, false), shown(shape, -1, false));
@@ -453,7 +318,7 @@ class FixtureFinder {
       if (std::abs(shape.axis.dot(d)) < reach_along && std::abs(across.dot(d)) < 0.35 * shape.width)
         depths.push_back(depth);
     }
-    const double surface = depth_of(depths, percentile(first_depths, 0.5), std::max(rays_.sigma, 0.003));
+    const double surface = mixture_depth(depths, percentile(first_depths, 0.5), std::max(rays_.sigma, 0.003));
     if (surface < 0.9 * kLeastProtrusion) return fmt::format("it stands out by {:.3f} m only", surface);
     // The sensor sees one half of a bar: its axis lies behind.
     Vector2d toward = Vector2d::Zero();

@@ -161,6 +161,23 @@ TEST(Fronts, MirrorLikeFrontLeavesItsNeighboursAlone) {
   EXPECT_LE(fronts.size(), 3U);
 }
 
+TEST(Fronts, AreNamedColumnByColumnAndTheSameInEveryScan) {
+  const Furniture block = drawer_block();
+  NoProgress progress;
+  const InterpretedMap first = interpret(scan_furniture(block, kStandpoints, 10), {}, progress);
+  const InterpretedMap second = interpret(
+      scan_furniture(block, {{1.3, 0.4, 1.25}, {1.5, -0.4, 1.25}, {1.7, 0.1, 1.25}}, 11), {}, progress);
+  ASSERT_EQ(first.fronts.size(), 9U);
+  ASSERT_EQ(second.fronts.size(), 9U);
+  for (size_t i = 0; i < 9; ++i) {
+    EXPECT_EQ(first.fronts[i].name, second.fronts[i].name);
+    EXPECT_LT((first.fronts[i].centre - second.fronts[i].centre).norm(), 0.03);
+    EXPECT_NE(first.world.find_link(first.fronts[i].name + "_handle"), nullptr);
+  }
+  EXPECT_EQ(first.fronts[0].name, "drawer_1");
+  EXPECT_GT(first.fronts[0].centre.z(), first.fronts[1].centre.z());
+}
+
 TEST(Fronts, NothingIsFoundInNothing) {
   EXPECT_TRUE(fronts_of_furniture({}, 9).empty());
 }
