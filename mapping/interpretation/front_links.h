@@ -13,7 +13,8 @@ namespace loci {
 /// kitchen scanned again gets the same names.
 void add_fronts(const RecognisedRoom& room, std::vector<Front> fronts, InterpretedMap& map);
 
-/// Puts fronts that have learned more (joint, class, rectangle) in the place of the map's, with names made anew.
+/// Puts fronts that have learned more (joint, class, rectangle) in the place of the map's, with names made
+/// anew.
 void replace_fronts(std::vector<Front> fronts, InterpretedMap& map);
 
 }  // namespace loci
