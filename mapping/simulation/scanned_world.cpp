@@ -267,7 +267,7 @@ PlanarPose ScannedWorld::open_place() const {
   constexpr int kDirections = 24;
   const RayScene& scene = impl_->scene;
   const Eigen::AlignedBox3d box = scene.bounds();
-  std::vector<std::pair<double, PlanarPose>> places;  // by the nearest surface around
+  std::vector<std::pair<double, PlanarPose>> places;  // nearest surface, less by openings
   for (double y = box.min().y(); y <= box.max().y(); y += kStep) {
     for (double x = box.min().x(); x <= box.max().x(); x += kStep) {
       double clearance = std::numeric_limits<double>::infinity();
@@ -283,8 +283,9 @@ PlanarPose ScannedWorld::open_place() const {
           if (height == impl_->options.laser.height_m && hit.link >= 0) ++walled;
         }
       }
-      // Outside the walls there is more room still.
-      if (10 * walled >= 9 * kDirections) places.push_back({clearance, {x, y, 0}});
+      // Outside there is more room still, but walls at most on one side; windows let rays out of a room.
+      const double enclosed = static_cast<double>(walled) / kDirections;
+      if (enclosed > 0.6) places.push_back({clearance * enclosed, {x, y, 0}});
     }
   }
   std::stable_sort(places.begin(), places.end(),
