@@ -77,11 +77,16 @@ class Aligner {
     return root * root;
   }
 
+  /// Rounded edges and bars look another way from each side: what is not parallel is not the same spot, and
+  /// would pull scans that face each other together or apart.
+  static double alike(double cosine) { return std::clamp((cosine - 0.85) / 0.1, 0.0, 1.0); }
+
   /// Distance to the plane between the two, whose normal is the mean of theirs (Rusinkiewicz 2019): it counts
   /// both alike.
   void add_plane(Normal& sum, const Eigen::Vector3f& point, const Eigen::Vector3f& facing, float trust,
                  uint32_t j) const {
-    const double both = std::min(trust, target_.trust[j]);
+    const double same = alike(static_cast<double>(target_.normal[j].dot(facing)));
+    const double both = same * static_cast<double>(std::min(trust, target_.trust[j]));
     if (both <= 0) return;
     const Vector3d normal = (target_.normal[j] + facing).cast<double>().normalized();
     const Vector3d at = point.cast<double>();

@@ -1,5 +1,6 @@
 #include "mapping/registration/pair.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -19,6 +20,11 @@ constexpr double kSameAngle = 3 * M_PI / 180;
 /// Residuals of neighbouring surfels err alike (calibration, wide beams): so many count as one.
 constexpr double kCorrelated = 10;
 constexpr double kSigmaMin = 0.002;  ///< metres: no surfel is known better
+/// Metres. However many surfels agree, the direction that is held best is not known better than this, and the
+/// less the worse they fit: what is left over is mixed returns at edges and wide beams, which err to one
+/// side. Directions that are held less are so by the ratio of the Hessian.
+constexpr double kSystematic = 0.001;
+constexpr double kGoodFit = 0.0015;  ///< rmse, metres
 
 struct Candidate {
   Isometry3d pose;
@@ -130,7 +136,12 @@ class PairAligner {
     const double lever = std::sqrt(squares / (2 * static_cast<double>(source_.finest().size())));
     pair.degeneracy = registration::degeneracy(best.hessian, centre, lever, planar_);
     const double sigma = std::max(best.rmse, kSigmaMin);
-    pair.information = best.hessian / (kCorrelated * sigma * sigma);
+    const double strongest =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(best.hessian.topLeftCorner<3, 3>()).eigenvalues()[2];
+    const double fit = std::max(1.0, best.rmse / kGoodFit);
+    const double systematic = kSystematic * fit * fit;
+    pair.information =
+        best.hessian / std::max(kCorrelated * sigma * sigma, strongest * systematic * systematic);
     if (!planar_) return;
     for (const int held : {2, 3, 4}) {  // What was not free is not known from this pair.
       pair.information.row(held).setZero();
