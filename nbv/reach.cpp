@@ -45,8 +45,12 @@ Reach find_ways(const FloorGrid& floor, const PlanarPose& robot, double robot_ra
   Reach reach;
   reach.distance.assign(floor.cells(), Reach::kNever);
   reach.parent.assign(floor.cells(), -1);
-  const Eigen::Vector2i start = floor.cell_of({robot.x, robot.y});
-  if (floor.cells() == 0 || !floor.contains(start.x(), start.y())) return reach;
+  if (floor.cells() == 0) return reach;
+  // After a single scan what is known ends where the robot stands: it may be a hair's breadth outside.
+  const Eigen::Vector2i start = floor.cell_of({robot.x, robot.y})
+                                    .cwiseMax(0)
+                                    .cwiseMin(Eigen::Vector2i(floor.width - 1, floor.height - 1));
+  if ((floor.center(start.x(), start.y()) - Vector2d(robot.x, robot.y)).norm() > robot_radius) return reach;
   std::vector<uint8_t> passable = passable_cells(floor, robot, robot_radius, blind_radius);
   passable[floor.index(start.x(), start.y())] = 1;
   const auto free = [&](int x, int y) { return floor.contains(x, y) && passable[floor.index(x, y)] != 0; };

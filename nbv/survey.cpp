@@ -64,6 +64,7 @@ SurveyResult survey(Robot& robot, const PlanarPose& start, const std::filesystem
   if (options.interact) {
     PartialProgress pulling(progress, 0.5, 0.98);
     std::vector<Front> fronts = result.map.fronts;
+    result.fronts_before = fronts;
     result.interactions = interact(robot, exploration, fronts, folder, resume, options.exploration.planner,
                                    options.interaction, pulling, warnings);
     replace_fronts(std::move(fronts), result.map);

@@ -23,6 +23,7 @@ struct SurveyResult {
   InterpretedMap map;
   ScanSet scans;
   std::vector<ExplorationStep> steps;
+  std::vector<Front> fronts_before;  ///< as they looked before handles were pulled; empty without `interact`
   std::vector<Interaction> interactions;
   std::string stop_reason;
   double seconds = 0;

@@ -1,19 +1,36 @@
-#include "apps/evaluate/mapping/mapper.h"
+#include <fmt/format.h>
+#include <unistd.h>
 
 #include "apps/evaluate/commands.h"
+#include "apps/evaluate/mapping/mapper.h"
+#include "mapping/base/files.h"
 #include "mapping/sensor/pose_text.h"
 
 namespace loci {
 namespace {
 
+namespace fs = std::filesystem;
+
 using mapping_claim::MappedWorld;
 using mapping_claim::Run;
 
 struct Arguments {
-  std::vector<std::string> worlds, truths, poses, package_paths;
+  std::vector<std::string> worlds, truths, poses, starts, package_paths;
+  std::string out;
   int seeds = 3;
   std::optional<double> ceiling;
+  SurveyOptions survey;
   ComparisonOptions comparison;
+};
+
+/// The options of a survey and of the comparison in one table.
+struct AllOptions {
+  SurveyOptions& survey;
+  ComparisonOptions& comparison;
+  void declare(OptionTable& table) {
+    survey.declare(table);
+    comparison.declare(table);
+  }
 };
 
 /// The value for the n-th world: one for all, or one for each.
@@ -26,27 +43,40 @@ const std::string& nth(const std::vector<std::string>& values, size_t n, const s
   return values.size() == 1 ? values.front() : values[n];
 }
 
+/// What the n-th world is mapped with, without its seed.
+Run run_of(const Arguments& arguments, size_t n, const Session& session) {
+  const size_t worlds = arguments.worlds.size();
+  Run run;
+  run.world = arguments.worlds[n];
+  // A world that has a sidecar, or shapes that say enough, is its own truth.
+  run.truth = arguments.truths.empty() ? arguments.worlds[n] : nth(arguments.truths, n, "--truth", worlds);
+  run.package_paths.assign(arguments.package_paths.begin(), arguments.package_paths.end());
+  if (!arguments.poses.empty())
+    run.poses = planar_poses_from(nth(arguments.poses, n, "--poses", worlds), "--poses");
+  if (!arguments.starts.empty())
+    run.start = planar_poses_from(nth(arguments.starts, n, "--start", worlds), "--start").front();
+  run.ceiling = arguments.ceiling;
+  run.threads = session.flags().threads;
+  run.survey = arguments.survey;
+  run.comparison = arguments.comparison;
+  return run;
+}
+
 void run(const Arguments& arguments, Session& session) {
+  const bool keep = !arguments.out.empty();
+  const fs::path out = keep ? fs::path(arguments.out)
+                            : fs::temp_directory_path() / fmt::format("loci_evaluate_mapping_{}", ::getpid());
   std::vector<MappedWorld> maps;
   std::string text;
-  const size_t worlds = arguments.worlds.size();
-  for (size_t i = 0; i < worlds; ++i)
+  for (size_t i = 0; i < arguments.worlds.size(); ++i)
     for (int seed = 1; seed <= arguments.seeds; ++seed) {
-      Run one;
-      one.world = arguments.worlds[i];
-      // A world that has a sidecar, or shapes that say enough, is its own truth.
-      one.truth =
-          arguments.truths.empty() ? arguments.worlds[i] : nth(arguments.truths, i, "--truth", worlds);
-      one.package_paths.assign(arguments.package_paths.begin(), arguments.package_paths.end());
-      one.poses = planar_poses_from(nth(arguments.poses, i, "--poses", worlds), "--poses");
-      one.ceiling = arguments.ceiling;
+      Run one = run_of(arguments, i, session);
       one.seed = static_cast<uint64_t>(seed);
-      one.threads = session.flags().threads;
-      one.comparison = arguments.comparison;
+      one.folder = out / fmt::format("{}_{}", one.world.stem().string(), seed);
       maps.push_back(map_world(one, session.progress(), session.warnings()));
+      if (!keep) fs::remove_all(out);
       if (session.flags().verbose)
-        text += one.world.string() + ", seed " + std::to_string(seed) + "\n" + maps.back().comparison.text() +
-                "\n";
+        text += fmt::format("{}, seed {}\n{}\n", one.world.string(), seed, maps.back().last().text());
     }
   session.answer(text + table_text(maps), table_json(maps));
 }
@@ -56,9 +86,8 @@ void run(const Arguments& arguments, Session& session) {
 Command mapping_command() {
   return {
       "mapping",
-      "Maps of worlds against the truth: handles, fronts, joints, supports, walls",
-      {"loci-evaluate mapping apps/samples/kitchen.urdf --seeds 1 --poses \"1,1.5,90; 2,1.5,90; 3,1.5,90; "
-       "2,1.5,-90\"",
+      "Kitchens explored and mapped, against the truth: handles, fronts, joints, supports, walls",
+      {"loci-evaluate mapping apps/samples/kitchen.urdf --seeds 1",
        "loci-evaluate mapping apps/samples/kitchen.urdf --truth apps/samples/kitchen.urdf --seeds 1 --poses "
        "\"1,1.5,90; 2,1.5,180; 2,1.5,-90; 3,1.5,90\" --ceiling 2.5 --json"},
       [](CLI::App& app) {
@@ -67,16 +96,21 @@ Command mapping_command() {
         app.add_option("--truth", arguments->truths,
                        "Per world: URDF or truth.json; without, the world itself")
             ->allow_extra_args(false);
+        app.add_option("--start", arguments->starts,
+                       "Per world: the first scan, x,y,yaw_deg in its frame (default: the most open floor)")
+            ->allow_extra_args(false);
         app.add_option("--poses", arguments->poses,
-                       "Per world: where to scan from, \"x,y,yaw_deg; …\", metres, in the world's frame")
-            ->allow_extra_args(false)
-            ->required();
+                       "Per world: scan exactly there instead of exploring, \"x,y,yaw_deg; …\"")
+            ->allow_extra_args(false);
+        app.add_flag("--interact", arguments->survey.interact, "Pull each handle and scan again");
         app.add_option("--package-path", arguments->package_paths, "Folder for package:// names; may repeat")
             ->allow_extra_args(false);
         app.add_option("--seeds", arguments->seeds, "Each world is mapped so often, with seeds 1, 2, …")
             ->check(CLI::Range(1, 1000));
         app.add_option("--ceiling", arguments->ceiling, "Height of a ceiling to add [m]");
-        add_options(app, table_of(arguments->comparison));
+        app.add_option("-o,--out", arguments->out, "Folder to keep the maps in (default: they are not kept)");
+        AllOptions options{arguments->survey, arguments->comparison};
+        add_options(app, table_of(options));
         return [arguments](Session& session) { run(*arguments, session); };
       }};
 }

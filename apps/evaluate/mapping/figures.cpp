@@ -36,6 +36,9 @@ double part_within(const std::vector<double>& values, double limit) {
   return 100 * static_cast<double>(within) / static_cast<double>(values.size());
 }
 
+/// Of what looking alone gave, of what pulling showed, or of the best that there is.
+enum When { kBefore, kAfter, kLast };
+
 class Table {
  public:
   explicit Table(const std::vector<const MappedWorld*>& maps) : maps_(maps) {}
@@ -43,34 +46,38 @@ class Table {
   std::vector<Figure> figures() {
     count("handles found", "handle", false);
     count("handles not invented", "handle", true);
-    const std::vector<double> centres = things("handle", &ComparedThing::centre_error);
+    const std::vector<double> centres = things(kLast, "handle", &ComparedThing::centre_error);
     spread("handle centre, mean", "cm", 100, centres, mean_of, kNone);
     part("handle centres within 1.5 cm", centres, 0.015);
     count("fronts found", "front", false);
     count("fronts not invented", "front", true);
-    spread("front IoU, mean", "", 1, things("front", &ComparedThing::overlap), mean_of, least(0.85));
-    joint_types("joint type before interaction", &MappedWorld::before, 85);
-    joint_types("joint type", &MappedWorld::comparison, 95);
-    each(
-        "joints that open the other way", "",
-        [](const MappedWorld& map) { return static_cast<double>(map.comparison.joints().other_way); },
-        most(0));
-    const std::vector<double> axes = joints(&ComparedJoint::axis_error_deg);
-    const std::vector<double> hinges = joints(&ComparedJoint::hinge_error);
-    spread("axis, mean", "deg", 1, axes, mean_of, kNone);
+    spread("front IoU before pulling, mean", "", 1, things(kBefore, "front", &ComparedThing::overlap),
+           mean_of, kNone);
+    spread("front IoU after, mean", "", 1, things(kAfter, "front", &ComparedThing::overlap), mean_of,
+           least(0.85));
+    joint_types("joint type before pulling", kBefore, 85);
+    joint_types("joint type after", kAfter, 95);
+    other_way();
+    const std::vector<double> axes = joints(kAfter, &ComparedJoint::axis_error_deg);
+    const std::vector<double> hinges = joints(kAfter, &ComparedJoint::hinge_error);
+    spread("axis after, mean", "deg", 1, axes, mean_of, kNone);
     part("axes within 1 deg", axes, 1);
-    spread("hinge, mean", "cm", 100, hinges, mean_of, kNone);
+    spread("hinge after, mean", "cm", 100, hinges, mean_of, kNone);
     part("hinges within 2 cm", hinges, 0.02);
     count("supports found", "support", false);
-    spread("support height, worst", "cm", 100, things("support", &ComparedThing::height_error), worst_of,
-           most(1));
-    spread("support IoU, mean", "", 1, things("support", &ComparedThing::overlap), mean_of, least(0.9));
+    spread("support height, worst", "cm", 100, things(kLast, "support", &ComparedThing::height_error),
+           worst_of, most(1));
+    spread("support IoU, mean", "", 1, things(kLast, "support", &ComparedThing::overlap), mean_of,
+           least(0.9));
     count("walls found", "wall", false);
-    spread("wall offset, worst", "cm", 100, things("wall", &ComparedThing::offset_error), worst_of, most(1));
-    spread("wall angle, worst", "deg", 1, things("wall", &ComparedThing::angle_error_deg), worst_of,
+    spread("wall offset, worst", "cm", 100, things(kLast, "wall", &ComparedThing::offset_error), worst_of,
+           most(1));
+    spread("wall angle, worst", "deg", 1, things(kLast, "wall", &ComparedThing::angle_error_deg), worst_of,
            most(0.3));
     each(
         "scans", "", [](const MappedWorld& map) { return static_cast<double>(map.scans); }, kNone);
+    each(
+        "handles pulled", "", [](const MappedWorld& map) { return static_cast<double>(map.pulls); }, kNone);
     each(
         "time", "s", [](const MappedWorld& map) { return map.seconds; }, kNone);
     each(
@@ -97,7 +104,7 @@ class Table {
   void count(const char* name, const char* kind, bool of_found) {
     size_t right = 0, all = 0;
     for (const MappedWorld* map : maps_) {
-      const Comparison::Counts counts = map->comparison.counts(kind);
+      const Comparison::Counts counts = map->last().counts(kind);
       right += counts.matched + (of_found ? counts.minor : 0);
       all += counts.matched + (of_found ? counts.minor + counts.extra : counts.missed);
     }
@@ -105,14 +112,20 @@ class Table {
     add(name, "%", percent(right, all), handles ? least(95) : kNone);
   }
 
-  void joint_types(const char* name, Comparison MappedWorld::*comparison, double aim) {
+  void joint_types(const char* name, When when, double aim) {
     size_t right = 0, all = 0;
-    for (const MappedWorld* map : maps_) {
-      const Comparison::Joints joints = (map->*comparison).joints();
+    for (const Comparison* comparison : comparisons(when)) {
+      const Comparison::Joints joints = comparison->joints();
       right += joints.right;
       all += joints.asked;
     }
     add(name, "%", percent(right, all), least(aim));
+  }
+
+  void other_way() {
+    size_t wrong = 0;
+    for (const Comparison* comparison : comparisons(kLast)) wrong += comparison->joints().other_way;
+    add("joints that open the other way", "", static_cast<double>(wrong), most(0));
   }
 
   static std::optional<double> percent(size_t part, size_t all) {
@@ -137,17 +150,28 @@ class Table {
     spread(name, unit, 1, values, worst_of, aim);
   }
 
-  std::vector<double> things(const char* kind, std::optional<double> ComparedThing::*figure) const {
-    std::vector<double> values;
+  std::vector<const Comparison*> comparisons(When when) const {
+    std::vector<const Comparison*> all;
     for (const MappedWorld* map : maps_)
-      std::ranges::copy(map->comparison.errors(kind, figure), std::back_inserter(values));
+      if (when == kBefore)
+        all.push_back(&map->before);
+      else if (when == kLast || map->after)
+        all.push_back(&map->last());
+    return all;
+  }
+
+  std::vector<double> things(When when, const char* kind,
+                             std::optional<double> ComparedThing::*figure) const {
+    std::vector<double> values;
+    for (const Comparison* comparison : comparisons(when))
+      std::ranges::copy(comparison->errors(kind, figure), std::back_inserter(values));
     return values;
   }
 
-  std::vector<double> joints(std::optional<double> ComparedJoint::*figure) const {
+  std::vector<double> joints(When when, std::optional<double> ComparedJoint::*figure) const {
     std::vector<double> values;
-    for (const MappedWorld* map : maps_)
-      std::ranges::copy(map->comparison.joint_errors(figure), std::back_inserter(values));
+    for (const Comparison* comparison : comparisons(when))
+      std::ranges::copy(comparison->joint_errors(figure), std::back_inserter(values));
     return values;
   }
 
@@ -209,13 +233,12 @@ Json table_json(const std::vector<MappedWorld>& maps) {
     }
     json["worlds"].push_back(std::move(entry));
   }
-  for (const MappedWorld& map : maps)
-    json["maps"].push_back({{"world", map.world},
-                            {"seed", map.seed},
-                            {"scans", map.scans},
-                            {"seconds", map.seconds},
-                            {"comparison", map.comparison.report()},
-                            {"joints_before", map.before.report().at("joints")}});
+  for (const MappedWorld& map : maps) {
+    Json one = {{"world", map.world}, {"seed", map.seed},       {"scans", map.scans},
+                {"pulls", map.pulls}, {"seconds", map.seconds}, {"before", map.before.report()}};
+    one["after"] = map.after ? map.after->report() : Json(nullptr);
+    json["maps"].push_back(std::move(one));
+  }
   return json;
 }
 

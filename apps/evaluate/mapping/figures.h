@@ -1,6 +1,6 @@
 #pragma once
 
-#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,12 +12,13 @@ namespace loci::mapping_claim {
 struct MappedWorld {
   std::string world;
   uint64_t seed = 0;
-  Comparison comparison;
-  /// The same map with the joints that its geometry alone suggests.
-  Comparison before;
-  size_t scans = 0;
-  double seconds = 0;    ///< without simulating the sensor where the scans were simulated beforehand
+  Comparison before;                ///< of what looking alone gives
+  std::optional<Comparison> after;  ///< of what it is after the handles were pulled
+  size_t scans = 0, pulls = 0;
+  double seconds = 0;    ///< the sensor's simulation is in it where the robot explored
   double memory_mb = 0;  ///< peak of the whole process so far
+
+  const Comparison& last() const { return after ? *after : before; }
 };
 
 /// A figure of the claim with its aim, over all seeds of a world.

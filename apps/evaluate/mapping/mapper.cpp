@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-#include "mapping/articulation/articulation.h"
+#include "mapping/interpretation/front_links.h"
 
 namespace loci::mapping_claim {
 namespace {
@@ -15,14 +15,20 @@ double peak_memory_mb() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-/// Scans from known poses: what interpretation makes of them is not blamed on exploration or registration.
-ScanSet scan_from(const Run& run, Progress& progress, Warnings& warnings) {
+ScannedWorldOptions world_of(const Run& run) {
   ScannedWorldOptions options;
   options.package_paths = run.package_paths;
   options.ceiling = run.ceiling;
-  options.odometry = OdometryModel{0, 0, 0};
+  options.laser = run.survey.exploration.laser;
   options.seed = run.seed;
   options.threads = run.threads;
+  return options;
+}
+
+/// Scans from known poses: what interpretation makes of them is not blamed on exploration or registration.
+ScanSet scan_from(const Run& run, Progress& progress, Warnings& warnings) {
+  ScannedWorldOptions options = world_of(run);
+  options.odometry = OdometryModel{0, 0, 0};
   ScannedWorld robot(run.world, options, run.poses.front(), warnings);
   ScanSet scans;
   scans.sensor = "hokuyo";
@@ -35,33 +41,54 @@ ScanSet scan_from(const Run& run, Progress& progress, Warnings& warnings) {
   return scans;
 }
 
+SurveyResult survey_from_poses(const Run& run, Progress& progress, Warnings& warnings) {
+  SurveyResult result;
+  result.scans = scan_from(run, progress, warnings);
+  InterpretationOptions options = run.survey.interpretation;
+  options.threads = run.threads;
+  const auto begin = std::chrono::steady_clock::now();
+  result.map = interpret(result.scans, options, progress);
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return result;
+}
+
+SurveyResult survey_by_exploring(const Run& run, Progress& progress, Warnings& warnings) {
+  ScannedWorld robot(run.world, world_of(run), {}, warnings);
+  const PlanarPose start = run.start ? *run.start : robot.open_place();
+  robot.put_at(start);
+  SurveyOptions options = run.survey;
+  options.exploration.seed = run.seed;
+  options.exploration.threads = run.threads;
+  options.interpretation.threads = run.threads;
+  return survey(robot, start, run.folder, false, options, progress, warnings);
+}
+
 MeshSearch search_of(const Run& run, const std::filesystem::path& file) {
   return {run.package_paths, file.parent_path()};
 }
 
 }  // namespace
 
-MapStructure with_prior_joints(MapStructure map) {
-  for (KnownFront& known : map.fronts) known.front.joint = joint_prior(known.front);
-  return map;
-}
-
 MappedWorld map_world(const Run& run, Progress& progress, Warnings& warnings) {
   MappedWorld mapped;
   mapped.world = run.world;
   mapped.seed = run.seed;
-  const ScanSet scans = scan_from(run, progress, warnings);
-  InterpretationOptions interpretation = run.interpretation;
-  interpretation.threads = run.threads;
-  const auto begin = std::chrono::steady_clock::now();
-  const InterpretedMap map = interpret(scans, interpretation, progress);
-  mapped.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  mapped.scans = scans.scans.size();
+  SurveyResult made = run.poses.empty() ? survey_by_exploring(run, progress, warnings)
+                                        : survey_from_poses(run, progress, warnings);
+  mapped.seconds = made.seconds;
+  mapped.scans = made.scans.scans.size();
+  mapped.pulls = made.interactions.size();
   mapped.memory_mb = peak_memory_mb();
-  const MapStructure found = structure_from_sidecar(map.semantics, map.world, run.world.string());
   const MapStructure truth = read_structure(run.truth, search_of(run, run.truth), warnings);
-  mapped.comparison = compare(found, truth, run.comparison);
-  mapped.before = compare(with_prior_joints(found), truth, run.comparison);
+  const auto compared = [&] {
+    return compare(structure_from_sidecar(made.map.semantics, made.map.world, run.world.string()), truth,
+                   run.comparison);
+  };
+  if (!made.interactions.empty()) {
+    mapped.after = compared();
+    replace_fronts(made.fronts_before, made.map);
+  }
+  mapped.before = compared();
   return mapped;
 }
 

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "apps/evaluate/mapping/mapper.h"
-
 namespace loci::mapping_claim {
 namespace {
 
@@ -23,8 +21,8 @@ const Figure& figure(const std::vector<Figure>& figures, const std::string& name
 
 TEST(MappingFigures, CountFoundOfThoseAskedForAndRightOfThoseFound) {
   MappedWorld first, second;
-  first.comparison.things = {handle("matched", 0.01), handle("matched", 0.02), handle("extra")};
-  second.comparison.things = {handle("matched", 0.03), handle("missed"), handle("minor")};
+  first.before.things = {handle("matched", 0.01), handle("matched", 0.02), handle("extra")};
+  second.before.things = {handle("matched", 0.03), handle("missed"), handle("minor")};
   const std::vector<Figure> figures = figures_of({&first, &second});
   EXPECT_NEAR(figure(figures, "handles found").value, 75, 1e-9);
   EXPECT_FALSE(figure(figures, "handles found").met);
@@ -38,7 +36,7 @@ TEST(MappingFigures, WhatCannotBeMeasuredIsNotMet) {
   const std::vector<Figure> figures = figures_of({&nothing});
   EXPECT_FALSE(figure(figures, "handles found").known);
   EXPECT_FALSE(figure(figures, "handles found").met);
-  EXPECT_FALSE(figure(figures, "joint type").met);
+  EXPECT_FALSE(figure(figures, "joint type after").met);
 }
 
 TEST(MappingFigures, TableHasAColumnPerWorldOverItsSeeds) {
@@ -54,24 +52,24 @@ TEST(MappingFigures, TableHasAColumnPerWorldOverItsSeeds) {
   EXPECT_EQ(json["maps"].size(), 3U);
 }
 
-TEST(MappingFigures, JointsBeforeInteractionAreThoseThatTheShapeSuggests) {
-  MapStructure map;
-  map.fronts.resize(1);
-  Front& front = map.fronts.front().front;
-  front.centre = Vector3d(0, 0, 0.8);
-  front.width = 0.6;
-  front.height = 0.15;
-  Fixture bar;
-  bar.centre = front.centre + Vector3d(0.03, 0, 0);
-  bar.axis = Vector3d::UnitY();
-  bar.length = 0.2;
-  front.fixture = bar;
-  front.joint = JointEstimate{};
-  front.joint->type = JointEstimate::Type::revolute;
-  front.joint->evidence = "interaction";
-  const Front before = with_prior_joints(map).fronts.front().front;
-  EXPECT_EQ(before.joint->type, JointEstimate::Type::prismatic);
-  EXPECT_EQ(before.joint->evidence, "prior");
+TEST(MappingFigures, FrontsAndJointsAreShownBeforeAndAfterPulling) {
+  const auto front = [](double overlap, const std::string& type) {
+    ComparedThing thing;
+    thing.kind = "front";
+    thing.verdict = "matched";
+    thing.overlap = overlap;
+    thing.joint = ComparedJoint{type, "prismatic", "prior", {}, false, {}};
+    return thing;
+  };
+  MappedWorld map;
+  map.before.things = {front(0.6, "revolute")};
+  EXPECT_FALSE(figure(figures_of({&map}), "front IoU after, mean").known);
+  map.after = Comparison{{front(0.9, "prismatic")}, "", ""};
+  const std::vector<Figure> figures = figures_of({&map});
+  EXPECT_NEAR(figure(figures, "front IoU before pulling, mean").value, 0.6, 1e-9);
+  EXPECT_NEAR(figure(figures, "front IoU after, mean").value, 0.9, 1e-9);
+  EXPECT_NEAR(figure(figures, "joint type before pulling").value, 0, 1e-9);
+  EXPECT_NEAR(figure(figures, "joint type after").value, 100, 1e-9);
 }
 
 }  // namespace
