@@ -83,7 +83,9 @@ struct TrackResult {
 TrackResult fit_track(const Track& track, const TrackOptions& options);
 
 struct DifferenceOptions {
-  double tolerance_m = 0.03;  ///< nearer to what was there before is no change
+  double tolerance_m = 0.03;             ///< nearer to what was there before is no change
+  double hand_position_sigma_m = 0.001;  ///< noise of the hand's poses, per direction
+  double hand_orientation_sigma_deg = 0.3;
   int threads = 0;
 
   void declare(OptionTable& table);
@@ -99,8 +101,9 @@ struct DifferenceResult {
 };
 
 /// What moved between two scan sets in one map frame, near the front that was pulled: segments the temporal
-/// difference and fits a rigid motion of the front's part to it. `hand_path` (may be empty) is where the
-/// gripper was.
+/// difference, seeks the face that slid or turned, and fits the joint to it and to `hand_path` (where the
+/// gripper was, closed first; may be empty), each by its noise. Which type it is follows from the front's
+/// shape, the hand's path, and how much of the front is seen where the type puts it.
 DifferenceResult articulate(const ScanSet& before, const ScanSet& after, const Front& front,
                             const std::vector<Isometry3d>& hand_path, const DifferenceOptions& options);
 

@@ -1,20 +1,22 @@
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
 #include "mapping/articulation/articulation.h"
-#include "mapping/articulation/face.h"
 #include "mapping/articulation/free_space.h"
+#include "mapping/articulation/joint_fit.h"
+#include "mapping/articulation/moved_face.h"
 
 namespace loci {
 namespace {
 
 using Type = JointEstimate::Type;
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kHingeBehindFace = 0.01;  ///< as in the prior: the middle of a panel
-constexpr double kParallelDeg = 4;         ///< faces that differ by less did not turn
-constexpr double kLeastCoverage = 0.35;    ///< of the front's rectangle by the moved face
+constexpr double kLeastCoverage = 0.35;  ///< of the front's rectangle by the moved face
 constexpr size_t kLeastPoints = 40;
+constexpr size_t kLeastPoses = 5;  ///< of a hand's path that can tell line from arc
+/// Neighbouring cells of a face are right or wrong together: its coverage counts as so many looks.
+constexpr double kLooks = 4;
+constexpr double kLeastSupport = 0.02;
 
 /// Points of a scan set within reach of a front, map frame.
 std::vector<Vector3d> points_near(const ScanSet& set, const Front& front) {
@@ -33,178 +35,56 @@ std::vector<Vector3d> points_near(const ScanSet& set, const Front& front) {
   return points;
 }
 
-/// The closed face: the plane through what was seen of it before.
-Face closed_face(const std::vector<Vector3d>& before, const Front& front) {
-  std::vector<Vector3d> on_face;
-  for (const Vector3d& p : before) {
-    const Vector3d off = p - front.centre;
-    if (std::abs(off.dot(front.normal)) < 0.04 && std::abs(off.dot(front.right())) < 0.45 * front.width &&
-        std::abs(off.dot(front.up)) < 0.45 * front.height)
-      on_face.push_back(p);
-  }
-  const Face assumed{front.normal, front.normal.dot(front.centre), 0.01, 0};
-  return on_face.size() < kLeastPoints ? assumed : refined_face(assumed, on_face, 0.03);
-}
-
-/// How a part moved: the rigid motion at the position reached, and the joint.
-struct Motion {
-  Type type = Type::rigid;
-  Vector3d axis = Vector3d::UnitX(), origin = Vector3d::Zero();
-  double position = 0;
-  double axis_sd_deg = 0, origin_sd_m = 0;
-
-  Isometry3d moved_from_closed() const {
-    Isometry3d motion = Isometry3d::Identity();
-    if (type == Type::prismatic) motion.translation() = position * axis;
-    if (type == Type::revolute) {
-      motion.linear() = Eigen::AngleAxisd(position, axis).toRotationMatrix();
-      motion.translation() = origin - motion.linear() * origin;
-    }
-    return motion;
-  }
-};
-
-Motion slid(const Face& closed, const Face& open, const Front& front) {
-  Motion motion;
-  motion.type = Type::prismatic;
-  motion.axis = closed.normal;
-  motion.origin = front.centre;
-  motion.position = open.offset - closed.normal.dot(closed.normal * closed.offset);
-  // Two planes do not show a shift within them: the slide may run off the normal by some degrees.
-  motion.axis_sd_deg = 2;
-  motion.origin_sd_m = 0.01;
-  return motion;
-}
-
-/// The turn between two planes; `moved` tells to which side of the hinge the part went.
-Motion turned(const Face& closed, const Face& open, const Front& front, const Vector3d& moved) {
-  Motion motion;
-  motion.type = Type::revolute;
-  motion.axis = closed.normal.cross(open.normal).normalized();
-  Eigen::Matrix3d planes;
-  planes << closed.normal.transpose(), open.normal.transpose(), motion.axis.transpose();
-  const Vector3d line =
-      planes.fullPivLu().solve(Vector3d(closed.offset, open.offset, motion.axis.dot(front.centre)));
-  const Vector3d handle = front.fixture ? front.fixture->centre : front.centre;
-  const auto level = [&](const Vector3d& p) { return Vector3d(p - motion.axis * motion.axis.dot(p)); };
-  const Vector3d from = level(handle - line), to = level(moved - line);
-  Vector3d open_normal = open.normal;
-  motion.position = std::atan2(from.cross(to).dot(motion.axis), from.dot(to));
-  if (motion.position < 0) {
-    motion.axis = -motion.axis;
-    motion.position = -motion.position;
-  }
-  if (open_normal.dot(Eigen::AngleAxisd(motion.position, motion.axis) * closed.normal) < 0)
-    open_normal = -open_normal;
-  const double angle =
-      std::atan2(closed.normal.cross(open_normal).dot(motion.axis), closed.normal.dot(open_normal));
-  if (angle > 0) motion.position = angle;
-  // The faces touch a cylinder about the hinge, which lies behind both: on the line that halves their angle.
-  const Vector3d between = (closed.normal + open_normal).normalized();
-  motion.origin = line - between * kHingeBehindFace / std::max(between.dot(closed.normal), 0.2);
-  motion.axis_sd_deg =
-      std::hypot(closed.normal_sd, open.normal_sd) * 180 / kPi / std::max(std::sin(motion.position), 0.05);
-  motion.origin_sd_m = 0.01;
-  return motion;
-}
-
-/// How much of the closed rectangle the moved face covers once it is put back, by cells of 3 cm.
-double coverage(const Motion& motion, const Face& open, const std::vector<Vector3d>& moved,
-                const Front& front) {
-  const Isometry3d closed_from_moved = motion.moved_from_closed().inverse();
-  const int columns = std::max(1, static_cast<int>(front.width / 0.03)),
-            rows = std::max(1, static_cast<int>(front.height / 0.03));
-  std::vector<char> seen(static_cast<size_t>(columns * rows), 0);
-  for (const Vector3d& p : moved) {
-    if (std::abs(open.distance(p)) > 0.025) continue;
-    const Vector3d off = closed_from_moved * p - front.centre;
-    const int column = static_cast<int>(std::floor((off.dot(front.right()) / front.width + 0.5) * columns));
-    const int row = static_cast<int>(std::floor((off.dot(front.up) / front.height + 0.5) * rows));
-    if (column >= 0 && column < columns && row >= 0 && row < rows)
-      seen[static_cast<size_t>(row * columns + column)] = 1;
-  }
-  return static_cast<double>(std::count(seen.begin(), seen.end(), 1)) / static_cast<double>(seen.size());
-}
-
-struct Hypothesis {
-  Motion motion;
-  Face open;
-  double coverage = 0;
-};
-
-/// Slid out, or turned about an upright or a level hinge: the best face of each kind.
-std::optional<Hypothesis> explain(const Face& closed, const std::vector<Vector3d>& moved, const Front& front,
-                                  double tolerance) {
-  std::optional<Hypothesis> best;
-  const auto consider = [&](const Motion& motion, const Face& open) {
-    if (motion.type == Type::prismatic && motion.position < tolerance) return;
-    if (motion.type == Type::revolute && (motion.position < kParallelDeg * kPi / 180)) return;
-    const double covered = coverage(motion, open, moved, front);
-    if (covered > kLeastCoverage && (!best || covered > best->coverage + 0.1)) best = {motion, open, covered};
-  };
-  // A face that stayed parallel comes first: what is inside a drawer may look like a flap.
-  if (const auto open = find_face(moved, [&](const Vector3d& n) {
-        return std::abs(n.dot(closed.normal)) > std::cos(kParallelDeg * kPi / 180);
-      })) {
-    Face face = *open;
-    if (face.normal.dot(closed.normal) < 0) face = face.flipped();
-    consider(slid(closed, face, front), face);
-  }
-  if (best) return best;
-  for (const Vector3d& hinge : {front.up, front.right()})
-    if (const auto open = find_face(moved, [&](const Vector3d& n) {
-          return std::abs(n.dot(hinge)) < std::sin(8 * kPi / 180) &&
-                 std::abs(n.dot(closed.normal)) < std::cos(kParallelDeg * kPi / 180);
-        })) {
-      Vector3d centre = Vector3d::Zero();
-      size_t count = 0;
-      for (const Vector3d& p : moved)
-        if (std::abs(open->distance(p)) < 0.025) {
-          centre += p;
-          ++count;
-        }
-      consider(turned(closed, *open, front, centre / static_cast<double>(count)), *open);
-    }
-  return best;
-}
-
-/// What the hand felt: the path of the gripper says where the joint is more finely than two planes do.
-void follow_hand(const std::vector<Isometry3d>& hand_path, Motion& motion) {
+/// What the hand felt.
+TrackResult felt_along(const std::vector<Isometry3d>& hand_path) {
   Track track;
-  for (const Isometry3d& pose : hand_path) track.positions.push_back(pose.translation());
-  const TrackResult felt = fit_track(track, {});
-  if (!felt.usable || felt.estimate.type == Type::rigid) return;
-  const auto fit = static_cast<size_t>(motion.type);
-  const TrackFit& path = felt.fits[fit];
-  const bool agrees = felt.estimate.type == motion.type;
-  if (!agrees || felt.estimate.probabilities[fit] < 0.5) return;
-  const double sense = path.axis.dot(motion.axis) < 0 ? -1 : 1;
-  if (felt.estimate.axis_sd_deg < motion.axis_sd_deg) {
-    motion.axis = sense * path.axis;
-    motion.axis_sd_deg = felt.estimate.axis_sd_deg;
+  for (const Isometry3d& pose : hand_path) {
+    track.positions.push_back(pose.translation());
+    track.orientations.emplace_back(pose.linear());
   }
-  if (motion.type == Type::revolute && felt.estimate.origin_sd_m < motion.origin_sd_m) {
-    motion.origin = path.centre;
-    motion.origin_sd_m = felt.estimate.origin_sd_m;
-  }
+  return fit_track(track, {});
 }
 
-/// What the hand felt where nothing was seen to move.
-std::optional<Motion> felt_motion(const std::vector<Isometry3d>& hand_path) {
-  if (hand_path.size() < 5) return std::nullopt;
-  Track track;
-  for (const Isometry3d& pose : hand_path) track.positions.push_back(pose.translation());
-  const TrackResult felt = fit_track(track, {});
-  const auto type = static_cast<size_t>(felt.estimate.type);
-  if (!felt.usable || felt.estimate.type == Type::rigid || felt.estimate.probabilities[type] < 0.8)
-    return std::nullopt;
-  return Motion{felt.estimate.type,  felt.estimate.axis,        felt.estimate.origin,
-                felt.estimate.upper, felt.estimate.axis_sd_deg, felt.estimate.origin_sd_m};
+/// How probable the types are: by the front's shape, by the path of the hand, and by how much of the front
+/// is seen where each type puts it (a rigid one: where it was).
+std::array<double, 3> weigh_types(const Front& front, const TrackResult* felt,
+                                  const std::array<double, 3>& support) {
+  std::array<double, 3> logs = joint_prior(front).probabilities;
+  for (size_t i = 0; i < 3; ++i) {
+    logs[i] = std::log(std::max(logs[i], 1e-4)) + kLooks * std::log(std::max(support[i], kLeastSupport));
+    if (felt)
+      logs[i] += std::log((1 - felt->unknown_probability) * std::max(felt->estimate.probabilities[i], 1e-4) +
+                          felt->unknown_probability / 3);
+  }
+  const double largest = *std::max_element(logs.begin(), logs.end());
+  double sum = 0;
+  for (double& log : logs) sum += log = std::exp(log - largest);
+  for (double& p : logs) p /= sum;
+  return logs;
+}
+
+/// The motion that faces and hand agree on.
+Motion measured_motion(const Motion& start, const Face& closed, const Face* open, const Front& front,
+                       const std::vector<Isometry3d>& hand_path, const DifferenceOptions& options) {
+  MotionEvidence evidence;
+  evidence.closed = &closed;
+  evidence.open = open;
+  evidence.face_centre = front.centre - closed.normal * closed.distance(front.centre);
+  evidence.hand_path = hand_path;
+  evidence.hand_position_sigma_m = options.hand_position_sigma_m;
+  evidence.hand_orientation_sigma_deg = options.hand_orientation_sigma_deg;
+  evidence.habitual_axis = closed.normal;
+  if (start.type == Type::revolute)
+    evidence.habitual_axis = std::abs(start.axis.dot(front.up)) > std::abs(start.axis.dot(front.right()))
+                                 ? front.up
+                                 : front.right();
+  if (evidence.habitual_axis.dot(start.axis) < 0) evidence.habitual_axis = -evidence.habitual_axis;
+  return fit_motion(start, evidence);
 }
 
 /// The closed rectangle by the outline of the moved face. An edge is drawn in only where the scan saw past
 /// it.
-Front corrected_front(const Front& front, const Face& closed, const Hypothesis& found,
+Front corrected_front(const Front& front, const Face& closed, const MovedFace& found,
                       const std::vector<Vector3d>& moved, const FreeSpace& seen, double tolerance) {
   const Isometry3d moved_from_closed = found.motion.moved_from_closed();
   const Isometry3d closed_from_moved = moved_from_closed.inverse();
@@ -258,11 +138,11 @@ Front corrected_front(const Front& front, const Face& closed, const Hypothesis& 
 }
 
 /// Limits are as wide as usual, and contain what was reached.
-JointEstimate joint_of(const Motion& motion, const Front& front, double certainty, bool felt) {
+JointEstimate joint_of(const Motion& motion, const Front& front, const std::array<double, 3>& probabilities,
+                       bool felt) {
   JointEstimate joint;
   joint.type = motion.type;
-  joint.probabilities.fill((1 - certainty) / 2);
-  joint.probabilities[static_cast<size_t>(motion.type)] = certainty;
+  joint.probabilities = probabilities;
   joint.axis = motion.axis;
   joint.origin = motion.origin;
   joint.axis_sd_deg = motion.axis_sd_deg;
@@ -277,6 +157,9 @@ JointEstimate joint_of(const Motion& motion, const Front& front, double certaint
 
 void DifferenceOptions::declare(OptionTable& table) {
   table.number("tolerance_m", tolerance_m, "m", "Nearer to what was there before is no change.", 0.005, 0.2);
+  table.number("hand_position_sigma_m", hand_position_sigma_m, "m", "Noise of a hand's position.", 1e-5, 0.1);
+  table.number("hand_orientation_sigma_deg", hand_orientation_sigma_deg, "deg",
+               "Noise of a hand's orientation.", 0.001, 30);
 }
 
 DifferenceResult articulate(const ScanSet& before, const ScanSet& after, const Front& front,
@@ -287,32 +170,47 @@ DifferenceResult articulate(const ScanSet& before, const ScanSet& after, const F
                               points_after = points_near(after, front);
   const FreeSpace free_before(before, front.centre, options.tolerance_m);
   std::vector<Vector3d> moved;
+  const Face closed = closed_face(points_before, front);
   for (const Vector3d& p : points_after)
     if (free_before.is_free(p)) moved.push_back(p);
 
   DifferenceResult result;
   result.points = moved.size();
-  const Face closed = closed_face(points_before, front);
-  std::optional<Hypothesis> found;
-  if (moved.size() >= kLeastPoints) found = explain(closed, moved, front, options.tolerance_m);
-  if (!found) {
+  std::optional<TrackResult> felt;
+  if (hand_path.size() >= kLeastPoses) felt = felt_along(hand_path);
+  std::array<std::optional<MovedFace>, 3> faces;
+  if (moved.size() >= kLeastPoints) faces = moved_faces(closed, moved, front, options.tolerance_m);
+  // What is still seen in its place did not move, whatever a neighbour did.
+  const double still = still_share(points_after, closed, front);
+  std::array<double, 3> support{still, 0, 0};
+  for (size_t i = 0; i < 3; ++i)
+    if (faces[i] && faces[i]->coverage > kLeastCoverage) support[i] = (1 - still) * faces[i]->coverage;
+  const std::array<double, 3> probabilities = weigh_types(front, felt ? &*felt : nullptr, support);
+  const size_t best = static_cast<size_t>(std::max_element(probabilities.begin(), probabilities.end()) -
+                                          probabilities.begin());
+  const bool seen = best > 0 && support[best] > 0;
+  if (!seen) {
     result.reason =
         moved.size() < kLeastPoints
             ? "nothing stands where space was free before: " + std::to_string(moved.size()) + " points"
             : "what stands where space was free before is no front that slid or turned";
-    const std::optional<Motion> felt = felt_motion(hand_path);
-    if (!felt) return result;
+    if (best == 0 || !felt || felt->estimate.type != static_cast<Type>(best)) return result;
     result.reason += "; the joint is as the hand felt it";
-    result.joint = joint_of(*felt, front, 0.9, true);
-    result.moved = felt->position;
-    return result;
   }
-  const bool felt = hand_path.size() >= 5;
-  if (felt) follow_hand(hand_path, found->motion);
-  result.joint = joint_of(found->motion, front, 0.97, felt);
-  result.moved = found->motion.position;
+  Motion start{static_cast<Type>(best)};
+  if (seen)
+    start = faces[best]->motion;
+  else
+    start = {start.type, felt->estimate.axis, felt->estimate.origin, felt->estimate.upper};
+  const std::vector<Isometry3d> path = felt ? hand_path : std::vector<Isometry3d>();
+  const Motion motion =
+      measured_motion(start, closed, seen ? &faces[best]->open : nullptr, front, path, options);
+  result.joint = joint_of(motion, front, probabilities, felt.has_value());
+  result.moved = motion.position;
+  if (!seen) return result;
+  faces[best]->motion = motion;
   const FreeSpace free_after(after, front.centre, options.tolerance_m);
-  result.corrected = corrected_front(front, closed, *found, moved, free_after, options.tolerance_m);
+  result.corrected = corrected_front(front, closed, *faces[best], moved, free_after, options.tolerance_m);
   if (result.joint->type == Type::prismatic) result.joint->origin = result.corrected->centre;
   result.corrected->joint = result.joint;
   result.corrected->class_name = front_class(*result.corrected, *result.joint);

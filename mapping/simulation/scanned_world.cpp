@@ -18,6 +18,8 @@ constexpr double kRobotRadius = 0.25, kRobotBottom = 0.05, kRobotTop = 1.3;
 constexpr double kReach = 0.05;     ///< of the gripper around the point that it is sent to
 constexpr double kHandStep = 0.01;  ///< of the hand path, metres
 
+constexpr uint64_t kHandStream = uint64_t{1} << 40;  ///< of random numbers; scans have the low ones
+
 using Covariance = Eigen::Matrix<double, 6, 6>;
 
 /// Of a pose after a move, from that before and that of the move (x, y and yaw only).
@@ -61,7 +63,7 @@ struct ScannedWorld::Impl {
   Isometry3d map_from_true, map_from_believed;  ///< the robot's base
   Covariance covariance = Covariance::Zero();
   Random random;
-  size_t scans = 0;
+  size_t scans = 0, pulls = 0;
 
   Impl(const fs::path& urdf, const ScannedWorldOptions& chosen, const PlanarPose& start, Warnings& warnings)
       : options(chosen),
@@ -92,7 +94,19 @@ struct ScannedWorld::Impl {
                            const Vector3d& hand) const;
   void move_along(const Joint& joint, size_t link, const Isometry3d& map_from_hand, double way,
                   PullResult& result);
+  /// A pose of the hand as the arm measures it.
+  Isometry3d measured_hand(const Isometry3d& map_from_hand, Random& drawn) const;
 };
+
+Isometry3d ScannedWorld::Impl::measured_hand(const Isometry3d& map_from_hand, Random& drawn) const {
+  Isometry3d measured = map_from_believed * map_from_true.inverse() * map_from_hand;
+  Vector3d shift, turn;
+  for (int k = 0; k < 3; ++k) shift[k] = drawn.normal(options.hand.position_sigma_m);
+  for (int k = 0; k < 3; ++k) turn[k] = drawn.normal(options.hand.orientation_sigma_deg * M_PI / 180);
+  measured.translation() += shift;
+  if (turn.norm() > 0) measured.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
+  return measured;
+}
 
 /// The nearest joint above a link that moves it, or the one that this mimics; nullptr = it stands firm.
 const Joint* ScannedWorld::Impl::moving_joint(const std::string& link) const {
@@ -131,7 +145,6 @@ double ScannedWorld::Impl::opening_direction(const Joint& joint, size_t link, co
 void ScannedWorld::Impl::move_along(const Joint& joint, size_t link, const Isometry3d& map_from_hand,
                                     double way, PullResult& result) {
   const Isometry3d link_from_hand = scene.map_from_link(link).inverse() * map_from_hand;
-  const Isometry3d believed_from_true = map_from_believed * map_from_true.inverse();
   Isometry3d map_from_hand_now = map_from_hand;
   const auto [lower, upper] = range_of(joint);
   const double start = joints.contains(joint.name) ? joints.at(joint.name) : 0;
@@ -152,7 +165,7 @@ void ScannedWorld::Impl::move_along(const Joint& joint, size_t link, const Isome
     if (next == position) break;
     map_from_hand_now = hand_at(next);
     gone += (map_from_hand_now.translation() - hand).norm();
-    result.hand_path.push_back(believed_from_true * map_from_hand_now);
+    result.hand_path.push_back(map_from_hand_now);
     position = next;
   }
   if (position == start) return;
@@ -209,10 +222,12 @@ PullResult ScannedWorld::pull(const Vector3d& believed_point, double way) {
   const Vector3d towards = held.point - robot.map_from_true.translation();
   Isometry3d map_from_hand = map_from_base({0, 0, std::atan2(towards.y(), towards.x())});
   map_from_hand.translation() = held.point;
-  result.hand_path = {robot.map_from_believed * robot.map_from_true.inverse() * map_from_hand};
-  if (link >= robot.world.links.size()) return result;  // The floor or the ceiling.
-  if (const Joint* joint = robot.moving_joint(result.link))
+  result.hand_path = {map_from_hand};
+  const bool added = link >= robot.world.links.size();  // The floor or the ceiling.
+  if (const Joint* joint = added ? nullptr : robot.moving_joint(result.link))
     robot.move_along(*joint, link, map_from_hand, way, result);
+  Random drawn = robot.random.fork(kHandStream).fork(robot.pulls++);
+  for (Isometry3d& pose : result.hand_path) pose = robot.measured_hand(pose, drawn);
   return result;
 }
 
@@ -242,7 +257,8 @@ Json ScannedWorld::state() const {
           {"map_from_believed", values_from_pose(impl_->map_from_believed)},
           {"covariance", std::vector<double>(impl_->covariance.data(), impl_->covariance.data() + 36)},
           {"joints", impl_->joints},
-          {"scans", impl_->scans}};
+          {"scans", impl_->scans},
+          {"pulls", impl_->pulls}};
 }
 
 void ScannedWorld::restore(const Json& state) {
@@ -254,6 +270,7 @@ void ScannedWorld::restore(const Json& state) {
   impl_->covariance = Eigen::Map<const Covariance>(state.at("covariance").get<std::vector<double>>().data());
   impl_->joints = state.at("joints").get<JointState>();
   impl_->scans = state.at("scans");
+  impl_->pulls = state.at("pulls");
   impl_->scene.set_joints(0, impl_->joints);
 }
 

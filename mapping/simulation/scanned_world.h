@@ -13,6 +13,12 @@
 
 namespace loci {
 
+/// How well an arm knows where its hand is.
+struct HandModel {
+  double position_sigma_m = 0.001;     ///< per direction and pose
+  double orientation_sigma_deg = 0.3;  ///< about each direction
+};
+
 struct ScannedWorldOptions {
   std::vector<std::filesystem::path> package_paths = {};  ///< where package:// is looked for
   /// Heights of a floor and a ceiling to add, as large as the world; unset = none. A world that has a link
@@ -20,6 +26,7 @@ struct ScannedWorldOptions {
   std::optional<double> floor = 0, ceiling;
   LaserModel laser;
   OdometryModel odometry;
+  HandModel hand;
   uint64_t seed = 1;
   int threads = 0;
 };
@@ -41,9 +48,9 @@ class ScannedWorld : public Robot {
 
   /// Takes hold of the surface that is nearest to a point that the robot believes in (its pose error applies,
   /// nothing beyond 5 cm is reached) and pulls it along the compliant path of its joint by at most `way`
-  /// metres of hand path. The joint is the nearest one above the link that moves; pulling at one that mimics
-  /// moves the one that it mimics. It opens away from zero, or towards the robot where both ways are free,
-  /// and no farther than its limits.
+  /// metres of hand path, whose poses are measured as HandModel says. The joint is the nearest one above the
+  /// link that moves; pulling at one that mimics moves the one that it mimics. It opens away from zero, or
+  /// towards the robot where both ways are free, and no farther than its limits.
   PullResult pull(const Vector3d& believed_point, double way) override;
   /// Moves joints of the world by hand, the others stay; Error for a joint that the world does not have or a
   /// position beyond its limits.
@@ -51,7 +58,7 @@ class ScannedWorld : public Robot {
   /// Closes everything.
   void close_all() override;
 
-  /// The true and the believed pose, the joints, how many scans were made.
+  /// The true and the believed pose, the joints, how many scans and pulls were made.
   Json state() const override;
   void restore(const Json& state) override;
 

@@ -52,6 +52,7 @@ class ScannedCabinet : public testing::Test {
   static ScannedWorldOptions coarse() {
     ScannedWorldOptions options;
     options.laser.tilt_step_deg = options.laser.azimuth_step_deg = 1;
+    options.hand = {0, 0};
     return options;
   }
   ScannedWorld robot(const ScannedWorldOptions& options = coarse()) {

@@ -1,0 +1,227 @@
+#include "mapping/articulation/joint_fit.h"
+
+#include <ceres/ceres.h>
+#include <ceres/rotation.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace loci {
+namespace {
+
+using Type = JointEstimate::Type;
+template <typename T>
+using Vector3 = Eigen::Matrix<T, 3, 1>;
+template <typename T>
+using View3 = Eigen::Map<const Vector3<T>>;
+
+constexpr double kRadians = M_PI / 180;
+constexpr double kHabitSd = 3 * kRadians;        ///< of real joints about the axis that their shape suggests
+constexpr double kHingeBehindFace = 0.01;        ///< the middle of a panel …
+constexpr double kHingeBehindFaceSd = 0.015;     ///< … but concealed hinges lie deeper
+constexpr double kFaceTiltSd = 0.15 * kRadians;  ///< what a face's tilt is wrong by beside its points' noise
+constexpr double kFaceOffsetSd = 0.002;          ///< metres, as kFaceTiltSd
+constexpr double kRobust = 3;                    ///< standard deviations from which on a pose counts less
+
+/// A point or a direction (`shifts` false) after the joint moved by q.
+template <typename T>
+Vector3<T> moved(Type type, const T* axis, const T* origin, const T& q, const Vector3<T>& p, bool shifts) {
+  const View3<T> a(axis);
+  if (type == Type::prismatic) return shifts ? Vector3<T>(p + q * a) : p;
+  const T turn[3] = {q * a.x(), q * a.y(), q * a.z()};
+  const View3<T> o(origin);
+  const Vector3<T> arm = shifts ? Vector3<T>(p - o) : p;
+  Vector3<T> turned;
+  ceres::AngleAxisRotatePoint(turn, arm.data(), turned.data());
+  return shifts ? Vector3<T>(o + turned) : turned;
+}
+
+/// A pose of the hand against the pose at which it took hold, carried along.
+struct HandResidual {
+  Type type;
+  Isometry3d pose;
+  double position_sigma, turn_sigma;
+
+  template <typename T>
+  bool operator()(const T* axis, const T* origin, const T* q, const T* grip, const T* grip_turn,
+                  T* residual) const {
+    const Vector3<T> at = moved<T>(type, axis, origin, *q, View3<T>(grip), true);
+    Eigen::Map<Vector3<T>> shift(residual), turn(residual + 3);
+    shift = (at - pose.translation().cast<T>()) / T(position_sigma);
+    // Orientation: R(q) · R(grip) = pose.
+    Eigen::Matrix<T, 3, 3> grip_rotation, error;
+    ceres::AngleAxisToRotationMatrix(grip_turn, grip_rotation.data());
+    for (int k = 0; k < 3; ++k) {
+      const Vector3<T> column = grip_rotation.col(k);
+      error.col(k) = pose.linear().transpose().cast<T>() * moved<T>(type, axis, origin, *q, column, false);
+    }
+    ceres::RotationMatrixToAngleAxis(error.data(), turn.data());
+    turn /= T(turn_sigma);
+    return true;
+  }
+};
+
+/// The closed face, moved, against the open one.
+struct FaceResidual {
+  Type type;
+  Face closed, open;
+  Vector3d centre;
+  double tilt_sigma, offset_sigma;
+
+  template <typename T>
+  bool operator()(const T* axis, const T* origin, const T* q, T* residual) const {
+    const Vector3<T> at = moved<T>(type, axis, origin, *q, centre.cast<T>(), true);
+    const Vector3<T> normal = moved<T>(type, axis, origin, *q, closed.normal.cast<T>(), false);
+    residual[0] = (open.normal.cast<T>().dot(at) - T(open.offset)) / T(offset_sigma);
+    Eigen::Map<Vector3<T>> tilt(residual + 1);
+    tilt = normal.cross(open.normal.cast<T>()) / T(tilt_sigma);
+    return true;
+  }
+};
+
+/// What joints are usually like, and where along its axis the origin is told.
+struct HabitResidual {
+  Vector3d axis_, origin_, face_normal;
+  double face_offset;
+  bool hinge;
+
+  template <typename T>
+  bool operator()(const T* axis, const T* origin, T* residual) const {
+    Eigen::Map<Vector3<T>> tilt(residual);
+    tilt = View3<T>(axis).cross(axis_.cast<T>()) / T(kHabitSd);
+    const View3<T> o(origin);
+    residual[3] = axis_.cast<T>().dot(o - origin_.cast<T>()) / T(0.01);
+    const T behind = T(face_offset) - face_normal.cast<T>().dot(o);
+    residual[4] = hinge ? T((behind - T(kHingeBehindFace)) / T(kHingeBehindFaceSd)) : T(0);
+    return true;
+  }
+};
+
+struct Variables {
+  std::array<double, 3> axis, origin, grip, grip_turn;
+  std::vector<double> positions;  ///< of the joint, per pose of the hand; the last one is where it was seen
+};
+
+Variables variables_for(const Motion& start, const std::vector<Isometry3d>& hand) {
+  Variables v;
+  Eigen::Map<Vector3d>(v.axis.data()) = start.axis;
+  Eigen::Map<Vector3d>(v.origin.data()) = start.origin;
+  const size_t count = std::max<size_t>(hand.size(), 1);
+  for (size_t i = 0; i < count; ++i)
+    v.positions.push_back(count == 1
+                              ? start.position
+                              : start.position * static_cast<double>(i) / static_cast<double>(count - 1));
+  if (hand.empty()) return v;
+  Eigen::Map<Vector3d>(v.grip.data()) = hand.front().translation();
+  const Eigen::AngleAxisd turn(hand.front().linear());
+  Eigen::Map<Vector3d>(v.grip_turn.data()) = turn.angle() * turn.axis();
+  return v;
+}
+
+HandResidual hand_residual(const Motion& start, const MotionEvidence& evidence, size_t pose, double widened) {
+  return {start.type, evidence.hand_path[pose], widened * evidence.hand_position_sigma_m,
+          widened * evidence.hand_orientation_sigma_deg * kRadians};
+}
+
+/// Root mean square of the hand's residuals in units of its noise; 1 = as noisy as it claims to be.
+double strayed(const Motion& start, const MotionEvidence& evidence, const Variables& v) {
+  std::vector<double> squares;
+  for (size_t i = 0; i < evidence.hand_path.size(); ++i) {
+    std::array<double, 6> r{};
+    hand_residual(start, evidence, i, 1)(v.axis.data(), v.origin.data(), &v.positions[i], v.grip.data(),
+                                         v.grip_turn.data(), r.data());
+    squares.push_back(Eigen::Map<Eigen::Matrix<double, 6, 1>>(r.data()).squaredNorm());
+  }
+  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
+  std::nth_element(squares.begin(), middle, squares.end());
+  return std::sqrt(*middle / 5.35);  // The median of a squared normal vector of six components.
+}
+
+void solve(const Motion& start, const MotionEvidence& evidence, double widened, Variables& v,
+           Motion* result) {
+  ceres::Problem problem;
+  ceres::Manifold* on_sphere = new ceres::SphereManifold<3>;
+  problem.AddParameterBlock(v.axis.data(), 3, on_sphere);
+  problem.AddParameterBlock(v.origin.data(), 3);
+  const std::vector<Isometry3d>& hand = evidence.hand_path;
+  for (size_t i = 0; i < hand.size(); ++i)
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<HandResidual, 6, 3, 3, 1, 3, 3>(
+                                 new HandResidual(hand_residual(start, evidence, i, widened))),
+                             new ceres::HuberLoss(kRobust * std::sqrt(6.0)), v.axis.data(), v.origin.data(),
+                             &v.positions[i], v.grip.data(), v.grip_turn.data());
+  if (!hand.empty()) problem.SetParameterBlockConstant(v.positions.data());
+  if (hand.size() == 1 || !evidence.open) problem.AddParameterBlock(&v.positions.back(), 1);
+  if (evidence.open)
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<FaceResidual, 4, 3, 3, 1>(new FaceResidual{
+            start.type, *evidence.closed, *evidence.open, evidence.face_centre,
+            std::hypot(kFaceTiltSd, std::hypot(evidence.closed->normal_sd, evidence.open->normal_sd)),
+            kFaceOffsetSd * std::sqrt(2.0)}),
+        nullptr, v.axis.data(), v.origin.data(), &v.positions.back());
+  const bool hinge = start.type == Type::revolute && evidence.closed;
+  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<HabitResidual, 5, 3, 3>(new HabitResidual{
+                               evidence.habitual_axis, start.origin,
+                               evidence.closed ? evidence.closed->normal : Vector3d(Vector3d::UnitX()),
+                               evidence.closed ? evidence.closed->offset : 0, hinge}),
+                           nullptr, v.axis.data(), v.origin.data());
+  // A drawer has no place; a hinge has two coordinates across its axis (the third is told).
+  if (start.type == Type::prismatic) problem.SetParameterBlockConstant(v.origin.data());
+
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.max_num_iterations = 60;
+  options.num_threads = 1;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  if (!result) return;
+
+  result->axis = Eigen::Map<Vector3d>(v.axis.data()).normalized();
+  result->origin = Eigen::Map<Vector3d>(v.origin.data());
+  result->position = v.positions.back();
+  ceres::Covariance::Options how;
+  how.algorithm_type = ceres::DENSE_SVD;
+  how.null_space_rank = -1;
+  how.num_threads = 1;
+  ceres::Covariance covariance(how);
+  std::vector<std::pair<const double*, const double*>> blocks{{v.axis.data(), v.axis.data()}};
+  if (start.type == Type::revolute) blocks.emplace_back(v.origin.data(), v.origin.data());
+  if (!covariance.Compute(blocks, &problem)) return;
+  Eigen::Matrix<double, 2, 2, Eigen::RowMajor> tilt;
+  covariance.GetCovarianceBlockInTangentSpace(v.axis.data(), v.axis.data(), tilt.data());
+  result->axis_sd_deg = std::sqrt(tilt.trace()) / kRadians;
+  if (start.type != Type::revolute) return;
+  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> place;
+  covariance.GetCovarianceBlock(v.origin.data(), v.origin.data(), place.data());
+  result->origin_sd_m = std::sqrt(std::max(place.trace() - result->axis.dot(place * result->axis), 0.0));
+}
+
+}  // namespace
+
+Isometry3d Motion::moved_from_closed() const {
+  Isometry3d motion = Isometry3d::Identity();
+  if (type == Type::prismatic) motion.translation() = position * axis;
+  if (type == Type::revolute) {
+    motion.linear() = Eigen::AngleAxisd(position, axis).toRotationMatrix();
+    motion.translation() = origin - motion.linear() * origin;
+  }
+  return motion;
+}
+
+Motion fit_motion(const Motion& start, const MotionEvidence& evidence) {
+  Motion motion = start;
+  if (start.type == Type::rigid) return motion;
+  Variables variables = variables_for(start, evidence.hand_path);
+  double widened = 1;
+  if (!evidence.hand_path.empty()) {
+    solve(start, evidence, widened, variables, nullptr);
+    widened = std::max(strayed(start, evidence, variables), 1.0);
+  }
+  solve(start, evidence, widened, variables, &motion);
+  if (motion.position < 0) {
+    motion.position = -motion.position;
+    motion.axis = -motion.axis;
+  }
+  return motion;
+}
+
+}  // namespace loci

@@ -1,0 +1,159 @@
+#include "mapping/articulation/moved_face.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace loci {
+namespace {
+
+using Type = JointEstimate::Type;
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kHingeBehindFace = 0.01;  ///< as in the prior: the middle of a panel
+constexpr double kParallelDeg = 4;         ///< faces that differ by less did not turn
+constexpr double kOnFace = 0.025;          ///< metres
+constexpr size_t kLeastPoints = 40;
+constexpr double kCell = 0.03;
+constexpr double kNearFace = 0.05;    ///< what is seen so near to the closed face …
+constexpr double kStillThere = 0.01;  ///< … is the face itself when its mean is so near: carcasses lie deeper
+
+Motion slid(const Face& closed, const Face& open, const Front& front) {
+  Motion motion;
+  motion.type = Type::prismatic;
+  motion.axis = closed.normal;
+  motion.origin = front.centre;
+  motion.position = open.offset - closed.normal.dot(closed.normal * closed.offset);
+  return motion;
+}
+
+/// The turn between two planes; `moved` tells to which side of the hinge the part went.
+Motion turned(const Face& closed, const Face& open, const Front& front, const Vector3d& moved) {
+  Motion motion;
+  motion.type = Type::revolute;
+  motion.axis = closed.normal.cross(open.normal).normalized();
+  Eigen::Matrix3d planes;
+  planes << closed.normal.transpose(), open.normal.transpose(), motion.axis.transpose();
+  const Vector3d line =
+      planes.fullPivLu().solve(Vector3d(closed.offset, open.offset, motion.axis.dot(front.centre)));
+  const Vector3d handle = front.fixture ? front.fixture->centre : front.centre;
+  const auto level = [&](const Vector3d& p) { return Vector3d(p - motion.axis * motion.axis.dot(p)); };
+  const Vector3d from = level(handle - line), to = level(moved - line);
+  Vector3d open_normal = open.normal;
+  motion.position = std::atan2(from.cross(to).dot(motion.axis), from.dot(to));
+  if (motion.position < 0) {
+    motion.axis = -motion.axis;
+    motion.position = -motion.position;
+  }
+  if (open_normal.dot(Eigen::AngleAxisd(motion.position, motion.axis) * closed.normal) < 0)
+    open_normal = -open_normal;
+  const double angle =
+      std::atan2(closed.normal.cross(open_normal).dot(motion.axis), closed.normal.dot(open_normal));
+  if (angle > 0) motion.position = angle;
+  // The faces touch a cylinder about the hinge, which lies behind both: on the line that halves their angle.
+  const Vector3d between = (closed.normal + open_normal).normalized();
+  motion.origin = line - between * kHingeBehindFace / std::max(between.dot(closed.normal), 0.2);
+  return motion;
+}
+
+/// A front's rectangle in cells of 3 cm: how many points lie on each, and their distance from its face.
+class FrontCells {
+ public:
+  struct Cell {
+    size_t count = 0;
+    double sum = 0;  ///< of distances
+  };
+
+  FrontCells(const std::vector<Vector3d>& points, const Front& front, const Face& closed) {
+    const int columns = std::max(1, static_cast<int>(front.width / kCell)),
+              rows = std::max(1, static_cast<int>(front.height / kCell));
+    cells_.resize(static_cast<size_t>(columns * rows));
+    for (const Vector3d& p : points) {
+      const Vector3d off = p - front.centre;
+      const int column = static_cast<int>(std::floor((off.dot(front.right()) / front.width + 0.5) * columns));
+      const int row = static_cast<int>(std::floor((off.dot(front.up) / front.height + 0.5) * rows));
+      if (column < 0 || column >= columns || row < 0 || row >= rows) continue;
+      Cell& cell = cells_[static_cast<size_t>(row * columns + column)];
+      ++cell.count;
+      cell.sum += closed.distance(p);
+    }
+  }
+
+  /// Of the cells that are as asked.
+  double share(const std::function<bool(const Cell&)>& asked) const {
+    return static_cast<double>(std::count_if(cells_.begin(), cells_.end(), asked)) /
+           static_cast<double>(cells_.size());
+  }
+
+ private:
+  std::vector<Cell> cells_;
+};
+
+std::vector<Vector3d> put_back(const MovedFace& face, const std::vector<Vector3d>& moved) {
+  const Isometry3d closed_from_moved = face.motion.moved_from_closed().inverse();
+  std::vector<Vector3d> back;
+  for (const Vector3d& p : moved)
+    if (std::abs(face.open.distance(p)) < kOnFace) back.push_back(closed_from_moved * p);
+  return back;
+}
+
+}  // namespace
+
+/// The closed face: the plane through what was seen of it before.
+Face closed_face(const std::vector<Vector3d>& before, const Front& front) {
+  std::vector<Vector3d> on_face;
+  for (const Vector3d& p : before) {
+    const Vector3d off = p - front.centre;
+    if (std::abs(off.dot(front.normal)) < 0.04 && std::abs(off.dot(front.right())) < 0.45 * front.width &&
+        std::abs(off.dot(front.up)) < 0.45 * front.height)
+      on_face.push_back(p);
+  }
+  const Face assumed{front.normal, front.normal.dot(front.centre), 0.01, 0};
+  return on_face.size() < kLeastPoints ? assumed : refined_face(assumed, on_face, 0.03);
+}
+
+double still_share(const std::vector<Vector3d>& points, const Face& closed, const Front& front) {
+  std::vector<Vector3d> near;
+  for (const Vector3d& p : points)
+    if (std::abs(closed.distance(p)) < kNearFace) near.push_back(p);
+  const FrontCells cells(near, front, closed);
+  return cells.share([](const FrontCells::Cell& cell) {
+    return cell.count > 0 && std::abs(cell.sum / static_cast<double>(cell.count)) < kStillThere;
+  });
+}
+
+std::array<std::optional<MovedFace>, 3> moved_faces(const Face& closed, const std::vector<Vector3d>& moved,
+                                                    const Front& front, double tolerance) {
+  std::array<std::optional<MovedFace>, 3> best;
+  const auto consider = [&](const Motion& motion, const Face& open) {
+    if (motion.position < (motion.type == Type::prismatic ? tolerance : kParallelDeg * kPi / 180)) return;
+    MovedFace face{motion, open, 0};
+    face.coverage = FrontCells(put_back(face, moved), front, closed).share([](const FrontCells::Cell& cell) {
+      return cell.count > 0;
+    });
+    std::optional<MovedFace>& known = best[static_cast<size_t>(motion.type)];
+    if (!known || face.coverage > known->coverage) known = face;
+  };
+  if (const auto open = find_face(moved, [&](const Vector3d& n) {
+        return std::abs(n.dot(closed.normal)) > std::cos(kParallelDeg * kPi / 180);
+      })) {
+    const Face face = open->normal.dot(closed.normal) < 0 ? open->flipped() : *open;
+    consider(slid(closed, face, front), face);
+  }
+  for (const Vector3d& hinge : {front.up, front.right()})
+    if (const auto open = find_face(moved, [&](const Vector3d& n) {
+          return std::abs(n.dot(hinge)) < std::sin(8 * kPi / 180) &&
+                 std::abs(n.dot(closed.normal)) < std::cos(kParallelDeg * kPi / 180);
+        })) {
+      Vector3d centre = Vector3d::Zero();
+      size_t count = 0;
+      for (const Vector3d& p : moved)
+        if (std::abs(open->distance(p)) < kOnFace) {
+          centre += p;
+          ++count;
+        }
+      consider(turned(closed, *open, front, centre / static_cast<double>(count)), *open);
+    }
+  return best;
+}
+
+}  // namespace loci
