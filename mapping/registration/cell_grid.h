@@ -34,6 +34,32 @@ class CellGrid {
     return block == kNone ? kNone : blocks_[block][slot_of(cell)];
   }
 
+  /// Numbers of the 2x2x2 cells from `corner` on, x fastest.
+  std::array<uint32_t, 8> find_eight(const Eigen::Vector3i& corner) const {
+    std::array<uint32_t, 8> found;
+    const Eigen::Vector3i at = block_of(corner);
+    if ((at.array() < 0).any() || (at.array() + 1 >= size_.array()).any()) {  // At the border: one by one.
+      for (int k = 0; k < 8; ++k)
+        found[static_cast<size_t>(k)] = find(corner + Eigen::Vector3i(k & 1, k >> 1 & 1, k >> 2));
+      return found;
+    }
+    const size_t row = static_cast<size_t>(size_.x());
+    const std::array<size_t, 3> strides = {1, row, row * static_cast<size_t>(size_.y())};
+    std::array<std::array<size_t, 2>, 3> blocks, slots;  // What each axis adds, for its two cells.
+    for (size_t axis = 0; axis < 3; ++axis) {
+      const auto in_block = static_cast<size_t>(corner[static_cast<int>(axis)] & 3);
+      blocks[axis] = {0, in_block == 3 ? strides[axis] : 0};
+      slots[axis] = {in_block << (2 * axis), ((in_block + 1) & 3) << (2 * axis)};
+    }
+    const size_t first = directory_index(at);
+    for (size_t k = 0; k < 8; ++k) {
+      const size_t x = k & 1, y = k >> 1 & 1, z = k >> 2;
+      const uint32_t block = directory_[first + blocks[0][x] + blocks[1][y] + blocks[2][z]];
+      found[k] = block == kNone ? kNone : blocks_[block][slots[0][x] | slots[1][y] | slots[2][z]];
+    }
+    return found;
+  }
+
   /// The number of a covered cell, to be set: kNone at first.
   uint32_t& at(const Eigen::Vector3i& cell) {
     uint32_t& block = directory_[directory_index(block_of(cell))];

@@ -23,8 +23,9 @@ struct Normal {
   void add(const Vector3d& point, const Vector3d& direction, double residual, double weight_of) {
     Vector6d row;
     row << direction, point.cross(direction);
-    hessian.selfadjointView<Eigen::Lower>().rankUpdate(row, weight_of);
-    gradient += weight_of * residual * row;
+    const Vector6d weighted = weight_of * row;
+    hessian.noalias() += weighted * row.transpose();
+    gradient += residual * weighted;
     squares += weight_of * residual * residual;
   }
 };
@@ -117,7 +118,7 @@ class Aligner {
 
 /// The Gauss-Newton step in the free directions; the damping keeps directions that nothing holds in place.
 Vector6d step_of(const Normal& sum, bool planar) {
-  const Matrix6d hessian = sum.hessian.selfadjointView<Eigen::Lower>();
+  const Matrix6d& hessian = sum.hessian;
   const double damping = 1e-6 * hessian.diagonal().maxCoeff() + 1e-12;
   if (planar) {
     const std::array<int, 3> free = {0, 1, 5};
@@ -157,7 +158,7 @@ IcpResult icp(const Surfels& target, const Surfels& source, const Isometry3d& ta
     const Vector3d shift = step.head<3>() + step.tail<3>().cross(result.target_from_source.translation());
     if (shift.norm() < options.accuracy && step.tail<3>().norm() < options.accuracy) break;
   }
-  result.hessian = sum.hessian.selfadjointView<Eigen::Lower>();
+  result.hessian = sum.hessian;
   result.weight = sum.weight;
   result.rmse = sum.weight > 0 ? std::sqrt(sum.squares / sum.weight) : 0;
   result.score = sum.possible > 0 ? sum.weight / sum.possible : 0;

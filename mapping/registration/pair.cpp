@@ -12,6 +12,7 @@ namespace loci::registration {
 namespace {
 
 constexpr size_t kStarts = 6;
+constexpr size_t kCandidates = 3;
 constexpr size_t kSamplesCoarse = 1500;
 constexpr size_t kSamplesMiddle = 3000;
 /// Poses that are nearer to one another than this are the same one.
@@ -19,6 +20,8 @@ constexpr double kSamePosition = 0.1;
 constexpr double kSameAngle = 3 * M_PI / 180;
 /// Residuals of neighbouring surfels err alike (calibration, wide beams): so many count as one.
 constexpr double kCorrelated = 10;
+constexpr double kAccuracy = 1e-5;   ///< of the last iteration, metres and radians
+constexpr double kLetGo = 0.03;      ///< part of the surface that a finer level may lose
 constexpr double kSigmaMin = 0.002;  ///< metres: no surfel is known better
 /// Metres. However many surfels agree, the direction that is held best is not known better than this, and the
 /// less the worse they fit: what is left over is mixed returns at edges and wide beams, which err to one
@@ -43,7 +46,7 @@ class PairAligner {
       pair.reason = fmt_empty();
       return finished(pair);
     }
-    const std::vector<Candidate> candidates = descend(starts(guess, window));
+    const std::vector<Candidate> candidates = descend(guess, window);
     const IcpResult best = polish(candidates.front().pose);
     pair.target_from_source = best.target_from_source;
     const Agreement fits = agreement(target_, source_, best.target_from_source, 0, planar_, 0);
@@ -77,11 +80,6 @@ class PairAligner {
     return icp_options;
   }
 
-  std::vector<Isometry3d> starts(const Isometry3d& guess, const SearchWindow& window) const {
-    if (window.position < kSamePosition && window.angle < kSameAngle) return {guess};
-    return promising_starts(target_, source_, guess, window, planar_, kStarts);
-  }
-
   double score_of(const Isometry3d& pose, size_t level) const {
     return agreement(target_, source_, pose, level, planar_, 1000).score();
   }
@@ -92,40 +90,65 @@ class PairAligner {
            Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() < kSameAngle;
   }
 
-  /// Different poses that the starts lead to on the way down to the second finest level, best first.
-  std::vector<Candidate> descend(const std::vector<Isometry3d>& starts) const {
-    std::vector<Candidate> candidates;
-    for (const Isometry3d& start : starts) candidates.push_back({start, 0});
-    const size_t last = std::min<size_t>(1, target_.levels.size() - 1);
-    for (size_t level = target_.levels.size(); level-- > last;) {
-      IcpOptions icp_options = level_options(level);
-      icp_options.samples = level + 1 == target_.levels.size() ? kSamplesCoarse : kSamplesMiddle;
-      std::vector<Candidate> refined;
-      for (const Candidate& candidate : candidates) {
-        Candidate next;
-        next.pose =
-            icp(target_.levels[level], source_.levels[level], candidate.pose, icp_options).target_from_source;
-        const bool known = std::any_of(refined.begin(), refined.end(),
-                                       [&](const Candidate& other) { return same(other.pose, next.pose); });
-        if (known) continue;
-        next.score = score_of(next.pose, level);
-        refined.push_back(next);
-      }
-      std::stable_sort(refined.begin(), refined.end(),
-                       [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
-      if (refined.size() > 3) refined.resize(3);
-      candidates = std::move(refined);
+  Candidate descended(const Isometry3d& start, size_t level) const {
+    IcpOptions icp_options = level_options(level);
+    icp_options.samples = level + 1 == target_.levels.size() ? kSamplesCoarse : kSamplesMiddle;
+    Candidate next;
+    next.pose = icp(target_.levels[level], source_.levels[level], start, icp_options).target_from_source;
+    next.score = score_of(next.pose, level);
+    return next;
+  }
+
+  /// Different poses that starts in the window lead to on the way down to the second finest level, best
+  /// first. The guess goes ahead: what it leads to tells the search what to look for.
+  std::vector<Candidate> descend(const Isometry3d& guess, const SearchWindow& window) const {
+    size_t level = target_.levels.size() - 1;
+    std::vector<Candidate> candidates = {descended(guess, level)};
+    if (window.position >= kSamePosition || window.angle >= kSameAngle)
+      for (const Isometry3d& start :
+           promising_starts(target_, source_, guess, window, candidates.front().pose, planar_, kStarts))
+        candidates.push_back(descended(start, level));
+    candidates = best_of(std::move(candidates));
+    while (level-- > std::min<size_t>(1, target_.levels.size() - 1)) {
+      for (Candidate& candidate : candidates) candidate = descended(candidate.pose, level);
+      candidates = best_of(std::move(candidates));
     }
     return candidates;
   }
 
-  /// The finest level, then once more with the tolerance that its residuals ask for.
+  /// The best three that differ, best first.
+  std::vector<Candidate> best_of(std::vector<Candidate> candidates) const {
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
+    std::vector<Candidate> best;
+    for (const Candidate& candidate : candidates) {
+      const bool known = std::any_of(
+          best.begin(), best.end(), [&](const Candidate& other) { return same(other.pose, candidate.pose); });
+      if (!known) best.push_back(candidate);
+      if (best.size() == kCandidates) break;
+    }
+    return best;
+  }
+
+  /// The finest level, then once more with the tolerance that its residuals ask for. Where the surface is
+  /// seen too sparsely for fine cells, or scans are bent, the finest level may hold on to a part of the
+  /// surface and let go of the rest: then the level above says better where the scan is.
   IcpResult polish(const Isometry3d& pose) const {
-    IcpOptions icp_options = level_options(0);
-    IcpResult result = icp(target_.finest(), source_.finest(), pose, icp_options);
+    const size_t above = std::min<size_t>(1, target_.levels.size() - 1);
+    const IcpResult fine = polished(pose, 0);
+    if (score_of(fine.target_from_source, above) > score_of(pose, above) - kLetGo) return fine;
+    return polished(pose, above);
+  }
+
+  IcpResult polished(const Isometry3d& pose, size_t level) const {
+    const Surfels &target = target_.levels[level], &source = source_.levels[level];
+    IcpOptions icp_options = level_options(level);
+    icp_options.samples = kSamplesMiddle;
+    IcpResult result = icp(target, source, pose, icp_options);
+    icp_options.samples = 0;
     icp_options.sigma = std::clamp(3 * result.rmse, 3 * kSigmaMin, icp_options.sigma);
-    icp_options.accuracy = 1e-5;
-    return icp(target_.finest(), source_.finest(), result.target_from_source, icp_options);
+    icp_options.accuracy = kAccuracy;
+    return icp(target, source, result.target_from_source, icp_options);
   }
 
   void measure_hold(const IcpResult& best, PairAlignment& pair) const {

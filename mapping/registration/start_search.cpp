@@ -12,7 +12,9 @@ constexpr double kTurnStepPlanar = 5 * M_PI / 180;  ///< radians
 constexpr double kTurnStep = 12 * M_PI / 180;
 constexpr size_t kSamplesPlanar = 400;
 constexpr size_t kSamples = 160;
-constexpr size_t kFirstLook = 40;
+/// After so many samples a start that has less than this part of the best score is given up.
+constexpr std::array<std::pair<size_t, float>, 2> kLooks = {{{16, 0.35F}, {40, 0.5F}}};
+/// So is a start that in the end has less than this part.
 constexpr float kHopeless = 0.5F;
 constexpr float kPlaneDistance = 0.15F;  ///< metres: where a sample counts no more
 constexpr float kSameSide = 0.7F;        ///< cosine: normals agree within 45 degrees
@@ -83,7 +85,14 @@ std::vector<Vector3d> ball(double radius, double step, const Vector3d& dimension
 class Scorer {
  public:
   Scorer(const PreparedScan& target, std::vector<Sample> samples)
-      : net_(target.net), surfels_(target.coarsest()), samples_(std::move(samples)) {}
+      : net_(target.net), samples_(std::move(samples)) {
+    const Surfels& surfels = target.coarsest();
+    per_metre_ = 1.F / static_cast<float>(surfels.cell);
+    planes_.reserve(surfels.size());
+    for (size_t i = 0; i < surfels.size(); ++i)
+      planes_.emplace_back(surfels.normal[i].x(), surfels.normal[i].y(), surfels.normal[i].z(),
+                           surfels.normal[i].dot(surfels.position[i]));
+  }
 
   void turn(const Eigen::Matrix3f& rotation) {
     turned_ = samples_;
@@ -93,33 +102,41 @@ class Scorer {
     }
   }
 
-  /// Mean agreement, 0 to 1, of the turned samples at a shift. What is hopeless after a part of the samples
-  /// is given up: its score is that of the part.
+  /// Mean agreement, 0 to 1, of the turned samples at a shift; 0 for what is hopeless beside the best so far.
   float score(const Eigen::Vector3f& shift) {
     float sum = 0;
+    size_t look = 0;
     for (size_t k = 0; k < turned_.size(); ++k) {
-      if (k == kFirstLook && sum < kHopeless * best_ * static_cast<float>(kFirstLook))
-        return sum / static_cast<float>(turned_.size());
+      if (look < kLooks.size() && k == kLooks[look].first) {
+        if (sum < kLooks[look].second * best_ * static_cast<float>(k)) return 0;
+        ++look;
+      }
       const Sample& sample = turned_[k];
       const Eigen::Vector3f point = sample.position + shift;
-      const uint32_t i = net_.find((point * per_metre_).array().floor().cast<int>());
+      const uint32_t i = net_.find(cell_of(point));
       if (i == CellGrid::kNone) continue;
-      if (surfels_.normal[i].dot(sample.normal) < kSameSide) continue;
-      const float off = surfels_.normal[i].dot(point - surfels_.position[i]) / kPlaneDistance;
+      const Eigen::Vector4f& plane = planes_[i];
+      if (plane.head<3>().dot(sample.normal) < kSameSide) continue;
+      const float off = (plane.head<3>().dot(point) - plane[3]) / kPlaneDistance;
       sum += std::max(0.F, 1.F - off * off);
     }
     const float mean = turned_.empty() ? 0.F : sum / static_cast<float>(turned_.size());
     best_ = std::max(best_, mean);
-    return mean;
+    return mean < kHopeless * best_ ? 0 : mean;
   }
 
  private:
+  Eigen::Vector3i cell_of(const Eigen::Vector3f& point) const {
+    constexpr float far = 1 << 13;  // Adding it makes all positive: then the conversion rounds down.
+    return (point.array() * per_metre_ + far).cast<int>() - static_cast<int>(far);
+  }
+
   const CellGrid& net_;
-  const Surfels& surfels_;
+  std::vector<Eigen::Vector4f> planes_;  ///< of the coarsest surfels: normal, distance from the origin
   std::vector<Sample> samples_;
   std::vector<Sample> turned_;
   float best_ = 0;
-  float per_metre_ = 1.F / static_cast<float>(surfels_.cell);
+  float per_metre_ = 0;
 };
 
 Eigen::Matrix3d rotation_of(const Vector3d& turn) {
@@ -131,10 +148,10 @@ Eigen::Matrix3d rotation_of(const Vector3d& turn) {
 
 std::vector<Isometry3d> promising_starts(const PreparedScan& target, const PreparedScan& source,
                                          const Isometry3d& target_from_source, const SearchWindow& window,
-                                         bool planar, size_t count) {
+                                         const Isometry3d& known, bool planar, size_t count) {
   struct Start {
     float score;
-    Isometry3d pose;
+    uint32_t turn, shift;
   };
   const Vector3d centre = source.centre.cast<double>();
   const Vector3d place = target_from_source * centre;
@@ -142,33 +159,41 @@ std::vector<Isometry3d> promising_starts(const PreparedScan& target, const Prepa
   const Vector3d shift_axes = planar ? Vector3d(1, 1, 0) : Vector3d(1, 1, 1);
   const auto turns = ball(window.angle, planar ? kTurnStepPlanar : kTurnStep, turn_axes);
   const auto shifts = ball(window.position, kShiftStep, shift_axes);
+  const auto pose_of = [&](const Start& start) {
+    Isometry3d pose = Isometry3d::Identity();
+    pose.linear() = rotation_of(turns[start.turn]) * target_from_source.linear();
+    pose.translation() = place + shifts[start.shift] - pose.linear() * centre;
+    return pose;
+  };
   Scorer scorer(target, balanced_samples(source.coarsest(), planar, planar ? kSamplesPlanar : kSamples));
+  scorer.turn(known.linear().cast<float>());
+  scorer.score(known.translation().cast<float>());
   std::vector<Start> starts;
-  for (const Vector3d& turn : turns) {
-    const Eigen::Matrix3d rotation = rotation_of(turn) * target_from_source.linear();
-    scorer.turn(rotation.cast<float>());
-    for (const Vector3d& shift : shifts) {
-      Start start{0, Isometry3d::Identity()};
-      start.pose.linear() = rotation;
-      start.pose.translation() = place + shift - rotation * centre;
-      start.score = scorer.score(start.pose.translation().cast<float>());
-      starts.push_back(start);
+  for (uint32_t turn = 0; turn < turns.size(); ++turn) {
+    const Isometry3d unmoved = pose_of({0, turn, 0});
+    const Vector3d origin = unmoved.translation() - shifts[0];
+    scorer.turn(unmoved.linear().cast<float>());
+    for (uint32_t shift = 0; shift < shifts.size(); ++shift) {
+      const float score = scorer.score((origin + shifts[shift]).cast<float>());
+      if (score > 0) starts.push_back({score, turn, shift});
     }
   }
   std::stable_sort(starts.begin(), starts.end(),
                    [](const Start& a, const Start& b) { return a.score > b.score; });
-  std::vector<Isometry3d> chosen = {target_from_source};
+  std::vector<Isometry3d> chosen = {known};
   const double apart = planar ? 1.6 : 1.2;  // In steps: neighbours on the grid descend to the same place.
   for (const Start& start : starts) {
     if (chosen.size() > count) break;
-    const bool known = std::any_of(chosen.begin(), chosen.end(), [&](const Isometry3d& other) {
-      const double shift = (start.pose * centre - other * centre).norm() / kShiftStep;
-      const double turn = Eigen::AngleAxisd(start.pose.linear().transpose() * other.linear()).angle() /
+    const Isometry3d pose = pose_of(start);
+    const bool beside = std::any_of(chosen.begin(), chosen.end(), [&](const Isometry3d& other) {
+      const double shift = (pose * centre - other * centre).norm() / kShiftStep;
+      const double turn = Eigen::AngleAxisd(pose.linear().transpose() * other.linear()).angle() /
                           (planar ? kTurnStepPlanar : kTurnStep);
       return shift < apart && turn < apart;
     });
-    if (!known) chosen.push_back(start.pose);
+    if (!beside) chosen.push_back(pose);
   }
+  chosen.erase(chosen.begin());
   return chosen;
 }
 

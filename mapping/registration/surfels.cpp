@@ -28,8 +28,10 @@ double rising(double value, double low, double high) {
 }
 
 /// Lower corner of the 2x2x2 cells whose union holds everything within half a cell of the point.
-Eigen::Vector3i corner_of(const Eigen::Vector3f& point, double cell) {
-  return ((point.cast<double>() / cell).array() - 0.5).floor().cast<int>();
+Eigen::Vector3i corner_of(const Eigen::Vector3f& point, double per_metre) {
+  constexpr double far = 1 << 20;  // Adding it makes all positive: then the conversion rounds down.
+  const Eigen::Array3d cells = point.cast<double>().array() * per_metre + (far - 0.5);
+  return cells.cast<int>() - static_cast<int>(far);
 }
 
 void fit_plane(Surfels& surfels, size_t i, const Moments& moments, const PlaneFit& fit) {
@@ -92,12 +94,10 @@ uint32_t Surfels::number_of(const Eigen::Vector3i& at, const Eigen::Vector3f& se
 }
 
 uint32_t Surfels::nearest(const Eigen::Vector3f& point, const Eigen::Vector3f& facing, float radius) const {
-  const Eigen::Vector3i corner = corner_of(point, cell);
   const bool has_side = facing.squaredNorm() > 0.5F;
   float best = radius * radius;
   uint32_t found = CellGrid::kNone;
-  for (int k = 0; k < 8; ++k) {
-    const uint32_t i = grid.find(corner + Eigen::Vector3i(k & 1, k >> 1 & 1, k >> 2));
+  for (const uint32_t i : grid.find_eight(corner_of(point, 1 / cell))) {
     if (i == CellGrid::kNone) continue;
     const float squared = (position[i] - point).squaredNorm();
     if (squared >= best) continue;
@@ -109,10 +109,8 @@ uint32_t Surfels::nearest(const Eigen::Vector3f& point, const Eigen::Vector3f& f
 }
 
 bool Surfels::near(const Eigen::Vector3f& point) const {
-  const Eigen::Vector3i corner = corner_of(point, cell);
-  for (int k = 0; k < 8; ++k)
-    if (grid.find(corner + Eigen::Vector3i(k & 1, k >> 1 & 1, k >> 2)) != CellGrid::kNone) return true;
-  return false;
+  const auto around = grid.find_eight(corner_of(point, 1 / cell));
+  return std::any_of(around.begin(), around.end(), [](uint32_t i) { return i != CellGrid::kNone; });
 }
 
 Surfels coarser(const Surfels& fine) {
