@@ -231,10 +231,12 @@ struct Exploration::Impl {
       PlannerOptions planner = options.planner;
       planner.avoid = avoid;
       if (tying) planner.gain_weight = planner.gain_min = 0;
-      const NextView view = next_view(map, robot_pose(), options.laser, planner,
+      const ViewPlan plan = plan_view(map, robot_pose(), options.laser, planner,
                                       random.fork(steps.size()).fork(static_cast<uint64_t>(attempt)));
+      const NextView& view = plan.view;
       steps.back().plan_seconds += watch.lap();
       steps.back().fringe_voxels = view.fringe_voxels;
+      if (watcher) watcher(steps.size() - 1, plan, robot_pose());
       if (!view.pose) {
         stop_reason = view.reason;
         return;
@@ -285,6 +287,7 @@ struct Exploration::Impl {
   std::vector<Vector2d> avoid;  ///< goals that were not reached
   bool tying = false;           ///< the last view was chosen to tie scans together
   std::string stop_reason;
+  Watcher watcher;  ///< may be empty
 };
 
 Exploration::Exploration(Robot& robot, const PlanarPose& start, fs::path folder, bool resume,
@@ -297,6 +300,10 @@ Exploration::~Exploration() = default;
 
 void Exploration::run(Progress& progress) {
   impl_->run(progress);
+}
+
+void Exploration::watch_plans(Watcher watcher) {
+  impl_->watcher = std::move(watcher);
 }
 
 ScanSet Exploration::registered_scans() const {

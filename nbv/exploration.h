@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -55,6 +56,10 @@ class Exploration {
 
   /// Scans until the planner stops. Interrupted leaves a checkpoint.
   void run(Progress& progress);
+
+  /// Called with every plan, the step that it follows, and where the robot stood: for pictures.
+  using Watcher = std::function<void(size_t step, const ViewPlan&, const PlanarPose& robot)>;
+  void watch_plans(Watcher watcher);
 
   /// All scans, at their registered poses; those that could not be registered are left out (and named).
   ScanSet registered_scans() const;

@@ -8,6 +8,7 @@
 #include "mapping/base/files.h"
 #include "mapping/interpretation/front_links.h"
 #include "mapping/world/urdf.h"
+#include "nbv/pictures.h"
 #include "nbv/survey_report.h"
 
 namespace loci {
@@ -53,6 +54,9 @@ SurveyResult survey(Robot& robot, const PlanarPose& start, const std::filesystem
   SurveyResult result;
 
   Exploration exploration(robot, start, folder, resume, options.exploration, warnings);
+  exploration.watch_plans([&](size_t step, const ViewPlan& plan, const PlanarPose& stands) {
+    write_view_pictures(plan, stands, plan_folder(folder, step));
+  });
   PartialProgress exploring(progress, 0, options.interact ? 0.4 : 0.8);
   exploration.run(exploring);
   result.steps = exploration.steps();
@@ -76,7 +80,7 @@ SurveyResult survey(Robot& robot, const PlanarPose& start, const std::filesystem
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   write_urdf(result.map.world, folder / "map.urdf");
   write_semantic_map(result.map.semantics, folder / "map.semantic.json");
-  write_file_atomically(folder / "report.html", survey_report(result, folder.string()));
+  write_file_atomically(folder / "report.html", survey_report(result, folder));
   return result;
 }
 

@@ -2,10 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <cmath>
+
+#include "mapping/base/files.h"
 #include "mapping/base/html.h"
 #include "mapping/exchange/map_report.h"
 
 namespace loci {
+
+namespace fs = std::filesystem;
+
 namespace {
 
 std::string steps_table(const SurveyResult& result) {
@@ -38,13 +45,38 @@ std::string pulls_table(const SurveyResult& result) {
   return html_table({"front", "stop", "held", "joint", "moved (m or rad)", "axis ± °", "remark"}, rows);
 }
 
+/// What was known, the votes, and the choice, side by side; "" where nothing was planned.
+std::string plan_pictures(const fs::path& folder, size_t step) {
+  constexpr std::array<std::pair<const char*, const char*>, 4> kPictures = {
+      {{"fringe", "known space and fringe"},
+       {"costs_fringe", "C_F, fringe that would be seen"},
+       {"costs_occupied", "C_O, surfaces that would be seen again"},
+       {"samples", "C, samples (blue) and the choice (red)"}}};
+  std::string cells;
+  for (const auto& [name, title] : kPictures) {
+    const fs::path file = plan_folder(folder, step) / (std::string(name) + ".png");
+    if (!fs::exists(file)) return "";
+    const std::string bytes = read_file(file);
+    const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
+    cells += "<td style=\"width:25%\">" + html_image({data, bytes.size()}, "image/png", title) + "<br>" +
+             html_escape(title) + "</td>";
+  }
+  return fmt::format("<h3>After scan {}</h3><table><tr>{}</tr></table>", step, cells);
+}
+
 }  // namespace
 
-std::string survey_report(const SurveyResult& result, const std::string& input) {
-  std::string page = map_report(result.map, result.scans, input);
+fs::path plan_folder(const fs::path& folder, size_t step) {
+  return folder / "plans" / fmt::format("after_scan_{:03}", step);
+}
+
+std::string survey_report(const SurveyResult& result, const fs::path& folder) {
+  std::string page = map_report(result.map, result.scans, folder.string());
+  std::string pictures;
+  for (size_t i = 0; i < result.steps.size(); ++i) pictures += plan_pictures(folder, i);
   const std::string stop = "<p>It ended: " + html_escape(result.stop_reason) + ".</p>";
   page = html_with_section(page, "exploration",
-                           html_section("exploration", "Exploration", stop + steps_table(result)));
+                           html_section("exploration", "Exploration", stop + steps_table(result) + pictures));
   if (!result.interactions.empty())
     page = html_with_section(page, "interaction",
                              html_section("interaction", "Pulled handles", pulls_table(result)));

@@ -2,6 +2,7 @@
 
 #include "apps/map/commands.h"
 #include "mapping/base/config.h"
+#include "mapping/sensor/pose_text.h"
 #include "mapping/simulation/scanned_world.h"
 #include "nbv/survey.h"
 
@@ -17,15 +18,6 @@ struct ExploreArguments {
   SurveyOptions options;
 };
 
-/// "x,y,yaw_deg" in the world's frame.
-PlanarPose pose_from_text(const std::string& text) {
-  double x = 0, y = 0, yaw_deg = 0;
-  char end = 0;
-  if (std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &x, &y, &yaw_deg, &end) != 3)
-    throw Error(fmt::format("'{}' is no start pose", text), {}, "give x,y,yaw_deg, e.g. --start 1.5,2.0,90");
-  return {x, y, yaw_deg * M_PI / 180};
-}
-
 void explore(ExploreArguments& arguments, Session& session) {
   ExplorationOptions& exploration = arguments.options.exploration;
   exploration.threads = session.flags().threads;
@@ -37,7 +29,8 @@ void explore(ExploreArguments& arguments, Session& session) {
   world.seed = exploration.seed;
   world.threads = exploration.threads;
   ScannedWorld robot(arguments.world, world, {}, session.warnings());
-  const PlanarPose start = arguments.start.empty() ? robot.open_place() : pose_from_text(arguments.start);
+  const PlanarPose start =
+      arguments.start.empty() ? robot.open_place() : planar_poses_from(arguments.start, "--start").front();
   robot.put_at(start);
   const SurveyResult result = survey(robot, start, arguments.out, arguments.resume, arguments.options,
                                      session.progress(), session.warnings());
