@@ -18,6 +18,10 @@ namespace fs = std::filesystem;
 constexpr int kVersion = 1;
 /// Scans are inserted again when registration moved one of them by more than this part of a voxel.
 constexpr double kReinsertShift = 0.5;
+/// The last scans are planned by even when they are not tied to the first one yet.
+constexpr size_t kUntied = 3;
+/// Longer ways are gone in stages with a scan at each: odometry alone would lose the robot.
+constexpr double kLongestWay = 5, kStage = 3.5;
 
 class Stopwatch {
  public:
@@ -120,20 +124,27 @@ struct Exploration::Impl {
 
   bool connected(size_t scan) const { return registrar.result().connected[scan]; }
 
-  /// All scans at their best known poses, also those that are not tied to the first one yet: where odometry
-  /// puts them is good enough to plan by.
+  /// Scans at their best known poses; the latest also when they are not tied to the first one yet: where
+  /// odometry puts them is good enough to plan the view that ties them.
   void insert() {
     const double most = kReinsertShift * map.resolution();
-    bool moved = false;
-    for (size_t i = 0; i < inserted.size(); ++i)
-      moved = moved || (inserted[i].translation() - set.scans[i].map_from_scan.translation()).norm() > most;
-    if (moved) {
+    const auto wanted = [&](size_t i) { return connected(i) || i + kUntied >= set.scans.size(); };
+    bool changed = false;
+    for (size_t i = 0; i < inserted.size(); ++i) {
+      const bool is_in = inserted[i].has_value();
+      changed =
+          changed || (is_in && !wanted(i)) ||
+          (is_in && (inserted[i]->translation() - set.scans[i].map_from_scan.translation()).norm() > most);
+    }
+    if (changed) {
       map = OccupancyMap(options.occupancy);
       inserted.clear();
     }
-    for (size_t i = inserted.size(); i < set.scans.size(); ++i) {
+    inserted.resize(set.scans.size());
+    for (size_t i = 0; i < set.scans.size(); ++i) {
+      if (inserted[i] || !wanted(i)) continue;
       map.insert(set.scans[i]);
-      inserted.push_back(set.scans[i].map_from_scan);
+      inserted[i] = set.scans[i].map_from_scan;
     }
   }
 
@@ -221,6 +232,27 @@ struct Exploration::Impl {
     stop_reason = json.at("stop_reason");
   }
 
+  /// A pose on a way that is too long to be gone at once, looking ahead.
+  std::optional<PlanarPose> stage_of(const std::vector<PlanarPose>& way) const {
+    double length = 0;
+    std::vector<PlanarPose> corners = {robot_pose()};
+    for (const PlanarPose& corner : way) {
+      length += std::hypot(corner.x - corners.back().x, corner.y - corners.back().y);
+      corners.push_back(corner);
+    }
+    if (length <= kLongestWay) return std::nullopt;
+    double left = std::min(kStage, length / 2);
+    for (size_t i = 1; i < corners.size(); ++i) {
+      const double dx = corners[i].x - corners[i - 1].x, dy = corners[i].y - corners[i - 1].y;
+      const double part = std::hypot(dx, dy);
+      if (part >= left)
+        return PlanarPose{corners[i - 1].x + dx * left / part, corners[i - 1].y + dy * left / part,
+                          std::atan2(dy, dx)};
+      left -= part;
+    }
+    return std::nullopt;
+  }
+
   /// Plans the next view and goes there, or says why it ends here. After a scan that could not be registered
   /// (two that face each other share but parallel walls, along which they may slide) a view that sees as much
   /// as possible of what is known comes first, once: it ties them together.
@@ -245,7 +277,9 @@ struct Exploration::Impl {
       step.reason = tying ? "ties the scan before to the others: " + view.reason : view.reason;
       step.expected_overlap = view.expected_overlap;
       step.expected_gain = view.expected_gain;
-      if (scan_at(*view.pose, std::move(step))) return;
+      const std::optional<PlanarPose> stage = stage_of(view.path);
+      if (stage) step.reason = "on the way: " + step.reason;
+      if (scan_at(stage.value_or(*view.pose), std::move(step))) return;
     }
     stop_reason = fmt::format("{} goals in a row could not be reached", options.failures_max);
   }
@@ -281,7 +315,7 @@ struct Exploration::Impl {
   IncrementalRegistration registrar;
   OccupancyMap map;
   ScanSet set;
-  std::vector<Isometry3d> inserted;  ///< poses at which scans are in the map
+  std::vector<std::optional<Isometry3d>> inserted;  ///< poses at which scans are in the map; unset = left out
   std::vector<ExplorationStep> steps;
   std::vector<Json> robot_states;
   std::vector<Vector2d> avoid;  ///< goals that were not reached

@@ -27,6 +27,8 @@ struct ExplorationOptions {
   uint64_t seed = 1;
   int threads = 0;
 
+  ExplorationOptions() { planner.travel_cost_per_m = 0.1; }
+
   void declare(OptionTable& table);
 };
 
