@@ -14,6 +14,10 @@ Command changes_command();
 Command objects_command();
 Command scenes_command();
 Command timeline_command();
+Command usual_command();
+Command kept_command();
+Command task_command();
+Command ask_command();
 Command verify_command();
 
 Command report_command();

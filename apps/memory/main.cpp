@@ -12,9 +12,12 @@ int main(int argc, char** argv) {
   program.add(loci::objects_command());
   program.add(loci::scenes_command());
   program.add(loci::timeline_command());
+  program.add(loci::usual_command());
+  program.add(loci::kept_command());
+  program.add(loci::task_command());
+  program.add(loci::ask_command());
   program.add(loci::verify_command());
   program.add(loci::report_command());
-  program.add_planned("ask", "Asks in words");
   program.add_planned("ingest", "Takes in detections of other systems");
   program.add_planned("reason", "Runs the reasoning again");
   program.add_planned("why", "Explains a decision");

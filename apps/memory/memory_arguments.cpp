@@ -43,15 +43,17 @@ Declare about_place() {
   return [](CLI::App& app) {
     struct Arguments {
       MemoryArguments memory;
-      std::string place;
+      std::vector<std::string> place;
+      std::string subject;
     };
     auto arguments = std::make_shared<Arguments>();
     arguments->memory.declare(app);
     app.add_option("place", arguments->place, "The place, e.g. table_1 or drawer_1")->required();
+    app.add_option("--object", arguments->subject, "Only these objects");
     return [arguments](Session& session) {
       const Store store = Store::open_read(arguments->memory.memory);
       const AsOf as_of = arguments->memory.as_of(store);
-      answer_question(session, store, ContentsQuestion{.place = arguments->place, .as_of = as_of});
+      answer_question(session, store, ContentsQuestion{joined(arguments->place), as_of, arguments->subject});
     };
   };
 }

@@ -70,6 +70,9 @@ struct Change {
   std::string source = {};
 };
 
+enum class Verdict { yes, no, not_observed };
+std::string verdict_name(Verdict verdict);  ///< "yes", "no", "not_observed"
+
 // ---- Questions and answers.
 
 struct WhereQuestion {
@@ -90,6 +93,7 @@ struct Stay {
 };
 struct HistoryQuestion {
   std::string subject = {};
+  std::optional<TimeNs> from = {}, to = {};  ///< only stays and changes that reach into this time
   AsOf as_of = {};
 };
 struct ObjectHistory {
@@ -106,6 +110,7 @@ struct HistoryAnswer {
 struct ContentsQuestion {
   std::string place = {};
   AsOf as_of = {};
+  std::string subject = {};  ///< only these; empty = everything
 };
 struct PlaceContents {
   PlaceRef place = {};
@@ -116,6 +121,10 @@ struct PlaceContents {
 };
 struct ContentsAnswer {
   std::string asked = {};
+  std::string subject = {};  ///< empty = everything
+  /// Whether there is any: yes when one is believed to be there, no when none is and at least half of each
+  /// place has been looked at, else not observed.
+  Verdict verdict = Verdict::not_observed;
   std::vector<PlaceContents> places = {};
 };
 
@@ -127,7 +136,6 @@ struct WasQuestion {
   TimeNs to = 0;
   AsOf as_of = {};
 };
-enum class Verdict { yes, no, not_observed };
 /// What one scene of the time could tell.
 struct PlaceLook {
   SceneRef scene = {};
@@ -153,7 +161,6 @@ struct WasAnswer {
   Verdict verdict = Verdict::not_observed;  ///< yes if any is, no if all are not
   std::vector<WasObject> objects = {};
 };
-std::string verdict_name(Verdict verdict);  ///< "yes", "no", "not_observed"
 
 struct ChangesQuestion {
   std::optional<TimeNs> from = {}, to = {};

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <set>
 
 #include "memory/questions/answers.h"
 #include "memory/questions/snapshot.h"
@@ -30,6 +31,21 @@ std::vector<Stay> stays_of(const Snapshot& snapshot, Id object) {
   return stays;
 }
 
+/// So much of a place must have been seen to say that something is not there.
+constexpr double kEnough = 0.5;
+
+Verdict verdict_of(const std::vector<PlaceContents>& places) {
+  const auto believed = [](const ObjectState& state) { return state.probability >= 0.5; };
+  if (std::any_of(places.begin(), places.end(), [&](const PlaceContents& contents) {
+        return std::any_of(contents.there.begin(), contents.there.end(), believed);
+      }))
+    return Verdict::yes;
+  const bool looked = std::all_of(places.begin(), places.end(), [](const PlaceContents& contents) {
+    return contents.there.empty() && contents.fraction.value_or(0) >= kEnough;
+  });
+  return looked ? Verdict::no : Verdict::not_observed;
+}
+
 bool more_probable(const ObjectState& a, const ObjectState& b) {
   return a.probability != b.probability ? a.probability > b.probability : a.object.id < b.object.id;
 }
@@ -47,11 +63,15 @@ WhereAnswer ask(const Store& store, const WhereQuestion& question) {
 HistoryAnswer ask(const Store& store, const HistoryQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
   HistoryAnswer answer{.asked = question.subject};
-  const std::vector<EventRow> events = store.events(question.as_of);
+  const std::vector<EventRow> events = store.events(question.as_of, question.from, question.to);
   for (const Id object : snapshot.find_objects(question.subject)) {
     ObjectHistory history;
     history.now = snapshot.state(*snapshot.belief(object));
     history.stays = stays_of(snapshot, object);
+    std::erase_if(history.stays, [&](const Stay& stay) {
+      return (question.from && stay.scenes.back().time < *question.from) ||
+             (question.to && stay.scenes.front().time > *question.to);
+    });
     for (const EventRow& event : events)
       if (event.object == object) history.changes.push_back(snapshot.change(event));
     answer.objects.push_back(std::move(history));
@@ -61,11 +81,15 @@ HistoryAnswer ask(const Store& store, const HistoryQuestion& question) {
 
 ContentsAnswer ask(const Store& store, const ContentsQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
-  ContentsAnswer answer{.asked = question.place};
-  for (const PlaceRow& place : snapshot.find_places(question.place)) {
+  ContentsAnswer answer{.asked = question.place, .subject = question.subject};
+  const std::vector<PlaceRow> places = snapshot.find_places(question.place);
+  std::set<Id> meant;
+  if (!question.subject.empty())
+    for (const Id object : snapshot.find_objects(question.subject)) meant.insert(object);
+  for (const PlaceRow& place : places) {
     PlaceContents contents{.place = {place.id, place.name, place.container}};
     for (const BeliefRow& row : snapshot.beliefs()) {
-      if (row.place != place.id) continue;
+      if (row.place != place.id || (!question.subject.empty() && !meant.contains(row.object))) continue;
       auto& list = row.status == "gone" ? contents.gone : contents.there;
       list.push_back(snapshot.state(row));
     }
@@ -79,6 +103,7 @@ ContentsAnswer ask(const Store& store, const ContentsQuestion& question) {
     }
     answer.places.push_back(std::move(contents));
   }
+  answer.verdict = verdict_of(answer.places);
   return answer;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -13,9 +14,12 @@ struct TimeSpan {
   TimeNs last = 0;  ///< inclusive
 };
 
-/// Reads people's times: ISO 8601, with or without zone; "08:30", "08:30:15"; "today", "yesterday", either
-/// with a time of day; "2026-05-01 08:30"; "20 minutes ago", "2 hours ago", "3 days ago"; "now". Today and
-/// now are those of the memory's last scene, in the memory's zone.
+/// Reads people's times: ISO 8601, with or without zone; a day ("2026-05-01", "today", "yesterday", "the day
+/// before yesterday", "Monday", "last Monday", "this week", "last week"), a time of day ("08:30", "08:30:15",
+/// "9 am", "nine", "half past nine", "quarter to ten", "noon", "morning" = 5 to 12, "afternoon" = 12 to 18,
+/// "evening" = 18 to 24, "night" = 22 to 6), or both ("yesterday morning", "last Monday at nine"); "last
+/// night"; "20 minutes ago", "two hours ago", "half an hour ago"; "now". Today and now are those of the
+/// memory's last scene, in the memory's zone.
 class TimeReader {
  public:
   explicit TimeReader(const Store& store);
@@ -23,11 +27,16 @@ class TimeReader {
 
   /// Throws Error that shows what can be written.
   TimeSpan read(std::string_view text) const;
+  /// Unset when it is not a time.
+  std::optional<TimeSpan> try_read(std::string_view text) const;
 
  private:
   TimeNs last_scene_;
   int zone_minutes_;
 };
+
+int local_hour(TimeNs time, int zone_minutes);     ///< 0 to 23
+int local_weekday(TimeNs time, int zone_minutes);  ///< 0 = Monday
 
 /// Writes times for people: the date only when the memory spans more than one day, fractions of a second only
 /// when its scenes have them.

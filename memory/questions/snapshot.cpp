@@ -30,8 +30,9 @@ std::vector<std::string> words_of(const std::string& text) {
   return words;
 }
 
-const std::set<std::string> kFillers = {"the",    "a",      "an",      "my",  "thing",
-                                        "things", "object", "objects", "one", "ones"};
+const std::set<std::string> kFillers = {"the",   "a",      "an",     "my",      "our",  "your",
+                                        "thing", "things", "object", "objects", "item", "items",
+                                        "one",   "ones",   "all",    "any",     "some", "everything"};
 
 std::string same_color(const std::string& word) {
   return word == "gray" ? "grey" : word;
@@ -176,29 +177,40 @@ SceneSummary Snapshot::summary(const SceneRow& scene) const {
   return summary;
 }
 
-std::vector<PlaceRow> Snapshot::find_places(const std::string& asked) const {
+std::vector<PlaceRow> Snapshot::places_called(const std::string& asked) const {
   const std::string name = lower(asked);
+  std::string joined = name;
+  std::replace(joined.begin(), joined.end(), ' ', '_');
   std::vector<PlaceRow> found;
   const auto take = [&](auto matches) {
     if (!found.empty()) return;
     std::copy_if(places_.begin(), places_.end(), std::back_inserter(found), matches);
   };
-  take([&](const PlaceRow& place) { return lower(place.name) == name; });
+  take([&](const PlaceRow& place) { return lower(place.name) == joined; });
   take([&](const PlaceRow& place) {
     return std::any_of(facts_.begin(), facts_.end(), [&](const FactRow& fact) {
       return fact.place == place.id && fact.key == "alias" && lower(*fact.value) == name;
     });
   });
-  take([&](const PlaceRow& place) { return lower(place.name).starts_with(name + "_"); });
-  take([&](const PlaceRow& place) { return lower(place.class_name) == name; });
+  take([&](const PlaceRow& place) { return lower(place.name).starts_with(joined + "_"); });
+  take([&](const PlaceRow& place) { return lower(place.class_name) == joined; });
+  return found;
+}
+
+std::vector<PlaceRow> Snapshot::find_places(const std::string& asked) const {
+  std::vector<std::string> words = words_of(asked);
+  while (words.size() > 1 && kFillers.contains(words.front())) words.erase(words.begin());
+  std::vector<PlaceRow> found = places_called(fmt::format("{}", fmt::join(words, " ")));
+  if (found.empty() && words.size() > 1) found = places_called(words.back());
   if (!found.empty()) return found;
   std::vector<std::string> names;
   for (const PlaceRow& place : places_) names.push_back(place.name);
   const std::string hint = did_you_mean(asked, names);
-  throw Error(fmt::format("no place is called '{}'", asked), {store_.path().string(), 0, {}},
-              !hint.empty()   ? hint
-              : names.empty() ? "this memory knows no places"
-                              : fmt::format("known: {}", fmt::join(names, ", ")));
+  throw UnknownName(UnknownName::Kind::place, fmt::format("no place is called '{}'", asked),
+                    {store_.path().string(), 0, {}},
+                    !hint.empty()   ? hint
+                    : names.empty() ? "this memory knows no places"
+                                    : fmt::format("known: {}", fmt::join(names, ", ")));
 }
 
 std::vector<Id> Snapshot::find_by_word(const std::string& word) const {
@@ -244,23 +256,31 @@ std::vector<std::string> Snapshot::known_names() const {
   return {names.begin(), names.end()};
 }
 
+std::vector<Id> Snapshot::find_at_place(const std::vector<std::string>& words) const {
+  std::set<Id> places;
+  for (const PlaceRow& place : find_places(fmt::format("{}", fmt::join(words, " ")))) places.insert(place.id);
+  std::vector<Id> found;
+  for (const BeliefRow& row : beliefs_)
+    if (row.place && places.contains(*row.place) && row.status != "gone") found.push_back(row.object);
+  return found;
+}
+
 std::vector<Id> Snapshot::find_objects(const std::string& subject) const {
-  const auto whole = find_by_word(lower(subject));
-  if (!whole.empty()) {
-    std::vector<Id> found = whole;
+  std::vector<Id> found;
+  if (!subject.empty()) found = find_by_word(lower(subject));
+  if (!found.empty()) {
     order_objects(found, *this);
     return found;
   }
-  std::vector<Id> found;
   for (const BeliefRow& row : beliefs_) found.push_back(row.object);
+  const Place where{store_.path().string(), 0, {}};
   const std::vector<std::string> words = words_of(subject);
   for (size_t i = 0; i < words.size(); ++i) {
     std::vector<Id> matching;
     if ((words[i] == "on" || words[i] == "in") && i + 1 < words.size()) {
-      std::set<Id> places;
-      for (const PlaceRow& place : find_places(words[++i])) places.insert(place.id);
-      for (const BeliefRow& row : beliefs_)
-        if (row.place && places.contains(*row.place) && row.status != "gone") matching.push_back(row.object);
+      // The rest is the place.
+      matching = find_at_place({words.begin() + static_cast<std::ptrdiff_t>(i) + 1, words.end()});
+      i = words.size();
     } else if (kFillers.contains(words[i])) {
       continue;
     } else {
@@ -270,16 +290,17 @@ std::vector<Id> Snapshot::find_objects(const std::string& subject) const {
           return lower(place.name) == words[i];
         });
         if (is_place)
-          throw Error(fmt::format("nothing is known to be at {}", words[i]), {store_.path().string(), 0, {}});
+          throw UnknownName(UnknownName::Kind::object, fmt::format("nothing is known to be at {}", words[i]),
+                            where, "");
         const std::vector<std::string> names = known_names();
         const std::string hint = did_you_mean(words[i], names);
         std::vector<std::string> some(
             names.begin(), names.begin() + static_cast<std::ptrdiff_t>(std::min<size_t>(12, names.size())));
-        throw Error(fmt::format("nothing is known as '{}'", words[i]), {store_.path().string(), 0, {}},
-                    !hint.empty()  ? hint
-                    : some.empty() ? "this memory knows no objects"
-                                   : fmt::format("known: {}{}", fmt::join(some, ", "),
-                                                 names.size() > some.size() ? ", ..." : ""));
+        throw UnknownName(UnknownName::Kind::object, fmt::format("nothing is known as '{}'", words[i]), where,
+                          !hint.empty()  ? hint
+                          : some.empty() ? "this memory knows no objects"
+                                         : fmt::format("known: {}{}", fmt::join(some, ", "),
+                                                       names.size() > some.size() ? ", ..." : ""));
       }
     }
     std::vector<Id> both;
@@ -288,8 +309,8 @@ std::vector<Id> Snapshot::find_objects(const std::string& subject) const {
     found = std::move(both);
   }
   if (found.empty())
-    throw Error(fmt::format("no object is '{}'", subject), {store_.path().string(), 0, {}},
-                "ask with fewer words");
+    throw UnknownName(UnknownName::Kind::object, fmt::format("no object is '{}'", subject), where,
+                      "ask with fewer words");
   order_objects(found, *this);
   return found;
 }

@@ -3,9 +3,22 @@
 #include <map>
 #include <unordered_map>
 
+#include "mapping/base/error.h"
 #include "memory/questions/answers.h"
 
 namespace loci {
+
+/// Thrown when words mean nothing in this memory.
+class UnknownName : public Error {
+ public:
+  enum class Kind { object, place };
+  UnknownName(Kind kind, const std::string& what, const Place& where, const std::string& hint)
+      : Error(what, where, hint), kind_(kind) {}
+  Kind kind() const { return kind_; }
+
+ private:
+  Kind kind_;
+};
 
 /// What the memory believes as of two clocks, read once per question, with names in place of ids.
 class Snapshot {
@@ -31,14 +44,18 @@ class Snapshot {
   SceneSummary summary(const SceneRow& scene) const;
 
   /// Objects that X means, most probable first, then most recent. X: "object_12", an alias, words for colour,
-  /// size, class or text, "on PLACE", or several of these together. Error with the nearest names when it
-  /// means nothing.
+  /// size, class or text, "on PLACE", or several of these together; empty = all. UnknownName with the nearest
+  /// names when it means nothing.
   std::vector<Id> find_objects(const std::string& subject) const;
-  /// Places that a name means: its name, an alias, the beginning of its name (drawer_3 for drawer_3_bottom),
-  /// its class (table for table_1). Error with the nearest names when it means nothing.
+  /// Places that a name means: those called so, else by its last word ("couch table" is any table).
+  /// UnknownName with the nearest names when it means nothing.
   std::vector<PlaceRow> find_places(const std::string& name) const;
+  /// Places by name ("table_1", "table 1"), alias, the beginning of the name (drawer_3 for drawer_3_bottom),
+  /// or class (table for table_1); empty when there are none.
+  std::vector<PlaceRow> places_called(const std::string& name) const;
 
  private:
+  std::vector<Id> find_at_place(const std::vector<std::string>& words) const;
   std::vector<Id> find_by_word(const std::string& word) const;
   std::vector<std::string> known_names() const;
 

@@ -1,4 +1,4 @@
-#include "memory/questions/words.h"
+#include "memory/questions/word_parts.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -7,7 +7,7 @@
 #include <numbers>
 
 namespace loci {
-namespace {
+namespace words {
 
 std::string plural(size_t count, const char* word) {
   return fmt::format("{} {}{}", count, word, count == 1 ? "" : "s");
@@ -59,6 +59,8 @@ std::string percent(double probability) {
   return fmt::format("{:.0f} %", 100 * probability);
 }
 
+namespace {
+
 /// Why the memory believes that it is still (or no longer) there.
 std::string evidence_text(const ObjectState& state, const TimeWriter& times) {
   std::vector<std::string> parts;
@@ -71,6 +73,8 @@ std::string evidence_text(const ObjectState& state, const TimeWriter& times) {
   if (parts.empty()) return {};
   return fmt::format("{}{}", state.status == "seen" ? "" : "since then ", fmt::join(parts, ", "));
 }
+
+}  // namespace
 
 std::string state_text(const ObjectState& state, const TimeWriter& times) {
   const std::string name = object_text(state.object);
@@ -88,10 +92,6 @@ std::string state_text(const ObjectState& state, const TimeWriter& times) {
   return fmt::format("{} {} {}{}, {}{}.", name, verb, spot, sure, seen, why.empty() ? "" : "; " + why);
 }
 
-std::string joint_text(double position) {
-  return fmt::format("{:.2f}", position);
-}
-
 std::string lines_text(const std::vector<std::string>& lines) {
   return lines.empty() ? "" : fmt::format("{}\n", fmt::join(lines, "\n"));
 }
@@ -100,7 +100,6 @@ std::string status_text(const std::string& status) {
   return status == "out_of_view" ? "out of view" : status;
 }
 
-/// Columns as wide as they need to be, the last one as it is.
 std::string table_text(const std::vector<std::vector<std::string>>& rows) {
   std::vector<size_t> widths(rows[0].size(), 0);
   for (const auto& row : rows)
@@ -111,6 +110,16 @@ std::string table_text(const std::vector<std::vector<std::string>>& rows) {
     text += row.back() + "\n";
   }
   return text;
+}
+
+}  // namespace words
+
+using namespace words;
+
+namespace {
+
+std::string joint_text(double position) {
+  return fmt::format("{:.2f}", position);
 }
 
 std::string when_text(const Change& change, const TimeWriter& times) {
@@ -233,7 +242,9 @@ std::string to_text(const ContentsAnswer& answer, const TimeWriter& times) {
                           scene_text(*contents.last_look),
                           contents.fraction ? fmt::format(", {:.0f} % of it", 100 * *contents.fraction) : "")
             : "never looked at";
-    if (contents.there.empty())
+    if (contents.there.empty() && !answer.subject.empty())
+      lines.push_back(fmt::format("No '{}' is known to be {} ({}).", answer.subject, where, look));
+    else if (contents.there.empty())
       lines.push_back(fmt::format("Nothing is known to be {} ({}).", where, look));
     else
       lines.push_back(fmt::format("{} {} {} ({}):", plural(contents.there.size(), "object"),

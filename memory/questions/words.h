@@ -5,6 +5,7 @@
 #include "mapping/base/json.h"
 #include "memory/questions/answers.h"
 #include "memory/questions/people_time.h"
+#include "memory/questions/spoken.h"
 
 namespace loci {
 
@@ -17,6 +18,11 @@ std::string to_text(const ChangesAnswer& answer, const TimeWriter& times);
 std::string to_text(const ObjectsAnswer& answer, const TimeWriter& times);
 std::string to_text(const ScenesAnswer& answer, const TimeWriter& times);
 std::string to_text(const TimelineAnswer& answer, const TimeWriter& times);
+std::string to_text(const UsualAnswer& answer, const TimeWriter& times);
+std::string to_text(const KeptAnswer& answer, const TimeWriter& times);
+std::string to_text(const TaskAnswer& answer, const TimeWriter& times);
+std::string to_text(const AnyAnswer& answer, const TimeWriter& times);
+std::string to_text(const SpokenAnswer& answer, const TimeWriter& times);
 
 /// The same structs as JSON; times ISO 8601, UTC; lengths in metres; unset fields are left out.
 Json to_json(const WhereAnswer& answer);
@@ -27,6 +33,11 @@ Json to_json(const ChangesAnswer& answer);
 Json to_json(const ObjectsAnswer& answer);
 Json to_json(const ScenesAnswer& answer);
 Json to_json(const TimelineAnswer& answer);
+Json to_json(const UsualAnswer& answer);
+Json to_json(const KeptAnswer& answer);
+Json to_json(const TaskAnswer& answer);
+Json to_json(const AnyAnswer& answer);
+Json to_json(const SpokenAnswer& answer);
 
 /// One change in words, without its time: "object_3 (red) moved from table_1 to counter_1".
 std::string change_text(const Change& change);

@@ -1,7 +1,7 @@
-#include "memory/questions/words.h"
+#include "memory/questions/word_parts.h"
 
 namespace loci {
-namespace {
+namespace words {
 
 Json vector_json(const Vector3d& v) {
   return {v.x(), v.y(), v.z()};
@@ -20,6 +20,8 @@ Json scenes_json(const std::vector<SceneRef>& scenes) {
   return json;
 }
 
+namespace {
+
 template <class T, class Write>
 void put(Json& json, const char* key, const std::optional<T>& value, Write write) {
   if (value) json[key] = write(*value);
@@ -28,6 +30,8 @@ void put(Json& json, const char* key, const std::optional<T>& value, Write write
 std::string place_json(const PlaceRef& place) {
   return place.name;
 }
+
+}  // namespace
 
 Json object_json(const ObjectRef& object) {
   Json json = {{"object", object.name}};
@@ -58,6 +62,12 @@ Json states_json(const std::vector<ObjectState>& states) {
   for (const ObjectState& state : states) json.push_back(state_json(state));
   return json;
 }
+
+}  // namespace words
+
+using namespace words;
+
+namespace {
 
 Json change_json(const Change& change) {
   Json json = {{"kind", change.kind}, {"time", format_time(change.time)}};
@@ -142,7 +152,8 @@ Json to_json(const HistoryAnswer& answer) {
 }
 
 Json to_json(const ContentsAnswer& answer) {
-  Json json = {{"asked", answer.asked}, {"places", Json::array()}};
+  Json json = {{"asked", answer.asked}, {"verdict", verdict_name(answer.verdict)}, {"places", Json::array()}};
+  if (!answer.subject.empty()) json["subject"] = answer.subject;
   for (const PlaceContents& contents : answer.places) {
     Json entry = {{"place", contents.place.name},
                   {"container", contents.place.container},

@@ -34,9 +34,31 @@ TEST(PeopleTime, ReadsWhatPeopleSayInTheMemorysZone) {
   expect_span("now", "2026-05-01T08:30:00Z", "2026-05-01T08:30:00Z");
 }
 
+TEST(PeopleTime, ReadsTimesInWords) {
+  // The last scene was on a Friday, at 10:30 local time.
+  expect_span("this morning", "2026-05-01T03:00:00Z", "2026-05-01T09:59:59.999999999Z");
+  expect_span("yesterday evening", "2026-04-30T16:00:00Z", "2026-04-30T21:59:59.999999999Z");
+  expect_span("last night", "2026-04-30T18:00:00Z", "2026-05-01T03:59:59.999999999Z");
+  expect_span("last Monday", "2026-04-26T22:00:00Z", "2026-04-27T21:59:59.999999999Z");
+  expect_span("on Friday", "2026-04-30T22:00:00Z", "2026-05-01T21:59:59.999999999Z");
+  expect_span("last Friday", "2026-04-23T22:00:00Z", "2026-04-24T21:59:59.999999999Z");
+  expect_span("last Monday at nine", "2026-04-27T07:00:00Z", "2026-04-27T07:00:59.999999999Z");
+  expect_span("yesterday at noon", "2026-04-30T10:00:00Z", "2026-04-30T10:00:59.999999999Z");
+  expect_span("at 9:00", "2026-05-01T07:00:00Z", "2026-05-01T07:00:59.999999999Z");
+  expect_span("nine o'clock", "2026-05-01T07:00:00Z", "2026-05-01T07:00:59.999999999Z");
+  expect_span("half past nine", "2026-05-01T07:30:00Z", "2026-05-01T07:30:59.999999999Z");
+  expect_span("quarter to ten", "2026-05-01T07:45:00Z", "2026-05-01T07:45:59.999999999Z");
+  expect_span("9pm", "2026-05-01T19:00:00Z", "2026-05-01T19:00:59.999999999Z");
+  expect_span("nine in the evening", "2026-05-01T19:00:00Z", "2026-05-01T19:00:59.999999999Z");
+  expect_span("the day before yesterday", "2026-04-28T22:00:00Z", "2026-04-29T21:59:59.999999999Z");
+  expect_span("this week", "2026-04-26T22:00:00Z", "2026-05-03T21:59:59.999999999Z");
+  expect_span("two hours ago", "2026-05-01T06:30:00Z", "2026-05-01T06:30:00Z");
+  expect_span("half an hour ago", "2026-05-01T08:00:00Z", "2026-05-01T08:00:00Z");
+}
+
 TEST(PeopleTime, RefusesTheRest) {
-  for (const char* text :
-       {"", " ", "soon", "25:00", "9:60", "yesterday at noon", "2026-13-01", "ago", "x days ago", "12:3a"})
+  for (const char* text : {"", " ", "soon", "25:00", "9:60", "yesterday at teatime", "morning Monday",
+                           "2026-13-01", "ago", "x days ago", "12:3a"})
     EXPECT_THROW(kReader.read(text), Error) << text;
 }
 

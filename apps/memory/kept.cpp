@@ -1,0 +1,27 @@
+#include "apps/memory/commands.h"
+#include "apps/memory/memory_arguments.h"
+
+namespace loci {
+
+Command kept_command() {
+  return {"kept",
+          "What is kept on or in a place, of all that was ever seen there",
+          {"loci-memory kept drawer_1 -m demo-output/memory.loci",
+           "loci-memory kept table_1 -m demo-output/memory.loci --json"},
+          [](CLI::App& app) {
+            struct Arguments {
+              MemoryArguments memory;
+              std::vector<std::string> place;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            arguments->memory.declare(app);
+            app.add_option("place", arguments->place, "The place, e.g. table_1 or drawer_1")->required();
+            return [arguments](Session& session) {
+              const Store store = Store::open_read(arguments->memory.memory);
+              const AsOf as_of = arguments->memory.as_of(store);
+              answer_question(session, store, KeptQuestion{joined(arguments->place), as_of});
+            };
+          }};
+}
+
+}  // namespace loci

@@ -1,0 +1,79 @@
+#include "memory/questions/habits.h"
+
+#include <algorithm>
+
+#include "memory/questions/people_time.h"
+#include "memory/questions/snapshot.h"
+
+namespace loci {
+namespace {
+
+std::vector<UsualPlace> usual_places(const Snapshot& snapshot, Id object) {
+  std::vector<UsualPlace> places;
+  const int zone = snapshot.store().time_zone_minutes();
+  size_t all = 0;
+  for (const Sighting& sighting : snapshot.store().sightings(object, snapshot.as_of())) {
+    const auto place = snapshot.place_ref(sighting.observation.place);
+    if (!place) continue;
+    ++all;
+    auto found = std::find_if(places.begin(), places.end(),
+                              [&](const UsualPlace& one) { return one.place.id == place->id; });
+    if (found == places.end()) found = places.insert(places.end(), {.place = *place});
+    ++found->sightings;
+    ++found->by_hour[local_hour(sighting.time, zone)];
+    ++found->by_weekday[local_weekday(sighting.time, zone)];
+    found->last = *snapshot.scene_ref(sighting.association.scene);
+  }
+  for (UsualPlace& place : places)
+    place.share = static_cast<double>(place.sightings) / static_cast<double>(all);
+  std::sort(places.begin(), places.end(), [](const UsualPlace& a, const UsualPlace& b) {
+    return a.sightings != b.sightings ? a.sightings > b.sightings : a.place.name < b.place.name;
+  });
+  return places;
+}
+
+}  // namespace
+
+UsualAnswer ask(const Store& store, const UsualQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  UsualAnswer answer{.asked = question.subject};
+  for (const Id object : snapshot.find_objects(question.subject))
+    answer.objects.push_back({snapshot.state(*snapshot.belief(object)), usual_places(snapshot, object)});
+  return answer;
+}
+
+KeptAnswer ask(const Store& store, const KeptQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  KeptAnswer answer{.asked = question.place};
+  for (const PlaceRow& row : snapshot.find_places(question.place)) {
+    KeptPlace kept{.place = {row.id, row.name, row.container}};
+    for (const VisibilityRow& look : store.visibility_of_place(row.id)) {
+      const SceneRow* scene = snapshot.scene(look.scene);
+      if (scene == nullptr || look.fraction.value_or(0) <= 0) continue;
+      ++kept.looks;
+      if (!kept.last_look || kept.last_look->time <= scene->time) kept.last_look = snapshot.scene_ref(*scene);
+    }
+    for (const BeliefRow& belief : snapshot.beliefs()) {
+      KeptObject object;
+      size_t all = 0;
+      for (const Sighting& sighting : store.sightings(belief.object, question.as_of)) {
+        if (sighting.observation.place) ++all;
+        if (sighting.observation.place != row.id) continue;
+        object.last = *snapshot.scene_ref(sighting.association.scene);
+        if (object.sightings++ == 0) object.first = object.last;
+      }
+      if (object.sightings == 0) continue;
+      object.now = snapshot.state(belief);
+      object.share = static_cast<double>(object.sightings) / static_cast<double>(all);
+      object.still_there = belief.place == row.id && belief.status != "gone" && belief.probability >= 0.5;
+      kept.objects.push_back(std::move(object));
+    }
+    std::sort(kept.objects.begin(), kept.objects.end(), [](const KeptObject& a, const KeptObject& b) {
+      return a.sightings != b.sightings ? a.sightings > b.sightings : a.now.object.id < b.now.object.id;
+    });
+    answer.places.push_back(std::move(kept));
+  }
+  return answer;
+}
+
+}  // namespace loci

@@ -1,0 +1,205 @@
+#include "memory/questions/sentence.h"
+
+namespace loci {
+
+// Narrow forms stand before wide ones: the first that fits is taken.
+const std::vector<SentencePattern>& sentence_patterns() {
+  static const std::vector<SentencePattern> patterns = {
+      // What is usual.
+      {"what do (we|you|i|they|people) [usually|normally|always] (keep|store|put) (in|on|inside) <P>",
+       "kept {P}", Period::none, "What do we keep in this drawer?"},
+      {"what (belongs|goes) (in|on|into|onto|inside) <P>", "kept {P}"},
+      {"what is (usually|normally|mostly) [kept|stored|standing|lying|found] (in|on|inside) <P>", "kept {P}"},
+      {"what is kept (in|on|inside) <P>", "kept {P}"},
+      {"where (do|does|should) (we|you|i|they|one) [usually|normally|always] (keep|store|put) <X>",
+       "usual {X}", Period::none, "Where do we keep the cereal?"},
+      {"where (does|do|should|must) <X> (belong|go|live|stand|lie|be|usually stand|usually lie|usually go)",
+       "usual {X}"},
+      {"where is <X> (usually|normally|mostly) [kept|stored|standing|lying|found]", "usual {X}"},
+      {"where is <X> (kept|stored)", "usual {X}"},
+      {"where (is|are) (usually|normally|mostly) <X>", "usual {X}"},
+      {"what is usual place (of|for) <X>", "usual {X}"},
+
+      // Where has X been, what happened to it.
+      {"where (has|have) <X> been [before|lately|all day]", "history {X}", Period::between,
+       "Where has the red cup been?"},
+      {"where else (has|have) <X> been", "history {X}", Period::between},
+      {"[show [me]|tell me|what is] history of <X>", "history {X}", Period::between},
+      {"which places (has|have) <X> (been|stood|lain) (on|in|at)", "history {X}", Period::between},
+      {"what (happened|has happened) (to|with) <X>", "changes --object {X}", Period::between,
+       "What happened to the cereal?"},
+      {"(has|have|was|were) (anyone|someone|anybody|somebody) (moved|taken|used|removed|touched) <X>",
+       "changes --object {X}", Period::between},
+      {"(did) (anyone|someone|anybody|somebody) (move|take|use|remove|touch) <X>", "changes --object {X}",
+       Period::between},
+      {"who (moved|took|used|removed|touched) <X>", "changes --object {X}", Period::between},
+      {"(has|have|was|were) <X> [been] (moved|taken away|taken|removed|touched)", "changes --object {X}",
+       Period::between, "Was the red cup moved this morning?"},
+      {"did <X> move", "changes --object {X}", Period::between},
+      {"when (was|were) <X> (moved|taken|removed)", "changes --object {X}", Period::between},
+
+      // When was it seen.
+      {"when (was|is) last time [that] (you|we|i|anyone|someone|anybody|somebody|robot) (saw|have "
+       "seen|noticed) <X>",
+       "where {X}", Period::at, "When was the last time you saw it?"},
+      {"when (did|have|has) (you|we|i|anyone|someone|anybody|somebody|robot) last (see|seen|noticed|notice) "
+       "<X>",
+       "where {X}", Period::at},
+      {"when (was|were) <X> (last seen|seen last|seen last time)", "where {X}", Period::at},
+      {"how long [ago] (is it|was it|did you see|have you not seen) [since you saw] <X>", "where {X}",
+       Period::at},
+
+      // Where is X.
+      {"where (did|have|had|do) (i|we|you|he|she|they|someone|somebody|anyone) "
+       "(leave|left|put|place|placed|lay|lose|lost) "
+       "<X>",
+       "where {X}", Period::either, "Where did I leave my tea cup?"},
+      {"where (is|are|was|were) <X>", "where {X}", Period::either, "Where is the red cup?"},
+      {"where (i|we|you) (left|put|placed|lost|can find|could find) <X>", "where {X}", Period::either},
+      {"where <X> (is|are|was|were)", "where {X}", Period::either},
+      {"where (can|could|do|should) (i|we|you|one) (find|look for|see|get) <X>", "where {X}", Period::either},
+      {"(find|locate|search|search for|look for) <X>", "where {X}", Period::either},
+      {"(i|we) (cannot|can not|could not|can't) find <X>", "where {X}", Period::either},
+      {"(i|we) [have] (lost|misplaced|miss) <X>", "where {X}", Period::either},
+      {"(i am|we are) looking for <X>", "where {X}", Period::either},
+      {"(has|have) (anyone|someone|anybody|somebody|you) seen <X>", "where {X}", Period::either},
+      {"do you (remember|know) <X>", "where {X}", Period::either},
+
+      // Is there any X on P; what is on P.
+      {"(is|are|was|were) there (anything|something|things|any things|any objects|any object|objects|any "
+       "items|still "
+       "anything|anything left) (on|upon|onto) <P>",
+       "on {P}", Period::at, "Is there anything on the couch table?"},
+      {"(is|are|was|were) there (anything|something|things|any things|any objects|any object|objects|any "
+       "items|still "
+       "anything|anything left) (in|inside|within) <P>",
+       "in {P}", Period::at},
+      {"(is|was) (anything|something) (on|upon) <P>", "on {P}", Period::at},
+      {"(is|was) (anything|something) (in|inside) <P>", "in {P}", Period::at},
+      {"(is|was) <P> (empty|free|clear|full|occupied|in use|tidy)", "on {P}", Period::at,
+       "Is the table free?"},
+      {"(is|are) there <X> (on|upon) <P>", "on {P} --object {X}", Period::at,
+       "Is there any cereal on the kitchen table?"},
+      {"(is|are) there <X> (in|inside) <P>", "in {P} --object {X}", Period::at},
+      {"how many (things|objects|items) (are|are there|were|do we have|have we) (on|upon) <P>", "on {P}",
+       Period::at},
+      {"how many (things|objects|items) (are|are there|were|do we have|have we) (in|inside) <P>", "in {P}",
+       Period::at},
+      {"how many <X> (are|are there|were|do we have|have we) (on|upon) <P>", "on {P} --object {X}",
+       Period::at},
+      {"how many <X> (are|are there|were|do we have|have we) (in|inside) <P>", "in {P} --object {X}",
+       Period::at},
+      {"how many <X> (are there|do we have|have we|do you know|have you seen)", "objects {X}", Period::at,
+       "How many red things are there?"},
+      {"(do|did) (we|i|you|they) have <X> (on|upon) <P>", "on {P} --object {X}", Period::at},
+      {"(do|did) (we|i|you|they) have <X> (in|inside) <P>", "in {P} --object {X}", Period::at,
+       "Do we have milk in the fridge?"},
+      {"(have|had) (we|i|you|they) [got] <X> (in|inside) <P>", "in {P} --object {X}", Period::at},
+      {"(have|had) (we|i|you|they) [got] <X> (on|upon) <P>", "on {P} --object {X}", Period::at},
+      {"is <X> [still|now|already] (on|upon) <P>", "on {P} --object {X}", Period::at,
+       "Is the milk still on the table?"},
+      {"is <X> [still|now|already] (in|inside) <P>", "in {P} --object {X}", Period::at},
+      {"are <X> [still|now|already] (on|upon) <P>", "on {P} --object {X}", Period::at},
+      {"are <X> [still|now|already] (in|inside) <P>", "in {P} --object {X}", Period::at},
+      {"(was|were) there <X> (on|in|inside|at) <P>", "was {X} on {P}", Period::between},
+      {"(was|were) <X> (on|in|inside|at) <P>", "was {X} on {P}", Period::between,
+       "Was the red cup on the table between nine and ten?"},
+      {"(has|have) <X> [ever] (been|stood|lain) (on|in|inside|at) <P>", "was {X} on {P}", Period::between},
+      {"did <X> (stand|lie) (on|in|inside|at) <P>", "was {X} on {P}", Period::between},
+      {"(did|have|has) (you|we|anyone|anybody|someone|robot) [ever] (see|seen) <X> (on|in|inside|at) <P>",
+       "was {X} on {P}", Period::between},
+      {"(did|have) you (see|seen) <X>", "where {X}", Period::either, "Have you seen my tea cup?"},
+      {"what (changed|has changed|happened|has happened|moved|has moved|appeared|disappeared) "
+       "(on|in|at|inside) <P>",
+       "changes --place {P}", Period::between, "What changed on the table since nine?"},
+      {"what (was|has been) (taken|removed|taken away) from <P>", "changes --place {P}", Period::between},
+      {"(was|were|has|has been|did anyone|did someone|has anyone|has someone) <P> "
+       "(opened|open|closed|close|shut)",
+       "changes --place {P}", Period::between, "Was the drawer opened this morning?"},
+      {"(did|has) (anyone|someone|anybody|somebody) (open|opened|close|closed|shut) <P>",
+       "changes --place {P}", Period::between},
+      {"when was <P> (opened|closed|shut)", "changes --place {P}", Period::between},
+      {"what (is|are|was|were|lies|stands|sits|stand|lie) [there|lying|standing|placed] (on|upon|on top of) "
+       "<P>",
+       "on {P}", Period::at, "What is on the table?"},
+      {"what (is|are|was|were|lies|stands|stand|lie) [there|lying|standing|placed] (in|inside|within) <P>",
+       "in {P}", Period::at},
+      {"(what|which) (objects|object|things|thing|items|item) (is|are|was|were|stand|lie|do we have|are "
+       "there) "
+       "[standing|lying|placed] (on|upon) <P>",
+       "on {P}", Period::at, "What objects are standing on the counter?"},
+      {"(what|which) (objects|object|things|thing|items|item) (is|are|was|were|stand|lie|do we have|are "
+       "there) "
+       "[standing|lying|placed] (in|inside) <P>",
+       "in {P}", Period::at},
+      {"(what|which) <X> (is|are|was|were|stand|stands|lie|lies) [standing|lying|placed] (on|upon) <P>",
+       "on {P} --object {X}", Period::at},
+      {"(what|which) <X> (is|are|was|were|stand|stands|lie|lies) [standing|lying|placed] (in|inside) <P>",
+       "in {P} --object {X}", Period::at},
+      {"what (do|did) (we|you|i) (have|see|know|find) (on|upon) <P>", "on {P}", Period::at},
+      {"what (do|did) (we|you|i) (have|see|know|find) (in|inside) <P>", "in {P}", Period::at},
+      {"what (does|did) <P> contain", "in {P}", Period::at},
+      {"(list|show|show me|tell me|name) [all|everything|what is] [objects|things|items|contents] (on|upon) "
+       "<P>",
+       "on {P}", Period::at},
+      {"(list|show|show me|tell me|name) [all|everything|what is] [objects|things|items|contents] "
+       "(in|inside|of) <P>",
+       "in {P}", Period::at},
+
+      // What happened.
+      {"what (changed|has changed|happened|has happened|is new|is different|moved|has moved|did i miss|did "
+       "we miss|has been "
+       "moved|was moved)",
+       "changes", Period::between, "What changed since this morning?"},
+      {"what (appeared|disappeared|has appeared|has disappeared|is gone|has gone|went away|was removed|has "
+       "been removed)",
+       "changes", Period::between},
+      {"(did|has) (anything|something) (change|changed|happen|happened|move|moved)", "changes",
+       Period::between},
+      {"(was|has) (anything|something) [been] (moved|taken|removed|changed)", "changes", Period::between},
+      {"what (did|have) (you|we|robot) (see|seen|notice|noticed|do|done|experience)", "timeline",
+       Period::between, "What did you see between eight and nine?"},
+      {"(tell me about|how was) (your|our|my) day", "timeline", Period::between},
+      {"[show [me]] timeline", "timeline", Period::between},
+      {"(when|where) did you look", "scenes", Period::between, "When did you look?"},
+
+      // What is known.
+      {"(what|which) (objects|things|items) (do you know|are there|have you seen|do you remember|do we "
+       "have|exist)",
+       "objects", Period::at, "What objects do you know?"},
+      {"what do you (know|remember)", "objects", Period::at},
+      {"(list|show|show me|name) [all|everything] [objects|things|items]", "objects", Period::at},
+      {"(list|show|show me|name) [all] <X>", "objects {X}", Period::at, "Show me all red things."},
+      {"(do|did) (we|i|you) have <X>", "where {X}", Period::either, "Do we have milk?"},
+      {"(have|had) (we|i|you) got <X>", "where {X}", Period::either},
+      {"(is|are) there <X> [left]", "where {X}", Period::either},
+
+      // Tasks.
+      {"(set|lay|prepare) <P> for <O>", "task set {P} --for {O}", Period::none,
+       "Set the table for breakfast."},
+      {"(prepare|make|lay [table] for|set [table] for) (breakfast|lunch|dinner|supper|tea)",
+       "task set table"},
+      {"(lay|set) <P>", "task set {P}"},
+      {"(clean|tidy|clear|straighten) [up] (kitchen|room|flat|house|apartment|everything|here|whole kitchen)",
+       "task clean", Period::none, "Clean up the kitchen."},
+      {"(clean|tidy|clear) (kitchen|room|flat|house|apartment|everything) up", "task clean"},
+      {"(clean|tidy|clear) up", "task clean"},
+      {"(clean|tidy|clear|wipe) [up|off] <P>", "task clean {P}", Period::none, "Clear the table."},
+      {"(clean|tidy|clear) <P> (up|off)", "task clean {P}"},
+      {"(stow|put|tidy|store|pack|clear) away <X>", "task stow {X}", Period::none,
+       "Stow away the items in the shopping basket."},
+      {"(stow|put|tidy|store|pack|clear) <X> away", "task stow {X}"},
+      {"(put|return) <X> back", "task stow {X}"},
+      {"(put|place|stow|store|move|lay|set|take) <X> (in|into|inside|on|onto|to) <P>",
+       "task stow {X} --to {P}", Period::none, "Put all perishable items in the fridge."},
+      {"(bring|carry) <X> to (me|us)", "task bring {X}"},
+      {"(bring|carry) <X> (to|into|onto) <P>", "task stow {X} --to {P}"},
+      {"(bring|fetch|get|give|hand|pass) (me|us) <X>", "task bring {X}", Period::none,
+       "Bring me my tea cup."},
+      {"(bring|fetch|get) <X>", "task bring {X}"},
+      {"(i|we) (want|need|would like|would like to have|want to have) <X>", "task bring {X}"},
+  };
+  return patterns;
+}
+
+}  // namespace loci

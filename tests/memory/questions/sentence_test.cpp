@@ -1,0 +1,170 @@
+#include "memory/questions/sentence.h"
+
+#include <gmock/gmock.h>
+
+namespace loci {
+namespace {
+
+/// The last scene is on a Friday at 10:30.
+const TimeReader kTimes(parse_time("2026-05-01T10:30:00Z"), 0);
+
+struct Case {
+  const char* sentence;
+  const char* command;
+};
+
+void expect_commands(const std::vector<Case>& cases) {
+  for (const Case& one : cases) {
+    const auto command = understand(one.sentence, kTimes);
+    ASSERT_TRUE(command) << one.sentence;
+    EXPECT_EQ(command->text(), one.command) << one.sentence;
+  }
+}
+
+TEST(Sentences, TheTwelveOfTheIntroductionAreUnderstood) {
+  expect_commands({
+      {"Bring me my tea cup.", "task bring 'tea cup'"},
+      {"Put all perishable items in the fridge.", "task stow 'perishable items' --to fridge"},
+      {"Stow away the items in the shopping basket.", "task stow 'items in shopping basket'"},
+      {"Set the table for breakfast.", "task set table --for breakfast"},
+      {"Clean up the kitchen.", "task clean"},
+      {"Is there anything on the couch table?", "on 'couch table'"},
+      {"Where did I leave my tea cup?", "where 'tea cup'"},
+      {"When was the last time you saw it?", "where it"},
+      {"Is there any cereal on the kitchen table?", "on 'kitchen table' --object cereal"},
+      {"What objects are standing on the counter?", "on counter"},
+      {"What do we keep in this drawer?", "kept 'this drawer'"},
+      {"Do we have milk in the fridge?", "in fridge --object milk"},
+  });
+}
+
+TEST(Sentences, QuestionsAboutOneObject) {
+  expect_commands({
+      {"where is the red cup", "where 'red cup'"},
+      {"Where's my red cup now?", "where 'red cup' --at now"},
+      {"Where are my keys?", "where keys"},
+      {"Do you know where the milk is?", "where milk"},
+      {"Can you tell me where I can find the milk?", "where milk"},
+      {"Where can I find a large bowl?", "where 'large bowl'"},
+      {"I can't find object_3", "where object_3"},
+      {"I am looking for the tea", "where tea"},
+      {"Have you seen my tea cup?", "where 'tea cup'"},
+      {"Has anyone seen the jam?", "where jam"},
+      {"Find the jam!", "where jam"},
+      {"When did you last see the bowl?", "where bowl"},
+      {"When was the plate last seen?", "where plate"},
+      {"Where has the red cup been?", "history 'red cup'"},
+      {"Where has the red cup been since nine?", "history 'red cup' --from nine"},
+      {"What happened to the cereal?", "changes --object cereal"},
+      {"Who moved my tea cup?", "changes --object 'tea cup'"},
+      {"Has the pot been moved?", "changes --object pot"},
+      {"Where do we keep the cereal?", "usual cereal"},
+      {"Where does the pot belong?", "usual pot"},
+      {"Where is the pot usually?", "usual pot"},
+      {"Do we have milk?", "where milk"},
+  });
+}
+
+TEST(Sentences, QuestionsAboutPlaces) {
+  expect_commands({
+      {"What is on the table?", "on table"},
+      {"What's in drawer 1?", "in 'drawer 1'"},
+      {"Which things are in the drawer?", "in drawer"},
+      {"What does the drawer contain?", "in drawer"},
+      {"Is anything in drawer_2?", "in drawer_2"},
+      {"Is the table free?", "on table"},
+      {"How many things are on the counter?", "on counter"},
+      {"How many cups are on the table?", "on table --object cups"},
+      {"How many red things are there?", "objects 'red things'"},
+      {"Is the milk still on the table?", "on table --object milk"},
+      {"Which red things are on the counter?", "on counter --object 'red things'"},
+      {"Show me everything on the shelf", "on shelf"},
+      {"What belongs in the drawer?", "kept drawer"},
+      {"What is usually kept on the shelf?", "kept shelf"},
+      {"Was the drawer opened this morning?",
+       "changes --between 'this morning' 'this morning' --place drawer"},
+  });
+}
+
+TEST(Sentences, TimesInWords) {
+  expect_commands({
+      {"Where was the cup at 9:00?", "where cup --at 9:00"},
+      {"Where was the cup at nine?", "where cup --at nine"},
+      {"At 9:00, where was the cup?", "where cup --at 9:00"},
+      {"Where was my cup two hours ago?", "where cup --at 'two hours ago'"},
+      {"Where was my cup yesterday?", "history cup --between yesterday yesterday"},
+      {"Where was the cup this morning?", "history cup --between 'this morning' 'this morning'"},
+      {"Where was the cup between nine and ten?", "history cup --between nine ten"},
+      {"What was on the table at half past nine?", "on table --at 'half past nine'"},
+      {"What was on the table last Monday?", "on table --at 'last monday'"},
+      {"Was the red cup on the table between nine and ten?", "was 'red cup' on table --between nine ten"},
+      {"Was the red cup on the table from 8:00 to 9:30?", "was 'red cup' on table --between 8:00 9:30"},
+      {"Was the milk in the fridge yesterday evening?",
+       "was milk on fridge --between 'yesterday evening' 'yesterday evening'"},
+      {"What changed since this morning?", "changes --from 'this morning'"},
+      {"What happened on the table before noon?", "changes --place table --to noon"},
+      {"What did you see between eight and nine?", "timeline --between eight nine"},
+      {"What changed after 2026-05-01T08:30:00Z?", "changes --from 2026-05-01T08:30:00Z"},
+      {"Where is the red one", "where 'red one'"},
+  });
+}
+
+TEST(Sentences, Tasks) {
+  expect_commands({
+      {"Could you bring me the milk, please?", "task bring milk"},
+      {"Fetch the bowl", "task bring bowl"},
+      {"Give us some milk", "task bring milk"},
+      {"I would like a banana", "task bring banana"},
+      {"Put the milk away", "task stow milk"},
+      {"Put away the milk", "task stow milk"},
+      {"Put the red cup into drawer_1", "task stow 'red cup' --to drawer_1"},
+      {"Bring the bowl to the table", "task stow bowl --to table"},
+      {"Lay the table", "task set table"},
+      {"Clear the table", "task clean table"},
+      {"Tidy up!", "task clean"},
+  });
+}
+
+TEST(Sentences, TheRestIsRefused) {
+  for (const char* sentence :
+       {"", "?", " ", "hello", "What is the weather like?", "Sing a song", "How are you?", "the red cup",
+        "where", "what is", "Why is the sky blue?", "'; DROP TABLE object; --", "Set", "on the table",
+        "Will it rain on Monday?", "Is there", "Bring", "\xff\xfe", "Clean up the kitchen yesterday"}) {
+    const auto command = understand(sentence, kTimes);
+    EXPECT_FALSE(command) << sentence << " became " << command->text();
+  }
+  EXPECT_FALSE(understand(std::string(100000, 'x'), kTimes));
+  EXPECT_FALSE(understand(
+      "where is " + std::string(50, ' ') +
+          [] {
+            std::string many;
+            for (int i = 0; i < 5000; ++i) many += "very ";
+            return many;
+          }(),
+      kTimes));
+}
+
+TEST(Sentences, EveryExampleIsUnderstoodByItsOwnForm) {
+  for (const SentencePattern& pattern : sentence_patterns()) {
+    if (pattern.example.empty()) continue;
+    const auto command = understand(pattern.example, kTimes);
+    ASSERT_TRUE(command) << pattern.example;
+    EXPECT_EQ(command->verb, pattern.command.substr(0, pattern.command.find(' '))) << pattern.example;
+  }
+}
+
+TEST(Sentences, TheNearestAreNamed) {
+  EXPECT_THAT(nearest_sentences("Bring tea cup quickly over here me"),
+              testing::Contains("Bring me my tea cup."));
+  EXPECT_THAT(nearest_sentences("Is the couch table with anything"),
+              testing::Contains("Is there anything on the couch table?"));
+  EXPECT_EQ(nearest_sentences("").size(), 3U);
+}
+
+TEST(CommandLine, QuotesWhatAShellWouldTakeApart) {
+  EXPECT_EQ((CommandLine{.verb = "where", .words = {"mum's cup", "$(x)"}}).text(),
+            "where 'mum'\\''s cup' '$(x)'");
+}
+
+}  // namespace
+}  // namespace loci

@@ -1,0 +1,122 @@
+#include "memory/questions/spoken.h"
+
+#include <gmock/gmock.h>
+
+#include "memory/questions/words.h"
+#include "tests/memory/questions/synthetic_day.h"
+#include "tests/memory/store/temporary_folder.h"
+
+namespace loci {
+namespace {
+
+using testing::HasSubstr;
+using testing_support::SyntheticDay;
+
+class Spoken : public testing_support::TemporaryFolder {
+ protected:
+  void SetUp() override {
+    TemporaryFolder::SetUp();
+    const SyntheticDay day(file_);
+    store_.emplace(Store::open_read(file_));
+  }
+  void TearDown() override {
+    store_.reset();
+    TemporaryFolder::TearDown();
+  }
+  SpokenAnswer say(const std::string& sentence) const {
+    return ask(*store_, SpokenQuestion{{sentence}, {}}).at(0);
+  }
+  std::string text(const SpokenAnswer& answer) const { return to_text(answer, TimeWriter(*store_)); }
+
+  std::optional<Store> store_;
+};
+
+TEST_F(Spoken, AnswersAsTheCommandWould) {
+  const SpokenAnswer answer = say("Where did I leave my tea cup?");
+  EXPECT_EQ(answer.command->text(), "where 'tea cup'");
+  const auto& where = std::get<WhereAnswer>(*answer.answer);
+  ASSERT_EQ(where.objects.size(), 1U);
+  EXPECT_EQ(where.objects[0].place->name, "counter_1");
+  EXPECT_THAT(text(answer), HasSubstr("= loci-memory where 'tea cup'\nobject_1"));
+  EXPECT_EQ(to_json(answer)["answer"]["objects"][0]["place"], "counter_1");
+}
+
+TEST_F(Spoken, ItIsWhatTheSentenceBeforeWasAboutOrWhatWasSeenLast) {
+  const auto answers =
+      ask(*store_, SpokenQuestion{{"Where is the blue thing?", "When was the last time you saw it?"}, {}});
+  EXPECT_EQ(std::get<WhereAnswer>(*answers[1].answer).objects[0].object.id, 2);
+  const SpokenAnswer alone = say("When was the last time you saw it?");
+  EXPECT_EQ(std::get<WhereAnswer>(*alone.answer).objects[0].last_seen->scene, 6);
+  EXPECT_THAT(alone.notes, testing::Contains(HasSubstr("nothing was spoken of before")));
+}
+
+TEST_F(Spoken, APlaceThatNobodyCalledSoIsTakenByItsLastWordAndSaysSo) {
+  const SpokenAnswer answer = say("Is there anything on the couch table?");
+  EXPECT_EQ(std::get<ContentsAnswer>(*answer.answer).verdict, Verdict::yes);
+  EXPECT_THAT(answer.notes, testing::ElementsAre("no place is called 'couch table'; table_1 is meant"));
+}
+
+TEST_F(Spoken, ThisDrawerIsTheOneThatWasLookedAtLast) {
+  const SpokenAnswer answer = say("What do we keep in this drawer?");
+  const auto& kept = std::get<KeptAnswer>(*answer.answer);
+  ASSERT_EQ(kept.places[0].objects.size(), 1U);
+  EXPECT_EQ(kept.places[0].objects[0].now.object.id, 4);
+  EXPECT_TRUE(kept.places[0].objects[0].still_there);
+}
+
+TEST_F(Spoken, AnAnswerThatDoesNotExistSaysWhy) {
+  EXPECT_EQ(say("Is there any cereal on the table?").why_not->reason, "never_seen");
+  EXPECT_EQ(say("Do we have milk in the fridge?").why_not->reason, "unknown_place");
+  EXPECT_EQ(say("Where was the yellow thing at 9:00?").why_not->reason, "not_yet_seen");
+  EXPECT_EQ(say("Where is the red cup '; DROP TABLE object;--").why_not->reason, "never_seen");
+  EXPECT_EQ(say("Was the red thing on the table between ten and nine?").why_not->reason, "not_possible");
+  const SpokenAnswer strange = say("Sing a song");
+  EXPECT_EQ(strange.why_not->reason, "not_understood");
+  EXPECT_EQ(strange.nearest.size(), 3U);
+  EXPECT_FALSE(to_json(strange)["understood"].get<bool>());
+}
+
+TEST_F(Spoken, ContentsKnowWhetherThereIsAny) {
+  const auto verdict = [&](const char* sentence) {
+    return std::get<ContentsAnswer>(*say(sentence).answer).verdict;
+  };
+  EXPECT_EQ(verdict("Is there a blue thing on the table?"), Verdict::yes);
+  EXPECT_EQ(verdict("Is there a green thing on the table?"), Verdict::no);
+  EXPECT_EQ(verdict("Is there a red thing in the drawer?"), Verdict::not_observed);
+}
+
+TEST_F(Spoken, UsualPlacesCountTheSightings) {
+  const auto usual = std::get<UsualAnswer>(*say("Where is the red thing usually?").answer);
+  const auto& places = usual.objects.at(0).places;
+  ASSERT_EQ(places.size(), 2U);
+  EXPECT_EQ(places[0].place.name, "counter_1");
+  EXPECT_EQ(places[0].sightings, 2U);
+  EXPECT_EQ(places[0].by_hour, (std::map<int, size_t>{{9, 1}, {10, 1}}));
+  EXPECT_EQ(places[0].by_weekday, (std::map<int, size_t>{{4, 2}}));
+  EXPECT_NEAR(places[1].share, 1 / 3.0, 1e-12);
+}
+
+TEST_F(Spoken, TasksNameObjectsTargetsAndWhatIsMissing) {
+  const auto task = [&](const char* sentence) { return std::get<TaskAnswer>(*say(sentence).answer); };
+  EXPECT_EQ(task("Bring me my tea cup.").items.at(0).object.object.id, 1);
+  const TaskAnswer stow = task("Put the blue thing into drawer_1");
+  EXPECT_EQ(stow.items.at(0).target->place.name, "drawer_1_bottom");
+  EXPECT_FALSE(stow.items.at(0).done);
+  const TaskAnswer fridge = task("Put all perishable items in the fridge.");
+  EXPECT_TRUE(fridge.items.empty());
+  EXPECT_EQ(fridge.missing.size(), 2U);
+  // Red and blue stood on the table at eight; red is on the counter now.
+  const TaskAnswer set = task("Set the table for breakfast.");
+  ASSERT_EQ(set.items.size(), 2U);
+  EXPECT_FALSE(set.items[0].done);
+  EXPECT_TRUE(set.items[1].done);
+  EXPECT_TRUE(task("Clean up the kitchen.").items.empty());
+  const TaskAnswer clear = task("Clear the counter");
+  ASSERT_EQ(clear.items.size(), 2U);
+  EXPECT_EQ(clear.items[0].target->place.name, "table_1");
+  EXPECT_FALSE(clear.items[1].target);
+  EXPECT_THAT(clear.missing, testing::ElementsAre(HasSubstr("seen at no other place")));
+}
+
+}  // namespace
+}  // namespace loci
