@@ -47,8 +47,8 @@ Command explore_command() {
   return {
       "explore",
       "Scans an unknown kitchen by next best view and maps it",
-      {"loci-map explore apps/samples/kitchen.urdf -o demo-output/explored",
-       "loci-map explore apps/samples/kitchen.urdf --interact --seed 2 -o demo-output/explored --json"},
+      {"loci-map explore apps/samples/kitchen.urdf -o demo-output/kitchen",
+       "loci-map explore apps/samples/kitchen.urdf --interact --seed 2 -o demo-output/kitchen_2 --json"},
       [](CLI::App& app) {
         auto arguments = std::make_shared<ExploreArguments>();
         app.add_option("WORLD", arguments->world, "URDF of the world that is scanned")->required();

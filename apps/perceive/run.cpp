@@ -112,7 +112,7 @@ void run(const Arguments& arguments, Session& session) {
 Command run_command() {
   return {"run",
           "What stands where, frame by frame, through a pipeline of annotators",
-          {"loci-perceive run demo-output/day --map apps/samples/kitchen.urdf -m demo-output/memory.loci "
+          {"loci-perceive run demo-output/day --map demo-output/explored/map.urdf -m demo-output/memory.loci "
            "--resume",
            "loci-perceive run demo-output/day --every 6 --json"},
           [](CLI::App& app) {

@@ -74,11 +74,12 @@ class Examples : public testing::Test {
     fs::create_directories(root_ / "build/release");
     fs::create_directory_symlink(LOCI_BIN_DIR, root_ / "build/release/bin");
     for (const char* command :
-         {"loci-simulate record apps/samples/tour.yaml -o demo-output/tour",
+         {"loci-map explore apps/samples/kitchen.urdf --interact -o demo-output/explored",
+          "loci-simulate record apps/samples/tour.yaml -o demo-output/tour",
           "loci-map fuse demo-output/tour -o demo-output/scans",
           "loci-map interpret demo-output/scans -o demo-output",
           "loci-simulate record apps/samples/day.yaml -o demo-output/day",
-          "loci-perceive run demo-output/day --map apps/samples/kitchen.urdf -m demo-output/memory.loci"})
+          "loci-perceive run demo-output/day --map demo-output/explored/map.urdf -m demo-output/memory.loci"})
       expect_works(command);
   }
 
