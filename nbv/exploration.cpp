@@ -85,6 +85,7 @@ void ExplorationOptions::declare(OptionTable& table) {
   table.integer("failures_max", failures_max, "", "Stop after so many goals in a row that were not reached.",
                 1, 100);
   planner.declare(table);
+  inspection.declare(table);
   registration.declare(table);
   occupancy.declare(table);
 }
@@ -146,6 +147,14 @@ struct Exploration::Impl {
       map.insert(set.scans[i]);
       inserted[i] = set.scans[i].map_from_scan;
     }
+  }
+
+  ScanSet registered_scans() const {
+    ScanSet registered = set;
+    registered.scans.clear();
+    for (size_t i = 0; i < set.scans.size(); ++i)
+      if (connected(i)) registered.scans.push_back(set.scans[i]);
+    return registered;
   }
 
   /// Where the robot believes to be.
@@ -253,6 +262,17 @@ struct Exploration::Impl {
     return std::nullopt;
   }
 
+  /// Everything is covered: a view for the sake of faces that were seen too coarsely, if there are any.
+  void inspect(const PlannerOptions& planner, NextView& view) const {
+    const NextView closer =
+        inspection_view(registered_scans(), map, robot_pose(), options.laser, planner, options.inspection);
+    view.pose = closer.pose;
+    view.path = closer.path;
+    view.expected_overlap = closer.expected_overlap;
+    view.expected_gain = closer.expected_gain;
+    view.reason = closer.pose ? closer.reason : view.reason + "; " + closer.reason;
+  }
+
   /// Plans the next view and goes there, or says why it ends here. After a scan that could not be registered
   /// (two that face each other share but parallel walls, along which they may slide) a view that sees as much
   /// as possible of what is known comes first, once: it ties them together.
@@ -263,8 +283,9 @@ struct Exploration::Impl {
       PlannerOptions planner = options.planner;
       planner.avoid = avoid;
       if (tying) planner.gain_weight = planner.gain_min = 0;
-      const ViewPlan plan = plan_view(map, robot_pose(), options.laser, planner,
-                                      random.fork(steps.size()).fork(static_cast<uint64_t>(attempt)));
+      ViewPlan plan = plan_view(map, robot_pose(), options.laser, planner,
+                                random.fork(steps.size()).fork(static_cast<uint64_t>(attempt)));
+      if (!plan.view.pose && options.inspection.points_per_cm2 > 0) inspect(planner, plan.view);
       const NextView& view = plan.view;
       steps.back().plan_seconds += watch.lap();
       steps.back().fringe_voxels = view.fringe_voxels;
@@ -341,11 +362,7 @@ void Exploration::watch_plans(Watcher watcher) {
 }
 
 ScanSet Exploration::registered_scans() const {
-  ScanSet set = impl_->set;
-  set.scans.clear();
-  for (size_t i = 0; i < impl_->set.scans.size(); ++i)
-    if (impl_->connected(i)) set.scans.push_back(impl_->set.scans[i]);
-  return set;
+  return impl_->registered_scans();
 }
 
 std::optional<Isometry3d> Exploration::locate(const Scan& scan) const {

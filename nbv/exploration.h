@@ -13,6 +13,7 @@
 #include "mapping/occupancy/occupancy.h"
 #include "mapping/registration/registration.h"
 #include "mapping/sensor/robot.h"
+#include "nbv/inspection.h"
 #include "nbv/planner.h"
 
 namespace loci {
@@ -21,6 +22,7 @@ struct ExplorationOptions {
   int scans_max = 40;
   int failures_max = 5;  ///< goals in a row that the robot could not reach
   PlannerOptions planner;
+  InspectionOptions inspection;
   OccupancyOptions occupancy;
   RegistrationOptions registration;
   LaserModel laser;
@@ -45,7 +47,8 @@ struct ExplorationStep {
   double scan_seconds = 0, register_seconds = 0, insert_seconds = 0, plan_seconds = 0;
 };
 
-/// Scans a room until nothing is gained: scan, register, insert, plan. Every step is a checkpoint in its
+/// Scans a room until nothing is gained: scan, register, insert, plan; first what is unknown, then faces of
+/// furniture that were seen too coarsely. Every step is a checkpoint in its
 /// folder: `scans/` (poses as far as they are known) and `explore.json`; at most the scan in progress is
 /// lost.
 class Exploration {

@@ -16,6 +16,9 @@ namespace fs = std::filesystem;
 
 constexpr double kRadians = M_PI / 180;
 constexpr double kRobotHeight = 1.4;  // m; lower things are in its way
+/// By how much the limits of views are relaxed for fronts that cannot be seen within them.
+constexpr double kRelaxedNear = 0.6, kRelaxedFar = 1.5, kRelaxedBearingDeg = 10;
+constexpr int kFailuresMax = 8;  ///< stops that may turn out to be blocked
 
 /// A pose from which some fronts are seen well.
 struct Candidate {
@@ -35,9 +38,9 @@ double view_quality(const Front& front, const Vector2d& place, const Interaction
 }
 
 /// The places that the robot can drive to, with the fronts that it would see well there.
-std::vector<Candidate> candidates_for(const std::vector<Front>& fronts, const OccupancyMap& map,
-                                      const PlanarPose& robot, const PlannerOptions& planner,
-                                      const InteractionOptions& options) {
+std::vector<Candidate> candidates_for(const std::vector<Front>& fronts, const std::vector<bool>& served,
+                                      const OccupancyMap& map, const PlanarPose& robot,
+                                      const PlannerOptions& planner, const InteractionOptions& options) {
   const FloorGrid floor = floor_grid(map.voxels(), planner.cell_m, kRobotHeight);
   const Reach reach = find_ways(floor, robot, planner.robot_radius_m, planner.distance_min_m);
   std::vector<Candidate> candidates;
@@ -45,10 +48,13 @@ std::vector<Candidate> candidates_for(const std::vector<Front>& fronts, const Oc
     if (!reach.stands(floor, cell)) continue;
     const auto width = static_cast<size_t>(floor.width);
     const Vector2d place = floor.center(static_cast<int>(cell % width), static_cast<int>(cell / width));
+    if (std::any_of(planner.avoid.begin(), planner.avoid.end(),
+                    [&](const Vector2d& p) { return (p - place).norm() < planner.robot_radius_m; }))
+      continue;
     Candidate candidate;
     Vector2d middle = Vector2d::Zero();
     for (size_t i = 0; i < fronts.size(); ++i) {
-      if (!fronts[i].fixture || view_quality(fronts[i], place, options) == 0) continue;
+      if (served[i] || !fronts[i].fixture || view_quality(fronts[i], place, options) == 0) continue;
       candidate.fronts.push_back(i);
       middle += (fronts[i].centre.head<2>() - place).normalized();
     }
@@ -78,13 +84,13 @@ void InteractionOptions::declare(OptionTable& table) {
   difference.declare(table);
 }
 
-std::vector<InteractionStop> plan_stops(const std::vector<Front>& fronts, const OccupancyMap& map,
-                                        const PlanarPose& robot, const PlannerOptions& planner,
-                                        const InteractionOptions& options) {
-  const std::vector<Candidate> candidates = candidates_for(fronts, map, robot, planner, options);
-  std::vector<bool> served(fronts.size(), false);
-  std::vector<InteractionStop> stops;
-  while (true) {  // Greedy set cover, the sum of qualities decides.
+namespace {
+
+/// Greedy set cover of the fronts that are not served yet; the sum of qualities decides.
+void add_stops(const std::vector<Front>& fronts, const std::vector<Candidate>& candidates,
+               const InteractionOptions& options, std::vector<bool>& served,
+               std::vector<InteractionStop>& stops) {
+  while (true) {
     const Candidate* best = nullptr;
     double most = 0;
     for (const Candidate& candidate : candidates) {
@@ -97,7 +103,7 @@ std::vector<InteractionStop> plan_stops(const std::vector<Front>& fronts, const 
         best = &candidate;
       }
     }
-    if (best == nullptr) return stops;
+    if (best == nullptr) return;
     InteractionStop stop{best->pose, {}};
     for (const size_t i : best->fronts) {
       if (served[i] || !in_view(fronts[i], best->pose)) continue;
@@ -106,6 +112,25 @@ std::vector<InteractionStop> plan_stops(const std::vector<Front>& fronts, const 
     }
     stops.push_back(std::move(stop));
   }
+}
+
+}  // namespace
+
+std::vector<InteractionStop> plan_stops(const std::vector<Front>& fronts, const OccupancyMap& map,
+                                        const PlanarPose& robot, const PlannerOptions& planner,
+                                        const InteractionOptions& options) {
+  std::vector<bool> served(fronts.size(), false);
+  std::vector<InteractionStop> stops;
+  // Aisles are narrow, corners are blocked: what cannot be seen well is seen as well as it can be.
+  InteractionOptions relaxed = options;
+  relaxed.distance_min_m *= kRelaxedNear;
+  relaxed.distance_max_m *= kRelaxedFar;
+  relaxed.bearing_max_deg += kRelaxedBearingDeg;
+  for (const InteractionOptions& limits : {options, relaxed}) {
+    const std::vector<Candidate> candidates = candidates_for(fronts, served, map, robot, planner, limits);
+    add_stops(fronts, candidates, limits, served, stops);
+  }
+  return stops;
 }
 
 namespace {
@@ -143,6 +168,9 @@ class PullLog {
     for (const Isometry3d& pose : hand_path) path.push_back(values_from_pose(pose));
     json_["pulls"][front] = path;
   }
+  /// Stops where the robot could not stand.
+  bool failed(const std::string& stop) const { return json_.at("failed").contains(stop); }
+  void add_failure(const std::string& stop, const std::string& reason) { json_["failed"][stop] = reason; }
   void commit(const Json& robot) {
     json_["scans"] = set_.scans.size();
     json_["robot"] = robot;
@@ -153,7 +181,11 @@ class PullLog {
  private:
   fs::path folder_;
   ScanSet set_;
-  Json json_ = {{"version", 1}, {"pulls", Json::object()}, {"scans", 0}, {"robot", nullptr}};
+  Json json_ = {{"version", 1},
+                {"pulls", Json::object()},
+                {"failed", Json::object()},
+                {"scans", 0},
+                {"robot", nullptr}};
 };
 
 std::vector<Isometry3d> path_from(const Json& json) {
@@ -188,6 +220,7 @@ class Interactor {
   /// The scan from a stop with everything closed; nullptr when the robot cannot get there.
   const Scan* closed_scan(size_t number, const InteractionStop& stop) {
     const std::string name = fmt::format("stop_{:02}", number);
+    if (log_.failed(name)) return nullptr;
     if (log_.find(name) == nullptr) {
       try {
         Scan scan = robot_.scan_at(stop.pose);
@@ -202,6 +235,8 @@ class Interactor {
         log_.commit(robot_.state());
       } catch (const Error& error) {
         warnings_.add(fmt::format("{} was not reached: {}", name, error.what()));
+        log_.add_failure(name, error.what());
+        log_.commit(robot_.state());
         return nullptr;
       }
     }
@@ -271,27 +306,40 @@ std::vector<Interaction> interact(Robot& robot, const Exploration& exploration, 
                                   const fs::path& folder, bool resume, const PlannerOptions& planner,
                                   const InteractionOptions& options, Progress& progress, Warnings& warnings) {
   const PlanarPose here = planar(exploration.registration().map_from_scan.back());
-  const std::vector<InteractionStop> stops =
-      plan_stops(fronts, exploration.occupancy(), here, planner, options);
-  size_t wanted = 0, planned = 0, done = 0;
-  for (const Front& front : fronts) wanted += front.fixture ? 1 : 0;
-  for (const InteractionStop& stop : stops) planned += stop.fronts.size();
-  if (planned < wanted)
-    warnings.add(fmt::format("{} of {} handles cannot be seen well from where the robot can stand",
-                             wanted - planned, wanted));
   Interactor interactor(robot, exploration, folder, resume, options, warnings);
   std::vector<Interaction> interactions;
-  for (size_t i = 0; i < stops.size(); ++i) {
-    progress.check(static_cast<double>(done) / static_cast<double>(planned), fmt::format("stop {}", i + 1));
-    const Scan* seen = interactor.closed_scan(i, stops[i]);
-    if (seen == nullptr) continue;
+  PlannerOptions where = planner;
+  std::vector<Front> left = fronts;  // Those that were pulled lose their fixture here.
+  const auto count_left = [&] {
+    return static_cast<size_t>(std::count_if(left.begin(), left.end(),
+                                             [](const Front& front) { return front.fixture.has_value(); }));
+  };
+  const size_t wanted = count_left();
+  size_t number = 0;
+  for (int failures = 0; failures < kFailuresMax;) {
+    const std::vector<InteractionStop> stops =
+        plan_stops(left, exploration.occupancy(), here, where, options);
+    if (stops.empty()) break;
+    const InteractionStop& stop = stops.front();
+    const Scan* seen = interactor.closed_scan(number, stop);
+    ++number;
+    if (seen == nullptr) {  // Something stands there that the map does not show: from elsewhere, then.
+      where.avoid.emplace_back(stop.pose.x, stop.pose.y);
+      ++failures;
+      continue;
+    }
     const Scan closed = *seen;  // The log grows.
-    for (const size_t f : stops[i].fronts) {
-      progress.check(static_cast<double>(done++) / static_cast<double>(planned), "pulls " + fronts[f].name);
-      interactions.push_back(interactor.pull(fronts[f], i, closed));
+    for (const size_t f : stop.fronts) {
+      progress.check(1 - static_cast<double>(count_left()) / static_cast<double>(wanted),
+                     "pulls " + fronts[f].name);
+      interactions.push_back(interactor.pull(fronts[f], number - 1, closed));
       learn(interactions.back(), fronts[f]);
+      left[f].fixture.reset();
     }
   }
+  if (count_left() > 0)
+    warnings.add(fmt::format("{} of {} handles cannot be seen well from where the robot can stand",
+                             count_left(), wanted));
   return interactions;
 }
 

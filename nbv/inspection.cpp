@@ -1,0 +1,223 @@
+#include "nbv/inspection.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "mapping/base/parallel.h"
+
+namespace loci {
+namespace {
+
+constexpr double kRadians = M_PI / 180;
+constexpr double kPatch = 0.15;       ///< m
+constexpr double kHeightMin = 0.1;    ///< m: nothing is pulled nearer to the floor
+constexpr double kWallMargin = 0.15;  ///< m over all furniture, from which a surface is a wall's
+constexpr size_t kLeastPoints = 10;   ///< on a patch, to know how it stands
+constexpr double kRoughness = 0.02;   ///< m rms off its plane: more is no surface
+constexpr double kPlaceStep = 0.2;    ///< m between places that are compared
+constexpr double kClearance = 0.1;    ///< m before a patch where a ray may end
+
+using Key = std::array<int, 3>;
+
+struct Moments {
+  size_t count = 0;
+  Vector3d sum = Vector3d::Zero(), origins = Vector3d::Zero();
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+
+  void add(const Vector3d& p, const Vector3d& origin) {
+    ++count;
+    sum += p;
+    origins += origin;
+    squares += p * p.transpose();
+  }
+};
+
+std::map<Key, Moments> gather(const ScanSet& scans, double top) {
+  std::map<Key, Moments> cells;
+  for (const Scan& scan : scans.scans)
+    for (const ScanPoint& point : scan.points) {
+      if (!point.returned) continue;
+      const Vector3d p = scan.map_from_scan * point.position.cast<double>();
+      if (p.z() < kHeightMin || p.z() > top) continue;
+      const Vector3d cell = (p / kPatch).array().floor();
+      cells[{static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z())}].add(
+          p, scan.map_from_scan * scan.origins[point.origin_index].cast<double>());
+    }
+  return cells;
+}
+
+/// A vertical patch, if these points make one; its normal looks to where it was seen from.
+std::optional<FacePatch> patch_of(const Moments& cell) {
+  if (cell.count < kLeastPoints) return std::nullopt;
+  const double count = static_cast<double>(cell.count);
+  const Vector3d mean = cell.sum / count;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
+      Eigen::Matrix3d(cell.squares / count - mean * mean.transpose()));
+  Vector3d normal = solver.eigenvectors().col(0);
+  if (solver.eigenvalues()[0] > kRoughness * kRoughness || std::abs(normal.z()) > 0.3 ||
+      solver.eigenvalues()[1] < kRoughness * kRoughness)  // A post, or an edge.
+    return std::nullopt;
+  normal.z() = 0;
+  normal.normalize();
+  if (normal.dot(cell.origins / count - mean) < 0) normal = -normal;
+  return FacePatch{mean, normal, 0};
+}
+
+/// Points per cm² that a sweep from a place puts on a patch; 0 = too oblique, beyond its tilts, or hidden.
+class Sight {
+ public:
+  Sight(const Voxels& voxels, const LaserModel& laser, const InspectionOptions& options)
+      : voxels_(voxels), laser_(laser), options_(options) {}
+
+  double density(const Vector3d& from, const FacePatch& patch) const {
+    const Vector3d ray = patch.centre - from;
+    const double distance = ray.norm(), cosine = -ray.dot(patch.normal) / distance;
+    if (cosine < std::cos(options_.incidence_max_deg * kRadians) || distance < 2 * laser_.range_min_m)
+      return 0;
+    const double tilt = std::asin(ray.z() / distance) / kRadians;
+    if (tilt < laser_.tilt_min_deg || tilt > laser_.tilt_max_deg || hidden(from, patch)) return 0;
+    // Lines of a tilting scanner stand closer the steeper they are; that is left out.
+    const double spacing_m = distance * laser_.azimuth_step_deg * kRadians,
+                 line_spacing_m = distance * laser_.tilt_step_deg * kRadians;
+    return cosine / (spacing_m * line_spacing_m) * 1e-4;
+  }
+
+ private:
+  bool hidden(const Vector3d& from, const FacePatch& patch) const {
+    const Vector3d to = patch.centre + kClearance * patch.normal;
+    const double length = (to - from).norm(), step = 0.5 * voxels_.resolution;
+    for (double at = step; at < length; at += step)
+      if (voxels_.at(voxels_.voxel_of(from + at / length * (to - from))) == Occupancy::occupied) return true;
+    return false;
+  }
+
+  const Voxels& voxels_;
+  const LaserModel& laser_;
+  const InspectionOptions& options_;
+};
+
+/// Whether a direction is in the sector that a scanner with that yaw sweeps.
+bool in_sector(const Vector3d& from, const Vector3d& to, double yaw, const LaserModel& laser) {
+  const double azimuth = std::remainder(std::atan2(to.y() - from.y(), to.x() - from.x()) - yaw, 2 * M_PI);
+  return std::abs(azimuth) <= 0.5 * laser.azimuth_range_deg * kRadians;
+}
+
+/// The yaw in which most of what a place shows is in the sector, and how much that is.
+ViewSample best_yaw(const Vector3d& from, const std::vector<std::pair<Vector3d, double>>& shown,
+                    const PlannerOptions& planner, const LaserModel& laser) {
+  ViewSample best;
+  for (int i = 0; i < planner.orientations; ++i) {
+    const double yaw = std::remainder(2 * M_PI * i / planner.orientations, 2 * M_PI);
+    double sum = 0;
+    for (const auto& [centre, area] : shown)
+      if (in_sector(from, centre, yaw, laser)) sum += area;
+    if (sum > best.score + 1e-9) {
+      best.pose = {from.x(), from.y(), yaw};
+      best.score = sum;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+void InspectionOptions::declare(OptionTable& table) {
+  table.number("inspect_points_per_cm2", points_per_cm2, "1/cm²",
+               "Points wanted on faces of furniture; 0 = none are inspected.", 0, 100);
+  table.number("inspect_incidence_max_deg", incidence_max_deg, "deg", "More oblique views do not count.", 10,
+               85);
+  table.number("inspect_distance_max_m", distance_max_m, "m", "From where faces are inspected at most.", 0.5,
+               10);
+  table.number("inspect_height_max_m", height_max_m, "m", "Height of furniture.", 0.5, 4);
+  table.number("inspect_gain_min_m2", gain_min_m2, "m²", "Least area of faces that is worth a scan.", 0.01,
+               100);
+}
+
+std::vector<FacePatch> face_patches(const ScanSet& scans, const Voxels& voxels, const LaserModel& laser,
+                                    const InspectionOptions& options) {
+  std::vector<FacePatch> patches;
+  std::map<std::array<int, 2>, std::vector<FacePatch>> high;  // By cell of the floor.
+  const double wall = options.height_max_m + kWallMargin;
+  for (const auto& [key, cell] : gather(scans, wall + 3 * kPatch))
+    if (const auto patch = patch_of(cell)) {
+      if (patch->centre.z() > wall)
+        high[{key[0], key[1]}].push_back(*patch);
+      else if (patch->centre.z() < options.height_max_m)
+        patches.push_back(*patch);
+    }
+  std::erase_if(patches, [&](const FacePatch& patch) {
+    const int x = static_cast<int>(std::floor(patch.centre.x() / kPatch)),
+              y = static_cast<int>(std::floor(patch.centre.y() / kPatch));
+    for (int i = x - 1; i <= x + 1; ++i)
+      for (int j = y - 1; j <= y + 1; ++j)
+        if (const auto found = high.find({i, j}); found != high.end())
+          for (const FacePatch& above : found->second)
+            if (above.normal.dot(patch.normal) > 0.95 &&
+                std::abs(patch.normal.dot(above.centre - patch.centre)) < 0.04)
+              return true;
+    return false;
+  });
+  const Sight sight(voxels, laser, options);
+  for (FacePatch& patch : patches)
+    for (const Scan& scan : scans.scans) {
+      const Vector3d from = scan.map_from_scan.translation();
+      if (in_sector(from, patch.centre, planar(scan.map_from_scan).yaw, laser))
+        patch.density += sight.density(from, patch);
+    }
+  return patches;
+}
+
+NextView inspection_view(const ScanSet& scans, const OccupancyMap& map, const PlanarPose& robot,
+                         const LaserModel& laser, const PlannerOptions& planner,
+                         const InspectionOptions& options) {
+  NextView view;
+  const Voxels voxels = map.voxels();
+  std::vector<FacePatch> patches = face_patches(scans, voxels, laser, options);
+  std::erase_if(patches, [&](const FacePatch& patch) { return patch.density >= options.points_per_cm2; });
+  const FloorGrid floor = drivable_floor(voxels, robot, laser, planner);
+  const Reach reach = drivable_ways(floor, robot, planner);
+  const Sight sight(voxels, laser, options);
+  const int stride = std::max(1, static_cast<int>(std::lround(kPlaceStep / floor.cell)));
+  std::vector<ViewSample> samples(floor.cells());
+  parallel_for(floor.cells(), planner.threads, [&](size_t begin, size_t end) {
+    for (size_t cell = begin; cell < end; ++cell) {
+      const int x = static_cast<int>(cell) % floor.width, y = static_cast<int>(cell) / floor.width;
+      if (x % stride != 0 || y % stride != 0 || !reach.stands(floor, cell)) continue;
+      const Vector2d place = floor.center(x, y);
+      if (std::any_of(planner.avoid.begin(), planner.avoid.end(),
+                      [&](const Vector2d& p) { return (p - place).norm() < planner.robot_radius_m; }))
+        continue;
+      const Vector3d from(place.x(), place.y(), laser.height_m);
+      std::vector<std::pair<Vector3d, double>> shown;
+      for (const FacePatch& patch : patches) {
+        if ((patch.centre.head<2>() - place).norm() > options.distance_max_m) continue;
+        const double lacking = options.points_per_cm2 - patch.density;
+        const double part = std::min(sight.density(from, patch) / lacking, 1.0);
+        // What remains too coarse was not worth the way.
+        if (part > 0.5) shown.emplace_back(patch.centre, part * kPatch * kPatch);
+      }
+      samples[cell] = best_yaw(from, shown, planner, laser);
+    }
+  });
+  const auto best =
+      std::max_element(samples.begin(), samples.end(),
+                       [](const ViewSample& a, const ViewSample& b) { return a.score < b.score; });
+  const double most = best == samples.end() ? 0 : best->score;
+  if (most < options.gain_min_m2) {
+    view.reason =
+        fmt::format("no view shows {} m² of faces better (the best {:.2f})", options.gain_min_m2, most);
+    return view;
+  }
+  view.pose = best->pose;
+  view.expected_overlap = 1;
+  view.expected_gain = most;
+  view.reason = fmt::format("looks at {:.2f} m² of faces that were seen too coarsely or too obliquely", most);
+  view.path = way_to(floor, reach, best->pose);
+  return view;
+}
+
+}  // namespace loci

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <vector>
+
+#include "mapping/occupancy/occupancy.h"
+#include "mapping/sensor/scan.h"
+#include "nbv/planner.h"
+
+namespace loci {
+
+struct InspectionOptions {
+  double points_per_cm2 = 1.0;    ///< wanted on furniture; 0 = no inspection
+  double incidence_max_deg = 50;  ///< more oblique views show no handles
+  double distance_max_m = 2.5;    ///< from where faces are looked at
+  double height_max_m = 2.2;      ///< of furniture
+  double gain_min_m2 = 0.5;       ///< of faces that are not seen well; less is not worth a scan
+
+  void declare(OptionTable& table);
+};
+
+/// A piece of a vertical surface.
+struct FacePatch {
+  Vector3d centre, normal;  ///< out of the furniture, level
+  double density = 0;       ///< points per cm² that the scans so far have put there at good angles
+};
+
+/// Vertical surfaces of furniture, in pieces of 15 cm, as registered scans saw them; surfaces that go on up
+/// above all furniture are walls. Their density is computed, not counted: by where the scans were taken and
+/// what stands between.
+std::vector<FacePatch> face_patches(const ScanSet& scans, const Voxels& voxels, const LaserModel& laser,
+                                    const InspectionOptions& options);
+
+/// The reachable view that brings the largest area of faces to the density that is wanted; no pose when none
+/// is worth it. What coverage calls known may have been seen from afar or along its face only, and shows
+/// there neither seams nor handles.
+NextView inspection_view(const ScanSet& scans, const OccupancyMap& map, const PlanarPose& robot,
+                         const LaserModel& laser, const PlannerOptions& planner,
+                         const InspectionOptions& options);
+
+}  // namespace loci

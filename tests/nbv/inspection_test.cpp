@@ -1,0 +1,69 @@
+#include "nbv/inspection.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/mapping/occupancy/box_room.h"
+
+namespace loci {
+namespace {
+
+/// A cupboard stands along the east wall, 90 cm high.
+BoxRoom furnished_room() {
+  BoxRoom room;
+  room.room = {Vector3d(-4, -2, 0), Vector3d(3, 2, 2.8)};
+  room.furniture = {{Vector3d(2.4, -1.5, 0), Vector3d(3, 1.5, 0.9)}};
+  return room;
+}
+
+LaserModel coarse_laser() {
+  LaserModel laser;
+  laser.azimuth_step_deg = laser.tilt_step_deg = 0.5;
+  laser.azimuth_range_deg = 360;
+  laser.tilt_min_deg = -60;
+  laser.tilt_max_deg = 60;
+  return laser;
+}
+
+ScanSet scans_from(const BoxRoom& room, const std::vector<PlanarPose>& poses) {
+  ScanSet set;
+  for (const PlanarPose& pose : poses) {
+    Isometry3d scanner = map_from_base(pose);
+    scanner.translation().z() = LaserModel().height_m;
+    set.scans.push_back(room.sweep(scanner, 720, 240, 10, 0.005, 3, 60));
+  }
+  return set;
+}
+
+NextView inspect(const ScanSet& scans) {
+  OccupancyMap map({0.05, 7, 2});
+  for (const Scan& scan : scans.scans) map.insert(scan);
+  InspectionOptions options;
+  options.points_per_cm2 = 0.25;  // As with the laser's own steps, four times the points.
+  return inspection_view(scans, map, {-2, 0, 0}, coarse_laser(), {}, options);
+}
+
+TEST(Inspection, FurnitureSeenFromAfarIsLookedAtFromNear) {
+  const NextView view = inspect(scans_from(furnished_room(), {{-2, 0, 0}, {-1, 1, 0}}));
+  ASSERT_TRUE(view.pose) << view.reason;
+  EXPECT_GT(view.expected_gain, 0.5);
+  EXPECT_GT(view.pose->x, -0.2);  // At most 2.5 m from the cupboard's face at x = 2.4 …
+  EXPECT_LT(view.pose->x, 2.1);   // … and not in it.
+  EXPECT_FALSE(view.path.empty());
+}
+
+TEST(Inspection, FurnitureSeenFromNearNeedsNoOtherView) {
+  const NextView view = inspect(scans_from(furnished_room(), {{0.9, -0.7, 0}, {0.9, 0.7, 0}, {-2, 0, 0}}));
+  EXPECT_FALSE(view.pose) << view.reason;
+  EXPECT_FALSE(view.reason.empty());
+}
+
+TEST(Inspection, BareWallsAreNotLookedAt) {
+  BoxRoom room = furnished_room();
+  room.furniture.clear();
+  EXPECT_FALSE(inspect(scans_from(room, {{-2, 0, 0}, {-1, 1, 0}})).pose);
+}
+
+}  // namespace
+}  // namespace loci
