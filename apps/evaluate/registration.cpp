@@ -9,7 +9,7 @@ using namespace registration_evaluation;
 struct Arguments {
   std::vector<std::string> worlds;
   std::vector<std::filesystem::path> package_paths;
-  std::string recording, clouds;
+  std::string recording, pairs, clouds;
   int scans = 8, compared = 20, verdicts = 180, different = 20, frames = 12, ahead = 4, seed = 1;
   double voxel_m = 0.05;
   bool peers = true;
@@ -93,7 +93,10 @@ void run(Arguments& arguments, Session& session) {
   Evaluation evaluation;
   evaluate_worlds(arguments, disturbances, evaluation, session);
   std::vector<PairSet> recorded;
-  if (!arguments.clouds.empty()) recorded.push_back(pcl_pairs(arguments.clouds));
+  if (!arguments.pairs.empty())
+    recorded.push_back(listed_pairs(
+        arguments.pairs, arguments.clouds.empty() ? std::filesystem::path(arguments.pairs).parent_path()
+                                                  : std::filesystem::path(arguments.clouds)));
   if (!arguments.recording.empty())
     recorded.push_back(recording_pairs(arguments.recording, static_cast<size_t>(arguments.frames),
                                        static_cast<size_t>(arguments.ahead)));
@@ -117,7 +120,9 @@ Command registration_command() {
                            "Folder that holds packages (package://NAME/…); can be given several times")
                 ->allow_extra_args(false);
             app.add_option("--recording", arguments->recording, "Depth frames with poses");
-            app.add_option("--clouds", arguments->clouds, "Folder of PCL's tutorial clouds");
+            app.add_option("--pairs", arguments->pairs,
+                           "CSV of pairs of clouds: target, source, x_m, y_m, z_m, rx_deg, ry_deg, rz_deg");
+            app.add_option("--clouds", arguments->clouds, "Folder of these clouds, if not that of the CSV");
             add_options(app, table_of(*arguments));
             return [arguments](Session& session) { run(*arguments, session); };
           }};

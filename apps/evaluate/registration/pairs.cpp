@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "mapping/base/cell_index.h"
+#include "mapping/base/csv.h"
 #include "mapping/fusion/fusion.h"
 #include "mapping/recording/recording.h"
 #include "mapping/simulation/laser_sweep.h"
@@ -133,28 +134,27 @@ PairSet recording_pairs(const std::filesystem::path& folder, size_t count, size_
   return set;
 }
 
-PairSet pcl_pairs(const std::filesystem::path& folder) {
-  // Relative poses as its README states them: measured with another ICP, no ground truth.
-  struct Known {
-    const char *target, *source;
-    Vector3d position, rotation_deg;
-  };
-  const std::array<Known, 3> known = {{
-      {"room_scan1", "room_scan2", {1.971, 0.057, 0.025}, Vector3d(-0.0062, 0.0260, 0.7128) / kDegree},
-      {"capture0001", "capture0002", {-0.115, 0.009, 0.007}, {0.23, 1.21, -0.40}},
-      {"capture0002", "capture0003", {-0.147, -0.004, 0.012}, {-0.26, -2.19, -0.41}},
-  }};
+PairSet listed_pairs(const std::filesystem::path& file, const std::filesystem::path& clouds) {
+  const CsvTable table = CsvTable::read(file);
+  const size_t target_column = table.require_column("target"), source_column = table.require_column("source");
+  std::array<size_t, 6> columns;
+  const std::array<const char*, 6> names = {"x_m", "y_m", "z_m", "rx_deg", "ry_deg", "rz_deg"};
+  for (size_t i = 0; i < 6; ++i) columns[i] = table.require_column(names[i]);
   PairSet set;
-  set.name = "pcl_scans";
+  set.name = file.stem().string();
   set.planar = false;
-  if (!std::filesystem::exists(folder)) return set;
-  set.scans.reserve(2 * known.size());
-  for (const Known& pair : known) {
-    for (const char* file : {pair.target, pair.source})
-      set.scans.push_back(read_scan_set(folder / (std::string(file) + ".pcd")).scans.front());
+  set.scans.reserve(2 * table.rows());
+  for (size_t row = 0; row < table.rows(); ++row) {
+    for (const size_t column : {target_column, source_column}) {
+      const ScanSet scans = read_scan_set(clouds / table.cell(row, column));
+      if (scans.scans.empty()) throw Error("a listed cloud is empty", table.place(row));
+      set.scans.push_back(scans.scans.front());
+    }
+    std::array<double, 6> v;
+    for (size_t i = 0; i < 6; ++i) v[i] = table.number(row, columns[i]);
     const Scan &target = set.scans[set.scans.size() - 2], &source = set.scans.back();
-    const Isometry3d truth = pose_of(pair.position, pair.rotation_deg * kDegree);
-    set.pairs.push_back({fmt::format("{} <- {}", pair.target, pair.source), &target, &source, truth, true,
+    const Isometry3d truth = pose_of({v[0], v[1], v[2]}, Vector3d(v[3], v[4], v[5]) * kDegree);
+    set.pairs.push_back({fmt::format("{} <- {}", target.name, source.name), &target, &source, truth, true,
                          true_overlap(target, source, truth)});
   }
   return set;

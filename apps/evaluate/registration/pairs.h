@@ -45,8 +45,10 @@ PairSet pairs_among(std::string name, std::vector<Scan> scans, double overlap_mi
 /// Frames of a recording with poses and the frame `ahead` positions later, `count` of them spread evenly.
 PairSet recording_pairs(const std::filesystem::path& folder, size_t count, size_t ahead);
 
-/// The clouds of PCL's tutorials with what is known of their poses; empty when the folder is not there.
-PairSet pcl_pairs(const std::filesystem::path& folder);
+/// Pairs of clouds (PCD) from a CSV file: target, source (files in the folder `clouds`), and the pose of the
+/// source in the target's frame: x_m, y_m, z_m and a rotation vector rx_deg, ry_deg, rz_deg. Error with file
+/// and line when one cannot be read.
+PairSet listed_pairs(const std::filesystem::path& file, const std::filesystem::path& clouds);
 
 double true_overlap(const Scan& target, const Scan& source, const Isometry3d& target_from_source);
 
