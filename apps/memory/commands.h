@@ -20,6 +20,7 @@ Command task_command();
 Command ask_command();
 Command verify_command();
 
+Command ingest_command();
 Command report_command();
 
 }  // namespace loci

@@ -17,8 +17,8 @@ int main(int argc, char** argv) {
   program.add(loci::task_command());
   program.add(loci::ask_command());
   program.add(loci::verify_command());
+  program.add(loci::ingest_command());
   program.add(loci::report_command());
-  program.add_planned("ingest", "Takes in detections of other systems");
   program.add_planned("reason", "Runs the reasoning again");
   program.add_planned("why", "Explains a decision");
   program.add_planned("export", "Exports a dataset");

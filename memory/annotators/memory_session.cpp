@@ -11,10 +11,9 @@ namespace loci {
 namespace {
 
 KnownPlanes load_planes(const Store& store) {
-  Id last = 0;
-  for (const SceneRow& scene : store.scenes()) last = std::max(last, scene.id);
-  if (last == 0) return {};
-  for (const AnnotationRow& row : store.annotations(last))
+  const std::optional<SceneRow> last = store.last_scene();
+  if (!last) return {};
+  for (const AnnotationRow& row : store.annotations(last->id))
     if (row.type == kKnownPlanesType)
       return KnownPlanes::from_json(parse_json(row.value, store.path().string()));
   return {};

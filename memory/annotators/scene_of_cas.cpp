@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "mapping/image/hsv.h"
 #include "mapping/image/image_io.h"
 #include "mapping/world/kinematics.h"
 #include "perception/conversions/camera.h"
@@ -18,14 +19,6 @@ constexpr std::string_view kMapDepth = "map_depth";  ///< view of what the map a
 std::string encoded(const cv::Mat& image, const std::string& ending) {
   const std::vector<unsigned char> bytes = encode_image(image, ending);
   return {bytes.begin(), bytes.end()};
-}
-
-std::array<float, 3> rgb_of(double hue, double saturation, double value) {
-  const auto channel = [&](double n) {
-    const double k = std::fmod(n + hue / 60, 6.0);
-    return static_cast<float>(value - value * saturation * std::clamp(std::min(k, 4 - k), 0.0, 1.0));
-  };
-  return {channel(5), channel(3), channel(1)};
 }
 
 cas::Buffer<int32_t> indices_of(const types::Cluster& cluster) {
@@ -195,7 +188,7 @@ std::vector<belief::Descriptor> descriptors_of(const types::Cluster& cluster) {
   if (const auto histogram = cluster.annotations.first<types::ColorHistogram>())
     descriptors.push_back({"color_histogram", histogram.histogram.to_vector()});
   if (const auto color = cluster.annotations.first<types::ColorAnnotation>()) {
-    const auto rgb = rgb_of(color.mean_hue.get(), color.mean_saturation.get(), color.mean_value.get());
+    const auto rgb = rgb_from_hsv(color.mean_hue.get(), color.mean_saturation.get(), color.mean_value.get());
     descriptors.push_back({"mean_color", {rgb.begin(), rgb.end()}});
   }
   if (const auto geometry = cluster.annotations.first<types::GeometryAnnotation>()) {

@@ -171,6 +171,7 @@ class Step {
   void see(size_t o, size_t k) {
     ProtoObject& object = state_.objects[o];
     Observation observation = scene_.observations[k];
+    if (!observation.sized && object.sized) observation.box.size = expected_[o].box.size;
     const bool piece = !snapshot_ && is_piece(expected_[o], observation.box);
     observation.partial = observation.partial || piece;
     const Explanation explanation = update_.observations[k].explanation;
@@ -224,11 +225,14 @@ class Step {
     object.box.centre = pose_of(object.place, scene_.places).inverse() * observation.box.centre;
     object.variance = observation_variance(observation, options_);
     object.partial = observation.partial;
+    object.sized = observation.sized || object.sized;
   }
 
   void fuse(size_t o, const Observation& observation) {
     ProtoObject& object = state_.objects[o];
-    const AxisBox& box_now = expected_[o].box;
+    AxisBox box_now = expected_[o].box;
+    if (observation.sized && !object.sized) box_now.size = observation.box.size;
+    object.sized = object.sized || observation.sized;
     const double noise = observation_variance(observation, options_);
     if (object.partial && !observation.partial) {
       put(object, observation);
@@ -301,7 +305,7 @@ class Step {
     ProtoObject& object = state_.objects[o];
     const Expectation& e = expected_[o];
     const double empty = empty_share_in_hindsight(o);
-    const EmptinessEvidence evidence = emptiness(empty, seconds_, e.box.size.z(), options_);
+    const EmptinessEvidence evidence = emptiness(e, empty, seconds_, options_);
     const double in_view = 1 - e.undetectable;
     const double there = e.here * (e.undetectable + in_view * std::exp(evidence.if_there));
     const double away = (1 - e.here) * (e.undetectable + in_view * std::exp(evidence.if_gone));
@@ -377,6 +381,7 @@ class Step {
     outcome.probability = outcome.appear;
     ProtoObject object;
     object.key = state_.next_key++;
+    object.sized = false;  // until put() knows better
     object.first_seen = scene_.time;
     object.exists_log_odds = log_odds(options_.first_sight) - (observation.partial ? 0.5 : 0.0);
     put(object, observation);

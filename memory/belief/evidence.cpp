@@ -78,21 +78,28 @@ std::vector<Expectation> expect(const BeliefState& state, const Scene& scene, co
     const double motion = change.translation().norm() + Eigen::AngleAxisd(change.linear()).angle();
     e.turned = 0.002 + e.handled / 2 + options.newview * (1 - std::exp(-motion / 0.5));
     e.here = object.probability_here * (1 - e.handled);
-    e.seen =
-        look_at_who(scene.view, e.box, std::sqrt(e.variance), scene.observations.size(), options.visibility);
+    e.seen = scene.view.depth.empty()
+                 ? look_without_depth(scene.view, e.box, object.place, scene.observations, options.visibility)
+                 : look_at_who(scene.view, e.box, std::sqrt(e.variance), scene.observations.size(),
+                               options.visibility);
     e.undetectable = undetectable(e.seen.visibility);
     expected.push_back(std::move(e));
   }
   return expected;
 }
 
-EmptinessEvidence emptiness(double empty_share, double seconds, double height, const BeliefOptions& options) {
+EmptinessEvidence emptiness(const Expectation& expected, double empty_share, double seconds,
+                            const BeliefOptions& options) {
+  const Visibility& seen = expected.seen.visibility;
+  const double searched = seen.searched > 0 ? seen.searched / seen.looked() : 0.0;
+  const double taken = std::max(0.0, 1 - empty_share - searched);
+  const double height = expected.box.size.z();
   const double independence = std::clamp(seconds, 0.05, 1.0);
   const double found_occupied_if_gone = 0.1;
   const double solid = std::clamp((height - 0.015) / 0.02, 0.0, 1.0);
   const double detection = options.detection * (0.4 + 0.6 * solid);
   return {independence * (solid * empty_share * std::log(options.empty_if_there) + std::log(1 - detection)),
-          independence * solid * (1 - empty_share) * std::log(found_occupied_if_gone)};
+          independence * solid * taken * std::log(found_occupied_if_gone)};
 }
 
 double empty_share(const OccupiedBy& seen, const std::vector<double>& taken_by_other) {
@@ -128,6 +135,10 @@ PairEvidence pair_evidence(const BeliefState& state, const std::vector<Expectati
     const Expectation& e = expected[size_t(o)];
     for (Eigen::Index k = 0; k < columns; ++k) {
       Observation observation = scene.observations[size_t(k)];
+      // Missing evidence is missing: where one size is unknown, they agree.
+      AxisBox believed = e.box;
+      if (!object.sized) believed.size = observation.box.size;
+      if (!observation.sized) observation.box.size = believed.size;
       if (!snapshot && is_piece(e, observation.box)) observation.partial = true;
       const Likeness likeness = compare_with_looks(object, observation, options);
       evidence.log_similar(o, k) = std::clamp(likeness.log_ratio, -kLargestEvidence, kLargestEvidence);
@@ -139,8 +150,8 @@ PairEvidence pair_evidence(const BeliefState& state, const std::vector<Expectati
         if (find_comparison(part.kind)->whole_only) evidence.log_size(o, k) += part.log_ratio;
       const double variance = e.variance + observation_variance(observation, options);
       evidence.log_proximity(o, k) =
-          std::clamp(log_proximity(e.box, variance, object.partial, observation, options), -kLargestEvidence,
-                     kLargestEvidence);
+          std::clamp(log_proximity(believed, variance, object.partial, observation, options),
+                     -kLargestEvidence, kLargestEvidence);
     }
   }
   std::erase_if(evidence.distances,
@@ -169,7 +180,7 @@ LogOddsProblem identity_problem(const BeliefState& state, const std::vector<Expe
           evidence.log_proximity(index(o), index(k)) + evidence.log_similar(index(o), index(k));
       other[k] = (snapshot ? 1.0 : 0.3) / (1 + std::exp(std::clamp(same, -30.0, 30.0)));
     }
-    const EmptinessEvidence empty = emptiness(empty_share(e.seen, other), seconds, e.box.size.z(), options);
+    const EmptinessEvidence empty = emptiness(e, empty_share(e.seen, other), seconds, options);
     const double in_view = 1 - e.undetectable;
     const double stays = std::max(1e-6, e.here) * options.detection;
     // Half of what is handled is carried off, half is put down somewhere else.
@@ -200,7 +211,7 @@ LogOddsProblem identity_problem(const BeliefState& state, const std::vector<Expe
     // A piece of something that is already believed in: objects fall into parts, more often than a new one
     // is put inside an old one.
     double piece = 0;
-    for (size_t o = 0; o < m; ++o) {
+    for (size_t o = 0; o < m && observation.sized; ++o) {
       double inside =
           shared_volume(expected[o].box, observation.box) / std::max(1e-9, observation.box.volume());
       if (!snapshot && is_piece(expected[o], observation.box)) inside = 1;

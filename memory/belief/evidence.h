@@ -25,9 +25,10 @@ struct EmptinessEvidence {
   double if_there = 0;
   double if_gone = 0;
 };
-/// `height` of the object in metres: what is flat can hardly be told from the surface it lies on, and is
-/// often not found.
-EmptinessEvidence emptiness(double empty_share, double seconds, double height, const BeliefOptions& options);
+/// The object's height counts: what is flat can hardly be told from the surface it lies on, and is often not
+/// found. Where a detector without depth looked, only that it found nothing speaks.
+EmptinessEvidence emptiness(const Expectation& expected, double empty_share, double seconds,
+                            const BeliefOptions& options);
 
 /// Whether scenes are too far apart in time to confirm each other.
 bool is_snapshot(const BeliefState& state, const Scene& scene, const BeliefOptions& options);

@@ -31,21 +31,34 @@ AxisBox join(const AxisBox& a, const AxisBox& b);
 struct Descriptor {
   std::string kind;  ///< e.g. "color_histogram"; distances are looked up by it (similarity.h)
   std::vector<float> values;
+  std::vector<std::string> names = {};  ///< what each value is about ("mug"); empty = its index says it
 };
 
 /// One object hypothesis of a scene, as far as identity is concerned.
 struct Observation {
-  int64_t id = 0;        ///< of the memory's row; 0 = not stored
-  AxisBox box;           ///< of the visible points, map frame
-  double range = 1;      ///< z-depth of the centre, metres
+  int64_t id = 0;                 ///< of the memory's row; 0 = not stored
+  AxisBox box;                    ///< of the visible points, map frame
+  bool sized = true;              ///< the box has the thing's size; otherwise only its centre was measured
+  std::optional<double> sigma_m;  ///< of the centre per axis, where the detector says it
+  double range = 1;               ///< z-depth of the centre, metres
   bool partial = false;  ///< cut off by the image border or by something in front: centre and size are biased
   int points = 0;
   std::string place;  ///< what it stands on; empty = unknown
   std::vector<Descriptor> descriptors;
 };
 
-/// What the camera measured and where it was.
+/// How much of a place somebody looked at.
+struct ObservedPlace {
+  std::string name;
+  double fraction = 1;  ///< of its surface, in [0,1]
+};
+
+/// What the camera measured and where it was. Other systems tell their detections without depth, often
+/// without a camera too: then only what they say about places, or else the camera's view, tells where they
+/// looked.
 struct SceneView {
+  bool has_camera = true;                              ///< camera and pose are known
+  std::optional<std::vector<ObservedPlace>> observed;  ///< of a view without depth, where they said it
   PinholeCamera camera;
   Isometry3d map_from_camera = Isometry3d::Identity();
   cv::Mat depth;  ///< CV_32F, metres, NaN = no measurement

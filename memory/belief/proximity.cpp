@@ -44,6 +44,7 @@ double extent_penalty(const AxisBox& believed, const AxisBox& seen, double varia
 }  // namespace
 
 double observation_variance(const Observation& observation, const BeliefOptions& options) {
+  if (observation.sigma_m) return square(*observation.sigma_m);
   return square(options.noise_m) + square(options.noise_per_m2 * square(observation.range)) +
          square(options.noise_per_size * observation.box.size.maxCoeff());
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 namespace loci::belief {
@@ -50,17 +51,29 @@ const std::vector<Comparison>& comparisons() {
        histogram_distance,
        {{0.0, 2.0}, {0.2, 1.7}, {0.4, 0.9}, {0.6, 0.0}, {0.75, -1.5}, {0.9, -3.5}, {1.0, -5.0}},
        0.5,
-       false},
+       false,
+       true},
       {"mean_color",
        euclidean_distance,
        {{0.0, 1.8}, {0.05, 1.3}, {0.12, 0.0}, {0.25, -2.5}, {0.5, -6.0}},
        0.25,
-       false},
+       false,
+       true},
       {"extents",
        extent_distance,
        {{0.0, 2.2}, {0.08, 1.4}, {0.15, 0.2}, {0.25, -2.0}, {0.4, -4.0}, {0.55, -5.0}, {1.0, -6.0}},
        0.4,
-       true},
+       true,
+       false},
+      // A detector's classes depend on the view, and it errs in the same way again.
+      {"class",
+       histogram_distance,
+       {{0.0, 2.0}, {0.4, 1.2}, {0.6, 0.3}, {0.8, -1.5}, {1.0, -4.0}},
+       0.5,
+       false,
+       false},
+      // Another side bears another text, so that different words say little.
+      {"text", histogram_distance, {{0.0, 3.0}, {0.55, 2.0}, {0.8, 0.5}, {1.0, -1.0}}, 0.5, false, false},
   };
   return all;
 }
@@ -95,6 +108,29 @@ bool is_colorless(const std::vector<Descriptor>& look) {
   return false;
 }
 
+/// The values of both over the same names; what one does not name has none of it.
+std::pair<std::vector<float>, std::vector<float>> aligned(const Descriptor& a, const Descriptor& b) {
+  std::map<std::string, std::pair<float, float>> by_name;
+  for (size_t i = 0; i < a.values.size(); ++i) by_name[a.names[i]].first += a.values[i];
+  for (size_t i = 0; i < b.values.size(); ++i) by_name[b.names[i]].second += b.values[i];
+  std::pair<std::vector<float>, std::vector<float>> values;
+  for (const auto& [name, both] : by_name) {
+    values.first.push_back(both.first);
+    values.second.push_back(both.second);
+  }
+  return values;
+}
+
+bool comparable(const Descriptor& a, const Descriptor& b) {
+  return a.names.empty() == b.names.empty() && (!a.names.empty() || a.values.size() == b.values.size());
+}
+
+double distance_of(const Comparison& comparison, const Descriptor& a, const Descriptor& b) {
+  if (a.names.empty()) return comparison.distance(a.values, b.values);
+  const auto [x, y] = aligned(a, b);
+  return comparison.distance(x, y);
+}
+
 }  // namespace
 
 Likeness compare(const std::vector<Descriptor>& a, const std::vector<Descriptor>& b, bool partial,
@@ -106,12 +142,12 @@ Likeness compare(const std::vector<Descriptor>& a, const std::vector<Descriptor>
     const auto of_kind = [&](const Descriptor& d) { return d.kind == comparison.kind; };
     const auto in_a = std::find_if(a.begin(), a.end(), of_kind);
     const auto in_b = std::find_if(b.begin(), b.end(), of_kind);
-    if (in_a == a.end() || in_b == b.end() || in_a->values.size() != in_b->values.size()) continue;
+    if (in_a == a.end() || in_b == b.end() || !comparable(*in_a, *in_b)) continue;
     if (partial && comparison.whole_only) continue;
-    const double distance = comparison.distance(in_a->values, in_b->values);
+    const double distance = distance_of(comparison, *in_a, *in_b);
     if (!std::isfinite(distance)) continue;
     double ratio = log_ratio(comparison, distance);
-    if (colorless && !comparison.whole_only && ratio > 0) ratio *= 0.5;
+    if (colorless && comparison.of_color && ratio > 0) ratio *= 0.5;
     likeness.parts.push_back({comparison.kind, distance, ratio});
     likeness.log_ratio += weight * likeness.parts.back().log_ratio;
     log_closeness += std::log(std::max(1e-12, gaussian_closeness(distance, comparison.sigma)));

@@ -27,6 +27,7 @@ struct Comparison {
   std::vector<Point> table;
   double sigma = 0.25;      ///< of gaussian_closeness(), for the dissertation's similarity
   bool whole_only = false;  ///< says nothing about views that are cut off (sizes)
+  bool of_color = false;
 };
 
 /// The comparisons known to this version, in the order in which they are reported.

@@ -31,7 +31,12 @@ Isometry3d pose_from(const Json& json) {
 
 Json look_json(const Look& look) {
   Json descriptors = Json::object();
-  for (const Descriptor& d : look.descriptors) descriptors[d.kind] = d.values;
+  for (const Descriptor& d : look.descriptors) {
+    if (d.names.empty())
+      descriptors[d.kind] = d.values;
+    else
+      descriptors[d.kind] = {{"names", d.names}, {"values", d.values}};
+  }
   return {
       {"time", look.time}, {"weight", look.weight}, {"partial", look.partial}, {"descriptors", descriptors}};
 }
@@ -41,8 +46,13 @@ Look look_from(const Json& json) {
   look.time = json.at("time").get<TimeNs>();
   look.weight = json.at("weight").get<double>();
   look.partial = json.at("partial").get<bool>();
-  for (const auto& [kind, values] : json.at("descriptors").items())
-    look.descriptors.push_back({kind, values.get<std::vector<float>>()});
+  for (const auto& [kind, values] : json.at("descriptors").items()) {
+    if (values.is_array())
+      look.descriptors.push_back({kind, values.get<std::vector<float>>()});
+    else
+      look.descriptors.push_back({kind, values.at("values").get<std::vector<float>>(),
+                                  values.at("names").get<std::vector<std::string>>()});
+  }
   return look;
 }
 
@@ -68,6 +78,7 @@ Json object_json(const ProtoObject& o) {
           {"size", numbers(o.box.size)},
           {"variance", o.variance},
           {"partial", o.partial},
+          {"sized", o.sized},
           {"map_from_camera", pose_numbers(o.map_from_camera)},
           {"looks", looks},
           {"last_observation", o.last_observation},
@@ -91,6 +102,7 @@ ProtoObject object_from(const Json& json) {
   o.box = {vector_from(json.at("centre")), vector_from(json.at("size"))};
   o.variance = json.at("variance").get<double>();
   o.partial = json.at("partial").get<bool>();
+  o.sized = json.value("sized", true);  // beliefs from before sizes could be missing
   o.map_from_camera = pose_from(json.at("map_from_camera"));
   for (const Json& look : json.at("looks")) o.looks.push_back(look_from(look));
   o.last_observation = json.at("last_observation").get<int64_t>();

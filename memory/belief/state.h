@@ -49,6 +49,7 @@ struct ProtoObject {
   AxisBox box;           ///< fused; centre in the place's frame, size along the map's axes
   double variance = 0;   ///< of the centre per axis, m²
   bool partial = false;  ///< never seen whole since it is there
+  bool sized = true;     ///< somebody measured its size
   Isometry3d map_from_camera = Isometry3d::Identity();  ///< of the last sighting
 
   std::vector<Look> looks;

@@ -75,6 +75,28 @@ AxisBox core_of(const AxisBox& box, const VisibilityOptions& options) {
   return core;
 }
 
+/// So much of what is in the image of a detector without depth is taken to be in its sight: it says nothing
+/// about what stands in front.
+constexpr double kUnobstructed = 0.5;
+
+/// How much of what is in the image the detector looked at.
+double searched_part(const SceneView& view, const std::string& place) {
+  if (!view.observed || place.empty()) return view.has_camera ? kUnobstructed : 0.0;
+  for (const ObservedPlace& observed : *view.observed)
+    if (observed.name == place) return observed.fraction;
+  return 0.0;
+}
+
+bool lies_in(const AxisBox& box, const Vector3d& point) {
+  return (point.array() >= box.low().array()).all() && (point.array() <= box.high().array()).all();
+}
+
+/// Whether a box stands on the line from the camera to a point.
+bool hides(const SceneView& view, const AxisBox& box, const Vector3d& camera_point) {
+  const auto [enter, leave] = depth_interval(view, camera_point, box);
+  return enter < leave && enter > 0 && leave < camera_point.z();
+}
+
 double share_at(int i, int steps) {
   return steps > 1 ? double(i) / double(steps - 1) - 0.5 : 0.0;
 }
@@ -119,6 +141,47 @@ OccupiedBy look_at_who(const SceneView& view, const AxisBox& box, double sigma, 
             result.share[static_cast<size_t>(seen.label)] += one;
           break;
       }
+    }
+  }
+  return result;
+}
+
+OccupiedBy look_without_depth(const SceneView& view, const AxisBox& box, const std::string& place,
+                              const std::vector<Observation>& found, const VisibilityOptions& options) {
+  OccupiedBy result;
+  result.share.assign(found.size(), 0.0);
+  const double part = searched_part(view, place);
+  if (part <= 0) {
+    result.visibility.out_of_view = 1;
+    return result;
+  }
+  const Isometry3d camera_from_map = view.map_from_camera.inverse();
+  const AxisBox core = core_of(box, options);
+  const int n = options.steps;
+  const double one = 1.0 / (double(n) * n * n);
+  for (int i = 0; i < n * n * n; ++i) {
+    const Vector3d share(share_at(i % n, n), share_at(i / n % n, n), share_at(i / (n * n), n));
+    const Vector3d point = core.centre + core.size.cwiseProduct(share);
+    const auto there = std::find_if(found.begin(), found.end(), [&](const Observation& observation) {
+      return observation.sized && lies_in(observation.box, point);
+    });
+    if (there != found.end()) {
+      result.visibility.occupied += one;
+      result.share[static_cast<size_t>(there - found.begin())] += one;
+      continue;
+    }
+    const Vector3d seen = camera_from_map * point;
+    const bool in_image =
+        seen.z() >= view.near_m && seen.z() <= view.far_m && view.camera.contains(view.camera.project(seen));
+    if (view.has_camera && !in_image) {
+      result.visibility.out_of_view += one;
+    } else if (view.has_camera && std::any_of(found.begin(), found.end(), [&](const Observation& o) {
+                 return o.sized && hides(view, o.box, seen);
+               })) {
+      result.visibility.hidden += one;
+    } else {
+      result.visibility.searched += one * part;
+      result.visibility.unmeasured += one * (1 - part);
     }
   }
   return result;

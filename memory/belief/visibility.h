@@ -13,9 +13,10 @@ struct Visibility {
   double unmeasured = 0;    ///< in the image, but the sensor gave nothing (glossy, dark, shadow)
   double occupied = 0;      ///< a surface was measured where it is
   double seen_through = 0;  ///< the sensor looked through the place to something behind: it is not there
+  double searched = 0;      ///< a detector that knows no depth looked there and found nothing
 
   /// Share of the box about which the image says something.
-  double looked() const { return occupied + seen_through; }
+  double looked() const { return occupied + seen_through + searched; }
   /// Of what was looked at, the share that was seen empty; 0 when nothing was looked at.
   double empty_share() const { return looked() > 0 ? seen_through / looked() : 0.0; }
 };
@@ -39,6 +40,10 @@ struct OccupiedBy {
 };
 OccupiedBy look_at_who(const SceneView& view, const AxisBox& box, double sigma, size_t observations,
                        const VisibilityOptions& options = {});
+
+/// The same for a view without depth: where its detector looked, and what it found there.
+OccupiedBy look_without_depth(const SceneView& view, const AxisBox& box, const std::string& place,
+                              const std::vector<Observation>& found, const VisibilityOptions& options = {});
 
 /// Probability that something there would go undetected because too little of it is in view.
 double undetectable(const Visibility& visibility);

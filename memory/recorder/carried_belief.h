@@ -5,7 +5,7 @@
 
 namespace loci {
 
-/// Keeps the belief with a scene: a blob, named by an annotation of the scene.
+/// Keeps the belief as it is after a scene, in the place of the one before.
 void save_belief(SceneTransaction& transaction, Id scene, const belief::BeliefState& state);
 
 }  // namespace loci

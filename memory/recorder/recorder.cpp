@@ -85,6 +85,7 @@ class Recorder::Writing {
     recorder_.state_ = std::move(state_);
     recorder_.last_rows_ = std::move(rows_);
     recorder_.last_joints_ = record_.row.joints;
+    recorder_.places_.merge(new_places_);
     recorder_.next_observation_ += static_cast<Id>(result_.observations.size());
     return std::move(result_);
   }
@@ -93,6 +94,7 @@ class Recorder::Writing {
   Bitemporal clock(std::optional<TimeNs> valid_from = {}) const {
     Bitemporal clock;
     clock.valid_from = valid_from.value_or(record_.row.time);
+    clock.source = record_.source;
     return clock;
   }
 
@@ -120,12 +122,15 @@ class Recorder::Writing {
   }
 
   void add_places() {
-    for (const PlaceRow& place : record_.places) places_[place.name] = transaction_.add_place(place);
+    for (const PlaceRow& place : record_.places)
+      if (!this->place(place.name)) new_places_[place.name] = transaction_.add_place(place);
   }
 
   std::optional<Id> place(const std::string& name) const {
-    const auto found = places_.find(name);
-    return found == places_.end() ? std::nullopt : std::optional<Id>(found->second);
+    if (const auto known = recorder_.places_.find(name); known != recorder_.places_.end())
+      return known->second;
+    const auto fresh = new_places_.find(name);
+    return fresh == new_places_.end() ? std::nullopt : std::optional<Id>(fresh->second);
   }
 
   void add_observations() {
@@ -284,7 +289,8 @@ class Recorder::Writing {
     for (const belief::Confirmed& confirmed : result_.update.confirmed) add_first_belief(confirmed);
     for (const belief::ProtoObject& object : state_.objects) {
       if (object.id == 0) continue;
-      const bool seen_now = object.last_seen == record_.row.time;
+      const bool seen_now =
+          std::ranges::find(result_.observations, object.last_observation) != result_.observations.end();
       BeliefRow row = rows_.contains(object.id) ? rows_.at(object.id) : BeliefRow();
       const BeliefRow before = row;
       row.object = object.id;
@@ -367,6 +373,11 @@ class Recorder::Writing {
   }
 
   void add_place_visibility(const PlaceRow& place_row) {
+    if (record_.view.observed) {
+      for (const belief::ObservedPlace& observed : *record_.view.observed)
+        if (observed.name == place_row.name) add_look(place_row, observed.fraction);
+      return;
+    }
     if (record_.view.depth.empty() || place_row.outline.empty() || !place_row.height) return;
     Isometry3d now_from_outline = Isometry3d::Identity();
     for (const belief::PlacePose& pose : record_.place_poses)
@@ -375,11 +386,14 @@ class Recorder::Writing {
     std::vector<Vector3d> outline;
     for (const Vector2d& corner : place_row.outline)
       outline.push_back(now_from_outline * Vector3d(corner.x(), corner.y(), *place_row.height));
-    const double fraction =
-        belief::observed_fraction(record_.view, outline, 0.05, recorder_.options_.visibility);
+    add_look(place_row,
+             belief::observed_fraction(record_.view, outline, 0.05, recorder_.options_.visibility));
+  }
+
+  void add_look(const PlaceRow& place_row, double fraction) {
     if (fraction < kPlaceSeen) return;  // no row: not observed
-    transaction_.add_visibility({0, result_.scene, std::nullopt, places_.at(place_row.name), "seen",
-                                 std::nullopt, std::min(1.0, fraction)});
+    transaction_.add_visibility({0, result_.scene, std::nullopt, *place(place_row.name), "seen", std::nullopt,
+                                 std::min(1.0, fraction)});
   }
 
   Recorder& recorder_;
@@ -388,7 +402,7 @@ class Recorder::Writing {
   belief::BeliefState state_;
   std::vector<belief::Observation> expected_observations_;
   RecordedScene result_;
-  std::map<std::string, Id> places_;
+  std::map<std::string, Id> new_places_;
   std::map<Id, BeliefRow> rows_;
 };
 
@@ -396,14 +410,9 @@ Recorder::Recorder(Store& store, Id run, const belief::BeliefOptions& options)
     : store_(store), run_(run), options_(options), state_(load_belief(store)) {
   for (const ObjectRow& object : store.objects()) last_rows_[object.id] = {};
   for (const BeliefRow& row : store.beliefs()) last_rows_[row.object] = row;
-  Id last = 0;
-  for (const SceneRow& scene : store.scenes()) {
-    for (const ObservationRow& row : store.observations(scene.id))
-      next_observation_ = std::max(next_observation_, row.id + 1);
-    if (scene.id < last) continue;
-    last = scene.id;
-    last_joints_ = scene.joints;
-  }
+  for (const PlaceRow& place : store.places()) places_[place.name] = place.id;
+  next_observation_ = store.last_observation() + 1;
+  if (const std::optional<SceneRow> last = store.last_scene()) last_joints_ = last->joints;
 }
 
 ResolvedScene Recorder::resolve(const SceneRecord& scene) const {

@@ -52,6 +52,7 @@ class Recorder {
   Id next_observation_ = 1;
   std::map<Id, BeliefRow> last_rows_;          ///< what the memory says about each object now
   std::map<std::string, double> last_joints_;  ///< of the scene before
+  std::map<std::string, Id> places_;           ///< that the memory knows
 };
 
 /// The belief that a memory holds after its last scene; empty for a new memory.

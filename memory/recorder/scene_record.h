@@ -35,7 +35,8 @@ struct ObservationRecord {
 
 /// Everything about one moment, as it comes out of a pipeline or another detector.
 struct SceneRecord {
-  SceneRow row;  ///< without id, depth and picture, which the recorder fills in
+  std::string source = "perceive";  ///< who says so
+  SceneRow row;                     ///< without id, depth and picture, which the recorder fills in
   belief::SceneView view;
   std::optional<double> seconds_to_next;
   std::vector<belief::PlacePose> place_poses;  ///< where moving places are now

@@ -79,8 +79,12 @@ class Store {
   std::vector<SceneRow> scenes(const AsOf& as_of = {}, std::optional<TimeNs> from = {},
                                std::optional<TimeNs> to = {}) const;
   SceneRow scene(Id id) const;
+  /// The scene added last, and the time of the latest; unset in an empty memory.
+  std::optional<SceneRow> last_scene() const;
+  std::optional<TimeNs> last_scene_time() const;
   std::vector<ObservationRow> observations(Id scene) const;
   ObservationRow observation(Id id) const;
+  Id last_observation() const;  ///< the highest number given; 0 = none
   std::vector<AnnotationRow> annotations(Id scene) const;
 
   std::vector<ObjectRow> objects(const AsOf& as_of = {}) const;

@@ -264,6 +264,17 @@ SceneRow Store::scene(Id id) const {
   return one<SceneRow>(*implementation_, "scene", id, scene_row);
 }
 
+std::optional<SceneRow> Store::last_scene() const {
+  auto rows = all<SceneRow>(*implementation_, "SELECT * FROM scene ORDER BY id DESC LIMIT 1", {}, scene_row);
+  return rows.empty() ? std::nullopt : std::optional(std::move(rows[0]));
+}
+
+std::optional<TimeNs> Store::last_scene_time() const {
+  const auto rows = all<TimeNs>(*implementation_, "SELECT time FROM scene ORDER BY time DESC LIMIT 1", {},
+                                [](const SqlRow& row) { return row.integer("time"); });
+  return rows.empty() ? std::nullopt : std::optional(rows[0]);
+}
+
 std::vector<ObservationRow> Store::observations(Id scene) const {
   return all<ObservationRow>(*implementation_, "SELECT * FROM observation WHERE scene = ? ORDER BY number",
                              {sql(scene)}, observation_row);
@@ -271,6 +282,12 @@ std::vector<ObservationRow> Store::observations(Id scene) const {
 
 ObservationRow Store::observation(Id id) const {
   return one<ObservationRow>(*implementation_, "observation", id, observation_row);
+}
+
+Id Store::last_observation() const {
+  return all<Id>(*implementation_, "SELECT coalesce(max(id), 0) AS id FROM observation", {},
+                 [](const SqlRow& row) { return row.integer("id"); })
+      .front();
 }
 
 std::vector<AnnotationRow> Store::annotations(Id scene) const {

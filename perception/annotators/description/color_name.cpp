@@ -6,29 +6,11 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/image/hsv.h"
 #include "perception/annotators/description/color_histogram.h"
 #include "perception/conversions/opencv.h"
 
 namespace loci {
-
-const char* color_name(float hue, float saturation, float value) {
-  if (value < 0.2f) return "black";
-  // Daylight tints white things blue; a warm tint of that strength is a colour to people (beige).
-  const bool cool = hue >= 180 && hue < 270 && value > 0.5f;
-  if (saturation < (cool ? 0.26f : 0.15f) || (saturation < 0.25f && value < 0.35f))
-    return value > 0.72f ? "white" : value > 0.3f ? "grey" : "black";
-  if (hue < 14 || hue >= 345) {
-    if (saturation < 0.5f && value > 0.7f) return "pink";
-    return value < 0.35f ? "brown" : "red";
-  }
-  if (hue < 42) return value < 0.6f ? "brown" : saturation < 0.35f ? "beige" : "orange";
-  if (hue < 68) return value < 0.4f ? "brown" : saturation < 0.3f ? "beige" : "yellow";
-  if (hue < 165) return "green";
-  if (hue < 195) return "cyan";
-  if (hue < 255) return "blue";
-  if (hue < 300) return "purple";
-  return saturation < 0.75f && value > 0.5f ? "pink" : "purple";
-}
 
 NamedColors name_colors(const cv::Mat& image, const cv::Mat& mask, double least) {
   cv::Mat hsv;

@@ -17,9 +17,6 @@ struct NamedColors {
   double mean_value = 0;           ///< 0 to 1
 };
 
-/// The word for one colour: hue 0 to 360 degrees, saturation and value 0 to 1.
-const char* color_name(float hue, float saturation, float value);
-
 /// Of the masked pixels of an image (BGR); names below `least` of them are left out. Empty mask: no names.
 NamedColors name_colors(const cv::Mat& image, const cv::Mat& mask, double least);
 

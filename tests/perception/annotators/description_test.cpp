@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "mapping/image/hsv.h"
 #include "perception/annotators/annotators.h"
 #include "perception/annotators/description/color_histogram.h"
 #include "perception/annotators/description/color_name.h"

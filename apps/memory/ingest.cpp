@@ -1,0 +1,38 @@
+#include "memory/ingest/ingest.h"
+
+#include "apps/memory/commands.h"
+
+namespace loci {
+
+Command ingest_command() {
+  return {
+      "ingest",
+      "Takes in detections of other systems",
+      {"loci-memory ingest apps/samples/detections.jsonl -m demo-output/detections.loci --resume",
+       "loci-memory ingest apps/samples/detections.jsonl -m demo-output/detections_map.loci --map "
+       "apps/samples/kitchen.urdf --strict --resume --json"},
+      [](CLI::App& app) {
+        struct Arguments {
+          std::string file, memory, map, now;
+          IngestOptions options;
+        };
+        auto arguments = std::make_shared<Arguments>();
+        app.add_option("FILE", arguments->file, "Detections, one scene per line (JSON Lines)")->required();
+        app.add_option("-m,--memory", arguments->memory, "Memory to write to, FILE.loci")->required();
+        app.add_option("--map", arguments->map, "URDF of the kitchen, for the places");
+        app.add_option("--now", arguments->now, "When the memory learns it, ISO 8601 (default: the clock)");
+        OptionTable table;
+        arguments->options.declare(table);
+        add_options(app, table);
+        return [arguments](Session& session) {
+          WriteOptions write;
+          if (!arguments->now.empty()) write.now = parse_time(arguments->now);
+          arguments->options.map = arguments->map;
+          const IngestResult result = ingest(arguments->file, arguments->memory, arguments->options, write,
+                                             session.progress(), session.warnings());
+          session.answer(result.summary(), result.report());
+        };
+      }};
+}
+
+}  // namespace loci

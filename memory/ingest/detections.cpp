@@ -1,0 +1,249 @@
+#include "memory/ingest/detections.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "mapping/base/error.h"
+
+namespace loci {
+namespace {
+
+/// Farther than this from the origin no kitchen reaches; such a number is a mistake of units.
+constexpr double kFarthest_m = 1e5;
+constexpr double kLargestSize_m = 100;
+constexpr size_t kMostDetections = 1000;
+constexpr int kDeepest = 32;
+
+/// Parsed here with sorted keys: a line of millions of keys must not take hours.
+using Parsed = nlohmann::json;
+
+[[noreturn]] void refuse(const std::string& key, const std::string& what, const std::string& hint = {}) {
+  throw Error(what, {{}, 0, key}, hint);
+}
+
+double number(const Parsed& json, const std::string& key) {
+  if (!json.is_number()) refuse(key, fmt::format("must be a number, is {}", json.type_name()));
+  const auto value = json.get<double>();
+  if (!std::isfinite(value)) refuse(key, "must be a finite number");
+  return value;
+}
+
+double bounded(const Parsed& json, const std::string& key, double low, double high) {
+  const double value = number(json, key);
+  if (value < low || value > high) refuse(key, fmt::format("must be from {} to {}, is {}", low, high, value));
+  return value;
+}
+
+std::string text(const Parsed& json, const std::string& key) {
+  if (!json.is_string()) refuse(key, fmt::format("must be text, is {}", json.type_name()));
+  return json.get<std::string>();
+}
+
+std::string name(const Parsed& json, const std::string& key) {
+  std::string value = text(json, key);
+  if (value.empty()) refuse(key, "must not be empty");
+  return value;
+}
+
+template <size_t N>
+std::array<double, N> numbers(const Parsed& json, const std::string& key) {
+  if (!json.is_array() || json.size() != N) refuse(key, fmt::format("must be {} numbers", N));
+  std::array<double, N> values{};
+  for (size_t i = 0; i < N; ++i) values[i] = number(json[i], key);
+  return values;
+}
+
+Vector3d vector(const Parsed& json, const std::string& key) {
+  const auto values = numbers<3>(json, key);
+  return {values[0], values[1], values[2]};
+}
+
+const Parsed& object(const Parsed& json, const std::string& key) {
+  if (!json.is_object()) refuse(key, fmt::format("must be an object {{...}}, is {}", json.type_name()));
+  return json;
+}
+
+const Parsed& list(const Parsed& json, const std::string& key) {
+  if (!json.is_array()) refuse(key, fmt::format("must be a list [...], is {}", json.type_name()));
+  return json;
+}
+
+DetectedScene::Camera read_camera(const Parsed& json) {
+  DetectedScene::Camera camera;
+  PinholeCamera lens;
+  int given = 0;
+  for (const auto& [key, value] : object(json, "camera").items()) {
+    const std::string where = "camera." + key;
+    if (key == "pose") {
+      camera.map_from_camera = pose_from_values(numbers<7>(value, where), {{}, 0, where});
+    } else if (key == "range") {
+      const auto range = numbers<2>(value, where);
+      if (range[0] < 0 || range[1] <= range[0]) refuse(where, "must be [nearest, farthest] in metres");
+      camera.near_m = range[0];
+      camera.far_m = range[1];
+    } else if (key == "width" || key == "height") {
+      (key == "width" ? lens.width : lens.height) = static_cast<int>(bounded(value, where, 1, 100000));
+      ++given;
+    } else if (key == "fx" || key == "fy") {
+      (key == "fx" ? lens.fx : lens.fy) = bounded(value, where, 1e-3, 1e7);
+      ++given;
+    } else if (key == "cx" || key == "cy") {
+      (key == "cx" ? lens.cx : lens.cy) = bounded(value, where, -1e6, 1e6);
+      ++given;
+    }
+  }
+  if (given == 6) camera.lens = lens;
+  if (given != 6 && given != 0)
+    refuse("camera", "has some of width, height, fx, fy, cx, cy: give all or none");
+  return camera;
+}
+
+std::vector<std::pair<std::string, double>> read_classes(const Parsed& json, const std::string& where) {
+  if (json.is_string()) return {{name(json, where), 1.0}};
+  std::vector<std::pair<std::string, double>> classes;
+  double sum = 0;
+  for (const auto& [key, value] : object(json, where).items()) {
+    if (key.empty()) refuse(where, "has a class without a name");
+    classes.emplace_back(key, bounded(value, where + "." + key, 0, 1));
+    sum += classes.back().second;
+  }
+  // Detectors with independent outputs give more than one in total.
+  if (sum > 1)
+    for (auto& [key, probability] : classes) probability /= sum;
+  std::stable_sort(classes.begin(), classes.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  return classes;
+}
+
+Vector3d read_color(const Parsed& json, const std::string& where) {
+  const Vector3d color = vector(json, where);
+  if (color[0] < 0 || color[0] > 360 || color.tail<2>().minCoeff() < 0 || color.tail<2>().maxCoeff() > 1)
+    refuse(where, "must be [hue 0 to 360, saturation 0 to 1, value 0 to 1]");
+  return color;
+}
+
+std::vector<float> read_feature(const Parsed& json, const std::string& where) {
+  std::vector<float> values;
+  for (const Parsed& value : list(json, where)) values.push_back(static_cast<float>(number(value, where)));
+  return values;
+}
+
+Detection read_detection(const Parsed& json, const std::string& where, std::vector<std::string>& unknown) {
+  Detection detection;
+  bool has_position = false;
+  for (const auto& [key, value] : object(json, where).items()) {
+    const std::string here = where + "." + key;
+    if (key == "position") {
+      detection.position = vector(value, here);
+      has_position = true;
+      if (detection.position.cwiseAbs().maxCoeff() > kFarthest_m)
+        refuse(here, "lies more than 100 km away", "positions are in metres");
+    } else if (value.is_null()) {
+      continue;  // unset
+    } else if (key == "position_sigma") {
+      detection.position_sigma = bounded(value, here, 1e-5, 100);
+    } else if (key == "size") {
+      detection.size = vector(value, here);
+      if (detection.size->minCoeff() <= 0 || detection.size->maxCoeff() > kLargestSize_m)
+        refuse(here, fmt::format("must be above 0 and up to {} m", kLargestSize_m),
+               "leave it out when it is unknown");
+    } else if (key == "class") {
+      detection.classes = read_classes(value, here);
+    } else if (key == "color") {
+      detection.color = read_color(value, here);
+    } else if (key == "text") {
+      if (value.is_string())
+        detection.texts.push_back(text(value, here));
+      else
+        for (const Parsed& one : list(value, here)) detection.texts.push_back(text(one, here));
+      std::erase(detection.texts, "");
+    } else if (key == "features") {
+      for (const auto& [feature, numbers] : object(value, here).items())
+        detection.features.emplace_back(feature, read_feature(numbers, here + "." + feature));
+    } else if (key == "score") {
+      detection.score = bounded(value, here, 0, 1);
+    } else if (key == "place") {
+      detection.place = name(value, here);
+    } else {
+      unknown.push_back("detections." + key);
+    }
+  }
+  if (!has_position) refuse(where, "has no position");
+  return detection;
+}
+
+std::vector<std::pair<std::string, double>> read_observed(const Parsed& json) {
+  std::vector<std::pair<std::string, double>> observed;
+  for (const Parsed& one : list(json, "observed")) {
+    object(one, "observed");
+    if (!one.contains("place")) refuse("observed", "has an entry without place");
+    const double fraction =
+        one.contains("fraction") ? bounded(one["fraction"], "observed.fraction", 0, 1) : 1.0;
+    observed.emplace_back(name(one["place"], "observed.place"), fraction);
+  }
+  return observed;
+}
+
+/// What is nested deeper than any scene costs a hundred times its own size in memory.
+void refuse_deep(std::string_view line) {
+  int depth = 0;
+  bool quoted = false;
+  for (size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (quoted && c == '\\') {
+      ++i;  // whatever it escapes
+      continue;
+    }
+    if (c == '"') quoted = !quoted;
+    if (quoted) continue;
+    if (c == '[' || c == '{') ++depth;
+    if (c == ']' || c == '}') --depth;
+    if (depth > kDeepest) throw Error("is nested too deeply");
+  }
+}
+
+}  // namespace
+
+DetectedScene parse_detections(std::string_view line) {
+  refuse_deep(line);
+  Parsed json;
+  try {
+    json = Parsed::parse(line);
+  } catch (const Parsed::parse_error& error) {
+    const std::string what = error.what();
+    if (what.find("UTF-8") != std::string::npos)
+      throw Error(fmt::format("has invalid UTF-8 at byte {}", error.byte));
+    throw Error(fmt::format("is not valid JSON at byte {}", error.byte));
+  } catch (const Parsed::exception&) {
+    throw Error("has a number that is too large");
+  }
+  DetectedScene scene;
+  if (!json.is_object()) throw Error("is not a JSON object");
+  if (!json.contains("time")) throw Error("has no time");
+  for (const auto& [key, value] : json.items()) {
+    if (key == "time") {
+      scene.time = parse_time(text(value, "time"));
+    } else if (value.is_null()) {
+      continue;  // unset
+    } else if (key == "camera") {
+      scene.camera = read_camera(value);
+    } else if (key == "observed") {
+      scene.observed = read_observed(value);
+    } else if (key == "detections") {
+      if (list(value, "detections").size() > kMostDetections)
+        refuse("detections", fmt::format("has more than {} entries", kMostDetections));
+      size_t index = 0;
+      for (const Parsed& detection : value)
+        scene.detections.push_back(
+            read_detection(detection, fmt::format("detections[{}]", index++), scene.unknown_keys));
+    } else {
+      scene.unknown_keys.push_back(key);
+    }
+  }
+  return scene;
+}
+
+}  // namespace loci

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "mapping/base/json.h"
+#include "mapping/base/options.h"
+#include "mapping/base/progress.h"
+#include "memory/belief/options.h"
+#include "memory/store/store.h"
+
+namespace loci {
+
+struct IngestOptions {
+  bool strict = false;        ///< refuse the whole file for one bad line
+  bool resume = false;        ///< go on with a file that the memory has in part
+  double noise_m = 0;         ///< of positions; 0 = estimate it from the file
+  std::filesystem::path map;  ///< URDF; empty = none
+  belief::BeliefOptions belief;
+  std::string program = "loci-memory ingest";
+
+  void declare(OptionTable& table);
+};
+
+struct IngestResult {
+  size_t scenes = 0, detections = 0;  ///< added
+  size_t present = 0;                 ///< lines that the memory had already
+  size_t repeated = 0;                ///< lines that say the same as the line before
+  size_t bad = 0;  ///< lines that were skipped, each named in the warnings (the first ones)
+  double noise_m = 0;
+  bool noise_estimated = false;
+
+  std::string summary() const;
+  Json report() const;
+};
+
+/// Takes another system's detections (JSON Lines, docs/file-formats.md) into a memory, with the same
+/// reasoning as for perceived scenes. One scene is one transaction: after an interruption, however hard,
+/// `resume` goes on with the first line that is missing. Error when the file has no good line, when it is in
+/// the memory already and `resume` is not set, and with `strict` for the first bad line before anything is
+/// added.
+IngestResult ingest(const std::filesystem::path& file, const std::filesystem::path& memory,
+                    const IngestOptions& options, const WriteOptions& write, Progress& progress,
+                    Warnings& warnings);
+
+}  // namespace loci

@@ -1,0 +1,47 @@
+#include "memory/ingest/noise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace loci {
+namespace {
+
+/// What lies farther from everything that was there is another thing.
+constexpr double kNear_m = 0.3;
+constexpr size_t kFewest = 60;  ///< differences, that is twenty things seen twice
+constexpr size_t kMost = 200'000;
+constexpr double kLeast_m = 0.002, kLargest_m = 0.2;
+
+size_t nearest(const Vector3d& position, const std::vector<Detection>& among) {
+  size_t best = 0;
+  for (size_t i = 1; i < among.size(); ++i)
+    if ((among[i].position - position).squaredNorm() < (among[best].position - position).squaredNorm())
+      best = i;
+  return best;
+}
+
+}  // namespace
+
+void PositionNoise::add(const DetectedScene& scene) {
+  if (!before_.empty() && !scene.detections.empty() && differences_.size() < kMost) {
+    for (size_t i = 0; i < scene.detections.size(); ++i) {
+      const Vector3d& position = scene.detections[i].position;
+      const Vector3d& earlier = before_[nearest(position, before_)].position;
+      if ((position - earlier).norm() > kNear_m || nearest(earlier, scene.detections) != i) continue;
+      for (int axis = 0; axis < 3; ++axis) differences_.push_back(std::abs(position[axis] - earlier[axis]));
+    }
+  }
+  before_ = scene.detections;
+}
+
+std::optional<double> PositionNoise::sigma_m() const {
+  if (differences_.size() < kFewest) return std::nullopt;
+  std::vector<double> sorted = differences_;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  // The median of |d| is 0.6745 standard deviations, and both looks are noisy.
+  return std::clamp(*middle / 0.6745 / std::numbers::sqrt2, kLeast_m, kLargest_m);
+}
+
+}  // namespace loci
