@@ -1,27 +1,103 @@
+#include <fmt/format.h>
+
 #include "apps/map/commands.h"
 #include "mapping/articulation/articulation.h"
+#include "mapping/interpretation/furniture_links.h"
+#include "mapping/world/semantic_map.h"
+#include "mapping/world/urdf.h"
 
 namespace loci {
+namespace {
+
+struct ArticulateArguments {
+  std::string track, before, after, map, front, out;
+  TrackOptions options;
+  DifferenceOptions difference;
+};
+
+/// Puts a front that has learned its joint in the place of the one of its name.
+void replace_front(const Front& front, World& world, SemanticMap& semantics) {
+  const auto link = front_link(front.name, semantics);
+  const Joint* joint = link ? world.parent_joint(*link) : nullptr;
+  if (joint == nullptr) throw Error("the map has no front '" + front.name + "'");
+  const std::string parent = joint->parent;
+  remove_front(front.name, world, semantics);
+  add_front(front, parent, world, semantics);
+}
+
+std::string line_of(const std::string& name, const DifferenceResult& result) {
+  const JointEstimate& joint = *result.joint;
+  return fmt::format(
+      "{}: {}, probability {:.2f}, moved {:.2f} {}; axis {:.3f} {:.3f} {:.3f} (± {:.2f} deg)\n", name,
+      joint_estimate_type_name(joint.type), joint.probabilities[static_cast<size_t>(joint.type)],
+      result.moved, joint.type == JointEstimate::Type::prismatic ? "m" : "rad", joint.axis.x(),
+      joint.axis.y(), joint.axis.z(), joint.axis_sd_deg);
+}
+
+/// Which fronts moved between two scan sets, and the map with what that shows.
+void articulate_map(const ArticulateArguments& arguments, Session& session) {
+  const ScanSet before = read_scan_set(arguments.before), after = read_scan_set(arguments.after);
+  World world = read_urdf(arguments.map);
+  SemanticMap semantics = read_semantic_map(sidecar_path(arguments.map));
+  std::string text;
+  Json report = {{"fronts", Json::object()}};
+  size_t asked = 0;
+  for (const Front& front : fronts_of(world, semantics)) {
+    if (!arguments.front.empty() && front.name != arguments.front) continue;
+    ++asked;
+    const DifferenceResult result = articulate(before, after, front, {}, arguments.difference);
+    if (!result.joint && arguments.front.empty()) continue;
+    report["fronts"][front.name] = result.report();
+    text += result.joint ? line_of(front.name, result) : front.name + ": " + result.reason + "\n";
+    if (!result.joint) continue;
+    Front learned = result.corrected.value_or(front);
+    learned.joint = result.joint;
+    learned.class_name = front_class(learned, *learned.joint);
+    replace_front(learned, world, semantics);
+  }
+  if (asked == 0)
+    throw Error(
+        arguments.front.empty() ? "the map has no fronts" : "the map has no front '" + arguments.front + "'",
+        {arguments.map, 0, ""});
+  if (!arguments.out.empty()) {
+    write_urdf(world, arguments.out);
+    write_semantic_map(semantics, sidecar_path(arguments.out));
+  }
+  session.answer(text.empty() ? "no front moved\n" : text, report);
+}
+
+}  // namespace
 
 Command articulate_command() {
-  return {
-      "articulate",
-      "Joints from recorded tracks",
-      {"loci-map articulate --track apps/samples/tracks/door.csv",
-       "loci-map articulate --track apps/samples/tracks/drawer.csv --json"},
-      [](CLI::App& app) {
-        struct Arguments {
-          std::string track;
-          TrackOptions options;
-        };
-        auto arguments = std::make_shared<Arguments>();
-        app.add_option("--track", arguments->track, "CSV with x, y, z and maybe qx, qy, qz, qw")->required();
-        add_options(app, table_of(arguments->options));
-        return [arguments](Session& session) {
-          const TrackResult result = fit_track(read_track(arguments->track), arguments->options);
-          session.answer(result.summary() + "\n", result.report());
-        };
-      }};
+  return {"articulate",
+          "Joints from recorded tracks, or from scans before and after something moved",
+          {"loci-map articulate --track apps/samples/tracks/door.csv",
+           "loci-map articulate --track apps/samples/tracks/drawer.csv --json"},
+          [](CLI::App& app) {
+            auto arguments = std::make_shared<ArticulateArguments>();
+            CLI::Option* track =
+                app.add_option("--track", arguments->track, "CSV with x, y, z and maybe qx, qy, qz, qw");
+            CLI::Option* before =
+                app.add_option("--before", arguments->before, "Scan set with everything closed");
+            CLI::Option* after = app.add_option("--after", arguments->after, "Scan set with a front open");
+            CLI::Option* map = app.add_option("--map", arguments->map, "URDF of the map, with its sidecar");
+            app.add_option("--front", arguments->front, "Asks for this front only (default: which moved)")
+                ->needs(map);
+            app.add_option("-o,--out", arguments->out, "URDF of the map with what was learned")->needs(map);
+            before->needs(after)->needs(map)->excludes(track);
+            after->needs(before);
+            map->needs(before);
+            add_options(app, table_of(arguments->options));
+            add_options(app, table_of(arguments->difference));
+            return [arguments](Session& session) {
+              if (!arguments->before.empty()) return articulate_map(*arguments, session);
+              if (arguments->track.empty())
+                throw Error("there is nothing to articulate", {},
+                            "give --track, or --before, --after and --map");
+              const TrackResult result = fit_track(read_track(arguments->track), arguments->options);
+              session.answer(result.summary() + "\n", result.report());
+            };
+          }};
 }
 
 }  // namespace loci

@@ -186,8 +186,9 @@ void solve(const Motion& start, const MotionEvidence& evidence, double widened, 
   std::vector<std::pair<const double*, const double*>> blocks{{v.axis.data(), v.axis.data()}};
   if (start.type == Type::revolute) blocks.emplace_back(v.origin.data(), v.origin.data());
   if (!covariance.Compute(blocks, &problem)) return;
-  Eigen::Matrix<double, 2, 2, Eigen::RowMajor> tilt;
-  covariance.GetCovarianceBlockInTangentSpace(v.axis.data(), v.axis.data(), tilt.data());
+  // Of the unit vector itself: the tangent space of the sphere has a scale of its own.
+  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> tilt;
+  covariance.GetCovarianceBlock(v.axis.data(), v.axis.data(), tilt.data());
   result->axis_sd_deg = std::sqrt(tilt.trace()) / kRadians;
   if (start.type != Type::revolute) return;
   Eigen::Matrix<double, 3, 3, Eigen::RowMajor> place;
