@@ -16,11 +16,16 @@ AnnotatorDescriptor NormalEstimator::descriptor() const {
 void NormalEstimator::process(cas::Cas& cas, Context& /*context*/) {
   const types::SceneCas scene(cas);
   const PinholeCamera camera = types::cameras(scene).depth;
-  const cv::Mat smoothed = smooth_depth(types::view_image(scene, types::SceneCas::kDepth), camera, options_);
-  const cv::Mat points = points_from_depth(smoothed, camera);
-  types::set_view_image(scene, types::SceneCas::kSmoothedDepth, smoothed);
-  set_cloud_points(scene, points);
-  set_cloud_normals(scene, normals_from_points(points));
+  if (!bias_ || camera != bias_camera_) {
+    bias_ = options_.correct_inclination ? measure_inclination_bias(camera, options_) : InclinationBias();
+    bias_camera_ = camera;
+  }
+  DepthNormals found;
+  smooth_depth_and_normals(types::view_image(scene, types::SceneCas::kDepth), camera, options_, *bias_,
+                           found);
+  types::set_view_image(scene, types::SceneCas::kSmoothedDepth, found.depth);
+  set_cloud_points(scene, points_from_depth(found.depth, camera));
+  set_cloud_normals(scene, found.normals);
 }
 
 }  // namespace loci

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "perception/annotators/hypotheses/depth_normals.h"
 #include "perception/pipeline/annotator.h"
 
@@ -13,7 +15,9 @@ class NormalEstimator : public Annotator {
   void process(cas::Cas& cas, Context& context) override;
 
  private:
-  NormalOptions options_;
+  NormalOptions options_ = NormalOptions::for_objects();
+  std::optional<InclinationBias> bias_;  ///< of the camera that was seen last
+  PinholeCamera bias_camera_;
 };
 
 }  // namespace loci

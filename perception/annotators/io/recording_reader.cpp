@@ -17,9 +17,11 @@ std::optional<Isometry3d> pose_over_first_support(const Recording& recording) {
   constexpr size_t kTries = 10;
   for (size_t i = 0; i < std::min(recording.size(), kTries); ++i) {
     const RgbdFrame frame = recording.frame(i);
-    const cv::Mat depth = smooth_depth(frame.depth, frame.camera.depth);
+    const cv::Mat depth = smooth_depth(frame.depth, frame.camera.depth, NormalOptions::for_objects());
     const cv::Mat points = points_from_depth(depth, frame.camera.depth);
-    const auto supports = find_supports(points, normals_from_points(points), std::nullopt, SupportOptions());
+    const auto supports =
+        find_supports(points, normals_from_depth(depth, frame.camera.depth, NormalOptions::for_objects()),
+                      std::nullopt, SupportOptions());
     if (!supports.empty()) return supports.front().camera_from_plane.inverse();
   }
   return std::nullopt;
