@@ -1,4 +1,5 @@
 #include "apps/memory/commands.h"
+#include "apps/memory/fact_commands.h"
 
 int main(int argc, char** argv) {
   loci::Program program("loci-memory", "Asks and keeps the spatio-temporal memory.");
@@ -16,6 +17,8 @@ int main(int argc, char** argv) {
   program.add(loci::kept_command());
   program.add(loci::task_command());
   program.add(loci::ask_command());
+  program.add(loci::fact_command());
+  program.add(loci::taxonomy_command());
   program.add(loci::verify_command());
   program.add(loci::ingest_command());
   program.add(loci::report_command());

@@ -34,6 +34,12 @@ const std::set<std::string> kFillers = {"the",   "a",      "an",     "my",      
                                         "thing", "things", "object", "objects", "item", "items",
                                         "one",   "ones",   "all",    "any",     "some", "everything"};
 
+std::vector<Id> unique(std::vector<Id> ids) {
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
+}
+
 std::string same_color(const std::string& word) {
   return word == "gray" ? "grey" : word;
 }
@@ -73,6 +79,7 @@ Snapshot::Snapshot(const Store& store, const AsOf& as_of)
       places_(store.places()),
       beliefs_(store.beliefs(as_of)),
       facts_(store.facts(as_of)),
+      taxonomy_(Taxonomy::of(store, as_of)),
       scenes_(store.scenes(as_of)) {
   for (size_t i = 0; i < scenes_.size(); ++i) scene_index_[scenes_[i].id] = i;
   for (const RecordingRow& recording : store.recordings()) recordings_[recording.id] = recording.name;
@@ -226,18 +233,28 @@ std::vector<Id> Snapshot::find_by_word(const std::string& word) const {
       if (row.place == place.id && row.status != "gone") found.push_back(row.object);
     return found;
   }
-  for (const FactRow& fact : facts_)
-    if (fact.object && fact.key != "owner" && lower(*fact.value) == word) found.push_back(*fact.object);
+  const auto take_facts = [&](auto matches) {
+    for (const FactRow& fact : facts_)
+      if (fact.object && belief(*fact.object) != nullptr && matches(fact, lower(*fact.value)))
+        found.push_back(*fact.object);
+  };
+  // Who was given a name is meant by it, not everything of that kind.
+  take_facts(
+      [&](const FactRow& fact, const std::string& value) { return fact.key == "alias" && value == word; });
+  if (!found.empty()) return unique(std::move(found));
+  const std::set<std::string> meanings = taxonomy_.meanings(word);
+  take_facts([&](const FactRow& fact, const std::string& value) {
+    return fact.key == "owner" ? word == value + "'s" : meanings.contains(value);
+  });
   for (const BeliefRow& row : beliefs_) {
     const bool color = row.color && same_color(lower(*row.color)) == same_color(word);
     const bool size = row.size && is_size_word(word) && has_size(word, *row.size);
     if (color || size) found.push_back(row.object);
   }
-  for (const Id id : store_.objects_annotated(word, as_of_))
-    if (belief(id) != nullptr) found.push_back(id);
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
-  return found;
+  for (const std::string& meaning : meanings)
+    for (const Id id : store_.objects_annotated(meaning, as_of_))
+      if (belief(id) != nullptr) found.push_back(id);
+  return unique(std::move(found));
 }
 
 std::vector<std::string> Snapshot::known_names() const {
@@ -266,25 +283,31 @@ std::vector<Id> Snapshot::find_at_place(const std::vector<std::string>& words) c
 }
 
 std::vector<Id> Snapshot::find_objects(const std::string& subject) const {
+  std::vector<std::string> words = words_of(subject);
+  std::erase_if(words, [](const std::string& word) { return kFillers.contains(word); });
+  const auto phrase = [&](size_t first, size_t count) {
+    const auto begin = words.begin() + static_cast<std::ptrdiff_t>(first);
+    return fmt::format("{}", fmt::join(begin, begin + static_cast<std::ptrdiff_t>(count), " "));
+  };
   std::vector<Id> found;
-  if (!subject.empty()) found = find_by_word(lower(subject));
+  if (!words.empty()) found = find_by_word(phrase(0, words.size()));
   if (!found.empty()) {
     order_objects(found, *this);
     return found;
   }
   for (const BeliefRow& row : beliefs_) found.push_back(row.object);
   const Place where{store_.path().string(), 0, {}};
-  const std::vector<std::string> words = words_of(subject);
   for (size_t i = 0; i < words.size(); ++i) {
     std::vector<Id> matching;
     if ((words[i] == "on" || words[i] == "in") && i + 1 < words.size()) {
       // The rest is the place.
       matching = find_at_place({words.begin() + static_cast<std::ptrdiff_t>(i) + 1, words.end()});
       i = words.size();
-    } else if (kFillers.contains(words[i])) {
-      continue;
     } else {
-      matching = find_by_word(words[i]);
+      // "red tea cup": the longest name that is known goes together.
+      size_t count = std::min<size_t>(4, words.size() - i);
+      while ((matching = find_by_word(phrase(i, count))).empty() && count > 1) --count;
+      i += count - 1;
       if (matching.empty()) {
         const bool is_place = std::any_of(places_.begin(), places_.end(), [&](const PlaceRow& place) {
           return lower(place.name) == words[i];

@@ -5,6 +5,7 @@
 
 #include "mapping/base/error.h"
 #include "memory/questions/answers.h"
+#include "memory/questions/taxonomy.h"
 
 namespace loci {
 
@@ -44,8 +45,9 @@ class Snapshot {
   SceneSummary summary(const SceneRow& scene) const;
 
   /// Objects that X means, most probable first, then most recent. X: "object_12", an alias, words for colour,
-  /// size, class or text, "on PLACE", or several of these together; empty = all. UnknownName with the nearest
-  /// names when it means nothing.
+  /// size, class (or another word or a wider kind of it, by the taxonomy), text, property, "Ada's" for an
+  /// owner, "on PLACE", or several of these together; empty = all. UnknownName with the nearest names when it
+  /// means nothing.
   std::vector<Id> find_objects(const std::string& subject) const;
   /// Places that a name means: those called so, else by its last word ("couch table" is any table).
   /// UnknownName with the nearest names when it means nothing.
@@ -64,6 +66,7 @@ class Snapshot {
   std::vector<PlaceRow> places_;
   std::vector<BeliefRow> beliefs_;
   std::vector<FactRow> facts_;
+  Taxonomy taxonomy_;
   std::vector<SceneRow> scenes_;
   std::unordered_map<Id, size_t> scene_index_;
   std::map<Id, std::string> recordings_;

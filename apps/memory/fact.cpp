@@ -1,0 +1,77 @@
+#include "apps/memory/fact_commands.h"
+#include "memory/questions/facts.h"
+#include "memory/questions/taxonomy.h"
+
+namespace loci {
+
+Command fact_command() {
+  return {"fact",
+          "What people say about objects and places: set, list, remove",
+          {"loci-memory fact set table_1 alias \"couch table\" -m demo-output/memory.loci",
+           "loci-memory fact list -m demo-output/memory.loci --json"},
+          [](CLI::App& app) {
+            struct Arguments {
+              std::string memory, action;
+              std::vector<std::string> words;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
+            app.add_option("action", arguments->action,
+                           "set X KEY VALUE, list [X [KEY]], or remove X KEY [VALUE]")
+                ->required()
+                ->check(CLI::IsMember({"set", "list", "remove"}));
+            app.add_option("words", arguments->words,
+                           "X: an object or a place; KEY: alias, owner, class, state, ...");
+            return [arguments](Session& session) {
+              const auto& [memory, action, words] = *arguments;
+              const size_t least = action == "set" ? 3 : action == "remove" ? 2 : 0;
+              if (words.size() < least || words.size() > 3)
+                throw Error("fact " + action + " takes other words", {},
+                            "fact set X KEY VALUE, fact list [X [KEY]], fact remove X KEY [VALUE]");
+              const auto word = [&w = words](size_t i) { return i < w.size() ? w[i] : std::string(); };
+              FactsAnswer answer;
+              if (action == "list") {
+                answer = ask(Store::open_read(memory), FactsQuestion{word(0), word(1), {}});
+              } else {
+                Store::open_read(memory);  // a mistyped name must not make a new memory
+                Store store = Store::open_write(memory);
+                answer = action == "set" ? set_fact(store, word(0), word(1), word(2))
+                                         : remove_fact(store, word(0), word(1), word(2));
+              }
+              session.answer(to_text(answer), to_json(answer));
+            };
+          }};
+}
+
+Command taxonomy_command() {
+  return {"taxonomy",
+          "Kinds of things, their other words and properties: load, list",
+          {"loci-memory taxonomy load apps/samples/household.yaml -m demo-output/memory.loci",
+           "loci-memory taxonomy list -m demo-output/memory.loci --json"},
+          [](CLI::App& app) {
+            struct Arguments {
+              std::string memory, action, file;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
+            app.add_option("action", arguments->action, "load FILE, or list")
+                ->required()
+                ->check(CLI::IsMember({"load", "list"}));
+            app.add_option("file", arguments->file, "load: the taxonomy, YAML");
+            return [arguments](Session& session) {
+              Taxonomy taxonomy;
+              if (arguments->action == "load") {
+                if (arguments->file.empty()) throw Error("no file to load", {}, "taxonomy load FILE.yaml");
+                taxonomy = Taxonomy::read(arguments->file);
+                Store::open_read(arguments->memory);  // a mistyped name must not make a new memory
+                Store store = Store::open_write(arguments->memory);
+                taxonomy.save(store);
+              } else {
+                taxonomy = Taxonomy::of(Store::open_read(arguments->memory), {});
+              }
+              session.answer(to_text(taxonomy), to_json(taxonomy));
+            };
+          }};
+}
+
+}  // namespace loci

@@ -1,0 +1,135 @@
+#include "memory/questions/facts.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "memory/questions/snapshot.h"
+
+namespace loci {
+namespace {
+
+struct About {
+  std::optional<Id> object = {}, place = {};
+  std::string name = {};
+  bool matches(const FactRow& fact) const { return object ? fact.object == object : fact.place == place; }
+};
+
+/// The one object or place that words mean. A place's name comes first.
+About find_one(const Snapshot& snapshot, const std::string& words) {
+  const auto places = snapshot.places_called(words);
+  std::vector<std::string> names;
+  for (const PlaceRow& place : places) names.push_back(place.name);
+  if (places.size() == 1) return {.place = places[0].id, .name = places[0].name};
+  std::vector<Id> objects;
+  if (places.empty()) objects = snapshot.find_objects(words);
+  for (const Id object : objects) names.push_back(object_name(object));
+  if (objects.size() == 1) return {.object = objects[0], .name = names[0]};
+  throw Error(fmt::format("'{}' may be any of {}", words, fmt::join(names, ", ")), {}, "name one of them");
+}
+
+FactsAnswer facts_of(const Snapshot& snapshot, const std::optional<About>& about, const std::string& key) {
+  FactsAnswer answer;
+  for (const FactRow& row : snapshot.facts()) {
+    if ((about && !about->matches(row)) || (!key.empty() && row.key != key)) continue;
+    const auto place = snapshot.place_ref(row.place);
+    answer.facts.push_back({row.id,
+                            row.object ? object_name(*row.object)
+                            : place    ? place->name
+                                       : "",
+                            row.key, row.value.value_or(""), row.clock.valid_from, row.clock.known_from,
+                            row.clock.source});
+  }
+  return answer;
+}
+
+FactRow row_for(const Snapshot& snapshot, const About& about, const std::string& key) {
+  FactRow row{.object = about.object, .place = about.place, .key = key};
+  // A state holds from now on; a name, a class or an owner hold for the whole memory unless somebody says
+  // otherwise.
+  const auto& scenes = snapshot.scenes();
+  if (!scenes.empty()) row.clock.valid_from = key == "state" ? scenes.back().time : scenes.front().time;
+  row.clock.source = "user";
+  return row;
+}
+
+/// Adds the rows of one change as one run.
+void add_rows(Store& store, const char* verb, const std::vector<FactRow>& rows) {
+  if (rows.empty()) return;
+  const Id run = store.begin_run(fmt::format("loci-memory fact {}", verb), "{}");
+  for (const FactRow& row : rows) store.add_fact(row, run);
+  store.finish_run(run);
+}
+
+}  // namespace
+
+FactsAnswer ask(const Store& store, const FactsQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  std::optional<About> about;
+  if (!question.about.empty()) about = find_one(snapshot, question.about);
+  return facts_of(snapshot, about, question.key);
+}
+
+FactsAnswer set_fact(Store& store, const std::string& about, const std::string& key,
+                     const std::string& value) {
+  if (key.empty() || value.empty()) throw Error("a fact needs a key and a value", {}, "fact set X owner Ada");
+  const Snapshot snapshot(store, {});
+  const About one = find_one(snapshot, about);
+  const FactsAnswer before = facts_of(snapshot, one, key);
+  const bool same = std::any_of(before.facts.begin(), before.facts.end(),
+                                [&](const Fact& fact) { return fact.value == value; });
+  if (!same) {
+    std::vector<FactRow> rows;
+    const bool single = key != "alias";
+    for (size_t i = 0; single && i + 1 < before.facts.size(); ++i) {
+      rows.push_back(row_for(snapshot, one, key));
+      rows.back().clock.supersedes = before.facts[i].id;
+    }
+    rows.push_back(row_for(snapshot, one, key));
+    rows.back().value = value;
+    if (single && !before.facts.empty()) rows.back().clock.supersedes = before.facts.back().id;
+    add_rows(store, "set", rows);
+  }
+  return facts_of(Snapshot(store, {}), one, key);
+}
+
+FactsAnswer remove_fact(Store& store, const std::string& about, const std::string& key,
+                        const std::string& value) {
+  const Snapshot snapshot(store, {});
+  const About one = find_one(snapshot, about);
+  std::vector<FactRow> rows;
+  for (const Fact& fact : facts_of(snapshot, one, key).facts) {
+    if (!value.empty() && fact.value != value) continue;
+    rows.push_back(row_for(snapshot, one, key));
+    rows.back().clock.supersedes = fact.id;
+  }
+  if (rows.empty())
+    throw Error(
+        fmt::format("{} has no {}{}", one.name, key, value.empty() ? "" : fmt::format(" '{}'", value)), {},
+        "see loci-memory fact list");
+  add_rows(store, "remove", rows);
+  return facts_of(Snapshot(store, {}), one, key);
+}
+
+std::string to_text(const FactsAnswer& answer) {
+  if (answer.facts.empty()) return "No such fact is known.\n";
+  std::string text;
+  for (const Fact& fact : answer.facts)
+    text += fmt::format("{} {} {} (says {})\n", fact.about, fact.key, fact.value, fact.source);
+  return text;
+}
+
+Json to_json(const FactsAnswer& answer) {
+  Json json = {{"facts", Json::array()}};
+  for (const Fact& fact : answer.facts)
+    json["facts"].push_back({{"about", fact.about},
+                             {"key", fact.key},
+                             {"value", fact.value},
+                             {"valid_from", format_time(fact.valid_from)},
+                             {"known_from", format_time(fact.known_from)},
+                             {"source", fact.source}});
+  return json;
+}
+
+}  // namespace loci

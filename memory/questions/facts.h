@@ -1,0 +1,42 @@
+#pragma once
+
+#include "mapping/base/json.h"
+#include "memory/questions/answers.h"
+
+namespace loci {
+
+// What people say about objects and places: alias, owner, class, state, or any other key. Rows are only
+// added: a new owner supersedes the old one, which stays known to questions as of an earlier time.
+
+/// A fact that holds.
+struct Fact {
+  Id id = 0;
+  std::string about = {};  ///< "object_4", "table_1"
+  std::string key = {};
+  std::string value = {};
+  TimeNs valid_from = 0;
+  TimeNs known_from = 0;
+  std::string source = {};  ///< "user", "perceive", ...
+};
+struct FactsQuestion {
+  std::string about = {};  ///< object or place in words; empty = all
+  std::string key = {};    ///< empty = all
+  AsOf as_of = {};
+};
+struct FactsAnswer {
+  std::vector<Fact> facts = {};
+};
+FactsAnswer ask(const Store& store, const FactsQuestion& question);
+std::string to_text(const FactsAnswer& answer);
+Json to_json(const FactsAnswer& answer);
+
+/// Says that `about` (which must be one object or one place) has this value. Of a key other than "alias"
+/// there is one value: the old one is superseded. Saying the same again changes nothing. Returns what holds
+/// then of that key.
+FactsAnswer set_fact(Store& store, const std::string& about, const std::string& key,
+                     const std::string& value);
+/// Takes a value back, or every value of the key when it is empty. Error when there is none.
+FactsAnswer remove_fact(Store& store, const std::string& about, const std::string& key,
+                        const std::string& value);
+
+}  // namespace loci

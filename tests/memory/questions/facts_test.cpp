@@ -1,0 +1,123 @@
+#include "memory/questions/facts.h"
+
+#include <gmock/gmock.h>
+
+#include "mapping/base/files.h"
+#include "memory/questions/spoken.h"
+#include "memory/questions/taxonomy.h"
+#include "tests/memory/questions/synthetic_day.h"
+#include "tests/memory/store/temporary_folder.h"
+
+namespace loci {
+namespace {
+
+using testing::ElementsAre;
+using testing_support::SyntheticDay;
+
+class Facts : public testing_support::TemporaryFolder {
+ protected:
+  static constexpr TimeNs kLater = SyntheticDay::kKnownSecond + 3600 * kSecond;
+
+  void SetUp() override {
+    TemporaryFolder::SetUp();
+    const SyntheticDay day(file_);
+  }
+  /// Opened for writing `hours` after the day.
+  Store open(int hours) const { return Store::open_write(file_, {.now = kLater + hours * 3600 * kSecond}); }
+  std::vector<Id> who(const std::string& subject, const AsOf& as_of = {}) const {
+    std::vector<Id> ids;
+    for (const ObjectState& state : ask(Store::open_read(file_), WhereQuestion{subject, as_of}).objects)
+      ids.push_back(state.object.id);
+    std::sort(ids.begin(), ids.end());
+    return ids;
+  }
+  void load_taxonomy() const {
+    const std::string file = file_.string() + ".yaml";
+    write_file_atomically(file,
+                          "mug: {synonyms: [cup], is: [crockery]}\n"
+                          "crockery: {synonyms: [dishes]}\n"
+                          "milk: {properties: [perishable]}\n");
+    Store store = open(5);
+    Taxonomy::read(file).save(store);
+  }
+};
+
+TEST_F(Facts, ANameOfAPlaceIsUnderstoodAndTheOldAnswersStay) {
+  {
+    Store store = open(0);
+    set_fact(store, "table_1", "alias", "couch table");
+  }
+  const Store store = Store::open_read(file_);
+  const auto answer = ask(store, SpokenQuestion{{"Is there anything on the couch table?"}, {}}).at(0);
+  EXPECT_THAT(answer.notes, testing::IsEmpty());
+  EXPECT_EQ(std::get<ContentsAnswer>(*answer.answer).places.at(0).place.name, "table_1");
+  EXPECT_EQ(ask(store, FactsQuestion{"table_1", "", {.at = {}, .known_at = kLater - 1}}).facts.size(), 0U);
+}
+
+TEST_F(Facts, ANewOwnerSupersedesTheOldOneAndNothingIsOverwritten) {
+  {
+    Store store = open(0);
+    set_fact(store, "red", "owner", "Ada");
+  }
+  {
+    Store store = open(1);
+    set_fact(store, "object_1", "owner", "Ben");
+  }
+  EXPECT_THAT(who("Ben's tea cup"), ElementsAre(1));
+  EXPECT_THROW(who("Ada's"), Error);
+  EXPECT_THAT(who("Ada's", {.at = {}, .known_at = kLater + 1}), ElementsAre(1));
+  {
+    Store store = open(2);
+    EXPECT_TRUE(remove_fact(store, "object_1", "owner", "").facts.empty());
+  }
+  EXPECT_THROW(who("Ben's"), Error);
+  Store store = open(3);
+  EXPECT_THROW(remove_fact(store, "object_1", "owner", ""), Error);
+  NoProgress quiet;
+  EXPECT_THAT(store.verify(quiet).problems, testing::IsEmpty());
+}
+
+TEST_F(Facts, SayingTheSameAgainChangesNothing) {
+  Store store = open(0);
+  set_fact(store, "blue", "class", "mug");
+  const size_t runs = store.runs().size();
+  EXPECT_EQ(set_fact(store, "blue", "class", "mug").facts.size(), 1U);
+  EXPECT_EQ(store.runs().size(), runs);
+}
+
+TEST_F(Facts, WordsThatMeanSeveralThingsAreRefused) {
+  Store store = open(0);
+  EXPECT_THROW(set_fact(store, "small", "owner", "Ada"), Error);
+  EXPECT_THROW(set_fact(store, "nothing", "owner", "Ada"), Error);
+  EXPECT_THROW(set_fact(store, "red", "", "Ada"), Error);
+}
+
+TEST_F(Facts, SynonymsKindsPropertiesAndPluralsFindTheSame) {
+  {
+    Store store = open(0);
+    set_fact(store, "blue", "class", "mug");
+    set_fact(store, "green", "class", "milk");
+  }
+  EXPECT_THROW(who("cup"), Error);
+  load_taxonomy();
+  for (const char* word : {"mug", "cup", "cups", "crockery", "dishes", "blue cup", "all my cups"})
+    EXPECT_THAT(who(word), ElementsAre(2)) << word;
+  EXPECT_THAT(who("perishable items"), ElementsAre(3));
+  EXPECT_THAT(who("tea cup"), ElementsAre(1)) << "a name goes before a kind";
+  EXPECT_THROW(who("cup", {.at = {}, .known_at = kLater + 3600 * kSecond}), Error) << "not known then";
+}
+
+TEST_F(Facts, ATaxonomyThatContradictsItselfIsRefused) {
+  const std::string file = file_.string() + ".yaml";
+  for (const char* text :
+       {"a: {is: [b]}\nb: {is: [a]}\n", "a: {synonyms: [c]}\nb: {synonyms: [c]}\n", "a: {kind: [b]}\n"}) {
+    write_file_atomically(file, text);
+    EXPECT_THROW(Taxonomy::read(file), Error) << text;
+  }
+  EXPECT_TRUE(Taxonomy::read(std::string(LOCI_SOURCE_DIR) + "/apps/samples/household.yaml")
+                  .meanings("perishable")
+                  .contains("milk"));
+}
+
+}  // namespace
+}  // namespace loci
