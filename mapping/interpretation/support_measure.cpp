@@ -79,12 +79,25 @@ EdgeSamples samples_at(const Extent& extent, Side side, const PlaneEvidence& evi
   return samples;
 }
 
+/// Whether the top itself was seen in the strip by which an edge would grow, about as densely as inside it.
+bool surface_reaches(const EdgeSamples& samples, double position) {
+  constexpr double kNoMatter = 0.01;  // m
+  constexpr double kDense = 0.4;      // of the density inside
+  if (position < kNoMatter) return true;
+  const auto between = [&](double low, double high) {
+    return static_cast<double>(std::count_if(samples.support.begin(), samples.support.end(),
+                                             [&](double v) { return v >= low && v < high; }));
+  };
+  return between(0, position) / position >= kDense * between(-kEdgeWindow, 0) / kEdgeWindow;
+}
+
 /// A free edge by what shows it best.
 void sharpen_edge(Extent& extent, Side side, const PlaneEvidence& evidence,
                   const Eigen::Rotation2Dd& axes_from_map) {
   const EdgeSamples samples = samples_at(extent, side, evidence, axes_from_map);
   const double length = extent.size()[1 - side.axis];
-  if (const auto position = edge_position(samples, length)) side.edge(extent) += side.sign() * *position;
+  const auto position = edge_position(samples, length);
+  if (position && surface_reaches(samples, *position)) side.edge(extent) += side.sign() * *position;
 }
 
 Extent strip_outside(const Extent& extent, Side side) {

@@ -11,6 +11,7 @@ namespace loci {
 namespace {
 
 constexpr double kClearly = 0.04;  // of the area, by which another outline must be better than rectangles
+constexpr double kCorner = 0.01;   // of the area, that each corner beyond four must be worth
 constexpr double kSimpler = 0.03;  // of the area, by which a polygon must be better than a circle
 
 struct Circle {
@@ -154,7 +155,10 @@ void fit_outline(Support& support, const PlaneEvidence& evidence, const PlaneRas
     }
   }
   const std::vector<Vector2d> polygon = straightened(boundary, evidence);
-  if (polygon.size() < 3 || raster.score_of(polygon) < wanted) return;
+  if (polygon.size() < 3) return;
+  // A rough sensor frays straight edges: many corners follow its noise.
+  const double corners = std::max(0.0, static_cast<double>(polygon.size()) - 4);
+  if (raster.score_of(polygon) < wanted + kCorner * corners * support.area()) return;
   set_polygon(support, polygon);
   support.radius = 0;
 }

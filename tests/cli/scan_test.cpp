@@ -62,7 +62,7 @@ TEST(ScanCommand, RefusesWhatItCannotDo) {
   const std::string out = " -o " + fresh_folder() + "/scans";
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"--poses '2,1'", "no pose"},
-      {"--poses '2,1,x'", "no number"},
+      {"--poses '2,1,x'", "no pose"},
       {"--poses ' ; '", "names no pose"},
       {"--poses '2,3,0'", "island_1"},
       {"--poses '2,1.2,0' --joints drawer_1_front_jont=0.2", "drawer_1_front_joint"},

@@ -94,7 +94,7 @@ TEST_P(SampleKitchen, EveryHandleOpensItsFrontIntoTheRoom) {
     const Vector3d normal = vector_of(moved.geometry["normal"]);
     const Vector3d out = result.hand_path.back().translation() - result.hand_path.front().translation();
     EXPECT_GT(normal.dot(out), 0.15) << name;
-    EXPECT_EQ(way.linear().isIdentity(1e-9), moved.class_name == "drawer") << name;
+    EXPECT_EQ(way.linear().isIdentity(0.05), moved.class_name == "drawer") << name;
     robot.close_all();
     ++pulled;
   }
