@@ -58,6 +58,7 @@ types::Object object_of(cas::Cas& cas, const belief::ProtoObject& object, const 
   fs.presence_probability.set(object.status == belief::Status::gone ? 0.0 : object.probability_here);
   for (const belief::ObjectOutcome& outcome : resolved.update.objects) {
     if (outcome.key != object.key) continue;
+    if (object.status != belief::Status::gone) fs.presence_probability.set(outcome.probability_here);
     fs.in_view.set(outcome.visibility.out_of_view < 0.5);
     fs.occluded.set(outcome.visibility.hidden > 0.5);
   }

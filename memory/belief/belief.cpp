@@ -53,7 +53,8 @@ class Step {
         scene_(scene),
         options_(options),
         snapshot_(is_snapshot(state, scene, options)),
-        seconds_(seconds_since_last_scene(state, scene)) {}
+        seconds_(seconds_since_last_scene(state, scene)),
+        attention_(attention_at(state, scene, options)) {}
 
   BeliefUpdate run() {
     expected_ = expect(state_, scene_, options_);
@@ -61,6 +62,7 @@ class Step {
     const LogOddsProblem problem = identity_problem(state_, expected_, scene_, update_.evidence, options_);
     IdentityOptions identity;
     identity.best = 1;
+    identity.gate = 1e-6;  // no share that is told is that small
     identity.priors.clutter = 0;
     identity.priors.missed = 0;
     weights_ = weights_of(problem, identity);
@@ -80,7 +82,9 @@ class Step {
       if (!partner_of_observation_[k]) meet(k);
     if (scene_.seconds_to_next && *scene_.seconds_to_next >= options_.snapshot_gap_s) confirm_unrefuted();
     forget_clutter();
+    state_.attention_s = attention_;
     finish_outcomes();
+    retire();
     state_.last_scene = scene_.time;
     return std::move(update_);
   }
@@ -295,6 +299,7 @@ class Step {
   void mark_seen(ProtoObject& object, const Observation& observation) {
     object.last_seen = scene_.time;
     object.last_update = scene_.time;
+    object.attention_s = attention_;
     object.map_from_camera = scene_.view.map_from_camera;
     object.last_observation = observation.id;
     ++object.sightings;
@@ -304,6 +309,11 @@ class Step {
   void miss(size_t o) {
     ProtoObject& object = state_.objects[o];
     const Expectation& e = expected_[o];
+    if (e.undetectable >= 1) {  // looking elsewhere tells nothing
+      update_.objects[o].explanation = Explanation::hidden;
+      if (object.status == Status::present) note_hidden(object, e);
+      return;
+    }
     const double empty = empty_share_in_hindsight(o);
     const EmptinessEvidence evidence = emptiness(e, empty, seconds_, options_);
     const double in_view = 1 - e.undetectable;
@@ -311,6 +321,7 @@ class Step {
     const double away = (1 - e.here) * (e.undetectable + in_view * std::exp(evidence.if_gone));
     object.probability_here = there / std::max(1e-300, there + away);
     object.last_update = scene_.time;
+    object.attention_s = attention_;
     // Where the look could not tell, it explains nothing: there or away, the object is out of sight.
     const double hidden = e.undetectable;
     const double missed = there - e.here * e.undetectable, left = away - (1 - e.here) * e.undetectable;
@@ -436,6 +447,21 @@ class Step {
     });
   }
 
+  /// What is gone can be recognised when it comes back, but not everything that ever was is compared with
+  /// all that is seen: those missing for longest are let go.
+  void retire() {
+    std::vector<TimeNs> gone;
+    for (const ProtoObject& object : state_.objects)
+      if (object.status == Status::gone) gone.push_back(object.last_seen);
+    const auto most = static_cast<size_t>(options_.gone_kept);
+    if (gone.size() <= most) return;
+    std::ranges::nth_element(gone, gone.begin() + static_cast<std::ptrdiff_t>(gone.size() - most));
+    const TimeNs oldest = gone[gone.size() - most];
+    std::erase_if(state_.objects, [&](const ProtoObject& object) {
+      return object.status == Status::gone && object.last_seen < oldest;
+    });
+  }
+
   void finish_outcomes() {
     const auto id_of = [&](int64_t key) -> int64_t {
       for (const ProtoObject& object : state_.objects)
@@ -449,7 +475,7 @@ class Step {
     for (ObjectOutcome& outcome : update_.objects) {
       outcome.object = id_of(outcome.key);
       for (const ProtoObject& object : state_.objects)
-        if (object.key == outcome.key) outcome.probability_here = object.probability_here;
+        if (object.key == outcome.key) outcome.probability_here = probability_here(object, state_, options_);
     }
   }
 
@@ -458,6 +484,7 @@ class Step {
   const BeliefOptions& options_;
   const bool snapshot_;
   const double seconds_;
+  const double attention_;
   std::vector<Expectation> expected_;
   IdentityWeights weights_;
   IdentitySolution solution_;

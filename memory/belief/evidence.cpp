@@ -16,10 +16,6 @@ Eigen::Index index(size_t i) {
   return static_cast<Eigen::Index>(i);
 }
 
-double seconds_between(TimeNs from, TimeNs to) {
-  return double(to - from) / double(kSecond);
-}
-
 /// Likeness to a bag of looks: the mixture of the looks, weighted by how often each was seen.
 Likeness compare_with_looks(const ProtoObject& object, const Observation& observation,
                             const BeliefOptions& options) {
@@ -54,7 +50,7 @@ double log_near(const Vector3d& offset, const BeliefOptions& options) {
 }  // namespace
 
 double seconds_since_last_scene(const BeliefState& state, const Scene& scene) {
-  return state.last_scene ? seconds_between(*state.last_scene, scene.time)
+  return state.last_scene ? double(scene.time - *state.last_scene) / double(kSecond)
                           : std::numeric_limits<double>::infinity();
 }
 
@@ -64,16 +60,21 @@ bool is_snapshot(const BeliefState& state, const Scene& scene, const BeliefOptio
   return std::min(before, after) >= options.snapshot_gap_s;
 }
 
+double attention_at(const BeliefState& state, const Scene& scene, const BeliefOptions& options) {
+  if (!state.last_scene) return state.attention_s;
+  const double watched = is_snapshot(state, scene, options) ? 1.0 : options.watched;
+  return state.attention_s + watched * seconds_since_last_scene(state, scene);
+}
+
 std::vector<Expectation> expect(const BeliefState& state, const Scene& scene, const BeliefOptions& options) {
   std::vector<Expectation> expected;
+  const double attention = attention_at(state, scene, options);
   for (const ProtoObject& object : state.objects) {
     Expectation e;
     e.box = box_in_map(object, scene.places);
     e.variance = object.variance + view_change_variance(object.map_from_camera, scene.view.map_from_camera,
                                                         e.box.size.maxCoeff(), options);
-    const double watched = is_snapshot(state, scene, options) ? 1.0 : options.watched;
-    const double seconds = watched * seconds_between(object.last_update, scene.time);
-    e.handled = options.move_cap * (1 - std::exp(-seconds / options.move_time_s));
+    e.handled = handled_in(attention - object.attention_s, options);
     const Isometry3d change = object.map_from_camera.inverse() * scene.view.map_from_camera;
     const double motion = change.translation().norm() + Eigen::AngleAxisd(change.linear()).angle();
     e.turned = 0.002 + e.handled / 2 + options.newview * (1 - std::exp(-motion / 0.5));

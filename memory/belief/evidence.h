@@ -33,6 +33,8 @@ EmptinessEvidence emptiness(const Expectation& expected, double empty_share, dou
 /// Whether scenes are too far apart in time to confirm each other.
 bool is_snapshot(const BeliefState& state, const Scene& scene, const BeliefOptions& options);
 double seconds_since_last_scene(const BeliefState& state, const Scene& scene);
+/// BeliefState::attention_s at the time of a scene.
+double attention_at(const BeliefState& state, const Scene& scene, const BeliefOptions& options);
 
 /// Of what was seen of an object's place, the share that speaks against the object: looked through, or taken
 /// by something else. `taken_by_other[k]`: how sure it is that observation k is something else there.

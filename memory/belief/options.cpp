@@ -51,6 +51,8 @@ void BeliefOptions::declare(OptionTable& table) {
   table.number("gone", gone, "", "Probability of not being there from which an object is reported as gone.",
                0.5, 0.9999);
   table.integer("views", views, "", "Looks that are kept of each object for comparison.", 1, 100);
+  table.integer("gone_kept", gone_kept, "",
+                "Objects that are gone and can still be recognised when they come back.", 0, 100000);
 }
 
 }  // namespace loci::belief

@@ -38,6 +38,7 @@ struct BeliefOptions {
   double first_sight = 0.7;
   double gone = 0.8;
   int views = 6;
+  int gone_kept = 50;
 
   VisibilityOptions visibility;
 

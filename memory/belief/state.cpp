@@ -1,5 +1,7 @@
 #include "memory/belief/state.h"
 
+#include <cmath>
+
 namespace loci::belief {
 namespace {
 
@@ -68,6 +70,7 @@ Json object_json(const ProtoObject& o) {
           {"first_seen", o.first_seen},
           {"last_seen", o.last_seen},
           {"last_update", o.last_update},
+          {"attention", o.attention_s},
           {"sightings", o.sightings},
           {"exists_log_odds", o.exists_log_odds},
           {"probability_here", o.probability_here},
@@ -93,6 +96,7 @@ ProtoObject object_from(const Json& json) {
   o.first_seen = json.at("first_seen").get<TimeNs>();
   o.last_seen = json.at("last_seen").get<TimeNs>();
   o.last_update = json.at("last_update").get<TimeNs>();
+  o.attention_s = json.value("attention", 0.0);  // earlier beliefs were moved on with every scene
   o.sightings = json.at("sightings").get<int>();
   o.exists_log_odds = json.at("exists_log_odds").get<double>();
   o.probability_here = json.at("probability_here").get<double>();
@@ -120,11 +124,20 @@ const ProtoObject* BeliefState::find(int64_t id) const {
   return nullptr;
 }
 
+double handled_in(double seconds, const BeliefOptions& options) {
+  return options.move_cap * (1 - std::exp(-seconds / options.move_time_s));
+}
+
+double probability_here(const ProtoObject& object, const BeliefState& state, const BeliefOptions& options) {
+  return object.probability_here * (1 - handled_in(state.attention_s - object.attention_s, options));
+}
+
 Json to_json(const BeliefState& state) {
   Json objects = Json::array();
   for (const ProtoObject& object : state.objects) objects.push_back(object_json(object));
   return {{"version", kVersion},
           {"last_scene", state.last_scene ? Json(*state.last_scene) : Json()},
+          {"attention", state.attention_s},
           {"next_key", state.next_key},
           {"next_id", state.next_id},
           {"objects", objects}};
@@ -136,6 +149,7 @@ BeliefState belief_state_from_json(const Json& json) {
       throw Error("this belief was written by another version of loci", {}, "use the version that wrote it");
     BeliefState state;
     if (!json.at("last_scene").is_null()) state.last_scene = json.at("last_scene").get<TimeNs>();
+    state.attention_s = json.value("attention", 0.0);
     state.next_key = json.at("next_key").get<int64_t>();
     state.next_id = json.at("next_id").get<int64_t>();
     for (const Json& object : json.at("objects")) state.objects.push_back(object_from(object));

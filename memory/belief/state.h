@@ -6,6 +6,7 @@
 
 #include "mapping/base/json.h"
 #include "memory/belief/observation.h"
+#include "memory/belief/options.h"
 
 namespace loci::belief {
 
@@ -38,7 +39,8 @@ struct ProtoObject {
   Status status = Status::tentative;
   TimeNs first_seen = 0;
   TimeNs last_seen = 0;
-  TimeNs last_update = 0;  ///< time for which probability_here holds
+  TimeNs last_update = 0;  ///< of the scene that last told anything about it
+  double attention_s = 0;  ///< BeliefState::attention_s then: the clock for which probability_here holds
   int sightings = 0;
   double exists_log_odds = 0;   ///< of being an object and no false cluster
   double probability_here = 1;  ///< that it still is where it was seen last
@@ -61,11 +63,18 @@ struct ProtoObject {
 struct BeliefState {
   std::vector<ProtoObject> objects;  ///< in the order in which they were first seen
   std::optional<TimeNs> last_scene;
+  double attention_s =
+      0;  ///< seconds during which things could be handled; time that was watched counts less
   int64_t next_key = 1;
   int64_t next_id = 1;
 
   const ProtoObject* find(int64_t id) const;
 };
+
+/// Probability that an object was handled in so many seconds of attention (see BeliefState::attention_s).
+double handled_in(double seconds, const BeliefOptions& options);
+/// Probability that an object still is where it was seen last, as of the last scene.
+double probability_here(const ProtoObject& object, const BeliefState& state, const BeliefOptions& options);
 
 /// Text round trip is exact: every double comes back as it was.
 Json to_json(const BeliefState& state);

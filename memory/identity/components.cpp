@@ -22,7 +22,7 @@ class Groups {
 };
 
 struct Pair {
-  double log_odds;
+  double cost;  ///< bound of its probability
   Eigen::Index row, column;
 };
 
@@ -33,6 +33,28 @@ std::vector<double> scales(const std::vector<double>& log_alone, const std::vect
   for (size_t i = 0; i < scale.size(); ++i)
     if (scale[i] == kNever) scale[i] = log_largest[i];
   return scale;
+}
+
+/// The two largest of some odds.
+struct Rival {
+  Eigen::Index at = -1;
+  double largest = 0, second = 0;
+  /// The largest that is not at `i`.
+  double besides(Eigen::Index i) const { return i == at ? second : largest; }
+};
+
+Rival strongest(const Eigen::VectorXd& odds) {
+  Rival rival;
+  for (Eigen::Index i = 0; i < odds.size(); ++i) {
+    if (odds[i] > rival.largest) {
+      rival.second = rival.largest;
+      rival.largest = odds[i];
+      rival.at = i;
+    } else {
+      rival.second = std::max(rival.second, odds[i]);
+    }
+  }
+  return rival;
 }
 
 class Splitter {
@@ -68,10 +90,8 @@ class Splitter {
     if (!sorted_) sort();
     while (dropped_ < order_.size()) {
       const Pair& pair = order_[dropped_];
-      const double odds = std::exp(pair.log_odds);
-      const double cost = std::isinf(odds) ? 1 : odds / (1 + odds);
-      if (bound_ + cost > budget) break;
-      bound_ += cost;
+      if (bound_ + pair.cost > budget) break;
+      bound_ += pair.cost;
       log_ratio_(pair.row, pair.column) = kNever;
       ++dropped_;
     }
@@ -110,16 +130,39 @@ class Splitter {
   }
 
  private:
+  /// Orders the pairs by a bound of their probability. Its odds against both being unmatched bound it, and
+  /// more so where another pair (o', k) competes for k: of the matchings without o and k, at least the share
+  /// 1 / (1 + sum of the other odds of o') leaves o' free for k. Likewise for another partner of o.
   void sort() {
-    for (Eigen::Index o = 0; o < log_ratio_.rows(); ++o)
-      for (Eigen::Index k = 0; k < log_ratio_.cols(); ++k) {
+    const Eigen::Index m = log_ratio_.rows(), n = log_ratio_.cols();
+    const PairTable odds = log_ratio_.array().exp().min(1e250);
+    const Eigen::VectorXd row_sum = odds.rowwise().sum(), column_sum = odds.colwise().sum();
+    PairTable for_column(m, n), for_row(m, n);  // least odds of k with o', of o with k'
+    for (Eigen::Index o = 0; o < m; ++o)
+      for (Eigen::Index k = 0; k < n; ++k) {
+        for_column(o, k) = odds(o, k) / (1 + std::max(0.0, row_sum[o] - odds(o, k)));
+        for_row(o, k) = odds(o, k) / (1 + std::max(0.0, column_sum[k] - odds(o, k)));
+      }
+    const auto needs = [](const std::vector<double>& alone) {
+      return std::find(alone.begin(), alone.end(), kNever) != alone.end();
+    };
+    const bool free = !needs(log_row_) && !needs(log_column_);  // otherwise the share has no such bound
+    std::vector<Rival> of_column, of_row;
+    for (Eigen::Index k = 0; k < n; ++k) of_column.push_back(strongest(for_column.col(k)));
+    for (Eigen::Index o = 0; o < m; ++o) of_row.push_back(strongest(for_row.row(o).transpose()));
+    for (Eigen::Index o = 0; o < m; ++o)
+      for (Eigen::Index k = 0; k < n; ++k) {
         // A pair of something that must be matched cannot be dropped: its odds have no bound.
         const bool needed =
             log_row_[static_cast<size_t>(o)] == kNever || log_column_[static_cast<size_t>(k)] == kNever;
-        if (log_ratio_(o, k) != kNever && !needed) order_.push_back({log_ratio_(o, k), o, k});
+        if (log_ratio_(o, k) == kNever || needed) continue;
+        const double rival = !free ? 0
+                                   : std::max(of_column[static_cast<size_t>(k)].besides(o),
+                                              of_row[static_cast<size_t>(o)].besides(k));
+        order_.push_back({odds(o, k) / (1 + odds(o, k) + rival), o, k});
       }
     std::stable_sort(order_.begin(), order_.end(),
-                     [](const Pair& a, const Pair& b) { return a.log_odds < b.log_odds; });
+                     [](const Pair& a, const Pair& b) { return a.cost < b.cost; });
     sorted_ = true;
   }
 
