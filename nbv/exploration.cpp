@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <octomap/octomap.h>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <optional>
 
 #include "mapping/base/files.h"
+#include "mapping/base/stopwatch.h"
 
 namespace loci {
 namespace {
@@ -22,19 +22,6 @@ constexpr double kReinsertShift = 0.5;
 constexpr size_t kUntied = 3;
 /// Longer ways are gone in stages with a scan at each: odometry alone would lose the robot.
 constexpr double kLongestWay = 5, kStage = 3.5;
-
-class Stopwatch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - start_).count();
-    start_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 Json to_json(const PlanarPose& pose) {
   return {pose.x, pose.y, pose.yaw * 180 / M_PI};

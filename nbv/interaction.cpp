@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "mapping/base/files.h"
+#include "mapping/base/stopwatch.h"
 #include "mapping/interpretation/furniture_links.h"
 
 namespace loci {
@@ -244,7 +244,7 @@ class Interactor {
   }
 
   Interaction pull(const Front& front, size_t stop, const Scan& closed) {
-    const auto begin = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     Interaction result;
     result.front = front.name;
     result.stop = stop;
@@ -267,7 +267,7 @@ class Interactor {
       result.difference = articulate(set_of(closed), set_of(*open), front, hand_path, options_.difference);
     else
       result.difference.reason = result.held ? "it did not give way" : "there was nothing to hold";
-    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    result.seconds = watch.seconds();
     return result;
   }
 

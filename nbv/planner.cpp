@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 
 #include "mapping/base/parallel.h"
+#include "mapping/base/stopwatch.h"
 
 namespace loci {
 namespace {
@@ -15,20 +15,6 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kAreaPerSample = 0.1;  ///< m²: poses nearer to each other see nearly the same
 constexpr int kSamplesMin = 8;
-
-/// Seconds since it was made or last read.
-class Watch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 /// Voxels of a kind over each cell of the floor.
 std::vector<int> projected(const Voxels& voxels, const ViewVoxels& view, const FloorGrid& floor,
@@ -224,7 +210,7 @@ Reach drivable_ways(const FloorGrid& floor, const PlanarPose& robot, const Plann
 ViewPlan plan_view(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
                    const PlannerOptions& options, const Random& random) {
   ViewPlan plan;
-  Watch watch;
+  Stopwatch watch;
   Json times;
   plan.voxels = map.voxels();
   plan.fringe = find_fringe(plan.voxels, options.threads);

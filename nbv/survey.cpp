@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 
 #include "mapping/base/files.h"
+#include "mapping/base/stopwatch.h"
 #include "mapping/interpretation/front_links.h"
 #include "mapping/world/urdf.h"
 #include "nbv/pictures.h"
@@ -47,7 +47,7 @@ Json SurveyResult::report() const {
 
 SurveyResult survey(Robot& robot, const PlanarPose& start, const std::filesystem::path& folder, bool resume,
                     const SurveyOptions& options, Progress& progress, Warnings& warnings) {
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   SurveyOptions checked = options;
   table_of(checked).validate({"", 0, "explore"});
   make_folder(folder);
@@ -77,7 +77,7 @@ SurveyResult survey(Robot& robot, const PlanarPose& start, const std::filesystem
     throw Error(result.map.summary(), {folder.string(), 0, ""}, "the scans were kept");
 
   progress.check(0.98, "writes the map");
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  result.seconds = watch.seconds();
   write_urdf(result.map.world, folder / "map.urdf");
   write_semantic_map(result.map.semantics, folder / "map.semantic.json");
   write_file_atomically(folder / "report.html", survey_report(result, folder));

@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
-#include <chrono>
 #include <numbers>
 #include <set>
 
 #include "apps/map/commands.h"
 #include "mapping/base/files.h"
+#include "mapping/base/stopwatch.h"
 #include "mapping/exchange/occupancy_grid.h"
 #include "nbv/pictures.h"
 #include "nbv/planner.h"
@@ -90,13 +90,12 @@ void next(Arguments& arguments, Session& session) {
   arguments.planner.threads = arguments.occupancy.threads = session.flags().threads;
   const ScanSet scans = read_scans(arguments.scans, "a scan set");
   OccupancyMap map(arguments.occupancy);
-  const auto begin = std::chrono::steady_clock::now();
+  Stopwatch watch;
   for (size_t i = 0; i < scans.scans.size(); ++i) {
     session.progress().check(static_cast<double>(i) / static_cast<double>(scans.scans.size()), "inserting");
     map.insert(scans.scans[i]);
   }
-  const auto inserted = std::chrono::steady_clock::now();
-  session.timing("insertion", std::chrono::duration<double>(inserted - begin).count());
+  session.timing("insertion", watch.lap());
   if (!arguments.pool.empty()) return choose(arguments, scans, map, session);
 
   PlanarPose robot = planar(scans.scans.back().map_from_scan);
@@ -104,8 +103,7 @@ void next(Arguments& arguments, Session& session) {
     robot = {arguments.robot[0], arguments.robot[1], arguments.robot[2] * kDegree};
   const ViewPlan plan = plan_view(map, robot, arguments.laser, arguments.planner,
                                   Random(static_cast<uint64_t>(arguments.seed)));
-  session.timing("decision",
-                 std::chrono::duration<double>(std::chrono::steady_clock::now() - inserted).count());
+  session.timing("decision", watch.lap());
   Json json = view_json(plan.view);
   json["robot"] = pose_json(robot);
   if (!arguments.out.empty()) {

@@ -1,7 +1,7 @@
 #include <algorithm>
-#include <chrono>
 
 #include "apps/memory/commands.h"
+#include "mapping/base/stopwatch.h"
 #include "memory/identity/vector_file.h"
 
 namespace loci {
@@ -23,10 +23,9 @@ Command resolve_command() {
             return [arguments](Session& session) {
               IdentityVector vector = identity_vector_from_json(read_json(arguments->file), arguments->file);
               vector.options.best = arguments->best;
-              const auto start = std::chrono::steady_clock::now();
+              const Stopwatch watch;
               const IdentitySolution solution = solve(vector.problem, vector.options);
-              session.timing("resolve",
-                             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+              session.timing("resolve", watch.seconds());
               if (solution.gate_bound > std::max(1e-6, 2 * vector.options.gate))
                 session.warnings().add(
                     "probabilities are approximate: the problem is too large to solve without dropping pairs",

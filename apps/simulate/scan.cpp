@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
-#include <chrono>
 #include <sstream>
 
 #include "apps/simulate/commands.h"
 #include "mapping/base/files.h"
+#include "mapping/base/stopwatch.h"
 #include "mapping/sensor/pose_text.h"
 #include "mapping/simulation/scanned_world.h"
 
@@ -88,7 +88,7 @@ void scan(Arguments& arguments, Session& session) {
   set.sensor = "hokuyo";
   set.range_max = options.laser.range_max_m;
   Json reports = Json::array();
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   for (const PlanarPose& pose : poses) {
     session.progress().check(static_cast<double>(set.scans.size()) / static_cast<double>(poses.size()),
                              "scanning");
@@ -96,7 +96,7 @@ void scan(Arguments& arguments, Session& session) {
     reports.push_back(scan_report(set.scans.back()));
     truth += truth_line(set.scans.back().name, robot) + "\n";
   }
-  session.timing("sweeps", std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  session.timing("sweeps", watch.seconds());
   write_scan_set(set, arguments.out);
   write_file_atomically(std::filesystem::path(arguments.out) / "truth.jsonl", truth);
   session.answer(fmt::format("{}: {} scans", arguments.out, set.scans.size()),

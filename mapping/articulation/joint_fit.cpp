@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/quantile.h"
+
 namespace loci {
 namespace {
 
@@ -132,9 +134,8 @@ double strayed(const Motion& start, const MotionEvidence& evidence, const Variab
                                          v.grip_turn.data(), r.data());
     squares.push_back(Eigen::Map<Eigen::Matrix<double, 6, 1>>(r.data()).squaredNorm());
   }
-  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-  std::nth_element(squares.begin(), middle, squares.end());
-  return std::sqrt(*middle / 5.35);  // The median of a squared normal vector of six components.
+  return std::sqrt(median(std::move(squares)) /
+                   5.35);  // The median of a squared normal vector of six components.
 }
 
 void solve(const Motion& start, const MotionEvidence& evidence, double widened, Variables& v,

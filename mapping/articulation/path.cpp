@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/quantile.h"
 #include "mapping/base/random.h"
 
 namespace loci {
@@ -21,12 +22,6 @@ double extent_of(const Positions& positions) {
   Eigen::AlignedBox3d box;
   for (const Vector3d& p : positions) box.extend(p);
   return box.diagonal().norm();
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// The circle through three points; false when they are on a line.

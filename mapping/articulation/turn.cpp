@@ -3,17 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/quantile.h"
+
 namespace loci {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kOutlierShare = 0.1;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 Vector3d turn_vector(const Eigen::Quaterniond& q) {
   const Eigen::AngleAxisd turn(q);

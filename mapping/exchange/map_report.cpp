@@ -8,6 +8,7 @@
 
 #include "mapping/base/base64.h"
 #include "mapping/base/html.h"
+#include "mapping/base/quantile.h"
 #include "mapping/image/image_io.h"
 
 namespace loci {
@@ -53,13 +54,8 @@ TopView view_of(const InterpretedMap& map, const ScanSet& scans) {
   TopView view;
   const auto spread = [](std::vector<double>& values, double& low, double& high) {
     if (values.empty()) values = {0, 1};
-    const auto part = [&](double fraction) {
-      const auto at = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-      std::nth_element(values.begin(), values.begin() + at, values.end());
-      return values[static_cast<size_t>(at)];
-    };
-    low = part(0.001) - kMargin;
-    high = part(0.999) + kMargin;
+    low = quantile(values, 0.001) - kMargin;
+    high = quantile(values, 0.999) + kMargin;
   };
   spread(x, view.low.x(), view.high.x());
   spread(y, view.low.y(), view.high.y());

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <mutex>
 
 #include "mapping/base/cell_index.h"
 #include "mapping/base/parallel.h"
+#include "mapping/base/stopwatch.h"
 
 namespace loci {
 namespace {
@@ -170,7 +170,7 @@ void FusionOptions::declare(OptionTable& table) {
 }
 
 FusionResult fuse(const Recording& recording, const FusionOptions& options, Progress& progress) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   FusionOptions checked = options;
   table_of(checked).validate({"", 0, "fuse"});
   const RecordingInfo& info = recording.info();
@@ -232,7 +232,7 @@ FusionResult fuse(const Recording& recording, const FusionOptions& options, Prog
   result.scans.range_max = options.range_max_m;
   result.scans.resolution = options.voxel_m;
   result.scans.free_space = true;
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.seconds = watch.seconds();
   return result;
 }
 

@@ -1,18 +1,13 @@
 #include "mapping/interpretation/appliances.h"
 
-#include <algorithm>
 #include <vector>
+
+#include "mapping/base/quantile.h"
 
 namespace loci {
 namespace {
 
 constexpr size_t kFewest = 50;  // rays
-
-double median(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return static_cast<double>(*middle);
-}
 
 /// Whether the front returns much less light than the rest of its face.
 bool dark(const FaceRect& rect, const FaceRays& rays) {
@@ -23,7 +18,8 @@ bool dark(const FaceRect& rect, const FaceRays& rays) {
     const bool inside = rect.contains(static_cast<double>(ray.u), static_cast<double>(ray.v), -0.02);
     (inside ? own : rest).push_back(ray.look[0]);
   }
-  return own.size() > kFewest && rest.size() > kFewest && median(own) < kDark * median(rest);
+  return own.size() > kFewest && rest.size() > kFewest &&
+         static_cast<double>(median(own)) < kDark * static_cast<double>(median(rest));
 }
 
 bool between(double value, double low, double high) {

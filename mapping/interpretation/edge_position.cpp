@@ -5,14 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "mapping/base/quantile.h"
+
 namespace loci {
 namespace {
-
-double median(std::vector<double> values) {
-  const auto at = static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<size_t>(at)];
-}
 
 /// The slab's vertical edge where it was seen: the peak of the points right below the top.
 std::optional<double> rim_position(std::vector<double> rim, double length) {

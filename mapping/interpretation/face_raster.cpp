@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/quantile.h"
+
 namespace loci {
 namespace {
 
@@ -10,12 +12,6 @@ constexpr double kAlignReach = 0.03;  // m; points used to align a scan with the
 constexpr double kAboveFloor = 0.03;  // m; what is lower is floor
 constexpr size_t kFewestToAlign = 100;
 constexpr float kLeastCosine = 0.15F;  // of incidence; intensity over less is noise
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Looks along a ray from `origin` to `end` (face coordinates); false when it says nothing about the face.
 bool meet(const Vector3d& origin, const Vector3d& end, bool known_origin, FaceRay& ray) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/quantile.h"
+
 namespace loci {
 namespace {
 
@@ -115,9 +117,7 @@ double SeamMap::scatter(size_t channel, int columns, int rows) const {
     }
   }
   if (deviations.empty()) return 0;
-  const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2);
-  std::nth_element(deviations.begin(), middle, deviations.end());
-  return 1.4826 * *middle;
+  return 1.4826 * median(std::move(deviations));
 }
 
 void SeamMap::estimate_noise() {

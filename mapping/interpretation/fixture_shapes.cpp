@@ -4,18 +4,14 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/base/quantile.h"
+
 namespace loci {
 namespace {
 
 constexpr double kLineTolerance = 0.012;  // m; registration of the scans and half a bar
 
 }  // namespace
-
-double percentile(std::vector<double> values, double fraction) {
-  const auto at = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<size_t>(at)];
-}
 
 std::vector<FixturePatch> patches_of(const cv::Mat& mask, cv::Mat& labels) {
   cv::Mat stats, centroids;
@@ -91,10 +87,10 @@ void measure(const std::vector<FixturePoint>& points, FixtureShape& shape) {
     along.push_back(shape.axis.dot(d));
     beside.push_back(across.dot(d));
   }
-  const double low = percentile(along, 0.02);
-  const double high = percentile(along, 0.98);
-  const double left = percentile(beside, 0.05);
-  const double right = percentile(beside, 0.95);
+  const double low = quantile(along, 0.02);
+  const double high = quantile(along, 0.98);
+  const double left = quantile(beside, 0.05);
+  const double right = quantile(beside, 0.95);
   shape.length = high - low;
   shape.width = (right - left) / 0.9;
   shape.centre = mean + (low + high) / 2 * shape.axis + (left + right) / 2 * across;

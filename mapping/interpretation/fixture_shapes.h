@@ -32,7 +32,6 @@ struct FixturePatch {
 };
 
 /// The value below which a fraction of the values lies; there must be one.
-double percentile(std::vector<double> values, double fraction);
 
 /// Connected pieces of a raster by label; the first is the background.
 std::vector<FixturePatch> patches_of(const cv::Mat& mask, cv::Mat& labels);

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "mapping/base/quantile.h"
 #include "mapping/interpretation/face_ground.h"
 #include "mapping/interpretation/fixture_shapes.h"
 
@@ -160,7 +161,7 @@ class FixtureFinder {
     const Vector2d across(-shape.axis.y(), shape.axis.x());
     std::vector<double> depths;
     for (const size_t i : shape.inliers) depths.push_back(points[i].depth);
-    const double least = std::max(1.3 * threshold_, kAsFar * percentile(depths, 0.5));
+    const double least = std::max(1.3 * threshold_, kAsFar * median(depths));
     std::vector<double> along;
     for (const FaceRay& ray : rays_.rays) {
       if (!ray.returned || ray.depth > static_cast<float>(2 * kFixtureReach)) continue;
@@ -318,7 +319,7 @@ class FixtureFinder {
       if (std::abs(shape.axis.dot(d)) < reach_along && std::abs(across.dot(d)) < 0.35 * shape.width)
         depths.push_back(depth);
     }
-    const double surface = mixture_depth(depths, percentile(first_depths, 0.5), std::max(rays_.sigma, 0.003));
+    const double surface = mixture_depth(depths, median(first_depths), std::max(rays_.sigma, 0.003));
     if (surface < 0.9 * kLeastProtrusion) return fmt::format("it stands out by {:.3f} m only", surface);
     // The sensor sees one half of a bar: its axis lies behind.
     Vector2d toward = Vector2d::Zero();

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "mapping/base/parallel.h"
+#include "mapping/base/quantile.h"
 #include "mapping/interpretation/appliances.h"
 #include "mapping/interpretation/front_layout.h"
 
@@ -37,9 +38,7 @@ double depth_of(const FaceRect& rect, const FaceRays& rays) {
         rect.contains(static_cast<double>(ray.u), static_cast<double>(ray.v), kMargin))
       depths.push_back(ray.depth);
   if (depths.empty()) return 0;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return static_cast<double>(*middle);
+  return static_cast<double>(median(std::move(depths)));
 }
 
 Front front_of(const PlacedFront& placed, const FaceRays& rays, const std::vector<FaceFixture>& fixtures) {

@@ -3,11 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 
 #include "mapping/base/cell_index.h"
+#include "mapping/base/quantile.h"
+#include "mapping/base/stopwatch.h"
 #include "mapping/interpretation/front_links.h"
 #include "mapping/interpretation/fronts.h"
 #include "mapping/interpretation/levelling.h"
@@ -21,26 +22,6 @@ constexpr double kFloorReach = 0.25;  // m; a levelled input has its floor withi
 constexpr double kCeilingLow = 1.9;   // m
 constexpr double kFewestArea = 0.3;   // m² of floor
 constexpr double kAreaCell = 0.05;    // m
-
-class StopWatch {
- public:
-  explicit StopWatch(std::vector<StageTime>& times) : times_(times) {}
-  void lap(const std::string& stage) {
-    const auto now = std::chrono::steady_clock::now();
-    times_.push_back({stage, std::chrono::duration<double>(now - start_).count()});
-    start_ = now;
-  }
-
- private:
-  std::vector<StageTime>& times_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
-double median(std::vector<double> values, double fraction = 0.5) {
-  const auto at = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<size_t>(at)];
-}
 
 /// The height between `lowest` and `highest` at which most points look up (`up` = 1) or down (-1).
 std::optional<double> peak_height(const Surface& surface, double lowest, double highest, float up) {
@@ -86,7 +67,7 @@ std::optional<LevelPlane> level_plane(const Surface& surface, double around, flo
   double squares = 0;
   for (const double value : medians) squares += (value - plane.height) * (value - plane.height);
   plane.sd = std::sqrt(squares / static_cast<double>(medians.size()));
-  plane.extent = {{median(x, 0.002), median(y, 0.002)}, {median(x, 0.998), median(y, 0.998)}};
+  plane.extent = {{quantile(x, 0.002), quantile(y, 0.002)}, {quantile(x, 0.998), quantile(y, 0.998)}};
   return plane;
 }
 
@@ -139,13 +120,14 @@ InterpretedMap interpret(const ScanSet& scans, const InterpretationOptions& opti
   if (scans.scans.empty()) throw Error("the scan set has no scans", {}, "run loci-map fuse first");
   InterpretedMap map;
   map.configuration = table.to_json();
-  StopWatch watch(map.times);
+  Stopwatch watch;
+  const auto lap = [&](const std::string& stage) { map.times.push_back({stage, watch.lap()}); };
 
   PartialProgress gathering(progress, 0, 0.3);
   Surface surface = gather_surface(scans, options.threads, gathering);
   if (surface.points.empty())
     throw Error("no ray of the scan set returned: there is nothing to interpret", {}, "scan the place again");
-  watch.lap("surface");
+  lap("surface");
   if (!surface.free_space)
     map.notes.push_back(
         "no free-space evidence: the input is a bare cloud; outlines and classes are less certain");
@@ -160,13 +142,13 @@ InterpretedMap interpret(const ScanSet& scans, const InterpretationOptions& opti
   progress.check(0.35, "walls");
   WallSearch vertical = find_walls(
       surface, floor_height, room.ceiling ? std::optional(room.ceiling->height) : std::nullopt, options);
-  watch.lap("levels and walls");
+  lap("levels and walls");
   PartialProgress supporting(progress, 0.45, 0.7);
   SupportSearch horizontal = find_supports(surface, floor_height, room.yaw, vertical, options, supporting);
-  watch.lap("supports");
+  lap("supports");
   PartialProgress fronting(progress, 0.7, 1);
   FrontSearch furniture = find_fronts(surface, floor_height, vertical, options, fronting);
-  watch.lap("fronts");
+  lap("fronts");
   room.walls = std::move(vertical.walls);
   room.supports = std::move(horizontal.supports);
   if (room.walls.empty()) map.notes.push_back("no walls were recognised");

@@ -3,6 +3,7 @@
 #include <map>
 #include <numbers>
 
+#include "mapping/base/quantile.h"
 #include "mapping/interpretation/layers.h"
 #include "mapping/interpretation/support_checks.h"
 
@@ -17,12 +18,6 @@ constexpr double kShallowest = 0.25;  // m
 constexpr double kLeastSeen = 0.02;   // m² of upward surface that must confirm the height
 constexpr double kMostPierced = 0.1;  // fraction of the top through which rays passed
 constexpr double kSameHeight = 0.045;
-
-double median(std::vector<double> values) {
-  const auto at = static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<size_t>(at)];
-}
 
 /// A piece of a face's upper edge that is level.
 struct LevelTop {
@@ -46,9 +41,7 @@ std::optional<LevelTop> level_top(const Surface& surface, const VerticalPlane& f
   std::vector<int> numbers;
   for (auto& [number, heights] : columns) {
     if (heights.size() < 10) continue;
-    const auto at = static_cast<std::ptrdiff_t>(0.97 * static_cast<double>(heights.size() - 1));
-    std::nth_element(heights.begin(), heights.begin() + at, heights.end());
-    tops.push_back(static_cast<double>(heights[static_cast<size_t>(at)]));
+    tops.push_back(static_cast<double>(quantile(heights, 0.97)));
     numbers.push_back(number);
   }
   if (tops.size() < 8) return std::nullopt;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 
+#include "mapping/base/quantile.h"
 #include "mapping/interpretation/edge_position.h"
 #include "mapping/interpretation/support_checks.h"
 
@@ -13,12 +14,6 @@ constexpr double kInside = 0.06;      // m; how far inside the raster's edge the
 constexpr double kOutside = 0.05;     // m; and outside
 constexpr double kSnap = 0.12;        // m; an unseen edge this near a wall ends at the wall
 constexpr size_t kFewestPoints = 30;  // of a scan that has a say about the height
-
-double median(std::vector<double> values, double fraction = 0.5) {
-  const auto at = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<size_t>(at)];
-}
 
 /// One side of a rectangle: its axis (0 = x, 1 = y) and whether it is the upper end.
 struct Side {
@@ -54,7 +49,7 @@ void refine_edge(Extent& extent, Side side, const std::vector<PlaneEvidence::Sup
     std::vector<double> ends;
     for (const auto& [strip, outermost] : along)
       if (outermost.count >= 3 && outermost.value > edge - kInside) ends.push_back(outermost.value);
-    if (ends.size() >= kFewestStrips) opinions.push_back(median(ends, 0.6));
+    if (ends.size() >= kFewestStrips) opinions.push_back(quantile(ends, 0.6));
   }
   if (!opinions.empty()) side.edge(extent) = side.sign() * median(opinions);
 }

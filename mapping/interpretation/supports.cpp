@@ -11,6 +11,7 @@
 #include <set>
 
 #include "mapping/base/cell_index.h"
+#include "mapping/base/quantile.h"
 #include "mapping/interpretation/layers.h"
 #include "mapping/interpretation/plane_raster.h"
 #include "mapping/interpretation/support_checks.h"
@@ -43,9 +44,7 @@ HorizontalPlane fit_plane(const Layers& layers, const std::vector<uint32_t>& cel
   constexpr double kHoldBack = 60;  // as so many cells 1 m away that say "level"
   std::vector<double> heights;
   for (const uint32_t i : cells) heights.push_back(static_cast<double>(layers.cells[i].height));
-  std::nth_element(heights.begin(), heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2),
-                   heights.end());
-  HorizontalPlane plane{heights[heights.size() / 2], Vector2d::Zero()};
+  HorizontalPlane plane{median(std::move(heights)), Vector2d::Zero()};
   for (int round = 0; round < 3; ++round) {
     std::vector<Vector3d> points;
     Vector3d mean = Vector3d::Zero();

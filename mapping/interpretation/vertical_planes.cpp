@@ -7,6 +7,7 @@
 #include <set>
 
 #include "mapping/base/cell_index.h"
+#include "mapping/base/quantile.h"
 
 namespace loci {
 namespace {
@@ -129,12 +130,6 @@ std::vector<std::vector<size_t>> pieces(const std::vector<Surfel>& surfels, std:
   return parts;
 }
 
-double percentile(std::vector<double> values, double fraction) {
-  const auto at = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<size_t>(at)];
-}
-
 VerticalPlane plane_of(const std::vector<Surfel>& surfels, const std::vector<size_t>& inliers,
                        const Vector2d& normal) {
   VerticalPlane plane;
@@ -151,11 +146,11 @@ VerticalPlane plane_of(const std::vector<Surfel>& surfels, const std::vector<siz
     scans.insert(surfel.scans.begin(), surfel.scans.end());
     plane.inliers += surfel.count;
   }
-  plane.offset = percentile(distances, 0.5);
-  plane.along_min = percentile(along, 0.005);
-  plane.along_max = percentile(along, 0.995);
-  plane.bottom = percentile(heights, 0.005);
-  plane.top = percentile(heights, 0.995);
+  plane.offset = median(distances);
+  plane.along_min = quantile(along, 0.005);
+  plane.along_max = quantile(along, 0.995);
+  plane.bottom = quantile(heights, 0.005);
+  plane.top = quantile(heights, 0.995);
   plane.area = static_cast<double>(cells.size()) * kAreaCell * kAreaCell;
   double squares = 0;
   for (const double distance : distances) squares += (distance - plane.offset) * (distance - plane.offset);

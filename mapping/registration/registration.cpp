@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "mapping/base/parallel.h"
+#include "mapping/base/stopwatch.h"
 #include "mapping/registration/registrar.h"
 
 namespace loci {
@@ -15,10 +15,6 @@ namespace {
 using registration::PreparedScan;
 using registration::Registrar;
 using registration::SearchWindow;
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 RegistrationOptions checked(RegistrationOptions options) {
   table_of(options).validate({"", 0, "registration"});
@@ -74,7 +70,7 @@ PairAlignment align(const Scan& target, const Scan& source, const Isometry3d& ta
 
 RegistrationResult register_scans(const ScanSet& scans, const RegistrationOptions& options,
                                   Progress& progress) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const RegistrationOptions valid = checked(options);
   if (scans.scans.empty()) throw Error("there are no scans to register");
   const size_t count = scans.scans.size();
@@ -101,7 +97,7 @@ RegistrationResult register_scans(const ScanSet& scans, const RegistrationOption
   RegistrationResult result = registrar.result();
   for (size_t i = 0; i < count; ++i)
     if (!result.connected[i]) result.map_from_scan[i] = scans.scans[i].map_from_scan;
-  result.seconds = seconds_since(start);
+  result.seconds = watch.seconds();
   return result;
 }
 
@@ -116,12 +112,12 @@ IncrementalRegistration::IncrementalRegistration(const RegistrationOptions& opti
 IncrementalRegistration::~IncrementalRegistration() = default;
 
 const RegistrationResult& IncrementalRegistration::add(const Scan& scan) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   Registrar& registrar = impl_->registrar;
   registrar.add(registration::prepare(scan, impl_->options), scan.map_from_scan,
                 window_of(scan, impl_->options));
   registrar.solve();
-  registrar.result().seconds += seconds_since(start);
+  registrar.result().seconds += watch.seconds();
   return registrar.result();
 }
 

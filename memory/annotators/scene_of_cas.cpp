@@ -1,9 +1,9 @@
 #include "memory/annotators/scene_of_cas.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "mapping/base/quantile.h"
 #include "mapping/image/hsv.h"
 #include "mapping/image/image_io.h"
 #include "mapping/world/kinematics.h"
@@ -172,13 +172,8 @@ belief::AxisBox robust_box(const std::vector<Vector3d>& points) {
   std::vector<double> values(points.size());
   for (int axis = 0; axis < 3; ++axis) {
     for (size_t i = 0; i < points.size(); ++i) values[i] = points[i][axis];
-    const auto at = [&](double share) {
-      const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-      std::nth_element(values.begin(), values.begin() + place, values.end());
-      return values[static_cast<size_t>(place)];
-    };
-    low[axis] = at(0.01);
-    high[axis] = at(0.99);
+    low[axis] = quantile(values, 0.01);
+    high[axis] = quantile(values, 0.99);
   }
   return {(low + high) / 2, high - low};
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "mapping/base/quantile.h"
+
 namespace loci {
 namespace {
 
@@ -37,11 +39,8 @@ void PositionNoise::add(const DetectedScene& scene) {
 
 std::optional<double> PositionNoise::sigma_m() const {
   if (differences_.size() < kFewest) return std::nullopt;
-  std::vector<double> sorted = differences_;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
   // The median of |d| is 0.6745 standard deviations, and both looks are noisy.
-  return std::clamp(*middle / 0.6745 / std::numbers::sqrt2, kLeast_m, kLargest_m);
+  return std::clamp(median(differences_) / 0.6745 / std::numbers::sqrt2, kLeast_m, kLargest_m);
 }
 
 }  // namespace loci

@@ -4,19 +4,15 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <chrono>
 #include <set>
 
+#include "mapping/base/stopwatch.h"
 #include "perception/types/scene_cas.h"
 
 namespace loci {
 namespace {
 
 constexpr const char* kDefaultReader = "RecordingReader";
-
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
 
 Place place_of(const Config& config, const YAML::Node& node, const std::string& path) {
   Place place = config.place();
@@ -185,14 +181,14 @@ void Pipeline::start(Context& context) {
 void Pipeline::run_frame(cas::Cas& cas, Context& context) {
   const types::SceneCas scene(cas);
   for (Step* step : steps()) {
-    const auto begin = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     try {
       step->annotator->process(cas, context);
     } catch (const Error& error) {
       throw Error(fmt::format("{} failed at frame {}: {}", step->descriptor.name,
                               scene.scene().frame_index.get(), error.what()));
     }
-    const double seconds = seconds_since(begin);
+    const double seconds = watch.seconds();
     step->seconds += seconds;
     scene.log(step->descriptor.name, "info", "done", seconds * 1e3);
   }
@@ -216,9 +212,9 @@ PipelineResult Pipeline::run(Context& context, const std::shared_ptr<const cas::
       throw Interrupted();
     }
     cas::Cas cas(type_system);
-    const auto begin = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     reader_->read_next(cas, context);
-    reader_seconds_ += seconds_since(begin);
+    reader_seconds_ += watch.seconds();
     run_frame(cas, context);
     ++result.frames;
     if (done) done(cas);

@@ -2,8 +2,7 @@
 
 #include <sys/resource.h>
 
-#include <chrono>
-
+#include "mapping/base/stopwatch.h"
 #include "mapping/interpretation/front_links.h"
 
 namespace loci::mapping_claim {
@@ -46,9 +45,9 @@ SurveyResult survey_from_poses(const Run& run, Progress& progress, Warnings& war
   result.scans = scan_from(run, progress, warnings);
   InterpretationOptions options = run.survey.interpretation;
   options.threads = run.threads;
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   result.map = interpret(result.scans, options, progress);
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  result.seconds = watch.seconds();
   return result;
 }
 

@@ -1,18 +1,14 @@
 #include "apps/evaluate/nbv/strategies.h"
 
-#include <chrono>
 #include <cmath>
 #include <mutex>
 #include <numbers>
 
 #include "mapping/base/parallel.h"
+#include "mapping/base/stopwatch.h"
 
 namespace loci::nbv {
 namespace {
-
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
 
 /// What the peers see of a map: the same as our planner.
 struct Surroundings {
@@ -38,9 +34,9 @@ struct Surroundings {
 Decision ours(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
               const PlannerOptions& options, Random& random) {
   Decision decision;
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const NextView view = next_view(map, robot, laser, options, random.fork(random.bits()));
-  decision.seconds = seconds_since(begin);
+  decision.seconds = watch.seconds();
   decision.pose = view.pose;
   decision.overlap = view.expected_overlap;
   decision.views = 2 * view.details["places"].get<size_t>();  // All around is twice a view.
@@ -50,13 +46,13 @@ Decision ours(const OccupancyMap& map, const PlanarPose& robot, const LaserModel
 Decision random_pose(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
                      const PlannerOptions& options, Random& random) {
   Decision decision;
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const Surroundings around(map, robot, laser, options);
   if (!around.standing.empty()) {
     const Vector2d place = around.center(around.standing[random.index(around.standing.size())]);
     decision.pose = PlanarPose{place.x(), place.y(), random.uniform(-std::numbers::pi, std::numbers::pi)};
   }
-  decision.seconds = seconds_since(begin);
+  decision.seconds = watch.seconds();
   return decision;
 }
 
@@ -100,7 +96,7 @@ std::vector<std::vector<size_t>> frontiers(const FloorGrid& floor) {
 Decision nearest_frontier(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
                           const PlannerOptions& options, Random&) {
   Decision decision;
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const Surroundings around(map, robot, laser, options);
   float nearest = Reach::kNever;
   for (const auto& group : frontiers(around.floor)) {
@@ -123,14 +119,14 @@ Decision nearest_frontier(const OccupancyMap& map, const PlanarPose& robot, cons
     decision.pose =
         PlanarPose{at.x(), at.y(), look.norm() > 1e-6 ? std::atan2(look.y(), look.x()) : robot.yaw};
   }
-  decision.seconds = seconds_since(begin);
+  decision.seconds = watch.seconds();
   return decision;
 }
 
 Decision exhaustive(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
                     const PlannerOptions& options, double limit, Random& random) {
   Decision decision;
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const Surroundings around(map, robot, laser, options);
   const ViewVoxels fringe = find_fringe(around.voxels, options.threads);
   const ViewCaster caster(around.voxels, fringe, laser, options.distance_max_m, options.ray_step_deg);
@@ -140,9 +136,9 @@ Decision exhaustive(const OccupancyMap& map, const PlanarPose& robot, const Lase
   for (size_t i = views.size(); i > 1; --i) std::swap(views[i - 1], views[random.index(i)]);
   std::mutex mutex;
   ViewCounts best;
-  const double prepared = seconds_since(begin);
+  const double prepared = watch.seconds();
   parallel_for(views.size(), options.threads, [&](size_t from, size_t to) {
-    for (size_t i = from; i < to && seconds_since(begin) < limit; ++i) {
+    for (size_t i = from; i < to && watch.seconds() < limit; ++i) {
       const Vector2d place = around.center(views[i].first);
       const double yaw =
           std::remainder(2 * std::numbers::pi * views[i].second / options.orientations, 2 * std::numbers::pi);
@@ -157,7 +153,7 @@ Decision exhaustive(const OccupancyMap& map, const PlanarPose& robot, const Lase
     }
   });
   decision.cut = decision.views < views.size();
-  decision.seconds = prepared + (seconds_since(begin) - prepared) * static_cast<double>(views.size()) /
+  decision.seconds = prepared + (watch.seconds() - prepared) * static_cast<double>(views.size()) /
                                     static_cast<double>(std::max<size_t>(decision.views, 1));
   return decision;
 }

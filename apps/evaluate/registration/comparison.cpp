@@ -10,6 +10,7 @@
 
 #include "apps/evaluate/registration/peers.h"
 #include "mapping/base/parallel.h"
+#include "mapping/base/quantile.h"
 
 namespace loci::registration_evaluation {
 namespace {
@@ -20,12 +21,6 @@ double metres_off(const Isometry3d& a, const Isometry3d& b) {
 
 double degrees_off(const Isometry3d& a, const Isometry3d& b) {
   return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() * 180 / M_PI;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 double mean(const std::vector<double>& values) {
@@ -64,10 +59,10 @@ Json number(double value, double unit) {
 }  // namespace
 
 double MethodRow::median_m() const {
-  return median(errors_m);
+  return errors_m.empty() ? 0 : median(errors_m);
 }
 double MethodRow::median_deg() const {
-  return median(errors_deg);
+  return errors_deg.empty() ? 0 : median(errors_deg);
 }
 double MethodRow::mean_seconds() const {
   return mean(seconds);

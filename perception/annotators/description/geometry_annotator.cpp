@@ -6,6 +6,7 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/base/quantile.h"
 #include "perception/annotators/scene_data.h"
 
 namespace loci {
@@ -16,14 +17,8 @@ struct Range {
   double high;
 };
 
-Range range_of(std::vector<double> values, double outliers) {
-  const auto at = [&](double fraction) {
-    const auto index =
-        static_cast<std::ptrdiff_t>(std::lround(fraction * static_cast<double>(values.size() - 1)));
-    std::nth_element(values.begin(), values.begin() + index, values.end());
-    return values[static_cast<size_t>(index)];
-  };
-  return {at(outliers), at(1 - outliers)};
+Range range_of(const std::vector<double>& values, double outliers) {
+  return {quantile(values, outliers), quantile(values, 1 - outliers)};
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "mapping/base/quantile.h"
+
 namespace loci {
 namespace {
 
@@ -94,12 +96,6 @@ std::vector<std::vector<size_t>> members_of(const std::vector<int>& group_of, in
   return members;
 }
 
-float percentile(std::vector<float> values, double fraction) {
-  const auto at = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<size_t>(at)];
-}
-
 class ClusterMaker {
  public:
   ClusterMaker(const cv::Mat& points, const cv::Mat& region, const SupportPlane& support, int index,
@@ -117,8 +113,8 @@ class ClusterMaker {
     std::array<float, 3> high;
     for (int a = 0; a < 3; ++a) {
       for (size_t i = 0; i < axis.size(); ++i) axis[i] = thing.in_plane[i][a];
-      low[static_cast<size_t>(a)] = percentile(axis, 0.02);
-      high[static_cast<size_t>(a)] = percentile(axis, 0.98);
+      low[static_cast<size_t>(a)] = quantile(axis, 0.02);
+      high[static_cast<size_t>(a)] = quantile(axis, 0.98);
     }
     cluster.bottom = static_cast<double>(low[2]);
     cluster.top = static_cast<double>(high[2]);
@@ -272,7 +268,7 @@ ConvexParts parts_of(const Standing& all, const ClusterOptions& options) {
     if (options.split) {
       std::vector<float> depths;
       for (const Vector3f& p : group.points) depths.push_back(p.z());
-      const auto depth = static_cast<double>(percentile(depths, 0.5));
+      const auto depth = static_cast<double>(median(depths));
       const double scale = std::max(1.0, depth_noise(depth) / depth_noise(1.0));
       own = split_at_concave_edges(group.points, group.normals, scale, options.parts);
     } else {

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/base/quantile.h"
 #include "perception/annotators/hypotheses/disjoint_sets.h"
 #include "perception/annotators/hypotheses/upright_outline.h"
 
@@ -30,12 +31,6 @@ struct Piece {
   float left = 0, right = 0;           ///< angles between which it is seen, from the bearing
   float facing_out = 0;                ///< see set_hollowness()
 };
-
-float percentile(std::vector<float>& values, double fraction) {
-  const auto at = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<size_t>(at)];
-}
 
 class Assembly {
  public:
@@ -71,8 +66,8 @@ class Assembly {
     // What a pixel covers grows with the square of the distance, and so does the noise.
     const double focal_squared = cloud_.camera.fx * cloud_.camera.fy;
     piece.noise = std::max(1.0, piece.area / static_cast<double>(piece.points.size()) * focal_squared);
-    piece.bottom = percentile(heights, 0.02);
-    piece.top = percentile(heights, 0.98);
+    piece.bottom = quantile(heights, 0.02);
+    piece.top = quantile(heights, 0.98);
     set_footprint(piece);
   }
 

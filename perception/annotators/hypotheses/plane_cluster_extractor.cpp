@@ -6,6 +6,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/base/quantile.h"
 #include "perception/annotators/hypotheses/color_region.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/camera.h"
@@ -45,10 +46,8 @@ SupportPlane support_of_region(const types::PlanarSupport& known, int label, con
   small.min_area_m2 = std::min(0.01, options.min_area_m2);
   std::optional<SupportPlane> plane;
   if (heights.size() > 100) {
-    std::nth_element(heights.begin(), heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2),
-                     heights.end());
     plane = refine_support(points, normals, mask, normal,
-                           offset + static_cast<double>(heights[heights.size() / 2]), small);
+                           offset + static_cast<double>(median(std::move(heights))), small);
   }
   // A fit to few points may tilt away from what the map says.
   constexpr double kLeastCosine = 0.985;
