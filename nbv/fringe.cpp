@@ -1,5 +1,6 @@
 #include "nbv/fringe.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
@@ -25,6 +26,23 @@ int top_layer(const Voxels& voxels, int threads) {
   return top;
 }
 
+/// States of a row of voxels, given the four rows beside it. Returns the number of fringe voxels. Without
+/// branches: eight or more voxels at a time.
+size_t mark_fringe(const Occupancy* here, const std::array<const Occupancy*, 4>& beside, ViewVoxel* states,
+                   size_t width) {
+  const auto unknown = [](Occupancy state) { return state == Occupancy::unknown; };
+  const auto mark = [&](size_t x, bool before, bool after) {
+    const bool window = before | after | unknown(beside[0][x]) | unknown(beside[1][x]) |
+                        unknown(beside[2][x]) | unknown(beside[3][x]);
+    const bool fringe = (here[x] == Occupancy::free) & window;
+    states[x] = fringe ? ViewVoxel::fringe : static_cast<ViewVoxel>(here[x]);
+  };
+  mark(0, true, width == 1 || unknown(here[1]));
+  for (size_t x = 1; x + 1 < width; ++x) mark(x, unknown(here[x - 1]), unknown(here[x + 1]));
+  if (width > 1) mark(width - 1, unknown(here[width - 2]), true);
+  return static_cast<size_t>(std::count(states, states + width, ViewVoxel::fringe));
+}
+
 }  // namespace
 
 ViewVoxels find_fringe(const Voxels& voxels, int threads) {
@@ -33,25 +51,28 @@ ViewVoxels find_fringe(const Voxels& voxels, int threads) {
   if (voxels.states.empty()) return result;
   const int top = top_layer(voxels, threads);
   const int bottom = std::max(0, voxels.voxel_of({0, 0, 0}).z());
+  const auto width = static_cast<size_t>(voxels.size.x());
+  const std::vector<Occupancy> outside(width, Occupancy::unknown);
   std::vector<size_t> counts(static_cast<size_t>(voxels.size.z()), 0);
-  const std::array<Eigen::Vector3i, 6> neighbours = {
-      Eigen::Vector3i{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   parallel_for(counts.size(), threads, [&](size_t begin, size_t end) {
+    const auto row = [&](int y, int z) {
+      const bool inside = y >= 0 && z >= 0 && y < voxels.size.y() && z < voxels.size.z();
+      return inside ? voxels.states.data() + voxels.index({0, y, z}) : outside.data();
+    };
     for (int z = static_cast<int>(begin); z < static_cast<int>(end); ++z)
-      for (int y = 0; y < voxels.size.y(); ++y)
-        for (int x = 0; x < voxels.size.x(); ++x) {
-          const Eigen::Vector3i voxel(x, y, z);
-          const size_t at = voxels.index(voxel);
-          result.states[at] = static_cast<ViewVoxel>(voxels.states[at]);
-          if (voxels.states[at] != Occupancy::free || z > top || z < bottom) continue;
-          for (const Eigen::Vector3i& step : neighbours) {
-            const Eigen::Vector3i next = voxel + step;
-            if (next.z() < bottom || next.z() > top || voxels.at(next) != Occupancy::unknown) continue;
-            result.states[at] = ViewVoxel::fringe;
-            ++counts[static_cast<size_t>(z)];
-            break;
-          }
+      for (int y = 0; y < voxels.size.y(); ++y) {
+        const Occupancy* here = row(y, z);
+        ViewVoxel* states = result.states.data() + voxels.index({0, y, z});
+        if (z > top || z < bottom) {
+          std::transform(here, here + width, states, [](Occupancy o) { return static_cast<ViewVoxel>(o); });
+          continue;
         }
+        // Beyond bottom and top nothing counts as unknown: the row itself takes the place of that neighbour.
+        counts[static_cast<size_t>(z)] +=
+            mark_fringe(here, {row(y - 1, z), row(y + 1, z), z > bottom ? row(y, z - 1) : here,
+                               z < top ? row(y, z + 1) : here},
+                        states, width);
+      }
   });
   result.fringe = std::accumulate(counts.begin(), counts.end(), size_t{0});
   return result;

@@ -15,6 +15,8 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kAreaPerSample = 0.1;  ///< m²: poses nearer to each other see nearly the same
 constexpr int kSamplesMin = 8;
+constexpr double kCoarseSteps = 3;   ///< the first look at a place has a ninth of the rays
+constexpr size_t kPlacesAtOnce = 2;  ///< looked at with all rays before the best is asked for again
 
 /// Voxels of a kind over each cell of the floor.
 std::vector<int> projected(const Voxels& voxels, const ViewVoxels& view, const FloorGrid& floor,
@@ -78,27 +80,78 @@ double score_of(const ViewSample& sample, double gain_weight) {
   return std::pow(paper, 2 - 2 * gain_weight) * std::pow(counts.fringe, 2 * gain_weight - 1);
 }
 
-/// Each place in the orientations of the costmaps, by one round of rays.
-std::vector<ViewSample> validate(const ViewPlan& plan, const std::vector<size_t>& places,
-                                 const ViewCaster& caster, const PlannerOptions& options) {
-  const size_t layers = plan.costs.layers.size();
-  std::vector<ViewSample> samples(places.size() * layers);
+bool eligible(const ViewSample& sample, const PlannerOptions& options) {
+  return sample.counts.fringe >= options.gain_min && !avoided({sample.pose.x, sample.pose.y}, options);
+}
+
+/// A place that is validated: a sample per orientation of the costmaps, by one round of rays.
+struct ViewPlace {
+  size_t cell = 0;
+  bool fine = false;  ///< cast with all rays, not only coarsely
+  std::vector<ViewSample> samples;
+};
+
+/// Casts the rays of some places.
+void look(const ViewPlan& plan, const ViewCaster& caster, const PlannerOptions& options,
+          const std::vector<ViewPlace*>& places) {
+  const auto width = static_cast<size_t>(plan.floor.width);
   parallel_for(places.size(), options.threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      const auto width = static_cast<size_t>(plan.floor.width);
-      const Vector2d place =
-          plan.floor.center(static_cast<int>(places[i] % width), static_cast<int>(places[i] / width));
-      const std::vector<ViewCounts> panorama = caster.panorama(place);
-      for (size_t layer = 0; layer < layers; ++layer) {
-        ViewSample& sample = samples[i * layers + layer];
+      ViewPlace& place = *places[i];
+      const Vector2d at =
+          plan.floor.center(static_cast<int>(place.cell % width), static_cast<int>(place.cell / width));
+      const std::vector<ViewCounts> panorama = caster.panorama(at);
+      place.samples.resize(plan.costs.layers.size());
+      for (size_t layer = 0; layer < place.samples.size(); ++layer) {
+        ViewSample& sample = place.samples[layer];
         const double yaw = plan.costs.yaw(layer);
-        sample.pose = {place.x(), place.y(), std::remainder(yaw, 2 * std::numbers::pi)};
-        sample.cost_value = static_cast<double>(plan.costs.layers[layer][places[i]]);
+        sample.pose = {at.x(), at.y(), std::remainder(yaw, 2 * std::numbers::pi)};
+        sample.cost_value = static_cast<double>(plan.costs.layers[layer][place.cell]);
         sample.counts = caster.part(panorama, yaw);
         sample.score = score_of(sample, options.gain_weight);
       }
     }
   });
+}
+
+/// The best score of a place among the poses that may be chosen; negative = none.
+double best_score(const ViewPlace& place, const PlannerOptions& options) {
+  double best = -1;
+  for (const ViewSample& sample : place.samples)
+    if (eligible(sample, options)) best = std::max(best, sample.score);
+  return best;
+}
+
+/// All places with few rays, then those that look best with all rays, until the best one was looked at so.
+std::vector<ViewSample> validate(const ViewPlan& plan, const std::vector<size_t>& cells,
+                                 const LaserModel& laser, const PlannerOptions& options) {
+  const auto caster = [&](double step_deg) {
+    return ViewCaster(plan.voxels, plan.fringe, laser, options.distance_max_m, step_deg);
+  };
+  const ViewCaster coarse = caster(kCoarseSteps * options.ray_step_deg), fine = caster(options.ray_step_deg);
+  std::vector<ViewPlace> places(cells.size());
+  std::vector<ViewPlace*> order;
+  for (size_t i = 0; i < cells.size(); ++i) {
+    places[i].cell = cells[i];
+    order.push_back(&places[i]);
+  }
+  look(plan, coarse, options, order);
+  while (true) {
+    std::stable_sort(order.begin(), order.end(), [&](const ViewPlace* a, const ViewPlace* b) {
+      return best_score(*a, options) > best_score(*b, options);
+    });
+    if (order.empty() || order.front()->fine) break;
+    std::vector<ViewPlace*> next;
+    for (ViewPlace* place : order)
+      if (next.size() < kPlacesAtOnce && !place->fine && best_score(*place, options) > 0)
+        next.push_back(place);
+    if (next.empty()) break;
+    look(plan, fine, options, next);
+    for (ViewPlace* place : next) place->fine = true;
+  }
+  std::vector<ViewSample> samples;
+  for (const ViewPlace& place : places)
+    samples.insert(samples.end(), place.samples.begin(), place.samples.end());
   return samples;
 }
 
@@ -111,22 +164,15 @@ Json sample_json(const ViewSample& sample) {
           {"score", sample.score}};
 }
 
-bool avoided(const PlanarPose& pose, const PlannerOptions& options) {
-  return std::any_of(options.avoid.begin(), options.avoid.end(), [&](const Vector2d& place) {
-    return (Vector2d(pose.x, pose.y) - place).norm() < options.robot_radius_m;
-  });
-}
-
 /// Chooses among the validated samples, or says why to stop and returns null.
 const ViewSample* decide(ViewPlan& plan, const PlannerOptions& options) {
   NextView& view = plan.view;
   double gain_best = 0;
   const ViewSample* best = nullptr;
   for (const ViewSample& sample : plan.samples) {
-    if (avoided(sample.pose, options)) continue;
-    gain_best = std::max(gain_best, sample.counts.fringe);
-    if (sample.counts.fringe < options.gain_min) continue;
-    if (best == nullptr || sample.score > best->score) best = &sample;
+    if (!avoided({sample.pose.x, sample.pose.y}, options))
+      gain_best = std::max(gain_best, sample.counts.fringe);
+    if (eligible(sample, options) && (best == nullptr || sample.score > best->score)) best = &sample;
   }
   view.details["gain_best_m2"] = gain_best;
   if (best == nullptr || best->score <= 0) {
@@ -195,6 +241,12 @@ void PlannerOptions::declare(OptionTable& table) {
   table.number("gain_min", gain_min, "m²", "Stops when no view gains more, see expected_gain.", 0, 100);
 }
 
+bool avoided(const Vector2d& place, const PlannerOptions& options) {
+  return std::any_of(options.avoid.begin(), options.avoid.end(), [&](const Vector2d& failed) {
+    return (place - failed).norm() < options.robot_radius_m;
+  });
+}
+
 FloorGrid drivable_floor(const Voxels& voxels, const PlanarPose& robot, const LaserModel& laser,
                          const PlannerOptions& options) {
   FloorGrid floor = floor_grid(voxels, options.cell_m, laser.height_m + 0.1);
@@ -229,8 +281,7 @@ ViewPlan plan_view(const OccupancyMap& map, const PlanarPose& robot, const Laser
   const int samples = std::clamp(static_cast<int>(standing_m2 / kAreaPerSample),
                                  std::min(kSamplesMin, options.samples), options.samples);
   const std::vector<size_t> places = draw_places(plan.costs, plan.floor.cells(), samples, random);
-  const ViewCaster caster(plan.voxels, plan.fringe, laser, options.distance_max_m, options.ray_step_deg);
-  plan.samples = validate(plan, places, caster, options);
+  plan.samples = validate(plan, places, laser, options);
   times["validation"] = watch.lap();
 
   plan.view.details = {

@@ -69,6 +69,9 @@ struct ViewPlan {
   std::vector<ViewSample> samples;
 };
 
+/// Whether a place is one that the robot has failed to get to, or too near to one.
+bool avoided(const Vector2d& place, const PlannerOptions& options);
+
 /// The floor as the planner sees it: that of the voxels, and that on which the robot stands now.
 FloorGrid drivable_floor(const Voxels& voxels, const PlanarPose& robot, const LaserModel& laser,
                          const PlannerOptions& options);

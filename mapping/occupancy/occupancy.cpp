@@ -6,6 +6,7 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/parallel.h"
+#include "mapping/occupancy/dense_voxels.h"
 #include "mapping/occupancy/scan_rays.h"
 #include "mapping/occupancy/scan_tree.h"
 
@@ -88,38 +89,7 @@ const octomap::OcTree& OccupancyMap::tree() const {
 }
 
 Voxels OccupancyMap::voxels() const {
-  struct Leaf {
-    Eigen::Vector3i low;
-    int edge;
-    Occupancy state;
-  };
-  const octomap::OcTree& tree = impl_->tree;
-  Voxels voxels;
-  voxels.resolution = tree.getResolution();
-  if (tree.getRoot() == nullptr) return voxels;
-  std::vector<Leaf> leaves;
-  Eigen::Array3i low = Eigen::Array3i::Constant(1 << 16), high = Eigen::Array3i::Zero();
-  for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf) {
-    const OcTreeKey key = leaf.getIndexKey();
-    const int edge = 1 << (tree.getTreeDepth() - leaf.getDepth());
-    leaves.push_back(
-        {{key[0], key[1], key[2]}, edge, tree.isNodeOccupied(*leaf) ? Occupancy::occupied : Occupancy::free});
-    low = low.min(leaves.back().low.array());
-    high = high.max(leaves.back().low.array() + edge);
-  }
-  voxels.size = high - low;
-  voxels.low = (low - (1 << (tree.getTreeDepth() - 1))).cast<double>() * voxels.resolution;
-  voxels.states.assign(static_cast<size_t>(voxels.size.x()) * static_cast<size_t>(voxels.size.y()) *
-                           static_cast<size_t>(voxels.size.z()),
-                       Occupancy::unknown);
-  for (const Leaf& leaf : leaves) {
-    const Eigen::Vector3i first = leaf.low - low.matrix();
-    for (int z = 0; z < leaf.edge; ++z)
-      for (int y = 0; y < leaf.edge; ++y)
-        std::fill_n(voxels.states.begin() + static_cast<long>(voxels.index(first + Eigen::Vector3i(0, y, z))),
-                    leaf.edge, leaf.state);
-  }
-  return voxels;
+  return occupancy::dense_voxels(impl_->tree, impl_->options.threads);
 }
 
 void OccupancyMap::write_bt(const std::filesystem::path& path) const {

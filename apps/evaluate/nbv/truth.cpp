@@ -14,9 +14,12 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kBodyBottom = 0.05;
 
-/// Whether a robot's body fits at a place: level rays at several heights, and rays down from its top.
+/// Whether a robot can stand at a place: there is floor, and its body fits, by level rays at several heights
+/// and rays down from its top.
 bool fits(const RayScene& scene, const Vector2d& place, double radius, double top) {
   constexpr int kDirections = 24;
+  const Eigen::Vector3f above = Vector3d(place.x(), place.y(), kBodyBottom).cast<float>();
+  if (scene.cast(above, {0, 0, -1}, static_cast<float>(2 * kBodyBottom)).link < 0) return false;
   for (int i = 0; i < kDirections; ++i) {
     const double angle = 2 * std::numbers::pi * i / kDirections;
     const Eigen::Vector3f along(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), 0);
