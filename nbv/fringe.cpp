@@ -68,10 +68,10 @@ ViewVoxels find_fringe(const Voxels& voxels, int threads) {
           continue;
         }
         // Beyond bottom and top nothing counts as unknown: the row itself takes the place of that neighbour.
-        counts[static_cast<size_t>(z)] +=
-            mark_fringe(here, {row(y - 1, z), row(y + 1, z), z > bottom ? row(y, z - 1) : here,
-                               z < top ? row(y, z + 1) : here},
-                        states, width);
+        counts[static_cast<size_t>(z)] += mark_fringe(
+            here,
+            {row(y - 1, z), row(y + 1, z), z > bottom ? row(y, z - 1) : here, z < top ? row(y, z + 1) : here},
+            states, width);
       }
   });
   result.fringe = std::accumulate(counts.begin(), counts.end(), size_t{0});

@@ -247,11 +247,18 @@ bool avoided(const Vector2d& place, const PlannerOptions& options) {
   });
 }
 
+double body_height(const LaserModel& laser) {
+  return laser.height_m + 0.1;
+}
+
 FloorGrid drivable_floor(const Voxels& voxels, const PlanarPose& robot, const LaserModel& laser,
                          const PlannerOptions& options) {
-  FloorGrid floor = floor_grid(voxels, options.cell_m, laser.height_m + 0.1);
+  FloorGrid floor = floor_grid(voxels, options.cell_m, body_height(laser));
   const Eigen::Vector2i here = floor.cell_of({robot.x, robot.y});
-  if (floor.contains(here.x(), here.y())) floor.seen[floor.index(here.x(), here.y())] = 1;
+  if (floor.contains(here.x(), here.y())) {
+    const size_t at = floor.index(here.x(), here.y());
+    floor.seen[at] = floor.clear[at] = 1;
+  }
   return floor;
 }
 
@@ -305,7 +312,7 @@ PoolChoice choose_view(const OccupancyMap& map, const std::vector<PlanarPose>& p
   plan.voxels = map.voxels();
   plan.fringe = find_fringe(plan.voxels, options.threads);
   plan.view.fringe_voxels = plan.fringe.fringe;
-  plan.floor = floor_grid(plan.voxels, options.cell_m, laser.height_m + 0.1);
+  plan.floor = floor_grid(plan.voxels, options.cell_m, body_height(laser));
   add_costmaps(plan, options);
   const ViewCaster caster(plan.voxels, plan.fringe, laser, options.distance_max_m, options.ray_step_deg);
   plan.samples.resize(poses.size());

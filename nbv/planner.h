@@ -72,6 +72,9 @@ struct ViewPlan {
 /// Whether a place is one that the robot has failed to get to, or too near to one.
 bool avoided(const Vector2d& place, const PlannerOptions& options);
 
+/// How high the robot is that carries a scanner: what hangs lower is in its way, metres.
+double body_height(const LaserModel& laser);
+
 /// The floor as the planner sees it: that of the voxels, and that on which the robot stands now.
 FloorGrid drivable_floor(const Voxels& voxels, const PlanarPose& robot, const LaserModel& laser,
                          const PlannerOptions& options);

@@ -15,9 +15,9 @@ struct Reach {
   std::vector<float> distance;  ///< metres of way per cell of the floor grid; kNever = no way
   std::vector<int32_t> parent;  ///< cell before it on the way; -1 = the start or no way
 
-  /// Whether the robot can go there and stand on floor that was seen.
+  /// Whether the robot can go there and stand on floor that was seen, in space that is known to be free.
   bool stands(const FloorGrid& floor, size_t cell) const {
-    return distance[cell] < kNever && floor.seen[cell] != 0;
+    return distance[cell] < kNever && floor.seen[cell] != 0 && floor.clear[cell] != 0;
   }
 };
 

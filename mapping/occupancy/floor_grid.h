@@ -15,6 +15,7 @@ struct FloorGrid {
   std::vector<uint8_t> seen;        ///< the floor was scanned here (an occupied voxel at z ≈ 0)
   std::vector<uint8_t> obstacle;    ///< something stands or hangs here where the robot's body would be
   std::vector<uint8_t> open;        ///< some of the body's space is known to be free
+  std::vector<uint8_t> clear;       ///< most of it is: not so under what only its shadow is known of
 
   size_t cells() const { return seen.size(); }
   size_t index(int x, int y) const {
@@ -29,7 +30,7 @@ struct FloorGrid {
 
 /// Projects voxels of a levelled map (floor at z = 0) onto the floor. Cells are at least one voxel wide. The
 /// floor is what is occupied within 1.6 voxels of z = 0; what is occupied above that, up to `body_height`
-/// metres, is an obstacle.
+/// metres, is an obstacle: the robot's body.
 FloorGrid floor_grid(const Voxels& voxels, double cell_m, double body_height);
 
 }  // namespace loci

