@@ -22,7 +22,6 @@ constexpr double kSameAngle = 3 * M_PI / 180;
 constexpr double kCorrelated = 10;
 constexpr double kAccuracy = 1e-5;   ///< of the last iteration, metres and radians
 constexpr double kLetGo = 0.03;      ///< part of the surface that a finer level may lose
-constexpr double kAstray = 1.5;      ///< windows: a pose may be found so far from the guess
 constexpr double kSigmaMin = 0.002;  ///< metres: no surfel is known better
 /// Metres. However many surfels agree, the direction that is held best is not known better than this, and the
 /// less the worse they fit: what is left over is mixed returns at edges and wide beams, which err to one
@@ -73,11 +72,10 @@ class PairAligner {
     return "scan " + (target_.points == 0 ? target_.name : source_.name) + " has no points";
   }
 
-  /// Whether a pose left the window: repeated furniture fits elsewhere, too.
+  /// Whether a pose left the window: repeated furniture fits elsewhere, too, and no rivals were sought there.
   static bool astray(const Isometry3d& guess, const Isometry3d& found, const SearchWindow& window) {
-    return (guess.translation() - found.translation()).norm() > kAstray * window.position + kSamePosition ||
-           Eigen::AngleAxisd(guess.linear().transpose() * found.linear()).angle() >
-               kAstray * window.angle + kSameAngle;
+    return (guess.translation() - found.translation()).norm() > window.position + kSamePosition ||
+           Eigen::AngleAxisd(guess.linear().transpose() * found.linear()).angle() > window.angle + kSameAngle;
   }
 
   IcpOptions level_options(size_t level) const {

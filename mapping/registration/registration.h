@@ -18,7 +18,7 @@ struct RegistrationOptions {
   double yaw_error_deg = 15;      ///< expected (σ)
   double voxel_m = 0.05;          ///< of the finest level
   double overlap_min = 0.3;       ///< less shared surface is no evidence
-  double conflict_max = 0.04;     ///< more points in free space, and it is another place
+  double conflict_max = 0.02;     ///< more points in free space, and it is another place
   double degeneracy_min = 0.003;  ///< less, and the pose may slide or turn
   double rmse_max_m = 0.03;       ///< more, and it is another surface
   double rival_gap = 0.03;        ///< a second pose must fit worse by this part of the surface

@@ -10,7 +10,6 @@ namespace {
 
 constexpr float kHorizontal = 0.8F;     ///< cosine
 constexpr float kSurfaceOffset = 0.6F;  ///< of a cell: beyond it is another surface
-constexpr float kFreeMargin = 1.0F;     ///< of a coarse cell
 
 struct Count {
   size_t asked = 0, matched = 0;
@@ -22,11 +21,9 @@ Count compare(const PreparedScan& scan, const PreparedScan& other, const Isometr
               size_t level, bool planar, size_t samples) {
   const Surfels& known = scan.levels[level];
   const Surfels& asked = other.levels[level];
-  const Surfels& wide = scan.levels[std::min(level + 1, scan.levels.size() - 1)];
   const Eigen::Matrix3f turn = scan_from_other.linear().cast<float>();
   const Eigen::Vector3f shift = scan_from_other.translation().cast<float>();
   const auto cell = static_cast<float>(known.cell);
-  const auto margin = kFreeMargin * static_cast<float>(scan.coarsest().cell);
   const size_t step = samples > 0 ? std::max<size_t>(1, asked.size() / samples) : 1;
   Count count;
   for (size_t i = 0; i < asked.size(); i += step) {
@@ -43,7 +40,7 @@ Count compare(const PreparedScan& scan, const PreparedScan& other, const Isometr
     if (!telling) continue;
     if (matched)
       ++count.agreeing;
-    else if (!wide.near(point) && scan.free_space.passed(point, margin))
+    else if (!known.near(point) && scan.free_space.passed(point, cell))
       ++count.conflicting;
   }
   return count;

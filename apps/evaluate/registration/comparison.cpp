@@ -85,7 +85,7 @@ std::vector<MethodRow> compare_methods(const PairSet& set, const std::vector<Dis
   std::vector<MethodRow> rows;
   for (const Disturbance& disturbance : disturbances)
     for (const std::string& method : methods)
-      rows.push_back({set.name, disturbance.name, method, {}, {}, {}, {}, {}, {}, {}});
+      rows.push_back({set.name, disturbance.name, method, 0, 0, 0, 0, {}, {}, {}, {}});
   for (size_t p = 0; p < set.pairs.size(); ++p) {
     const TruePair& pair = set.pairs[p];
     for (size_t d = 0; d < disturbances.size(); ++d) {
@@ -100,6 +100,7 @@ std::vector<MethodRow> compare_methods(const PairSet& set, const std::vector<Dis
         const Answer answer =
             answer_of(methods[m], thin.at(pair.target), thin.at(pair.source), start, options);
         row.seconds.push_back(thread_seconds() - begin);
+        row.names.push_back(pair.name);
         row.errors_m.push_back(metres_off(answer.target_from_source, pair.target_from_source));
         row.errors_deg.push_back(degrees_off(answer.target_from_source, pair.target_from_source));
         const bool right = row.errors_m.back() <= set.trusted_m && row.errors_deg.back() <= set.trusted_deg;
@@ -164,16 +165,42 @@ TourRow test_tour(const std::string& world, const std::vector<Scan>& scans, doub
   return row;
 }
 
+std::vector<MethodRow> over_all_pairs(const std::vector<MethodRow>& rows) {
+  std::vector<MethodRow> sums;
+  for (const MethodRow& row : rows) {
+    auto sum = std::find_if(sums.begin(), sums.end(),
+                            [&](const MethodRow& other) { return other.method == row.method; });
+    if (sum == sums.end())
+      sum = sums.insert(sum, {"all", "10 cm, 5° and 50 cm, 30°", row.method, 0, 0, 0, 0, {}, {}, {}, {}});
+    sum->pairs += row.pairs;
+    sum->right += row.right;
+    sum->claimed += row.claimed;
+    sum->false_claims += row.false_claims;
+    sum->names.insert(sum->names.end(), row.names.begin(), row.names.end());
+    sum->errors_m.insert(sum->errors_m.end(), row.errors_m.begin(), row.errors_m.end());
+    sum->errors_deg.insert(sum->errors_deg.end(), row.errors_deg.begin(), row.errors_deg.end());
+    sum->seconds.insert(sum->seconds.end(), row.seconds.begin(), row.seconds.end());
+  }
+  return sums;
+}
+
 std::string Evaluation::text(bool verbose) const {
   std::string text;
   if (!methods.empty()) {
     text += "| pairs | starts off by | method | right | median error | claimed | of it false | mean time |\n";
     text += "|---|---|---|---|---|---|---|---|\n";
   }
-  for (const MethodRow& row : methods)
+  std::vector<MethodRow> rows = methods, sums = over_all_pairs(methods);
+  std::move(sums.begin(), sums.end(), std::back_inserter(rows));
+  for (const MethodRow& row : rows)
     text += fmt::format("| {} | {} | {} | {} of {} | {:.1f} mm, {:.2f}° | {} | {} | {:.0f} ms |\n", row.set,
                         row.disturbance, row.method, row.right, row.pairs, 1000 * row.median_m(),
                         row.median_deg(), row.claimed, row.false_claims, 1000 * row.mean_seconds());
+  for (const MethodRow& row : methods)
+    for (size_t i = 0; verbose && i < row.pairs; ++i)
+      text += fmt::format("  {}, {}: {}: off by {:.1f} mm, {:.2f}°, {:.1f} ms\n", row.names[i],
+                          row.disturbance, row.method, 1000 * row.errors_m[i], row.errors_deg[i],
+                          1000 * row.seconds[i]);
   if (!verdicts.empty()) {
     const auto count = [&](auto wanted) { return std::count_if(verdicts.begin(), verdicts.end(), wanted); };
     text += fmt::format(

@@ -20,6 +20,7 @@ struct Disturbance {
 struct MethodRow {
   std::string set, disturbance, method;
   size_t pairs = 0, right = 0, claimed = 0, false_claims = 0;
+  std::vector<std::string> names;  ///< of the pairs, as the errors
   std::vector<double> errors_m, errors_deg, seconds;
 
   double median_m() const;
@@ -59,6 +60,9 @@ struct TourRow {
 };
 TourRow test_tour(const std::string& world, const std::vector<Scan>& scans, double shift_m, double turn_deg,
                   const RegistrationOptions& options, const Random& random, Progress& progress);
+
+/// Rows of the same method put together, in the order in which methods appear.
+std::vector<MethodRow> over_all_pairs(const std::vector<MethodRow>& rows);
 
 struct Evaluation {
   std::vector<MethodRow> methods;
