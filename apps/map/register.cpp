@@ -66,7 +66,7 @@ std::string answer_text(const RegistrationResult& result) {
     const Vector3d rpy = rpy_from_rotation(result.map_from_scan[i].linear()) * 180 / M_PI;
     text += fmt::format("  {}: x {:.3f} y {:.3f} z {:.3f} m, roll {:.2f} pitch {:.2f} yaw {:.2f} deg{}\n",
                         result.names[i], position.x(), position.y(), position.z(), rpy.x(), rpy.y(), rpy.z(),
-                        result.connected[i] ? "" : " (as given)");
+                        result.connected[i] ? "" : " (by odometry only)");
   }
   return text;
 }

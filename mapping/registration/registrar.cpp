@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "mapping/base/parallel.h"
-#include "mapping/registration/pose_graph.h"
+#include "mapping/registration/icp.h"
 
 namespace loci::registration {
 namespace {
@@ -15,21 +15,42 @@ constexpr double kPromising = 0.5;
 constexpr size_t kSearchesMax = 6;
 /// What remains to be found of a pair whose scans are both connected.
 constexpr SearchWindow kRefine = {0.05, 0.02};
+/// Odometry is not taken to be better than this.
+constexpr SearchWindow kOdometryBest = {0.005, 0.002};
 /// An edge that is off by more standard deviations than this contradicts the others.
 constexpr double kContradiction = 12;
+
+/// What is known of a scan that was driven to: deviations are those of the scan itself, turned about its own
+/// origin.
+Edge odometry_edge(size_t target, const Isometry3d& target_from_source, const SearchWindow& expected) {
+  const double position = std::max(expected.position, kOdometryBest.position);
+  const double angle = std::max(expected.angle, kOdometryBest.angle);
+  Matrix6d information = Matrix6d::Zero();
+  information.diagonal() << Vector3d::Constant(1 / (position * position)),
+      Vector3d::Constant(1 / (angle * angle));
+  // A turn about the target's origin moves the scan as well: that motion is not its own.
+  const Vector3d t = target_from_source.translation();
+  Matrix6d own = Matrix6d::Identity();
+  own.topRightCorner<3, 3>() << 0, t.z(), -t.y(), -t.z(), 0, t.x(), t.y(), -t.x(), 0;
+  return {target, target + 1, target_from_source, own.transpose() * information * own};
+}
 
 }  // namespace
 
 Registrar::Registrar(const RegistrationOptions& options) : options_(options) {}
 
-void Registrar::add(PreparedScan scan, const Isometry3d& map_from_scan, const SearchWindow& window) {
+void Registrar::add(PreparedScan scan, const Isometry3d& map_from_scan, const SearchWindow& window,
+                    const SearchWindow& expected) {
   const size_t added = scans_.size();
+  if (added > 0)
+    odometry_.push_back(
+        odometry_edge(added - 1, result_.map_from_scan[added - 1].inverse() * map_from_scan, expected));
   result_.names.push_back(scan.name);
   result_.map_from_scan.push_back(map_from_scan);
   scans_.push_back(std::move(scan));
   root_.push_back(added);
   const std::vector<Partner> partners = partners_of(added, added, window.position);
-  if (connect(added, partners, window)) refine(added, partners);
+  if (connect(added, partners, window)) refine(added, partners, window);
   spread();
 }
 
@@ -38,7 +59,7 @@ void Registrar::retry(const SearchWindow& window) {
     if (root_[scan] == 0) continue;
     std::vector<Partner> partners = partners_of(scan, scans_.size(), window.position);
     std::erase_if(partners, [&](const Partner& partner) { return root_[partner.scan] != 0; });
-    if (connect(scan, partners, window)) refine(scan, partners);
+    if (connect(scan, partners, window)) refine(scan, partners, window);
     spread();
   }
 }
@@ -78,15 +99,22 @@ bool Registrar::connect(size_t scan, const std::vector<Partner>& partners, const
     const bool trusted = pair.trusted;
     if (trusted) result_.map_from_scan[scan] = result_.map_from_scan[partner.scan] * pair.target_from_source;
     put(std::move(pair));
-    if (trusted) return true;
+    if (!trusted) continue;
+    spread();
+    return true;
   }
   return false;
 }
 
-void Registrar::refine(size_t scan, const std::vector<Partner>& partners) {
+/// Aligns a connected scan with the others that it overlaps: those of its part of the graph are where they
+/// are, others may be anywhere in the window.
+void Registrar::refine(size_t scan, const std::vector<Partner>& partners, const SearchWindow& window) {
   std::vector<PairAlignment> pairs(partners.size());
   parallel_for(partners.size(), options_.threads, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) pairs[i] = aligned(partners[i].scan, scan, kRefine);
+    for (size_t i = begin; i < end; ++i) {
+      const size_t other = partners[i].scan;
+      pairs[i] = aligned(other, scan, root_[other] == root_[scan] ? kRefine : window);
+    }
   });
   for (PairAlignment& pair : pairs) put(std::move(pair));
 }
@@ -141,11 +169,13 @@ void Registrar::solve() {
       edges.push_back({pair.target, pair.source, pair.target_from_source, pair.information});
       pairs.push_back(&pair);
     }
-    std::vector<bool> fixed(scans_.size());
-    for (size_t i = 0; i < fixed.size(); ++i) fixed[i] = root_[i] == i;
+    for (const Edge& edge : odometry_)
+      if (root_[edge.target] != root_[edge.source]) edges.push_back(edge);
+    std::vector<bool> fixed(scans_.size(), false);
+    fixed[0] = true;
     const std::vector<double> off = solve_pose_graph(result_.map_from_scan, fixed, edges, options_.dof == 3);
     bool contradiction = false;
-    for (size_t i = 0; i < off.size(); ++i) {
+    for (size_t i = 0; i < pairs.size(); ++i) {
       if (off[i] < kContradiction) continue;
       pairs[i]->trusted = false;
       pairs[i]->reason = "contradicts the other pairs";

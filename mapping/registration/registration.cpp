@@ -24,12 +24,19 @@ RegistrationOptions checked(RegistrationOptions options) {
   return options;
 }
 
-/// Three standard deviations where a covariance is given, otherwise what the options expect.
+/// Standard deviations of the scan's pose where a covariance is given, otherwise what the options expect.
+SearchWindow expected_error(const Scan& scan, const RegistrationOptions& options) {
+  if (scan.covariance.isZero(0)) return {options.position_error_m, options.yaw_error_deg * M_PI / 180};
+  const auto variance = scan.covariance.diagonal();
+  return {std::sqrt(std::max(0.0, variance.head<3>().maxCoeff())),
+          std::sqrt(std::max(0.0, variance.tail<3>().maxCoeff()))};
+}
+
+/// Three standard deviations where a covariance is given, otherwise what the options ask for.
 SearchWindow window_of(const Scan& scan, const RegistrationOptions& options) {
   if (scan.covariance.isZero(0)) return registration::window_of(options);
-  const auto variance = scan.covariance.diagonal();
-  return {3 * std::sqrt(std::max(0.0, variance.head<3>().maxCoeff())),
-          3 * std::sqrt(std::max(0.0, variance.tail<3>().maxCoeff()))};
+  const SearchWindow expected = expected_error(scan, options);
+  return {3 * expected.position, 3 * expected.angle};
 }
 
 }  // namespace
@@ -89,14 +96,13 @@ RegistrationResult register_scans(const ScanSet& scans, const RegistrationOption
       const Isometry3d& before = scans.scans[i - 1].map_from_scan;
       guess = registrar.result().map_from_scan[i - 1] * before.inverse() * guess;
     }
-    registrar.add(std::move(prepared[i]), guess, window_of(scans.scans[i], valid));
+    registrar.add(std::move(prepared[i]), guess, window_of(scans.scans[i], valid),
+                  expected_error(scans.scans[i], valid));
   }
   registrar.retry(registration::window_of(valid));
   progress.check(0.95, "solving the pose graph");
   registrar.solve();
   RegistrationResult result = registrar.result();
-  for (size_t i = 0; i < count; ++i)
-    if (!result.connected[i]) result.map_from_scan[i] = scans.scans[i].map_from_scan;
   result.seconds = watch.seconds();
   return result;
 }
@@ -115,7 +121,7 @@ const RegistrationResult& IncrementalRegistration::add(const Scan& scan) {
   const Stopwatch watch;
   Registrar& registrar = impl_->registrar;
   registrar.add(registration::prepare(scan, impl_->options), scan.map_from_scan,
-                window_of(scan, impl_->options));
+                window_of(scan, impl_->options), expected_error(scan, impl_->options));
   registrar.solve();
   registrar.result().seconds += watch.seconds();
   return registrar.result();

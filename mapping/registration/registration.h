@@ -44,8 +44,10 @@ struct PairAlignment {
 struct RegistrationResult {
   std::vector<std::string> names;         ///< of the scans
   std::vector<Isometry3d> map_from_scan;  ///< one per scan
-  std::vector<bool> connected;            ///< whether a trusted chain of pairs leads to the first scan
-  std::vector<PairAlignment> pairs;       ///< that were tried
+  /// Whether a trusted chain of pairs leads to the first scan. Scans without one stand by odometry only:
+  /// where they were said to be beside the scan before them (and after them, if that one is connected).
+  std::vector<bool> connected;
+  std::vector<PairAlignment> pairs;  ///< that were tried
   double seconds = 0;
 
   /// Whether the poses say more than the input: every scan is alone, or at least one pair is trusted.
@@ -62,7 +64,8 @@ PairAlignment align(const Scan& target, const Scan& source, const Isometry3d& ta
                     const RegistrationOptions& options);
 
 /// All overlapping pairs, then a pose graph with robust loss; the first scan stays where it is. Scans without
-/// a trusted connection keep their pose and are named. Error for a set without scans.
+/// a trusted connection are placed by odometry, beside their neighbours, and named. Error for a set without
+/// scans.
 RegistrationResult register_scans(const ScanSet& scans, const RegistrationOptions& options,
                                   Progress& progress);
 
@@ -73,7 +76,8 @@ class IncrementalRegistration {
   ~IncrementalRegistration();
 
   /// Aligns the scan with those before it that it overlaps and solves the graph; poses of all may change.
-  /// The scan's pose is where the search begins; its covariance (where not zero) says how far it reaches.
+  /// The scan's pose is where the search begins, and where it stays beside the scan before it as long as no
+  /// pair is trusted; its covariance (where not zero) says how far the search reaches.
   const RegistrationResult& add(const Scan& scan);
   const RegistrationResult& result() const;
 

@@ -22,7 +22,7 @@ std::string RegistrationResult::summary() const {
                                  connected_count(), names.size(), trusted, pairs.size());
   for (size_t i = 0; i < names.size(); ++i) {
     if (connected[i]) continue;
-    text += fmt::format("\n{} has no trusted connection", names[i]);
+    text += fmt::format("\n{} has no trusted connection and stands by odometry only", names[i]);
     for (const PairAlignment& pair : pairs)
       if (!pair.trusted && (pair.source == i || pair.target == i))
         text +=
@@ -36,6 +36,9 @@ Json RegistrationResult::report() const {
   for (size_t i = 0; i < names.size(); ++i)
     scans.push_back({{"name", names[i]},
                      {"connected", static_cast<bool>(connected[i])},
+                     {"placed_by", i == 0         ? "definition"
+                                   : connected[i] ? "registration"
+                                                  : "odometry"},
                      {"map_from_scan", values_from_pose(map_from_scan[i])}});
   Json list = Json::array();
   for (const PairAlignment& pair : pairs)

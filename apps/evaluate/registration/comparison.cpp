@@ -198,9 +198,9 @@ std::string Evaluation::text(bool verbose) const {
                         row.median_deg(), row.claimed, row.false_claims, 1000 * row.mean_seconds());
   for (const MethodRow& row : methods)
     for (size_t i = 0; verbose && i < row.pairs; ++i)
-      text += fmt::format("  {}, {}: {}: off by {:.1f} mm, {:.2f}°, {:.1f} ms\n", row.names[i],
-                          row.disturbance, row.method, 1000 * row.errors_m[i], row.errors_deg[i],
-                          1000 * row.seconds[i]);
+      text +=
+          fmt::format("  {}, {}: {}: off by {:.1f} mm, {:.2f}°, {:.1f} ms\n", row.names[i], row.disturbance,
+                      row.method, 1000 * row.errors_m[i], row.errors_deg[i], 1000 * row.seconds[i]);
   if (!verdicts.empty()) {
     const auto count = [&](auto wanted) { return std::count_if(verdicts.begin(), verdicts.end(), wanted); };
     text += fmt::format(

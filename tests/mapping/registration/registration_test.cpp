@@ -144,7 +144,7 @@ TEST(Registration, SameResultOnAnyNumberOfThreads) {
   EXPECT_EQ(a.dump(), b.dump());
 }
 
-TEST(Registration, NamesTheScanOfAnotherRoomAndLeavesItWhereItWas) {
+TEST(Registration, NamesTheScanOfAnotherRoomAndLeavesItBesideTheScanBefore) {
   ScanSet set = tour(0.05, 2);
   set.scans.push_back(sweep(study(), 0.2, 0, 1.0, 9));
   NoProgress progress;
@@ -152,8 +152,74 @@ TEST(Registration, NamesTheScanOfAnotherRoomAndLeavesItWhereItWas) {
   EXPECT_TRUE(result.usable());
   EXPECT_EQ(result.connected_count(), set.scans.size() - 1) << result.summary();
   EXPECT_FALSE(result.connected.back());
-  EXPECT_THAT(result.summary(), HasSubstr("scan_9 has no trusted connection"));
-  EXPECT_TRUE(result.map_from_scan.back().isApprox(set.scans.back().map_from_scan));
+  EXPECT_THAT(result.summary(), HasSubstr("scan_9 has no trusted connection and stands by odometry only"));
+  const size_t last = set.scans.size() - 1;
+  const Isometry3d driven = between(set.scans[last - 1], set.scans[last]);
+  const Isometry3d found = result.map_from_scan[last - 1].inverse() * result.map_from_scan[last];
+  EXPECT_LT(position_error(found, driven), 1e-4);
+  EXPECT_LT(angle_error_deg(found, driven), 0.01);
+}
+
+/// A tour with a look out of a window, of which no surface comes back, as its third scan.
+ScanSet tour_with_blind_scan(double position_error_m, double yaw_error_deg) {
+  ScanSet set = tour(position_error_m, yaw_error_deg);
+  for (ScanPoint& point : set.scans[2].points) point.returned = false;
+  for (Scan& scan : set.scans) {
+    scan.covariance.diagonal() << 0.0025, 0.0025, 0, 0, 0, 0.0012;
+  }
+  return set;
+}
+
+TEST(Registration, OdometryPlacesAScanThatSeesNothingBetweenItsNeighbours) {
+  const ScanSet truth = tour(0, 0), drifted = tour_with_blind_scan(0.05, 2);
+  NoProgress progress;
+  IncrementalRegistration incremental{RegistrationOptions{}};
+  for (const Scan& scan : drifted.scans) incremental.add(scan);
+  for (const RegistrationResult& result : {register_scans(drifted, {}, progress), incremental.result()}) {
+    ASSERT_EQ(result.connected, (std::vector<bool>{true, true, false, true, true})) << result.summary();
+    EXPECT_LT(position_error(result.map_from_scan[2], truth.scans[2].map_from_scan), 0.2);
+    EXPECT_LT(angle_error_deg(result.map_from_scan[2], truth.scans[2].map_from_scan), 6);
+    EXPECT_EQ(result.report()["scans"][2]["placed_by"], "odometry");
+    // It does not pull at those that are known well.
+    EXPECT_LT(position_error(result.map_from_scan[4], truth.scans[4].map_from_scan), 0.005);
+  }
+}
+
+TEST(Registration, ALaterScanPullsInWhatStoodByOdometryOnly) {
+  ScanSet set;
+  set.range_max = 10;
+  // The second scan looks the other way and shares too little with the first; the third sees both.
+  const std::vector<std::array<double, 3>> stops = {{-0.9, 0.2, 30}, {-0.9, 0.1, 170}, {-0.4, 0.0, 100}};
+  for (const auto& [x, y, yaw] : stops) set.scans.push_back(kitchen_scan(x, y, yaw, set.scans.size() + 1));
+  const ScanSet truth = set;
+  for (size_t i = 1; i < set.scans.size(); ++i) {
+    set.scans[i].map_from_scan = set.scans[i].map_from_scan * planar_motion(0.08, -0.06, 4);
+    set.scans[i].covariance.diagonal() << 0.0036, 0.0036, 0, 0, 0, 0.002;
+  }
+  IncrementalRegistration incremental{RegistrationOptions{}};
+  incremental.add(set.scans[0]);
+  ASSERT_FALSE(incremental.add(set.scans[1]).connected[1]) << incremental.result().summary();
+  EXPECT_LT(position_error(incremental.result().map_from_scan[1], set.scans[1].map_from_scan), 1e-6);
+  const RegistrationResult& result = incremental.add(set.scans[2]);
+  ASSERT_EQ(result.connected_count(), 3U) << result.summary();
+  for (size_t i = 1; i < 3; ++i)
+    EXPECT_LT(position_error(result.map_from_scan[i], truth.scans[i].map_from_scan), 0.005) << i;
+}
+
+TEST(Registration, DuplicatesOfOneScanStandInOnePlace) {
+  ScanSet set;
+  set.range_max = 10;
+  for (const double off : {0.0, 0.1, -0.15}) {
+    set.scans.push_back(kitchen_scan(-0.8, -0.3, 60, 1));
+    set.scans.back().map_from_scan = set.scans.back().map_from_scan * planar_motion(off, off, 20 * off);
+  }
+  NoProgress progress;
+  const RegistrationResult result = register_scans(set, {}, progress);
+  ASSERT_EQ(result.connected_count(), set.scans.size()) << result.summary();
+  for (const Isometry3d& pose : result.map_from_scan) {
+    EXPECT_LT(position_error(pose, result.map_from_scan[0]), 1e-3);
+    EXPECT_LT(angle_error_deg(pose, result.map_from_scan[0]), 0.05);
+  }
 }
 
 TEST(Registration, OneByOneIsAsGoodAsAllAtOnce) {
