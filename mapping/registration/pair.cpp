@@ -20,7 +20,7 @@ constexpr double kSamePosition = 0.1;
 constexpr double kSameAngle = 3 * M_PI / 180;
 /// Residuals of neighbouring surfels err alike (calibration, wide beams): so many count as one.
 constexpr double kCorrelated = 10;
-constexpr double kAccuracy = 1e-5;   ///< of the last iteration, metres and radians
+constexpr double kAccuracy = 5e-5;   ///< of the last iteration, metres and radians
 constexpr double kLetGo = 0.03;      ///< part of the surface that a finer level may lose
 constexpr double kSigmaMin = 0.002;  ///< metres: no surfel is known better
 /// Metres. However many surfels agree, the direction that is held best is not known better than this, and the

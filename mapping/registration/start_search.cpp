@@ -13,7 +13,7 @@ constexpr double kTurnStep = 12 * M_PI / 180;
 constexpr size_t kSamplesPlanar = 400;
 constexpr size_t kSamples = 160;
 /// After so many samples a start that has less than this part of the best score is given up.
-constexpr std::array<std::pair<size_t, float>, 2> kLooks = {{{16, 0.35F}, {40, 0.5F}}};
+constexpr std::array<std::pair<size_t, float>, 3> kLooks = {{{8, 0.15F}, {16, 0.35F}, {40, 0.5F}}};
 /// So is a start that in the end has less than this part.
 constexpr float kHopeless = 0.5F;
 constexpr float kPlaneDistance = 0.15F;  ///< metres: where a sample counts no more
@@ -80,6 +80,11 @@ std::vector<Vector3d> ball(double radius, double step, const Vector3d& dimension
       for (const double z : grid(dimensions.z() * radius, step))
         if (std::sqrt(x * x + y * y + z * z) < radius + 0.8 * step) vectors.emplace_back(x, y, z);
   return vectors;
+}
+
+/// Whether a vector of a grid is an odd number of steps away from the middle.
+bool odd(const Vector3d& vector, double step) {
+  return (std::lround(vector.sum() / step) & 1) != 0;
 }
 
 class Scorer {
@@ -168,12 +173,15 @@ std::vector<Isometry3d> promising_starts(const PreparedScan& target, const Prepa
   Scorer scorer(target, balanced_samples(source.coarsest(), planar, planar ? kSamplesPlanar : kSamples));
   scorer.turn(known.linear().cast<float>());
   scorer.score(known.translation().cast<float>());
+  const double turn_step = planar ? kTurnStepPlanar : kTurnStep;
   std::vector<Start> starts;
   for (uint32_t turn = 0; turn < turns.size(); ++turn) {
     const Isometry3d unmoved = pose_of({0, turn, 0});
     const Vector3d origin = unmoved.translation() - shifts[0];
     scorer.turn(unmoved.linear().cast<float>());
     for (uint32_t shift = 0; shift < shifts.size(); ++shift) {
+      // In six dimensions every other point of a grid covers the space as well as all do (the lattice D6).
+      if (!planar && odd(turns[turn], turn_step) != odd(shifts[shift], kShiftStep)) continue;
       const float score = scorer.score((origin + shifts[shift]).cast<float>());
       if (score > 0) starts.push_back({score, turn, shift});
     }
@@ -187,8 +195,7 @@ std::vector<Isometry3d> promising_starts(const PreparedScan& target, const Prepa
     const Isometry3d pose = pose_of(start);
     const bool beside = std::any_of(chosen.begin(), chosen.end(), [&](const Isometry3d& other) {
       const double shift = (pose * centre - other * centre).norm() / kShiftStep;
-      const double turn = Eigen::AngleAxisd(pose.linear().transpose() * other.linear()).angle() /
-                          (planar ? kTurnStepPlanar : kTurnStep);
+      const double turn = Eigen::AngleAxisd(pose.linear().transpose() * other.linear()).angle() / turn_step;
       return shift < apart && turn < apart;
     });
     if (!beside) chosen.push_back(pose);
