@@ -17,7 +17,16 @@ Command timeline_command();
 Command usual_command();
 Command kept_command();
 Command task_command();
+Command near_command();
+Command together_command();
+Command missing_command();
+Command kind_command();
+Command lifecycle_command();
+Command next_look_command();
+Command like_command();
 Command ask_command();
+Command fact_command();
+Command taxonomy_command();
 Command verify_command();
 
 Command ingest_command();

@@ -1,4 +1,4 @@
-#include "apps/memory/fact_commands.h"
+#include "apps/memory/commands.h"
 #include "memory/questions/facts.h"
 #include "memory/questions/taxonomy.h"
 

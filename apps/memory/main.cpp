@@ -1,5 +1,4 @@
 #include "apps/memory/commands.h"
-#include "apps/memory/fact_commands.h"
 
 int main(int argc, char** argv) {
   loci::Program program("loci-memory", "Asks and keeps the spatio-temporal memory.");
@@ -16,6 +15,13 @@ int main(int argc, char** argv) {
   program.add(loci::usual_command());
   program.add(loci::kept_command());
   program.add(loci::task_command());
+  program.add(loci::near_command());
+  program.add(loci::together_command());
+  program.add(loci::missing_command());
+  program.add(loci::kind_command());
+  program.add(loci::lifecycle_command());
+  program.add(loci::next_look_command());
+  program.add(loci::like_command());
   program.add(loci::ask_command());
   program.add(loci::fact_command());
   program.add(loci::taxonomy_command());

@@ -20,6 +20,32 @@ const std::vector<SentencePattern>& sentence_patterns() {
       {"where (is|are) (usually|normally|mostly) <X>", "usual {X}"},
       {"what is usual place (of|for) <X>", "usual {X}"},
 
+      // What is with what.
+      {"how often (is|are|was|were|have|do you see|did you see) <X> and <Y> [been] [seen] together",
+       "together {X} --with {Y}", Period::none, "How often are the red cup and the plate seen together?"},
+      {"(is|are|was|were|have) <X> and <Y> [been] [seen|used|often|ever] [seen] together",
+       "together {X} --with {Y}"},
+      {"(what|which things|which objects) (is|are|was|were) [usually|often|mostly] [seen|used|found] "
+       "together with <X>",
+       "together {X}", Period::none, "What is used together with the tea cup?"},
+      {"(what|which objects|which things) (is|are|lies|stands|lie|stand|was|were) (near|close to|next "
+       "to|beside|around) <X>",
+       "near {X}", Period::at, "What is near the red cup?"},
+      {"what is missing (on|in|from|at) <P> for <O>", "missing {P} --for {O}", Period::at,
+       "What is missing on the table for breakfast?"},
+      {"(what|which objects|which things) (is|are) missing (on|in|from|at) <P>", "missing {P}", Period::at},
+      {"is (anything|something) missing (on|in|from|at) <P>", "missing {P}", Period::at},
+      {"what kind of (scene|situation|meal|occasion) is (this|that|it)", "kind", Period::at,
+       "What kind of scene is this?"},
+      {"what is going on [here]", "kind", Period::at},
+      {"[what is] (life cycle|lifecycle) of <X>", "lifecycle {X}", Period::none,
+       "What is the life cycle of a plate?"},
+      {"(where|which way) (does|do) <X> [usually|normally] (travel|wander|move around)", "lifecycle {X}"},
+      {"where (should|shall|can|could|must) (i|we|you|one|robot) look (next|first) for <X>", "next-look {X}",
+       Period::at, "Where should I look next for the cereal?"},
+      {"(what|which objects|which things) (look|looks|is|are) like <X>", "like {X}", Period::at,
+       "What looks like the red cup?"},
+
       // Where has X been, what happened to it.
       {"where (has|have) <X> been [before|lately|all day]", "history {X}", Period::between,
        "Where has the red cup been?"},

@@ -58,6 +58,16 @@ void order_objects(std::vector<Id>& objects, const Snapshot& snapshot) {
 
 }  // namespace
 
+std::optional<Vector3d> centre_of(const PlaceRow& place) {
+  if (place.outline.empty()) {
+    if (!place.map_from_place) return std::nullopt;
+    return place.map_from_place->translation();
+  }
+  Vector2d mean = Vector2d::Zero();
+  for (const Vector2d& corner : place.outline) mean += corner / static_cast<double>(place.outline.size());
+  return Vector3d(mean.x(), mean.y(), place.height.value_or(0));
+}
+
 bool is_size_word(const std::string& word) {
   static const std::set<std::string> words = {"small", "medium", "large", "big", "tall", "flat"};
   return words.contains(word);

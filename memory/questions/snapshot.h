@@ -72,6 +72,9 @@ class Snapshot {
   std::map<Id, std::string> recordings_;
 };
 
+/// The middle of a place, map frame; unset when its shape and pose are unknown.
+std::optional<Vector3d> centre_of(const PlaceRow& place);
+
 /// Size words: small, medium, large, tall, flat.
 bool is_size_word(const std::string& word);
 bool has_size(const std::string& word, const Vector3d& size);

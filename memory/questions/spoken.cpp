@@ -93,7 +93,9 @@ class Reference {
   static std::string subject_of(const CommandLine& command) {
     if (!command.option("object").empty()) return command.option("object");
     if (command.verb == "where" || command.verb == "history" || command.verb == "objects" ||
-        command.verb == "usual" || command.verb == "was")
+        command.verb == "usual" || command.verb == "was" || command.verb == "near" ||
+        command.verb == "together" || command.verb == "lifecycle" || command.verb == "next-look" ||
+        command.verb == "like")
       return command.words.empty() ? "" : command.words[0];
     return command.verb == "task" && command.words.size() > 1 &&
                    (command.words[0] == "bring" || command.words[0] == "stow")
@@ -102,7 +104,7 @@ class Reference {
   }
   static std::vector<std::string> places_of(const CommandLine& command) {
     std::vector<std::string> places;
-    if (command.verb == "on" || command.verb == "in" || command.verb == "kept")
+    if (command.verb == "on" || command.verb == "in" || command.verb == "kept" || command.verb == "missing")
       places.push_back(command.joined_words());
     if (command.verb == "was" && command.words.size() == 3) places.push_back(command.words[2]);
     if (command.verb == "task" && command.words.size() > 1 &&
@@ -117,7 +119,7 @@ class Reference {
   static std::vector<std::string*> texts(CommandLine& command) {
     std::vector<std::string*> result;
     for (std::string& word : command.words) result.push_back(&word);
-    for (const char* name : {"object", "place", "to"})
+    for (const char* name : {"object", "place", "to", "with"})
       if (const auto found = command.options.find(name); found != command.options.end())
         result.push_back(&found->second[0]);
     return result;
@@ -262,6 +264,22 @@ AnyAnswer run_question(const Store& store, const CommandLine& command, const AsO
          return ask(store, KeptQuestion{words, as_of});
        }},
       {"task", [&] { return ask(store, task_question(command, as_of)); }},
+      {"near", [&] { return ask(store, NearQuestion{.subject = words, .as_of = as_of}); }},
+      {"together",
+       [&] {
+         return ask(store, TogetherQuestion{words, command.option("with"), as_of});
+       }},
+      {"missing",
+       [&] {
+         return ask(store, MissingQuestion{words, command.option("for"), as_of});
+       }},
+      {"kind", [&] { return ask(store, KindQuestion{.as_of = as_of}); }},
+      {"lifecycle",
+       [&] {
+         return ask(store, LifecycleQuestion{words, as_of});
+       }},
+      {"next-look", [&] { return ask(store, NextLookQuestion{.subject = words, .as_of = as_of}); }},
+      {"like", [&] { return ask(store, LikeQuestion{.subject = words, .as_of = as_of}); }},
   };
   const auto found = runs.find(command.verb);
   if (found == runs.end()) throw Error(fmt::format("'{}' is no question", command.verb));

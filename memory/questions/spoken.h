@@ -2,7 +2,10 @@
 
 #include <variant>
 
+#include "memory/questions/company.h"
 #include "memory/questions/habits.h"
+#include "memory/questions/journeys.h"
+#include "memory/questions/likeness.h"
 #include "memory/questions/sentence.h"
 #include "memory/questions/tasks.h"
 
@@ -10,7 +13,8 @@ namespace loci {
 
 using AnyAnswer =
     std::variant<WhereAnswer, HistoryAnswer, ContentsAnswer, WasAnswer, ChangesAnswer, ObjectsAnswer,
-                 ScenesAnswer, TimelineAnswer, UsualAnswer, KeptAnswer, TaskAnswer>;
+                 ScenesAnswer, TimelineAnswer, UsualAnswer, KeptAnswer, TaskAnswer, NearAnswer,
+                 TogetherAnswer, MissingAnswer, KindAnswer, LifecycleAnswer, NextLookAnswer, LikeAnswer>;
 
 /// Why there is no answer.
 struct WhyNot {

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "memory/questions/habits.h"
+#include "memory/questions/occasions.h"
 #include "memory/questions/people_time.h"
 #include "memory/questions/snapshot.h"
 #include "memory/questions/words.h"
@@ -14,14 +15,6 @@ namespace loci {
 namespace {
 
 constexpr std::array<const char*, 4> kKinds = {"bring", "stow", "set", "clean"};
-
-/// When an occasion is, by local hours: what stood on the table then is what it needs.
-struct Occasion {
-  const char* name;
-  int first_hour, last_hour;
-};
-constexpr std::array<Occasion, 5> kOccasions = {
-    {{"breakfast", 5, 10}, {"lunch", 11, 14}, {"tea", 15, 17}, {"dinner", 17, 22}, {"supper", 17, 22}}};
 
 /// Below this it is more likely somewhere else than where it is believed to be.
 constexpr double kLikely = 0.5;
@@ -172,9 +165,8 @@ class TaskPlanner {
 
   /// What was seen on a place at the hours of the occasion.
   std::vector<Id> seen_then(const PlaceRow& place) {
-    const auto* occasion = std::find_if(kOccasions.begin(), kOccasions.end(),
-                                        [&](const Occasion& one) { return question_.occasion == one.name; });
-    const bool known = occasion != kOccasions.end();
+    const Occasion* occasion = occasion_called(question_.occasion);
+    const bool known = occasion != nullptr;
     answer_.notes.push_back(known ? fmt::format("needed is what was seen there between {}:00 and {}:59",
                                                 occasion->first_hour, occasion->last_hour)
                                   : "needed is what was seen there at any hour");
@@ -182,7 +174,7 @@ class TaskPlanner {
     for (const BeliefRow& belief : snapshot_.beliefs())
       for (const Sighting& sighting : store_.sightings(belief.object, question_.as_of)) {
         const int hour = local_hour(sighting.time, store_.time_zone_minutes());
-        const bool then = !known || (hour >= occasion->first_hour && hour <= occasion->last_hour);
+        const bool then = !known || occasion->covers(hour);
         if (sighting.observation.place != place.id || !then) continue;
         found.push_back(belief.object);
         break;

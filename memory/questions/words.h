@@ -21,6 +21,13 @@ std::string to_text(const TimelineAnswer& answer, const TimeWriter& times);
 std::string to_text(const UsualAnswer& answer, const TimeWriter& times);
 std::string to_text(const KeptAnswer& answer, const TimeWriter& times);
 std::string to_text(const TaskAnswer& answer, const TimeWriter& times);
+std::string to_text(const NearAnswer& answer, const TimeWriter& times);
+std::string to_text(const TogetherAnswer& answer, const TimeWriter& times);
+std::string to_text(const MissingAnswer& answer, const TimeWriter& times);
+std::string to_text(const KindAnswer& answer, const TimeWriter& times);
+std::string to_text(const LifecycleAnswer& answer, const TimeWriter& times);
+std::string to_text(const NextLookAnswer& answer, const TimeWriter& times);
+std::string to_text(const LikeAnswer& answer, const TimeWriter& times);
 std::string to_text(const AnyAnswer& answer, const TimeWriter& times);
 std::string to_text(const SpokenAnswer& answer, const TimeWriter& times);
 
@@ -36,6 +43,13 @@ Json to_json(const TimelineAnswer& answer);
 Json to_json(const UsualAnswer& answer);
 Json to_json(const KeptAnswer& answer);
 Json to_json(const TaskAnswer& answer);
+Json to_json(const NearAnswer& answer);
+Json to_json(const TogetherAnswer& answer);
+Json to_json(const MissingAnswer& answer);
+Json to_json(const KindAnswer& answer);
+Json to_json(const LifecycleAnswer& answer);
+Json to_json(const NextLookAnswer& answer);
+Json to_json(const LikeAnswer& answer);
 Json to_json(const AnyAnswer& answer);
 Json to_json(const SpokenAnswer& answer);
 

@@ -1,8 +1,4 @@
-#include <gmock/gmock.h>
-
-#include "memory/questions/words.h"
-#include "tests/memory/questions/synthetic_day.h"
-#include "tests/memory/store/temporary_folder.h"
+#include "tests/memory/questions/day_fixture.h"
 
 namespace loci {
 namespace {
@@ -10,26 +6,14 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing_support::day_time;
-using testing_support::SyntheticDay;
 
-class Questions : public testing_support::TemporaryFolder {
+class Questions : public testing_support::DayFixture {
  protected:
-  void SetUp() override {
-    TemporaryFolder::SetUp();
-    const SyntheticDay day(file_);
-    store_.emplace(Store::open_read(file_));
-  }
-  void TearDown() override {
-    store_.reset();
-    TemporaryFolder::TearDown();
-  }
-
   ObjectState where(const std::string& subject, const AsOf& as_of = {}) const {
     const WhereAnswer answer = ask(*store_, WhereQuestion{.subject = subject, .as_of = as_of});
     EXPECT_EQ(answer.objects.size(), 1U) << subject;
     return answer.objects.at(0);
   }
-  static AsOf at(const std::string& clock) { return {.at = day_time(clock)}; }
   WasObject was(const std::string& subject, const std::string& place, const std::string& from,
                 const std::string& to) const {
     const WasAnswer answer = ask(
@@ -45,12 +29,6 @@ class Questions : public testing_support::TemporaryFolder {
     }
     return "no error";
   }
-  template <class Answer>
-  std::string text(const Answer& answer) const {
-    return to_text(answer, TimeWriter(*store_));
-  }
-
-  std::optional<Store> store_;
 };
 
 TEST_F(Questions, TheMemoryIsSound) {
@@ -85,7 +63,7 @@ TEST_F(Questions, WhatWasLookedForAndIsNotThereHasGone) {
 }
 
 TEST_F(Questions, KnownAtForgetsWhatWasLearntLater) {
-  const AsOf then{.at = {}, .known_at = SyntheticDay::kKnownFirst};
+  const AsOf then{.at = {}, .known_at = testing_support::SyntheticDay::kKnownFirst};
   EXPECT_EQ(where("red", then).status, "gone");
   EXPECT_EQ(ask(*store_, ScenesQuestion{.as_of = then}).scenes.size(), 3U);
   EXPECT_EQ(ask(*store_, ObjectsQuestion{.as_of = then}).objects.size(), 3U);

@@ -1,34 +1,17 @@
 #include "memory/questions/spoken.h"
 
-#include <gmock/gmock.h>
-
-#include "memory/questions/words.h"
-#include "tests/memory/questions/synthetic_day.h"
-#include "tests/memory/store/temporary_folder.h"
+#include "tests/memory/questions/day_fixture.h"
 
 namespace loci {
 namespace {
 
 using testing::HasSubstr;
-using testing_support::SyntheticDay;
 
-class Spoken : public testing_support::TemporaryFolder {
+class Spoken : public testing_support::DayFixture {
  protected:
-  void SetUp() override {
-    TemporaryFolder::SetUp();
-    const SyntheticDay day(file_);
-    store_.emplace(Store::open_read(file_));
-  }
-  void TearDown() override {
-    store_.reset();
-    TemporaryFolder::TearDown();
-  }
   SpokenAnswer say(const std::string& sentence) const {
     return ask(*store_, SpokenQuestion{{sentence}, {}}).at(0);
   }
-  std::string text(const SpokenAnswer& answer) const { return to_text(answer, TimeWriter(*store_)); }
-
-  std::optional<Store> store_;
 };
 
 TEST_F(Spoken, AnswersAsTheCommandWould) {

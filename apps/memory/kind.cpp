@@ -1,0 +1,27 @@
+#include "apps/memory/commands.h"
+#include "apps/memory/memory_arguments.h"
+
+namespace loci {
+
+Command kind_command() {
+  return {"kind",
+          "What kind of scene this is: scenes with the same things, and the occasion",
+          {"loci-memory kind -m demo-output/memory.loci",
+           "loci-memory kind --scene 3 -m demo-output/memory.loci --json"},
+          [](CLI::App& app) {
+            struct Arguments {
+              MemoryArguments memory;
+              std::optional<Id> scene;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            arguments->memory.declare(app);
+            app.add_option("--scene", arguments->scene, "Number of the scene [the last]");
+            return [arguments](Session& session) {
+              const Store store = Store::open_read(arguments->memory.memory);
+              const AsOf as_of = arguments->memory.as_of(store);
+              answer_question(session, store, KindQuestion{arguments->scene, as_of});
+            };
+          }};
+}
+
+}  // namespace loci

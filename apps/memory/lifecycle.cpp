@@ -1,0 +1,14 @@
+#include "apps/memory/commands.h"
+#include "apps/memory/memory_arguments.h"
+
+namespace loci {
+
+Command lifecycle_command() {
+  return {"lifecycle",
+          "From where to where things go, again and again",
+          {"loci-memory lifecycle red -m demo-output/memory.loci",
+           "loci-memory lifecycle blue -m demo-output/memory.loci --json"},
+          about_object<LifecycleQuestion>()};
+}
+
+}  // namespace loci

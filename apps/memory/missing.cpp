@@ -1,0 +1,31 @@
+#include "apps/memory/commands.h"
+#include "apps/memory/memory_arguments.h"
+
+namespace loci {
+
+Command missing_command() {
+  return {"missing",
+          "What is missing from the arrangement at a place",
+          {"loci-memory missing table_1 -m demo-output/memory.loci",
+           "loci-memory missing table_1 --for breakfast -m demo-output/memory.loci --json"},
+          [](CLI::App& app) {
+            struct Arguments {
+              MemoryArguments memory;
+              std::vector<std::string> place;
+              std::string occasion;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            arguments->memory.declare(app);
+            app.add_option("place", arguments->place, "The place, e.g. table_1")->required();
+            app.add_option("--for", arguments->occasion,
+                           "Only its hours: breakfast, lunch, tea, dinner [any]");
+            return [arguments](Session& session) {
+              const Store store = Store::open_read(arguments->memory.memory);
+              const AsOf as_of = arguments->memory.as_of(store);
+              answer_question(session, store,
+                              MissingQuestion{joined(arguments->place), arguments->occasion, as_of});
+            };
+          }};
+}
+
+}  // namespace loci

@@ -1,0 +1,32 @@
+#include "apps/memory/commands.h"
+#include "apps/memory/memory_arguments.h"
+
+namespace loci {
+
+Command together_command() {
+  return {"together",
+          "How often things are seen together",
+          {"loci-memory together red -m demo-output/memory.loci",
+           "loci-memory together red --with blue -m demo-output/memory.loci --json"},
+          [](CLI::App& app) {
+            struct Arguments {
+              MemoryArguments memory;
+              std::vector<std::string> subject;
+              std::string other;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            arguments->memory.declare(app);
+            app.add_option("object", arguments->subject,
+                           "object_12, a name, a colour, a size, \"on table_1\"")
+                ->required();
+            app.add_option("--with", arguments->other, "The other object in words [all others]");
+            return [arguments](Session& session) {
+              const Store store = Store::open_read(arguments->memory.memory);
+              const AsOf as_of = arguments->memory.as_of(store);
+              answer_question(session, store,
+                              TogetherQuestion{joined(arguments->subject), arguments->other, as_of});
+            };
+          }};
+}
+
+}  // namespace loci

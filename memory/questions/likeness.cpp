@@ -1,0 +1,102 @@
+#include "memory/questions/likeness.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "mapping/image/image_io.h"
+#include "memory/questions/snapshot.h"
+
+namespace loci {
+namespace {
+
+constexpr size_t kMostPictures = 12;  // the latest of an object
+
+/// Hue by saturation where there is colour, and grey levels where there is none; sums to 1. The middle counts
+/// most: the corners of a crop show what is behind.
+cv::Mat histogram_of(const cv::Mat& picture) {
+  constexpr int kHues = 12, kSaturations = 3, kGreys = 6;
+  cv::Mat small, hsv;
+  cv::resize(picture, small, {32, 32}, 0, 0, cv::INTER_AREA);
+  cv::cvtColor(small, hsv, cv::COLOR_BGR2HSV);
+  cv::Mat histogram = cv::Mat::zeros(1, kHues * kSaturations + kGreys, CV_32F);
+  for (int v = 0; v < hsv.rows; ++v)
+    for (int u = 0; u < hsv.cols; ++u) {
+      const auto& pixel = hsv.at<cv::Vec3b>(v, u);
+      const float off = static_cast<float>(std::hypot(u - 15.5, v - 15.5)) / 16;
+      const float weight = std::exp(-2 * off * off);
+      if (pixel[1] < 50 || pixel[2] < 30) {
+        histogram.at<float>(kHues * kSaturations + pixel[2] * kGreys / 256) += weight;
+        continue;
+      }
+      // Between two hues it counts for both: red is at the end of the circle and at its beginning.
+      const float hue = static_cast<float>(pixel[0]) / 180 * kHues;
+      const float part = hue - std::floor(hue);
+      const int saturation = (pixel[1] - 50) * kSaturations / 206;
+      const int lower = static_cast<int>(hue) % kHues;
+      histogram.at<float>(lower * kSaturations + saturation) += weight * (1 - part);
+      histogram.at<float>((lower + 1) % kHues * kSaturations + saturation) += weight * part;
+    }
+  return histogram / cv::sum(histogram)[0];
+}
+
+float shared(const cv::Mat& a, const cv::Mat& b) {
+  return static_cast<float>(cv::sum(cv::min(a, b))[0]);
+}
+
+struct Picture {
+  cv::Mat histogram = {};
+  Id scene = 0;
+};
+
+std::vector<Picture> pictures_of(const Snapshot& snapshot, Id object) {
+  std::vector<Picture> pictures;
+  const std::vector<Sighting> sightings = snapshot.store().sightings(object, snapshot.as_of());
+  for (auto sighting = sightings.rbegin(); sighting != sightings.rend(); ++sighting) {
+    if (!sighting->observation.crop) continue;
+    const std::string bytes = snapshot.store().blob(*sighting->observation.crop).bytes;
+    pictures.push_back({histogram_of(decode_image({bytes.begin(), bytes.end()}, object_name(object))),
+                        sighting->association.scene});
+    if (pictures.size() == kMostPictures) break;
+  }
+  return pictures;
+}
+
+}  // namespace
+
+LikeAnswer ask(const Store& store, const LikeQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  LikeAnswer answer{.asked = question.subject};
+  std::vector<Picture> wanted;
+  std::optional<Id> self;
+  if (question.picture.empty()) {
+    self = snapshot.find_objects(question.subject).at(0);
+    answer.asked = object_name(*self);
+    wanted = pictures_of(snapshot, *self);
+    if (wanted.empty())
+      throw Error(fmt::format("no picture of {} was kept", answer.asked), {},
+                  "give a picture with --picture");
+  } else {
+    answer.asked = question.picture.filename().string();
+    wanted.push_back({histogram_of(read_color(question.picture)), 0});
+  }
+  for (const BeliefRow& belief : snapshot.beliefs()) {
+    if (belief.object == self) continue;
+    LikeObject like{.object = snapshot.state(belief)};
+    for (const Picture& picture : pictures_of(snapshot, belief.object))
+      for (const Picture& one : wanted)
+        if (const double likeness = static_cast<double>(shared(picture.histogram, one.histogram));
+            !like.scene || likeness > like.likeness) {
+          like.likeness = likeness;
+          like.scene = snapshot.scene_ref(picture.scene);
+        }
+    if (like.scene) answer.objects.push_back(std::move(like));
+  }
+  std::stable_sort(answer.objects.begin(), answer.objects.end(),
+                   [](const LikeObject& a, const LikeObject& b) { return a.likeness > b.likeness; });
+  return answer;
+}
+
+}  // namespace loci
