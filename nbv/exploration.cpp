@@ -4,9 +4,9 @@
 
 #include <octomap/octomap.h>
 #include <cmath>
-#include <limits>
 #include <optional>
 
+#include "mapping/base/exact_pose.h"
 #include "mapping/base/files.h"
 #include "mapping/base/stopwatch.h"
 
@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 /// Scans are inserted again when registration moved one of them by more than this part of a voxel.
 constexpr double kReinsertShift = 0.5;
 /// The last scans are planned by even when they are not tied to the first one yet.
@@ -34,7 +34,7 @@ PlanarPose planar_from(const Json& json) {
 Json to_json(const ExplorationStep& step, size_t index, bool registered, const Json& robot) {
   return {{"scan", index},
           {"goal", to_json(step.goal)},
-          {"odometry", values_from_pose(step.map_from_scan_odometry)},
+          {"odometry", exact_values(step.map_from_scan_odometry)},
           {"reason", step.reason},
           {"expected_overlap", step.expected_overlap},
           {"expected_gain", step.expected_gain},
@@ -53,7 +53,7 @@ Json to_json(const ExplorationStep& step, size_t index, bool registered, const J
 ExplorationStep step_from(const Json& json) {
   ExplorationStep step;
   step.goal = planar_from(json.at("goal"));
-  step.map_from_scan_odometry = pose_from_values(json.at("odometry").get<std::array<double, 7>>());
+  step.map_from_scan_odometry = pose_from_exact(json.at("odometry").get<std::array<double, 12>>());
   step.reason = json.at("reason");
   step.expected_overlap = json.at("expected_overlap");
   step.expected_gain = json.at("expected_gain");
@@ -67,6 +67,10 @@ ExplorationStep step_from(const Json& json) {
 
 }  // namespace
 
+void ExplorationOptions::forward_threads() {
+  planner.threads = occupancy.threads = registration.threads = threads;
+}
+
 void ExplorationOptions::declare(OptionTable& table) {
   table.integer("scans_max", scans_max, "", "Stop after so many scans.", 1, 1000);
   table.integer("failures_max", failures_max, "", "Stop after so many goals in a row that were not reached.",
@@ -78,15 +82,15 @@ void ExplorationOptions::declare(OptionTable& table) {
 }
 
 struct Exploration::Impl {
-  Impl(Robot& scanner, const PlanarPose& begin, fs::path out, const ExplorationOptions& given, Warnings& w)
+  Impl(Robot& scanner, const PlanarPose& begin, fs::path out, ExplorationOptions given, Warnings& w)
       : robot(scanner),
         start(begin),
         folder(std::move(out)),
-        options(given),
+        options((given.forward_threads(), std::move(given))),
         warnings(w),
-        random(given.seed),
-        registrar(given.registration),
-        map(given.occupancy) {
+        random(options.seed),
+        registrar(options.registration),
+        map(options.occupancy) {
     set.sensor = "hokuyo";
     set.levelled = true;
     set.range_max = options.laser.range_max_m;
@@ -136,12 +140,11 @@ struct Exploration::Impl {
     }
   }
 
-  ScanSet registered_scans() const {
-    ScanSet registered = set;
-    registered.scans.clear();
+  ScanRefs placed_scans() const {
+    ScanRefs placed;
     for (size_t i = 0; i < set.scans.size(); ++i)
-      if (connected(i)) registered.scans.push_back(set.scans[i]);
-    return registered;
+      if (connected(i)) placed.emplace_back(set.scans[i]);
+    return placed;
   }
 
   /// Where the robot believes to be.
@@ -154,7 +157,9 @@ struct Exploration::Impl {
     try {
       scan = robot.scan_at(goal);
     } catch (const Error& error) {
-      if (set.scans.empty()) throw;
+      if (set.scans.empty())
+        throw Error("the exploration cannot start: " + error.message(), error.place(),
+                    "give a --start on free floor");
       warnings.add(fmt::format("goal ({:.2f}, {:.2f}) was not reached: {}", goal.x, goal.y, error.what()));
       avoid.emplace_back(goal.x, goal.y);
       return false;
@@ -252,7 +257,7 @@ struct Exploration::Impl {
   /// Everything is covered: a view for the sake of faces that were seen too coarsely, if there are any.
   void inspect(const PlannerOptions& planner, NextView& view) const {
     const NextView closer =
-        inspection_view(registered_scans(), map, robot_pose(), options.laser, planner, options.inspection);
+        inspection_view(placed_scans(), map, robot_pose(), options.laser, planner, options.inspection);
     view.pose = closer.pose;
     view.path = closer.path;
     view.expected_overlap = closer.expected_overlap;
@@ -301,9 +306,8 @@ struct Exploration::Impl {
     }
     while (stop_reason.empty()) {
       const double most = static_cast<double>(options.scans_max);
-      progress.check(
-          std::min(0.99, static_cast<double>(steps.size()) / most),
-          fmt::format("{} scans, {} fringe voxels left", steps.size(), steps.back().fringe_voxels));
+      progress.check(std::min(0.99, static_cast<double>(steps.size()) / most),
+                     fmt::format("{} scans; the last one: {}", steps.size(), steps.back().reason));
       if (steps.size() >= static_cast<size_t>(options.scans_max))
         stop_reason = fmt::format("the most scans that are allowed ({})", options.scans_max);
       else
@@ -349,7 +353,11 @@ void Exploration::watch_plans(Watcher watcher) {
 }
 
 ScanSet Exploration::registered_scans() const {
-  return impl_->registered_scans();
+  const ScanSet& all = impl_->set;
+  ScanSet registered{all.sensor, all.levelled, all.range_max, all.resolution, all.free_space, {}};
+  const ScanRefs placed = impl_->placed_scans();
+  registered.scans.assign(placed.begin(), placed.end());
+  return registered;
 }
 
 std::optional<Isometry3d> Exploration::locate(const Scan& scan) const {

@@ -27,11 +27,13 @@ struct ExplorationOptions {
   RegistrationOptions registration;
   LaserModel laser;
   uint64_t seed = 1;
-  int threads = 0;
+  int threads = 0;  ///< of all stages; 0 = all cores; not declared: the result is the same on any number
 
   ExplorationOptions() { planner.travel_cost_per_m = 0.1; }
 
   void declare(OptionTable& table);
+  /// Gives `threads` to the options of all stages.
+  void forward_threads();
 };
 
 /// One scan of an exploration: why it was taken there and what came of it.

@@ -43,9 +43,24 @@ size_t mark_fringe(const Occupancy* here, const std::array<const Occupancy*, 4>&
   return static_cast<size_t>(std::count(states, states + width, ViewVoxel::fringe));
 }
 
+/// Outside a region no fringe counts: its voxels are free like others.
+void forget_outside(const Voxels& voxels, const FloorRegion& within, ViewVoxels& view,
+                    std::vector<size_t>& counts) {
+  for (int y = 0; y < voxels.size.y(); ++y)
+    for (int x = 0; x < voxels.size.x(); ++x) {
+      if (within.contains(voxels.center({x, y, 0}).head<2>())) continue;
+      for (int z = 0; z < voxels.size.z(); ++z) {
+        ViewVoxel& state = view.states[voxels.index({x, y, z})];
+        if (state != ViewVoxel::fringe) continue;
+        state = ViewVoxel::free;
+        --counts[static_cast<size_t>(z)];
+      }
+    }
+}
+
 }  // namespace
 
-ViewVoxels find_fringe(const Voxels& voxels, int threads) {
+ViewVoxels find_fringe(const Voxels& voxels, int threads, const FloorRegion& within) {
   ViewVoxels result;
   result.states.resize(voxels.states.size());
   if (voxels.states.empty()) return result;
@@ -74,6 +89,7 @@ ViewVoxels find_fringe(const Voxels& voxels, int threads) {
             states, width);
       }
   });
+  if (!within.everywhere()) forget_outside(voxels, within, result, counts);
   result.fringe = std::accumulate(counts.begin(), counts.end(), size_t{0});
   return result;
 }

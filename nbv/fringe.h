@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "mapping/occupancy/occupancy.h"
+#include "nbv/floor_region.h"
 
 namespace loci {
 
@@ -18,6 +19,7 @@ struct ViewVoxels {
   size_t fringe = 0;
 };
 
-ViewVoxels find_fringe(const Voxels& voxels, int threads);
+/// Nothing is looked for outside `within` either.
+ViewVoxels find_fringe(const Voxels& voxels, int threads, const FloorRegion& within = {});
 
 }  // namespace loci

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "mapping/base/parallel.h"
+#include "nbv/sight.h"
 
 namespace loci {
 namespace {
@@ -19,7 +20,6 @@ constexpr double kWallMargin = 0.15;  ///< m over all furniture, from which a su
 constexpr size_t kLeastPoints = 10;   ///< on a patch, to know how it stands
 constexpr double kRoughness = 0.02;   ///< m rms off its plane: more is no surface
 constexpr double kPlaceStep = 0.2;    ///< m between places that are compared
-constexpr double kClearance = 0.1;    ///< m before a patch where a ray may end
 
 using Key = std::array<int, 3>;
 
@@ -36,9 +36,9 @@ struct Moments {
   }
 };
 
-std::map<Key, Moments> gather(const ScanSet& scans, double top) {
+std::map<Key, Moments> gather(const ScanRefs& scans, double top) {
   std::map<Key, Moments> cells;
-  for (const Scan& scan : scans.scans)
+  for (const Scan& scan : scans)
     for (const ScanPoint& point : scan.points) {
       if (!point.returned) continue;
       const Vector3d p = scan.map_from_scan * point.position.cast<double>();
@@ -68,18 +68,17 @@ std::optional<FacePatch> patch_of(const Moments& cell) {
 }
 
 /// Points per cm² that a sweep from a place puts on a patch; 0 = too oblique, beyond its tilts, or hidden.
-class Sight {
+class Sharpness {
  public:
-  Sight(const Voxels& voxels, const LaserModel& laser, const InspectionOptions& options)
-      : voxels_(voxels), laser_(laser), options_(options) {}
+  Sharpness(const Voxels& voxels, const LaserModel& laser, const InspectionOptions& options)
+      : sight_(voxels, laser), laser_(laser), options_(options) {}
 
   double density(const Vector3d& from, const FacePatch& patch) const {
     const Vector3d ray = patch.centre - from;
     const double distance = ray.norm(), cosine = -ray.dot(patch.normal) / distance;
-    if (cosine < std::cos(options_.incidence_max_deg * kRadians) || distance < 2 * laser_.range_min_m)
+    if (cosine < std::cos(options_.incidence_max_deg * kRadians) ||
+        !sight_.sees(from, patch.centre, patch.normal))
       return 0;
-    const double tilt = std::asin(ray.z() / distance) / kRadians;
-    if (tilt < laser_.tilt_min_deg || tilt > laser_.tilt_max_deg || hidden(from, patch)) return 0;
     // Lines of a tilting scanner stand closer the steeper they are; that is left out.
     const double spacing_m = distance * laser_.azimuth_step_deg * kRadians,
                  line_spacing_m = distance * laser_.tilt_step_deg * kRadians;
@@ -87,24 +86,10 @@ class Sight {
   }
 
  private:
-  bool hidden(const Vector3d& from, const FacePatch& patch) const {
-    const Vector3d to = patch.centre + kClearance * patch.normal;
-    const double length = (to - from).norm(), step = 0.5 * voxels_.resolution;
-    for (double at = step; at < length; at += step)
-      if (voxels_.at(voxels_.voxel_of(from + at / length * (to - from))) == Occupancy::occupied) return true;
-    return false;
-  }
-
-  const Voxels& voxels_;
+  Sight sight_;
   const LaserModel& laser_;
   const InspectionOptions& options_;
 };
-
-/// Whether a direction is in the sector that a scanner with that yaw sweeps.
-bool in_sector(const Vector3d& from, const Vector3d& to, double yaw, const LaserModel& laser) {
-  const double azimuth = std::remainder(std::atan2(to.y() - from.y(), to.x() - from.x()) - yaw, 2 * M_PI);
-  return std::abs(azimuth) <= 0.5 * laser.azimuth_range_deg * kRadians;
-}
 
 /// The yaw in which most of what a place shows is in the sector, and how much that is.
 ViewSample best_yaw(const Vector3d& from, const std::vector<std::pair<Vector3d, double>>& shown,
@@ -137,7 +122,7 @@ void InspectionOptions::declare(OptionTable& table) {
                100);
 }
 
-std::vector<FacePatch> face_patches(const ScanSet& scans, const Voxels& voxels, const LaserModel& laser,
+std::vector<FacePatch> face_patches(const ScanRefs& scans, const Voxels& voxels, const LaserModel& laser,
                                     const InspectionOptions& options) {
   std::vector<FacePatch> patches;
   std::map<std::array<int, 2>, std::vector<FacePatch>> high;  // By cell of the floor.
@@ -161,26 +146,29 @@ std::vector<FacePatch> face_patches(const ScanSet& scans, const Voxels& voxels, 
               return true;
     return false;
   });
-  const Sight sight(voxels, laser, options);
+  const Sharpness sharpness(voxels, laser, options);
   for (FacePatch& patch : patches)
-    for (const Scan& scan : scans.scans) {
+    for (const Scan& scan : scans) {
       const Vector3d from = scan.map_from_scan.translation();
       if (in_sector(from, patch.centre, planar(scan.map_from_scan).yaw, laser))
-        patch.density += sight.density(from, patch);
+        patch.density += sharpness.density(from, patch);
     }
   return patches;
 }
 
-NextView inspection_view(const ScanSet& scans, const OccupancyMap& map, const PlanarPose& robot,
+NextView inspection_view(const ScanRefs& scans, const OccupancyMap& map, const PlanarPose& robot,
                          const LaserModel& laser, const PlannerOptions& planner,
                          const InspectionOptions& options) {
   NextView view;
   const Voxels voxels = map.voxels();
   std::vector<FacePatch> patches = face_patches(scans, voxels, laser, options);
-  std::erase_if(patches, [&](const FacePatch& patch) { return patch.density >= options.points_per_cm2; });
+  const FloorRegion within(planner.within);
+  std::erase_if(patches, [&](const FacePatch& patch) {
+    return patch.density >= options.points_per_cm2 || !within.contains(patch.centre.head<2>());
+  });
   const FloorGrid floor = drivable_floor(voxels, robot, laser, planner);
   const Reach reach = drivable_ways(floor, robot, planner);
-  const Sight sight(voxels, laser, options);
+  const Sharpness sharpness(voxels, laser, options);
   const int stride = std::max(1, static_cast<int>(std::lround(kPlaceStep / floor.cell)));
   std::vector<ViewSample> samples(floor.cells());
   parallel_for(floor.cells(), planner.threads, [&](size_t begin, size_t end) {
@@ -196,7 +184,7 @@ NextView inspection_view(const ScanSet& scans, const OccupancyMap& map, const Pl
       for (const FacePatch& patch : patches) {
         if ((patch.centre.head<2>() - place).norm() > options.distance_max_m) continue;
         const double lacking = options.points_per_cm2 - patch.density;
-        const double part = std::min(sight.density(from, patch) / lacking, 1.0);
+        const double part = std::min(sharpness.density(from, patch) / lacking, 1.0);
         // What remains too coarse was not worth the way.
         if (part > 0.5) shown.emplace_back(patch.centre, part * kPatch * kPatch);
       }

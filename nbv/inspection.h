@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "mapping/occupancy/occupancy.h"
@@ -18,6 +19,9 @@ struct InspectionOptions {
   void declare(OptionTable& table);
 };
 
+/// The scans that are known to be at their place.
+using ScanRefs = std::vector<std::reference_wrapper<const Scan>>;
+
 /// A piece of a vertical surface.
 struct FacePatch {
   Vector3d centre, normal;  ///< out of the furniture, level
@@ -27,13 +31,13 @@ struct FacePatch {
 /// Vertical surfaces of furniture, in pieces of 15 cm, as registered scans saw them; surfaces that go on up
 /// above all furniture are walls. Their density is computed, not counted: by where the scans were taken and
 /// what stands between.
-std::vector<FacePatch> face_patches(const ScanSet& scans, const Voxels& voxels, const LaserModel& laser,
+std::vector<FacePatch> face_patches(const ScanRefs& scans, const Voxels& voxels, const LaserModel& laser,
                                     const InspectionOptions& options);
 
 /// The reachable view that brings the largest area of faces to the density that is wanted; no pose when none
 /// is worth it. What coverage calls known may have been seen from afar or along its face only, and shows
 /// there neither seams nor handles.
-NextView inspection_view(const ScanSet& scans, const OccupancyMap& map, const PlanarPose& robot,
+NextView inspection_view(const ScanRefs& scans, const OccupancyMap& map, const PlanarPose& robot,
                          const LaserModel& laser, const PlannerOptions& planner,
                          const InspectionOptions& options);
 

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
+#include "mapping/base/exact_pose.h"
 #include "mapping/base/files.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/interpretation/furniture_links.h"
@@ -14,126 +14,27 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kRadians = M_PI / 180;
-constexpr double kRobotHeight = 1.4;  // m; lower things are in its way
-/// By how much the limits of views are relaxed for fronts that cannot be seen within them.
-constexpr double kRelaxedNear = 0.6, kRelaxedFar = 1.5, kRelaxedBearingDeg = 10;
 constexpr int kFailuresMax = 8;  ///< stops that may turn out to be blocked
 
-/// A pose from which some fronts are seen well.
-struct Candidate {
-  PlanarPose pose;
-  std::vector<size_t> fronts;
+/// What pulling at one front gave, as it is kept.
+struct LoggedPull {
+  std::vector<Isometry3d> hand_path;
+  std::string blocked;  ///< why there is no scan of it although it moved
 };
 
-/// How well a front is seen from a place, in (0,1]; 0 = too near, too far, too oblique.
-double view_quality(const Front& front, const Vector2d& place, const InteractionOptions& options) {
-  const Vector2d towards = place - front.centre.head<2>();
-  const double distance = towards.norm();
-  if (distance < options.distance_min_m || distance > options.distance_max_m) return 0;
-  const double bearing = std::acos(std::clamp(towards.dot(front.normal.head<2>()) / distance, -1.0, 1.0));
-  if (bearing > options.bearing_max_deg * kRadians) return 0;
-  // Nearer is better, and so is a little from the side: a drawer's motion is then seen across the ray.
-  return std::cos(bearing / 2) / (1 + distance);
+Json to_json(const LoggedPull& pull) {
+  Json path = Json::array();
+  for (const Isometry3d& pose : pull.hand_path) path.push_back(exact_values(pose));
+  return {{"hand_path", path}, {"blocked", pull.blocked}};
 }
 
-/// The places that the robot can drive to, with the fronts that it would see well there.
-std::vector<Candidate> candidates_for(const std::vector<Front>& fronts, const std::vector<bool>& served,
-                                      const OccupancyMap& map, const PlanarPose& robot,
-                                      const PlannerOptions& planner, const InteractionOptions& options) {
-  const FloorGrid floor = floor_grid(map.voxels(), planner.cell_m, kRobotHeight);
-  const Reach reach = find_ways(floor, robot, planner.robot_radius_m, planner.distance_min_m);
-  std::vector<Candidate> candidates;
-  for (size_t cell = 0; cell < floor.cells(); ++cell) {
-    if (!reach.stands(floor, cell)) continue;
-    const auto width = static_cast<size_t>(floor.width);
-    const Vector2d place = floor.center(static_cast<int>(cell % width), static_cast<int>(cell / width));
-    if (std::any_of(planner.avoid.begin(), planner.avoid.end(),
-                    [&](const Vector2d& p) { return (p - place).norm() < planner.robot_radius_m; }))
-      continue;
-    Candidate candidate;
-    Vector2d middle = Vector2d::Zero();
-    for (size_t i = 0; i < fronts.size(); ++i) {
-      if (served[i] || !fronts[i].fixture || view_quality(fronts[i], place, options) == 0) continue;
-      candidate.fronts.push_back(i);
-      middle += (fronts[i].centre.head<2>() - place).normalized();
-    }
-    if (candidate.fronts.empty()) continue;
-    candidate.pose = {place.x(), place.y(), std::atan2(middle.y(), middle.x())};
-    candidates.push_back(std::move(candidate));
-  }
-  return candidates;
+LoggedPull pull_from(const Json& json) {
+  LoggedPull pull;
+  for (const Json& pose : json.at("hand_path"))
+    pull.hand_path.push_back(pose_from_exact(pose.get<std::array<double, 12>>()));
+  pull.blocked = json.at("blocked");
+  return pull;
 }
-
-/// Whether a front is in the half plane that a scan from this pose covers.
-bool in_view(const Front& front, const PlanarPose& pose) {
-  const Vector2d towards = front.centre.head<2>() - Vector2d(pose.x, pose.y);
-  return towards.dot(Vector2d(std::cos(pose.yaw), std::sin(pose.yaw))) > 0.3 * towards.norm();
-}
-
-}  // namespace
-
-void InteractionOptions::declare(OptionTable& table) {
-  table.number("pull_way_m", pull_way_m, "m", "How far the hand pulls at a handle.", 0.02, 1);
-  table.number("pull_distance_min_m", distance_min_m, "m",
-               "Nearest that the robot stands to a front that it pulls.", 0.3, 3);
-  table.number("pull_distance_max_m", distance_max_m, "m",
-               "Farthest that the robot stands from a front that it pulls.", 0.3, 5);
-  table.number("pull_bearing_max_deg", bearing_max_deg, "deg", "Most oblique view of a front that is pulled.",
-               0, 80);
-  difference.declare(table);
-}
-
-namespace {
-
-/// Greedy set cover of the fronts that are not served yet; the sum of qualities decides.
-void add_stops(const std::vector<Front>& fronts, const std::vector<Candidate>& candidates,
-               const InteractionOptions& options, std::vector<bool>& served,
-               std::vector<InteractionStop>& stops) {
-  while (true) {
-    const Candidate* best = nullptr;
-    double most = 0;
-    for (const Candidate& candidate : candidates) {
-      double sum = 0;
-      for (const size_t i : candidate.fronts)
-        if (!served[i] && in_view(fronts[i], candidate.pose))
-          sum += view_quality(fronts[i], {candidate.pose.x, candidate.pose.y}, options);
-      if (sum > most + 1e-9) {
-        most = sum;
-        best = &candidate;
-      }
-    }
-    if (best == nullptr) return;
-    InteractionStop stop{best->pose, {}};
-    for (const size_t i : best->fronts) {
-      if (served[i] || !in_view(fronts[i], best->pose)) continue;
-      served[i] = true;
-      stop.fronts.push_back(i);
-    }
-    stops.push_back(std::move(stop));
-  }
-}
-
-}  // namespace
-
-std::vector<InteractionStop> plan_stops(const std::vector<Front>& fronts, const OccupancyMap& map,
-                                        const PlanarPose& robot, const PlannerOptions& planner,
-                                        const InteractionOptions& options) {
-  std::vector<bool> served(fronts.size(), false);
-  std::vector<InteractionStop> stops;
-  // Aisles are narrow, corners are blocked: what cannot be seen well is seen as well as it can be.
-  InteractionOptions relaxed = options;
-  relaxed.distance_min_m *= kRelaxedNear;
-  relaxed.distance_max_m *= kRelaxedFar;
-  relaxed.bearing_max_deg += kRelaxedBearingDeg;
-  for (const InteractionOptions& limits : {options, relaxed}) {
-    const std::vector<Candidate> candidates = candidates_for(fronts, served, map, robot, planner, limits);
-    add_stops(fronts, candidates, limits, served, stops);
-  }
-  return stops;
-}
-
-namespace {
 
 /// The scans and hand paths of all pulls so far, on disk.
 class PullLog {
@@ -143,9 +44,15 @@ class PullLog {
     const fs::path file = folder_ / "pulls.json";
     if (!resume || !fs::exists(file)) return;
     json_ = read_json(file);
+    if (json_.value("version", 0) != kVersion)
+      throw Error("these pulls were logged by another version", {file.string(), 0, "version"},
+                  "begin anew without --resume");
     set_ = read_scan_set(folder_);
+    const Json& poses = json_.at("poses");
     // Scans beyond those that the log knows are of a pull that was not finished.
-    set_.scans.resize(std::min(set_.scans.size(), json_.at("scans").get<size_t>()));
+    set_.scans.resize(std::min(set_.scans.size(), poses.size()));
+    for (size_t i = 0; i < set_.scans.size(); ++i)
+      set_.scans[i].map_from_scan = pose_from_exact(poses[i].get<std::array<double, 12>>());
   }
 
   const Scan* find(const std::string& name) const {
@@ -153,9 +60,9 @@ class PullLog {
       if (scan.name == name) return &scan;
     return nullptr;
   }
-  const Json* pull(const std::string& front) const {
+  std::optional<LoggedPull> pull(const std::string& front) const {
     const auto found = json_.at("pulls").find(front);
-    return found == json_.at("pulls").end() ? nullptr : &*found;
+    return found == json_.at("pulls").end() ? std::nullopt : std::optional(pull_from(*found));
   }
   const Json& robot() const { return json_.at("robot"); }
 
@@ -163,36 +70,28 @@ class PullLog {
     set_.scans.push_back(std::move(scan));
     append_to_scan_set(set_, folder_);
   }
-  void add_pull(const std::string& front, const std::vector<Isometry3d>& hand_path) {
-    Json path = Json::array();
-    for (const Isometry3d& pose : hand_path) path.push_back(values_from_pose(pose));
-    json_["pulls"][front] = path;
-  }
+  void add_pull(const std::string& front, const LoggedPull& pull) { json_["pulls"][front] = to_json(pull); }
   /// Stops where the robot could not stand.
   bool failed(const std::string& stop) const { return json_.at("failed").contains(stop); }
   void add_failure(const std::string& stop, const std::string& reason) { json_["failed"][stop] = reason; }
   void commit(const Json& robot) {
-    json_["scans"] = set_.scans.size();
+    json_["poses"] = Json::array();
+    for (const Scan& scan : set_.scans) json_["poses"].push_back(exact_values(scan.map_from_scan));
     json_["robot"] = robot;
     make_folder(folder_);
     write_json(folder_ / "pulls.json", json_);
   }
 
  private:
+  static constexpr int kVersion = 2;
   fs::path folder_;
   ScanSet set_;
-  Json json_ = {{"version", 1},
+  Json json_ = {{"version", kVersion},
                 {"pulls", Json::object()},
                 {"failed", Json::object()},
-                {"scans", 0},
+                {"poses", Json::array()},
                 {"robot", nullptr}};
 };
-
-std::vector<Isometry3d> path_from(const Json& json) {
-  std::vector<Isometry3d> path;
-  for (const Json& pose : json) path.push_back(pose_from_values(pose.get<std::array<double, 7>>()));
-  return path;
-}
 
 ScanSet set_of(const Scan& scan) {
   ScanSet set;
@@ -200,10 +99,6 @@ ScanSet set_of(const Scan& scan) {
   set.scans = {scan};
   return set;
 }
-
-}  // namespace
-
-namespace {
 
 class Interactor {
  public:
@@ -249,29 +144,40 @@ class Interactor {
     result.front = front.name;
     result.stop = stop;
     const std::string name = "pull_" + front.name;
-    if (log_.pull(front.name) == nullptr) {
-      const PullResult pulled = robot_.pull(front.fixture->centre, options_.pull_way_m);
-      if (pulled.hand_path.size() > 1) {
-        Scan scan = robot_.scan_at(planar(closed.map_from_scan));
-        scan.name = name;
-        scan.map_from_scan = closed.map_from_scan;  // The robot did not move.
-        log_.add(std::move(scan));
-      }
-      robot_.close_all();
-      log_.add_pull(front.name, pulled.hand_path);
-      log_.commit(robot_.state());
-    }
-    const std::vector<Isometry3d> hand_path = path_from(*log_.pull(front.name));
-    result.held = !hand_path.empty();
+    if (!log_.pull(front.name)) pull_and_scan(front, name, closed);
+    const LoggedPull pull = *log_.pull(front.name);
+    result.held = !pull.hand_path.empty();
     if (const Scan* open = log_.find(name))
-      result.difference = articulate(set_of(closed), set_of(*open), front, hand_path, options_.difference);
+      result.difference =
+          articulate(set_of(closed), set_of(*open), front, pull.hand_path, options_.difference);
     else
-      result.difference.reason = result.held ? "it did not give way" : "there was nothing to hold";
+      result.difference.reason = !result.held           ? "there was nothing to hold"
+                                 : pull.blocked.empty() ? "it did not give way"
+                                                        : "it was not seen open: " + pull.blocked;
     result.seconds = watch.seconds();
     return result;
   }
 
  private:
+  void pull_and_scan(const Front& front, const std::string& name, const Scan& closed) {
+    LoggedPull pull;
+    pull.hand_path = robot_.pull(front.fixture->centre, options_.pull_way_m).hand_path;
+    if (pull.hand_path.size() > 1) {
+      try {
+        Scan scan = robot_.scan_at(planar(closed.map_from_scan));
+        scan.name = name;
+        scan.map_from_scan = closed.map_from_scan;  // The robot did not move.
+        log_.add(std::move(scan));
+      } catch (const Error& error) {  // It opened into the robot.
+        warnings_.add(fmt::format("{}: {}", name, error.what()));
+        pull.blocked = error.what();
+      }
+    }
+    robot_.close_all();
+    log_.add_pull(front.name, pull);
+    log_.commit(robot_.state());
+  }
+
   Robot& robot_;
   const Exploration& exploration_;
   const InteractionOptions& options_;
@@ -302,29 +208,38 @@ void learn(const Interaction& interaction, Front& front) {
 
 }  // namespace
 
+void InteractionOptions::declare(OptionTable& table) {
+  table.number("pull_way_m", pull_way_m, "m", "How far the hand pulls at a handle.", 0.02, 1);
+  stops.declare(table);
+  difference.declare(table);
+}
+
 std::vector<Interaction> interact(Robot& robot, const Exploration& exploration, std::vector<Front>& fronts,
-                                  const fs::path& folder, bool resume, const PlannerOptions& planner,
+                                  const fs::path& folder, bool resume, const ExplorationOptions& explored,
                                   const InteractionOptions& options, Progress& progress, Warnings& warnings) {
-  const PlanarPose here = planar(exploration.registration().map_from_scan.back());
-  Interactor interactor(robot, exploration, folder, resume, options, warnings);
-  std::vector<Interaction> interactions;
-  PlannerOptions where = planner;
-  std::vector<Front> left = fronts;  // Those that were pulled lose their fixture here.
+  const FloorRegion within(explored.planner.within);
+  std::vector<Front> left = fronts;  // Those that need not be pulled any more lose their fixture here.
+  for (Front& front : left)
+    if (!within.contains(front.centre.head<2>())) front.fixture.reset();
   const auto count_left = [&] {
     return static_cast<size_t>(std::count_if(left.begin(), left.end(),
                                              [](const Front& front) { return front.fixture.has_value(); }));
   };
   const size_t wanted = count_left();
-  size_t number = 0;
-  for (int failures = 0; failures < kFailuresMax;) {
-    const std::vector<InteractionStop> stops =
-        plan_stops(left, exploration.occupancy(), here, where, options);
-    if (stops.empty()) break;
-    const InteractionStop& stop = stops.front();
+  StopPlanner planner(exploration.occupancy(), planar(exploration.registration().map_from_scan.back()),
+                      explored.laser, explored.planner, options.stops, options.pull_way_m);
+  Interactor interactor(robot, exploration, folder, resume, options, warnings);
+  std::vector<Interaction> interactions;
+  std::vector<InteractionStop> stops = planner.plan(left);
+  size_t next = 0;
+  int failures = 0;
+  for (size_t number = 0; next < stops.size() && failures < kFailuresMax; ++number) {
+    const InteractionStop stop = stops[next++];
     const Scan* seen = interactor.closed_scan(number, stop);
-    ++number;
     if (seen == nullptr) {  // Something stands there that the map does not show: from elsewhere, then.
-      where.avoid.emplace_back(stop.pose.x, stop.pose.y);
+      planner.avoid(stop.pose);
+      stops = planner.plan(left);
+      next = 0;
       ++failures;
       continue;
     }
@@ -332,7 +247,7 @@ std::vector<Interaction> interact(Robot& robot, const Exploration& exploration, 
     for (const size_t f : stop.fronts) {
       progress.check(1 - static_cast<double>(count_left()) / static_cast<double>(wanted),
                      "pulls " + fronts[f].name);
-      interactions.push_back(interactor.pull(fronts[f], number - 1, closed));
+      interactions.push_back(interactor.pull(fronts[f], number, closed));
       learn(interactions.back(), fronts[f]);
       left[f].fixture.reset();
     }

@@ -239,6 +239,8 @@ void PlannerOptions::declare(OptionTable& table) {
   table.number("ray_step_deg", ray_step_deg, "deg", "Between rays of the validation.", 0.25, 10);
   table.number("travel_cost_per_m", travel_cost_per_m, "1/m", "A place counts e^(-cost · way).", 0, 10);
   table.number("gain_min", gain_min, "m²", "Stops when no view gains more, see expected_gain.", 0, 100);
+  table.text("within", within,
+             "Rectangle on the floor that is explored, x0,y0,x1,y1 in m; the robot stays in it. Empty: all.");
 }
 
 bool avoided(const Vector2d& place, const PlannerOptions& options) {
@@ -254,6 +256,11 @@ double body_height(const LaserModel& laser) {
 FloorGrid drivable_floor(const Voxels& voxels, const PlanarPose& robot, const LaserModel& laser,
                          const PlannerOptions& options) {
   FloorGrid floor = floor_grid(voxels, options.cell_m, body_height(laser));
+  const FloorRegion within(options.within);
+  for (int y = 0; y < floor.height && !within.everywhere(); ++y)
+    for (int x = 0; x < floor.width; ++x)
+      if (!within.contains(floor.center(x, y)))
+        floor.seen[floor.index(x, y)] = floor.open[floor.index(x, y)] = 0;
   const Eigen::Vector2i here = floor.cell_of({robot.x, robot.y});
   if (floor.contains(here.x(), here.y())) {
     const size_t at = floor.index(here.x(), here.y());
@@ -272,7 +279,7 @@ ViewPlan plan_view(const OccupancyMap& map, const PlanarPose& robot, const Laser
   Stopwatch watch;
   Json times;
   plan.voxels = map.voxels();
-  plan.fringe = find_fringe(plan.voxels, options.threads);
+  plan.fringe = find_fringe(plan.voxels, options.threads, FloorRegion(options.within));
   plan.view.fringe_voxels = plan.fringe.fringe;
   times["fringe"] = watch.lap();
   plan.floor = drivable_floor(plan.voxels, robot, laser, options);
@@ -310,7 +317,7 @@ PoolChoice choose_view(const OccupancyMap& map, const std::vector<PlanarPose>& p
                        const PlannerOptions& options) {
   ViewPlan plan;
   plan.voxels = map.voxels();
-  plan.fringe = find_fringe(plan.voxels, options.threads);
+  plan.fringe = find_fringe(plan.voxels, options.threads, FloorRegion(options.within));
   plan.view.fringe_voxels = plan.fringe.fringe;
   plan.floor = floor_grid(plan.voxels, options.cell_m, body_height(laser));
   add_costmaps(plan, options);

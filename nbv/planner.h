@@ -11,6 +11,7 @@
 #include "mapping/occupancy/occupancy.h"
 #include "mapping/sensor/laser.h"
 #include "nbv/costmaps.h"
+#include "nbv/floor_region.h"
 #include "nbv/fringe.h"
 #include "nbv/panorama.h"
 #include "nbv/reach.h"
@@ -30,6 +31,7 @@ struct PlannerOptions {
   double ray_step_deg = 1;
   double travel_cost_per_m = 0;
   double gain_min = 0.3;
+  std::string within = "";  ///< FloorRegion that is explored and driven in
   /// Places where the robot has failed to get to: nothing within its radius of them is chosen.
   std::vector<Vector2d> avoid = {};
   int threads = 0;  ///< 0 = all cores; not declared as an option: the result is the same on any number
@@ -75,7 +77,8 @@ bool avoided(const Vector2d& place, const PlannerOptions& options);
 /// How high the robot is that carries a scanner: what hangs lower is in its way, metres.
 double body_height(const LaserModel& laser);
 
-/// The floor as the planner sees it: that of the voxels, and that on which the robot stands now.
+/// The floor as the planner sees it: that of the voxels, and that on which the robot stands now; without what
+/// lies outside `options.within`.
 FloorGrid drivable_floor(const Voxels& voxels, const PlanarPose& robot, const LaserModel& laser,
                          const PlannerOptions& options);
 /// Where the robot can drive to on it.

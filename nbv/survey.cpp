@@ -50,27 +50,30 @@ SurveyResult survey(Robot& robot, const PlanarPose& start, const std::filesystem
   const Stopwatch watch;
   SurveyOptions checked = options;
   table_of(checked).validate({"", 0, "explore"});
+  FloorRegion(checked.exploration.planner.within);  // Error for what is none.
+  checked.exploration.forward_threads();
+  checked.interpretation.threads = checked.exploration.threads;
   make_folder(folder);
   SurveyResult result;
 
-  Exploration exploration(robot, start, folder, resume, options.exploration, warnings);
+  Exploration exploration(robot, start, folder, resume, checked.exploration, warnings);
   exploration.watch_plans([&](size_t step, const ViewPlan& plan, const PlanarPose& stands) {
     write_view_pictures(plan, stands, plan_folder(folder, step));
   });
-  PartialProgress exploring(progress, 0, options.interact ? 0.4 : 0.8);
+  PartialProgress exploring(progress, 0, checked.interact ? 0.4 : 0.8);
   exploration.run(exploring);
   result.steps = exploration.steps();
   result.stop_reason = exploration.stop_reason();
   result.scans = exploration.registered_scans();
 
-  PartialProgress interpreting(progress, options.interact ? 0.4 : 0.8, options.interact ? 0.5 : 0.98);
-  result.map = interpret(result.scans, options.interpretation, interpreting);
-  if (options.interact) {
+  PartialProgress interpreting(progress, checked.interact ? 0.4 : 0.8, checked.interact ? 0.5 : 0.98);
+  result.map = interpret(result.scans, checked.interpretation, interpreting);
+  if (checked.interact) {
     PartialProgress pulling(progress, 0.5, 0.98);
     std::vector<Front> fronts = result.map.fronts;
     result.fronts_before = fronts;
-    result.interactions = interact(robot, exploration, fronts, folder, resume, options.exploration.planner,
-                                   options.interaction, pulling, warnings);
+    result.interactions = interact(robot, exploration, fronts, folder, resume, checked.exploration,
+                                   checked.interaction, pulling, warnings);
     replace_fronts(std::move(fronts), result.map);
   }
   if (!result.map.usable())

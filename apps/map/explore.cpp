@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include "apps/map/commands.h"
-#include "mapping/base/config.h"
 #include "mapping/sensor/pose_text.h"
 #include "mapping/simulation/scanned_world.h"
 #include "nbv/survey.h"

@@ -86,7 +86,6 @@ struct DifferenceOptions {
   double tolerance_m = 0.03;             ///< nearer to what was there before is no change
   double hand_position_sigma_m = 0.001;  ///< noise of the hand's poses, per direction
   double hand_orientation_sigma_deg = 0.3;
-  int threads = 0;
 
   void declare(OptionTable& table);
 };

@@ -79,8 +79,10 @@ FaceRays gather_rays(const Surface& surface, const Face& face, double floor_heig
   const auto add = [&](const Eigen::Vector3f& end, uint32_t origin, FaceRay& ray) {
     const Vector3d at = face.coordinates(end.cast<double>());
     if (at.z() > kBeforeFace) return false;
+    // A board that stands out of the face is met by rays that would cross the plane beside it.
     return meet(surface.free_space ? origins[origin] : Vector3d::Zero(), at, surface.free_space, ray) &&
-           reach.contains(static_cast<double>(ray.u), static_cast<double>(ray.v));
+           (reach.contains(static_cast<double>(ray.u), static_cast<double>(ray.v)) ||
+            reach.contains(at.x(), at.y()));
   };
   for (const SurfacePoint& point : surface.points) {
     FaceRay ray;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "mapping/base/exact_pose.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/urdf.h"
 
@@ -253,8 +254,8 @@ void ScannedWorld::close_all() {
 }
 
 Json ScannedWorld::state() const {
-  return {{"map_from_true", values_from_pose(impl_->map_from_true)},
-          {"map_from_believed", values_from_pose(impl_->map_from_believed)},
+  return {{"map_from_true", exact_values(impl_->map_from_true)},
+          {"map_from_believed", exact_values(impl_->map_from_believed)},
           {"covariance", std::vector<double>(impl_->covariance.data(), impl_->covariance.data() + 36)},
           {"joints", impl_->joints},
           {"scans", impl_->scans},
@@ -263,7 +264,7 @@ Json ScannedWorld::state() const {
 
 void ScannedWorld::restore(const Json& state) {
   const auto pose = [&](const char* key) {
-    return pose_from_values(state.at(key).get<std::array<double, 7>>());
+    return pose_from_exact(state.at(key).get<std::array<double, 12>>());
   };
   impl_->map_from_true = pose("map_from_true");
   impl_->map_from_believed = pose("map_from_believed");

@@ -41,7 +41,8 @@ NextView inspect(const ScanSet& scans) {
   for (const Scan& scan : scans.scans) map.insert(scan);
   InspectionOptions options;
   options.points_per_cm2 = 0.25;  // As with the laser's own steps, four times the points.
-  return inspection_view(scans, map, {-2, 0, 0}, coarse_laser(), {}, options);
+  return inspection_view({scans.scans.begin(), scans.scans.end()}, map, {-2, 0, 0}, coarse_laser(), {},
+                         options);
 }
 
 TEST(Inspection, FurnitureSeenFromAfarIsLookedAtFromNear) {

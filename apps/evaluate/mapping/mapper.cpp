@@ -58,7 +58,6 @@ SurveyResult survey_by_exploring(const Run& run, Progress& progress, Warnings& w
   SurveyOptions options = run.survey;
   options.exploration.seed = run.seed;
   options.exploration.threads = run.threads;
-  options.interpretation.threads = run.threads;
   return survey(robot, start, run.folder, false, options, progress, warnings);
 }
 

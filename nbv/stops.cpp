@@ -1,0 +1,150 @@
+#include "nbv/stops.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "nbv/sight.h"
+
+namespace loci {
+namespace {
+
+constexpr double kRadians = M_PI / 180;
+/// By how much the limits of views are relaxed for fronts that cannot be seen within them.
+constexpr double kRelaxedNear = 0.6, kRelaxedFar = 1.5, kRelaxedBearingDeg = 10;
+constexpr double kShareSeen = 0.6;                         ///< of a front, at least half of that when relaxed
+constexpr double kFixtureRoom = 0.1, kOpeningRoom = 0.05;  ///< m before what opens, and besides
+constexpr double kInView = 0.3;  ///< cosine against the robot's heading: well within its sector
+constexpr int kYaws = 16;
+
+double off_heading(const Vector2d& towards, double yaw) {
+  return towards.normalized().dot(Vector2d(std::cos(yaw), std::sin(yaw)));
+}
+
+/// Whether a robot at a place leaves room for the front to come out by `way`.
+bool leaves_room(const Front& front, const Vector2d& place, double way, double robot_radius) {
+  const Vector2d from_front = place - front.centre.head<2>();
+  const double out = from_front.dot(front.normal.head<2>()),
+               along = std::abs(from_front.dot(front.right().head<2>()));
+  const double beyond_out = std::max({0.0, -out, out - way - kFixtureRoom}),
+               beyond_side = std::max(0.0, along - front.width / 2);
+  return std::hypot(beyond_out, beyond_side) >= robot_radius + kOpeningRoom;
+}
+
+/// The part of a front, in nine pieces, that is in sight.
+double share_seen(const Front& front, const Vector3d& from, const Sight& sight) {
+  int seen = 0;
+  for (const double u : {-0.35, 0.0, 0.35})
+    for (const double v : {-0.35, 0.0, 0.35}) {
+      const Vector3d point = front.centre + u * front.width * front.right() + v * front.height * front.up;
+      seen += sight.sees(from, point, front.normal) ? 1 : 0;
+    }
+  return seen / 9.0;
+}
+
+}  // namespace
+
+void StopOptions::declare(OptionTable& table) {
+  table.number("pull_distance_min_m", distance_min_m, "m",
+               "Nearest that the robot stands to a front that it pulls.", 0.3, 3);
+  table.number("pull_distance_max_m", distance_max_m, "m",
+               "Farthest that the robot stands from a front that it pulls.", 0.3, 5);
+  table.number("pull_bearing_max_deg", bearing_max_deg, "deg", "Most oblique view of a front that is pulled.",
+               0, 80);
+}
+
+StopPlanner::StopPlanner(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
+                         const PlannerOptions& planner, const StopOptions& options, double way_m)
+    : voxels_(map.voxels()),
+      laser_(laser),
+      planner_(planner),
+      options_(options),
+      way_(way_m),
+      floor_(drivable_floor(voxels_, robot, laser, planner)),
+      reach_(drivable_ways(floor_, robot, planner)),
+      avoided_(planner.avoid) {}
+
+/// How well a front is seen from a place, in (0,1]; 0 = too near, too far, too oblique, hidden.
+double StopPlanner::quality(const Front& front, const Vector2d& place, const StopOptions& limits) const {
+  const Vector2d towards = place - front.centre.head<2>();
+  const double distance = towards.norm();
+  if (distance < limits.distance_min_m || distance > limits.distance_max_m) return 0;
+  const double bearing = std::acos(std::clamp(towards.dot(front.normal.head<2>()) / distance, -1.0, 1.0));
+  if (bearing > limits.bearing_max_deg * kRadians) return 0;
+  if (!leaves_room(front, place, way_, planner_.robot_radius_m)) return 0;
+  const Sight sight(voxels_, laser_);
+  const Vector3d from(place.x(), place.y(), laser_.height_m);
+  const double share = share_seen(front, from, sight);
+  const bool relaxed = limits.bearing_max_deg > options_.bearing_max_deg;
+  if (share < (relaxed ? 0.5 : 1) * kShareSeen || !sight.sees(from, front.fixture->centre, front.normal))
+    return 0;
+  // Nearer is better, and so is a little from the side: a drawer's motion is then seen across the ray.
+  return share * std::cos(bearing / 2) / (1 + distance);
+}
+
+std::vector<Vector2d> StopPlanner::places() const {
+  std::vector<Vector2d> places;
+  for (int y = 0; y < floor_.height; ++y)
+    for (int x = 0; x < floor_.width; ++x) {
+      const Vector2d place = floor_.center(x, y);
+      const bool avoided = std::any_of(avoided_.begin(), avoided_.end(), [&](const Vector2d& p) {
+        return (p - place).norm() < planner_.robot_radius_m;
+      });
+      if (reach_.stands(floor_, floor_.index(x, y)) && !avoided) places.push_back(place);
+    }
+  return places;
+}
+
+std::vector<StopPlanner::Candidate> StopPlanner::candidates(const std::vector<Front>& fronts,
+                                                            const std::vector<bool>& served,
+                                                            const StopOptions& limits) const {
+  std::vector<Candidate> candidates;
+  for (const Vector2d& place : places()) {
+    Candidate candidate{place, {}};
+    for (size_t i = 0; i < fronts.size(); ++i) {
+      if (served[i] || !fronts[i].fixture) continue;
+      if (const double q = quality(fronts[i], place, limits); q > 0) candidate.fronts.emplace_back(i, q);
+    }
+    if (!candidate.fronts.empty()) candidates.push_back(std::move(candidate));
+  }
+  return candidates;
+}
+
+std::vector<InteractionStop> StopPlanner::plan(const std::vector<Front>& fronts) const {
+  std::vector<bool> served(fronts.size(), false);
+  std::vector<InteractionStop> stops;
+  // Aisles are narrow, corners are blocked: what cannot be seen well is seen as well as it can be.
+  StopOptions relaxed = options_;
+  relaxed.distance_min_m *= kRelaxedNear;
+  relaxed.distance_max_m *= kRelaxedFar;
+  relaxed.bearing_max_deg += kRelaxedBearingDeg;
+  const auto value = [&](const Candidate& candidate, size_t front, double quality, double yaw) {
+    const double ahead = off_heading(fronts[front].centre.head<2>() - candidate.place, yaw);
+    return served[front] || ahead < kInView ? 0 : quality * ahead;
+  };
+  for (const StopOptions& limits : {options_, relaxed}) {
+    const std::vector<Candidate> all = candidates(fronts, served, limits);
+    while (true) {  // Greedy set cover; the sum of qualities decides.
+      const Candidate* best = nullptr;
+      double most = 0, best_yaw = 0;
+      for (const Candidate& candidate : all)
+        for (int i = 0; i < kYaws; ++i) {
+          const double yaw = std::remainder(2 * M_PI * i / kYaws, 2 * M_PI);
+          double sum = 0;
+          for (const auto& [front, quality] : candidate.fronts) sum += value(candidate, front, quality, yaw);
+          if (sum <= most + 1e-9) continue;
+          most = sum;
+          best = &candidate;
+          best_yaw = yaw;
+        }
+      if (best == nullptr) break;
+      InteractionStop stop{{best->place.x(), best->place.y(), best_yaw}, {}};
+      for (const auto& [front, quality] : best->fronts)
+        if (value(*best, front, quality, best_yaw) > 0) stop.fronts.push_back(front);
+      for (const size_t front : stop.fronts) served[front] = true;
+      stops.push_back(std::move(stop));
+    }
+  }
+  return stops;
+}
+
+}  // namespace loci

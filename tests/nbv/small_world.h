@@ -1,0 +1,63 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <string>
+
+#include "mapping/base/files.h"
+#include "mapping/base/pose.h"
+
+namespace loci::test {
+
+/// A room of 3.6 m × 3 m, its floor at z = 0 around the origin, with furniture along its north wall; written
+/// as URDF.
+class SmallWorld {
+ public:
+  SmallWorld() {
+    for (const double side : {-1.0, 1.0}) {
+      box(side < 0 ? "west" : "east", {1.85 * side, 0, 1.25}, {0.1, 3.2, 2.5});
+      box(side < 0 ? "south" : "north", {0, 1.55 * side, 1.25}, {3.6, 0.1, 2.5});
+    }
+  }
+
+  /// Stands firm.
+  void box(const std::string& name, const Vector3d& centre, const Vector3d& size) {
+    text_ += fmt::format("<link name='{}'>{}</link>", name, visual(Vector3d::Zero(), size));
+    joint(name, "fixed", centre, "");
+  }
+  /// A drawer's front that looks south from y = `face`, with a bar across it. `more` goes into its joint.
+  void drawer(const std::string& name, double x, double face, double z, double width, double height,
+              const std::string& more = "") {
+    text_ += fmt::format("<link name='{}'>{}{}{}{}</link>", name,
+                         visual({0, 0.01, 0}, {width - 0.008, 0.02, height - 0.008}),
+                         visual({0, -0.03, 0.2 * height}, {0.2, 0.012, 0.012}),
+                         visual({-0.08, -0.012, 0.2 * height}, {0.008, 0.024, 0.008}),
+                         visual({0.08, -0.012, 0.2 * height}, {0.008, 0.024, 0.008}));
+    joint(name, "prismatic", {x, face, z},
+          "<axis xyz='0 -1 0'/><limit lower='0' upper='0.4' effort='1' velocity='1'/>" + more);
+  }
+
+  std::filesystem::path write(const std::filesystem::path& folder) const {
+    make_folder(folder);
+    write_file_atomically(folder / "world.urdf",
+                          "<robot name='small'><link name='map'/>" + text_ + "</robot>");
+    return folder / "world.urdf";
+  }
+
+ private:
+  static std::string visual(const Vector3d& at, const Vector3d& size) {
+    return fmt::format("<visual><origin xyz='{} {} {}'/><geometry><box size='{} {} {}'/></geometry></visual>",
+                       at.x(), at.y(), at.z(), size.x(), size.y(), size.z());
+  }
+  void joint(const std::string& child, const std::string& type, const Vector3d& at, const std::string& more) {
+    text_ += fmt::format(
+        "<joint name='{0}_joint' type='{1}'><parent link='map'/><child link='{0}'/>"
+        "<origin xyz='{2} {3} {4}'/>{5}</joint>",
+        child, type, at.x(), at.y(), at.z(), more);
+  }
+
+  std::string text_;
+};
+
+}  // namespace loci::test

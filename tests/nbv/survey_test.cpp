@@ -1,0 +1,111 @@
+#include "nbv/survey.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "mapping/simulation/scanned_world.h"
+#include "mapping/world/urdf.h"
+#include "tests/nbv/small_world.h"
+
+namespace loci::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+/// Stops a survey when it says so for the n-th time.
+class StopAfter : public Progress {
+ public:
+  explicit StopAfter(int checks) : left_(checks) {}
+  bool update(double, std::string_view) override { return --left_ >= 0; }
+
+ private:
+  int left_;
+};
+
+/// A cupboard with two drawers one above the other, joined: one does not open without the other.
+SmallWorld drawers_that_hang_together() {
+  SmallWorld world;
+  world.box("cupboard", {0, 1.26, 0.45}, {1.2, 0.48, 0.8});
+  world.box("top", {0, 1.24, 0.87}, {1.24, 0.54, 0.04});
+  world.drawer("upper", 0, 1, 0.65, 0.8, 0.38);
+  world.drawer("lower", 0, 1, 0.26, 0.8, 0.38, "<mimic joint='upper_joint'/>");
+  return world;
+}
+
+class Survey : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / "survey" /
+              testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+
+  SurveyResult explore(const SmallWorld& world, const std::string& out, int threads, Progress& progress,
+                       bool resume = false, const PlanarPose& start = {0, -0.4, M_PI_2}) {
+    SurveyOptions options;
+    options.interact = true;
+    options.exploration.scans_max = 4;
+    options.exploration.threads = threads;
+    ScannedWorldOptions simulated;
+    simulated.threads = threads;
+    ScannedWorld robot(world.write(folder_), simulated, start, warnings_);
+    return survey(robot, start, folder_ / out, resume, options, progress, warnings_);
+  }
+  std::string bytes(const std::string& file) const { return read_file(folder_ / file); }
+
+  fs::path folder_;
+  Warnings warnings_;
+  NoProgress quiet_;
+};
+
+TEST_F(Survey, GoesOnAfterInterruptionsAsIfThereHadBeenNone) {
+  const SmallWorld world = drawers_that_hang_together();
+  const SurveyResult whole = explore(world, "whole", 2, quiet_);
+  EXPECT_FALSE(whole.interactions.empty());
+  // Stopped in the exploration, and once more where it pulls; other numbers of threads.
+  StopAfter soon(2);
+  EXPECT_THROW(explore(world, "parts", 1, soon), Interrupted);
+  class StopAtSecondPull : public Progress {
+   public:
+    bool update(double, std::string_view text) override {
+      return !text.starts_with("pulls ") || ++pulls_ < 2;
+    }
+
+   private:
+    int pulls_ = 0;
+  } later;
+  EXPECT_THROW(explore(world, "parts", 2, later, true), Interrupted);
+  explore(world, "parts", 1, quiet_, true);
+  for (const char* file : {"map.urdf", "map.semantic.json"})
+    EXPECT_EQ(bytes(std::string("parts/") + file), bytes(std::string("whole/") + file)) << file;
+}
+
+TEST_F(Survey, FrontsThatShareAJointAreEachMappedAsTheDrawersThatTheyAre) {
+  const SurveyResult result = explore(drawers_that_hang_together(), "map", 0, quiet_);
+  ASSERT_EQ(result.map.fronts.size(), 2U);
+  for (const Front& front : result.map.fronts) {
+    EXPECT_EQ(front.class_name, "drawer");
+    ASSERT_TRUE(front.joint);
+    EXPECT_EQ(front.joint->type, JointEstimate::Type::prismatic);
+    EXPECT_GT(-front.joint->axis.y(), 0.999) << front.joint->axis.transpose();
+    EXPECT_NEAR(front.width, 0.8, 0.03);
+    EXPECT_NEAR(front.height, 0.38, 0.03);
+  }
+  EXPECT_EQ(result.interactions.size(), 2U);
+  for (const Interaction& pull : result.interactions) EXPECT_TRUE(pull.held) << pull.front;
+}
+
+TEST_F(Survey, SaysThatItCannotStartInsideFurniture) {
+  try {
+    explore(drawers_that_hang_together(), "map", 0, quiet_, false, {0, 1.2, 0});
+    FAIL() << "it started in the cupboard";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("'cupboard' is in the way"));
+    EXPECT_FALSE(error.hint().empty());
+  }
+}
+
+}  // namespace
+}  // namespace loci::test
