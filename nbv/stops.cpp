@@ -15,6 +15,7 @@ constexpr double kShareSeen = 0.6;                         ///< of a front, at l
 constexpr double kFixtureRoom = 0.1, kOpeningRoom = 0.05;  ///< m before what opens, and besides
 constexpr double kInView = 0.3;  ///< cosine against the robot's heading: well within its sector
 constexpr int kYaws = 16;
+constexpr double kNearlyBest = 0.7;  ///< of the best view of a front: worse ones are for other fronts
 
 double off_heading(const Vector2d& towards, double yaw) {
   return towards.normalized().dot(Vector2d(std::cos(yaw), std::sin(yaw)));
@@ -63,7 +64,7 @@ StopPlanner::StopPlanner(const OccupancyMap& map, const PlanarPose& robot, const
       reach_(drivable_ways(floor_, robot, planner)),
       avoided_(planner.avoid) {}
 
-/// How well a front is seen from a place, in (0,1]; 0 = too near, too far, too oblique, hidden.
+/// How well a front is seen from a place, 0 = too near, too far, too oblique, hidden.
 double StopPlanner::quality(const Front& front, const Vector2d& place, const StopOptions& limits) const {
   const Vector2d towards = place - front.centre.head<2>();
   const double distance = towards.norm();
@@ -77,8 +78,8 @@ double StopPlanner::quality(const Front& front, const Vector2d& place, const Sto
   const bool relaxed = limits.bearing_max_deg > options_.bearing_max_deg;
   if (share < (relaxed ? 0.5 : 1) * kShareSeen || !sight.sees(from, front.fixture->centre, front.normal))
     return 0;
-  // Nearer is better, and so is a little from the side: a drawer's motion is then seen across the ray.
-  return share * std::cos(bearing / 2) / (1 + distance);
+  // Nearer is better; a little from the side is no worse: a drawer's motion is then seen across the ray.
+  return share * std::cos(bearing / 2) / distance;
 }
 
 std::vector<Vector2d> StopPlanner::places() const {
@@ -106,6 +107,12 @@ std::vector<StopPlanner::Candidate> StopPlanner::candidates(const std::vector<Fr
     }
     if (!candidate.fronts.empty()) candidates.push_back(std::move(candidate));
   }
+  std::vector<double> best(fronts.size(), 0);
+  for (const Candidate& candidate : candidates)
+    for (const auto& [front, quality] : candidate.fronts) best[front] = std::max(best[front], quality);
+  for (Candidate& candidate : candidates)
+    std::erase_if(candidate.fronts,
+                  [&](const auto& seen) { return seen.second < kNearlyBest * best[seen.first]; });
   return candidates;
 }
 

@@ -14,7 +14,9 @@ constexpr double kParallelDeg = 4;         ///< faces that differ by less did no
 constexpr double kOnFace = 0.025;          ///< metres
 constexpr size_t kLeastPoints = 40;
 constexpr double kCell = 0.03;
-constexpr double kNearFace = 0.05;    ///< what is seen so near to the closed face …
+constexpr double kBesideFixture = 0.015;  ///< metres, where beams still touch it
+constexpr double kLeanSd = 0.01;          ///< radians, of a front's normal in the map
+constexpr double kNearFace = 0.05;        ///< what is seen so near to the closed face …
 constexpr double kStillThere = 0.01;  ///< … is the face itself when its mean is so near: carcasses lie deeper
 
 Motion slid(const Face& closed, const Face& open, const Front& front) {
@@ -53,6 +55,15 @@ Motion turned(const Face& closed, const Face& open, const Front& front, const Ve
   const Vector3d between = (closed.normal + open_normal).normalized();
   motion.origin = line - between * kHingeBehindFace / std::max(between.dot(closed.normal), 0.2);
   return motion;
+}
+
+bool on_fixture(const Vector3d& p, const Front& front) {
+  if (!front.fixture) return false;
+  Vector3d off = p - front.fixture->centre;
+  off -= off.dot(front.normal) * front.normal;
+  const double along = off.dot(front.fixture->axis), across = (off - along * front.fixture->axis).norm();
+  return std::abs(along) < front.fixture->length / 2 + kBesideFixture &&
+         across < front.fixture->radius + kBesideFixture;
 }
 
 /// A front's rectangle in cells of 3 cm: how many points lie on each, and their distance from its face.
@@ -98,17 +109,25 @@ std::vector<Vector3d> put_back(const MovedFace& face, const std::vector<Vector3d
 
 }  // namespace
 
-/// The closed face: the plane through what was seen of it before.
+/// The closed face: the plane through what was seen of it before, without its fixture. How it leans is known
+/// from the map, too, which weighs for a small front.
 Face closed_face(const std::vector<Vector3d>& before, const Front& front) {
   std::vector<Vector3d> on_face;
   for (const Vector3d& p : before) {
     const Vector3d off = p - front.centre;
     if (std::abs(off.dot(front.normal)) < 0.04 && std::abs(off.dot(front.right())) < 0.45 * front.width &&
-        std::abs(off.dot(front.up)) < 0.45 * front.height)
+        std::abs(off.dot(front.up)) < 0.45 * front.height && !on_fixture(p, front))
       on_face.push_back(p);
   }
-  const Face assumed{front.normal, front.normal.dot(front.centre), 0.01, 0};
-  return on_face.size() < kLeastPoints ? assumed : refined_face(assumed, on_face, 0.03);
+  const Face assumed{front.normal, front.normal.dot(front.centre), kLeanSd, 0};
+  if (on_face.size() < kLeastPoints) return assumed;
+  Face face = refined_face(assumed, on_face, 0.03);
+  const Vector3d middle = front.centre - face.normal * face.distance(front.centre);
+  const double seen = 1 / (face.normal_sd * face.normal_sd), told = 1 / (kLeanSd * kLeanSd);
+  face.normal = (seen * face.normal + told * front.normal).normalized();
+  face.normal_sd = 1 / std::sqrt(seen + told);
+  face.offset = face.normal.dot(middle);
+  return face;
 }
 
 double still_share(const std::vector<Vector3d>& points, const Face& closed, const Front& front) {

@@ -55,11 +55,24 @@ std::optional<double> parting_position(const EdgeSamples& samples, double length
   return median(best);
 }
 
+/// Whether the top itself was seen in the strip by which an edge would grow, about as densely as inside it.
+bool surface_reaches(const EdgeSamples& samples, double position) {
+  constexpr double kNoMatter = 0.01;  // m
+  constexpr double kDense = 0.4;      // of the density inside
+  if (position < kNoMatter) return true;
+  const auto between = [&](double low, double high) {
+    return static_cast<double>(std::count_if(samples.support.begin(), samples.support.end(),
+                                             [&](double v) { return v >= low && v < high; }));
+  };
+  return between(0, position) / position >= kDense * between(-kEdgeWindow, 0) / kEdgeWindow;
+}
+
 }  // namespace
 
 std::optional<double> edge_position(const EdgeSamples& samples, double length) {
-  const auto rim = rim_position(samples.rim, length);
-  return rim ? rim : parting_position(samples, length);
+  auto position = rim_position(samples.rim, length);
+  if (!position) position = parting_position(samples, length);
+  return position && surface_reaches(samples, *position) ? position : std::nullopt;
 }
 
 }  // namespace loci

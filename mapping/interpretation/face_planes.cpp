@@ -2,16 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "mapping/base/cell_index.h"
+#include "mapping/interpretation/line_votes.h"
 
 namespace loci {
 namespace {
 
 constexpr double kPiece = 0.03;          // m; side of the cells whose points are averaged
 constexpr int kAngles = 240;             // of 1.5 degrees
+constexpr int kAnglesBeside = 3;         // for which a piece votes besides its own
 constexpr double kOffsetBin = 0.015;     // m
 constexpr double kFacing = 0.95;         // cosine between a piece's normal and its plane's
 constexpr double kTaken = 0.022;         // m; pieces this near to a plane are explained by it
@@ -59,46 +60,13 @@ std::vector<Piece> pieces_of(const Surface& surface, double floor_height) {
   return pieces;
 }
 
-/// Votes of pieces for (angle, offset).
-class Votes {
- public:
-  explicit Votes(const std::vector<Piece>& pieces) {
-    double reach = 0;
-    for (const Piece& piece : pieces) reach = std::max(reach, piece.position.norm());
-    offsets_ = 2 * static_cast<int>(reach / kOffsetBin + 2) + 1;
-    votes_.assign(static_cast<size_t>(kAngles * offsets_), 0);
-    for (const Piece& piece : pieces) vote(piece, 1);
-  }
-  void vote(const Piece& piece, int amount) {
-    const int centre = static_cast<int>(std::lround(std::atan2(piece.normal.y(), piece.normal.x()) / kStep));
-    for (int d = -3; d <= 3; ++d) {
-      const int angle = (centre + d + 2 * kAngles) % kAngles;
-      const int offset =
-          static_cast<int>(std::lround(direction(angle).dot(piece.position) / kOffsetBin)) + offsets_ / 2;
-      votes_[static_cast<size_t>(angle * offsets_ + offset)] += amount;
-    }
-  }
-  struct Peak {
-    size_t bin = 0;
-    Vector2d normal;
-    double offset = 0;
-    int votes = 0;
-  };
-  Peak strongest() const {
-    const auto best = std::max_element(votes_.begin(), votes_.end());
-    const int at = static_cast<int>(best - votes_.begin());
-    return {static_cast<size_t>(at), direction(at / offsets_), (at % offsets_ - offsets_ / 2) * kOffsetBin,
-            *best};
-  }
-  void forget(const Peak& peak) { votes_[peak.bin] = 0; }
-
- private:
-  static constexpr double kStep = 2 * std::numbers::pi / kAngles;
-  static Vector2d direction(int angle) { return {std::cos(angle * kStep), std::sin(angle * kStep)}; }
-
-  int offsets_ = 0;
-  std::vector<int> votes_;
-};
+LineVotes votes_of(const std::vector<Piece>& pieces) {
+  double reach = 0;
+  for (const Piece& piece : pieces) reach = std::max(reach, piece.position.norm());
+  LineVotes votes(reach, {kAngles, kAnglesBeside, kOffsetBin});
+  for (const Piece& piece : pieces) votes.vote(piece.position, piece.normal, 1);
+  return votes;
+}
 
 std::vector<size_t> inliers_of(const std::vector<Piece>& pieces, const Vector2d& normal, double offset,
                                double width) {
@@ -110,23 +78,32 @@ std::vector<size_t> inliers_of(const std::vector<Piece>& pieces, const Vector2d&
   return inliers;
 }
 
-/// Fits the plane to its inliers a few times, within ever narrower limits.
+/// Fits the plane to its inliers a few times, within ever narrower limits. The nearer a piece the more it
+/// counts: of two layers, panels and the carcass beside them, the larger one shall win, not the mean.
 std::vector<size_t> refine(const std::vector<Piece>& pieces, Vector2d& normal, double& offset) {
   std::vector<size_t> inliers;
-  for (const double width : {0.03, 0.022, 0.018, 0.015}) {
+  for (const double width : {0.03, 0.022, 0.018, 0.015, 0.015, 0.015}) {
     inliers = inliers_of(pieces, normal, offset, width);
     if (inliers.size() < 8) break;
+    const auto weight = [&](size_t i) {
+      const double off = (normal.dot(pieces[i].position) - offset) / width;
+      return (1 - off * off) * (1 - off * off);
+    };
+    double sum = 0;
     Vector2d mean = Vector2d::Zero();
-    for (const size_t i : inliers) mean += pieces[i].position;
-    mean /= static_cast<double>(inliers.size());
+    for (const size_t i : inliers) {
+      sum += weight(i);
+      mean += weight(i) * pieces[i].position;
+    }
+    mean /= sum;
     double xx = 0;
     double xy = 0;
     double yy = 0;
     for (const size_t i : inliers) {
       const Vector2d d = pieces[i].position - mean;
-      xx += d.x() * d.x();
-      xy += d.x() * d.y();
-      yy += d.y() * d.y();
+      xx += weight(i) * d.x() * d.x();
+      xy += weight(i) * d.x() * d.y();
+      yy += weight(i) * d.y() * d.y();
     }
     const double along = 0.5 * std::atan2(2 * xy, xx - yy);
     const Vector2d fitted(-std::sin(along), std::cos(along));
@@ -180,10 +157,10 @@ std::vector<Face> find_faces(const Surface& surface, double floor_height) {
   std::vector<Piece> pieces = pieces_of(surface, floor_height);
   std::vector<Face> faces;
   if (pieces.empty()) return faces;
-  Votes votes(pieces);
+  LineVotes votes = votes_of(pieces);
   const int fewest = static_cast<int>(0.4 * kLeastArea / (kPiece * kPiece));
   for (size_t round = 0; round < 4 * kMostFaces && faces.size() < kMostFaces; ++round) {
-    const Votes::Peak peak = votes.strongest();
+    const LineVotes::Peak peak = votes.strongest();
     if (peak.votes < fewest) break;
     Vector2d normal = peak.normal;
     double offset = peak.offset;
@@ -193,7 +170,7 @@ std::vector<Face> find_faces(const Surface& surface, double floor_height) {
     for (const size_t i :
          found.empty() ? std::vector<size_t>() : inliers_of(pieces, normal, offset, kTaken)) {
       pieces[i].taken = true;
-      votes.vote(pieces[i], -1);
+      votes.vote(pieces[i].position, pieces[i].normal, -1);
     }
     for (const Face& face : found)
       if (std::none_of(faces.begin(), faces.end(), [&](const Face& other) { return same_face(other, face); }))

@@ -54,45 +54,18 @@ void refine_edge(Extent& extent, Side side, const std::vector<PlaneEvidence::Sup
   if (!opinions.empty()) side.edge(extent) = side.sign() * median(opinions);
 }
 
-EdgeSamples samples_at(const Extent& extent, Side side, const PlaneEvidence& evidence,
-                       const Eigen::Rotation2Dd& axes_from_map) {
-  constexpr double kInset = 0.03;  // m from the corners
-  const int across = 1 - side.axis;
-  Extent copy = extent;
-  const double edge = side.sign() * side.edge(copy);
-  EdgeSamples samples;
-  const auto add = [&](const Vector2d& map_point, std::vector<double>& list) {
-    const Vector2d at = axes_from_map * map_point;
-    if (at[across] < extent.min[across] + kInset || at[across] > extent.max[across] - kInset) return;
-    const double value = side.sign() * at[side.axis] - edge;
-    if (std::abs(value) < kEdgeWindow) list.push_back(value);
-  };
-  for (const Vector2d& point : evidence.rim) add(point, samples.rim);
-  for (const auto& point : evidence.support) add(point.position, samples.support);
-  for (const Vector2d& point : evidence.pierced) add(point, samples.passed);
-  for (const Vector2d& point : evidence.sunk) add(point, samples.passed);
-  return samples;
-}
-
-/// Whether the top itself was seen in the strip by which an edge would grow, about as densely as inside it.
-bool surface_reaches(const EdgeSamples& samples, double position) {
-  constexpr double kNoMatter = 0.01;  // m
-  constexpr double kDense = 0.4;      // of the density inside
-  if (position < kNoMatter) return true;
-  const auto between = [&](double low, double high) {
-    return static_cast<double>(std::count_if(samples.support.begin(), samples.support.end(),
-                                             [&](double v) { return v >= low && v < high; }));
-  };
-  return between(0, position) / position >= kDense * between(-kEdgeWindow, 0) / kEdgeWindow;
-}
-
 /// A free edge by what shows it best.
 void sharpen_edge(Extent& extent, Side side, const PlaneEvidence& evidence,
                   const Eigen::Rotation2Dd& axes_from_map) {
-  const EdgeSamples samples = samples_at(extent, side, evidence, axes_from_map);
-  const double length = extent.size()[1 - side.axis];
-  const auto position = edge_position(samples, length);
-  if (position && surface_reaches(samples, *position)) side.edge(extent) += side.sign() * *position;
+  constexpr double kInset = 0.03;  // m from the corners
+  const int across = 1 - side.axis;
+  double& edge = side.edge(extent);
+  const EdgeSamples samples = samples_across(evidence, [&](const Vector2d& map_point) {
+    const Vector2d at = axes_from_map * map_point;
+    const bool beside = at[across] < extent.min[across] + kInset || at[across] > extent.max[across] - kInset;
+    return beside ? 1e9 : side.sign() * (at[side.axis] - edge);
+  });
+  if (const auto shift = edge_position(samples, extent.size()[across])) edge += side.sign() * *shift;
 }
 
 Extent strip_outside(const Extent& extent, Side side) {

@@ -53,21 +53,6 @@ Circle circle_through(const std::vector<Vector2d>& boundary) {
   return circle;
 }
 
-/// Samples across an edge, given how far out of it a point of the map lies; unset = beside the edge.
-template <class Outwards>
-EdgeSamples samples_across(const PlaneEvidence& evidence, const Outwards& outwards) {
-  EdgeSamples samples;
-  const auto add = [&](const Vector2d& point, std::vector<double>& list) {
-    const double value = outwards(point);
-    if (std::abs(value) < kEdgeWindow) list.push_back(value);
-  };
-  for (const Vector2d& point : evidence.rim) add(point, samples.rim);
-  for (const auto& point : evidence.support) add(point.position, samples.support);
-  for (const Vector2d& point : evidence.pierced) add(point, samples.passed);
-  for (const Vector2d& point : evidence.sunk) add(point, samples.passed);
-  return samples;
-}
-
 void sharpen(Circle& circle, const PlaneEvidence& evidence) {
   const EdgeSamples samples = samples_across(
       evidence, [&](const Vector2d& point) { return (point - circle.centre).norm() - circle.radius; });

@@ -3,11 +3,11 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <set>
 
 #include "mapping/base/cell_index.h"
 #include "mapping/base/quantile.h"
+#include "mapping/interpretation/line_votes.h"
 
 namespace loci {
 namespace {
@@ -16,60 +16,20 @@ constexpr double kSurfel = 0.03;     // m; points are thinned to these before pl
 constexpr double kAreaCell = 0.05;   // m; area of a plane is counted in such cells
 constexpr double kOffsetBin = 0.03;  // m
 constexpr int kAngleBins = 120;      // of 3 degrees
+constexpr int kAnglesBeside = 2;     // for which a surfel votes besides its own
 constexpr double kFacing = 0.94;     // cosine between a point's normal and its plane's
 constexpr double kSameWall =
     0.07;                     // m; parallel layers this near (noise, drift, posters) belong to the plane
 constexpr double kGap = 0.6;  // m; wider gaps part a plane into pieces
 constexpr size_t kMostPlanes = 60;
 
-/// Votes of vertical surfels for (angle, offset) of vertical planes.
-class PlaneVotes {
- public:
-  explicit PlaneVotes(const std::vector<Surfel>& surfels) {
-    for (const Surfel& surfel : surfels)
-      if (surfel.vertical()) reach_ = std::max(reach_, surfel.position.head<2>().norm());
-    offsets_ = 2 * static_cast<int>(reach_ / kOffsetBin + 2) + 1;
-    votes_.assign(static_cast<size_t>(kAngleBins * offsets_), 0);
-    for (const Surfel& surfel : surfels)
-      if (surfel.vertical()) vote(surfel, 1);
-  }
-
-  void vote(const Surfel& surfel, int amount) {
-    const double angle = std::atan2(surfel.normal.y(), surfel.normal.x());
-    const int centre = static_cast<int>(std::lround(angle / step()));
-    for (int d = -2; d <= 2; ++d) {
-      const int bin = (centre + d + 2 * kAngleBins) % kAngleBins;
-      const Vector2d normal = direction(bin);
-      const int offset =
-          static_cast<int>(std::lround(normal.dot(surfel.position.head<2>()) / kOffsetBin)) + offsets_ / 2;
-      votes_[static_cast<size_t>(bin * offsets_ + offset)] += amount;
-    }
-  }
-
-  struct Peak {
-    Vector2d normal;
-    double offset = 0;
-    int votes = 0;
-  };
-  Peak strongest() const {
-    const auto best = std::max_element(votes_.begin(), votes_.end());
-    const int at = static_cast<int>(best - votes_.begin());
-    return {direction(at / offsets_), (at % offsets_ - offsets_ / 2) * kOffsetBin, *best};
-  }
-  void forget(const Peak& peak) {
-    const int angle = static_cast<int>(std::lround(std::atan2(peak.normal.y(), peak.normal.x()) / step()));
-    const int offset = static_cast<int>(std::lround(peak.offset / kOffsetBin)) + offsets_ / 2;
-    votes_[static_cast<size_t>((angle + kAngleBins) % kAngleBins * offsets_ + offset)] = 0;
-  }
-
- private:
-  static double step() { return 2 * std::numbers::pi / kAngleBins; }
-  static Vector2d direction(int bin) { return {std::cos(bin * step()), std::sin(bin * step())}; }
-
-  double reach_ = 0;
-  int offsets_ = 0;
-  std::vector<int> votes_;
-};
+LineVotes votes_of(const std::vector<Surfel>& surfels, const std::vector<size_t>& upright) {
+  double reach = 0;
+  for (const size_t i : upright) reach = std::max(reach, surfels[i].position.head<2>().norm());
+  LineVotes votes(reach, {kAngleBins, kAnglesBeside, kOffsetBin});
+  for (const size_t i : upright) votes.vote(surfels[i].position.head<2>(), surfels[i].normal.head<2>(), 1);
+  return votes;
+}
 
 std::vector<size_t> inliers_of(const std::vector<Surfel>& surfels, const std::vector<size_t>& upright,
                                const Vector2d& normal, double offset, double tolerance) {
@@ -187,11 +147,11 @@ std::vector<PlanePatch> vertical_planes(std::vector<Surfel>& surfels, const Inte
   std::vector<size_t> upright;
   for (size_t i = 0; i < surfels.size(); ++i)
     if (surfels[i].vertical()) upright.push_back(i);
-  PlaneVotes votes(surfels);
+  LineVotes votes = votes_of(surfels, upright);
   std::vector<PlanePatch> result;
   const int fewest = static_cast<int>(0.3 * options.wall_min_area_m2 / (kSurfel * kSurfel));
   for (size_t round = 0; round < kMostPlanes; ++round) {
-    const PlaneVotes::Peak peak = votes.strongest();
+    const LineVotes::Peak peak = votes.strongest();
     if (peak.votes < fewest) break;
     Vector2d normal = peak.normal;
     double offset = peak.offset;
@@ -202,7 +162,7 @@ std::vector<PlanePatch> vertical_planes(std::vector<Surfel>& surfels, const Inte
     }
     for (const size_t i : inliers_of(surfels, upright, normal, offset, kSameWall)) {
       surfels[i].taken = true;
-      votes.vote(surfels[i], -1);
+      votes.vote(surfels[i].position.head<2>(), surfels[i].normal.head<2>(), -1);
     }
     for (std::vector<size_t>& piece : pieces(surfels, inliers, {-normal.y(), normal.x()})) {
       VerticalPlane plane = plane_of(surfels, piece, normal);

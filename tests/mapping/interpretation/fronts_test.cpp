@@ -122,6 +122,30 @@ TEST(Fronts, FrontWithoutHandleIsReportedWhereASeamPartsItFromAnother) {
   EXPECT_FALSE(plain->fixture.has_value());
 }
 
+TEST(Fronts, CarcassBesideThePanelsDoesNotTurnTheirFace) {
+  Furniture cupboard;
+  cupboard.add_body(-0.4, 0.6, 0.05, 0.85);  // 20 cm of it show to the right, 2 cm behind the panels.
+  for (const double v : {0.06, 0.46}) {
+    cupboard.add_panel(-0.396, 0.396, v, v + 0.38);
+    cupboard.add_level_bar(0, v + 0.3, 0.2);
+  }
+  const std::vector<Front> fronts = fronts_of_furniture(cupboard, 21);
+  ASSERT_EQ(fronts.size(), 2U);
+  for (const Front& front : fronts) {
+    EXPECT_TRUE(front.fixture.has_value());
+    EXPECT_GT(front.normal.dot(cupboard.map_from_furniture.linear() * Vector3d::UnitX()),
+              std::cos(0.5 * std::numbers::pi / 180));
+  }
+}
+
+TEST(Fronts, BoardsOfAnOpenShelfAreNoHandles) {
+  Furniture shelf;
+  shelf.parts.push_back({{-0.02, -0.4, 0}, {0, 0.4, 1.4}});  // One side of it; boards stand out of that.
+  for (const double height : {0.3, 0.7, 1.1})
+    shelf.parts.push_back({{0, -0.35, height}, {0.8, -0.05, height + 0.025}});
+  for (const Front& front : fronts_of_furniture(shelf, 22)) EXPECT_FALSE(front.fixture.has_value());
+}
+
 TEST(Fronts, PlainBoxHasNone) {
   Furniture furniture;
   furniture.add_body(-0.5, 0.5, 0.1, 0.8);
