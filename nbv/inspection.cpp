@@ -176,9 +176,7 @@ NextView inspection_view(const ScanRefs& scans, const OccupancyMap& map, const P
       const int x = static_cast<int>(cell) % floor.width, y = static_cast<int>(cell) / floor.width;
       if (x % stride != 0 || y % stride != 0 || !reach.stands(floor, cell)) continue;
       const Vector2d place = floor.center(x, y);
-      if (std::any_of(planner.avoid.begin(), planner.avoid.end(),
-                      [&](const Vector2d& p) { return (p - place).norm() < planner.robot_radius_m; }))
-        continue;
+      if (avoided(place, planner)) continue;
       const Vector3d from(place.x(), place.y(), laser.height_m);
       std::vector<std::pair<Vector3d, double>> shown;
       for (const FacePatch& patch : patches) {

@@ -61,8 +61,7 @@ StopPlanner::StopPlanner(const OccupancyMap& map, const PlanarPose& robot, const
       options_(options),
       way_(way_m),
       floor_(drivable_floor(voxels_, robot, laser, planner)),
-      reach_(drivable_ways(floor_, robot, planner)),
-      avoided_(planner.avoid) {}
+      reach_(drivable_ways(floor_, robot, planner)) {}
 
 /// How well a front is seen from a place, 0 = too near, too far, too oblique, hidden.
 double StopPlanner::quality(const Front& front, const Vector2d& place, const StopOptions& limits) const {
@@ -87,10 +86,7 @@ std::vector<Vector2d> StopPlanner::places() const {
   for (int y = 0; y < floor_.height; ++y)
     for (int x = 0; x < floor_.width; ++x) {
       const Vector2d place = floor_.center(x, y);
-      const bool avoided = std::any_of(avoided_.begin(), avoided_.end(), [&](const Vector2d& p) {
-        return (p - place).norm() < planner_.robot_radius_m;
-      });
-      if (reach_.stands(floor_, floor_.index(x, y)) && !avoided) places.push_back(place);
+      if (reach_.stands(floor_, floor_.index(x, y)) && !avoided(place, planner_)) places.push_back(place);
     }
   return places;
 }

@@ -35,7 +35,7 @@ class StopPlanner {
   /// Few stops for the fronts that have a fixture; those that cannot be seen from anywhere are in none.
   std::vector<InteractionStop> plan(const std::vector<Front>& fronts) const;
   /// The robot could not get there: no stop within its radius from now on.
-  void avoid(const PlanarPose& pose) { avoided_.emplace_back(pose.x, pose.y); }
+  void avoid(const PlanarPose& pose) { planner_.avoid.emplace_back(pose.x, pose.y); }
 
  private:
   /// A place, and how well it shows each front that is to be pulled.
@@ -55,7 +55,6 @@ class StopPlanner {
   double way_;
   FloorGrid floor_;
   Reach reach_;
-  std::vector<Vector2d> avoided_;
 };
 
 }  // namespace loci
