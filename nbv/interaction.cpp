@@ -185,6 +185,13 @@ class Interactor {
   PullLog log_;
 };
 
+/// Whether nothing but a fixture that turned out to be none made this a front: no seam parts it from others.
+bool disproved(const Front& front) {
+  if (front.fixture || !front.evidence.contains("pulled")) return false;
+  const Json edges = front.evidence.value("edges", Json::object());
+  return std::none_of(edges.begin(), edges.end(), [](const Json& edge) { return edge == "seam"; });
+}
+
 /// Puts what the motion showed in the place of what was assumed.
 void learn(const Interaction& interaction, Front& front) {
   if (!interaction.held) {
@@ -252,6 +259,7 @@ std::vector<Interaction> interact(Robot& robot, const Exploration& exploration, 
       left[f].fixture.reset();
     }
   }
+  std::erase_if(fronts, disproved);
   if (count_left() > 0)
     warnings.add(fmt::format("{} of {} handles cannot be seen well from where the robot can stand",
                              count_left(), wanted));

@@ -29,9 +29,9 @@ struct Interaction {
 };
 
 /// Pulls at every front of the explored region that has a fixture, scans again, and puts what the motion
-/// shows (joint, rectangle, class) in the place of what was assumed; a fixture on which the hand closes in
-/// vain is taken out. Checkpoints in `folder`/interaction: on resume, a front that was pulled is not pulled
-/// again.
+/// shows (joint, rectangle, class) in the place of what was assumed. A fixture on which the hand closes in
+/// vain is taken out, with its front where no seam shows one. Checkpoints in `folder`/interaction: on resume,
+/// a front that was pulled is not pulled again.
 std::vector<Interaction> interact(Robot& robot, const Exploration& exploration, std::vector<Front>& fronts,
                                   const std::filesystem::path& folder, bool resume,
                                   const ExplorationOptions& explored, const InteractionOptions& options,

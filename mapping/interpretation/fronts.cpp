@@ -12,17 +12,18 @@
 namespace loci {
 namespace {
 
-constexpr uint64_t kSeed = 7;           // of the sample consensus
-constexpr double kSameWall = 0.08;      // m
-constexpr double kWidest = 1.4;         // m; wider is no front
-constexpr double kLargest = 2.2;        // m²
-constexpr double kNarrowest = 0.07;     // m
-constexpr double kMostScatter = 0.015;  // m; half the way that a handle stands out
-constexpr double kLeastSure = 0.4;      // of a fixture
-constexpr double kSureOnWall = 0.75;    // of a fixture
-constexpr size_t kFewestOnWall = 2;     // fronts
-constexpr int kResolvedOnWall = 3;      // edges
-constexpr double kMostUneven = 1.8;     // times the usual scatter; more is no plane but corners and clutter
+constexpr uint64_t kSeed = 7;            // of the sample consensus
+constexpr double kSameWall = 0.08;       // m
+constexpr double kWidest = 1.4;          // m; wider is no front
+constexpr double kLargest = 2.2;         // m²
+constexpr double kNarrowest = 0.07;      // m
+constexpr double kNarrowestBare = 0.12;  // m, without a fixture: narrower ones are strips that fill a gap
+constexpr double kMostScatter = 0.015;   // m; half the way that a handle stands out
+constexpr double kLeastSure = 0.4;       // of a fixture
+constexpr double kSureOnWall = 0.75;     // of a fixture
+constexpr size_t kFewestOnWall = 2;      // fronts
+constexpr int kResolvedOnWall = 3;       // edges
+constexpr double kMostUneven = 1.8;      // times the usual scatter; more is no plane but corners and clutter
 
 struct FaceResult {
   std::vector<Front> fronts;
@@ -89,7 +90,7 @@ int resolved_edges(const PlacedFront& front) {
 bool believed(const PlacedFront& front, const std::vector<FaceFixture>& fixtures, bool wall) {
   const FaceRect& rect = front.rect;
   if (rect.width() > kWidest || rect.width() * rect.height() > kLargest) return false;
-  if (std::min(rect.width(), rect.height()) < kNarrowest) return false;
+  if (std::min(rect.width(), rect.height()) < (front.fixture < 0 ? kNarrowestBare : kNarrowest)) return false;
   if (!wall) return true;
   return front.fixture >= 0 && resolved_edges(front) >= kResolvedOnWall &&
          fixtures[static_cast<size_t>(front.fixture)].fixture.confidence > kSureOnWall;
