@@ -18,6 +18,19 @@ find_package(PkgConfig REQUIRED)
 pkg_check_modules(tinyxml2 REQUIRED IMPORTED_TARGET tinyxml2)
 pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
 
+# ROS 1 bags. The library's own CMake and pkg-config files ask for all of catkin; these libraries are what it takes.
+add_library(rosbag_storage INTERFACE)
+foreach(library rosbag_storage roscpp_serialization rostime cpp_common console_bridge)
+  find_library(LOCI_LIB_${library} ${library} REQUIRED)
+  target_link_libraries(rosbag_storage INTERFACE ${LOCI_LIB_${library}})
+endforeach()
+foreach(header rosbag/bag.h pluginlib/class_loader.hpp class_loader/class_loader.hpp
+    rcpputils/shared_library.hpp rcutils/shared_library.h ament_index_cpp/get_package_prefix.hpp console_bridge/console.h)
+  get_filename_component(package ${header} DIRECTORY)
+  find_path(LOCI_INCLUDE_${package} ${header} PATH_SUFFIXES ${package} REQUIRED)
+  target_include_directories(rosbag_storage SYSTEM INTERFACE ${LOCI_INCLUDE_${package}})
+endforeach()
+
 # PCL's io and 2d components would bring 38 VTK libraries and Qt into programs that draw nothing.
 foreach(package VTK OpenNI OpenNI2 libusb Pcap)
   set(CMAKE_DISABLE_FIND_PACKAGE_${package} ON)

@@ -10,5 +10,6 @@ Command mapping_command();
 Command identity_command();
 Command registration_command();
 Command nbv_command();
+Command normals_command();
 
 }  // namespace loci

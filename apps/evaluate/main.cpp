@@ -8,6 +8,6 @@ int main(int argc, char** argv) {
   program.add(loci::identity_command());
   program.add(loci::registration_command());
   program.add(loci::nbv_command());
-  program.add_planned("normals", "Normal estimation against its peers");
+  program.add(loci::normals_command());
   return program.run(argc, argv);
 }

@@ -33,7 +33,7 @@ FileRecording::FileRecording(FileRecordingContent content)
   for (const int raw : content_.invalid_depth)
     metres_from_raw_.at(static_cast<size_t>(raw)) = std::numeric_limits<float>::quiet_NaN();
   check_pictures();
-  complete_info();
+  complete_info(content_.info, content_.frames);
 }
 
 const FrameFiles& FileRecording::files(size_t i) const {
@@ -57,9 +57,7 @@ void FileRecording::check_pictures() const {
   }
 }
 
-void FileRecording::complete_info() {
-  RecordingInfo& info = content_.info;
-  auto& frames = content_.frames;
+void complete_info(RecordingInfo& info, std::vector<FrameFiles>& frames) {
   const auto earlier = [](const FrameFiles& a, const FrameFiles& b) { return a.time_ns < b.time_ns; };
   if (!std::is_sorted(frames.begin(), frames.end(), earlier)) {
     const auto late = std::is_sorted_until(frames.begin(), frames.end(), earlier);

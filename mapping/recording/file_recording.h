@@ -30,6 +30,9 @@ struct FileRecordingContent {
   std::vector<FrameFiles> frames;
 };
 
+/// Sorts frames by time and fills in what can be told from them: counts, times, what is odd.
+void complete_info(RecordingInfo& info, std::vector<FrameFiles>& frames);
+
 /// A recording of single PNG and JPEG files.
 class FileRecording : public Recording {
  public:
@@ -45,7 +48,6 @@ class FileRecording : public Recording {
  private:
   const FrameFiles& files(size_t i) const;
   void check_pictures() const;
-  void complete_info();
 
   FileRecordingContent content_;
   std::vector<float> metres_from_raw_;  ///< by raw value, NaN = no measurement

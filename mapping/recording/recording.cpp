@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include "mapping/recording/bag_recording.h"
 #include "mapping/recording/loci_layout.h"
+#include "mapping/recording/pcd_series.h"
 #include "mapping/recording/seven_scenes.h"
+#include "mapping/recording/tum.h"
 
 namespace loci {
 namespace {
@@ -15,20 +18,24 @@ Json to_json(const PinholeCamera& camera) {
           {"fy", camera.fy},       {"cx", camera.cx},         {"cy", camera.cy}};
 }
 
-/// A folder below that could have been meant, for the hint.
-std::string folder_below(const fs::path& folder) {
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.is_directory() &&
-        (fs::exists(entry.path() / "recording.yaml") || is_seven_scenes(entry.path())))
-      return entry.path().string();
+/// A folder or bag below that could have been meant, for the hint.
+std::string recording_below(const fs::path& folder) {
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const fs::path& path = entry.path();
+    const bool fits = entry.is_directory() ? fs::exists(path / "recording.yaml") || is_seven_scenes(path) ||
+                                                 is_tum(path) || is_pcd_series(path)
+                                           : path.extension() == ".bag" && is_ros_bag(path);
+    if (fits) return path.string();
+  }
   return {};
 }
 
 Error nothing_fits(const fs::path& folder) {
-  const std::string below = folder_below(folder);
+  const std::string below = recording_below(folder);
   return Error(fs::is_empty(folder) ? "the folder is empty" : "the folder holds no recording",
                {folder.string(), 0, {}},
-               below.empty() ? "a recording has recording.yaml and frames.csv, or *.depth.png as in 7-Scenes"
+               below.empty() ? "a recording has recording.yaml and frames.csv, *.depth.png as in 7-Scenes, "
+                               "depth.txt and rgb.txt as TUM's, or *.pcd"
                              : fmt::format("did you mean '{}'?", below));
 }
 
@@ -57,11 +64,16 @@ std::unique_ptr<Recording> open_recording(const fs::path& path) {
   const fs::path folder = path.filename() == "recording.yaml"
                               ? (path.has_parent_path() ? path.parent_path() : fs::path("."))
                               : path;
-  if (!fs::is_directory(folder))
+  if (!fs::is_directory(folder)) {
+    if (is_ros_bag(folder) || folder.extension() == ".bag") return std::make_unique<BagRecording>(folder);
+    if (is_pcd_series(folder)) return std::make_unique<PcdSeries>(folder);
     throw Error("this file is no recording", {path.string(), 0, {}},
-                "a recording is a folder with recording.yaml, or with *.depth.png as in 7-Scenes");
+                "a recording is a folder, a ROS 1 bag or an organised PCD");
+  }
   if (fs::exists(folder / "recording.yaml")) return std::make_unique<FileRecording>(read_loci_layout(folder));
   if (is_seven_scenes(folder)) return std::make_unique<FileRecording>(read_seven_scenes(folder));
+  if (is_tum(folder)) return std::make_unique<FileRecording>(read_tum(folder));
+  if (is_pcd_series(folder)) return std::make_unique<PcdSeries>(folder);
   throw nothing_fits(folder);
 }
 

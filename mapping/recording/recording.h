@@ -13,7 +13,7 @@ namespace loci {
 
 /// What a reader found and what it had to guess.
 struct RecordingInfo {
-  std::string format;  ///< "loci", "7-scenes", …
+  std::string format;  ///< "loci", "7-scenes", "tum", "rosbag", "pcd"
   std::string path;
   std::string map_frame;  ///< frame of the poses; "" when there are none
   RgbdCamera camera;
@@ -44,7 +44,8 @@ class Recording {
 };
 
 /// Opens a folder or file of any known layout, guessed from what is there. Error that says what was looked
-/// for when nothing fits. Layouts: loci (recording.yaml), 7-Scenes (*.depth.png).
+/// for when nothing fits. Layouts: loci (recording.yaml), 7-Scenes (*.depth.png), TUM RGB-D
+/// (depth.txt), ROS 1 bag, organised point clouds (*.pcd).
 std::unique_ptr<Recording> open_recording(const std::filesystem::path& path);
 
 /// Writes our own layout. Everything goes to a neighbour FOLDER.partial, which takes the folder's name at

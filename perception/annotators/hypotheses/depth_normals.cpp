@@ -1,7 +1,6 @@
 #include "perception/annotators/hypotheses/depth_normals.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -42,6 +41,8 @@ class DisparityImage {
 /// Working memory of a thread, kept from frame to frame: fresh pages would cost a third of the time.
 struct Workspace {
   DisparityImage measured, smoothed;
+  std::vector<float> block,
+      next_block;  ///< columns with zeros above and below, as smooth_columns() leaves them
 };
 
 Workspace& workspace() {
@@ -67,13 +68,13 @@ void set_depth(cv::Mat& depth, const DisparityImage& disparity, float scale) {
 
 /// Standard deviation of the noise of a picture's disparity, its quantisation included: neighbours in a row
 /// lie on one line but for noise. The median does not care about edges. 0 when there is too little to tell.
-double noise_of(const DisparityImage& measured) {
+double noise_of(const cv::Mat& depth, float scale) {
   constexpr int kEveryRow = 12, kEveryColumn = 7;
   constexpr double kSigmaOfMedian = 1.4826, kSigmaOfBend = 2.449;  // √6 for 1, -2, 1
-  std::vector<float> bends;
-  for (int v = 0; v < measured.rows(); v += kEveryRow) {
-    const float* row = measured.row(v);
-    for (int u = 0; u < measured.padded_cols(); u += kEveryColumn)
+  std::vector<float> bends, row(static_cast<size_t>(depth.cols));
+  for (int v = 0; v < depth.rows; v += kEveryRow) {
+    disparity_of_depth(depth.ptr<float>(v), row.data(), depth.cols, scale);
+    for (size_t u = kEveryColumn; u + 1 < row.size(); u += kEveryColumn)
       if (row[u - 1] > 0 && row[u] > 0 && row[u + 1] > 0)
         bends.push_back(std::abs(row[u - 1] - 2 * row[u] + row[u + 1]));
   }
@@ -102,14 +103,17 @@ std::vector<Iteration> iterations_for(double noise_px, const NormalOptions& opti
   return result;
 }
 
-void smooth_rows(const DisparityImage& measured, DisparityImage& value,
-                 const std::vector<Iteration>& iterations) {
+/// Takes the disparities of a picture and smooths them along rows, one row after the other while it is in the
+/// processor's cache.
+void measure_and_smooth_rows(const cv::Mat& depth, float scale, DisparityImage& measured,
+                             DisparityImage& value, const std::vector<Iteration>& iterations) {
   const auto length = static_cast<size_t>(measured.pitch());
   std::vector<float> first(length), second(length);
   float* from = first.data() + kMaxStride;
   float* to = second.data() + kMaxStride;
   for (int v = 0; v < measured.rows(); ++v) {
-    const float* line = measured.row(v);
+    float* line = measured.row(v);
+    disparity_of_depth(depth.ptr<float>(v), line, depth.cols, scale);
     const float* source = line;
     for (const Iteration& i : iterations) {
       float* target = &i == &iterations.back() ? value.row(v) : to;
@@ -124,9 +128,13 @@ void smooth_columns(const DisparityImage& measured, DisparityImage& value,
                     const std::vector<Iteration>& iterations) {
   const int rows = measured.rows();
   const auto size = static_cast<size_t>(rows + 2 * kMaxStride) * kBlock;
-  std::vector<float> first(size), second(size);
-  float* from = first.data() + kMaxStride * kBlock;
-  float* to = second.data() + kMaxStride * kBlock;
+  Workspace& memory = workspace();
+  if (memory.block.size() != size) {
+    memory.block.assign(size, 0);
+    memory.next_block.assign(size, 0);
+  }
+  float* from = memory.block.data() + kMaxStride * kBlock;
+  float* to = memory.next_block.data() + kMaxStride * kBlock;
   for (int u = 0; u < measured.padded_cols(); u += kBlock) {
     for (int v = 0; v < rows; ++v) std::copy_n(value.row(v) + u, kBlock, from + v * kBlock);
     for (const Iteration& i : iterations) {
@@ -144,11 +152,14 @@ void smooth_columns(const DisparityImage& measured, DisparityImage& value,
 
 const DisparityImage& smoothed_disparity(const cv::Mat& depth, float scale, const NormalOptions& options) {
   Workspace& memory = workspace();
-  set_disparity(memory.measured, depth, scale);
-  if (options.iterations == 0) return memory.measured;
+  if (options.iterations == 0) {
+    set_disparity(memory.measured, depth, scale);
+    return memory.measured;
+  }
+  memory.measured.resize(depth.size());
   memory.smoothed.resize(depth.size());
-  const std::vector<Iteration> iterations = iterations_for(noise_of(memory.measured), options);
-  smooth_rows(memory.measured, memory.smoothed, iterations);
+  const std::vector<Iteration> iterations = iterations_for(noise_of(depth, scale), options);
+  measure_and_smooth_rows(depth, scale, memory.measured, memory.smoothed, iterations);
   smooth_columns(memory.measured, memory.smoothed, iterations);
   return memory.smoothed;
 }
@@ -163,7 +174,6 @@ void set_normals(cv::Mat& normals, const DisparityImage& disparity, const Pinhol
   cv::Mat rows(5, size.width, CV_32F);
   float* across = rows.ptr<float>(0);
   float* down = rows.ptr<float>(1);
-  const std::array<cv::Mat, 3> components = {rows.row(2), rows.row(3), rows.row(4)};
   float* x = rows.ptr<float>(2);
   float* y = rows.ptr<float>(3);
   float* z = rows.ptr<float>(4);
@@ -174,8 +184,7 @@ void set_normals(cv::Mat& normals, const DisparityImage& disparity, const Pinhol
     rays.v = static_cast<float>(v - camera.cy);
     normals_of_slopes(row, across, down, x, y, z, size.width, rays);
     tilt_normals(x, y, z, size.width, bias.tilt());
-    cv::Mat line = normals.row(v);
-    cv::merge(components, line);
+    interleave(x, y, z, normals.ptr<float>(v), size.width);
   }
 }
 

@@ -138,4 +138,13 @@ void tilt_normals(float* __restrict x, float* __restrict y, float* __restrict z,
   }
 }
 
+LOCI_VECTORISED
+void interleave(const float* x, const float* y, const float* z, float* __restrict result, int count) {
+  for (int i = 0; i < count; ++i) {
+    result[3 * i] = x[i];
+    result[3 * i + 1] = y[i];
+    result[3 * i + 2] = z[i];
+  }
+}
+
 }  // namespace loci

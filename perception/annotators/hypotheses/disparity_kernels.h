@@ -54,4 +54,7 @@ void normals_of_slopes(const float* disparity, const float* slope_u, const float
 /// vectors again.
 void tilt_normals(float* x, float* y, float* z, int count, const CosineTable& tilt);
 
+/// result = x0 y0 z0 x1 y1 z1 …
+void interleave(const float* x, const float* y, const float* z, float* result, int count);
+
 }  // namespace loci

@@ -1,0 +1,44 @@
+#include "apps/evaluate/commands.h"
+#include "apps/evaluate/normals/comparison.h"
+#include "apps/evaluate/normals/figures.h"
+
+namespace loci {
+namespace {
+
+using namespace normals_evaluation;
+
+struct Arguments {
+  std::vector<std::filesystem::path> recordings;
+  std::string figures;
+  ComparisonOptions comparison;
+  NormalOptions normals;
+};
+
+void run(Arguments& arguments, Session& session) {
+  table_of(arguments.comparison).validate();
+  table_of(arguments.normals).validate();
+  const Comparison comparison =
+      compare(arguments.recordings, arguments.comparison, arguments.normals, session.progress());
+  if (!arguments.figures.empty()) write_figures(comparison, arguments.figures);
+  session.answer(comparison.text(), comparison.to_json());
+}
+
+}  // namespace
+
+Command normals_command() {
+  return {"normals",
+          "Normal estimation against its peers",
+          {"loci-evaluate normals --frames 2 --reference-frames 0 -o demo-output/normals",
+           "loci-evaluate normals demo-output/day --frames 1 --reference-frames 0 --least-holes 0 --json"},
+          [](CLI::App& app) {
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("RECORDINGS", arguments->recordings,
+                           "Recordings whose frames are judged by their flat areas");
+            app.add_option("-o,--output", arguments->figures, "Folder for figures 4.2 to 4.6 as SVG");
+            add_options(app, table_of(arguments->comparison));
+            add_options(app, table_of(arguments->normals));
+            return [arguments](Session& session) { run(*arguments, session); };
+          }};
+}
+
+}  // namespace loci

@@ -1,0 +1,204 @@
+#include "mapping/recording/pcd_series.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "mapping/recording/side_files.h"
+#include "mapping/sensor/pcd.h"
+
+namespace loci {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_cloud(const fs::path& path) {
+  return path.extension() == ".pcd" && fs::is_regular_file(path);
+}
+
+/// Seconds with decimals, or a whole number of nanoseconds, as a file's whole name.
+std::optional<TimeNs> time_in_name(const fs::path& path) {
+  const std::string name = path.stem().string();
+  const size_t dot = std::min(name.find('.'), name.size());
+  const auto digits = [](const std::string& text) {
+    return !text.empty() &&
+           std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+  };
+  const std::string whole = name.substr(0, dot);
+  std::string part = dot < name.size() ? name.substr(dot + 1) : "0";
+  if (!digits(whole) || !digits(part)) return std::nullopt;
+  if (dot == name.size() && whole.size() == 19) return std::stoll(whole);
+  if (whole.size() < 9 || whole.size() > 10) return std::nullopt;
+  part.resize(9, '0');
+  return std::stoll(whole) * kSecond + std::stoll(part);
+}
+
+/// Columns and rows of a cloud from its header alone; zero where it does not say.
+std::pair<size_t, size_t> size_in_header(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::pair<size_t, size_t> size;
+  for (std::string key, rest; file >> key && key != "DATA"; std::getline(file, rest)) {
+    if (key == "WIDTH") file >> size.first;
+    if (key == "HEIGHT") file >> size.second;
+  }
+  return size;
+}
+
+/// The coordinates of an organised cloud. Error when it is not one.
+struct Coordinates {
+  const PcdField *x, *y, *z;
+};
+
+Coordinates coordinates_of(const PcdCloud& cloud, const fs::path& path) {
+  if (cloud.height < 2)
+    throw Error("the cloud is not organised: its points are in no picture", {path.string(), 0, {}},
+                "a series has clouds of WIDTH x HEIGHT pixels; register takes other clouds");
+  const Coordinates fields{cloud.find("x"), cloud.find("y"), cloud.find("z")};
+  if (fields.x == nullptr || fields.y == nullptr || fields.z == nullptr)
+    throw Error("the cloud has no x, y, z", {path.string(), 0, {}});
+  return fields;
+}
+
+/// A line through pixel positions over slopes: pixel = f · slope + c.
+struct Line {
+  double f = 0, c = 0, worst = 0;
+};
+
+/// Least squares; `worst` is what nine of ten pixels stay below.
+Line fit_line(const std::vector<std::pair<double, double>>& slopes_pixels) {
+  const auto n = static_cast<double>(slopes_pixels.size());
+  double s = 0, p = 0, ss = 0, sp = 0;
+  for (const auto& [slope, pixel] : slopes_pixels) {
+    s += slope;
+    p += pixel;
+    ss += slope * slope;
+    sp += slope * pixel;
+  }
+  Line line;
+  line.f = (n * sp - s * p) / (n * ss - s * s);
+  line.c = (p - line.f * s) / n;
+  std::vector<double> off;
+  for (const auto& [slope, pixel] : slopes_pixels) off.push_back(std::abs(line.f * slope + line.c - pixel));
+  const auto at = off.begin() + static_cast<std::ptrdiff_t>(off.size() * 9 / 10);
+  std::nth_element(off.begin(), at, off.end());
+  line.worst = *at;
+  return line;
+}
+
+double rounded(double pixels) {
+  return std::round(1e3 * pixels) / 1e3;
+}
+
+}  // namespace
+
+bool is_pcd_series(const fs::path& path) {
+  if (!fs::is_directory(path)) return is_cloud(path);
+  if (fs::exists(path / "scans.yaml")) return false;
+  return std::any_of(fs::directory_iterator(path), fs::directory_iterator(),
+                     [](const fs::directory_entry& entry) { return is_cloud(entry.path()); });
+}
+
+PcdSeries::PcdSeries(const fs::path& path) {
+  info_.format = "pcd";
+  info_.path = path.string();
+  info_.map_frame = "world";
+  find_frames(path);
+  fit_camera();
+  complete_info(info_, frames_);
+}
+
+void PcdSeries::find_frames(const fs::path& path) {
+  std::vector<fs::path> files;
+  if (fs::is_directory(path)) {
+    for (const auto& entry : fs::directory_iterator(path))
+      if (is_cloud(entry.path())) files.push_back(entry.path());
+  } else {
+    files.push_back(path);
+  }
+  std::sort(files.begin(), files.end());
+  for (const fs::path& file : files) {
+    if (size_in_header(file) != size_in_header(files.front()))
+      throw Error(fmt::format("this cloud has another size than {}", files.front().filename().string()),
+                  {file.string(), 0, {}}, "a series has clouds of one camera");
+    FrameFiles frame;
+    frame.index = static_cast<int64_t>(frames_.size());
+    frame.depth = frame.color = file;
+    frame.place = {file.string(), 0, {}};
+    const std::optional<TimeNs> time = time_in_name(file);
+    info_.time_assumed = info_.time_assumed || !time;
+    frame.time_ns = time ? *time : assumed_time(number_in_name(file).value_or(frame.index));
+    fs::path pose = file;
+    pose.replace_extension(".pose.txt");
+    if (fs::exists(pose)) frame.map_from_camera = read_pose_file(pose);
+    frames_.push_back(std::move(frame));
+  }
+  if (info_.time_assumed)
+    info_.guesses.emplace_back("no time stamps: 30 Hz from 2000-01-01T00:00:00Z by the number in the name");
+}
+
+void PcdSeries::fit_camera() {
+  const fs::path& path = frames_.front().depth;
+  const PcdCloud cloud = read_pcd(path);
+  const auto [x, y, z] = coordinates_of(cloud, path);
+  std::vector<std::pair<double, double>> across, down;
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    const double depth = cloud.number(i, *z);
+    if (!std::isfinite(depth) || depth == 0) continue;
+    across.emplace_back(cloud.number(i, *x) / std::abs(depth), static_cast<double>(i % cloud.width));
+    down.emplace_back(cloud.number(i, *y) / std::abs(depth), static_cast<double>(i / cloud.width));
+    backwards_ = depth < 0;
+  }
+  const Place place{path.string(), 0, {}};
+  if (across.size() < 100)
+    throw Error("the first cloud has next to no points: no camera can be fitted", place);
+  const Line u = fit_line(across), v = fit_line(down);
+  if (!(u.worst < 0.6 && v.worst < 0.6) || u.f <= 0 || (v.f < 0) != backwards_)
+    throw Error("the cloud is not what a pinhole camera sees", place,
+                "points are in the optical frame: x right, y down, z forward");
+  PinholeCamera& camera = info_.camera.depth;
+  camera = {static_cast<int>(cloud.width),
+            static_cast<int>(cloud.height),
+            rounded(u.f),
+            rounded(std::abs(v.f)),
+            rounded(u.c),
+            rounded(v.c)};
+  info_.camera.color = camera;
+  info_.guesses.emplace_back("the camera was fitted to the first cloud");
+  if (cloud.find("rgb") == nullptr && cloud.find("rgba") == nullptr)
+    for (FrameFiles& frame : frames_) frame.color.clear();
+}
+
+RgbdFrame PcdSeries::frame(size_t i) const {
+  const FrameFiles& from = frames_.at(i);
+  const PcdCloud cloud = read_pcd(from.depth);
+  const auto [x, y, z] = coordinates_of(cloud, from.depth);
+  RgbdFrame frame;
+  frame.index = from.index;
+  frame.name = from.depth.stem().string();
+  frame.time_ns = from.time_ns;
+  frame.camera = info_.camera;
+  frame.map_from_camera = from.map_from_camera;
+  const PinholeCamera& camera = info_.camera.depth;
+  if (cloud.width != static_cast<size_t>(camera.width) || cloud.height != static_cast<size_t>(camera.height))
+    throw Error(fmt::format("the cloud is {} x {}, the first of the series {} x {}", cloud.width,
+                            cloud.height, camera.width, camera.height),
+                from.place);
+  const PcdField* color = cloud.find("rgb") != nullptr ? cloud.find("rgb") : cloud.find("rgba");
+  frame.depth.create(camera.height, camera.width, CV_32F);
+  if (color != nullptr) frame.color.create(camera.height, camera.width, CV_8UC3);
+  for (size_t p = 0; p < cloud.size(); ++p) {
+    const double depth = backwards_ ? -cloud.number(p, *z) : cloud.number(p, *z);
+    frame.depth.ptr<float>()[p] =
+        depth > 0 ? static_cast<float>(depth) : std::numeric_limits<float>::quiet_NaN();
+    if (color == nullptr) continue;
+    const uint32_t bits = cloud.bits(p, *color);
+    frame.color.ptr<cv::Vec3b>()[p] = {static_cast<uint8_t>(bits), static_cast<uint8_t>(bits >> 8),
+                                       static_cast<uint8_t>(bits >> 16)};
+  }
+  return frame;
+}
+
+}  // namespace loci

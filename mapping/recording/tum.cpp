@@ -1,0 +1,130 @@
+#include "mapping/recording/tum.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <sstream>
+
+#include "mapping/base/files.h"
+#include "mapping/recording/association.h"
+#include "mapping/recording/side_files.h"
+
+namespace loci {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A line of one of the lists: "1305031102.160407 depth/1305031102.160407.png".
+struct Row {
+  TimeNs time_ns = 0;
+  std::vector<std::string> words;  ///< behind the stamp
+  Place place;
+};
+
+/// Seconds as written, without the loss that a double would bring.
+std::optional<TimeNs> parse_seconds(std::string_view text) {
+  const size_t dot = std::min(text.find('.'), text.size());
+  std::string digits(text.substr(dot == text.size() ? dot : dot + 1));
+  if (digits.size() > 9) digits.resize(9);
+  digits.resize(9, '0');
+  int64_t seconds = 0, part = 0;
+  const auto whole = std::from_chars(text.data(), text.data() + dot, seconds);
+  const auto rest = std::from_chars(digits.data(), digits.data() + digits.size(), part);
+  if (whole.ec != std::errc() || whole.ptr != text.data() + dot || rest.ec != std::errc() ||
+      rest.ptr != digits.data() + digits.size() || seconds < 0 || seconds > 9'000'000'000)
+    return std::nullopt;
+  return seconds * kSecond + part;
+}
+
+std::vector<Row> read_list(const fs::path& path, size_t words) {
+  std::vector<Row> rows;
+  std::istringstream text(read_file(path));
+  int number = 0;
+  for (std::string line; std::getline(text, line);) {
+    ++number;
+    std::istringstream columns(line);
+    std::string stamp;
+    if (!(columns >> stamp) || stamp.starts_with('#')) continue;
+    Row row;
+    row.place = {path.string(), number, {}};
+    const std::optional<TimeNs> time = parse_seconds(stamp);
+    if (!time) throw Error(fmt::format("'{}' is no stamp in seconds", stamp), row.place);
+    row.time_ns = *time;
+    for (std::string word; columns >> word;) row.words.push_back(word);
+    if (row.words.size() < words)
+      throw Error(fmt::format("{} values are needed behind the stamp, there are {}", words, row.words.size()),
+                  row.place);
+    rows.push_back(std::move(row));
+  }
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const Row& a, const Row& b) { return a.time_ns < b.time_ns; });
+  return rows;
+}
+
+std::vector<StampedPose> read_poses(const fs::path& path) {
+  std::vector<StampedPose> poses;
+  for (const Row& row : read_list(path, 7)) {
+    std::array<double, 7> values{};
+    for (size_t i = 0; i < values.size(); ++i) {
+      const std::string& word = row.words[i];
+      const auto end = std::from_chars(word.data(), word.data() + word.size(), values[i]);
+      if (end.ec != std::errc() || end.ptr != word.data() + word.size())
+        throw Error(fmt::format("'{}' is no number", word), row.place);
+    }
+    poses.push_back({row.time_ns, pose_from_values(values, row.place)});
+  }
+  return poses;
+}
+
+std::vector<TimeNs> times_of(const std::vector<Row>& rows) {
+  std::vector<TimeNs> times;
+  for (const Row& row : rows) times.push_back(row.time_ns);
+  return times;
+}
+
+void set_cameras(const fs::path& folder, FileRecordingContent& content) {
+  content.depth_scale = 1.0 / 5000;
+  content.invalid_depth = {0};
+  if (const fs::path cameras = beside_or_above(folder, "cameras.yaml"); !cameras.empty())
+    return read_cameras(cameras, content);
+  content.info.camera.depth = content.info.camera.color = {640, 480, 525, 525, 319.5, 239.5};
+  content.info.guesses.emplace_back(
+      "no cameras.yaml: f 525, centre 319.5 239.5, depth in 1/5000 m, as the benchmark recommends");
+}
+
+}  // namespace
+
+bool is_tum(const fs::path& folder) {
+  return fs::is_regular_file(folder / "depth.txt") &&
+         (fs::is_regular_file(folder / "rgb.txt") || fs::is_regular_file(folder / "groundtruth.txt"));
+}
+
+FileRecordingContent read_tum(const fs::path& folder) {
+  FileRecordingContent content;
+  content.info.format = "tum";
+  content.info.path = folder.string();
+  content.info.map_frame = "world";
+  set_cameras(folder, content);
+  const std::vector<Row> depths = read_list(folder / "depth.txt", 1);
+  const bool has_color = fs::is_regular_file(folder / "rgb.txt");
+  const std::vector<Row> colors = has_color ? read_list(folder / "rgb.txt", 1) : std::vector<Row>();
+  const std::vector<StampedPose> poses = fs::is_regular_file(folder / "groundtruth.txt")
+                                             ? read_poses(folder / "groundtruth.txt")
+                                             : std::vector<StampedPose>();
+  const auto matches = nearest_in_time(times_of(depths), times_of(colors));
+  for (size_t i = 0; i < depths.size(); ++i) {
+    FrameFiles frame;
+    frame.index = static_cast<int64_t>(i);
+    frame.time_ns = depths[i].time_ns;
+    frame.depth = folder / depths[i].words[0];
+    if (matches[i]) frame.color = folder / colors[*matches[i]].words[0];
+    frame.map_from_camera = pose_at(poses, frame.time_ns);
+    frame.place = depths[i].place;
+    content.frames.push_back(std::move(frame));
+  }
+  return content;
+}
+
+}  // namespace loci
