@@ -4,6 +4,7 @@
 
 namespace loci {
 
+Command cas_command();
 Command describe_command();
 Command info_command();
 Command list_command();

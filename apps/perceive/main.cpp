@@ -4,11 +4,11 @@ int main(int argc, char** argv) {
   loci::Program program("loci-perceive", "Runs perception experts over recordings.");
   program.add(loci::info_command());
   program.add(loci::types_command());
+  program.add(loci::cas_command());
   program.add(loci::run_command());
   program.add(loci::list_command());
   program.add(loci::describe_command());
   program.add_planned("annotate", "Runs annotators over what was remembered");
-  program.add_planned("cas", "Converts between XMI and JSON");
   program.add_planned("train", "Trains classifiers from labelled memory");
   return program.run(argc, argv);
 }

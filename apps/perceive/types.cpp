@@ -1,5 +1,10 @@
 #include "perception/types/types.h"
+
+#include <fmt/format.h>
+
 #include "apps/perceive/commands.h"
+#include "apps/perceive/ros_input.h"
+#include "mapping/base/files.h"
 #include "perception/cas/listing.h"
 
 namespace loci {
@@ -8,8 +13,18 @@ namespace {
 
 struct TypesArguments {
   std::vector<std::filesystem::path> files, paths;
+  std::string ros, out;
   bool ours = false;
 };
+
+std::shared_ptr<const cas::TypeSystem> load(const TypesArguments& given) {
+  if (given.ros.empty())
+    return given.ours ? types::type_system_with(given.files, given.paths)
+                      : cas::TypeSystem::load(given.files, given.paths);
+  const std::string xml = ros_types_of(given.ros).xml(std::filesystem::path(given.ros).stem().string());
+  if (!given.out.empty()) write_file_atomically(given.out, xml);
+  return cas::TypeSystem::load({{given.ros, xml}}, given.files, given.paths);
+}
 
 }  // namespace
 
@@ -20,15 +35,22 @@ Command types_command() {
            "loci-perceive types tests/data/climate.xml --with-loci --json"},
           [](CLI::App& app) {
             auto given = std::make_shared<TypesArguments>();
-            app.add_option("FILE", given->files, "Type systems in UIMA's XML")->required();
+            auto* files = app.add_option("FILE", given->files, "Type systems in UIMA's XML");
             app.add_option("--path", given->paths,
                            "Folder in which imports by name are looked for; may be repeated")
                 ->allow_extra_args(false);
-            app.add_flag("--with-loci", given->ours,
-                         "Together with loci's own types, which the files may use");
+            auto* ours = app.add_flag("--with-loci", given->ours,
+                                      "Together with loci's own types, which the files may use");
+            auto* ros = app.add_option("--ros", given->ros,
+                                       "The types of ROS messages instead: a bag, or a folder of .msg files")
+                            ->excludes(files)
+                            ->excludes(ours);
+            app.add_option("-o,--out", given->out, "Where the types of ROS messages are written as XML")
+                ->needs(ros);
             return [given](Session& session) {
-              const auto system = given->ours ? types::type_system_with(given->files, given->paths)
-                                              : cas::TypeSystem::load(given->files, given->paths);
+              if (given->files.empty() && given->ros.empty())
+                throw Error("no type system was given", {}, "give FILE or --ros");
+              const auto system = load(*given);
               session.answer(cas::types_text(*system), cas::types_json(*system));
             };
           }};
