@@ -49,15 +49,23 @@ class Sheet {
                cv::LINE_AA);
     arrow(pose, kRobot, 2);
   }
-  /// Grey values of a cost layer: white = 0, black = the largest.
+  /// Grey values of a cost layer: white = the least, black = the most.
   void costs(const std::vector<float>& values) {
-    const float largest =
-        std::max(1e-6F, values.empty() ? 0.F : *std::max_element(values.begin(), values.end()));
+    if (values.empty()) return;
+    const auto [least, most] = std::minmax_element(values.begin(), values.end());
+    const double range = std::max(1e-6, static_cast<double>(*most - *least));
     for (int y = 0; y < floor_.height; ++y)
       for (int x = 0; x < floor_.width; ++x) {
-        const double share = static_cast<double>(values[floor_.index(x, y)] / largest);
+        const double share = static_cast<double>(values[floor_.index(x, y)] - *least) / range;
         if (share > 0) square(floor_.center(x, y), floor_.cell, cv::Scalar::all(255 * (1 - share)));
       }
+  }
+  /// What stands in the robot's way, as dots: where on the map one is.
+  void obstacles() {
+    for (int y = 0; y < floor_.height; ++y)
+      for (int x = 0; x < floor_.width; ++x)
+        if (floor_.obstacle[floor_.index(x, y)] != 0)
+          cv::circle(image_, at(floor_.center(x, y)), scale_ > 6 ? 2 : 1, kBlue, cv::FILLED);
   }
   const cv::Mat& image() const { return image_; }
 
@@ -110,6 +118,7 @@ cv::Mat occupied_picture(const ViewPlan& plan, const PlanarPose& robot) {
 cv::Mat cost_picture(const ViewPlan& plan, const std::vector<float>& costs, const PlanarPose& robot) {
   Sheet sheet(plan.floor);
   sheet.costs(costs);
+  sheet.obstacles();
   sheet.robot(robot);
   return sheet.image();
 }
@@ -118,6 +127,7 @@ cv::Mat cost_picture(const ViewPlan& plan, const std::vector<float>& costs, cons
 cv::Mat samples_picture(const ViewPlan& plan, const PlanarPose& robot) {
   Sheet sheet(plan.floor);
   sheet.costs(summed(plan.costs));
+  sheet.obstacles();
   for_voxels(plan, ViewVoxel::fringe, [&](const Vector3d& p) { sheet.dot(p.head<2>()); });
   const size_t layers = plan.costs.layers.size();
   const ViewSample* most = nullptr;
@@ -145,10 +155,10 @@ std::vector<ViewPicture> view_pictures(const ViewPlan& plan, const PlanarPose& r
   pictures.push_back(
       {"fringe", "Free space (green) and fringe (red) from above", fringe_picture(plan, robot)});
   pictures.push_back({"occupied", "Surfaces by height", occupied_picture(plan, robot)});
-  pictures.push_back(
-      {"costs_fringe", "C_F, all orientations", cost_picture(plan, summed(plan.fringe_costs), robot)});
-  pictures.push_back(
-      {"costs_occupied", "C_O, all orientations", cost_picture(plan, summed(plan.occupied_costs), robot)});
+  pictures.push_back({"costs_fringe", "C_F, all orientations: dark = many; obstacles in blue",
+                      cost_picture(plan, summed(plan.fringe_costs), robot)});
+  pictures.push_back({"costs_occupied", "C_O, all orientations: dark = many; obstacles in blue",
+                      cost_picture(plan, summed(plan.occupied_costs), robot)});
   for (size_t layer = 0; layer < plan.costs.layers.size(); ++layer) {
     const int degrees = static_cast<int>(std::lround(plan.costs.yaw(layer) * 180 / std::numbers::pi));
     pictures.push_back({fmt::format("costs_{:03}", degrees),

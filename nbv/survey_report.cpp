@@ -49,8 +49,8 @@ std::string pulls_table(const SurveyResult& result) {
 std::string plan_pictures(const fs::path& folder, size_t step) {
   constexpr std::array<std::pair<const char*, const char*>, 4> kPictures = {
       {{"fringe", "known space and fringe"},
-       {"costs_fringe", "C_F, fringe that would be seen"},
-       {"costs_occupied", "C_O, surfaces that would be seen again"},
+       {"costs_fringe", "C_F, fringe that would be seen (dark = much); obstacles in blue"},
+       {"costs_occupied", "C_O, surfaces that would be seen again (dark = many)"},
        {"samples", "C, samples (blue) and the choice (red)"}}};
   std::string cells;
   for (const auto& [name, title] : kPictures) {

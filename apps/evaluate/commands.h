@@ -11,5 +11,6 @@ Command identity_command();
 Command registration_command();
 Command nbv_command();
 Command normals_command();
+Command occupancy_command();
 
 }  // namespace loci

@@ -8,7 +8,7 @@ namespace {
 struct Arguments {
   std::vector<std::string> worlds = {"apps/samples/kitchen.urdf"};
   std::vector<std::filesystem::path> package_paths;
-  std::string picture;
+  std::string picture, out;
   nbv::ExplorationOptions options;
 };
 
@@ -17,17 +17,18 @@ void run(Arguments& arguments, Session& session) {
   table_of(options).validate();
   options.threads = options.planner.threads = options.occupancy.threads = session.flags().threads;
   std::vector<nbv::WorldResult> results;
+  Json json = {{"options", table_of(options).to_json()}};
   const auto count = static_cast<double>(arguments.worlds.size());
   for (size_t i = 0; i < arguments.worlds.size(); ++i) {
     PartialProgress part(session.progress(), static_cast<double>(i) / count,
                          static_cast<double>(i + 1) / count);
     results.push_back(
         nbv::explore(arguments.worlds[i], arguments.package_paths, options, part, session.warnings()));
+    json["worlds"] = nbv::json_of_results(results, options.goal);
+    if (!arguments.out.empty()) write_json(arguments.out, json);
+    if (!arguments.picture.empty())
+      write_file_atomically(arguments.picture, nbv::coverage_svg(results, options.goal));
   }
-  if (!arguments.picture.empty())
-    write_file_atomically(arguments.picture, nbv::coverage_svg(results, options.goal));
-  Json json = {{"options", table_of(options).to_json()},
-               {"worlds", nbv::json_of_results(results, options.goal)}};
   session.answer(nbv::table_of_results(results, options.goal), json);
 }
 
@@ -44,7 +45,9 @@ Command nbv_command() {
             app.add_option("--package-path", arguments->package_paths,
                            "Folder that holds packages (package://NAME/…); can be given several times")
                 ->allow_extra_args(false);
-            app.add_option("--picture", arguments->picture, "Write coverage over scans as SVG");
+            app.add_option("-o,--out", arguments->out, "Write the results as JSON, after each world");
+            app.add_option("--picture", arguments->picture,
+                           "Write coverage over scans as SVG, after each world");
             add_options(app, table_of(arguments->options));
             return [arguments](Session& session) { run(*arguments, session); };
           }};

@@ -41,7 +41,9 @@ Run run_of(const NamedStrategy& strategy, const PlanarPose& start, const Truth& 
   OccupancyMap map(options.occupancy);
   PlanarPose robot = start;
   while (true) {
-    progress.check(static_cast<double>(run.coverage.size()) / options.scans_max, strategy.name);
+    progress.check(static_cast<double>(run.coverage.size()) / options.scans_max,
+                   fmt::format("{}: {:.1f} % known", strategy.name,
+                               run.coverage.empty() ? 0 : 100 * run.coverage.back()));
     Isometry3d scanner = map_from_base(robot);
     scanner.translation().z() = laser.height_m;
     map.insert(simulate_sweep(scene, scanner, laser, random.fork(run.coverage.size()), options.threads));
@@ -49,6 +51,7 @@ Run run_of(const NamedStrategy& strategy, const PlanarPose& start, const Truth& 
     if (static_cast<int>(run.coverage.size()) == options.scans_max) return run;
     const Decision decision = strategy.decide(map, robot, random);
     run.seconds.push_back(decision.seconds);
+    run.processor_seconds.push_back(decision.processor_seconds);
     run.cut = run.cut || decision.cut;
     if (!decision.pose) break;
     run.overlap.push_back(decision.overlap);

@@ -1,6 +1,7 @@
 #include "apps/evaluate/nbv/strategies.h"
 
 #include <cmath>
+#include <ctime>
 #include <mutex>
 #include <numbers>
 
@@ -9,6 +10,22 @@
 
 namespace loci::nbv {
 namespace {
+
+/// Seconds since it was made, on the clock and of the processor.
+class DecisionWatch {
+ public:
+  double seconds() const { return watch_.seconds(); }
+  /// Tells a decision what it took since the watch was made.
+  void stop(Decision& decision) const {
+    decision.seconds = seconds();
+    decision.processor_seconds = processor() - begin_;
+  }
+
+ private:
+  static double processor() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+  Stopwatch watch_;
+  double begin_ = processor();
+};
 
 /// What the peers see of a map: the same as our planner.
 struct Surroundings {
@@ -34,25 +51,24 @@ struct Surroundings {
 Decision ours(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
               const PlannerOptions& options, Random& random) {
   Decision decision;
-  const Stopwatch watch;
+  const DecisionWatch watch;
   const NextView view = next_view(map, robot, laser, options, random.fork(random.bits()));
-  decision.seconds = watch.seconds();
+  watch.stop(decision);
   decision.pose = view.pose;
   decision.overlap = view.expected_overlap;
-  decision.views = 2 * view.details["places"].get<size_t>();  // All around is twice a view.
   return decision;
 }
 
 Decision random_pose(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
                      const PlannerOptions& options, Random& random) {
   Decision decision;
-  const Stopwatch watch;
+  const DecisionWatch watch;
   const Surroundings around(map, robot, laser, options);
   if (!around.standing.empty()) {
     const Vector2d place = around.center(around.standing[random.index(around.standing.size())]);
     decision.pose = PlanarPose{place.x(), place.y(), random.uniform(-std::numbers::pi, std::numbers::pi)};
   }
-  decision.seconds = watch.seconds();
+  watch.stop(decision);
   return decision;
 }
 
@@ -96,7 +112,7 @@ std::vector<std::vector<size_t>> frontiers(const FloorGrid& floor) {
 Decision nearest_frontier(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
                           const PlannerOptions& options, Random&) {
   Decision decision;
-  const Stopwatch watch;
+  const DecisionWatch watch;
   const Surroundings around(map, robot, laser, options);
   float nearest = Reach::kNever;
   for (const auto& group : frontiers(around.floor)) {
@@ -119,42 +135,48 @@ Decision nearest_frontier(const OccupancyMap& map, const PlanarPose& robot, cons
     decision.pose =
         PlanarPose{at.x(), at.y(), look.norm() > 1e-6 ? std::atan2(look.y(), look.x()) : robot.yaw};
   }
-  decision.seconds = watch.seconds();
+  watch.stop(decision);
   return decision;
 }
 
 Decision exhaustive(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
                     const PlannerOptions& options, double limit, Random& random) {
   Decision decision;
-  const Stopwatch watch;
+  const DecisionWatch watch;
   const Surroundings around(map, robot, laser, options);
   const ViewVoxels fringe = find_fringe(around.voxels, options.threads);
   const ViewCaster caster(around.voxels, fringe, laser, options.distance_max_m, options.ray_step_deg);
-  std::vector<std::pair<size_t, int>> views;
-  for (const size_t cell : around.standing)
-    for (int i = 0; i < options.orientations; ++i) views.emplace_back(cell, i);
-  for (size_t i = views.size(); i > 1; --i) std::swap(views[i - 1], views[random.index(i)]);
+  std::vector<size_t> places = around.standing;
+  for (size_t i = places.size(); i > 1; --i) std::swap(places[i - 1], places[random.index(i)]);
   std::mutex mutex;
   ViewCounts best;
-  const double prepared = watch.seconds();
-  parallel_for(views.size(), options.threads, [&](size_t from, size_t to) {
+  size_t looked_at = 0;
+  Decision prepared;
+  watch.stop(prepared);
+  parallel_for(places.size(), options.threads, [&](size_t from, size_t to) {
     for (size_t i = from; i < to && watch.seconds() < limit; ++i) {
-      const Vector2d place = around.center(views[i].first);
-      const double yaw =
-          std::remainder(2 * std::numbers::pi * views[i].second / options.orientations, 2 * std::numbers::pi);
-      const PlanarPose pose{place.x(), place.y(), yaw};
-      const ViewCounts counts = caster.view(pose);
+      const Vector2d place = around.center(places[i]);
+      const std::vector<ViewCounts> panorama = caster.panorama(place);
       const std::lock_guard lock(mutex);
-      ++decision.views;
-      if (counts.fringe < options.gain_min || counts.fringe <= best.fringe) continue;
-      best = counts;
-      decision.pose = pose;
-      decision.overlap = counts.overlap();
+      ++looked_at;
+      for (int k = 0; k < options.orientations; ++k) {
+        const double yaw =
+            std::remainder(2 * std::numbers::pi * k / options.orientations, 2 * std::numbers::pi);
+        const ViewCounts counts = caster.part(panorama, yaw);
+        if (counts.fringe < options.gain_min || counts.fringe <= best.fringe) continue;
+        best = counts;
+        decision.pose = PlanarPose{place.x(), place.y(), yaw};
+        decision.overlap = counts.overlap();
+      }
     }
   });
-  decision.cut = decision.views < views.size();
-  decision.seconds = prepared + (watch.seconds() - prepared) * static_cast<double>(views.size()) /
-                                    static_cast<double>(std::max<size_t>(decision.views, 1));
+  watch.stop(decision);
+  decision.cut = looked_at < places.size();
+  const double share =
+      static_cast<double>(places.size()) / static_cast<double>(std::max<size_t>(looked_at, 1));
+  decision.seconds = prepared.seconds + (decision.seconds - prepared.seconds) * share;
+  decision.processor_seconds =
+      prepared.processor_seconds + (decision.processor_seconds - prepared.processor_seconds) * share;
   return decision;
 }
 

@@ -12,7 +12,7 @@ namespace loci::nbv {
 struct Decision {
   std::optional<PlanarPose> pose;  ///< unset: stop
   double seconds = 0;              ///< that it took, or would have taken without the limit
-  size_t views = 0;                ///< that were cast
+  double processor_seconds = 0;    ///< likewise, of all threads: other programs do not count
   bool cut = false;                ///< by the time limit
   double overlap = 0;              ///< expected
 };
@@ -25,9 +25,10 @@ struct NamedStrategy {
 };
 
 /// Ours; a random reachable pose; the nearest frontier (Yamauchi 1997); and the exhaustive greedy planner,
-/// which casts a view from each reachable cell in each orientation, with our ray caster over the same voxels,
-/// and takes the largest gain. It is cut after `exhaustive_s` seconds per decision: views are taken in random
-/// order, and its time is then that of all of them by rule of three. All see the same map, floor and ways,
+/// which casts all rays from each reachable cell, with our ray caster over the same voxels, and takes the
+/// largest gain of any orientation (orientations share rays: it does no work twice). It is cut after
+/// `exhaustive_s` seconds per decision: places are taken in random order, and its time is then that of all of
+/// them by rule of three. All see the same map, floor and ways,
 /// and stop alike: when no pose is left or, where a gain is known, at options.gain_min.
 std::vector<NamedStrategy> strategies(const LaserModel& laser, const PlannerOptions& options,
                                       double exhaustive_s);

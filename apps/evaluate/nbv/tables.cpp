@@ -34,19 +34,20 @@ double coverage_after(const std::vector<const Run*>& runs, size_t scans) {
 /// What a row of the table says about a strategy in a world.
 struct Row {
   double final_coverage = 0, lowest_coverage = 1, scans_made = 0, scans_to_goal = 0, seconds = 0,
-         seconds_max = 0, overlap = 0;
+         seconds_max = 0, processor_seconds = 0, overlap = 0;
   int reached = 0, runs = 0;
   bool cut = false;
 };
 
 Row row_of(const std::vector<const Run*>& runs, double goal) {
   Row row;
-  std::vector<double> final_coverage, made, to_goal, seconds, overlap;
+  std::vector<double> final_coverage, made, to_goal, seconds, processor, overlap;
   for (const Run* run : runs) {
     final_coverage.push_back(run->coverage.back());
     made.push_back(static_cast<double>(run->coverage.size()));
     if (const int scans = run->scans_to(goal); scans > 0) to_goal.push_back(scans);
     seconds.insert(seconds.end(), run->seconds.begin(), run->seconds.end());
+    processor.insert(processor.end(), run->processor_seconds.begin(), run->processor_seconds.end());
     overlap.insert(overlap.end(), run->overlap.begin(), run->overlap.end());
     row.cut = row.cut || run->cut;
   }
@@ -59,6 +60,7 @@ Row row_of(const std::vector<const Run*>& runs, double goal) {
   row.scans_to_goal = mean(to_goal);
   row.seconds = mean(seconds);
   row.seconds_max = seconds.empty() ? 0 : *std::max_element(seconds.begin(), seconds.end());
+  row.processor_seconds = mean(processor);
   row.overlap = mean(overlap);
   return row;
 }
@@ -68,20 +70,23 @@ Row row_of(const std::vector<const Run*>& runs, double goal) {
 std::string table_of_results(const std::vector<WorldResult>& results, double goal) {
   std::string text = fmt::format(
       "| world | planner | coverage at its stop (lowest) | scans made | scans to {:.0f} % (runs that got "
-      "there) | decision, mean (max) |\n"
-      "|---|---|---|---|---|---|\n",
+      "there) | decision, mean (max) | its processor time, all threads | times ours |\n"
+      "|---|---|---|---|---|---|---|---|\n",
       100 * goal);
-  for (const WorldResult& result : results)
+  for (const WorldResult& result : results) {
+    const double ours = row_of(runs_of(result, "ours"), goal).processor_seconds;
     for (const auto& [name, color] : kColors) {
       const Row row = row_of(runs_of(result, name), goal);
       if (row.runs == 0) continue;
       text += fmt::format(
-          "| {} | {} | {:.1f} % ({:.1f} %) | {:.1f} | {} | {:.3f} s ({:.3f} s){} |\n", result.world, name,
-          100 * row.final_coverage, 100 * row.lowest_coverage, row.scans_made,
+          "| {} | {} | {:.1f} % ({:.1f} %) | {:.1f} | {} | {:.3f} s ({:.3f} s){} | {:.3f} s | {:.1f} |\n",
+          result.world, name, 100 * row.final_coverage, 100 * row.lowest_coverage, row.scans_made,
           row.reached > 0 ? fmt::format("{:.1f} ({} of {})", row.scans_to_goal, row.reached, row.runs)
                           : fmt::format("– (0 of {})", row.runs),
-          row.seconds, row.seconds_max, row.cut ? ", cut" : "");
+          row.seconds, row.seconds_max, row.cut ? ", cut" : "", row.processor_seconds,
+          ours > 0 ? row.processor_seconds / ours : 0);
     }
+  }
   return text;
 }
 
@@ -100,6 +105,7 @@ Json json_of_results(const std::vector<WorldResult>& results, double goal) {
                                  {"runs", row.runs},
                                  {"decision_s", row.seconds},
                                  {"decision_max_s", row.seconds_max},
+                                 {"decision_processor_s", row.processor_seconds},
                                  {"overlap", row.overlap},
                                  {"cut", row.cut}};
     }
@@ -108,6 +114,7 @@ Json json_of_results(const std::vector<WorldResult>& results, double goal) {
                                {"start", {run.start.x, run.start.y, run.start.yaw}},
                                {"coverage", run.coverage},
                                {"decision_s", run.seconds},
+                               {"decision_processor_s", run.processor_seconds},
                                {"overlap", run.overlap},
                                {"stopped", run.stopped},
                                {"cut", run.cut}});

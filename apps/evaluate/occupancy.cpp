@@ -1,0 +1,42 @@
+#include "apps/evaluate/commands.h"
+#include "apps/evaluate/occupancy/insertion.h"
+
+namespace loci {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> scans;
+  occupancy_claim::InsertionOptions options;
+};
+
+void run(Arguments& arguments, Session& session) {
+  table_of(arguments.options).validate();
+  std::vector<occupancy_claim::SetResult> results;
+  const auto count = static_cast<double>(arguments.scans.size());
+  for (const std::string& path : arguments.scans) {
+    const auto done = static_cast<double>(results.size());
+    PartialProgress part(session.progress(), done / count, (done + 1) / count);
+    const std::filesystem::path folder = std::filesystem::path(path).lexically_normal();
+    results.push_back(
+        occupancy_claim::measure(folder.stem().string(), read_scan_set(folder), arguments.options, part));
+  }
+  session.answer(occupancy_claim::table_text(results), {{"options", table_of(arguments.options).to_json()},
+                                                        {"sets", occupancy_claim::table_json(results)}});
+}
+
+}  // namespace
+
+Command occupancy_command() {
+  return {"occupancy",
+          "Insertion of scans beside OctoMap's insertPointCloud: time, and whether the trees are the same",
+          {"loci-evaluate occupancy demo-output/scans --repeats 1",
+           "loci-evaluate occupancy demo-output/scans --repeats 1 --resolution-m 0.1 --json"},
+          [](CLI::App& app) {
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("SCANS", arguments->scans, "Folders of scans, or single clouds (PCD)")->required();
+            add_options(app, table_of(arguments->options));
+            return [arguments](Session& session) { run(*arguments, session); };
+          }};
+}
+
+}  // namespace loci
