@@ -10,6 +10,5 @@ int main(int argc, char** argv) {
   program.add(loci::nbv_command());
   program.add(loci::normals_command());
   program.add(loci::occupancy_command());
-  program.add_planned("normals", "Normal estimation against its peers");
   return program.run(argc, argv);
 }
