@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "memory/belief/evidence.h"
 #include "memory/belief/proximity.h"
@@ -10,6 +11,7 @@ namespace loci::belief {
 namespace {
 
 constexpr double kSmallestShare = 0.001;
+constexpr double kSmallestAlternative = 0.02;
 /// So probable must it have been to find an object in its place before its absence makes it gone.
 constexpr double kLooked = 0.3;
 
@@ -71,6 +73,7 @@ class Step {
     update_.gate_bound = solution_.gate_bound;
     pair_up();
     report_distributions();
+    const std::vector<std::vector<Alternative>> alternatives = mixed_alternatives();
     const size_t believed = state_.objects.size();
     for (size_t o = 0; o < believed; ++o) {
       if (partner_of_object_[o])
@@ -78,8 +81,10 @@ class Step {
       else
         miss(o);
     }
+    for (size_t o = 0; o < believed; ++o) state_.objects[o].alternatives = alternatives[o];
     for (size_t k = 0; k < scene_.observations.size(); ++k)
       if (!partner_of_observation_[k]) meet(k);
+    if (snapshot_) learn_arrivals();
     if (scene_.seconds_to_next && *scene_.seconds_to_next >= options_.snapshot_gap_s) confirm_unrefuted();
     forget_clutter();
     state_.attention_s = attention_;
@@ -187,12 +192,14 @@ class Step {
     const TimeNs seen_before = object.last_seen;
     const double seconds_unseen = double(scene_.time - object.last_seen) / double(kSecond);
 
+    if (snapshot_) learn_from_sighting(o, k);
     if (explanation == Explanation::move || status_before == Status::gone)
       put(object, observation);
     else
       fuse(o, observation);  // a piece leaves a whole box as it is
     if (!observation.place.empty()) set_place(object, observation.place);
     if (!piece) remember_look(object, observation);
+    object.kind = kind_of(object);
     object.probability_here = 1;
     object.hidden_looks = 0;
     object.told_hidden = false;
@@ -220,6 +227,92 @@ class Step {
     if (explanation == Explanation::newview && !observation.partial &&
         seconds_unseen >= options_.snapshot_gap_s)
       tell(EventKind::looks_different);
+  }
+
+  // What the home's habits are: from looks that lie apart only, since video frames confirm each other.
+  void learn_from_sighting(size_t o, size_t k) {
+    ProtoObject& object = state_.objects[o];
+    if (object.status == Status::tentative) return;
+    const std::string& place = scene_.observations[k].place;
+    if (object.status == Status::gone) {
+      state_.habits.learn_returns(1, options_.reappear);
+      if (place != object.place) state_.habits.learn_found_again(object.place, place, 1);
+      return;
+    }
+    const auto row = static_cast<Eigen::Index>(o), column = static_cast<Eigen::Index>(k);
+    const double stay = solution_.stay(row, column) + solution_.newview(row, column);
+    const double move = solution_.move(row, column);
+    const double moved = stay + move > 0 ? move / (stay + move) : 0.0;
+    const double seconds = attention_ - object.seen_attention_s;
+    state_.habits.learn_handled(handled(object), object.handling, seconds, moved, options_);
+    state_.habits.learn_moved(object.place, place, moved);
+  }
+
+  void learn_from_absence(ProtoObject& object) {
+    const double seconds = attention_ - object.seen_attention_s;
+    const double gone = 1 - object.probability_here;
+    state_.habits.learn_handled(handled(object), object.handling, seconds, gone, options_);
+    state_.habits.learn_carried_off(gone);
+  }
+
+  void learn_arrivals() {
+    std::map<std::string, double> found;
+    if (scene_.view.observed)
+      for (const ObservedPlace& observed : *scene_.view.observed) found[observed.name];
+    for (size_t k = 0; k < scene_.observations.size(); ++k) {
+      const bool fresh = update_.observations[k].explanation == Explanation::appear;
+      found[scene_.observations[k].place] += fresh ? update_.observations[k].probability : 0.0;
+    }
+    for (const auto& [place, count] : found) state_.habits.learn_arrivals(place, count, options_);
+  }
+
+  /// What each track may be after this scene instead of what it is taken for.
+  std::vector<std::vector<Alternative>> mixed_alternatives() const {
+    std::vector<std::vector<Alternative>> mixed;
+    for (size_t o = 0; o < state_.objects.size(); ++o) {
+      if (state_.objects[o].id == 0) {
+        mixed.emplace_back();
+        continue;
+      }
+      std::map<int64_t, double> keys;
+      double sum = 0;
+      const auto add = [&](size_t other, double weight) {
+        if (weight <= 0 || state_.objects[other].id == 0) return;
+        sum += weight;
+        keys[state_.objects[other].key] += weight * state_.objects[other].probability_itself();
+        for (const Alternative& alternative : state_.objects[other].alternatives)
+          keys[alternative.key] += weight * alternative.probability;
+      };
+      if (const std::optional<size_t> k = partner_of_object_[o]) {
+        for (size_t other = 0; other < state_.objects.size(); ++other) add(other, probability(other, *k));
+      } else {
+        double matched = 0;
+        for (size_t k2 = 0; k2 < scene_.observations.size(); ++k2) {
+          const double here = probability(o, k2);
+          matched += here;
+          if (partner_of_observation_[k2]) add(*partner_of_observation_[k2], here);
+        }
+        add(o, std::max(0.0, 1 - matched));
+      }
+      mixed.push_back(alternatives_of(keys, state_.objects[o].key, sum));
+    }
+    return mixed;
+  }
+
+  static std::vector<Alternative> alternatives_of(const std::map<int64_t, double>& keys, int64_t itself,
+                                                  double sum) {
+    std::vector<Alternative> list;
+    for (const auto& [key, weight] : keys)
+      if (key != itself && weight / sum >= kSmallestAlternative) list.push_back({key, weight / sum});
+    std::stable_sort(list.begin(), list.end(), [](const Alternative& a, const Alternative& b) {
+      return a.probability > b.probability;
+    });
+    return list;
+  }
+
+  double probability(size_t o, size_t k) const {
+    const auto row = static_cast<Eigen::Index>(o), column = static_cast<Eigen::Index>(k);
+    return solution_.stay(row, column) + solution_.move(row, column) + solution_.newview(row, column);
   }
 
   /// A fresh start of position and size.
@@ -296,10 +389,22 @@ class Step {
     }
   }
 
+  /// What its looks are called most of all.
+  static std::string kind_of(const ProtoObject& object) {
+    std::map<std::string, double> names;
+    for (const Look& look : object.looks)
+      for (const Descriptor& descriptor : look.descriptors)
+        for (size_t i = 0; descriptor.kind == "class" && i < descriptor.names.size(); ++i)
+          names[descriptor.names[i]] += look.weight * descriptor.values[i];
+    const auto most = std::max_element(names.begin(), names.end(),
+                                       [](const auto& a, const auto& b) { return a.second < b.second; });
+    return most == names.end() ? std::string() : most->first;
+  }
+
   void mark_seen(ProtoObject& object, const Observation& observation) {
     object.last_seen = scene_.time;
     object.last_update = scene_.time;
-    object.attention_s = attention_;
+    object.attention_s = object.seen_attention_s = attention_;
     object.map_from_camera = scene_.view.map_from_camera;
     object.last_observation = observation.id;
     ++object.sightings;
@@ -309,6 +414,8 @@ class Step {
   void miss(size_t o) {
     ProtoObject& object = state_.objects[o];
     const Expectation& e = expected_[o];
+    if (object.status == Status::gone && snapshot_)
+      state_.habits.learn_returns(update_.objects[o].matched, options_.reappear);
     if (e.undetectable >= 1) {  // looking elsewhere tells nothing
       update_.objects[o].explanation = Explanation::hidden;
       if (object.status == Status::present) note_hidden(object, e);
@@ -340,6 +447,7 @@ class Step {
     if (1 - object.probability_here >= options_.gone && in_view >= kLooked) {
       object.status = Status::gone;
       object.told_hidden = false;
+      if (snapshot_) learn_from_absence(object);
       update_.events.push_back({EventKind::gone,
                                 object.id,
                                 scene_.time,
@@ -397,6 +505,7 @@ class Step {
     object.exists_log_odds = log_odds(options_.first_sight) - (observation.partial ? 0.5 : 0.0);
     put(object, observation);
     remember_look(object, observation);
+    object.kind = kind_of(object);
     mark_seen(object, observation);
     object.pending.push_back({observation.id, scene_.time, true, outcome.appear});
     outcome.key = object.key;

@@ -74,7 +74,7 @@ std::vector<Expectation> expect(const BeliefState& state, const Scene& scene, co
     e.box = box_in_map(object, scene.places);
     e.variance = object.variance + view_change_variance(object.map_from_camera, scene.view.map_from_camera,
                                                         e.box.size.maxCoeff(), options);
-    e.handled = handled_in(attention - object.attention_s, options);
+    e.handled = handled_until(object, attention, state, options);
     const Isometry3d change = object.map_from_camera.inverse() * scene.view.map_from_camera;
     const double motion = change.translation().norm() + Eigen::AngleAxisd(change.linear()).angle();
     e.turned = 0.002 + e.handled / 2 + options.newview * (1 - std::exp(-motion / 0.5));
@@ -184,9 +184,8 @@ LogOddsProblem identity_problem(const BeliefState& state, const std::vector<Expe
     const EmptinessEvidence empty = emptiness(e, empty_share(e.seen, other), seconds, options);
     const double in_view = 1 - e.undetectable;
     const double stays = std::max(1e-6, e.here) * options.detection;
-    // Half of what is handled is carried off, half is put down somewhere else.
-    const double back = state.objects[o].status == Status::gone ? options.reappear : 0.5;
-    const double moves = (before * e.handled / 2 + (1 - before) * back) * options.detection;
+    const ProtoObject& object = state.objects[o];
+    const bool gone = object.status == Status::gone;
     problem.stay_prior.row(index(o)).setConstant(std::log(stays * (1 - e.turned)));
     for (size_t k = 0; k < n; ++k) {
       // Another side may have other colours, though seldom altogether; it hardly has another size.
@@ -195,13 +194,17 @@ LogOddsProblem identity_problem(const BeliefState& state, const std::vector<Expe
       problem.newview_prior(index(o), index(k)) =
           std::log(stays * e.turned) + size + 0.25 * std::min(0.0, color);
     }
-    const double log_moves =
-        std::log(std::max(1e-9, moves * (e.undetectable + in_view * std::exp(empty.if_gone))));
+    const double left = options.detection * (e.undetectable + in_view * std::exp(empty.if_gone));
     for (size_t k = 0; k < n; ++k) {
+      const Observation& observation = scene.observations[k];
+      const double put_here = state.habits.moved_to(object.place, observation.place);
+      const double back = gone ? state.habits.returns(options) : put_here;
+      const double moves = before * e.handled * put_here + (1 - before) * back;
       // A video would have shown the hand that nudges; what was gone may come back anywhere.
-      const bool anywhere = !snapshot || state.objects[o].status == Status::gone;
+      const bool anywhere = !snapshot || gone || object.place != observation.place;
       problem.move_prior(index(o), index(k)) =
-          log_moves + (anywhere ? 0.0 : log_near(e.box.centre - scene.observations[k].box.centre, options));
+          std::log(std::max(1e-9, moves * left)) +
+          (anywhere ? 0.0 : log_near(e.box.centre - observation.box.centre, options));
     }
     problem.out_of_view.push_back(e.undetectable);
     problem.disappear_prior.push_back(std::log(std::max(1e-6, 1 - e.here)) + empty.if_gone);
@@ -218,8 +221,11 @@ LogOddsProblem identity_problem(const BeliefState& state, const std::vector<Expe
       if (!snapshot && is_piece(expected[o], observation.box)) inside = 1;
       piece = std::max(piece, inside * expected[o].here);
     }
-    problem.appear_prior.push_back(std::log(options.appear));
-    problem.clutter_prior.push_back(std::log(options.clutter + (snapshot ? 0.1 : 1.0) * piece));
+    const double fresh = state.habits.arrivals(observation.place, options);
+    problem.appear_prior.push_back(std::log(fresh));
+    // Where new things are rare, what is new is still no more likely to be a false cluster than anywhere.
+    const double clutter = options.clutter * std::min(1.0, fresh / options.appear);
+    problem.clutter_prior.push_back(std::log(clutter + (snapshot ? 0.1 : 1.0) * piece));
   }
   return problem;
 }

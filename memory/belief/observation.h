@@ -32,6 +32,11 @@ struct Descriptor {
   std::string kind;  ///< e.g. "color_histogram"; distances are looked up by it (similarity.h)
   std::vector<float> values;
   std::vector<std::string> names = {};  ///< what each value is about ("mug"); empty = its index says it
+
+  template <class Archive>
+  void archive(Archive& fields) {
+    fields(kind, values, names);
+  }
 };
 
 /// One object hypothesis of a scene, as far as identity is concerned.

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json.h"
+#include "memory/belief/habits.h"
 #include "memory/belief/observation.h"
 #include "memory/belief/options.h"
 
@@ -22,6 +22,11 @@ struct Look {
   double weight = 1;
   TimeNs time = 0;
   bool partial = false;
+
+  template <class Archive>
+  void archive(Archive& fields) {
+    fields(descriptors, weight, time, partial);
+  }
 };
 
 /// An observation that was attributed to a tentative object, to be told when it is confirmed.
@@ -30,6 +35,23 @@ struct PendingSighting {
   TimeNs time = 0;
   bool first = false;      ///< it made the object; otherwise it was found again
   double probability = 0;  ///< of the attribution
+
+  template <class Archive>
+  void archive(Archive& fields) {
+    fields(observation, time, first, probability);
+  }
+};
+
+/// What a track may be instead of what it is taken for: alike things that changed places cannot be told
+/// apart.
+struct Alternative {
+  int64_t key = 0;  ///< of the proto object that it may be in truth
+  double probability = 0;
+
+  template <class Archive>
+  void archive(Archive& fields) {
+    fields(key, probability);
+  }
 };
 
 /// A proto object: what a bag of observations adds up to (§3.2.5).
@@ -39,8 +61,9 @@ struct ProtoObject {
   Status status = Status::tentative;
   TimeNs first_seen = 0;
   TimeNs last_seen = 0;
-  TimeNs last_update = 0;  ///< of the scene that last told anything about it
-  double attention_s = 0;  ///< BeliefState::attention_s then: the clock for which probability_here holds
+  TimeNs last_update = 0;       ///< of the scene that last told anything about it
+  double attention_s = 0;       ///< BeliefState::attention_s then: the clock for which probability_here holds
+  double seen_attention_s = 0;  ///< the same clock when it was seen last
   int sightings = 0;
   double exists_log_odds = 0;   ///< of being an object and no false cluster
   double probability_here = 1;  ///< that it still is where it was seen last
@@ -55,8 +78,21 @@ struct ProtoObject {
   Isometry3d map_from_camera = Isometry3d::Identity();  ///< of the last sighting
 
   std::vector<Look> looks;
-  int64_t last_observation = 0;          ///< memory's number
-  std::vector<PendingSighting> pending;  ///< while tentative
+  std::string kind;  ///< what classifiers call it most of all; empty = nobody said
+  Factor handling;   ///< how often it was handled, against what its kind and place let expect
+  std::vector<Alternative> alternatives;  ///< most probable first; the rest is that it is itself
+  int64_t last_observation = 0;           ///< memory's number
+  std::vector<PendingSighting> pending;   ///< while tentative
+
+  double probability_itself() const;
+
+  template <class Archive>
+  void archive(Archive& fields) {
+    fields(key, id, status, first_seen, last_seen, last_update, attention_s, seen_attention_s, sightings,
+           exists_log_odds, probability_here, hidden_looks, told_hidden, place, box.centre, box.size,
+           variance, partial, sized, map_from_camera, looks, kind, handling, alternatives, last_observation,
+           pending);
+  }
 };
 
 /// All that the belief carries from one scene to the next.
@@ -67,22 +103,27 @@ struct BeliefState {
       0;  ///< seconds during which things could be handled; time that was watched counts less
   int64_t next_key = 1;
   int64_t next_id = 1;
+  Habits habits;
 
   const ProtoObject* find(int64_t id) const;
+
+  template <class Archive>
+  void archive(Archive& fields) {
+    fields(objects, last_scene, attention_s, next_key, next_id, habits);
+  }
 };
 
-/// Probability that an object was handled in so many seconds of attention (see BeliefState::attention_s).
-double handled_in(double seconds, const BeliefOptions& options);
+/// Whose habits tell about an object.
+Handled handled(const ProtoObject& object);
+/// Probability that an object was handled between its last update and a time (BeliefState::attention_s).
+double handled_until(const ProtoObject& object, double attention_s, const BeliefState& state,
+                     const BeliefOptions& options);
 /// Probability that an object still is where it was seen last, as of the last scene.
 double probability_here(const ProtoObject& object, const BeliefState& state, const BeliefOptions& options);
 
-/// Text round trip is exact: every double comes back as it was.
-Json to_json(const BeliefState& state);
-BeliefState belief_state_from_json(const Json& json);
-
-/// Compact bytes of the same (CBOR).
+/// All of it as bytes; every number comes back as it was.
 std::string to_bytes(const BeliefState& state);
-/// Error when the bytes are not a belief of this version.
+/// Also reads beliefs of earlier versions. Error when the bytes are no belief.
 BeliefState belief_state_from_bytes(const std::string& bytes);
 
 }  // namespace loci::belief

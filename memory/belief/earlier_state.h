@@ -1,0 +1,10 @@
+#pragma once
+
+#include "memory/belief/state.h"
+
+namespace loci::belief {
+
+/// The belief as the first version wrote it (CBOR). Throws nlohmann::json::exception when the bytes are none.
+BeliefState belief_state_of_version_1(const std::string& bytes);
+
+}  // namespace loci::belief

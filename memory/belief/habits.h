@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+
+#include "memory/belief/options.h"
+
+namespace loci::belief {
+
+/// How often something happened against how often it was expected to: learned with a prior of a few events at
+/// the expected rate, so that little evidence says little.
+struct Factor {
+  double found = 0, expected = 0;
+
+  double value() const { return (found + kPrior) / (expected + kPrior); }
+  void count(double what_was_found, double what_was_expected) {
+    found += what_was_found;
+    expected += what_was_expected;
+  }
+  template <class Archive>
+  void archive(Archive& fields) {
+    fields(found, expected);
+  }
+
+ private:
+  static constexpr double kPrior = 2;
+};
+
+/// Whose habits are asked for. The object's own factor is kept by whoever keeps the object.
+struct Handled {
+  std::string kind;   ///< what a classifier says; empty = unknown
+  std::string place;  ///< where it is; empty = unknown
+  Factor own = {};
+};
+
+/// How things are handled in this home, learned from what the belief itself takes to have happened: how long
+/// they stay, by the time since they were seen, kind, place and object; where they go; how often something
+/// new turns up. Begins with what the options say and stays near them until there is evidence.
+class Habits {
+ public:
+  /// Probability that somebody moved or took an object between two ages, seconds since it was seen.
+  double handled(const Handled& object, double from_age, double to_age, const BeliefOptions& options) const;
+  /// After `seconds` it turned out, with a probability, to have been handled. `own` is the object's factor.
+  void learn_handled(const Handled& object, Factor& own, double seconds, double handled,
+                     const BeliefOptions& options);
+
+  /// Share of what is handled in `from` that is put down in `to`; the rest is carried off.
+  double moved_to(const std::string& from, const std::string& to) const;
+  void learn_moved(const std::string& from, const std::string& to, double probability);
+  void learn_carried_off(double probability) { carried_off_ += probability; }
+  /// What was taken for carried off turned up in another place.
+  void learn_found_again(const std::string& from, const std::string& to, double probability);
+
+  /// Probability that an object that was gone is back in a scene.
+  double returns(const BeliefOptions& options) const;
+  void learn_returns(double found, double expected) { returns_.count(found, expected); }
+
+  /// New objects expected on a place in a scene.
+  double arrivals(const std::string& place, const BeliefOptions& options) const;
+  /// A place was looked at and `found` new objects were on it.
+  void learn_arrivals(const std::string& place, double found, const BeliefOptions& options);
+
+  /// The fields, for an archive (archive.h).
+  template <class Archive>
+  void archive(Archive& fields) {
+    fields(by_age_, by_kind_, by_place_, stayed_on_place_, went_elsewhere_, carried_off_, put_down_, returns_,
+           first_look_, later_look_);
+  }
+
+ private:
+  static constexpr size_t kAges = 7;
+
+  /// How much handling is expected without evidence between two ages, by age.
+  static std::array<double, kAges> prior_hazard(double from_age, double to_age, const BeliefOptions& options);
+  double hazard(const std::array<double, kAges>& prior) const;
+  double factor(const std::map<std::string, Factor>& factors, const std::string& name) const;
+
+  std::array<Factor, kAges> by_age_{};
+  std::map<std::string, Factor> by_kind_, by_place_;
+  double stayed_on_place_ = 0, went_elsewhere_ = 0, carried_off_ = 0;  ///< of those that were handled
+  std::map<std::string, double> put_down_;                             ///< on each known place
+  Factor returns_, first_look_, later_look_;
+};
+
+}  // namespace loci::belief
