@@ -32,4 +32,7 @@ Command verify_command();
 Command ingest_command();
 Command report_command();
 
+Command why_command();
+Command reason_command();
+
 }  // namespace loci

@@ -28,8 +28,8 @@ int main(int argc, char** argv) {
   program.add(loci::verify_command());
   program.add(loci::ingest_command());
   program.add(loci::report_command());
-  program.add_planned("reason", "Runs the reasoning again");
-  program.add_planned("why", "Explains a decision");
+  program.add(loci::why_command());
+  program.add(loci::reason_command());
   program.add_planned("export", "Exports a dataset");
   program.add_planned("catalogue", "Object knowledge in and out");
   return program.run(argc, argv);

@@ -56,18 +56,19 @@ class Step {
         options_(options),
         snapshot_(is_snapshot(state, scene, options)),
         seconds_(seconds_since_last_scene(state, scene)),
+        apart_(seconds_ >= options.snapshot_gap_s),
         attention_(attention_at(state, scene, options)) {}
 
   BeliefUpdate run() {
     expected_ = expect(state_, scene_, options_);
     update_.evidence = pair_evidence(state_, expected_, scene_, options_);
-    const LogOddsProblem problem = identity_problem(state_, expected_, scene_, update_.evidence, options_);
+    update_.problem = identity_problem(state_, expected_, scene_, update_.evidence, options_);
     IdentityOptions identity;
     identity.best = 1;
     identity.gate = 1e-6;  // no share that is told is that small
     identity.priors.clutter = 0;
     identity.priors.missed = 0;
-    weights_ = weights_of(problem, identity);
+    weights_ = weights_of(update_.problem, identity);
     solution_ = solve(weights_, identity);
     update_.log_evidence = solution_.log_evidence;
     update_.gate_bound = solution_.gate_bound;
@@ -84,7 +85,7 @@ class Step {
     for (size_t o = 0; o < believed; ++o) state_.objects[o].alternatives = alternatives[o];
     for (size_t k = 0; k < scene_.observations.size(); ++k)
       if (!partner_of_observation_[k]) meet(k);
-    if (snapshot_) learn_arrivals();
+    if (apart_) learn_arrivals();
     if (scene_.seconds_to_next && *scene_.seconds_to_next >= options_.snapshot_gap_s) confirm_unrefuted();
     forget_clutter();
     state_.attention_s = attention_;
@@ -192,7 +193,7 @@ class Step {
     const TimeNs seen_before = object.last_seen;
     const double seconds_unseen = double(scene_.time - object.last_seen) / double(kSecond);
 
-    if (snapshot_) learn_from_sighting(o, k);
+    if (apart_) learn_from_sighting(o, k);
     if (explanation == Explanation::move || status_before == Status::gone)
       put(object, observation);
     else
@@ -283,15 +284,17 @@ class Step {
         for (const Alternative& alternative : state_.objects[other].alternatives)
           keys[alternative.key] += weight * alternative.probability;
       };
-      if (const std::optional<size_t> k = partner_of_object_[o]) {
-        for (size_t other = 0; other < state_.objects.size(); ++other) add(other, probability(other, *k));
+      if (const std::optional<size_t> seen_as = partner_of_object_[o]) {
+        for (size_t other = 0; other < state_.objects.size(); ++other) add(other, probability(other, *seen_as));
       } else {
         double matched = 0;
-        for (size_t k2 = 0; k2 < scene_.observations.size(); ++k2) {
-          const double here = probability(o, k2);
-          matched += here;
-          if (partner_of_observation_[k2]) add(*partner_of_observation_[k2], here);
+        for (size_t k = 0; k < scene_.observations.size(); ++k) matched += probability(o, k);
+        if (matched < kSmallestAlternative) {
+          mixed.push_back(state_.objects[o].alternatives);
+          continue;
         }
+        for (size_t k = 0; k < scene_.observations.size(); ++k)
+          if (partner_of_observation_[k]) add(*partner_of_observation_[k], probability(o, k));
         add(o, std::max(0.0, 1 - matched));
       }
       mixed.push_back(alternatives_of(keys, state_.objects[o].key, sum));
@@ -414,7 +417,7 @@ class Step {
   void miss(size_t o) {
     ProtoObject& object = state_.objects[o];
     const Expectation& e = expected_[o];
-    if (object.status == Status::gone && snapshot_)
+    if (object.status == Status::gone && apart_)
       state_.habits.learn_returns(update_.objects[o].matched, options_.reappear);
     if (e.undetectable >= 1) {  // looking elsewhere tells nothing
       update_.objects[o].explanation = Explanation::hidden;
@@ -447,7 +450,7 @@ class Step {
     if (1 - object.probability_here >= options_.gone && in_view >= kLooked) {
       object.status = Status::gone;
       object.told_hidden = false;
-      if (snapshot_) learn_from_absence(object);
+      if (apart_) learn_from_absence(object);
       update_.events.push_back({EventKind::gone,
                                 object.id,
                                 scene_.time,
@@ -593,6 +596,7 @@ class Step {
   const BeliefOptions& options_;
   const bool snapshot_;
   const double seconds_;
+  const bool apart_;  ///< long enough after the scene before to teach about habits
   const double attention_;
   std::vector<Expectation> expected_;
   IdentityWeights weights_;

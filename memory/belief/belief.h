@@ -82,6 +82,7 @@ struct BeliefUpdate {
   std::vector<Confirmed> confirmed;
   std::vector<Event> events;
   PairEvidence evidence;
+  LogOddsProblem problem;  ///< evidence and priors as they were solved
   double log_evidence = 0;
   double gate_bound = 0;  ///< largest error of a probability above
 };

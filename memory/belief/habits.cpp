@@ -9,9 +9,9 @@ namespace {
 /// Seconds since an object was seen at which the next age begins.
 constexpr std::array<double, 6> kAgeBegins{300, 1200, 3600, 4 * 3600, 24 * 3600, 7 * 24 * 3600};
 
-/// Without evidence half of what is handled is carried off, half is put down, on its place as often as on
-/// another one.
-constexpr double kCarriedOff = 1, kPutDown = 1;
+/// Without evidence a third of what is handled is carried off, the others are put down, on their place as
+/// often as on another one.
+constexpr double kCarriedOff = 1, kPutDown = 2;
 
 /// Integrated rate of handling that the options state, with a slow tail: nothing stays forever.
 double cumulative_hazard(double seconds, const BeliefOptions& options) {

@@ -19,6 +19,11 @@ struct AxisBox {
   Vector3d low() const { return centre - size / 2; }
   Vector3d high() const { return centre + size / 2; }
   double volume() const { return size.prod(); }
+
+  template <class Archive>
+  void archive(Archive& fields) {
+    fields(centre, size);
+  }
 };
 
 /// Volume that two boxes share, m³.
@@ -50,12 +55,22 @@ struct Observation {
   int points = 0;
   std::string place;  ///< what it stands on; empty = unknown
   std::vector<Descriptor> descriptors;
+
+  template <class Archive>
+  void archive(Archive& fields) {
+    fields(id, box, sized, sigma_m, range, partial, points, place, descriptors);
+  }
 };
 
 /// How much of a place somebody looked at.
 struct ObservedPlace {
   std::string name;
   double fraction = 1;  ///< of its surface, in [0,1]
+
+  template <class Archive>
+  void archive(Archive& fields) {
+    fields(name, fraction);
+  }
 };
 
 /// What the camera measured and where it was. Other systems tell their detections without depth, often
@@ -78,6 +93,11 @@ struct SceneView {
 struct PlacePose {
   std::string name;
   Isometry3d map_from_place = Isometry3d::Identity();
+
+  template <class Archive>
+  void archive(Archive& fields) {
+    fields(name, map_from_place);
+  }
 };
 
 /// Everything that the belief is told about one moment.

@@ -5,6 +5,7 @@
 
 #include "mapping/base/hash.h"
 #include "memory/recorder/carried_belief.h"
+#include "memory/recorder/scene_reasoning.h"
 #include "memory/store/depth_thumbnail.h"
 #include "memory/store/feature_structures.h"
 
@@ -67,7 +68,7 @@ class Recorder::Writing {
         transaction_(recorder.store_, recorder.run_),
         state_(std::move(resolved.after)) {
     result_.update = std::move(resolved.update);
-    expected_observations_ = std::move(resolved.scene.observations);
+    evidence_ = std::move(resolved.scene);
   }
 
   RecordedScene run() {
@@ -80,6 +81,7 @@ class Recorder::Writing {
     add_joint_events();
     add_beliefs();
     add_visibility();
+    save_reasoning(transaction_, result_.scene, evidence_, belief::decisions_of(result_.update));
     save_belief(transaction_, result_.scene, state_);
     transaction_.commit();
     recorder_.state_ = std::move(state_);
@@ -145,7 +147,7 @@ class Recorder::Writing {
       row.mask = blob(observation.mask);
       const Id id = transaction_.add_observation(row);
       result_.observations.push_back(id);
-      if (id != expected_observations_[i].id) another_writer("observation", id, expected_observations_[i].id);
+      if (id != evidence_.observations[i].id) another_writer("observation", id, evidence_.observations[i].id);
       add_annotations(observation.annotations, observation.structures, id, structures);
     }
     add_annotations(record_.annotations, record_.structures, std::nullopt, structures);
@@ -400,7 +402,7 @@ class Recorder::Writing {
   const SceneRecord& record_;
   SceneTransaction transaction_;
   belief::BeliefState state_;
-  std::vector<belief::Observation> expected_observations_;
+  belief::Scene evidence_;
   RecordedScene result_;
   std::map<std::string, Id> new_places_;
   std::map<Id, BeliefRow> rows_;

@@ -47,7 +47,7 @@ TEST(Habits, KindsDiffer) {
 
 TEST(Habits, DestinationsAreLearned) {
   Habits habits;
-  EXPECT_NEAR(habits.moved_to("table_1", "table_1"), 0.5, 1e-9) << "no other place is known";
+  EXPECT_NEAR(habits.moved_to("table_1", "table_1"), 2.0 / 3, 1e-9) << "no other place is known";
   for (int i = 0; i < 20; ++i) habits.learn_moved("table_1", "sink_1", 1);
   habits.learn_moved("table_1", "shelf_1", 1);
   EXPECT_GT(habits.moved_to("table_1", "sink_1"), 5 * habits.moved_to("table_1", "shelf_1"));

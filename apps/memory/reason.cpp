@@ -1,0 +1,51 @@
+#include "memory/reasoning/reason.h"
+
+#include "apps/memory/commands.h"
+
+namespace loci {
+
+Command reason_command() {
+  return {
+      "reason",
+      "Runs the reasoning again over the whole past, with other parameters",
+      {"loci-memory reason -m demo-output/memory.loci -o demo-output/other.loci --move-time-s 7200 --compare",
+       "loci-memory reason -m demo-output/memory.loci -o demo-output/other.loci --only-compare --json"},
+      [](CLI::App& app) {
+        struct Arguments {
+          std::string memory, other, now;
+          bool compare = false, only_compare = false;
+          belief::BeliefOptions options;
+        };
+        auto arguments = std::make_shared<Arguments>();
+        app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
+        app.add_option("-o,--other", arguments->other, "New memory for the other history")->required();
+        app.add_flag("--compare", arguments->compare, "Then say what the two histories tell differently");
+        app.add_flag("--only-compare", arguments->only_compare,
+                     "Reason nothing: compare with a history made before");
+        app.add_option("--now", arguments->now, "When the memory learns it, ISO 8601 (default: the clock)");
+        OptionTable table;
+        arguments->options.declare(table);
+        add_options(app, table);
+        return [arguments](Session& session) {
+          const Store store = Store::open_read(arguments->memory);
+          WriteOptions write;
+          if (!arguments->now.empty()) write.now = parse_time(arguments->now);
+          std::string text;
+          Json json = Json::object();
+          if (!arguments->only_compare) {
+            const ReasonResult result =
+                reason(store, arguments->other, arguments->options, write, session.progress());
+            text = result.summary() + "\n";
+            json = result.report();
+          }
+          if (arguments->compare || arguments->only_compare) {
+            const HistoryDifference difference = compare_histories(store, Store::open_read(arguments->other));
+            text += difference.text();
+            json["difference"] = difference.to_json();
+          }
+          session.answer(text, json);
+        };
+      }};
+}
+
+}  // namespace loci

@@ -1,0 +1,270 @@
+#include "memory/reasoning/reason.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "mapping/image/image_io.h"
+#include "memory/recorder/recorder.h"
+#include "memory/recorder/scene_reasoning.h"
+#include "memory/store/depth_thumbnail.h"
+
+namespace loci {
+namespace {
+
+BlobRecord blob_of(const Store& store, const std::optional<Id>& id) {
+  if (!id) return {};
+  BlobRow row = store.blob(*id);
+  return {std::move(row.bytes), std::move(row.media)};
+}
+
+/// How many pixels of the camera one of its thumbnail stands for.
+int step_of(const SceneRow& row) {
+  return std::max(1, row.camera->width / std::max(1, row.depth_width));
+}
+
+void read_view(const Store& store, const SceneRow& row, belief::SceneView& view) {
+  if (row.map_from_camera) view.map_from_camera = *row.map_from_camera;
+  if (!row.camera) return;
+  view.camera = {row.camera->width, row.camera->height, row.camera->fx,
+                 row.camera->fy,    row.camera->cx,     row.camera->cy};
+  if (!row.depth) return;
+  const int step = step_of(row);
+  const double first = step / 2;  // the pixel that stands for the first block
+  view.camera = {row.depth_width,
+                 row.depth_height,
+                 row.camera->fx / step,
+                 row.camera->fy / step,
+                 (row.camera->cx - first) / step,
+                 (row.camera->cy - first) / step};
+  const std::vector<float> depth = decode_depth_thumbnail(store.blob(*row.depth).bytes);
+  view.depth = cv::Mat(row.depth_height, row.depth_width, CV_32F);
+  view.labels = cv::Mat(row.depth_height, row.depth_width, CV_32S, cv::Scalar(-1));
+  for (int v = 0; v < row.depth_height; ++v)
+    for (int u = 0; u < row.depth_width; ++u) {
+      const float z =
+          depth[static_cast<size_t>(v) * static_cast<size_t>(row.depth_width) + static_cast<size_t>(u)];
+      view.depth.at<float>(v, u) = z > 0 ? z : std::numeric_limits<float>::quiet_NaN();
+    }
+}
+
+/// Marks the thumbnail's pixels that a mask of the whole image covers.
+void draw_label(const ObservationRow& row, const BlobRecord& mask_blob, int step, int label,
+                cv::Mat& labels) {
+  if (!row.roi || mask_blob.bytes.empty() || labels.empty()) return;
+  const cv::Mat mask = decode_image({mask_blob.bytes.begin(), mask_blob.bytes.end()}, "mask");
+  const auto [x, y, width, height] = *row.roi;
+  for (int v = 0; v < labels.rows; ++v)
+    for (int u = 0; u < labels.cols; ++u) {
+      const int mask_u = u * step + step / 2 - x, mask_v = v * step + step / 2 - y;
+      if (mask_u < 0 || mask_v < 0 || mask_u >= mask.cols || mask_v >= mask.rows) continue;
+      if (mask.at<uint8_t>(mask_v, mask_u) != 0) labels.at<int>(v, u) = label;
+    }
+}
+
+/// Numbers of the first memory in terms of the second.
+struct Numbers {
+  std::map<Id, Id> recordings, maps;
+};
+
+Numbers copy_sources(const Store& from, Store& to) {
+  Numbers numbers;
+  for (const RecordingRow& row : from.recordings()) numbers.recordings[row.id] = to.add_recording(row);
+  for (const MapRow& row : from.maps())
+    numbers.maps[row.id] = to.add_map(row.name, from.blob(row.urdf).bytes,
+                                      row.sidecar ? from.blob(*row.sidecar).bytes : std::string());
+  return numbers;
+}
+
+std::optional<Id> translated(const std::map<Id, Id>& numbers, const std::optional<Id>& id) {
+  return id && numbers.contains(*id) ? std::optional(numbers.at(*id)) : std::nullopt;
+}
+
+SceneRecord record_of(const Store& from, const SceneRow& row, const SceneReasoning& reasoning,
+                      const std::vector<PlaceRow>& places, const Numbers& numbers) {
+  SceneRecord record;
+  record.source = "reason";
+  record.row = row;
+  record.row.recording = translated(numbers.recordings, row.recording);
+  record.row.map = translated(numbers.maps, row.map);
+  record.view = reasoning.evidence.view;
+  read_view(from, row, record.view);
+  record.row.depth.reset();
+  record.row.picture.reset();
+  record.picture = blob_of(from, row.picture);
+  record.seconds_to_next = reasoning.evidence.seconds_to_next;
+  record.place_poses = reasoning.evidence.places;
+  record.places = places;
+  for (const ObservationRow& observation : from.observations(row.id)) {
+    ObservationRecord copy;
+    copy.evidence = reasoning.evidence.observations.at(record.observations.size());
+    copy.row = observation;
+    copy.row.place.reset();
+    copy.crop = blob_of(from, observation.crop);
+    copy.mask = blob_of(from, observation.mask);
+    copy.row.crop.reset();
+    copy.row.mask.reset();
+    if (row.camera && row.depth)
+      draw_label(observation, copy.mask, step_of(row), static_cast<int>(record.observations.size()),
+                 record.view.labels);
+    record.observations.push_back(std::move(copy));
+  }
+  std::map<Id, size_t> number_of;
+  const std::vector<ObservationRow> observations = from.observations(row.id);
+  for (size_t i = 0; i < observations.size(); ++i) number_of[observations[i].id] = i;
+  for (const AnnotationRow& annotation : from.annotations(row.id)) {
+    if (annotation.type == kReasoningType) continue;
+    auto& list = annotation.observation
+                     ? record.observations[number_of.at(*annotation.observation)].annotations
+                     : record.annotations;
+    list.push_back({annotation.type, annotation.value, annotation.confidence, {}});
+  }
+  return record;
+}
+
+std::map<std::pair<TimeNs, std::optional<int64_t>>, SceneRow> by_moment(const Store& store) {
+  std::map<std::pair<TimeNs, std::optional<int64_t>>, SceneRow> scenes;
+  for (const SceneRow& scene : store.scenes()) scenes[{scene.time, scene.frame_index}] = scene;
+  return scenes;
+}
+
+/// Object of each observation of a scene by its number; 0 = a false cluster.
+std::map<int64_t, Id> objects_in(const Store& store, Id scene) {
+  std::map<int64_t, Id> object_of;
+  std::map<Id, int64_t> number_of;
+  for (const ObservationRow& row : store.observations(scene)) {
+    number_of[row.id] = row.number;
+    object_of[row.number] = 0;
+  }
+  for (const AssociationRow& row : store.associations(scene))
+    if (row.chosen && row.observation && row.object) object_of[number_of.at(*row.observation)] = *row.object;
+  return object_of;
+}
+
+/// Which object of the second memory is which of the first: most common observations first, each once.
+std::map<Id, Id> paired(const std::map<std::pair<Id, Id>, size_t>& common) {
+  std::vector<std::pair<size_t, std::pair<Id, Id>>> order;
+  for (const auto& [pair, count] : common) order.push_back({count, pair});
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::map<Id, Id> first_of;
+  std::map<Id, Id> taken;
+  for (const auto& [count, pair] : order)
+    if (!taken.contains(pair.first) && !first_of.contains(pair.second))
+      taken[pair.first] = first_of[pair.second] = pair.first;
+  return first_of;
+}
+
+std::string told(Id object) {
+  return object == 0 ? "a false cluster" : object_name(object);
+}
+
+}  // namespace
+
+std::string ReasonResult::summary() const {
+  std::string text = fmt::format("{} scenes with {} observations reasoned anew", scenes, observations);
+  if (skipped > 0) text += fmt::format("; {} scenes left out, of which no evidence was kept", skipped);
+  return text;
+}
+
+Json ReasonResult::report() const {
+  return {{"scenes", scenes}, {"observations", observations}, {"skipped", skipped}};
+}
+
+ReasonResult reason(const Store& from, const std::filesystem::path& other,
+                    const belief::BeliefOptions& options, const WriteOptions& write, Progress& progress) {
+  if (std::filesystem::exists(other))
+    throw Error("there is a file already", {other.string(), 0, {}}, "name a new memory with -o");
+  Store to = Store::open_write(other, write);
+  const Numbers numbers = copy_sources(from, to);
+  const Id run = to.begin_run("loci-memory reason", Json{{"from", from.path().filename().string()}}.dump());
+  std::vector<PlaceRow> places = from.places();
+  for (PlaceRow& place : places) place.map = translated(numbers.maps, place.map);
+  Recorder recorder(to, run, options);
+  ReasonResult result;
+  const std::vector<SceneRow> scenes = from.scenes();
+  for (const SceneRow& scene : scenes) {
+    progress.check(double(result.scenes + result.skipped) / double(scenes.size()), "reasoning anew");
+    const std::optional<SceneReasoning> reasoning = load_reasoning(from, scene.id);
+    if (!reasoning) {
+      ++result.skipped;
+      continue;
+    }
+    const RecordedScene recorded = recorder.record(record_of(from, scene, *reasoning, places, numbers));
+    ++result.scenes;
+    result.observations += recorded.observations.size();
+  }
+  to.finish_run(run);
+  return result;
+}
+
+HistoryDifference compare_histories(const Store& first, const Store& second) {
+  HistoryDifference difference;
+  const auto scenes_first = by_moment(first), scenes_second = by_moment(second);
+  std::map<std::pair<Id, Id>, size_t> common;
+  std::vector<HistoryDifference::Observation> all;
+  for (const auto& [moment, scene] : scenes_first) {
+    const auto found = scenes_second.find(moment);
+    if (found == scenes_second.end()) {
+      ++difference.scenes_unmatched;
+      continue;
+    }
+    const std::map<int64_t, Id> there = objects_in(second, found->second.id);
+    for (const auto& [number, object] : objects_in(first, scene.id)) {
+      const auto other = there.find(number);
+      if (other == there.end()) continue;
+      all.push_back({scene.id, scene.time, number, object, other->second});
+      if (object != 0 && other->second != 0) ++common[{object, other->second}];
+    }
+  }
+  for (const auto& [moment, scene] : scenes_second)
+    difference.scenes_unmatched += scenes_first.contains(moment) ? 0 : 1;
+  const std::map<Id, Id> first_of = paired(common);
+  for (const HistoryDifference::Observation& o : all) {
+    const auto known = first_of.find(o.second);
+    const bool same = o.second == 0 ? o.first == 0 : known != first_of.end() && known->second == o.first;
+    if (!same) difference.observations.push_back(o);
+  }
+  difference.compared = all.size();
+  difference.objects_first = first.objects().size();
+  difference.objects_second = second.objects().size();
+  for (const EventRow& event : first.events()) ++difference.events[event.kind].first;
+  for (const EventRow& event : second.events()) ++difference.events[event.kind].second;
+  return difference;
+}
+
+std::string HistoryDifference::text() const {
+  std::string out =
+      fmt::format("{} of {} observations are taken for other objects; {} objects here, {} there\n",
+                  observations.size(), compared, objects_first, objects_second);
+  if (scenes_unmatched > 0) out += fmt::format("{} scenes are in one of them only\n", scenes_unmatched);
+  for (const auto& [kind, counts] : events)
+    if (counts.first != counts.second)
+      out += fmt::format("{}: {} here, {} there\n", kind, counts.first, counts.second);
+  for (const Observation& o : observations)
+    out += fmt::format("scene {} at {}, observation {}: {} here, {} there\n", o.scene, format_time(o.time),
+                       o.number, told(o.first), told(o.second));
+  return out;
+}
+
+Json HistoryDifference::to_json() const {
+  const auto name = [](Id object) { return object == 0 ? Json() : Json(object_name(object)); };
+  Json list = Json::array();
+  for (const Observation& o : observations)
+    list.push_back({{"scene", o.scene},
+                    {"time", format_time(o.time)},
+                    {"observation", o.number},
+                    {"here", name(o.first)},
+                    {"there", name(o.second)}});
+  Json kinds = Json::object();
+  for (const auto& [kind, counts] : events) kinds[kind] = {{"here", counts.first}, {"there", counts.second}};
+  return {{"compared", compared},
+          {"different", observations.size()},
+          {"objects", {{"here", objects_first}, {"there", objects_second}}},
+          {"events", kinds},
+          {"scenes_unmatched", scenes_unmatched},
+          {"observations", list}};
+}
+
+}  // namespace loci

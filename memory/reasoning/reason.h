@@ -1,0 +1,47 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+
+#include "mapping/base/json.h"
+#include "mapping/base/progress.h"
+#include "memory/belief/options.h"
+#include "memory/store/store.h"
+
+namespace loci {
+
+struct ReasonResult {
+  size_t scenes = 0, observations = 0;
+  size_t skipped = 0;  ///< scenes of which no evidence was kept
+
+  std::string summary() const;
+  Json report() const;
+};
+
+/// Runs the identity reasoning again over everything that a memory observed, into a new memory. Depth is that
+/// of the thumbnails. Observations, pictures, searchable annotations, places and their facts come along;
+/// feature structures and facts about objects, whose numbers change, stay behind. Error when `other` exists.
+ReasonResult reason(const Store& from, const std::filesystem::path& other,
+                    const belief::BeliefOptions& options, const WriteOptions& write, Progress& progress);
+
+/// What two histories of the same observations say differently.
+struct HistoryDifference {
+  struct Observation {
+    Id scene = 0;  ///< of the first memory
+    TimeNs time = 0;
+    int64_t number = 0;
+    Id first = 0, second = 0;  ///< object in each memory; 0 = a false cluster
+  };
+  std::vector<Observation> observations;  ///< that differ
+  size_t compared = 0;
+  size_t objects_first = 0, objects_second = 0;
+  std::map<std::string, std::pair<size_t, size_t>> events;  ///< how many of each kind
+  size_t scenes_unmatched = 0;                              ///< that only one of them has
+
+  std::string text() const;
+  Json to_json() const;
+};
+
+HistoryDifference compare_histories(const Store& first, const Store& second);
+
+}  // namespace loci

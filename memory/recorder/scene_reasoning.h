@@ -1,0 +1,24 @@
+#pragma once
+
+#include "memory/belief/decisions.h"
+#include "memory/store/scene_transaction.h"
+
+namespace loci {
+
+/// What the belief was told about a scene, without pictures, and what it made of it: enough to explain it
+/// later and to reason anew.
+struct SceneReasoning {
+  belief::Scene evidence;  ///< view without camera and images, which the scene's row has
+  belief::Decisions decisions;
+};
+
+/// Kept with the scene, compact.
+void save_reasoning(SceneTransaction& transaction, Id scene, const belief::Scene& evidence,
+                    const belief::Decisions& decisions);
+/// Unset for scenes of which none was kept (other writers, earlier versions).
+std::optional<SceneReasoning> load_reasoning(const Store& store, Id scene);
+
+/// Type of the scene annotation whose value names the blob.
+inline constexpr const char* kReasoningType = "loci.memory.SceneReasoning";
+
+}  // namespace loci

@@ -1,0 +1,135 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "mapping/base/files.h"
+#include "memory/ingest/ingest.h"
+#include "memory/reasoning/reason.h"
+#include "memory/reasoning/why.h"
+#include "memory/recorder/scene_reasoning.h"
+
+namespace loci {
+namespace {
+
+using testing::HasSubstr;
+
+/// A mug and a box; the mug goes to the counter, then the box is gone.
+const std::string kDay =
+    R"({"time": "2026-05-01T08:00:00Z", "observed": [{"place": "table_1", "fraction": 1}], "detections": [)"
+    R"({"position": [1, 2, 0.8], "size": [0.1, 0.1, 0.1], "color": [10, 0.9, 0.8], "class": {"mug": 0.9}, "place": "table_1"},)"
+    R"({"position": [1.5, 2, 0.8], "size": [0.2, 0.1, 0.3], "color": [200, 0.9, 0.8], "class": {"box": 0.9}, "place": "table_1"}]})"
+    "\n"
+    R"({"time": "2026-05-01T09:00:00Z", "observed": [{"place": "counter_1", "fraction": 1}], "detections": [)"
+    R"({"position": [3, 2, 0.9], "size": [0.1, 0.1, 0.1], "color": [12, 0.9, 0.8], "class": {"mug": 0.9}, "place": "counter_1"}]})"
+    "\n"
+    R"({"time": "2026-05-01T10:00:00Z", "observed": [{"place": "table_1", "fraction": 1}], "detections": []})"
+    "\n";
+
+class Reasoning : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder = std::filesystem::temp_directory_path() / fmt::format("loci_reasoning_{}", getpid());
+    std::filesystem::remove_all(folder);
+    make_folder(folder);
+    std::ofstream(folder / "day.jsonl", std::ios::binary) << kDay;
+    ingest(folder / "day.jsonl", folder / "memory.loci", {}, {}, progress, warnings);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+
+  Store memory() const { return Store::open_read(folder / "memory.loci"); }
+  HistoryDifference anew(const belief::BeliefOptions& options) {
+    const std::filesystem::path other = folder / "other.loci";
+    std::filesystem::remove(other);
+    reason(memory(), other, options, {}, progress);
+    return compare_histories(memory(), Store::open_read(other));
+  }
+
+  std::filesystem::path folder;
+  Progress progress;
+  Warnings warnings;
+};
+
+TEST_F(Reasoning, EvidenceComesBackAsItWasTold) {
+  const Store store = memory();
+  const auto scenes = store.scenes();
+  const auto reasoning = load_reasoning(store, scenes[0].id);
+  ASSERT_TRUE(reasoning);
+  EXPECT_EQ(reasoning->evidence.time, scenes[0].time);
+  EXPECT_NEAR(reasoning->evidence.seconds_to_next.value_or(0), 3600, 1e-6);
+  ASSERT_EQ(reasoning->evidence.observations.size(), 2U);
+  EXPECT_EQ(reasoning->evidence.observations[1].box.size, Vector3d(0.2, 0.1, 0.3));
+  EXPECT_EQ(reasoning->evidence.observations[0].place, "table_1");
+}
+
+TEST_F(Reasoning, ProbabilitiesOfADecisionSumToOne) {
+  const Store store = memory();
+  for (const SceneRow& scene : store.scenes())
+    for (const belief::ObservationDecision& d : load_reasoning(store, scene.id)->decisions.observations) {
+      double sum = d.appear + d.clutter;
+      for (const belief::Candidate& candidate : d.candidates) sum += candidate.probability();
+      EXPECT_NEAR(sum, 1, 0.05);
+    }
+}
+
+TEST_F(Reasoning, WhyAnObjectIsWhereItIs) {
+  const Store store = memory();
+  const Why why = why_object(store, 1);
+  EXPECT_EQ(why.json.at("last_seen").at("explanation"), "move");
+  const Json& candidates = why.json.at("last_seen").at("candidates");
+  EXPECT_EQ(candidates.at(0).at("object"), "object_1");
+  EXPECT_GT(candidates.at(0).at("evidence").at("mean_color").at("log_ratio"), 0);
+  EXPECT_TRUE(candidates.at(0).at("against").is_null());
+  ASSERT_EQ(candidates.size(), 2U);
+  EXPECT_TRUE(candidates.at(1).at("against").is_string()) << "the box is no mug";
+}
+
+TEST_F(Reasoning, WhyAnObjectIsGone) {
+  const Store store = memory();
+  const Why why = why_object(store, 2);
+  EXPECT_EQ(why.json.at("since").at("explanation"), "disappear");
+  EXPECT_GT(why.json.at("since").at("place").at("searched"), 0.9);
+  const Why before = why_object(store, 2, {.at = parse_time("2026-05-01T09:30:00Z")});
+  EXPECT_FALSE(before.json.contains("since")) << "nobody had looked";
+}
+
+TEST_F(Reasoning, WhyOfWhatIsUnknownSaysSo) {
+  const Store store = memory();
+  EXPECT_THROW(why_object(store, 99), Error);
+  EXPECT_THROW(why_object(store, 1, {.at = parse_time("2026-05-01T07:00:00Z")}), Error);
+  EXPECT_THROW(why_scene(store, 99), Error);
+}
+
+TEST_F(Reasoning, OneThingIsInOnePlace) {
+  belief::Decisions decisions;
+  decisions.observations.resize(2);
+  decisions.observations[0].key = 7;
+  decisions.observations[0].probability = 0.9F;
+  belief::Candidate candidate;
+  candidate.key = 7;
+  EXPECT_THAT(belief::objection(decisions, 1, candidate), HasSubstr("taken for observation 0"));
+}
+
+TEST_F(Reasoning, TheSameParametersMakeTheSameHistory) {
+  const HistoryDifference difference = anew({});
+  EXPECT_EQ(difference.compared, 3U);
+  EXPECT_TRUE(difference.observations.empty());
+  for (const auto& [kind, counts] : difference.events) EXPECT_EQ(counts.first, counts.second) << kind;
+}
+
+TEST_F(Reasoning, OtherParametersMakeAnotherHistoryThatCanBeCompared) {
+  belief::BeliefOptions credulous;
+  credulous.appear = 100;  // everything may be new
+  const HistoryDifference difference = anew(credulous);
+  EXPECT_EQ(difference.observations.size(), 1U) << "the mug on the counter is another one";
+  EXPECT_EQ(difference.objects_second, 3U);
+  EXPECT_EQ(difference.events.at("appeared"), std::pair(size_t{2}, size_t{3}));
+}
+
+TEST_F(Reasoning, OverwritesNothing) {
+  EXPECT_THROW(reason(memory(), folder / "memory.loci", {}, {}, progress), Error);
+}
+
+}  // namespace
+}  // namespace loci
