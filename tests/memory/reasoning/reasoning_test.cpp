@@ -47,7 +47,7 @@ class Reasoning : public testing::Test {
   }
 
   std::filesystem::path folder;
-  Progress progress;
+  NoProgress progress;
   Warnings warnings;
 };
 
