@@ -285,7 +285,8 @@ class Step {
           keys[alternative.key] += weight * alternative.probability;
       };
       if (const std::optional<size_t> seen_as = partner_of_object_[o]) {
-        for (size_t other = 0; other < state_.objects.size(); ++other) add(other, probability(other, *seen_as));
+        for (size_t other = 0; other < state_.objects.size(); ++other)
+          add(other, probability(other, *seen_as));
       } else {
         double matched = 0;
         for (size_t k = 0; k < scene_.observations.size(); ++k) matched += probability(o, k);
