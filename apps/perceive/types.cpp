@@ -47,9 +47,10 @@ Command types_command() {
                             ->excludes(ours);
             app.add_option("-o,--out", given->out, "Where the types of ROS messages are written as XML")
                 ->needs(ros);
+            app.parse_complete_callback([given] {
+              if (given->files.empty() && given->ros.empty()) throw CLI::RequiredError("FILE or --ros");
+            });
             return [given](Session& session) {
-              if (given->files.empty() && given->ros.empty())
-                throw Error("no type system was given", {}, "give FILE or --ros");
               const auto system = load(*given);
               session.answer(cas::types_text(*system), cas::types_json(*system));
             };
