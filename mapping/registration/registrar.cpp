@@ -15,6 +15,8 @@ constexpr double kPromising = 0.5;
 constexpr size_t kSearchesMax = 6;
 /// What remains to be found of a pair whose scans are both connected.
 constexpr SearchWindow kRefine = {0.05, 0.02};
+/// Two parts of the graph that stand by odometry are both off: the window between them is wider.
+constexpr double kBothOff = 1.5;
 /// Odometry is not taken to be better than this.
 constexpr SearchWindow kOdometryBest = {0.005, 0.002};
 /// An edge that is off by more standard deviations than this contradicts the others.
@@ -107,13 +109,14 @@ bool Registrar::connect(size_t scan, const std::vector<Partner>& partners, const
 }
 
 /// Aligns a connected scan with the others that it overlaps: those of its part of the graph are where they
-/// are, others may be anywhere in the window.
+/// are, others may be anywhere in a window that is wider, as both parts are off.
 void Registrar::refine(size_t scan, const std::vector<Partner>& partners, const SearchWindow& window) {
   std::vector<PairAlignment> pairs(partners.size());
+  const SearchWindow between = {kBothOff * window.position, kBothOff * window.angle};
   parallel_for(partners.size(), options_.threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const size_t other = partners[i].scan;
-      pairs[i] = aligned(other, scan, root_[other] == root_[scan] ? kRefine : window);
+      pairs[i] = aligned(other, scan, root_[other] == root_[scan] ? kRefine : between);
     }
   });
   for (PairAlignment& pair : pairs) put(std::move(pair));
@@ -131,11 +134,20 @@ void Registrar::put(PairAlignment pair) {
   result_.pairs.push_back(std::move(pair));
 }
 
-/// Follows trusted pairs from each part's first scan; a scan that is newly reached gets its pose by the
-/// chain.
+/// Follows trusted pairs from each part's first scan. A part that is newly reached moves as a whole: its
+/// scans stay where they are beside each other.
 void Registrar::spread() {
-  const std::vector<size_t> before = root_;
+  std::vector<size_t> part = root_;
   std::vector<bool> reached(scans_.size(), false);
+  const auto join = [&](size_t at, size_t next, const Isometry3d& at_from_next) {
+    const Isometry3d move = result_.map_from_scan[at] * at_from_next * result_.map_from_scan[next].inverse();
+    const size_t joining = part[next];
+    for (size_t i = 0; i < part.size(); ++i) {
+      if (part[i] != joining) continue;
+      result_.map_from_scan[i] = move * result_.map_from_scan[i];
+      part[i] = part[at];
+    }
+  };
   for (size_t first = 0; first < scans_.size(); ++first) {
     if (reached[first]) continue;
     std::vector<size_t> open = {first};
@@ -146,14 +158,13 @@ void Registrar::spread() {
       root_[at] = first;
       for (const PairAlignment& pair : result_.pairs) {
         if (!pair.trusted || (pair.target != at && pair.source != at)) continue;
-        const size_t next = pair.target == at ? pair.source : pair.target;
+        const bool forward = pair.target == at;
+        const size_t next = forward ? pair.source : pair.target;
         if (reached[next]) continue;
         reached[next] = true;
         open.push_back(next);
-        if (before[next] == before[at]) continue;
-        result_.map_from_scan[next] =
-            result_.map_from_scan[at] *
-            (pair.target == at ? pair.target_from_source : pair.target_from_source.inverse());
+        if (part[next] != part[at])
+          join(at, next, forward ? pair.target_from_source : pair.target_from_source.inverse());
       }
     }
   }
