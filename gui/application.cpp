@@ -11,9 +11,11 @@
 #include <regex>
 #include <vector>
 
+#include "gui/background.h"
 #include "gui/data/memory_data.h"
 #include "gui/main_window.h"
 #include "gui/scene3d/egl_window.h"
+#include "gui/views/question_bar.h"
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
 
@@ -61,12 +63,16 @@ void go_to(MainWindow& window, const BrowseOptions& options) {
   const BrowserData& data = *window.browser().data();
   SelectionModel& selection = window.browser().selection();
   if (!options.at.empty()) selection.set_time(data.time_of(options.at));
-  if (options.select.empty()) return;
-  const FoundThings found = data.find(options.select, selection.time());
-  if (found.objects.empty())
-    selection.select_place(found.place);
-  else
-    selection.select_object(found.objects.front());
+  if (!options.select.empty()) {
+    const FoundThings found = data.find(options.select, selection.time());
+    if (found.objects.empty())
+      selection.select_place(found.place);
+    else
+      selection.select_object(found.objects.front());
+  }
+  if (options.ask.empty()) return;
+  window.question_bar().open();
+  window.question_bar().ask(QString::fromStdString(options.ask));
 }
 
 MapLayer layer_of(const std::string& name) {
@@ -86,7 +92,10 @@ void write_picture(MainWindow& window, const BrowseOptions& options) {
   window.resize(parse_size(options.size));
   for (const std::string& name : options.hide) window.map_view().set_layer(layer_of(name), false);
   window.show();
-  for (int i = 0; i < kRoundsOfEvents; ++i) QApplication::processEvents();
+  for (int i = 0; i < kRoundsOfEvents; ++i) {
+    QApplication::processEvents();
+    finish_background();
+  }
   const QImage image = options.view == "map" ? window.map_view().picture() : window.screenshot();
   QByteArray bytes;
   QBuffer buffer(&bytes);

@@ -13,6 +13,7 @@ struct BrowseOptions {
   std::string screenshot;  ///< PNG to write instead of staying; empty = a window
   std::string at;          ///< time to show, as people write it; empty = the last scene
   std::string select;      ///< object or place to choose, in words; empty = nothing
+  std::string ask;         ///< question to ask in the question bar; empty = none
   std::string size = "1280x800";
   std::string view = "window";         ///< what the picture shows: the whole "window", or the "map" alone
   std::vector<std::string> hide = {};  ///< layers of the 3D view that the picture leaves out

@@ -21,6 +21,8 @@ class Browser : public QObject {
 
   /// nullptr = nothing is open.
   const BrowserData* data() const { return data_.get(); }
+  /// For work in another thread, which may outlast what is open.
+  std::shared_ptr<const BrowserData> shared_data() const { return data_; }
   SelectionModel& selection() { return selection_; }
   const BelievedScene& belief() const { return belief_; }
   /// The scene that the chosen time falls into; nullptr when there is none.
@@ -44,7 +46,7 @@ class Browser : public QObject {
  private:
   void refresh();
 
-  std::unique_ptr<BrowserData> data_;
+  std::shared_ptr<const BrowserData> data_;
   SelectionModel selection_;
   BelievedScene belief_;
 };

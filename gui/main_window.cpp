@@ -15,6 +15,7 @@
 #include "gui/text.h"
 #include "gui/views/object_card.h"
 #include "gui/views/objects_tree.h"
+#include "gui/views/question_bar.h"
 #include "gui/views/scene_image.h"
 #include "gui/views/time_bar.h"
 #include "gui/views/time_track.h"
@@ -42,6 +43,7 @@ MainWindow::MainWindow(Opener opener, const WindowOptions& options)
   build_view_menu();
   build_help_menu();
   build_toolbar();
+  build_questions();
   summary_ = new QLabel(this);
   statusBar()->addPermanentWidget(summary_);
   connect(&browser_, &Browser::opened, this, &MainWindow::refresh_title);
@@ -82,6 +84,23 @@ void MainWindow::build_docks() {
   image_dock_ = add_dock("Scene", "scene", image_, Qt::RightDockWidgetArea);
   add_dock("Selection", "selection", card_, Qt::RightDockWidgetArea);
   add_dock("Time", "time", time_, Qt::BottomDockWidgetArea);
+}
+
+void MainWindow::build_questions() {
+  questions_ = new QuestionBar(browser_, this);
+  QList<QAction*> actions;
+  for (const QMenu* menu : menus())
+    for (QAction* action : menu->actions())
+      if (!action->isSeparator() && action->menu() == nullptr) actions << action;
+  questions_->set_actions(actions);
+  map_->installEventFilter(this);
+}
+
+/// The question bar stays over the map.
+bool MainWindow::eventFilter(QObject* watched, QEvent* event) {
+  if (watched == map_ && (event->type() == QEvent::Resize || event->type() == QEvent::Move))
+    questions_->place_in(QRect(map_->mapTo(this, QPoint(0, 0)), map_->size()));
+  return QMainWindow::eventFilter(watched, event);
 }
 
 void MainWindow::default_layout() {

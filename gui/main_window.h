@@ -14,6 +14,7 @@ namespace loci {
 
 class ObjectCard;
 class ObjectsTree;
+class QuestionBar;
 class SceneImage;
 class TimeBar;
 
@@ -46,12 +47,14 @@ class MainWindow : public QMainWindow {
   SceneImage& image() { return *image_; }
   TimeBar& time_bar() { return *time_; }
   ObjectCard& card() { return *card_; }
+  QuestionBar& question_bar() { return *questions_; }
   QList<QMenu*> menus() const;
 
  protected:
   void dragEnterEvent(QDragEnterEvent* event) override;
   void dropEvent(QDropEvent* event) override;
   void closeEvent(QCloseEvent* event) override;
+  bool eventFilter(QObject* watched, QEvent* event) override;
 
  private:
   struct Key {
@@ -63,6 +66,7 @@ class MainWindow : public QMainWindow {
   QAction* add_check(QMenu* menu, const Key& key, bool on, const std::function<void(bool)>& run);
   QDockWidget* add_dock(const QString& title, const QString& name, QWidget* widget, Qt::DockWidgetArea area);
   void build_docks();
+  void build_questions();
   void build_file_menu();
   void build_time_menu();
   void build_select_menu();
@@ -87,6 +91,7 @@ class MainWindow : public QMainWindow {
   SceneImage* image_ = nullptr;
   TimeBar* time_ = nullptr;
   ObjectCard* card_ = nullptr;
+  QuestionBar* questions_ = nullptr;
   QDockWidget* image_dock_ = nullptr;
   QMenu* recent_ = nullptr;
   QLabel* summary_ = nullptr;

@@ -16,6 +16,7 @@
 #include "gui/shortcut_sheet.h"
 #include "gui/views/object_card.h"
 #include "gui/views/objects_tree.h"
+#include "gui/views/question_bar.h"
 #include "gui/views/scene_image.h"
 #include "gui/views/time_bar.h"
 #include "mapping/base/error.h"
@@ -83,7 +84,13 @@ void MainWindow::build_time_menu() {
 
 void MainWindow::build_select_menu() {
   QMenu* menu = menuBar()->addMenu("&Selection");
-  add_action(menu, {"&Search", {QKeySequence("Ctrl+K"), QKeySequence("Ctrl+F")}, "Search the tree"}, [this] {
+  tools_ << add_action(menu,
+                       {"&Ask…",
+                        {QKeySequence("Ctrl+K"), QKeySequence("/")},
+                        "Ask the memory in words, or run a command by its name"},
+                       [this] { questions_->open(); })
+         << nullptr;
+  add_action(menu, {"&Search", {QKeySequence("Ctrl+F")}, "Search the tree"}, [this] {
     tree_->search()->setFocus();
     tree_->search()->selectAll();
   });

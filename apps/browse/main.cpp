@@ -33,6 +33,7 @@ void declare(CLI::App& app, loci::BrowseOptions& options) {
                  "The time to show: 2026-05-01T08:30:00Z, 08:30, \"yesterday 9:00\" [last scene]");
   app.add_option("--select", options.select,
                  "What to choose: an object (object_12, an alias, \"red\") or a place");
+  app.add_option("--ask", options.ask, "A question to answer in the question bar: \"Where is the red cup?\"");
   app.add_option("--theme", options.theme, "Colours: system, light, dark [system]")
       ->transform(CLI::CheckedTransformer(kThemes))
       ->option_text("TEXT");

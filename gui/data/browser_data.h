@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "gui/data/question_answers.h"
 #include "mapping/base/joint_state.h"
 #include "mapping/base/pose.h"
 #include "mapping/base/time.h"
@@ -92,6 +93,13 @@ struct SceneContent {
   std::vector<ImageBox> boxes;
 };
 
+/// What one scene could tell about an object or a place.
+enum class Look : uint8_t {
+  nothing,  ///< not observed: out of view, or behind something
+  seen,     ///< the object was seen; any of the place was
+  missed    ///< the object's place was seen without it
+};
+
 /// What words mean.
 struct FoundThings {
   std::vector<int64_t> objects;  ///< most probable first; empty when it is a place
@@ -135,6 +143,9 @@ class BrowserData {
   virtual std::vector<HistoryEntry> history(int64_t object) const = 0;
   /// Times at which the object was observed.
   virtual std::vector<TimeNs> observations(int64_t object) const = 0;
+  /// What each of scenes() could tell about an object, in their order.
+  virtual std::vector<Look> looks_for_object(int64_t object) const = 0;
+  virtual std::vector<Look> looks_at_place(const std::string& place) const = 0;
   /// The newest picture of an object at or before a time (CV_8UC3, BGR); empty when there is none.
   virtual cv::Mat picture(int64_t object, TimeNs time) const = 0;
 
@@ -144,6 +155,11 @@ class BrowserData {
   /// What words mean at a time: "object_12", an alias, "red", "on table_1", or a place. Error with the
   /// nearest names when they mean nothing.
   virtual FoundThings find(const std::string& words, TimeNs time) const = 0;
+
+  /// Questions in words. These three may be called from another thread.
+  virtual TypedAnswer answer(const TypedQuestion& question) const = 0;
+  virtual std::vector<std::string> example_questions() const = 0;
+  virtual std::vector<std::string> known_words() const = 0;
 
   /// The last scene at or before `time`, else the first; nullptr when there are none.
   const SceneEntry* scene_at(TimeNs time) const;

@@ -68,7 +68,7 @@ cv::Rect2d in_color_picture(const cv::Rect2d& roi, const std::optional<Vector3d>
 
 class MemoryData : public BrowserData {
  public:
-  explicit MemoryData(const std::filesystem::path& path) : store_(Store::open_read(path)) {
+  explicit MemoryData(const std::filesystem::path& path) : path_(path), store_(Store::open_read(path)) {
     for (const PlaceRow& place : store_.places()) places_[place.id] = place.name;
     read_names();
     read_scenes();
@@ -88,7 +88,17 @@ class MemoryData : public BrowserData {
   SceneContent scene(int64_t id) const override;
   std::vector<HistoryEntry> history(int64_t object) const override;
   std::vector<TimeNs> observations(int64_t object) const override;
+  std::vector<Look> looks_for_object(int64_t object) const override;
+  std::vector<Look> looks_at_place(const std::string& place) const override;
   cv::Mat picture(int64_t object, TimeNs time) const override;
+  // A Store belongs to one thread: what may be asked from another opens its own.
+  TypedAnswer answer(const TypedQuestion& question) const override {
+    return answer_question(Store::open_read(path_), question);
+  }
+  std::vector<std::string> example_questions() const override {
+    return loci::example_questions(Store::open_read(path_));
+  }
+  std::vector<std::string> known_words() const override { return loci::known_words(Store::open_read(path_)); }
   TimeNs time_of(const std::string& text) const override;
   FoundThings find(const std::string& words, TimeNs time) const override;
 
@@ -106,12 +116,14 @@ class MemoryData : public BrowserData {
   SceneContent read_scene(const SceneRow& row) const;
   std::vector<ImageBox> boxes(const SceneRow& row, const SceneContent& content) const;
 
+  std::filesystem::path path_;
   Store store_;
   MemoryInfo info_;
   std::map<Id, std::string> places_;
   std::map<Id, std::string> aliases_, classes_;
   std::vector<SceneEntry> scenes_;
   std::map<Id, SceneRow> rows_;
+  std::map<Id, size_t> number_of_scene_;  ///< its index in scenes_
   std::vector<EventEntry> events_;
   std::optional<World> world_;
   mutable std::optional<SceneContent> last_scene_;
@@ -130,6 +142,7 @@ void MemoryData::read_scenes() {
   for (SceneRow& row : store_.scenes()) {
     const std::string name =
         row.frame_index ? fmt::format("frame {}", *row.frame_index) : fmt::format("scene {}", row.id);
+    number_of_scene_[row.id] = scenes_.size();
     scenes_.push_back({row.id, row.time, name, row.map_from_camera});
     rows_.emplace(row.id, std::move(row));
   }
@@ -315,6 +328,27 @@ std::vector<TimeNs> MemoryData::observations(int64_t object) const {
   std::vector<TimeNs> times;
   for (const Sighting& sighting : store_.sightings(object)) times.push_back(sighting.time);
   return times;
+}
+
+std::vector<Look> MemoryData::looks_for_object(int64_t object) const {
+  std::vector<Look> looks(scenes_.size(), Look::nothing);
+  for (const VisibilityRow& row : store_.visibility_of_object(object))
+    if (const auto scene = number_of_scene_.find(row.scene); scene != number_of_scene_.end())
+      if (row.status == "missed") looks[scene->second] = Look::missed;
+  for (const Sighting& sighting : store_.sightings(object))
+    if (const auto scene = number_of_scene_.find(sighting.observation.scene); scene != number_of_scene_.end())
+      looks[scene->second] = Look::seen;
+  return looks;
+}
+
+std::vector<Look> MemoryData::looks_at_place(const std::string& place) const {
+  std::vector<Look> looks(scenes_.size(), Look::nothing);
+  for (const auto& [id, name] : places_)
+    if (name == place)
+      for (const VisibilityRow& row : store_.visibility_of_place(id))
+        if (const auto scene = number_of_scene_.find(row.scene); scene != number_of_scene_.end())
+          if (row.fraction.value_or(0) > 0) looks[scene->second] = Look::seen;
+  return looks;
 }
 
 cv::Mat MemoryData::picture(int64_t object, TimeNs time) const {

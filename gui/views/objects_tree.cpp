@@ -23,7 +23,7 @@ ObjectsTree::ObjectsTree(Browser& browser, QWidget* parent)
   filtered_->setFilterCaseSensitivity(Qt::CaseInsensitive);
   search_->setPlaceholderText("Search name, colour, place, state");
   search_->setClearButtonEnabled(true);
-  search_->setToolTip("Shows only what contains this text (Ctrl+K)");
+  search_->setToolTip("Shows only what contains this text (Ctrl+F)");
   view_->setModel(filtered_);
   view_->setUniformRowHeights(true);
   view_->setIndentation(14);

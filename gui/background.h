@@ -1,0 +1,45 @@
+#pragma once
+
+#include <QCoreApplication>
+#include <QPointer>
+#include <QString>
+#include <QThreadPool>
+#include <exception>
+#include <functional>
+#include <memory>
+
+namespace loci {
+
+/// Runs `work` in another thread and then, in the thread of the windows, `done` with its result or `failed`
+/// with the reason; neither when `owner` is gone by then.
+template <class Result>
+void in_background(QObject* owner, std::function<Result()> work, std::function<void(Result&)> done,
+                   std::function<void(const std::exception_ptr&)> failed) {
+  const QPointer<QObject> alive(owner);
+  QThreadPool::globalInstance()->start([=] {
+    auto result = std::make_shared<std::unique_ptr<Result>>();
+    std::exception_ptr error;
+    try {
+      *result = std::make_unique<Result>(work());
+    } catch (...) {
+      error = std::current_exception();
+    }
+    QMetaObject::invokeMethod(
+        QCoreApplication::instance(),
+        [=] {
+          if (alive.isNull()) return;
+          if (error)
+            failed(error);
+          else
+            done(**result);
+        },
+        Qt::QueuedConnection);
+  });
+}
+
+/// What an exception says.
+QString reason_of(const std::exception_ptr& error);
+/// Waits until nothing runs in the background and what is done has been told.
+void finish_background();
+
+}  // namespace loci

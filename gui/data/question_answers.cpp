@@ -1,0 +1,127 @@
+#include "gui/data/question_answers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "memory/questions/spoken.h"
+#include "memory/questions/words.h"
+
+namespace loci {
+namespace {
+
+/// Words as a shell takes them apart: 'tea cup' and "tea cup" are one.
+std::vector<std::string> shell_words(const std::string& text) {
+  std::vector<std::string> words;
+  bool open = false;
+  char quote = 0;
+  for (const char c : text) {
+    if (quote != 0 ? c == quote : c == '\'' || c == '"') {
+      quote = quote != 0 ? char{0} : c;
+      if (!open) words.emplace_back();
+      open = true;
+    } else if (quote == 0 && c == ' ') {
+      open = false;
+    } else {
+      if (!open) words.emplace_back();
+      open = true;
+      words.back() += c;
+    }
+  }
+  return words;
+}
+
+/// The verbs that sentences become are those that may be typed.
+bool is_verb(const std::string& word) {
+  const auto& patterns = sentence_patterns();
+  return std::any_of(patterns.begin(), patterns.end(), [&](const SentencePattern& pattern) {
+    return pattern.command == word || pattern.command.starts_with(word + " ");
+  });
+}
+
+std::optional<CommandLine> read_command(const std::string& text) {
+  std::vector<std::string> words = shell_words(text);
+  if (!words.empty() && words[0] == "loci-memory") words.erase(words.begin());
+  if (words.empty() || !is_verb(words[0])) return std::nullopt;
+  CommandLine command{.verb = words[0]};
+  for (size_t i = 1; i < words.size(); ++i) {
+    if (!words[i].starts_with("--")) {
+      command.words.push_back(words[i]);
+      continue;
+    }
+    const std::string name = words[i].substr(2);
+    auto& values = command.options[name];
+    const size_t wanted = name == "between" ? 2 : 1;
+    while (values.size() < wanted && i + 1 < words.size()) values.push_back(words[++i]);
+    if (values.size() < wanted) throw Error(fmt::format("--{} takes {} value(s)", name, wanted));
+  }
+  return command;
+}
+
+TypedAnswer answer_command(const Store& store, const CommandLine& command, const AsOf& as_of) {
+  TypedAnswer answer{.command = command.text()};
+  try {
+    answer.text = to_text(run_question(store, command, as_of), TimeWriter(store));
+  } catch (const Error& error) {
+    answer.text = error.message() + (error.hint().empty() ? "." : " (" + error.hint() + ").");
+  }
+  return answer;
+}
+
+}  // namespace
+
+TypedAnswer answer_question(const Store& store, const TypedQuestion& question) {
+  const AsOf as_of{.at = question.at, .known_at = {}};
+  TypedAnswer answer;
+  if (!understand(question.text, TimeReader(store)))
+    if (const auto command = read_command(question.text)) {
+      answer = answer_command(store, *command, as_of);
+      answer.question = question.text;
+      return answer;
+    }
+  SpokenQuestion spoken{.sentences = {}, .as_of = as_of};
+  if (question.about) spoken.sentences.push_back("where is " + object_name(*question.about));
+  spoken.sentences.push_back(question.text);
+  SpokenAnswer said = ask(store, spoken).back();
+  answer.question = question.text;
+  answer.understood = said.command.has_value();
+  if (said.command) answer.command = said.command->text();
+  answer.nearest = std::move(said.nearest);
+  for (const std::string& note : said.notes) answer.text += "(" + note + ")\n";
+  if (said.why_not) answer.text += said.why_not->text + "\n";
+  if (said.answer) answer.text += to_text(*said.answer, TimeWriter(store));
+  return answer;
+}
+
+std::vector<std::string> example_questions(const Store& store) {
+  std::vector<std::string> questions;
+  const auto states = ask(store, ObjectsQuestion{}).objects;
+  const auto moved = ask(store, ChangesQuestion{}).changes;
+  const auto name = [](const ObjectRef& object) {
+    return object.aliases.empty() ? object.name : "the " + object.aliases.front();
+  };
+  if (!states.empty()) questions.push_back(fmt::format("Where is {}?", name(states.front().object)));
+  for (auto change = moved.rbegin(); change != moved.rend(); ++change)
+    if (change->kind == "moved" && change->object) {
+      questions.push_back(fmt::format("Where has {} been?", name(*change->object)));
+      break;
+    }
+  if (!states.empty() && states.front().place)
+    questions.push_back(fmt::format("What is {} {}?", states.front().place->container ? "in" : "on",
+                                    states.front().place->name));
+  for (const SentencePattern& pattern : sentence_patterns())
+    if (!pattern.example.empty()) questions.push_back(pattern.example);
+  return questions;
+}
+
+std::vector<std::string> known_words(const Store& store) {
+  std::set<std::string> words;
+  for (const ObjectRow& object : store.objects()) words.insert(object_name(object.id));
+  for (const PlaceRow& place : store.places()) words.insert(place.name);
+  for (const FactRow& fact : store.facts())
+    if (fact.value && (fact.key == "alias" || fact.key == "class")) words.insert(*fact.value);
+  return {words.begin(), words.end()};
+}
+
+}  // namespace loci

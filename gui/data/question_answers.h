@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mapping/base/time.h"
+
+namespace loci {
+
+class Store;
+
+/// A question as a person types it.
+struct TypedQuestion {
+  std::string text = {};              ///< a sentence, or a command of loci-memory without the program's name
+  std::optional<int64_t> about = {};  ///< the object that "it" means; unset = the one seen last
+  std::optional<TimeNs> at = {};      ///< what the question says that says no time; unset = the end
+};
+
+/// What is shown of an answer.
+struct TypedAnswer {
+  std::string question = {};
+  bool understood = true;
+  std::string command = {};               ///< what it became, as it is typed after "loci-memory"
+  std::string text = {};                  ///< in words, line by line
+  std::vector<std::string> nearest = {};  ///< questions that are understood, when this one is not
+};
+
+/// The answer of loci-memory. What is not understood is an answer; Error when the file cannot be read.
+TypedAnswer answer_question(const Store& store, const TypedQuestion& question);
+
+/// Questions that this memory can answer, for people who do not know what to ask: first about what is in it,
+/// then one of each form.
+std::vector<std::string> example_questions(const Store& store);
+/// Objects, what people call them, and places: words that a question may be about.
+std::vector<std::string> known_words(const Store& store);
+
+}  // namespace loci

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <QString>
+#include <QStringList>
+#include <vector>
+
+namespace loci {
+
+/// A line that may be taken instead of typing on.
+struct Suggestion {
+  enum class Kind { asked, example, word, action };
+  QString text;
+  Kind kind = Kind::example;
+};
+
+/// What suggestions are made of.
+struct SuggestionSources {
+  QStringList asked;     ///< earlier questions, newest first
+  QStringList examples;  ///< questions that are understood
+  QStringList words;     ///< names of objects and places
+  QStringList actions;   ///< what the window can do
+};
+
+/// Lines that fit what was typed, best first: words that complete the last ones, then questions and actions
+/// with all of what was typed in them. Nothing typed: the last questions, then examples.
+std::vector<Suggestion> suggest(const QString& typed, const SuggestionSources& sources, size_t limit);
+
+}  // namespace loci
