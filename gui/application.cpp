@@ -70,6 +70,7 @@ void go_to(MainWindow& window, const BrowseOptions& options) {
     else
       selection.select_object(found.objects.front());
   }
+  if (!options.show.empty()) window.show_dock(options.show);
   if (options.ask.empty()) return;
   window.question_bar().open();
   window.question_bar().ask(QString::fromStdString(options.ask));

@@ -14,6 +14,7 @@ struct BrowseOptions {
   std::string at;          ///< time to show, as people write it; empty = the last scene
   std::string select;      ///< object or place to choose, in words; empty = nothing
   std::string ask;         ///< question to ask in the question bar; empty = none
+  std::string show;        ///< dock to bring to the front; empty = as it was
   std::string size = "1280x800";
   std::string view = "window";         ///< what the picture shows: the whole "window", or the "map" alone
   std::vector<std::string> hide = {};  ///< layers of the 3D view that the picture leaves out

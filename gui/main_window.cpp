@@ -13,10 +13,12 @@
 #include <QToolBar>
 
 #include "gui/text.h"
+#include "gui/views/log_view.h"
 #include "gui/views/object_card.h"
 #include "gui/views/objects_tree.h"
 #include "gui/views/question_bar.h"
 #include "gui/views/scene_image.h"
+#include "gui/views/statistics_view.h"
 #include "gui/views/time_bar.h"
 #include "gui/views/time_track.h"
 #include "mapping/base/error.h"
@@ -82,7 +84,7 @@ void MainWindow::build_docks() {
   setCorner(Qt::BottomRightCorner, Qt::BottomDockWidgetArea);
   add_dock("Places and objects", "objects", tree_, Qt::LeftDockWidgetArea);
   image_dock_ = add_dock("Scene", "scene", image_, Qt::RightDockWidgetArea);
-  add_dock("Selection", "selection", card_, Qt::RightDockWidgetArea);
+  fill_corner();
   add_dock("Time", "time", time_, Qt::BottomDockWidgetArea);
 }
 
@@ -103,12 +105,35 @@ bool MainWindow::eventFilter(QObject* watched, QEvent* event) {
   return QMainWindow::eventFilter(watched, event);
 }
 
+/// The views below the picture share one place, with tabs.
+void MainWindow::fill_corner() {
+  statistics_ = new StatisticsView(browser_, this);
+  log_ = new LogView(browser_, this);
+  setTabPosition(Qt::RightDockWidgetArea, QTabWidget::North);
+  QDockWidget* first = add_dock("Selection", "selection", card_, Qt::RightDockWidgetArea);
+  for (QDockWidget* dock : {add_dock("Statistics", "statistics", statistics_, Qt::RightDockWidgetArea),
+                            add_dock("Log", "log", log_, Qt::RightDockWidgetArea)})
+    tabifyDockWidget(first, dock);
+  first->raise();
+}
+
+void MainWindow::show_dock(const std::string& name) {
+  auto* dock = findChild<QDockWidget*>(QString::fromStdString(name));
+  if (dock == nullptr) {
+    QStringList names;
+    for (const auto* other : findChildren<QDockWidget*>()) names << other->objectName();
+    throw Error("there is no dock '" + name + "'", {}, "docks are " + names.join(", ").toStdString());
+  }
+  dock->show();
+  dock->raise();
+}
+
 void MainWindow::default_layout() {
   if (!default_state_.isEmpty()) restoreState(default_state_);
   const auto dock = [this](const char* name) { return findChild<QDockWidget*>(name); };
   resizeDocks({dock("objects"), dock("scene")}, {300, 360}, Qt::Horizontal);
-  resizeDocks({dock("scene"), dock("selection")}, {280, 330}, Qt::Vertical);
-  resizeDocks({dock("time")}, {110}, Qt::Vertical);
+  resizeDocks({dock("scene"), dock("selection")}, {230, 330}, Qt::Vertical);
+  resizeDocks({dock("time")}, {220}, Qt::Vertical);
 }
 
 void MainWindow::refresh_title() {

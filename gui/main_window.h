@@ -15,7 +15,9 @@ namespace loci {
 class ObjectCard;
 class ObjectsTree;
 class QuestionBar;
+class LogView;
 class SceneImage;
+class StatisticsView;
 class TimeBar;
 
 struct WindowOptions {
@@ -48,6 +50,11 @@ class MainWindow : public QMainWindow {
   TimeBar& time_bar() { return *time_; }
   ObjectCard& card() { return *card_; }
   QuestionBar& question_bar() { return *questions_; }
+  StatisticsView& statistics() { return *statistics_; }
+  LogView& log() { return *log_; }
+  /// Brings a dock to the front by its name (objects, scene, selection, statistics, log, time). Error when
+  /// there is none.
+  void show_dock(const std::string& name);
   QList<QMenu*> menus() const;
 
  protected:
@@ -64,6 +71,7 @@ class MainWindow : public QMainWindow {
   };
   QAction* add_action(QMenu* menu, const Key& key, const std::function<void()>& run);
   QAction* add_check(QMenu* menu, const Key& key, bool on, const std::function<void(bool)>& run);
+  void fill_corner();
   QDockWidget* add_dock(const QString& title, const QString& name, QWidget* widget, Qt::DockWidgetArea area);
   void build_docks();
   void build_questions();
@@ -92,6 +100,8 @@ class MainWindow : public QMainWindow {
   TimeBar* time_ = nullptr;
   ObjectCard* card_ = nullptr;
   QuestionBar* questions_ = nullptr;
+  StatisticsView* statistics_ = nullptr;
+  LogView* log_ = nullptr;
   QDockWidget* image_dock_ = nullptr;
   QMenu* recent_ = nullptr;
   QLabel* summary_ = nullptr;

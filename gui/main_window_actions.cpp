@@ -75,6 +75,16 @@ void MainWindow::build_time_menu() {
   add_action(menu, {"&First scene", {QKeySequence("Home")}, ""}, [this] { browser_.to_first(); });
   add_action(menu, {"&Last scene", {QKeySequence("End")}, ""}, [this] { browser_.to_last(); });
   menu->addSeparator();
+  const auto zoom = [this](double factor) { time_->axis().zoom(factor, browser_.selection().time()); };
+  add_action(menu,
+             {"&Shorter time",
+              {QKeySequence("Ctrl++"), QKeySequence("Ctrl+=")},
+              "Shows less time, around the chosen one"},
+             [zoom] { zoom(0.5); });
+  add_action(menu, {"&Longer time", {QKeySequence("Ctrl+-")}, "Shows more time"}, [zoom] { zoom(2); });
+  add_action(menu, {"&Whole time", {QKeySequence("Ctrl+0")}, "Shows all of the memory's time"},
+             [this] { time_->axis().show_all(); });
+  menu->addSeparator();
   add_action(menu, {"Pl&ay or pause", {QKeySequence("Space")}, ""}, [this] { time_->toggle_play(); });
   add_action(menu, {"Go to &time", {QKeySequence("Ctrl+T")}, "Type a date or a time of the day"}, [this] {
     time_->stamp()->setFocus();

@@ -23,6 +23,7 @@ const QList<std::pair<QString, QString>> kMouse = {{"Turn the map", "left drag"}
                                                    {"Shift the map", "middle drag, Shift + left drag"},
                                                    {"Zoom", "wheel, right drag"},
                                                    {"Point size", "Ctrl + wheel"},
+                                                   {"Zoom in time", "wheel over the scenes"},
                                                    {"Select", "click in map, tree or picture"}};
 
 int add_block(QGridLayout& grid, int column, int row, const QString& title,

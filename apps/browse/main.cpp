@@ -34,6 +34,7 @@ void declare(CLI::App& app, loci::BrowseOptions& options) {
   app.add_option("--select", options.select,
                  "What to choose: an object (object_12, an alias, \"red\") or a place");
   app.add_option("--ask", options.ask, "A question to answer in the question bar: \"Where is the red cup?\"");
+  app.add_option("--show", options.show, "The dock to bring to the front: statistics, log, ...");
   app.add_option("--theme", options.theme, "Colours: system, light, dark [system]")
       ->transform(CLI::CheckedTransformer(kThemes))
       ->option_text("TEXT");

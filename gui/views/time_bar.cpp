@@ -10,6 +10,7 @@
 
 #include "gui/text.h"
 #include "gui/theme.h"
+#include "gui/views/lane_view.h"
 #include "gui/views/time_track.h"
 #include "mapping/base/error.h"
 
@@ -21,11 +22,13 @@ constexpr int kPlayStepMs = 700;
 TimeBar::TimeBar(Browser& browser, QWidget* parent)
     : QWidget(parent),
       browser_(browser),
-      track_(new TimeTrack(browser, this)),
+      track_(new TimeTrack(browser, axis_, this)),
+      lanes_(new LaneView(browser, axis_, this)),
       stamp_(new QLineEdit(this)),
       zone_(new QLabel(this)),
       scene_(new QLabel(this)),
-      happened_(new QLabel(this)) {
+      happened_(new QLabel(this)),
+      legend_(new QLabel(this)) {
   auto* buttons = new QHBoxLayout;
   buttons->setSpacing(4);
   const auto add = [&](Transport sign, const QString& tip, auto action) {
@@ -53,23 +56,41 @@ TimeBar::TimeBar(Browser& browser, QWidget* parent)
   happened_->setTextInteractionFlags(Qt::TextSelectableByMouse);
   happened_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
   buttons->addWidget(happened_, 1);
+  buttons->addWidget(legend_);
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(8, 6, 8, 2);
   layout->setSpacing(2);
   layout->addLayout(buttons);
   layout->addWidget(track_);
+  layout->addWidget(lanes_, 1);
 
   paint_buttons();
   timer_.setInterval(kPlayStepMs);
   connect(&timer_, &QTimer::timeout, this, &TimeBar::play_step);
   connect(stamp_, &QLineEdit::returnPressed, this, &TimeBar::take_stamp);
   connect(stamp_, &QLineEdit::editingFinished, this, &TimeBar::refresh);
-  connect(&browser_, &Browser::opened, this, &TimeBar::refresh);
+  connect(&browser_, &Browser::opened, this, [this] {
+    const BrowserData* memory = browser_.data();
+    if (memory != nullptr && !memory->scenes().empty())
+      axis_.set_whole(memory->scenes().front().time, memory->scenes().back().time);
+    refresh();
+  });
   connect(&browser_, &Browser::belief_changed, this, &TimeBar::refresh);
   refresh();
 }
 
+QString TimeBar::legend() const {
+  const Theme theme = Theme::of(palette());
+  QStringList parts;
+  for (const auto& [color, text] :
+       {std::pair(theme.seen, "seen"), std::pair(theme.gone, "looked for, not there"),
+        std::pair(theme.grid, "not observed")})
+    parts << QString("<span style='color:%1'>■</span> %2").arg(color.name(), text);
+  return parts.join("&nbsp;&nbsp; ");
+}
+
 void TimeBar::paint_buttons() {
+  legend_->setText(legend());
   for (const auto& [sign, button] : buttons_) {
     const bool pause = sign == Transport::play && timer_.isActive();
     button->setIcon(transport_icon(pause ? Transport::pause : sign, Theme::of(palette()).text));
@@ -141,6 +162,7 @@ void TimeBar::refresh() {
     for (QLabel* label : {zone_, scene_, happened_}) label->clear();
     return;
   }
+  axis_.reveal(browser_.selection().time());
   const MemoryInfo& info = memory->info();
   stamp_->setText(time_text(browser_.selection().time(), info.zone_minutes));
   stamp_->setCursorPosition(0);
@@ -155,7 +177,7 @@ void TimeBar::refresh() {
   elide();
   QPalette colors = palette();
   colors.setColor(QPalette::WindowText, Theme::of(palette()).muted);
-  for (QLabel* label : {zone_, happened_}) label->setPalette(colors);
+  for (QLabel* label : {zone_, happened_, legend_}) label->setPalette(colors);
 }
 
 }  // namespace loci

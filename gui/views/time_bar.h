@@ -7,6 +7,7 @@
 
 #include "gui/browser.h"
 #include "gui/transport_icon.h"
+#include "gui/views/time_axis.h"
 
 class QLabel;
 class QLineEdit;
@@ -14,9 +15,11 @@ class QToolButton;
 
 namespace loci {
 
+class LaneView;
 class TimeTrack;
 
-/// The chosen time: buttons, a time stamp that can be edited, the slider, and what happened there in words.
+/// The chosen time: buttons, a time stamp that can be edited, the slider, what happened there in words, and
+/// the lanes of objects and places.
 class TimeBar : public QWidget {
   Q_OBJECT
 
@@ -24,6 +27,8 @@ class TimeBar : public QWidget {
   explicit TimeBar(Browser& browser, QWidget* parent = nullptr);
 
   TimeTrack* track() const { return track_; }
+  LaneView* lanes() const { return lanes_; }
+  TimeAxis& axis() { return axis_; }
   QLineEdit* stamp() const { return stamp_; }
   bool plays() const { return timer_.isActive(); }
   /// Starts at the beginning when the end is reached; stops there.
@@ -40,16 +45,20 @@ class TimeBar : public QWidget {
   void refresh();
   void take_stamp();
   void play_step();
+  QString legend() const;
   void paint_buttons();
   void elide();
   QString what_happened() const;
 
   Browser& browser_;
+  TimeAxis axis_;
   TimeTrack* track_;
+  LaneView* lanes_;
   QLineEdit* stamp_;
   QLabel* zone_;
   QLabel* scene_;
   QLabel* happened_;
+  QLabel* legend_;
   std::vector<std::pair<Transport, QToolButton*>> buttons_;
   QTimer timer_;
 };

@@ -4,22 +4,23 @@
 #include <QMouseEvent>
 #include <QPainter>
 #include <QToolTip>
+#include <QWheelEvent>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "gui/text.h"
 #include "gui/theme.h"
+#include "gui/views/lane_view.h"
 #include "mapping/base/error.h"
 
 namespace loci {
 namespace {
 
-constexpr double kSide = 14;       // pixels left and right of the axis
-constexpr double kEventsY = 12;    // middle of the row of events
-constexpr double kAxisY = 30;      // the line that the handle moves on
-constexpr double kTextY = 44;      // top of the hours
-constexpr double kSnapPixels = 5;  // a drag that comes this near to a scene takes its time
+constexpr double kEventsY = 12;  // middle of the row of events
+constexpr double kAxisY = 30;    // the line that the handle moves on
+constexpr double kTextY = 44;    // top of the hours
+constexpr double kZoomStep = 1.25;
 constexpr double kDotRadius = 4;
 
 /// Round steps for labels, from milliseconds to months.
@@ -46,62 +47,64 @@ QString tick_text(TimeNs time, TimeNs step, int zone) {
 
 }  // namespace
 
-TimeTrack::TimeTrack(Browser& browser, QWidget* parent) : QWidget(parent), browser_(browser) {
+TimeTrack::TimeTrack(Browser& browser, TimeAxis& axis, QWidget* parent)
+    : QWidget(parent), browser_(browser), axis_(axis) {
   setFocusPolicy(Qt::StrongFocus);
   setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
   setMouseTracking(true);
   connect(&browser_, &Browser::opened, this, &TimeTrack::refresh);
   connect(&browser_, &Browser::selected, this, &TimeTrack::refresh);
   connect(&browser_, &Browser::belief_changed, this, [this] { update(); });
+  connect(&axis_, &TimeAxis::changed, this, [this] { update(); });
   refresh();
 }
 
 void TimeTrack::refresh() {
   observations_.clear();
-  first_ = last_ = 0;
   const BrowserData* memory = browser_.data();
-  if (memory != nullptr && !memory->scenes().empty()) {
-    first_ = memory->scenes().front().time;
-    last_ = memory->scenes().back().time;
-    try {
-      if (browser_.selection().object()) observations_ = memory->observations(*browser_.selection().object());
+  if (memory != nullptr && browser_.selection().object()) try {
+      observations_ = memory->observations(*browser_.selection().object());
     } catch (const Error& error) {
       Q_EMIT browser_.failed(QString::fromUtf8(error.what()));
     }
-  }
   update();
 }
 
 double TimeTrack::x_of(TimeNs time) const {
-  const double span = std::max(1.0, static_cast<double>(last_ - first_));
-  return kSide + (width() - 2 * kSide) * static_cast<double>(time - first_) / span;
+  return axis_.x_of(time, width());
 }
 
 TimeNs TimeTrack::time_at(double x) const {
-  const double part = std::clamp((x - kSide) / std::max(1.0, width() - 2 * kSide), 0.0, 1.0);
-  return first_ + std::llround(part * static_cast<double>(last_ - first_));
+  return axis_.time_at(x, width());
+}
+
+/// Whether a mark at this place is on the axis.
+bool TimeTrack::shows(double x) const {
+  return x > TimeAxis::kLeft - 1 && x < width() - TimeAxis::kRight + 1;
 }
 
 void TimeTrack::drag(double x) {
   const BrowserData* memory = browser_.data();
-  if (memory == nullptr || memory->scenes().empty()) return;
-  TimeNs time = time_at(x);
-  double nearest = kSnapPixels;
-  for (const SceneEntry& scene : memory->scenes()) {
-    const double distance = std::abs(x_of(scene.time) - x);
-    if (distance >= nearest) continue;
-    nearest = distance;
-    time = scene.time;
-  }
-  browser_.selection().set_time(time);
+  if (memory != nullptr && !memory->scenes().empty())
+    browser_.selection().set_time(snapped_time(*memory, axis_, x, width()));
 }
 
 void TimeTrack::mousePressEvent(QMouseEvent* event) {
+  dragged_from_ = event->localPos().x();
   if (event->button() == Qt::LeftButton) drag(event->localPos().x());
 }
 
 void TimeTrack::mouseMoveEvent(QMouseEvent* event) {
-  if ((event->buttons() & Qt::LeftButton) != 0) drag(event->localPos().x());
+  const double x = event->localPos().x();
+  if ((event->buttons() & Qt::LeftButton) != 0) drag(x);
+  if ((event->buttons() & Qt::RightButton) == 0) return;
+  axis_.pan((dragged_from_ - x) / std::max(1.0, width() - TimeAxis::kLeft - TimeAxis::kRight));
+  dragged_from_ = x;
+}
+
+void TimeTrack::wheelEvent(QWheelEvent* event) {
+  axis_.zoom(event->angleDelta().y() > 0 ? 1 / kZoomStep : kZoomStep, time_at(event->position().x()));
+  event->accept();
 }
 
 bool TimeTrack::event(QEvent* event) {
@@ -125,7 +128,10 @@ void TimeTrack::paintEvent(QPaintEvent*) {
   painter.setRenderHint(QPainter::Antialiasing);
   const Theme theme = Theme::of(palette());
   painter.setPen(QPen(theme.grid, 2));
-  painter.drawLine(QPointF(kSide, kAxisY), QPointF(width() - kSide, kAxisY));
+  painter.drawLine(QPointF(TimeAxis::kLeft, kAxisY), QPointF(width() - TimeAxis::kRight, kAxisY));
+  painter.setPen(theme.muted);
+  for (const auto& [text, middle] : {std::pair("Events", kEventsY), std::pair("Scenes", kAxisY)})
+    painter.drawText(QRectF(8, middle - 9, TimeAxis::kLeft - 18, 18), Qt::AlignVCenter | Qt::AlignLeft, text);
   if (browser_.data() == nullptr || browser_.data()->scenes().empty()) return;
   paint_axis(painter);
   paint_events(painter);
@@ -138,19 +144,22 @@ void TimeTrack::paint_axis(QPainter& painter) const {
   painter.setPen(QPen(theme.muted, 1));
   for (const SceneEntry& scene : browser_.data()->scenes()) {
     const double x = std::round(x_of(scene.time)) + 0.5;
+    if (!shows(x)) continue;
     painter.drawLine(QPointF(x, kAxisY - 5), QPointF(x, kAxisY + 5));
   }
   painter.setPen(QPen(theme.seen, 3));
   for (const TimeNs time : observations_) {
     const double x = std::round(x_of(time)) + 0.5;
+    if (!shows(x)) continue;
     painter.drawLine(QPointF(x, kAxisY - 5), QPointF(x, kAxisY + 5));
   }
-  const TimeNs step = label_step(last_ - first_, width() - 2 * kSide);
+  const TimeNs from = axis_.from(), to = axis_.to();
+  const TimeNs step = label_step(to - from, width() - TimeAxis::kLeft - TimeAxis::kRight);
   const TimeNs offset = static_cast<TimeNs>(zone) * 60 * kSecond;
   painter.setPen(theme.muted);
   const QFont font = scaled_font(this->font(), 0.9);
   painter.setFont(font);
-  for (TimeNs t = (first_ + offset + step - 1) / step * step - offset; t <= last_; t += step) {
+  for (TimeNs t = (from + offset + step - 1) / step * step - offset; t <= to; t += step) {
     const QString text = tick_text(t, step, zone);
     const double half = QFontMetricsF(font).horizontalAdvance(text) / 2 + 1;
     const double middle = std::clamp(x_of(t), half, width() - half);  // nothing is cut off at the sides
@@ -162,6 +171,7 @@ void TimeTrack::paint_events(QPainter& painter) const {
   const Theme theme = Theme::of(palette());
   const auto object = browser_.selection().object();
   const auto dot = [&](const EventEntry& event, const QColor& color) {
+    if (!shows(x_of(event.time))) return;
     painter.setBrush(color);
     painter.drawEllipse(QPointF(x_of(event.time), kEventsY), kDotRadius, kDotRadius);
   };
@@ -174,9 +184,9 @@ void TimeTrack::paint_events(QPainter& painter) const {
 
 void TimeTrack::paint_handle(QPainter& painter) const {
   const Theme theme = Theme::of(palette());
-  const double x = std::clamp(x_of(browser_.selection().time()), kSide, width() - kSide);
+  const double x = std::clamp(x_of(browser_.selection().time()), TimeAxis::kLeft, width() - TimeAxis::kRight);
   painter.setPen(QPen(theme.accent, 2));
-  painter.drawLine(QPointF(x, 2), QPointF(x, kAxisY + 8));
+  painter.drawLine(QPointF(x, 2), QPointF(x, height()));
   painter.setPen(QPen(theme.panel, 2));
   painter.setBrush(theme.accent);
   painter.drawEllipse(QPointF(x, kAxisY), 7, 7);

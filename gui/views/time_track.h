@@ -3,16 +3,17 @@
 #include <QWidget>
 
 #include "gui/browser.h"
+#include "gui/views/time_axis.h"
 
 namespace loci {
 
 /// The slider of the time bar: an axis with a tick per scene, a dot per event, the observations of the chosen
-/// object, and a handle at the chosen time.
+/// object, and a handle at the chosen time. The wheel zooms, a drag with the right button moves along.
 class TimeTrack : public QWidget {
   Q_OBJECT
 
  public:
-  explicit TimeTrack(Browser& browser, QWidget* parent = nullptr);
+  TimeTrack(Browser& browser, TimeAxis& axis, QWidget* parent = nullptr);
 
   /// Where a time is, in pixels from the left, and back.
   double x_of(TimeNs time) const;
@@ -24,6 +25,7 @@ class TimeTrack : public QWidget {
   void paintEvent(QPaintEvent* event) override;
   void mousePressEvent(QMouseEvent* event) override;
   void mouseMoveEvent(QMouseEvent* event) override;
+  void wheelEvent(QWheelEvent* event) override;
   bool event(QEvent* event) override;
 
  private:
@@ -34,8 +36,11 @@ class TimeTrack : public QWidget {
   void paint_handle(QPainter& painter) const;
 
   Browser& browser_;
+  bool shows(double x) const;
+
+  TimeAxis& axis_;
   std::vector<TimeNs> observations_;  ///< of the chosen object
-  TimeNs first_ = 0, last_ = 0;
+  double dragged_from_ = 0;
 };
 
 }  // namespace loci

@@ -127,6 +127,15 @@ class Writer {
     return observation;
   }
 
+  /// What a scene could tell about a thing.
+  void add_look(SceneTransaction& transaction, Id scene, Id object, const std::string& status) {
+    transaction.add_visibility({.scene = scene, .object = object, .status = status, .probability = 0.95});
+  }
+  void add_look_at(SceneTransaction& transaction, Id scene, const std::string& place, double fraction) {
+    transaction.add_visibility(
+        {.scene = scene, .place = place_id(place), .status = "seen", .fraction = fraction});
+  }
+
   Id add_object(SceneTransaction& transaction, TimeNs time) {
     ObjectRow row;
     row.clock.valid_from = time;
@@ -213,6 +222,8 @@ SampleMemory write_sample_memory(const std::filesystem::path& path) {
     box_seen = writer.add_sight(t, scene, "table_1", box, at_table, "move");
     writer.add_belief(t, sample.second, scene, cup, "counter_1", "out_of_view", 0.9, first_scene, cup_seen);
     writer.add_belief(t, sample.second, scene, box, "table_1", "seen", 0.98, scene, box_seen);
+    writer.add_look(t, scene, cup.object, "out_of_view");
+    writer.add_look_at(t, scene, "table_1", 0.9);
     writer.add_event(t, sample.second, scene, "moved", box.object, "table_1", "counter_1");
     t.commit();
   }
@@ -224,6 +235,8 @@ SampleMemory write_sample_memory(const std::filesystem::path& path) {
     writer.add_belief(t, sample.third, scene, cup, "counter_1", "gone", 0.04, first_scene, cup_seen);
     writer.add_belief(t, sample.third, scene, box, "table_1", "out_of_view", 0.93, scene, box_seen);
     writer.add_belief(t, sample.third, scene, tin, "counter_1", "seen", 0.99, scene, tin_seen);
+    writer.add_look(t, scene, cup.object, "missed");
+    writer.add_look_at(t, scene, "counter_1", 0.8);
     writer.add_event(t, sample.third, scene, "gone", cup.object, "counter_1", "counter_1");
     writer.add_event(t, sample.third, scene, "appeared", tin.object, "counter_1");
     t.commit();

@@ -1,0 +1,57 @@
+#include "gui/data/memory_log.h"
+
+#include <fmt/format.h>
+
+#include <map>
+
+#include "memory/questions/answers.h"
+
+namespace loci {
+namespace {
+
+std::string duration(TimeNs span) {
+  return fmt::format("{:.1f} s", static_cast<double>(span) / static_cast<double>(kSecond));
+}
+
+LogEntry entry_of(const RunRow& run, size_t scenes) {
+  LogEntry entry{.time = run.started, .what = run.program};
+  const std::string took = run.finished ? "took " + duration(*run.finished - run.started) : "did not finish";
+  entry.is_problem = !run.finished;
+  entry.text = fmt::format("{} scene{}, {}", scenes, scenes == 1 ? "" : "s", took);
+  entry.details = fmt::format("run {}: {} {}\nstarted {}\n{}\nconfiguration {}", run.id, run.program,
+                              run.version, format_time(run.started), entry.text, run.configuration);
+  return entry;
+}
+
+LogEntry entry_of(const SceneRow& row, const SceneSummary& summary) {
+  LogEntry entry{.time = row.time, .what = fmt::format("scene {}", row.id), .scene = row.time};
+  entry.text = fmt::format("{} observation{}", summary.observations, summary.observations == 1 ? "" : "s");
+  if (!summary.has_pose) entry.text += ", no pose";
+  entry.details = fmt::format("scene {} at {}\n{}\nknown from {}", row.id, format_time(row.time), entry.text,
+                              format_time(row.known_from));
+  if (summary.scene.recording)
+    entry.details +=
+        fmt::format("\nrecording {}, frame {}", *summary.scene.recording, summary.scene.frame.value_or(0));
+  for (const auto& [place, part] : summary.looked_at)
+    entry.details += fmt::format("\nlooked at {} of {}", fmt::format("{:.0f} %", part * 100), place);
+  return entry;
+}
+
+}  // namespace
+
+std::vector<LogEntry> memory_log(const std::filesystem::path& path) {
+  const Store store = Store::open_read(path);
+  std::map<Id, SceneSummary> summaries;
+  for (SceneSummary& summary : ask(store, ScenesQuestion{}).scenes)
+    summaries[summary.scene.scene] = std::move(summary);
+  std::map<Id, std::vector<SceneRow>> scenes;
+  for (SceneRow& scene : store.scenes()) scenes[scene.run].push_back(std::move(scene));
+  std::vector<LogEntry> entries;
+  for (const RunRow& run : store.runs()) {
+    entries.push_back(entry_of(run, scenes[run.id].size()));
+    for (const SceneRow& scene : scenes[run.id]) entries.push_back(entry_of(scene, summaries[scene.id]));
+  }
+  return entries;
+}
+
+}  // namespace loci

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mapping/base/time.h"
+
+namespace loci {
+
+/// A line of the log: a run that wrote to the memory, a scene, or something that went wrong.
+struct LogEntry {
+  TimeNs time = 0;  ///< when the run was started, the scene was seen, or it went wrong
+  std::string what = {};
+  std::string text = {};
+  std::string details = {};          ///< all that is known, in lines
+  bool is_problem = false;           ///< an error, or a run that did not finish
+  std::optional<TimeNs> scene = {};  ///< the scene's time, which can be gone to
+};
+
+/// Runs in order, each with its scenes below it. Error when the file cannot be read.
+std::vector<LogEntry> memory_log(const std::filesystem::path& path);
+
+}  // namespace loci

@@ -1,0 +1,92 @@
+#include "gui/data/memory_statistics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+
+#include "mapping/base/csv.h"
+#include "memory/questions/people_time.h"
+#include "memory/store/store.h"
+
+namespace loci {
+namespace {
+
+constexpr int kHours = 24;
+constexpr int kConfidenceBins = 10;
+
+/// Counts scene after scene.
+class Counter {
+ public:
+  explicit Counter(const Store& store) : store_(store), zone_(store.time_zone_minutes()) {
+    for (const PlaceRow& place : store.places()) places_[place.id] = place.name;
+  }
+
+  void add(const SceneRow& scene) {
+    const auto hour = static_cast<size_t>(local_hour(scene.time, zone_));
+    std::map<Id, std::optional<Id>> place_of;
+    for (const ObservationRow& observation : store_.observations(scene.id)) {
+      ++observations_;
+      place_of[observation.id] = observation.place;
+    }
+    for (const AnnotationRow& annotation : store_.annotations(scene.id)) ++annotations_[annotation.type];
+    for (const AssociationRow& association : store_.associations(scene.id)) {
+      if (!association.chosen || !association.observation || !association.object) continue;
+      by_hour_[hour].insert(*association.object);
+      const int bin = static_cast<int>(association.probability * kConfidenceBins);
+      ++confidence_[static_cast<size_t>(std::clamp(bin, 0, kConfidenceBins - 1))];
+      const auto place = place_of.find(*association.observation);
+      if (place != place_of.end() && place->second)
+        by_place_[places_[*place->second]].insert(*association.object);
+    }
+  }
+
+  std::vector<Chart> charts() const {
+    Chart types{"Observations and annotations by type", "rows", {{"observation", observations_}}};
+    for (const auto& [type, count] : annotations_) types.bars.emplace_back(type, count);
+    Chart hours{"Objects by hour of the day", "different objects", {}};
+    for (size_t hour = 0; hour < kHours; ++hour)
+      hours.bars.emplace_back(fmt::format("{:02}", hour), by_hour_[hour].size());
+    Chart places{"Objects by place", "different objects", {}};
+    for (const auto& [place, objects] : by_place_) places.bars.emplace_back(place, objects.size());
+    Chart sure{"How sure identities are", "observations", {}};
+    for (size_t bin = 0; bin < kConfidenceBins; ++bin)
+      sure.bars.emplace_back(fmt::format("{}–{} %", bin * 10, bin * 10 + 10), confidence_[bin]);
+    return {types, hours, places, sure};
+  }
+
+ private:
+  const Store& store_;
+  int zone_;
+  std::map<Id, std::string> places_;
+  double observations_ = 0;
+  std::map<std::string, double> annotations_;
+  std::array<std::set<Id>, kHours> by_hour_;
+  std::map<std::string, std::set<Id>> by_place_;
+  std::array<double, kConfidenceBins> confidence_ = {};
+};
+
+}  // namespace
+
+std::vector<Chart> memory_statistics(const std::filesystem::path& path, Progress& progress) {
+  const Store store = Store::open_read(path);
+  const auto scenes = store.scenes();
+  Counter counter(store);
+  for (size_t i = 0; i < scenes.size(); ++i) {
+    progress.check(static_cast<double>(i) / static_cast<double>(scenes.size()), "counting");
+    counter.add(scenes[i]);
+  }
+  return counter.charts();
+}
+
+std::string statistics_csv(const std::vector<Chart>& charts) {
+  std::string csv = "chart,name,value\n";
+  for (const Chart& chart : charts)
+    for (const auto& [name, value] : chart.bars)
+      csv += fmt::format("{},{},{}\n", csv_cell(chart.title), csv_cell(name), value);
+  return csv;
+}
+
+}  // namespace loci

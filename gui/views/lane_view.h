@@ -1,0 +1,63 @@
+#pragma once
+
+#include <QAbstractScrollArea>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "gui/browser.h"
+#include "gui/views/time_axis.h"
+
+namespace loci {
+
+/// A lane per object and place below the time track, in three colours: seen, looked for but not there, not
+/// observed; events as dots. A click chooses the time and the object or place, a drag scrubs. Only lanes
+/// that are on the screen are read from the memory.
+class LaneView : public QAbstractScrollArea {
+  Q_OBJECT
+
+ public:
+  LaneView(Browser& browser, TimeAxis& axis, QWidget* parent = nullptr);
+
+  struct Lane {
+    int64_t object = 0;      ///< 0 = a place
+    std::string place = {};  ///< empty = an object
+    QString name = {};
+  };
+  const std::vector<Lane>& lanes() const { return lanes_; }
+  /// The middle of a lane at a time, on the viewport.
+  QPoint point_of(size_t lane, TimeNs time) const;
+  QSize sizeHint() const override { return {600, 110}; }
+  QSize minimumSizeHint() const override { return {200, 96}; }
+
+ protected:
+  void paintEvent(QPaintEvent* event) override;
+  void resizeEvent(QResizeEvent* event) override;
+  void mousePressEvent(QMouseEvent* event) override;
+  void mouseMoveEvent(QMouseEvent* event) override;
+  void wheelEvent(QWheelEvent* event) override;
+  bool viewportEvent(QEvent* event) override;
+
+ private:
+  void reload();
+  void refresh();
+  void follow_selection();
+  void update_scroll_bar();
+  int top_of(size_t lane) const;
+  const Lane* lane_at(int y) const;
+  bool is_selected(const Lane& lane) const;
+  void set_time_at(double x);
+  const std::vector<Look>& looks(const Lane& lane);
+  void paint_lane(QPainter& painter, const Lane& lane, int top, const std::vector<double>& scene_x);
+
+  Browser& browser_;
+  TimeAxis& axis_;
+  std::vector<Lane> lanes_;
+  std::map<int64_t, std::vector<const EventEntry*>> events_;            ///< by object
+  std::map<std::pair<int64_t, std::string>, std::vector<Look>> looks_;  ///< that have been on the screen
+};
+
+/// The scene's time when a drag comes near to it, else the time at this place.
+TimeNs snapped_time(const BrowserData& memory, const TimeAxis& axis, double x, int width);
+
+}  // namespace loci

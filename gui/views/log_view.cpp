@@ -1,0 +1,92 @@
+#include "gui/views/log_view.h"
+
+#include <QClipboard>
+#include <QGuiApplication>
+#include <QHeaderView>
+#include <QPlainTextEdit>
+#include <QTableView>
+#include <QToolButton>
+#include <QVBoxLayout>
+
+#include "gui/background.h"
+#include "gui/models/log_model.h"
+
+namespace loci {
+namespace {
+constexpr int kDetailLines = 5;
+}
+
+LogView::LogView(Browser& browser, QWidget* parent)
+    : QWidget(parent),
+      browser_(browser),
+      model_(new LogModel(browser, this)),
+      table_(new QTableView(this)),
+      details_(new QPlainTextEdit(this)),
+      copy_(new QToolButton(this)) {
+  table_->setModel(model_);
+  table_->setSelectionBehavior(QAbstractItemView::SelectRows);
+  table_->setSelectionMode(QAbstractItemView::SingleSelection);
+  table_->setShowGrid(false);
+  table_->verticalHeader()->hide();
+  table_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 6);
+  table_->horizontalHeader()->setDefaultAlignment(Qt::AlignLeft | Qt::AlignVCenter);
+  table_->horizontalHeader()->setHighlightSections(false);
+  table_->horizontalHeader()->setStretchLastSection(true);
+  for (const int column : {LogModel::time_column, LogModel::what_column})
+    table_->horizontalHeader()->setSectionResizeMode(column, QHeaderView::ResizeToContents);
+  table_->setHorizontalScrollMode(QAbstractItemView::ScrollPerPixel);
+  details_->setReadOnly(true);
+  details_->setFixedHeight(fontMetrics().lineSpacing() * kDetailLines + 12);
+  details_->setPlaceholderText("Click a line to see all of it.");
+  copy_->setText("Copy details");
+  copy_->setEnabled(false);
+  auto* layout = new QVBoxLayout(this);
+  layout->setContentsMargins(8, 6, 8, 6);
+  layout->addWidget(table_, 1);
+  layout->addWidget(details_);
+  layout->addWidget(copy_, 0, Qt::AlignRight);
+  connect(copy_, &QToolButton::clicked, this, &LogView::copy_details);
+  connect(table_->selectionModel(), &QItemSelectionModel::currentRowChanged, this, &LogView::show_details);
+  connect(model_, &QAbstractItemModel::modelReset, this, &LogView::show_details);
+  connect(table_, &QTableView::clicked, this, [this](const QModelIndex& index) {
+    if (const auto scene = model_->entry(index.row()).scene) browser_.selection().set_time(*scene);
+  });
+  connect(&browser_, &Browser::failed, model_, &LogModel::add_problem);
+  connect(&browser_, &Browser::opened, this, &LogView::forget);
+}
+
+void LogView::forget() {
+  loaded_ = false;
+  model_->set_memory_log({});
+  if (isVisible()) load();
+}
+
+void LogView::showEvent(QShowEvent* event) {
+  QWidget::showEvent(event);
+  if (!loaded_) load();
+}
+
+void LogView::load() {
+  const auto memory = browser_.shared_data();
+  if (memory == nullptr) return;
+  loaded_ = true;
+  in_background<std::vector<LogEntry>>(
+      this, [path = memory->info().path] { return memory_log(path); },
+      [this, memory](std::vector<LogEntry>& entries) {
+        if (memory.get() == browser_.data()) model_->set_memory_log(std::move(entries));
+      },
+      [this](const std::exception_ptr& error) { Q_EMIT browser_.failed(reason_of(error)); });
+}
+
+void LogView::show_details() {
+  const QModelIndex index = table_->currentIndex();
+  copy_->setEnabled(index.isValid());
+  details_->setPlainText(index.isValid() ? QString::fromStdString(model_->entry(index.row()).details)
+                                         : QString());
+}
+
+void LogView::copy_details() {
+  QGuiApplication::clipboard()->setText(details_->toPlainText());
+}
+
+}  // namespace loci

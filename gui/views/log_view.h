@@ -1,0 +1,44 @@
+#pragma once
+
+#include <QWidget>
+
+#include "gui/browser.h"
+
+class QPlainTextEdit;
+class QTableView;
+class QToolButton;
+
+namespace loci {
+
+class LogModel;
+
+/// What went wrong, and which runs wrote which scenes; a click on a scene goes to its time. The details of a
+/// line stand below and can be copied.
+class LogView : public QWidget {
+  Q_OBJECT
+
+ public:
+  explicit LogView(Browser& browser, QWidget* parent = nullptr);
+
+  LogModel& model() { return *model_; }
+  QTableView* table() const { return table_; }
+  /// The chosen line's details to the clipboard.
+  void copy_details();
+
+ protected:
+  void showEvent(QShowEvent* event) override;
+
+ private:
+  void forget();
+  void load();
+  void show_details();
+
+  Browser& browser_;
+  LogModel* model_;
+  QTableView* table_;
+  QPlainTextEdit* details_;
+  QToolButton* copy_;
+  bool loaded_ = false;
+};
+
+}  // namespace loci

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <QWidget>
+#include <atomic>
+#include <memory>
+#include <vector>
+
+#include "gui/browser.h"
+#include "gui/data/memory_statistics.h"
+
+class QLabel;
+class QScrollArea;
+class QToolButton;
+
+namespace loci {
+
+class BarChart;
+
+/// Numbers about the whole memory as bar charts; counted in the background when they are first looked at.
+class StatisticsView : public QWidget {
+  Q_OBJECT
+
+ public:
+  explicit StatisticsView(Browser& browser, QWidget* parent = nullptr);
+  ~StatisticsView() override;
+
+  const std::vector<BarChart*>& charts() const { return bars_; }
+  /// Writes the charts as a picture or as a table. Error when it cannot.
+  void save_png(const QString& path) const;
+  void save_csv(const QString& path) const;
+
+ protected:
+  void showEvent(QShowEvent* event) override;
+
+ private:
+  void forget();
+  void count();
+  void show_charts(const std::vector<Chart>& charts);
+  void ask_and_save(const QString& name, const QString& filter,
+                    void (StatisticsView::*save)(const QString&) const);
+
+  Browser& browser_;
+  QLabel* state_;
+  QScrollArea* area_;
+  std::vector<QToolButton*> savers_;
+  std::vector<Chart> charts_;
+  std::vector<BarChart*> bars_;
+  std::shared_ptr<std::atomic<bool>> stop_;  ///< set while something is counted
+};
+
+}  // namespace loci

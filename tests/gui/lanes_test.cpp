@@ -1,0 +1,96 @@
+// The time line: lanes in three colours, zoom and scrub.
+
+#include <QTest>
+#include <QWheelEvent>
+
+#include "gui/theme.h"
+#include "gui/views/lane_view.h"
+#include "gui/views/time_bar.h"
+#include "gui/views/time_track.h"
+#include "tests/gui/window_fixture.h"
+
+namespace loci {
+namespace {
+
+class LanesInWindow : public test::BrowserWindow {
+ protected:
+  LaneView& lanes() { return *window.time_bar().lanes(); }
+  TimeAxis& axis() { return window.time_bar().axis(); }
+  size_t lane_of(int64_t object, const std::string& place = {}) {
+    for (size_t i = 0; i < lanes().lanes().size(); ++i)
+      if (lanes().lanes()[i].object == object && lanes().lanes()[i].place == place) return i;
+    ADD_FAILURE() << "no such lane";
+    return 0;
+  }
+  QColor color_at(size_t lane, TimeNs time) {
+    return lanes().viewport()->grab().toImage().pixelColor(lanes().point_of(lane, time) + QPoint(5, 3));
+  }
+};
+
+TEST_F(LanesInWindow, ThereIsOneForEachObjectAndPlace) {
+  EXPECT_EQ(lanes().lanes().size(), 5U);
+  EXPECT_EQ(window.browser().data()->looks_for_object(1),
+            (std::vector<Look>{Look::seen, Look::nothing, Look::missed}));
+  EXPECT_EQ(window.browser().data()->looks_at_place("table_1"),
+            (std::vector<Look>{Look::nothing, Look::seen, Look::nothing}));
+}
+
+TEST_F(LanesInWindow, SeenMissedAndNotObservedHaveColoursOfTheirOwn) {
+  const Theme theme = Theme::of(window.palette());
+  const size_t cup = lane_of(1);
+  EXPECT_EQ(color_at(cup, sample_.first), theme.seen);
+  EXPECT_EQ(color_at(cup, sample_.third), theme.gone);
+  EXPECT_NE(color_at(cup, sample_.second), theme.seen);
+  EXPECT_NE(color_at(cup, sample_.second), theme.gone);
+}
+
+TEST_F(LanesInWindow, AClickChoosesTimeAndObject) {
+  QTest::mouseClick(lanes().viewport(), Qt::LeftButton, Qt::NoModifier,
+                    lanes().point_of(lane_of(2), sample_.second));
+  EXPECT_EQ(selection().object(), 2);
+  EXPECT_EQ(selection().time(), sample_.second);
+  window.resize(1280, 1000);  // room for all lanes
+  QTest::qWait(50);
+  const size_t table = lane_of(0, "table_1");
+  selection().select_place("table_1");
+  selection().clear();
+  QTest::mouseClick(lanes().viewport(), Qt::LeftButton, Qt::NoModifier,
+                    lanes().point_of(table, sample_.first));
+  EXPECT_EQ(selection().place(), "table_1");
+  EXPECT_EQ(selection().time(), sample_.first);
+}
+
+TEST_F(LanesInWindow, ZoomKeepsTheChosenTimeAndAllCanBeShownAgain) {
+  selection().set_time(sample_.second);
+  const double before = window.time_bar().track()->x_of(sample_.second);
+  QTest::keyClick(&window, Qt::Key_Plus, Qt::ControlModifier);
+  EXPECT_GT(axis().from(), sample_.first);
+  EXPECT_NEAR(window.time_bar().track()->x_of(sample_.second), before, 1);
+  EXPECT_NEAR(lanes().point_of(0, sample_.second).x(), before, 1) << "lanes and track are in line";
+  QTest::keyClick(&window, Qt::Key_Home);
+  EXPECT_EQ(axis().from(), sample_.first) << "the chosen time is always shown";
+  QTest::keyClick(&window, Qt::Key_0, Qt::ControlModifier);
+  EXPECT_EQ(axis().from(), sample_.first);
+  EXPECT_EQ(axis().to(), sample_.third);
+}
+
+TEST(TimeAxis, PansAndZoomsOnlyWithinTheMemory) {
+  TimeAxis axis;
+  axis.set_whole(0, 1000 * kSecond);
+  axis.zoom(0.5, 0);
+  EXPECT_EQ(axis.from(), 0);
+  EXPECT_EQ(axis.to(), 500 * kSecond);
+  axis.pan(-1);
+  EXPECT_EQ(axis.from(), 0);
+  axis.pan(3);
+  EXPECT_EQ(axis.to(), 1000 * kSecond);
+  EXPECT_EQ(axis.from(), 500 * kSecond);
+  axis.zoom(10, 700 * kSecond);
+  EXPECT_EQ(axis.from(), 0);
+  EXPECT_EQ(axis.to(), 1000 * kSecond);
+  for (int i = 0; i < 200; ++i) axis.zoom(0.5, 300 * kSecond);
+  EXPECT_GE(axis.to() - axis.from(), kSecond / 10);
+}
+
+}  // namespace
+}  // namespace loci
