@@ -203,6 +203,10 @@ void learn(const Interaction& interaction, Front& front) {
   }
   const DifferenceResult& difference = interaction.difference;
   front.evidence["pulled"] = difference.joint ? "it moved" : difference.reason;
+  if (difference.moves_otherwise) {  // What its shape suggested is refuted.
+    front.joint.reset();
+    front.class_name = "front";
+  }
   if (!difference.joint) return;
   if (difference.corrected) {
     const Json evidence = front.evidence;

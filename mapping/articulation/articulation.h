@@ -92,6 +92,7 @@ struct DifferenceOptions {
 
 struct DifferenceResult {
   std::optional<JointEstimate> joint;  ///< unset: no motion was seen, or it cannot be explained; see reason
+  bool moves_otherwise = false;        ///< it moved, but as none of the joints explains: a folding door
   double moved = 0;                    ///< joint position of `after`, metres or radians
   std::optional<Front> corrected;      ///< the front's rectangle by the outline of what moved
   size_t points = 0;                   ///< of the moved part
@@ -102,7 +103,8 @@ struct DifferenceResult {
 /// What moved between two scan sets in one map frame, near the front that was pulled: segments the temporal
 /// difference, seeks the face that slid or turned, and fits the joint to it and to `hand_path` (where the
 /// gripper was, closed first; may be empty), each by its noise. Which type it is follows from the front's
-/// shape, the hand's path, and how much of the front is seen where the type puts it.
+/// shape, the hand's path, and how much of the front is seen where the type puts it. A hinge farther outside
+/// the front than it is wide is none: then the joint stays unknown.
 DifferenceResult articulate(const ScanSet& before, const ScanSet& after, const Front& front,
                             const std::vector<Isometry3d>& hand_path, const DifferenceOptions& options);
 

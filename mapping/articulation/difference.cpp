@@ -137,6 +137,15 @@ Front corrected_front(const Front& front, const Face& closed, const MovedFace& f
   return corrected;
 }
 
+/// Whether a front may hang on a hinge there: at an edge, or behind it. What is known of its rectangle may be
+/// too small by half, so that the hinge may be as far outside as the front is wide.
+bool can_hang_on(const Motion& hinge, const Front& front) {
+  if (hinge.type != Type::revolute) return true;
+  const double extent = std::hypot(front.width * hinge.axis.cross(front.right()).norm(),
+                                   front.height * hinge.axis.cross(front.up).norm());
+  return hinge.axis.cross(front.centre - hinge.origin).norm() < 1.5 * extent;
+}
+
 /// Limits are as wide as usual, and contain what was reached.
 JointEstimate joint_of(const Motion& motion, const Front& front, const std::array<double, 3>& probabilities,
                        bool felt) {
@@ -205,12 +214,20 @@ DifferenceResult articulate(const ScanSet& before, const ScanSet& after, const F
   const std::vector<Isometry3d> path = felt ? hand_path : std::vector<Isometry3d>();
   const Motion motion =
       measured_motion(start, closed, seen ? &faces[best]->open : nullptr, front, path, options);
+  if (seen) {
+    faces[best]->motion = motion;
+    const FreeSpace free_after(after, front.centre, options.tolerance_m);
+    result.corrected = corrected_front(front, closed, *faces[best], moved, free_after, options.tolerance_m);
+  }
+  if (!can_hang_on(motion, front) && !(result.corrected && can_hang_on(motion, *result.corrected))) {
+    result.corrected.reset();
+    result.moves_otherwise = true;
+    result.reason = "it neither slid nor turned about a hinge that a front of this size can have";
+    return result;
+  }
   result.joint = joint_of(motion, front, probabilities, felt.has_value());
   result.moved = motion.position;
   if (!seen) return result;
-  faces[best]->motion = motion;
-  const FreeSpace free_after(after, front.centre, options.tolerance_m);
-  result.corrected = corrected_front(front, closed, *faces[best], moved, free_after, options.tolerance_m);
   if (result.joint->type == Type::prismatic) result.joint->origin = result.corrected->centre;
   result.corrected->joint = result.joint;
   result.corrected->class_name = front_class(*result.corrected, *result.joint);

@@ -13,7 +13,9 @@ constexpr double kHingeBehindFace = 0.01;  ///< as in the prior: the middle of a
 constexpr double kParallelDeg = 4;         ///< faces that differ by less did not turn
 constexpr double kOnFace = 0.025;          ///< metres
 constexpr size_t kLeastPoints = 40;
+constexpr int kRounds = 3;  ///< as a face settles, so does what belongs to it
 constexpr double kCell = 0.03;
+constexpr double kInner = 0.45;           ///< of a front's extent, from its middle
 constexpr double kBesideFixture = 0.015;  ///< metres, where beams still touch it
 constexpr double kLeanSd = 0.01;          ///< radians, of a front's normal in the map
 constexpr double kNearFace = 0.05;        ///< what is seen so near to the closed face …
@@ -66,6 +68,14 @@ bool on_fixture(const Vector3d& p, const Front& front) {
          across < front.fixture->radius + kBesideFixture;
 }
 
+/// Whether a point by a closed front lies on its panel's broad side: not on its edge, whose thickness is seen
+/// at a slant, nor on its fixture.
+bool on_panel(const Vector3d& p, const Front& front) {
+  const Vector3d off = p - front.centre;
+  return std::abs(off.dot(front.right())) < kInner * front.width &&
+         std::abs(off.dot(front.up)) < kInner * front.height && !on_fixture(p, front);
+}
+
 /// A front's rectangle in cells of 3 cm: how many points lie on each, and their distance from its face.
 class FrontCells {
  public:
@@ -107,18 +117,24 @@ std::vector<Vector3d> put_back(const MovedFace& face, const std::vector<Vector3d
   return back;
 }
 
+/// The open face by what lies on the panel's broad side when it is put back.
+Face panel_face(const MovedFace& face, const std::vector<Vector3d>& moved, const Front& front) {
+  const Isometry3d closed_from_moved = face.motion.moved_from_closed().inverse();
+  std::vector<Vector3d> on_face;
+  for (const Vector3d& p : moved)
+    if (std::abs(face.open.distance(p)) < kOnFace && on_panel(closed_from_moved * p, front))
+      on_face.push_back(p);
+  return on_face.size() < kLeastPoints ? face.open : refined_face(face.open, on_face, kOnFace);
+}
+
 }  // namespace
 
 /// The closed face: the plane through what was seen of it before, without its fixture. How it leans is known
 /// from the map, too, which weighs for a small front.
 Face closed_face(const std::vector<Vector3d>& before, const Front& front) {
   std::vector<Vector3d> on_face;
-  for (const Vector3d& p : before) {
-    const Vector3d off = p - front.centre;
-    if (std::abs(off.dot(front.normal)) < 0.04 && std::abs(off.dot(front.right())) < 0.45 * front.width &&
-        std::abs(off.dot(front.up)) < 0.45 * front.height && !on_fixture(p, front))
-      on_face.push_back(p);
-  }
+  for (const Vector3d& p : before)
+    if (std::abs((p - front.centre).dot(front.normal)) < 0.04 && on_panel(p, front)) on_face.push_back(p);
   const Face assumed{front.normal, front.normal.dot(front.centre), kLeanSd, 0};
   if (on_face.size() < kLeastPoints) return assumed;
   Face face = refined_face(assumed, on_face, 0.03);
@@ -143,20 +159,25 @@ double still_share(const std::vector<Vector3d>& points, const Face& closed, cons
 std::array<std::optional<MovedFace>, 3> moved_faces(const Face& closed, const std::vector<Vector3d>& moved,
                                                     const Front& front, double tolerance) {
   std::array<std::optional<MovedFace>, 3> best;
-  const auto consider = [&](const Motion& motion, const Face& open) {
-    if (motion.position < (motion.type == Type::prismatic ? tolerance : kParallelDeg * kPi / 180)) return;
-    MovedFace face{motion, open, 0};
+  const auto consider = [&](const Face& found, const auto& motion_to) {
+    MovedFace face{motion_to(found), found, 0};
+    for (int round = 0; round < kRounds; ++round) {
+      face.open = panel_face(face, moved, front);
+      face.motion = motion_to(face.open);
+    }
+    if (face.motion.position < (face.motion.type == Type::prismatic ? tolerance : kParallelDeg * kPi / 180))
+      return;
     face.coverage = FrontCells(put_back(face, moved), front, closed).share([](const FrontCells::Cell& cell) {
       return cell.count > 0;
     });
-    std::optional<MovedFace>& known = best[static_cast<size_t>(motion.type)];
+    std::optional<MovedFace>& known = best[static_cast<size_t>(face.motion.type)];
     if (!known || face.coverage > known->coverage) known = face;
   };
   if (const auto open = find_face(moved, [&](const Vector3d& n) {
         return std::abs(n.dot(closed.normal)) > std::cos(kParallelDeg * kPi / 180);
       })) {
     const Face face = open->normal.dot(closed.normal) < 0 ? open->flipped() : *open;
-    consider(slid(closed, face, front), face);
+    consider(face, [&](const Face& to) { return slid(closed, to, front); });
   }
   for (const Vector3d& hinge : {front.up, front.right()})
     if (const auto open = find_face(moved, [&](const Vector3d& n) {
@@ -170,7 +191,8 @@ std::array<std::optional<MovedFace>, 3> moved_faces(const Face& closed, const st
           centre += p;
           ++count;
         }
-      consider(turned(closed, *open, front, centre / static_cast<double>(count)), *open);
+      centre /= static_cast<double>(count);
+      consider(*open, [&](const Face& to) { return turned(closed, to, front, centre); });
     }
   return best;
 }

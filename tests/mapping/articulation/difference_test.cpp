@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "mapping/articulation/articulation.h"
+#include "mapping/articulation/moved_face.h"
 #include "mapping/base/files.h"
+#include "mapping/base/random.h"
 #include "mapping/simulation/scanned_world.h"
 
 namespace loci {
@@ -269,6 +271,67 @@ TEST_F(MovedFronts, NeighbourThatMovedIsNotTakenForTheFront) {
   const DifferenceResult left = articulate(set_of(closed), set_of(open), believed(kParts[3]), {}, {});
   EXPECT_FALSE(left.joint) << left.report().dump();
   EXPECT_TRUE(articulate(set_of(closed), set_of(open), believed(kParts[4]), {}, {}).joint);
+}
+
+/// Points of a door 3 cm thick, hinged at its left edge and opened by `angle`: its broad side, and, seen from
+/// above and ten times as densely, its upper edge.
+std::vector<Vector3d> thick_door(double angle, double width, double height) {
+  std::vector<Vector3d> points;
+  const Eigen::AngleAxisd turn(-angle, Vector3d::UnitZ());
+  const auto add = [&](double out, double y, double z) {
+    points.push_back(Vector3d(kFaceX, width / 2, 0) + turn * Vector3d(out, y - width, z));
+  };
+  for (double y = 0.01; y < width; y += 0.02) {
+    for (double z = 0.11; z < height; z += 0.02) add(0, y, z);
+    for (int i = 0; i < 15; ++i) add(0.002 * i, y, height);
+  }
+  return points;
+}
+
+TEST(MovedFaces, UpperEdgeOfAThickDoorDoesNotTiltItsHinge) {
+  const double width = 0.6, height = 0.5;
+  Front front;
+  front.centre = Vector3d(kFaceX, 0, height / 2);
+  front.normal = -Vector3d::UnitX();
+  front.width = width;
+  front.height = height;
+  const Face closed{front.normal, -kFaceX, 0.001, 500};
+  const auto found = moved_faces(closed, thick_door(30 * kDegree, width, height), front, 0.03);
+  const auto& turned = found[static_cast<size_t>(Type::revolute)];
+  ASSERT_TRUE(turned);
+  EXPECT_LT(std::acos(std::abs(turned->motion.axis.z())) / kDegree, 0.3) << turned->motion.axis.transpose();
+  EXPECT_NEAR(turned->motion.position, 30 * kDegree, kDegree);
+}
+
+/// A hand that was led about an upright hinge at `hinge` by 0.3 m, from the handle of a front 0.5 m wide.
+std::vector<Isometry3d> led_about(const Vector3d& hinge, const Vector3d& handle) {
+  std::vector<Isometry3d> path;
+  const double radius = (handle - hinge).head<2>().norm();
+  Random noise(1);
+  for (int i = 0; i <= 30; ++i) {
+    const Eigen::AngleAxisd turn(-0.01 * i / radius, Vector3d::UnitZ());
+    Isometry3d pose = Isometry3d::Identity();
+    pose.linear() = turn.toRotationMatrix();
+    pose.translation() = hinge + turn * (handle - hinge);
+    for (int k = 0; k < 3; ++k) pose.translation()[k] += 0.001 * noise.normal();
+    path.push_back(pose);
+  }
+  return path;
+}
+
+TEST(Articulation, HingeFarOutsideAFrontIsNotItsHinge) {
+  const Part& part = kParts[3];
+  const Front front = believed(part, 0);
+  const Vector3d handle = front.fixture->centre;
+  const DifferenceResult own = articulate({}, {}, front, led_about(part.hinge, handle), {});
+  ASSERT_TRUE(own.joint) << own.reason;
+  EXPECT_EQ(own.joint->type, Type::revolute);
+  EXPECT_FALSE(own.moves_otherwise);
+  const Vector3d far = part.hinge + Vector3d(0, 1, 0);  // Twice its width beside it.
+  const DifferenceResult other = articulate({}, {}, front, led_about(far, handle), {});
+  EXPECT_FALSE(other.joint) << other.report().dump();
+  EXPECT_TRUE(other.moves_otherwise);
+  EXPECT_FALSE(other.reason.empty());
 }
 
 }  // namespace
