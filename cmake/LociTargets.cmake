@@ -100,5 +100,5 @@ function(loci_test)
     LOCI_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}"
     LOCI_SHARED_DIR="${LOCI_SHARED_DIR}")
   loci_warnings(${name})
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${name}." PROPERTIES TIMEOUT 300)
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${name}." PROPERTIES TIMEOUT 900)
 endfunction()

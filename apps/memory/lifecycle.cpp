@@ -7,7 +7,7 @@ Command lifecycle_command() {
   return {"lifecycle",
           "From where to where things go, again and again",
           {"loci-memory lifecycle red -m demo-output/memory.loci",
-           "loci-memory lifecycle blue -m demo-output/memory.loci --json"},
+           "loci-memory lifecycle green -m demo-output/memory.loci --json"},
           about_object<LifecycleQuestion>()};
 }
 

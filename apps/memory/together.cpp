@@ -7,7 +7,7 @@ Command together_command() {
   return {"together",
           "How often things are seen together",
           {"loci-memory together red -m demo-output/memory.loci",
-           "loci-memory together red --with blue -m demo-output/memory.loci --json"},
+           "loci-memory together red --with green -m demo-output/memory.loci --json"},
           [](CLI::App& app) {
             struct Arguments {
               MemoryArguments memory;

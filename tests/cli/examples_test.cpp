@@ -5,10 +5,12 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <iostream>
 #include <sstream>
 #include <vector>
 
 #include "mapping/base/files.h"
+#include "mapping/base/stopwatch.h"
 #include "tests/cli/command.h"
 
 namespace loci::test {
@@ -18,6 +20,9 @@ namespace fs = std::filesystem;
 
 const std::vector<std::string> kPrograms = {"loci-map", "loci-perceive", "loci-memory", "loci-simulate",
                                             "loci-evaluate"};
+
+/// Examples that take longer are named in the test's output.
+constexpr double kSlow_s = 3;
 
 std::vector<std::string> lines(const std::string& text) {
   std::vector<std::string> result;
@@ -86,14 +91,17 @@ class Examples : public testing::Test {
   void TearDown() override { fs::remove_all(root_); }
 
   void expect_works(const std::string& command) const {
+    const Stopwatch watch;
     const Outcome outcome = run("cd '" + root_.string() + "' && " + command);
     EXPECT_EQ(outcome.exit_code, 0) << command << "\n" << outcome.error;
+    if (watch.seconds() > kSlow_s) std::cout << watch.seconds() << " s: " << command << "\n";
   }
 
   fs::path root_;
 };
 
-TEST_F(Examples, OfEveryCommandWorkAsPrinted) {
+// One test, as making the folder costs more than the examples.
+TEST_F(Examples, OfHelpAndDocumentsWorkAsPrinted) {
   for (const std::string& program : kPrograms) {
     for (const std::string& command : built_commands(program)) {
       const auto examples = help_examples(program, command);
@@ -101,9 +109,6 @@ TEST_F(Examples, OfEveryCommandWorkAsPrinted) {
       for (const std::string& example : examples) expect_works(example);
     }
   }
-}
-
-TEST_F(Examples, OfTheDocumentsWorkAsPrinted) {
   std::vector<fs::path> documents = {fs::path(LOCI_SOURCE_DIR) / "README.md"};
   for (const auto& entry : fs::directory_iterator(fs::path(LOCI_SOURCE_DIR) / "docs"))
     if (entry.path().extension() == ".md") documents.push_back(entry.path());
