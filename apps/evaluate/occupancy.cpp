@@ -29,8 +29,8 @@ void run(Arguments& arguments, Session& session) {
 Command occupancy_command() {
   return {"occupancy",
           "Insertion of scans beside OctoMap's insertPointCloud: time, and whether the trees are the same",
-          {"loci-evaluate occupancy demo-output/scans --repeats 1",
-           "loci-evaluate occupancy demo-output/scans --repeats 1 --resolution-m 0.1 --json"},
+          {"loci-evaluate occupancy demo-output/explored/scans --repeats 1",
+           "loci-evaluate occupancy demo-output/explored/scans --repeats 1 --resolution-m 0.1 --json"},
           [](CLI::App& app) {
             auto arguments = std::make_shared<Arguments>();
             app.add_option("SCANS", arguments->scans, "Folders of scans, or single clouds (PCD)")->required();
