@@ -59,6 +59,10 @@ void pass_message(QtMsgType, const QMessageLogContext&, const QString& message) 
   std::fprintf(stderr, "%s\n", message.toUtf8().constData());
 }
 
+MemoryOpener opener() {
+  return [](const std::string& path, Progress& progress) { return open_memory_data(path, progress); };
+}
+
 void go_to(MainWindow& window, const BrowseOptions& options) {
   const BrowserData& data = *window.browser().data();
   SelectionModel& selection = window.browser().selection();
@@ -109,7 +113,7 @@ int take_picture(const BrowseOptions& options, std::unique_ptr<BrowserData> data
   WindowOptions window_options;
   window_options.remember = false;
   window_options.backend = backend;
-  MainWindow window(open_memory_data, window_options);
+  MainWindow window(opener(), window_options);
   window.show_data(std::move(data));
   go_to(window, options);
   write_picture(window, options);
@@ -117,9 +121,16 @@ int take_picture(const BrowseOptions& options, std::unique_ptr<BrowserData> data
 }
 
 int show_window(const BrowseOptions& options) {
-  MainWindow window(open_memory_data);
+  MainWindow window(opener());
   window.show();
-  if (!options.file.empty() && window.open(QString::fromStdString(options.file))) go_to(window, options);
+  if (!options.file.empty())
+    window.open(QString::fromStdString(options.file), [&window, &options] {
+      try {
+        go_to(window, options);
+      } catch (const Error& error) {
+        Q_EMIT window.browser().failed(QString::fromUtf8(error.what()));
+      }
+    });
   return QApplication::exec();
 }
 

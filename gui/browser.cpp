@@ -25,7 +25,7 @@ Browser::Browser(QObject* parent) : QObject(parent) {
   connect(&selection_, &SelectionModel::time_changed, this, &Browser::refresh);
 }
 
-void Browser::open(std::unique_ptr<BrowserData> data) {
+void Browser::open(std::shared_ptr<const BrowserData> data) {
   data_ = std::move(data);
   selection_.clear();
   belief_ = {};
@@ -35,6 +35,18 @@ void Browser::open(std::unique_ptr<BrowserData> data) {
   }
   Q_EMIT opened();
   refresh();
+}
+
+void Browser::renew(std::shared_ptr<const BrowserData> data) {
+  const bool at_end = data_ && !data_->scenes().empty() && selection_.time() >= data_->scenes().back().time;
+  data_ = std::move(data);
+  if (at_end || selection_.time() == 0) {
+    const QSignalBlocker quiet(selection_);
+    if (!data_->scenes().empty()) selection_.set_time(data_->scenes().back().time);
+  }
+  Q_EMIT opened();
+  refresh();
+  Q_EMIT selected();
 }
 
 void Browser::refresh() {

@@ -17,7 +17,10 @@ class Browser : public QObject {
   explicit Browser(QObject* parent = nullptr);
 
   /// Shows another memory at its last scene; nullptr closes. The old selection is gone.
-  void open(std::unique_ptr<BrowserData> data);
+  void open(std::shared_ptr<const BrowserData> data);
+  /// The same memory again, after it has changed: selection and time stay; a time at the end stays at the
+  /// end.
+  void renew(std::shared_ptr<const BrowserData> data);
 
   /// nullptr = nothing is open.
   const BrowserData* data() const { return data_.get(); }

@@ -2,17 +2,15 @@
 
 #include <QCloseEvent>
 #include <QDockWidget>
-#include <QFileDialog>
 #include <QFileInfo>
 #include <QLabel>
 #include <QMenuBar>
-#include <QMessageBox>
-#include <QMimeData>
 #include <QSettings>
 #include <QStatusBar>
 #include <QToolBar>
 
 #include "gui/text.h"
+#include "gui/views/compare_view.h"
 #include "gui/views/log_view.h"
 #include "gui/views/object_card.h"
 #include "gui/views/objects_tree.h"
@@ -26,14 +24,13 @@
 namespace loci {
 namespace {
 
-constexpr int kRecentFiles = 8;
 constexpr int kMessageMs = 8000;
 const QSize kFirstSize(1280, 800);
 
 }  // namespace
 
-MainWindow::MainWindow(Opener opener, const WindowOptions& options)
-    : opener_(std::move(opener)), options_(options), map_(new MapView(browser_, options.backend, this)) {
+MainWindow::MainWindow(MemoryOpener opener, const WindowOptions& options)
+    : options_(options), loader_(std::move(opener)), map_(new MapView(browser_, options.backend, this)) {
   setAcceptDrops(true);
   resize(kFirstSize);
   setDockOptions(AnimatedDocks | AllowNestedDocks | AllowTabbedDocks);
@@ -41,6 +38,7 @@ MainWindow::MainWindow(Opener opener, const WindowOptions& options)
   build_docks();
   build_file_menu();
   build_time_menu();
+  build_edit_menu();
   build_select_menu();
   build_view_menu();
   build_help_menu();
@@ -58,6 +56,7 @@ MainWindow::MainWindow(Opener opener, const WindowOptions& options)
     restoreGeometry(settings.value("geometry").toByteArray());
     restoreState(settings.value("layout").toByteArray());
   }
+  build_loading();
   refresh_recent();
   refresh_title();
 }
@@ -109,9 +108,11 @@ bool MainWindow::eventFilter(QObject* watched, QEvent* event) {
 void MainWindow::fill_corner() {
   statistics_ = new StatisticsView(browser_, this);
   log_ = new LogView(browser_, this);
+  compare_ = new CompareView(browser_, this);
   setTabPosition(Qt::RightDockWidgetArea, QTabWidget::North);
   QDockWidget* first = add_dock("Selection", "selection", card_, Qt::RightDockWidgetArea);
-  for (QDockWidget* dock : {add_dock("Statistics", "statistics", statistics_, Qt::RightDockWidgetArea),
+  for (QDockWidget* dock : {add_dock("Compare", "compare", compare_, Qt::RightDockWidgetArea),
+                            add_dock("Statistics", "statistics", statistics_, Qt::RightDockWidgetArea),
                             add_dock("Log", "log", log_, Qt::RightDockWidgetArea)})
     tabifyDockWidget(first, dock);
   first->raise();
@@ -144,29 +145,20 @@ void MainWindow::refresh_title() {
     return;
   }
   const MemoryInfo& info = memory->info();
-  setWindowTitle(
-      QString("%1 – schema %2, read-only – loci")
-          .arg(QFileInfo(QString::fromStdString(info.path)).fileName(), QString::fromStdString(info.schema)));
+  setWindowTitle(QString("%1 – schema %2%3 – loci")
+                     .arg(QFileInfo(QString::fromStdString(info.path)).fileName(),
+                          QString::fromStdString(info.schema), can_edit() ? "" : ", read-only file"));
   summary_->setText(QString::fromStdString(info.summary));
   summary_->setToolTip(QString::fromStdString(info.path));
 }
 
-bool MainWindow::open(const QString& path) {
-  try {
-    show_data(opener_(path.toStdString()));
-    remember_file(path);
-    return true;
-  } catch (const Error& error) {
-    QMessageBox box(QMessageBox::Warning, "This memory cannot be opened",
-                    QString::fromStdString(error.message()), QMessageBox::Ok, this);
-    box.setInformativeText(QString::fromUtf8(error.what()));
-    box.setTextInteractionFlags(Qt::TextSelectableByMouse);
-    box.exec();
-    return false;
-  }
+void MainWindow::show_data(std::unique_ptr<BrowserData> memory) {
+  show_memory(std::move(memory));
 }
 
-void MainWindow::show_data(std::unique_ptr<BrowserData> memory) {
+void MainWindow::show_memory(std::shared_ptr<const BrowserData> memory) {
+  edits_.set_memory(memory == nullptr ? QString() : QString::fromStdString(memory->info().path));
+  if (memory == nullptr) loader_.follow({});
   browser_.open(std::move(memory));
   time_->track()->setFocus();
 }
@@ -178,33 +170,6 @@ QImage MainWindow::screenshot() {
 
 void MainWindow::tell(const QString& message) {
   statusBar()->showMessage(message, kMessageMs);
-}
-
-void MainWindow::ask_for_file() {
-  const QString path =
-      QFileDialog::getOpenFileName(this, "Open a memory", QString(), "Memories (*.loci);;All files (*)");
-  if (!path.isEmpty()) open(path);
-}
-
-void MainWindow::remember_file(const QString& path) {
-  if (!options_.remember) return;
-  QSettings settings;
-  QStringList files = settings.value("recent").toStringList();
-  const QString absolute = QFileInfo(path).absoluteFilePath();
-  files.removeAll(absolute);
-  files.prepend(absolute);
-  settings.setValue("recent", QStringList(files.mid(0, kRecentFiles)));
-  refresh_recent();
-}
-
-void MainWindow::dragEnterEvent(QDragEnterEvent* event) {
-  if (event->mimeData()->hasUrls() && event->mimeData()->urls().front().isLocalFile())
-    event->acceptProposedAction();
-}
-
-void MainWindow::dropEvent(QDropEvent* event) {
-  event->acceptProposedAction();
-  open(event->mimeData()->urls().front().toLocalFile());
 }
 
 void MainWindow::closeEvent(QCloseEvent* event) {

@@ -5,16 +5,21 @@
 #include <functional>
 
 #include "gui/browser.h"
+#include "gui/edit_history.h"
+#include "gui/memory_loader.h"
 #include "gui/views/map_view.h"
 
 class QDockWidget;
 class QLabel;
+class QProgressBar;
+class QToolButton;
 
 namespace loci {
 
 class ObjectCard;
 class ObjectsTree;
 class QuestionBar;
+class CompareView;
 class LogView;
 class SceneImage;
 class StatisticsView;
@@ -30,14 +35,12 @@ class MainWindow : public QMainWindow {
   Q_OBJECT
 
  public:
-  /// Opens a memory by path; throws Error.
-  using Opener = std::function<std::unique_ptr<BrowserData>(const std::string& path)>;
-
-  MainWindow(Opener opener, const WindowOptions& options = {});
+  MainWindow(MemoryOpener opener, const WindowOptions& options = {});
   ~MainWindow() override;
 
-  /// Opens a file; a dialog says why it cannot be. The memory that was open stays then.
-  bool open(const QString& path);
+  /// Opens a file in the background and follows it; `then` runs when it is shown. A dialog says why it cannot
+  /// be opened, and offers to check it; the memory that was open stays then.
+  void open(const QString& path, const std::function<void()>& then = {});
   void show_data(std::unique_ptr<BrowserData> memory);
   /// The window as a picture. Error when the 3D view stayed blank.
   QImage screenshot();
@@ -52,8 +55,11 @@ class MainWindow : public QMainWindow {
   QuestionBar& question_bar() { return *questions_; }
   StatisticsView& statistics() { return *statistics_; }
   LogView& log() { return *log_; }
-  /// Brings a dock to the front by its name (objects, scene, selection, statistics, log, time). Error when
-  /// there is none.
+  CompareView& compare() { return *compare_; }
+  MemoryLoader& loader() { return loader_; }
+  EditHistory& edits() { return edits_; }
+  /// Brings a dock to the front by its name (objects, scene, selection, compare, statistics, log, time).
+  /// Error when there is none.
   void show_dock(const std::string& name);
   QList<QMenu*> menus() const;
 
@@ -76,12 +82,20 @@ class MainWindow : public QMainWindow {
   void build_docks();
   void build_questions();
   void build_file_menu();
+  void build_edit_menu();
+  void build_loading();
   void build_time_menu();
   void build_select_menu();
   void build_view_menu();
   void build_help_menu();
   void build_toolbar();
   void default_layout();
+  void show_memory(std::shared_ptr<const BrowserData> memory);
+  void take_loaded(const QString& path, const MemoryLoader::Result& memory, bool again);
+  void explain_failure(const QString& path, const QString& reason);
+  void check_file(const QString& path);
+  bool can_edit() const;
+  void edit_selected(const QString& title, const std::string& key, const QString& now);
   void refresh_title();
   void refresh_recent();
   void remember_file(const QString& path);
@@ -91,8 +105,9 @@ class MainWindow : public QMainWindow {
   void show_keys();
   void tell(const QString& message);
 
-  Opener opener_;
   WindowOptions options_;
+  MemoryLoader loader_;
+  EditHistory edits_;
   Browser browser_;
   MapView* map_;
   ObjectsTree* tree_ = nullptr;
@@ -102,6 +117,10 @@ class MainWindow : public QMainWindow {
   QuestionBar* questions_ = nullptr;
   StatisticsView* statistics_ = nullptr;
   LogView* log_ = nullptr;
+  CompareView* compare_ = nullptr;
+  QProgressBar* progress_ = nullptr;
+  QToolButton* cancel_ = nullptr;
+  std::function<void()> opened_then_;
   QDockWidget* image_dock_ = nullptr;
   QMenu* recent_ = nullptr;
   QLabel* summary_ = nullptr;

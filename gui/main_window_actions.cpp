@@ -54,11 +54,40 @@ void MainWindow::build_file_menu() {
   tools_ << add_action(menu, {"&Open…", {QKeySequence("Ctrl+O")}, "Open a memory"},
                        [this] { ask_for_file(); });
   recent_ = menu->addMenu("Open &recent");
+  add_action(menu, {"&Check this file", {}, "Reads the whole memory and says whether it is sound"}, [this] {
+    if (browser_.data() != nullptr) check_file(QString::fromStdString(browser_.data()->info().path));
+  });
   menu->addSeparator();
   add_action(menu, {"&Save picture…", {QKeySequence("Ctrl+P")}, "Save this window as a picture"},
              [this] { save_picture(); });
   menu->addSeparator();
   add_action(menu, {"&Quit", {QKeySequence("Ctrl+Q")}, ""}, [this] { close(); });
+}
+
+void MainWindow::build_edit_menu() {
+  QMenu* menu = menuBar()->addMenu("&Edit");
+  QAction* undo = add_action(menu, {"&Undo", {QKeySequence("Ctrl+Z")}, "Takes back what was said last"},
+                             [this] { edits_.undo(); });
+  QAction* redo =
+      add_action(menu, {"&Redo", {QKeySequence("Ctrl+Shift+Z"), QKeySequence("Ctrl+Y")}, "Says it again"},
+                 [this] { edits_.redo(); });
+  menu->addSeparator();
+  const auto now = [this](auto member) {
+    const BelievedObject* object = browser_.selected_object();
+    return object == nullptr ? QString() : QString::fromStdString(object->*member);
+  };
+  add_action(menu, {"Re&name…", {QKeySequence("F2")}, "What people call the chosen object"},
+             [this, now] { edit_selected("Name", "alias", now(&BelievedObject::name)); });
+  add_action(menu, {"&Class…", {QKeySequence("Ctrl+L")}, "What kind of thing the chosen object is"},
+             [this, now] { edit_selected("Class", "class", now(&BelievedObject::class_name)); });
+  add_action(menu, {"&Owner…", {QKeySequence("Ctrl+Shift+O")}, "Whose the chosen object is"},
+             [this, now] { edit_selected("Owner", "owner", now(&BelievedObject::owner)); });
+  const auto refresh = [this, undo, redo] {
+    undo->setEnabled(edits_.can_undo());
+    redo->setEnabled(edits_.can_redo());
+  };
+  connect(&edits_, &EditHistory::changed, this, refresh);
+  refresh();
 }
 
 void MainWindow::build_time_menu() {

@@ -33,6 +33,7 @@ struct BelievedObject {
   int64_t id = 0;
   std::string name;        ///< for people: "object_12", or what they called it
   std::string class_name;  ///< empty = unknown
+  std::string owner;       ///< empty = unknown
   std::string color_name;  ///< empty = unknown
   std::string place;       ///< link of the map or plane; empty = unknown. Of a gone object: the last one
   Presence presence = Presence::seen;

@@ -68,11 +68,15 @@ cv::Rect2d in_color_picture(const cv::Rect2d& roi, const std::optional<Vector3d>
 
 class MemoryData : public BrowserData {
  public:
-  explicit MemoryData(const std::filesystem::path& path) : path_(path), store_(Store::open_read(path)) {
+  MemoryData(const std::filesystem::path& path, Progress& progress)
+      : path_(path), store_(Store::open_read(path)) {
+    progress.check(0.1, "reading scenes");
     for (const PlaceRow& place : store_.places()) places_[place.id] = place.name;
     read_names();
     read_scenes();
+    progress.check(0.3, "reading events");
     read_events();
+    progress.check(0.9, "reading the map");
     read_map();
     describe();
   }
@@ -120,7 +124,7 @@ class MemoryData : public BrowserData {
   Store store_;
   MemoryInfo info_;
   std::map<Id, std::string> places_;
-  std::map<Id, std::string> aliases_, classes_;
+  std::map<Id, std::string> aliases_, classes_, owners_;
   std::vector<SceneEntry> scenes_;
   std::map<Id, SceneRow> rows_;
   std::map<Id, size_t> number_of_scene_;  ///< its index in scenes_
@@ -134,6 +138,7 @@ void MemoryData::read_names() {
   for (const FactRow& fact : store_.facts()) {
     if (!fact.object || !fact.value) continue;
     if (fact.key == "alias") aliases_[*fact.object] = *fact.value;
+    if (fact.key == "owner") owners_[*fact.object] = *fact.value;
     if (fact.key == "class") classes_[*fact.object] = *fact.value;
   }
 }
@@ -205,6 +210,7 @@ BelievedObject MemoryData::believed(const BeliefRow& row) const {
   object.name = name_of(row.object);
   if (const auto found = classes_.find(row.object); found != classes_.end())
     object.class_name = found->second;
+  if (const auto found = owners_.find(row.object); found != owners_.end()) object.owner = found->second;
   object.color_name = row.color.value_or("");
   object.place = place_name(row.place);
   object.presence = presence_of(row.status);
@@ -390,8 +396,13 @@ FoundThings MemoryData::find(const std::string& words, TimeNs time) const {
 
 }  // namespace
 
+std::unique_ptr<BrowserData> open_memory_data(const std::filesystem::path& path, Progress& progress) {
+  return std::make_unique<MemoryData>(path, progress);
+}
+
 std::unique_ptr<BrowserData> open_memory_data(const std::filesystem::path& path) {
-  return std::make_unique<MemoryData>(path);
+  NoProgress progress;
+  return open_memory_data(path, progress);
 }
 
 }  // namespace loci

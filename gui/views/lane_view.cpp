@@ -87,7 +87,6 @@ void LaneView::reload() {
       Q_EMIT browser_.failed(QString::fromUtf8(error.what()));
     }
   update_scroll_bar();
-  verticalScrollBar()->setValue(0);
   refresh();
 }
 

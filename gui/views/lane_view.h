@@ -28,7 +28,7 @@ class LaneView : public QAbstractScrollArea {
   /// The middle of a lane at a time, on the viewport.
   QPoint point_of(size_t lane, TimeNs time) const;
   QSize sizeHint() const override { return {600, 110}; }
-  QSize minimumSizeHint() const override { return {200, 96}; }
+  QSize minimumSizeHint() const override { return {200, 78}; }
 
  protected:
   void paintEvent(QPaintEvent* event) override;

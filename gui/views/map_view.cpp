@@ -111,7 +111,9 @@ void MapView::show_memory() {
       scene_->add_place(place.name, place.outline, place.height);
   for (const std::string& text : warnings.texts()) Q_EMIT warned(QString::fromStdString(text));
   scene_->set_overview_side(memory == nullptr ? Vector3d(-0.5, -1, 0) : usual_side(*memory));
-  first_look_ = true;
+  const std::string path = memory == nullptr ? "" : memory->info().path;
+  if (path != memory_) first_look_ = true;  // else it has grown: the eye stays
+  memory_ = path;
 }
 
 void MapView::show_belief() {

@@ -58,6 +58,7 @@ class MapView : public QWidget {
   std::unique_ptr<EglWindow> egl_;
   QVTKOpenGLNativeWidget* widget_ = nullptr;
   std::unique_ptr<MapScene> scene_;
+  std::string memory_;      ///< path of the memory that is drawn
   bool first_look_ = true;  ///< the eye has not been placed by a person yet
 };
 

@@ -46,6 +46,7 @@ ObjectCard::ObjectCard(Browser& browser, QWidget* parent)
   history_->setModel(model_);
   history_->setSelectionBehavior(QAbstractItemView::SelectRows);
   history_->setShowGrid(false);
+  history_->setMinimumHeight(2 * (fontMetrics().height() + 6));
   history_->verticalHeader()->hide();
   history_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 6);
   history_->setHorizontalScrollMode(QAbstractItemView::ScrollPerPixel);
@@ -138,7 +139,11 @@ void ObjectCard::show_object(const BelievedObject& object) {
   const Theme theme = Theme::of(palette());
   title_->setVisible(true);
   title_->setText(QString::fromStdString(object.name));
-  hint_->setText(QString::fromStdString(object.class_name));
+  QStringList said;
+  if (object.name != "object_" + std::to_string(object.id)) said << QString("object_%1").arg(object.id);
+  if (!object.class_name.empty()) said << QString::fromStdString(object.class_name);
+  if (!object.owner.empty()) said << "of " + QString::fromStdString(object.owner);
+  hint_->setText(said.join(", "));
   const QString place = QString::fromStdString(object.place);
   const QString at = object.place.empty() ? "unknown" : place;
   QString seen = "never";

@@ -21,6 +21,7 @@ namespace {
 
 constexpr int kWidth = 600;
 constexpr int kMargin = 10;
+constexpr int kScrollBar = 40;  // room beside the words of an answer
 constexpr size_t kSuggestions = 9;
 constexpr int kAskedKept = 100;
 
@@ -74,6 +75,7 @@ QuestionBar::QuestionBar(Browser& browser, QWidget* parent)
   list_->setTextElideMode(Qt::ElideRight);
   list_->setFrameShape(QFrame::NoFrame);
   answers_->setOpenLinks(false);
+  answers_->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
   answers_->setFrameShape(QFrame::NoFrame);
   answers_->setFocusPolicy(Qt::ClickFocus);
   QFont small = scaled_font(font(), 0.9);
@@ -106,8 +108,12 @@ void QuestionBar::forget() {
   sources_.words.clear();
   sources_.examples.clear();
   places_.clear();
-  html_.clear();
-  answers_->clear();
+  const std::string memory = browser_.data() == nullptr ? "" : browser_.data()->info().path;
+  if (memory != memory_) {  // else it has grown: what was said stays
+    html_.clear();
+    answers_->clear();
+  }
+  memory_ = memory;
   if (isVisible()) load_words();
   refresh_suggestions();
 }
@@ -156,7 +162,7 @@ void QuestionBar::fit_height() {
   int height = line_->sizeHint().height() + hint_->sizeHint().height() + 30;
   if (list_->isVisibleTo(this)) height += list_->height();
   if (said) {
-    answers_->document()->setTextWidth(width - 20);
+    answers_->document()->setTextWidth(width - kScrollBar);
     height += static_cast<int>(answers_->document()->size().height()) + 12;
   }
   setGeometry(area_.center().x() - width / 2, area_.top() + kMargin, width, std::min(height, most));

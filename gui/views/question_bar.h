@@ -65,6 +65,7 @@ class QuestionBar : public QFrame {
   SuggestionSources sources_;
   QStringList places_;
   QString html_;
+  std::string memory_;  ///< path of the memory that was asked
   QRect area_;
 };
 

@@ -39,7 +39,7 @@ QImage depth_image(const cv::Mat& depth) {
 }  // namespace
 
 SceneImage::SceneImage(Browser& browser, QWidget* parent) : QWidget(parent), browser_(browser) {
-  setMinimumSize(200, 150);
+  setMinimumSize(200, 104);
   setMouseTracking(true);
   connect(&browser_, &Browser::opened, this, &SceneImage::refresh);
   connect(&browser_, &Browser::belief_changed, this, &SceneImage::refresh);

@@ -15,6 +15,12 @@ void TimeAxis::set_whole(TimeNs first, TimeNs last) {
   show(first, last);
 }
 
+void TimeAxis::grow(TimeNs first, TimeNs last) {
+  if (from_ == first_ && to_ == last_) return set_whole(first, last);
+  first_ = first;
+  last_ = last;
+}
+
 void TimeAxis::show(TimeNs from, TimeNs to) {
   from = std::max(from, first_);
   to = std::min(to, last_);

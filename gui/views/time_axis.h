@@ -19,6 +19,8 @@ class TimeAxis : public QObject {
 
   /// The whole of the memory; shows all of it.
   void set_whole(TimeNs first, TimeNs last);
+  /// The memory has grown: what is shown stays, unless it was all.
+  void grow(TimeNs first, TimeNs last);
   TimeNs first() const { return first_; }
   TimeNs last() const { return last_; }
   /// What is shown.

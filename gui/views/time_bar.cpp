@@ -71,8 +71,14 @@ TimeBar::TimeBar(Browser& browser, QWidget* parent)
   connect(stamp_, &QLineEdit::editingFinished, this, &TimeBar::refresh);
   connect(&browser_, &Browser::opened, this, [this] {
     const BrowserData* memory = browser_.data();
-    if (memory != nullptr && !memory->scenes().empty())
-      axis_.set_whole(memory->scenes().front().time, memory->scenes().back().time);
+    if (memory != nullptr && !memory->scenes().empty()) {
+      const TimeNs first = memory->scenes().front().time, last = memory->scenes().back().time;
+      if (memory->info().path == memory_)
+        axis_.grow(first, last);
+      else
+        axis_.set_whole(first, last);
+    }
+    memory_ = memory == nullptr ? "" : memory->info().path;
     refresh();
   });
   connect(&browser_, &Browser::belief_changed, this, &TimeBar::refresh);

@@ -61,6 +61,7 @@ class TimeBar : public QWidget {
   QLabel* legend_;
   std::vector<std::pair<Transport, QToolButton*>> buttons_;
   QTimer timer_;
+  std::string memory_;  ///< path of the memory that the axis is of
 };
 
 }  // namespace loci

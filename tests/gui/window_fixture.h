@@ -30,7 +30,9 @@ class BrowserWindow : public testing::Test {
         std::filesystem::temp_directory_path() / ("loci_gui_test_" + std::to_string(getpid()));
   };
 
-  BrowserWindow() : window(open_memory_data, {MapBackend::widget, false}) {
+  BrowserWindow()
+      : window([](const std::string& path, Progress& progress) { return open_memory_data(path, progress); },
+               {MapBackend::widget, false}) {
     window.show_data(open_memory_data(sample_.path));
     window.show();
     EXPECT_TRUE(QTest::qWaitForWindowExposed(&window));

@@ -1,0 +1,92 @@
+#include "gui/data/differences.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace loci {
+namespace {
+
+constexpr double kLeastJointMove = 0.02;  // metres or radians; below is the noise of a look
+
+bool is_there(const BelievedObject* object) {
+  return object != nullptr && object->presence != Presence::gone;
+}
+
+std::string place_text(const BelievedObject* object) {
+  if (!is_there(object)) return {};
+  return object->place.empty() ? "somewhere" : object->place;
+}
+
+std::optional<Difference> difference_of(const BelievedObject* then, const BelievedObject* now,
+                                        double least_move) {
+  const BelievedObject& any = now != nullptr ? *now : *then;
+  Difference difference{.object = any.id, .name = any.name, .then = place_text(then), .now = place_text(now)};
+  if (!is_there(then) && !is_there(now)) return std::nullopt;
+  if (!is_there(then)) {
+    difference.kind = Difference::Kind::appeared;
+    return difference;
+  }
+  if (!is_there(now)) {
+    difference.kind = Difference::Kind::gone;
+    return difference;
+  }
+  if (then->map_from_object && now->map_from_object)
+    difference.distance = (now->map_from_object->translation() - then->map_from_object->translation()).norm();
+  if (difference.distance < least_move && then->place == now->place) return std::nullopt;
+  return difference;
+}
+
+std::string joint_text(const JointState& joints, const std::string& name) {
+  const auto found = joints.find(name);
+  return found == joints.end() ? "" : fmt::format("{:.2f}", found->second);
+}
+
+void add_joints(const BelievedScene& then, const BelievedScene& now, std::vector<Difference>& all) {
+  for (const auto& [name, position] : now.joints) {
+    const auto before = then.joints.find(name);
+    const double moved = std::abs(position - (before == then.joints.end() ? 0 : before->second));
+    if (moved >= kLeastJointMove)
+      all.push_back({Difference::Kind::joint, 0, name, joint_text(then.joints, name),
+                     joint_text(now.joints, name), moved});
+  }
+  for (const auto& [name, position] : then.joints)
+    if (!now.joints.contains(name) && std::abs(position) >= kLeastJointMove)
+      all.push_back(
+          {Difference::Kind::joint, 0, name, joint_text(then.joints, name), "", std::abs(position)});
+}
+
+}  // namespace
+
+const char* difference_name(Difference::Kind kind) {
+  switch (kind) {
+    case Difference::Kind::appeared:
+      return "appeared";
+    case Difference::Kind::moved:
+      return "moved";
+    case Difference::Kind::gone:
+      return "gone";
+    case Difference::Kind::joint:
+      return "joint";
+  }
+  return "";
+}
+
+std::vector<Difference> differences(const BelievedScene& then, const BelievedScene& now, double least_move) {
+  std::vector<Difference> all;
+  for (const BelievedObject& object : now.objects)
+    if (auto difference = difference_of(then.find(object.id), &object, least_move))
+      all.push_back(std::move(*difference));
+  for (const BelievedObject& object : then.objects)
+    if (now.find(object.id) == nullptr)
+      if (auto difference = difference_of(&object, nullptr, least_move))
+        all.push_back(std::move(*difference));
+  add_joints(then, now, all);
+  std::stable_sort(all.begin(), all.end(), [](const Difference& a, const Difference& b) {
+    return std::pair(a.kind, a.object) < std::pair(b.kind, b.object);
+  });
+  return all;
+}
+
+}  // namespace loci

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gui/data/browser_data.h"
+
+namespace loci {
+
+/// How one belief differs from another.
+struct Difference {
+  enum class Kind { appeared, moved, gone, joint };
+  Kind kind = Kind::moved;
+  int64_t object = 0;     ///< 0 = of a joint
+  std::string name = {};  ///< of the object or joint
+  std::string then = {};  ///< where it was, or how far it was open; empty = not known then
+  std::string now = {};
+  double distance = 0;  ///< metres that it moved
+};
+const char* difference_name(Difference::Kind kind);
+
+/// What is to be said when one looks from `then` to `now`: what appeared, what moved (to another place, or
+/// further than `least_move` metres), what is gone, and joints that moved. In that order, then by object.
+std::vector<Difference> differences(const BelievedScene& then, const BelievedScene& now,
+                                    double least_move = 0.05);
+
+}  // namespace loci

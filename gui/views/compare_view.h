@@ -1,0 +1,48 @@
+#pragma once
+
+#include <QWidget>
+#include <vector>
+
+#include "gui/browser.h"
+#include "gui/data/differences.h"
+
+class QLabel;
+class QLineEdit;
+class QTableWidget;
+
+namespace loci {
+
+/// Two times of the memory side by side: what appeared, moved and is gone between another time and the chosen
+/// one. A click on a line chooses its object.
+class CompareView : public QWidget {
+  Q_OBJECT
+
+ public:
+  explicit CompareView(Browser& browser, QWidget* parent = nullptr);
+
+  /// The time that the chosen one is compared with.
+  void set_other(TimeNs time);
+  TimeNs other() const { return other_; }
+  QLineEdit* stamp() const { return stamp_; }
+  QTableWidget* table() const { return table_; }
+  const std::vector<Difference>& shown() const { return differences_; }
+
+ protected:
+  void showEvent(QShowEvent* event) override;
+
+ private:
+  void forget();
+  void refresh();
+  void take_stamp();
+  void fill();
+
+  Browser& browser_;
+  QLineEdit* stamp_;
+  QLabel* state_;
+  QTableWidget* table_;
+  TimeNs other_ = 0;
+  std::string memory_;  ///< path of the memory that `other_` is a time of
+  std::vector<Difference> differences_;
+};
+
+}  // namespace loci

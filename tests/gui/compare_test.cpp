@@ -1,0 +1,76 @@
+// Two times side by side.
+
+#include <QLineEdit>
+#include <QTableWidget>
+
+#include "gui/data/differences.h"
+#include "gui/views/compare_view.h"
+#include "tests/gui/window_fixture.h"
+
+namespace loci {
+namespace {
+
+BelievedObject at(int64_t id, const std::string& place, double x, Presence presence = Presence::seen) {
+  BelievedObject object;
+  object.id = id;
+  object.place = place;
+  object.presence = presence;
+  object.map_from_object = Isometry3d(Eigen::Translation3d(x, 0, 0));
+  return object;
+}
+
+TEST(Differences, TellApartWhatMovedFromTheNoiseOfALook) {
+  const BelievedScene then{0, {at(1, "table", 0), at(2, "table", 0), at(3, "table", 0)}, {}};
+  const BelievedScene now{1, {at(1, "table", 0.01), at(2, "table", 0.3), at(3, "shelf", 0.01)}, {}};
+  const auto all = differences(then, now);
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[0].object, 2);
+  EXPECT_NEAR(all[0].distance, 0.3, 1e-9);
+  EXPECT_EQ(all[1].object, 3);
+  EXPECT_EQ(all[1].now, "shelf");
+}
+
+TEST(Differences, AreTurnedAroundWhenTheTimesAre) {
+  const BelievedScene then{0, {at(1, "table", 0), at(2, "table", 0, Presence::gone)}, {{"drawer", 0.0}}};
+  const BelievedScene now{1, {at(1, "table", 0, Presence::gone), at(2, "table", 0)}, {{"drawer", 0.3}}};
+  const auto forward = differences(then, now), back = differences(now, then);
+  ASSERT_EQ(forward.size(), 3U);
+  EXPECT_EQ(forward[0].kind, Difference::Kind::appeared);
+  EXPECT_EQ(forward[0].object, 2);
+  EXPECT_EQ(forward[1].kind, Difference::Kind::gone);
+  EXPECT_EQ(forward[1].object, 1);
+  EXPECT_EQ(forward[2].kind, Difference::Kind::joint);
+  ASSERT_EQ(back.size(), 3U);
+  EXPECT_EQ(back[0].object, 1);
+  EXPECT_TRUE(differences(now, now).empty());
+}
+
+class CompareInWindow : public test::BrowserWindow {
+ protected:
+  CompareInWindow() { window.show_dock("compare"); }
+  QString cell(int row, int column) { return window.compare().table()->item(row, column)->text(); }
+};
+
+TEST_F(CompareInWindow, TheBeginningIsComparedWithTheChosenTime) {
+  ASSERT_EQ(window.compare().table()->rowCount(), 3);
+  EXPECT_EQ(cell(0, 0) + " " + cell(0, 1) + " " + cell(0, 3), "appeared object_3 counter_1");
+  EXPECT_EQ(cell(1, 0) + " " + cell(1, 1) + " " + cell(1, 2) + " " + cell(1, 3),
+            "moved object_2 counter_1 table_1");
+  EXPECT_EQ(cell(2, 0) + " " + cell(2, 1), "gone object_1");
+  QTest::mouseClick(
+      window.compare().table()->viewport(), Qt::LeftButton, Qt::NoModifier,
+      window.compare().table()->visualRect(window.compare().table()->model()->index(1, 1)).center());
+  EXPECT_EQ(selection().object(), 2);
+}
+
+TEST_F(CompareInWindow, TheOtherTimeCanBeTyped) {
+  window.compare().stamp()->setText("07:30");
+  QTest::keyClick(window.compare().stamp(), Qt::Key_Return);
+  EXPECT_EQ(window.compare().other(), sample_.second);
+  for (const Difference& difference : window.compare().shown()) EXPECT_NE(difference.object, 2);
+  selection().set_time(sample_.second);
+  EXPECT_TRUE(window.compare().shown().empty());
+}
+
+}  // namespace
+}  // namespace loci

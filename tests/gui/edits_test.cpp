@@ -1,0 +1,101 @@
+// What people say about objects in the browser: facts of source "user", with undo and redo.
+
+#include <QInputDialog>
+#include <QSignalSpy>
+#include <QTimer>
+
+#include "gui/background.h"
+#include "gui/data/memory_edits.h"
+#include "mapping/base/error.h"
+#include "memory/questions/facts.h"
+#include "tests/gui/window_fixture.h"
+
+namespace loci {
+namespace {
+
+class EditsInWindow : public test::BrowserWindow {
+ protected:
+  EditsInWindow() {
+    window.open(QString::fromStdString(sample_.path.string()));
+    finish_background();
+    selection().select_object(2);
+  }
+  void settle() {
+    finish_background();  // the writing
+    finish_background();  // the memory is read again
+  }
+  std::vector<Fact> facts() { return ask(Store::open_read(sample_.path), FactsQuestion{}).facts; }
+};
+
+TEST_F(EditsInWindow, ARenamedObjectIsCalledSoInAllViews) {
+  QTimer::singleShot(100, &window, [] {
+    auto* dialog = qobject_cast<QInputDialog*>(QApplication::activeModalWidget());
+    ASSERT_NE(dialog, nullptr);
+    EXPECT_EQ(dialog->textValue(), "") << "object_2 is no name of its own";
+    dialog->setTextValue("cereal");
+    dialog->accept();
+  });
+  QTest::keyClick(&window, Qt::Key_F2);
+  settle();
+  EXPECT_EQ(window.card().title(), "cereal");
+  EXPECT_EQ(window.tree().shown_index_of_object(2).data().toString(), "cereal");
+  ASSERT_EQ(facts().size(), 1U);
+  EXPECT_EQ(facts()[0].source, "user");
+  EXPECT_EQ(facts()[0].value, "cereal");
+}
+
+TEST_F(EditsInWindow, UndoAndRedoRestoreWhatHeldAndLoseNothing) {
+  EditHistory& edits = window.edits();
+  EXPECT_FALSE(edits.can_undo());
+  for (const char* owner : {"Ada", "Grace"}) {
+    edits.edit("object_2", "owner", owner);
+    settle();
+  }
+  const auto owner = [&] { return facts().empty() ? "" : facts().back().value; };
+  EXPECT_EQ(owner(), "Grace");
+  QTest::keyClick(&window, Qt::Key_Z, Qt::ControlModifier);
+  settle();
+  EXPECT_EQ(owner(), "Ada");
+  EXPECT_EQ(window.browser().belief().find(2)->owner, "Ada");
+  edits.undo();
+  settle();
+  EXPECT_EQ(owner(), "");
+  EXPECT_FALSE(edits.can_undo());
+  edits.redo();
+  settle();
+  EXPECT_EQ(owner(), "Ada");
+  EXPECT_TRUE(edits.can_redo());
+  edits.edit("object_2", "owner", "Alan");
+  settle();
+  EXPECT_FALSE(edits.can_redo()) << "a new edit ends what could be redone";
+  const Store store = Store::open_read(sample_.path);
+  EXPECT_EQ(store.runs().size(), 7U) << "one run of the memory, and one for each that was said or taken back";
+}
+
+TEST_F(EditsInWindow, AnAliasIsReplacedAndOthersStay) {
+  const auto say = [&](const char* value) {
+    const FactEdit edit = make_edit(sample_.path, "object_2", "alias", value);
+    apply_edit(sample_.path, edit);
+  };
+  {
+    Store store = Store::open_write(sample_.path);
+    set_fact(store, "object_2", "alias", "box");
+    set_fact(store, "object_2", "alias", "cereal");
+  }
+  say("muesli");
+  std::vector<std::string> names;
+  for (const Fact& fact : facts()) names.push_back(fact.value);
+  EXPECT_EQ(names, (std::vector<std::string>{"box", "muesli"}));
+}
+
+TEST_F(EditsInWindow, WhileAnotherProgramWritesTheEditIsRefusedWithTheReason) {
+  QSignalSpy failed(&window.browser(), &Browser::failed);
+  const Store writer = Store::open_write(sample_.path);
+  window.edits().edit("object_2", "class", "cup");
+  settle();
+  EXPECT_EQ(failed.count(), 1);
+  EXPECT_FALSE(window.edits().can_undo());
+}
+
+}  // namespace
+}  // namespace loci

@@ -1,0 +1,117 @@
+// Opening in the background, broken and read-only files, memories that are being written.
+
+#include <QMessageBox>
+#include <QPushButton>
+#include <QTimer>
+
+#include "gui/background.h"
+#include "gui/data/memory_verify.h"
+#include "gui/views/time_bar.h"
+#include "memory/store/scene_transaction.h"
+#include "tests/gui/window_fixture.h"
+
+namespace loci {
+namespace {
+
+class FilesInWindow : public test::BrowserWindow {
+ protected:
+  void open(const std::filesystem::path& path) {
+    window.open(QString::fromStdString(path.string()));
+    finish_background();
+  }
+  /// Adds a scene at the end, as a program that perceives would.
+  void add_scene(TimeNs time) {
+    Store store = Store::open_write(sample_.path);
+    const Id run = store.begin_run("test", "{}");
+    {
+      SceneTransaction transaction(store, run);
+      SceneRow row;
+      row.time = time;
+      transaction.add_scene(row);
+      transaction.commit();
+    }
+    store.finish_run(run);
+  }
+};
+
+TEST_F(FilesInWindow, OpeningGoesOnInTheBackgroundAndCanBeCancelled) {
+  const auto other = folder_.path / "other.loci";
+  std::filesystem::copy_file(sample_.path, other);
+  window.open(QString::fromStdString(other.string()));
+  EXPECT_TRUE(window.loader().is_loading());
+  EXPECT_TRUE(window.windowTitle().contains("sample.loci")) << "what is open stays until then";
+  window.loader().cancel();
+  finish_background();
+  EXPECT_TRUE(window.windowTitle().contains("sample.loci"));
+  bool told = false;
+  window.open(QString::fromStdString(other.string()), [&] { told = true; });
+  finish_background();
+  EXPECT_TRUE(told);
+  EXPECT_TRUE(window.windowTitle().contains("other.loci"));
+}
+
+TEST_F(FilesInWindow, BrokenFileIsExplainedAndCanBeChecked) {
+  write_file_atomically(folder_.path / "broken.loci", "this is no memory");
+  QStringList said;
+  QTimer press;
+  QObject::connect(&press, &QTimer::timeout, [&] {
+    auto* box = qobject_cast<QMessageBox*>(QApplication::activeModalWidget());
+    if (box == nullptr) return;
+    said << box->text();
+    QPushButton* check = nullptr;
+    for (auto* button : box->findChildren<QPushButton*>())
+      if (button->text().contains("Check the file")) check = button;
+    if (check != nullptr)
+      check->click();
+    else
+      box->accept();
+  });
+  press.start(50);
+  open(folder_.path / "broken.loci");
+  finish_background();  // the check
+  ASSERT_EQ(said.size(), 2);
+  EXPECT_TRUE(said[0].contains("broken.loci")) << said[0].toStdString();
+  EXPECT_TRUE(said[1].contains("cannot be read at all")) << said[1].toStdString();
+  EXPECT_TRUE(window.windowTitle().contains("sample.loci"));
+}
+
+TEST_F(FilesInWindow, ACheckFindsASoundFileSound) {
+  NoProgress progress;
+  const std::string found = verify_memory(sample_.path, progress);
+  EXPECT_TRUE(found.starts_with("It is sound.")) << found;
+  EXPECT_NE(found.find("3 scene"), std::string::npos) << found;
+}
+
+TEST_F(FilesInWindow, AMemoryThatIsWrittenIsFollowed) {
+  open(sample_.path);
+  window.loader().check();
+  EXPECT_FALSE(window.loader().is_loading()) << "nothing has changed";
+  const TimeNs fourth = sample_.third + 60 * kSecond;
+  selection().select_object(1);
+  add_scene(fourth);
+  window.loader().check();
+  EXPECT_TRUE(window.loader().is_loading());
+  finish_background();
+  EXPECT_EQ(window.browser().data()->scenes().size(), 4U);
+  EXPECT_EQ(selection().time(), fourth) << "the end stays the end";
+  EXPECT_EQ(selection().object(), 1) << "the selection stays";
+  EXPECT_EQ(window.time_bar().axis().to(), fourth);
+  selection().set_time(sample_.second);
+  add_scene(fourth + kSecond);
+  window.loader().check();
+  finish_background();
+  EXPECT_EQ(selection().time(), sample_.second) << "who looks back is not torn away";
+}
+
+TEST_F(FilesInWindow, AReadOnlyFileSaysSo) {
+  EXPECT_FALSE(window.windowTitle().contains("read-only"));
+  const auto other = folder_.path / "locked.loci";
+  std::filesystem::copy_file(sample_.path, other);
+  std::filesystem::permissions(other, std::filesystem::perms::owner_read);
+  if (::access(other.c_str(), W_OK) == 0) GTEST_SKIP() << "root may write everything";
+  open(other);
+  EXPECT_TRUE(window.windowTitle().contains("read-only"));
+}
+
+}  // namespace
+}  // namespace loci
