@@ -7,6 +7,7 @@ namespace loci {
 Command articulation_command();
 Command changes_command();
 Command mapping_command();
+Command description_command();
 Command identity_command();
 Command registration_command();
 Command nbv_command();

@@ -6,8 +6,10 @@ namespace loci {
 
 Command cas_command();
 Command describe_command();
+Command index_command();
 Command info_command();
 Command list_command();
+Command recognise_command();
 Command run_command();
 Command types_command();
 

@@ -8,6 +8,8 @@ int main(int argc, char** argv) {
   program.add(loci::run_command());
   program.add(loci::list_command());
   program.add(loci::describe_command());
+  program.add(loci::index_command());
+  program.add(loci::recognise_command());
   program.add_planned("annotate", "Runs annotators over what was remembered");
   program.add_planned("train", "Trains classifiers from labelled memory");
   return program.run(argc, argv);

@@ -1,0 +1,113 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "apps/perceive/commands.h"
+#include "mapping/base/stopwatch.h"
+#include "mapping/image/image_io.h"
+#include "perception/recognition/product_index.h"
+
+namespace loci {
+namespace {
+
+struct IndexArguments {
+  std::string catalogue, out;
+};
+
+struct RecogniseArguments {
+  std::vector<std::string> images;
+  std::string index;
+  size_t most = 5;
+  RecognitionOptions options;
+};
+
+ProductIndex build_index(const std::string& catalogue, Session& session) {
+  return ProductIndex::build(read_catalogue(catalogue), session.flags().threads, session.progress(),
+                             session.warnings());
+}
+
+ProductIndex open_index(const std::string& path, Session& session) {
+  return std::filesystem::is_directory(path) ? build_index(path, session) : ProductIndex::load(path);
+}
+
+void make_index(const IndexArguments& given, Session& session) {
+  const ProductIndex index = build_index(given.catalogue, session);
+  index.save(given.out);
+  session.answer(fmt::format("{} pictures, {} features, {} words in {}\n", index.products().size(),
+                             index.features(), index.words(), given.out),
+                 {{"pictures", index.products().size()},
+                  {"features", index.features()},
+                  {"words", index.words()},
+                  {"out", given.out}});
+}
+
+Json to_json(const ProductMatch& match, const Product& product) {
+  Json properties = Json::object();
+  for (const auto& [key, value] : product.properties) properties[key] = value;
+  const cv::Rect& region = match.region;
+  return {{"name", product.name},     {"verified", match.verified},
+          {"inliers", match.inliers}, {"score", match.score},
+          {"share", match.share},     {"region", {region.x, region.y, region.width, region.height}},
+          {"properties", properties}};
+}
+
+void recognise(RecogniseArguments& given, Session& session) {
+  table_of(given.options).validate();
+  const ProductIndex index = open_index(given.index, session);
+  std::string text;
+  Json answers = Json::array();
+  for (const std::string& path : given.images) {
+    const cv::Mat image = read_color(path);
+    const Stopwatch watch;
+    const std::vector<ProductMatch> matches =
+        index.recognise(image, given.options, session.flags().threads, given.most);
+    session.timing(path, watch.seconds());
+    Json products = Json::array();
+    text += path + (matches.empty() || !matches[0].verified ? ": nothing sure\n" : "\n");
+    for (const ProductMatch& match : matches) {
+      const Product& product = index.products()[match.product];
+      text += fmt::format("  {:40} {:3} features agree{}\n", product.name, match.inliers,
+                          match.verified ? fmt::format(", share {:.2f}", match.share) : ": not sure");
+      products.push_back(to_json(match, product));
+    }
+    answers.push_back({{"image", path}, {"products", products}});
+  }
+  session.answer(text, answers);
+}
+
+}  // namespace
+
+Command index_command() {
+  return {"index",
+          "Makes an index of products from a folder of pictures and descriptions",
+          {"loci-perceive index tests/data/products -o demo-output/products.index",
+           "loci-perceive index tests/data/products -o demo-output/products.index --json"},
+          [](CLI::App& app) {
+            auto given = std::make_shared<IndexArguments>();
+            app.add_option("CATALOGUE", given->catalogue,
+                           "Folder with catalogue.csv, or pictures named after products")
+                ->required();
+            app.add_option("-o,--out", given->out, "The index")->required();
+            return [given](Session& session) { make_index(*given, session); };
+          }};
+}
+
+Command recognise_command() {
+  return {"recognise",
+          "Which products of an index pictures show",
+          {"loci-perceive recognise tests/data/pictures/Alpro-Blueberry-Soyghurt_001.jpg --index "
+           "tests/data/products",
+           "loci-perceive recognise tests/data/pictures/Alpro-Blueberry-Soyghurt_001.jpg --index "
+           "tests/data/products --json"},
+          [](CLI::App& app) {
+            auto given = std::make_shared<RecogniseArguments>();
+            app.add_option("IMAGES", given->images, "Pictures (PNG, JPEG)")->required();
+            app.add_option("--index", given->index, "Made by `loci-perceive index`, or a catalogue's folder")
+                ->required();
+            app.add_option("--most", given->most, "So many products of each picture")->capture_default_str();
+            add_options(app, table_of(given->options));
+            return [given](Session& session) { recognise(*given, session); };
+          }};
+}
+
+}  // namespace loci

@@ -1,0 +1,168 @@
+#include "perception/recognition/product_index.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "mapping/base/parallel.h"
+#include "mapping/image/image_io.h"
+#include "perception/recognition/color_agreement.h"
+#include "perception/recognition/similarity_fit.h"
+
+namespace loci {
+namespace {
+
+constexpr int kCatalogueSide = 400;
+constexpr int kCatalogueKeypoints = 1500;
+constexpr int kCatalogueCells = 48;
+constexpr int kQueryCells = 128;  // A product fills a part of the picture.
+constexpr int kLargestDistance = 2 * 512 * 512;
+// What votes count beside features that agree on a place, which decides when hardly any do.
+constexpr double kVoteShare = 0.1;
+constexpr double kUnknownColor = 0.25;
+
+cv::Rect region_of(const std::vector<Correspondence>& pairs, const std::vector<size_t>& inliers,
+                   const cv::Size& size) {
+  cv::Rect region;
+  for (const size_t i : inliers) {
+    const cv::Rect point(static_cast<int>(pairs[i].to.x), static_cast<int>(pairs[i].to.y), 1, 1);
+    region = region.empty() ? point : region | point;
+  }
+  return region & cv::Rect({}, size);
+}
+
+/// Each name once, verified products first, each part by score.
+std::vector<ProductMatch> ranked(std::vector<ProductMatch> matches, const std::vector<Product>& products,
+                                 size_t most) {
+  std::sort(matches.begin(), matches.end(), [](const ProductMatch& a, const ProductMatch& b) {
+    return a.score != b.score ? a.score > b.score : a.product < b.product;
+  });
+  std::vector<ProductMatch> best;
+  std::set<std::string> names;
+  double sum = 0;
+  for (const ProductMatch& match : matches) {
+    if (!names.insert(products[match.product].name).second) continue;
+    if (match.verified) sum += match.score;
+    best.push_back(match);
+  }
+  std::stable_partition(best.begin(), best.end(), [](const ProductMatch& match) { return match.verified; });
+  if (best.size() > most) best.resize(most);
+  for (ProductMatch& match : best)
+    if (match.verified && sum > 0) match.share = match.score / sum;
+  return best;
+}
+
+}  // namespace
+
+void RecognitionOptions::declare(OptionTable& table) {
+  table.integer("side_px", side_px, "px", "Longer side that an image is scaled to.", 50, 4000);
+  table.integer("most_keypoints", most_keypoints, "", "Features of an image, the strongest.", 10, 100000);
+  table.integer("neighbours", neighbours, "", "Features of the catalogue that one of the image may vote for.",
+                1, 1000);
+  table.integer("checks", checks, "", "Features of the catalogue that one of the image is compared with.", 10,
+                100000);
+  table.integer("candidates", candidates, "", "Products whose geometry is looked at, those with most votes.",
+                1, 10000);
+  table.number("tolerance", tolerance, "", "Largest error of a place, of the image's longer side.", 0.001,
+               0.5);
+  table.integer("least_inliers", least_inliers, "",
+                "Features that must agree on a place for a product to be believed.", 3, 1000);
+}
+
+/// Votes and correspondences of every product.
+struct ProductIndex::Ballot {
+  std::vector<double> votes;
+  std::vector<std::vector<Correspondence>> pairs;
+};
+
+ProductIndex ProductIndex::build(const std::vector<Product>& catalogue, int threads, Progress& progress,
+                                 Warnings& warnings) {
+  ProductIndex index;
+  for (size_t i = 0; i < catalogue.size(); ++i) {
+    progress.check(0.9 * static_cast<double>(i) / static_cast<double>(catalogue.size()), "features");
+    cv::Mat image;
+    try {
+      image = read_color(catalogue[i].image);
+    } catch (const Error& error) {
+      warnings.add("left out of the catalogue: " + std::string(error.what()));
+      continue;
+    }
+    const ImageFeatures features = image_features(image, kCatalogueSide, kCatalogueKeypoints);
+    index.owners_.insert(index.owners_.end(), features.keypoints.size(),
+                         static_cast<uint32_t>(index.products_.size()));
+    index.keypoints_.insert(index.keypoints_.end(), features.keypoints.begin(), features.keypoints.end());
+    index.descriptors_.insert(index.descriptors_.end(), features.descriptors.begin(),
+                              features.descriptors.end());
+    index.chroma_.push_back(chroma_of(image, kCatalogueCells));
+    index.sizes_.push_back(image.size());
+    index.products_.push_back(catalogue[i]);
+  }
+  if (index.products_.empty()) throw Error("none of the catalogue's pictures can be read");
+  progress.check(0.9, "vocabulary tree");
+  index.tree_ = VocabularyTree::build(index.descriptors_, threads);
+  return index;
+}
+
+ProductIndex::Ballot ProductIndex::vote(const ImageFeatures& query, const RecognitionOptions& options,
+                                        int threads) const {
+  std::vector<std::vector<VocabularyTree::Neighbour>> nearest(query.descriptors.size());
+  parallel_for(nearest.size(), threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i)
+      nearest[i] =
+          tree_.nearest(query.descriptors[i], descriptors_, static_cast<size_t>(options.neighbours) + 1,
+                        static_cast<size_t>(options.checks));
+  });
+  Ballot ballot{std::vector<double>(products_.size(), 0),
+                std::vector<std::vector<Correspondence>>(products_.size())};
+  for (size_t i = 0; i < nearest.size(); ++i) {
+    if (nearest[i].empty()) continue;
+    // Where the catalogue has nothing else to compare with, nothing is as far as can be.
+    const bool enough = nearest[i].size() > static_cast<size_t>(options.neighbours);
+    const int background = enough ? nearest[i].back().distance : kLargestDistance;
+    std::set<uint32_t> voted;
+    for (const VocabularyTree::Neighbour& neighbour : nearest[i]) {
+      const double weight = static_cast<double>(background - neighbour.distance) / kLargestDistance;
+      if (weight <= 0) break;
+      const uint32_t owner = owners_[neighbour.number];
+      if (voted.insert(owner).second) ballot.votes[owner] += weight;
+      ballot.pairs[owner].push_back({keypoints_[neighbour.number], query.keypoints[i], weight});
+    }
+  }
+  return ballot;
+}
+
+std::vector<ProductMatch> ProductIndex::recognise(const cv::Mat& image, const RecognitionOptions& options,
+                                                  int threads, size_t most) const {
+  const ImageFeatures query = image_features(image, options.side_px, options.most_keypoints);
+  const Ballot ballot = vote(query, options, threads);
+  std::vector<size_t> order;
+  for (size_t i = 0; i < products_.size(); ++i)
+    if (ballot.votes[i] > 0) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return ballot.votes[a] > ballot.votes[b]; });
+  if (order.size() > static_cast<size_t>(options.candidates))
+    order.resize(static_cast<size_t>(options.candidates));
+  const cv::Mat chroma = chroma_of(image, kQueryCells);
+  const double tolerance_px = options.tolerance * std::max(image.cols, image.rows);
+  std::vector<ProductMatch> matches(order.size());
+  parallel_for(order.size(), threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const size_t product = order[i];
+      const std::vector<Correspondence>& pairs = ballot.pairs[product];
+      const ImageFit fit = fit_images(pairs, tolerance_px);
+      ProductMatch& match = matches[i];
+      match.product = product;
+      match.inliers = static_cast<int>(fit.inliers.size());
+      match.verified = match.inliers >= options.least_inliers;
+      match.region = region_of(pairs, fit.inliers, image.size());
+      match.score = kUnknownColor * kVoteShare * ballot.votes[product];
+      if (match.inliers < 4) continue;
+      const double color =
+          color_agreement(chroma_[product], sizes_[product], chroma, image.size(), fit.to_from_from);
+      match.score += fit.weight * color * color;
+    }
+  });
+  return ranked(std::move(matches), products_, most);
+}
+
+}  // namespace loci
