@@ -32,7 +32,7 @@ void run(Arguments& given, Session& session) {
 
 Command description_command() {
   return {"description",
-          "Products, barcodes and text read from pictures, against their peers",
+          "Products recognised in pictures, against brute-force SIFT",
           {"loci-evaluate description --catalogue tests/data/products",
            "loci-evaluate description --catalogue tests/data/products --json"},
           [](CLI::App& app) {

@@ -9,6 +9,7 @@ Command describe_command();
 Command index_command();
 Command info_command();
 Command list_command();
+Command read_command();
 Command recognise_command();
 Command run_command();
 Command types_command();

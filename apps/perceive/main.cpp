@@ -9,6 +9,7 @@ int main(int argc, char** argv) {
   program.add(loci::list_command());
   program.add(loci::describe_command());
   program.add(loci::index_command());
+  program.add(loci::read_command());
   program.add(loci::recognise_command());
   program.add_planned("annotate", "Runs annotators over what was remembered");
   program.add_planned("train", "Trains classifiers from labelled memory");

@@ -39,6 +39,8 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {{"fmt/", "f
                                                                      {"SQLiteCpp/", "SQLiteCpp"},
                                                                      {"sqlite3.h", "SQLiteCpp"},
                                                                      {"zstd.h", "zstd"},
+                                                                     {"zbar.h", "ZBar"},
+                                                                     {"tesseract/", "Tesseract"},
                                                                      {"rosbag/", "librosbag-storage"},
                                                                      {"ros/", "librosbag-storage"},
                                                                      {"CLI/", "CLI11"},

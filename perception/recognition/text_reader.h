@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace loci {
+
+struct TextWord {
+  std::string text;
+  double confidence = 0;  ///< Tesseract's, 0 to 1
+  cv::Rect region;        ///< pixels of the image
+};
+
+/// A word with how often it was read.
+struct RankedWord {
+  std::string word;  ///< as it was written the first time
+  int count = 0;
+  double confidence = 0;  ///< of the surest reading
+  cv::Rect region;        ///< likewise
+};
+
+/// Reads printed text with Tesseract. One picture at a time.
+class TextReader {
+ public:
+  /// `language` as Tesseract names it ("eng", "deu+eng"). Error when its data is not installed.
+  explicit TextReader(const std::string& language = "eng");
+  ~TextReader();
+  TextReader(TextReader&&) noexcept;
+
+  /// Words of a picture (CV_8UC1 or CV_8UC3 BGR), small ones enlarged first, that Tesseract is sure of by at
+  /// least `least_confidence`. Two looks at it, for scattered words and for a block of text: a word may come
+  /// twice.
+  std::vector<TextWord> read(const cv::Mat& image, double least_confidence = 0.5) const;
+
+ private:
+  struct Engine;
+  std::unique_ptr<Engine> engine_;
+};
+
+/// The words that describe what was read (§5.4.5): strings of at least three letters, but for common words,
+/// by how often they occur, then by confidence; upper and lower case alike.
+std::vector<RankedWord> rank_words(const std::vector<TextWord>& words, size_t most = 5);
+
+}  // namespace loci
