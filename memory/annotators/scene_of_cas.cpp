@@ -119,6 +119,9 @@ std::string value_of(const types::Annotation& annotation) {
   if (const auto location = types::try_as<types::LocationAnnotation>(structure))
     return location->frame_id.get();
   if (const auto label = types::try_as<types::ClassificationAnnotation>(structure)) return label->label.get();
+  if (const auto product = types::try_as<types::ProductAnnotation>(structure)) return product->name.get();
+  if (const auto code = types::try_as<types::BarcodeAnnotation>(structure)) return code->code.get();
+  if (const auto text = types::try_as<types::TextAnnotation>(structure)) return text->text.get();
   if (const auto geometry = types::try_as<types::GeometryAnnotation>(structure)) return geometry->place.get();
   return {};
 }

@@ -4,6 +4,7 @@
 #include "perception/annotators/description/color_name.h"
 #include "perception/annotators/description/geometry_annotator.h"
 #include "perception/annotators/description/location_annotator.h"
+#include "perception/annotators/description/recognition_annotators.h"
 #include "perception/annotators/hypotheses/known_structure_filter.h"
 #include "perception/annotators/hypotheses/normal_estimator.h"
 #include "perception/annotators/hypotheses/plane_cluster_extractor.h"
@@ -20,6 +21,9 @@ void add_annotators(AnnotatorRegistry& registry) {
   registry.add<ColorNameAnnotator>();
   registry.add<GeometryAnnotator>();
   registry.add<LocationAnnotator>();
+  registry.add<ProductAnnotator>();
+  registry.add<BarcodeAnnotator>();
+  registry.add<TextAnnotator>();
 }
 
 const std::string& default_pipeline() {

@@ -31,7 +31,7 @@ cv::Rect region_of(const std::vector<Correspondence>& pairs, const std::vector<s
   return region & cv::Rect({}, size);
 }
 
-/// Each name once, verified products first, each part by score.
+/// Each name once, by score.
 std::vector<ProductMatch> ranked(std::vector<ProductMatch> matches, const std::vector<Product>& products,
                                  size_t most) {
   std::sort(matches.begin(), matches.end(), [](const ProductMatch& a, const ProductMatch& b) {
@@ -45,7 +45,6 @@ std::vector<ProductMatch> ranked(std::vector<ProductMatch> matches, const std::v
     if (match.verified) sum += match.score;
     best.push_back(match);
   }
-  std::stable_partition(best.begin(), best.end(), [](const ProductMatch& match) { return match.verified; });
   if (best.size() > most) best.resize(most);
   for (ProductMatch& match : best)
     if (match.verified && sum > 0) match.share = match.score / sum;

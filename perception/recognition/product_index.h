@@ -15,7 +15,7 @@ struct RecognitionOptions {
   int most_keypoints = 900;
   int neighbours = 40;
   int checks = 250;
-  int candidates = 30;
+  int candidates = 40;
   double tolerance = 0.03;
   int least_inliers = 6;
 
@@ -47,7 +47,7 @@ class ProductIndex {
   /// Error when the file is no index, of another version, or damaged.
   static ProductIndex load(const std::filesystem::path& path);
 
-  /// The best products for an image (CV_8UC3), best first, each name once; verified ones before others. Empty
+  /// The best products for an image (CV_8UC3), best first, each name once. Empty
   /// when the image has no features. `threads` = 0: all cores; the answer does not depend on it.
   std::vector<ProductMatch> recognise(const cv::Mat& image, const RecognitionOptions& options, int threads,
                                       size_t most = 5) const;

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <optional>
+
+#include "perception/pipeline/annotator.h"
+#include "perception/recognition/product_index.h"
+#include "perception/recognition/text_reader.h"
+
+namespace loci {
+
+/// Names each object's product (§5.3): a ProductAnnotation with what the catalogue says, and a
+/// ClassificationAnnotation with its category (its name where the catalogue has none).
+class ProductAnnotator : public Annotator {
+ public:
+  AnnotatorDescriptor descriptor() const override;
+  void declare(OptionTable& table) override;
+  void start(Context& context) override;
+  void process(cas::Cas& cas, Context& context) override;
+
+ private:
+  std::string path_;
+  RecognitionOptions options_;
+  std::optional<ProductIndex> index_;
+};
+
+/// Barcodes and QR codes on objects.
+class BarcodeAnnotator : public Annotator {
+ public:
+  AnnotatorDescriptor descriptor() const override;
+  void declare(OptionTable& table) override;
+  void process(cas::Cas& cas, Context& context) override;
+
+ private:
+  bool thorough_ = false;
+};
+
+/// Words printed on objects: one TextAnnotation for each of the words that describe it best (§5.4.5).
+class TextAnnotator : public Annotator {
+ public:
+  AnnotatorDescriptor descriptor() const override;
+  void declare(OptionTable& table) override;
+  void start(Context& context) override;
+  void process(cas::Cas& cas, Context& context) override;
+
+ private:
+  std::string language_ = "eng";
+  double least_confidence_ = 0.6;
+  int most_words_ = 5;
+  std::optional<TextReader> reader_;
+};
+
+}  // namespace loci

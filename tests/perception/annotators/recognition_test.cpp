@@ -1,0 +1,87 @@
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "mapping/image/image_io.h"
+#include "perception/annotators/annotators.h"
+#include "perception/annotators/description/recognition_annotators.h"
+#include "perception/conversions/opencv.h"
+
+namespace loci {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kData = fs::path(LOCI_SOURCE_DIR) / "tests/data";
+
+/// A scene of one cluster with this picture, cut out at (10, 20) of the image.
+void show(cas::Cas& cas, const cv::Mat& picture) {
+  const types::SceneCas scene(cas);
+  scene.create_scene();
+  const auto roi = types::StandaloneImageROI::create(cas);
+  roi.roi.set(types::to(cas, cv::Rect(10, 20, picture.cols, picture.rows)));
+  roi.image.set(types::to(cas, picture));
+  const auto cluster = types::Cluster::create(cas);
+  cluster.hypotheses.push_back(roi);
+  scene.add_cluster(cluster);
+}
+
+types::Cluster annotated(const std::string& name, const Json& options, const cv::Mat& picture,
+                         cas::Cas& cas) {
+  AnnotatorRegistry registry;
+  add_annotators(registry);
+  const auto annotator = registry.make(name);
+  OptionTable table;
+  annotator->declare(table);
+  table.read(Config::parse(options.dump(), "options"));
+  show(cas, picture);
+  Resources resources;
+  Warnings warnings;
+  Context context{resources, warnings, 2, {}};
+  annotator->start(context);
+  annotator->process(cas, context);
+  return types::SceneCas(cas).clusters().at(0);
+}
+
+TEST(RecognitionAnnotators, AProductComesWithWhatTheCatalogueSays) {
+  const fs::path index = fs::temp_directory_path() / "loci_recognition_annotators.index";
+  NoProgress progress;
+  Warnings warnings;
+  ProductIndex::build(read_catalogue(kData / "products"), 2, progress, warnings).save(index);
+  cas::Cas cas(types::type_system());
+  const auto cluster = annotated("ProductRecognition", {{"index", index.string()}},
+                                 read_color(kData / "pictures/Alpro-Blueberry-Soyghurt_001.jpg"), cas);
+  const auto product = cluster.annotations.first<types::ProductAnnotation>();
+  ASSERT_TRUE(product);
+  EXPECT_EQ(product.name.get(), "Alpro-Blueberry-Soyghurt");
+  EXPECT_EQ(cluster.annotations.first<types::ClassificationAnnotation>().label.get(), "soyghurt");
+  fs::remove(index);
+}
+
+TEST(RecognitionAnnotators, AProductNeedsAnIndex) {
+  cas::Cas cas(types::type_system());
+  EXPECT_THROW(annotated("ProductRecognition", Json::object(), cv::Mat(9, 9, CV_8UC3, cv::Scalar(1)), cas),
+               Error);
+}
+
+TEST(RecognitionAnnotators, ABarcodeLiesInTheSceneWhereItIsOnTheObject) {
+  cas::Cas cas(types::type_system());
+  const auto cluster =
+      annotated("BarcodeReader", {{"thorough", true}}, read_color(kData / "pictures/ean13.png"), cas);
+  const auto code = cluster.annotations.first<types::BarcodeAnnotation>();
+  ASSERT_TRUE(code);
+  EXPECT_EQ(code.code.get(), "9780441014989");
+  EXPECT_GE(types::from<cv::Rect>(code.roi.get()).y, 20);
+}
+
+TEST(RecognitionAnnotators, OneTextForEachWord) {
+  cas::Cas cas(types::type_system());
+  const cv::Mat picture = read_color(kData / "products/Oatly-Oat-Milk.jpg");
+  const auto cluster = annotated("TextReader", {{"least_confidence", 0}}, picture, cas);
+  const auto text = cluster.annotations.first<types::TextAnnotation>();
+  ASSERT_TRUE(text);
+  EXPECT_EQ(text.words.size(), 1u);
+}
+
+}  // namespace
+}  // namespace loci
