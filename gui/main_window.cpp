@@ -63,6 +63,10 @@ MainWindow::MainWindow(MemoryOpener opener, const WindowOptions& options)
 
 MainWindow::~MainWindow() {
   disconnect(&browser_, nullptr, this, nullptr);
+  // The views read the browser until their end, and a tab that goes shows the next one: they go first.
+  for (QDockWidget* dock : findChildren<QDockWidget*>()) delete dock;
+  delete takeCentralWidget();
+  delete questions_;
 }
 
 QDockWidget* MainWindow::add_dock(const QString& title, const QString& name, QWidget* widget,
