@@ -15,6 +15,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kAreaPerSample = 0.1;  ///< m²: poses nearer to each other see nearly the same
 constexpr int kSamplesMin = 8;
+constexpr int kSamplesToStop = 4;    ///< before it stops, so many times as many places are looked at
 constexpr double kCoarseSteps = 3;   ///< the first look at a place has a ninth of the rays
 constexpr size_t kPlacesAtOnce = 2;  ///< looked at with all rays before the best is asked for again
 
@@ -232,10 +233,11 @@ void PlannerOptions::declare(OptionTable& table) {
   table.number("overlap_wanted", overlap_wanted, "", "Less overlap with what is known is reported.", 0, 1);
   table.number("gain_weight", gain_weight, "",
                "0 looks for overlap only, 0.5 for as much gain as overlap, 1 for gain only.", 0, 1);
-  table.integer(
-      "samples", samples, "",
-      "Places that are validated by ray casting, at most; there is one per 0.1 m² of reachable floor.", 1,
-      10000);
+  table.integer("samples", samples, "",
+                "Places that are validated by ray casting, at most; there is one per 0.1 m² of reachable "
+                "floor. Before it "
+                "stops, four times as many.",
+                1, 10000);
   table.number("ray_step_deg", ray_step_deg, "deg", "Between rays of the validation.", 0.25, 10);
   table.number("travel_cost_per_m", travel_cost_per_m, "1/m", "A place counts e^(-cost · way).", 0, 10);
   table.number("gain_min", gain_min, "m²", "Stops when no view gains more, see expected_gain.", 0, 100);
@@ -294,8 +296,13 @@ ViewPlan plan_view(const OccupancyMap& map, const PlanarPose& robot, const Laser
   const double standing_m2 = static_cast<double>(standing) * plan.floor.cell * plan.floor.cell;
   const int samples = std::clamp(static_cast<int>(standing_m2 / kAreaPerSample),
                                  std::min(kSamplesMin, options.samples), options.samples);
-  const std::vector<size_t> places = draw_places(plan.costs, plan.floor.cells(), samples, random);
+  std::vector<size_t> places = draw_places(plan.costs, plan.floor.cells(), samples, random);
   plan.samples = validate(plan, places, laser, options);
+  const auto gains = [&](const ViewSample& sample) { return eligible(sample, options) && sample.score > 0; };
+  if (std::none_of(plan.samples.begin(), plan.samples.end(), gains)) {
+    places = draw_places(plan.costs, plan.floor.cells(), kSamplesToStop * samples, random.fork(1));
+    plan.samples = validate(plan, places, laser, options);
+  }
   times["validation"] = watch.lap();
 
   plan.view.details = {
