@@ -13,5 +13,6 @@ Command registration_command();
 Command nbv_command();
 Command normals_command();
 Command occupancy_command();
+Command memory_command();
 
 }  // namespace loci

@@ -11,5 +11,6 @@ int main(int argc, char** argv) {
   program.add(loci::nbv_command());
   program.add(loci::normals_command());
   program.add(loci::occupancy_command());
+  program.add(loci::memory_command());
   return program.run(argc, argv);
 }

@@ -28,6 +28,9 @@ Command ask_command();
 Command fact_command();
 Command taxonomy_command();
 Command verify_command();
+Command stat_command();
+Command export_command();
+Command forget_command();
 
 Command ingest_command();
 Command report_command();

@@ -26,11 +26,13 @@ int main(int argc, char** argv) {
   program.add(loci::fact_command());
   program.add(loci::taxonomy_command());
   program.add(loci::verify_command());
+  program.add(loci::stat_command());
+  program.add(loci::export_command());
+  program.add(loci::forget_command());
   program.add(loci::ingest_command());
   program.add(loci::report_command());
   program.add(loci::why_command());
   program.add(loci::reason_command());
-  program.add_planned("export", "Exports a dataset");
   program.add_planned("catalogue", "Object knowledge in and out");
   return program.run(argc, argv);
 }

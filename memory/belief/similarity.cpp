@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
 
 namespace loci::belief {
@@ -31,7 +30,9 @@ double euclidean_distance(const std::vector<float>& a, const std::vector<float>&
 }
 
 double extent_distance(const std::vector<float>& a, const std::vector<float>& b) {
-  std::vector<float> x = a, y = b;
+  thread_local std::vector<float> x, y;  // compared far too often to ask for memory each time
+  x = a;
+  y = b;
   std::sort(x.begin(), x.end());
   std::sort(y.begin(), y.end());
   double sum = 0;
@@ -108,17 +109,29 @@ bool is_colorless(const std::vector<Descriptor>& look) {
   return false;
 }
 
-/// The values of both over the same names; what one does not name has none of it.
-std::pair<std::vector<float>, std::vector<float>> aligned(const Descriptor& a, const Descriptor& b) {
-  std::map<std::string, std::pair<float, float>> by_name;
-  for (size_t i = 0; i < a.values.size(); ++i) by_name[a.names[i]].first += a.values[i];
-  for (size_t i = 0; i < b.values.size(); ++i) by_name[b.names[i]].second += b.values[i];
-  std::pair<std::vector<float>, std::vector<float>> values;
-  for (const auto& [name, both] : by_name) {
-    values.first.push_back(both.first);
-    values.second.push_back(both.second);
+/// The values of both over the same names, in their order; what one does not name has none of it.
+void align(const Descriptor& a, const Descriptor& b, std::vector<float>& x, std::vector<float>& y) {
+  struct Entry {
+    const std::string* name;
+    float of_a, of_b;
+  };
+  thread_local std::vector<Entry> entries;
+  entries.clear();
+  for (size_t i = 0; i < a.values.size(); ++i) entries.push_back({&a.names[i], a.values[i], 0});
+  for (size_t i = 0; i < b.values.size(); ++i) entries.push_back({&b.names[i], 0, b.values[i]});
+  std::sort(entries.begin(), entries.end(),
+            [](const Entry& one, const Entry& other) { return *one.name < *other.name; });
+  x.clear();
+  y.clear();
+  for (size_t i = 0; i < entries.size(); ++i) {
+    if (i > 0 && *entries[i].name == *entries[i - 1].name) {
+      x.back() += entries[i].of_a;
+      y.back() += entries[i].of_b;
+    } else {
+      x.push_back(entries[i].of_a);
+      y.push_back(entries[i].of_b);
+    }
   }
-  return values;
 }
 
 bool comparable(const Descriptor& a, const Descriptor& b) {
@@ -127,7 +140,8 @@ bool comparable(const Descriptor& a, const Descriptor& b) {
 
 double distance_of(const Comparison& comparison, const Descriptor& a, const Descriptor& b) {
   if (a.names.empty()) return comparison.distance(a.values, b.values);
-  const auto [x, y] = aligned(a, b);
+  thread_local std::vector<float> x, y;
+  align(a, b, x, y);
   return comparison.distance(x, y);
 }
 
@@ -136,6 +150,7 @@ double distance_of(const Comparison& comparison, const Descriptor& a, const Desc
 Likeness compare(const std::vector<Descriptor>& a, const std::vector<Descriptor>& b, bool partial,
                  double weight) {
   Likeness likeness;
+  likeness.parts.reserve(a.size());
   double log_closeness = 0;
   const bool colorless = is_colorless(a) && is_colorless(b);
   for (const Comparison& comparison : comparisons()) {
@@ -150,7 +165,9 @@ Likeness compare(const std::vector<Descriptor>& a, const std::vector<Descriptor>
     if (colorless && comparison.of_color && ratio > 0) ratio *= 0.5;
     likeness.parts.push_back({comparison.kind, distance, ratio});
     likeness.log_ratio += weight * likeness.parts.back().log_ratio;
-    log_closeness += std::log(std::max(1e-12, gaussian_closeness(distance, comparison.sigma)));
+    // The log of gaussian_closeness(), which ends at 1e-12.
+    const double relative = distance / comparison.sigma;
+    log_closeness += std::max(std::log(1e-12), -relative * relative);
   }
   if (!likeness.parts.empty()) likeness.closeness = std::exp(log_closeness / double(likeness.parts.size()));
   return likeness;

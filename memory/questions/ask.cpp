@@ -88,18 +88,17 @@ ContentsAnswer ask(const Store& store, const ContentsQuestion& question) {
     for (const Id object : snapshot.find_objects(question.subject)) meant.insert(object);
   for (const PlaceRow& place : places) {
     PlaceContents contents{.place = {place.id, place.name, place.container}};
-    for (const BeliefRow& row : snapshot.beliefs()) {
-      if (row.place != place.id || (!question.subject.empty() && !meant.contains(row.object))) continue;
-      auto& list = row.status == "gone" ? contents.gone : contents.there;
-      list.push_back(snapshot.state(row));
+    for (const Id object : store.objects_at(place.id, question.as_of)) {
+      const BeliefRow* row = snapshot.belief(object);
+      if (row == nullptr || row->place != place.id) continue;
+      if (!question.subject.empty() && !meant.contains(object)) continue;
+      auto& list = row->status == "gone" ? contents.gone : contents.there;
+      list.push_back(snapshot.state(*row));
     }
     for (auto* list : {&contents.there, &contents.gone}) std::sort(list->begin(), list->end(), more_probable);
-    for (const VisibilityRow& look : store.visibility_of_place(place.id)) {
-      const SceneRow* scene = snapshot.scene(look.scene);
-      if (scene == nullptr || look.fraction.value_or(0) <= 0) continue;
-      if (contents.last_look && contents.last_look->time > scene->time) continue;
-      contents.last_look = snapshot.scene_ref(*scene);
-      contents.fraction = look.fraction;
+    if (const std::optional<VisibilityRow> look = store.last_look(place.id, question.as_of)) {
+      contents.last_look = snapshot.scene_ref(look->scene);
+      contents.fraction = look->fraction;
     }
     answer.places.push_back(std::move(contents));
   }

@@ -44,6 +44,14 @@ std::string same_color(const std::string& word) {
   return word == "gray" ? "grey" : word;
 }
 
+/// The names of color_name().
+bool is_color_word(const std::string& word) {
+  static const std::set<std::string> words = {"black", "white", "grey",   "gray",  "red",
+                                              "brown", "beige", "orange", "pink",  "yellow",
+                                              "green", "cyan",  "blue",   "purple"};
+  return words.contains(word);
+}
+
 /// Objects most probable first, then most recent, then by id.
 void order_objects(std::vector<Id>& objects, const Snapshot& snapshot) {
   const auto key = [&](Id id) {
@@ -87,23 +95,41 @@ Snapshot::Snapshot(const Store& store, const AsOf& as_of)
     : store_(store),
       as_of_(as_of),
       places_(store.places()),
-      beliefs_(store.beliefs(as_of)),
       facts_(store.facts(as_of)),
-      taxonomy_(Taxonomy::of(store, as_of)),
-      scenes_(store.scenes(as_of)) {
-  for (size_t i = 0; i < scenes_.size(); ++i) scene_index_[scenes_[i].id] = i;
+      taxonomy_(Taxonomy::of(store, as_of)) {
   for (const RecordingRow& recording : store.recordings()) recordings_[recording.id] = recording.name;
 }
 
+const std::vector<BeliefRow>& Snapshot::beliefs() const {
+  if (!beliefs_) beliefs_ = store_.beliefs(as_of_);
+  return *beliefs_;
+}
+
+const std::vector<SceneRow>& Snapshot::scenes() const {
+  if (!scenes_) scenes_ = store_.scenes(as_of_);
+  return *scenes_;
+}
+
 const BeliefRow* Snapshot::belief(Id object) const {
-  const auto found = std::lower_bound(beliefs_.begin(), beliefs_.end(), object,
-                                      [](const BeliefRow& row, Id id) { return row.object < id; });
-  return found != beliefs_.end() && found->object == object ? &*found : nullptr;
+  if (beliefs_) {
+    const auto found = std::lower_bound(beliefs_->begin(), beliefs_->end(), object,
+                                        [](const BeliefRow& row, Id id) { return row.object < id; });
+    return found != beliefs_->end() && found->object == object ? &*found : nullptr;
+  }
+  const auto [slot, fresh] = belief_of_.try_emplace(object);
+  if (fresh) slot->second = store_.belief(object, as_of_);
+  return slot->second ? &*slot->second : nullptr;
 }
 
 const SceneRow* Snapshot::scene(Id id) const {
-  const auto found = scene_index_.find(id);
-  return found == scene_index_.end() ? nullptr : &scenes_[found->second];
+  const auto [slot, fresh] = scene_of_.try_emplace(id);
+  if (fresh) {
+    slot->second = store_.scene(id);
+    const bool later = (as_of_.at && slot->second->time > *as_of_.at) ||
+                       (as_of_.known_at && slot->second->known_from > *as_of_.known_at);
+    if (later) slot->second.reset();
+  }
+  return slot->second ? &*slot->second : nullptr;
 }
 
 SceneRef Snapshot::scene_ref(const SceneRow& scene) const {
@@ -146,19 +172,20 @@ ObjectState Snapshot::state(const BeliefRow& row) const {
   state.place = place_ref(row.place);
   state.position = row.position;
   state.last_seen = scene_ref(row.last_scene);
-  const std::vector<Sighting> sightings = store_.sightings(row.object, as_of_);
-  state.sightings = sightings.size();
-  if (!sightings.empty()) state.first_seen = scene_ref(sightings.front().association.scene);
-  for (const VisibilityRow& look : store_.visibility_of_object(row.object)) {
-    const SceneRow* where = scene(look.scene);
-    if (where == nullptr || (state.last_seen && where->time <= state.last_seen->time)) continue;
-    if (look.status == "out_of_view") ++state.looks_out_of_view;
-    if (look.status == "hidden") ++state.looks_hidden;
-    if (look.status == "missed") {
-      ++state.looks_missed;
-      state.looked_for = scene_ref(*where);
-    }
-  }
+  const Store::SightingCount sightings = store_.count_sightings(row.object, as_of_);
+  state.sightings = sightings.count;
+  state.first_seen = scene_ref(sightings.first_scene);
+  if (!state.last_seen) return state;
+  std::optional<TimeNs> gone;  // since when nobody expects it there
+  if (row.status == "gone")
+    for (const BeliefRow& earlier : store_.belief_history(row.object, as_of_))
+      if (!gone && earlier.status == "gone" && earlier.clock.valid_from > state.last_seen->time)
+        gone = earlier.clock.valid_from;
+  const Store::LooksSince looks = store_.looks_since(row.object, state.last_seen->time, gone, as_of_);
+  state.looks_out_of_view = looks.out_of_view;
+  state.looks_hidden = looks.hidden;
+  state.looks_missed = looks.missed;
+  state.looked_for = scene_ref(looks.last_missed);
   return state;
 }
 
@@ -234,14 +261,17 @@ std::vector<Id> Snapshot::find_by_word(const std::string& word) const {
   std::vector<Id> found;
   if (const auto id = object_id(word)) {
     if (belief(*id) != nullptr) found.push_back(*id);
+    for (const ForgottenRow& row : store_.forgotten())
+      if (row.object == *id)
+        throw UnknownName(UnknownName::Kind::object,
+                          object_name(*id) + " was forgotten on request at " + format_time(row.known_from),
+                          {store_.path().string(), 0, {}}, "");
     return found;
   }
   // The name of a place means what is there now, not what once was.
   for (const PlaceRow& place : places_) {
     if (lower(place.name) != word) continue;
-    for (const BeliefRow& row : beliefs_)
-      if (row.place == place.id && row.status != "gone") found.push_back(row.object);
-    return found;
+    return there_now(place.id);
   }
   const auto take_facts = [&](auto matches) {
     for (const FactRow& fact : facts_)
@@ -256,11 +286,12 @@ std::vector<Id> Snapshot::find_by_word(const std::string& word) const {
   take_facts([&](const FactRow& fact, const std::string& value) {
     return fact.key == "owner" ? word == value + "'s" : meanings.contains(value);
   });
-  for (const BeliefRow& row : beliefs_) {
-    const bool color = row.color && same_color(lower(*row.color)) == same_color(word);
-    const bool size = row.size && is_size_word(word) && has_size(word, *row.size);
-    if (color || size) found.push_back(row.object);
-  }
+  if (is_size_word(word) || is_color_word(word))
+    for (const BeliefRow& row : beliefs()) {
+      const bool color = row.color && same_color(lower(*row.color)) == same_color(word);
+      const bool size = row.size && is_size_word(word) && has_size(word, *row.size);
+      if (color || size) found.push_back(row.object);
+    }
   for (const std::string& meaning : meanings)
     for (const Id id : store_.objects_annotated(meaning, as_of_))
       if (belief(id) != nullptr) found.push_back(id);
@@ -269,7 +300,7 @@ std::vector<Id> Snapshot::find_by_word(const std::string& word) const {
 
 std::vector<std::string> Snapshot::known_names() const {
   std::set<std::string> names;
-  for (const BeliefRow& row : beliefs_) {
+  for (const BeliefRow& row : beliefs()) {
     names.insert(object_name(row.object));
     if (row.color) names.insert(*row.color);
   }
@@ -287,8 +318,17 @@ std::vector<Id> Snapshot::find_at_place(const std::vector<std::string>& words) c
   std::set<Id> places;
   for (const PlaceRow& place : find_places(fmt::format("{}", fmt::join(words, " ")))) places.insert(place.id);
   std::vector<Id> found;
-  for (const BeliefRow& row : beliefs_)
-    if (row.place && places.contains(*row.place) && row.status != "gone") found.push_back(row.object);
+  for (const Id place : places)
+    for (const Id object : there_now(place)) found.push_back(object);
+  return unique(std::move(found));
+}
+
+std::vector<Id> Snapshot::there_now(Id place) const {
+  std::vector<Id> found;
+  for (const Id object : store_.objects_at(place, as_of_)) {
+    const BeliefRow* row = belief(object);
+    if (row != nullptr && row->place == place && row->status != "gone") found.push_back(object);
+  }
   return found;
 }
 
@@ -305,7 +345,7 @@ std::vector<Id> Snapshot::find_objects(const std::string& subject) const {
     order_objects(found, *this);
     return found;
   }
-  for (const BeliefRow& row : beliefs_) found.push_back(row.object);
+  for (const BeliefRow& row : beliefs()) found.push_back(row.object);
   const Place where{store_.path().string(), 0, {}};
   for (size_t i = 0; i < words.size(); ++i) {
     std::vector<Id> matching;

@@ -21,18 +21,19 @@ class UnknownName : public Error {
   Kind kind_;
 };
 
-/// What the memory believes as of two clocks, read once per question, with names in place of ids.
+/// What the memory believes as of two clocks, with names in place of ids. Read once per question, and only
+/// what the question needs.
 class Snapshot {
  public:
   Snapshot(const Store& store, const AsOf& as_of);
 
   const Store& store() const { return store_; }
   const AsOf& as_of() const { return as_of_; }
-  const std::vector<BeliefRow>& beliefs() const { return beliefs_; }
+  const std::vector<BeliefRow>& beliefs() const;
   const std::vector<PlaceRow>& places() const { return places_; }
   const std::vector<FactRow>& facts() const { return facts_; }
   /// Scenes up to `at`, known at `known_at`, in order of time.
-  const std::vector<SceneRow>& scenes() const { return scenes_; }
+  const std::vector<SceneRow>& scenes() const;
   const BeliefRow* belief(Id object) const;
   const SceneRow* scene(Id id) const;
 
@@ -58,18 +59,21 @@ class Snapshot {
 
  private:
   std::vector<Id> find_at_place(const std::vector<std::string>& words) const;
+  std::vector<Id> there_now(Id place) const;
   std::vector<Id> find_by_word(const std::string& word) const;
   std::vector<std::string> known_names() const;
 
   const Store& store_;
   AsOf as_of_;
   std::vector<PlaceRow> places_;
-  std::vector<BeliefRow> beliefs_;
   std::vector<FactRow> facts_;
   Taxonomy taxonomy_;
-  std::vector<SceneRow> scenes_;
-  std::unordered_map<Id, size_t> scene_index_;
   std::map<Id, std::string> recordings_;
+  // Read when first asked for.
+  mutable std::optional<std::vector<BeliefRow>> beliefs_;
+  mutable std::unordered_map<Id, std::optional<BeliefRow>> belief_of_;
+  mutable std::optional<std::vector<SceneRow>> scenes_;
+  mutable std::unordered_map<Id, std::optional<SceneRow>> scene_of_;
 };
 
 /// The middle of a place, map frame; unset when its shape and pose are unknown.

@@ -69,8 +69,8 @@ class Looks {
  public:
   Looks(const Snapshot& snapshot, const std::vector<PlaceRow>& places, TimeNs from, TimeNs to)
       : snapshot_(snapshot) {
-    for (const SceneRow& scene : snapshot.scenes())
-      if (scene.time >= from && scene.time <= to) scenes_.push_back(&scene);
+    asked_ = snapshot.store().scenes(snapshot.as_of(), from, to);
+    for (const SceneRow& scene : asked_) scenes_.push_back(&scene);
     for (const PlaceRow& place : places) add(place);
   }
 
@@ -121,6 +121,7 @@ class Looks {
   }
 
   const Snapshot& snapshot_;
+  std::vector<SceneRow> asked_;
   std::vector<const SceneRow*> scenes_;
   std::map<Id, double> by_scene_;
   std::map<Id, std::optional<DepthThumbnail>> thumbnails_;
@@ -176,9 +177,7 @@ class Judge {
 
   /// What each scene saw of the place, and of the spot on it where the object is known to have stood.
   void collect_looks(Id object, WasObject& result) {
-    std::map<Id, std::string> told;
-    for (const VisibilityRow& row : snapshot_.store().visibility_of_object(object))
-      told[row.scene] = row.status == "missed" ? "seen_empty" : row.status;
+    const std::map<Id, std::string> told = told_about(object);
     for (const SceneRow* scene : looks_.scenes()) {
       PlaceLook look{.scene = snapshot_.scene_ref(*scene),
                      .fraction = looks_.by_scene().count(scene->id) > 0 ? looks_.by_scene().at(scene->id) : 0,
@@ -195,12 +194,33 @@ class Judge {
     }
   }
 
+  /// What the belief found in the scenes of the time: those that tell nothing had it out of view, from its
+  /// first sighting on and except while it was known to be gone.
+  std::map<Id, std::string> told_about(Id object) const {
+    std::map<Id, std::string> told;
+    for (const VisibilityRow& row : snapshot_.store().visibility_of_object(object))
+      told[row.scene] = row.status == "missed" ? "seen_empty" : row.status;
+    std::map<TimeNs, bool> present;  // from this time on
+    for (const BeliefRow& row : snapshot_.store().belief_history(object, snapshot_.as_of()))
+      present[row.clock.valid_from] = row.status != "gone";
+    for (const SceneRow* scene : looks_.scenes()) {
+      const auto next = present.upper_bound(scene->time);
+      if (next != present.begin() && std::prev(next)->second) told.try_emplace(scene->id, "out_of_view");
+    }
+    return told;
+  }
+
   void decide(WasObject& result) const {
     if (!result.seen_there.empty()) {
       result.verdict = Verdict::yes;
       return;
     }
     result.verdict = Verdict::not_observed;
+    for (const ForgottenRow& row : snapshot_.store().forgotten())
+      if (row.valid_from && *row.valid_from <= question_.to && *row.valid_to >= question_.from) {
+        result.reason = "what was seen in that time was forgotten on request";
+        return;
+      }
     const std::string preposition = !places_.empty() && places_[0].container ? "into " : "at ";
     if (looks_.scenes().empty()) {
       result.reason = "nobody looked: there is no scene in that time";

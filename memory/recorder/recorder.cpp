@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "mapping/base/hash.h"
 #include "memory/recorder/carried_belief.h"
@@ -12,9 +13,14 @@
 namespace loci {
 namespace {
 
-constexpr double kSmallestShare = 0.001;
-constexpr double kToldBeliefChange = 0.02;  ///< smaller changes of a probability make no row
-constexpr double kJointMoved = 0.01;        ///< metres or radians
+constexpr double kSmallestShare = 0.01;
+constexpr double kHidden = 0.99;  ///< what was so probably out of sight makes no row of association
+// Smaller changes make no row of belief (they are told in the schema).
+constexpr double kToldProbability = 0.05;
+constexpr double kToldDistance_m = 0.005;  ///< and the standard deviation
+constexpr double kToldSize_m = 0.01;
+constexpr double kToldSizeShare = 0.1;
+constexpr double kJointMoved = 0.01;  ///< metres or radians
 constexpr double kPlaceSeen = 0.01;
 
 struct Thumbnail {
@@ -82,10 +88,11 @@ class Recorder::Writing {
     add_beliefs();
     add_visibility();
     save_reasoning(transaction_, result_.scene, evidence_, belief::decisions_of(result_.update));
-    save_belief(transaction_, result_.scene, state_);
+    recorder_.carried_.save(transaction_, result_.scene, state_);
     transaction_.commit();
+    recorder_.carried_.committed();
+    keep_told();
     recorder_.state_ = std::move(state_);
-    recorder_.last_rows_ = std::move(rows_);
     recorder_.last_joints_ = record_.row.joints;
     recorder_.places_.merge(new_places_);
     recorder_.next_observation_ += static_cast<Id>(result_.observations.size());
@@ -174,6 +181,7 @@ class Recorder::Writing {
       ObjectRow row;
       row.clock = clock(confirmed.first_seen);
       const Id id = transaction_.add_object(row);
+      recorder_.largest_object_ = std::max(recorder_.largest_object_, id);
       if (id != confirmed.object) another_writer("object", id, confirmed.object);
       for (const belief::PendingSighting& sighting : confirmed.earlier) {
         AssociationRow association;
@@ -222,7 +230,7 @@ class Recorder::Writing {
                       outcome.explanation == Explanation::clutter);
     }
     for (const belief::ObjectOutcome& outcome : result_.update.objects) {
-      if (outcome.object == 0 || is_old_news(outcome)) continue;
+      if (outcome.object == 0 || is_old_news(outcome) || outcome.hidden >= kHidden) continue;
       for (const auto& [explanation, probability] :
            {std::pair{Explanation::disappear, outcome.disappear},
             std::pair{Explanation::missed, outcome.missed}, std::pair{Explanation::hidden, outcome.hidden}})
@@ -233,8 +241,8 @@ class Recorder::Writing {
 
   /// Known to be gone before, and still not seen.
   bool is_old_news(const belief::ObjectOutcome& outcome) const {
-    const auto before = recorder_.last_rows_.find(outcome.object);
-    return before != recorder_.last_rows_.end() && before->second.status == "gone" && !seen(outcome);
+    const auto before = recorder_.told_.find(outcome.object);
+    return before != recorder_.told_.end() && before->second.status == "gone" && !seen(outcome);
   }
 
   static bool seen(const belief::ObjectOutcome& outcome) {
@@ -280,46 +288,85 @@ class Recorder::Writing {
     }
   }
 
-  const belief::ObjectOutcome* outcome_of(Id object) const {
-    for (const belief::ObjectOutcome& outcome : result_.update.objects)
-      if (outcome.object == object) return &outcome;
-    return nullptr;
+  bool was_seen_now(const belief::ProtoObject& object) const {
+    return !result_.observations.empty() && object.last_observation >= result_.observations.front() &&
+           object.last_observation <= result_.observations.back();
   }
 
   void add_beliefs() {
-    rows_ = recorder_.last_rows_;
     for (const belief::Confirmed& confirmed : result_.update.confirmed) add_first_belief(confirmed);
+    std::map<Id, const belief::ObjectOutcome*> outcomes;
+    for (const belief::ObjectOutcome& outcome : result_.update.objects) outcomes[outcome.object] = &outcome;
     for (const belief::ProtoObject& object : state_.objects) {
       if (object.id == 0) continue;
-      const bool seen_now =
-          std::ranges::find(result_.observations, object.last_observation) != result_.observations.end();
-      BeliefRow row = rows_.contains(object.id) ? rows_.at(object.id) : BeliefRow();
-      const BeliefRow before = row;
-      row.object = object.id;
-      row.scene = result_.scene;
-      row.probability = std::clamp(object.probability_here, 0.0, 1.0);
-      row.status = object.status == belief::Status::gone ? "gone"
-                   : seen_now                            ? "seen"
-                                                         : unseen_status(outcome_of(object.id)->visibility);
-      row.place = place_of(object, before);
-      const belief::AxisBox box = belief::box_in_map(object, record_.place_poses);
-      row.position = box.centre;
-      row.size = box.size;
-      row.sigma = std::sqrt(object.variance);
-      row.clock = clock();
-      if (seen_now) fill_sighting(row, object);
-      const bool news = before.id == 0 || seen_now || row.status != before.status ||
-                        row.position != before.position ||
-                        std::abs(row.probability - before.probability) > kToldBeliefChange;
-      if (!news) continue;
-      row.id = transaction_.add_belief(row);
-      rows_[object.id] = row;
+      const auto outcome = outcomes.find(object.id);
+      add_belief(object, outcome == outcomes.end() ? nullptr : outcome->second);
     }
   }
 
-  std::optional<Id> place_of(const belief::ProtoObject& object, const BeliefRow& before) const {
-    const std::optional<Id> now = place(object.place);
-    return now ? now : before.place;
+  /// What the memory says about an object, with this scene's changes; nullptr = nothing yet.
+  const BeliefRow* told_about(Id object) const {
+    if (const auto now = told_.find(object); now != told_.end()) return &now->second;
+    const auto before = recorder_.told_.find(object);
+    return before == recorder_.told_.end() ? nullptr : &before->second;
+  }
+
+  void add_belief(const belief::ProtoObject& object, const belief::ObjectOutcome* outcome) {
+    const bool seen_now = was_seen_now(object), gone = object.status == belief::Status::gone;
+    const BeliefRow* before = told_about(object.id);
+    BeliefRow row = before == nullptr ? BeliefRow() : *before;
+    row.object = object.id;
+    row.scene = result_.scene;
+    row.probability =
+        std::clamp(outcome == nullptr ? object.probability_here : outcome->probability_here, 0.0, 1.0);
+    row.status = gone                 ? "gone"
+                 : seen_now           ? "seen"
+                 : outcome == nullptr ? "out_of_view"
+                                      : unseen_status(outcome->visibility);
+    if (const std::optional<Id> now = place(object.place)) row.place = now;
+    const belief::AxisBox box = belief::box_in_map(object, record_.place_poses);
+    row.position = box.centre;
+    row.size = box.size;
+    row.sigma = std::sqrt(object.variance);
+    row.fade_s = gone ? std::nullopt : std::optional(recorder_.options_.move_time_s);
+    row.fade_to = gone ? std::nullopt : std::optional(1 - recorder_.options_.move_cap);
+    row.clock = clock();
+    if (seen_now) fill_sighting(row, object);
+    row.probability_then = row.probability;
+    row.then = record_.row.time;
+    const bool looks_new = outcome != nullptr && outcome->explanation == Explanation::newview;
+    if (before == nullptr || looks_new || is_news(*before, row, seen_now)) {
+      row.id = transaction_.add_belief(row);
+      told_[object.id] = row;
+    } else if (seen_now) {
+      BeliefRow& told = told_[object.id] = *before;
+      told.probability_then = 1;
+      told.then = row.then;
+      told.last_scene = row.last_scene;
+      told.last_observation = row.last_observation;
+    }
+  }
+
+  /// Whether a reader of the memory would be told something else otherwise.
+  static bool is_news(const BeliefRow& before, const BeliefRow& row, bool seen_now) {
+    const bool gone = row.status == "gone";
+    if (gone != (before.status == "gone")) return true;
+    if (row.place != before.place || !before.position || !before.size) return true;
+    if ((*row.position - *before.position).norm() > std::max(kToldDistance_m, before.sigma.value_or(0)))
+      return true;
+    const Eigen::Array3d resized = (*row.size - *before.size).array().abs();
+    if ((resized > kToldSize_m + kToldSizeShare * before.size->array()).any()) return true;
+    const double expected = seen_now ? 1.0 : faded(before, row.then);
+    return !gone && std::abs(row.probability - expected) > kToldProbability;
+  }
+
+  /// Only of objects that the belief still has.
+  void keep_told() {
+    for (auto& [object, row] : told_) recorder_.told_[object] = std::move(row);
+    if (recorder_.told_.size() <= state_.objects.size()) return;
+    std::set<Id> believed;
+    for (const belief::ProtoObject& object : state_.objects) believed.insert(object.id);
+    std::erase_if(recorder_.told_, [&](const auto& one) { return !believed.contains(one.first); });
   }
 
   void fill_sighting(BeliefRow& row, const belief::ProtoObject& object) {
@@ -352,24 +399,22 @@ class Recorder::Writing {
     row.color = observation.color;
     row.clock = clock(first.time);
     row.id = transaction_.add_belief(row);
-    rows_[confirmed.object] = row;
+    row.probability_then = 1;
+    row.then = first.time;
+    told_[confirmed.object] = row;
   }
 
+  /// Only of what was looked for: sightings are associations, and everything else was out of view.
   void add_visibility() {
     for (const belief::ObjectOutcome& outcome : result_.update.objects) {
-      if (outcome.object == 0 || is_old_news(outcome)) continue;
+      if (outcome.object == 0 || is_old_news(outcome) || seen(outcome)) continue;
       VisibilityRow row;
       row.scene = result_.scene;
       row.object = outcome.object;
-      row.status = seen(outcome) ? "seen" : unseen_status(outcome.visibility);
-      row.probability = seen(outcome) ? std::clamp(outcome.matched, 0.0, 1.0)
-                                      : unseen_probability(outcome.visibility, row.status);
+      row.status = unseen_status(outcome.visibility);
+      if (row.status == "out_of_view") continue;
+      row.probability = unseen_probability(outcome.visibility, row.status);
       transaction_.add_visibility(row);
-    }
-    for (const belief::Confirmed& confirmed : result_.update.confirmed) {
-      if (outcome_of(confirmed.object) != nullptr) continue;
-      transaction_.add_visibility(
-          {0, result_.scene, confirmed.object, std::nullopt, "seen", 1.0, std::nullopt});
     }
     for (const PlaceRow& place_row : record_.places) add_place_visibility(place_row);
   }
@@ -405,16 +450,27 @@ class Recorder::Writing {
   belief::Scene evidence_;
   RecordedScene result_;
   std::map<std::string, Id> new_places_;
-  std::map<Id, BeliefRow> rows_;
+  std::map<Id, BeliefRow> told_;  ///< of which this scene changes something
 };
 
 Recorder::Recorder(Store& store, Id run, const belief::BeliefOptions& options)
-    : store_(store), run_(run), options_(options), state_(load_belief(store)) {
-  for (const ObjectRow& object : store.objects()) last_rows_[object.id] = {};
-  for (const BeliefRow& row : store.beliefs()) last_rows_[row.object] = row;
-  for (const PlaceRow& place : store.places()) places_[place.name] = place.id;
-  next_observation_ = store.last_observation() + 1;
-  if (const std::optional<SceneRow> last = store.last_scene()) last_joints_ = last->joints;
+    : store_(store), run_(run), options_(options) {
+  take_up();
+}
+
+void Recorder::take_up() {
+  state_ = load_belief(store_);
+  carried_.start_anew();
+  told_.clear();
+  for (const belief::ProtoObject& object : state_.objects)
+    if (object.id != 0)
+      if (std::optional<BeliefRow> row = store_.belief(object.id)) told_[object.id] = std::move(*row);
+  largest_object_ = store_.last_object();
+  places_.clear();
+  for (const PlaceRow& place : store_.places()) places_[place.name] = place.id;
+  next_observation_ = store_.last_observation() + 1;
+  last_joints_.clear();
+  if (const std::optional<SceneRow> last = store_.last_scene()) last_joints_ = last->joints;
 }
 
 ResolvedScene Recorder::resolve(const SceneRecord& scene) const {
@@ -422,14 +478,30 @@ ResolvedScene Recorder::resolve(const SceneRecord& scene) const {
   resolved.scene = evidence_of(scene, next_observation_);
   resolved.after = state_;
   // Numbers that other writers gave to objects are not given again.
-  if (!last_rows_.empty())
-    resolved.after.next_id = std::max(resolved.after.next_id, last_rows_.rbegin()->first + 1);
+  resolved.after.next_id = std::max(resolved.after.next_id, largest_object_ + 1);
   resolved.update = belief::advance(resolved.after, resolved.scene, options_);
   return resolved;
 }
 
 RecordedScene Recorder::record(const SceneRecord& scene, ResolvedScene resolved) {
   return Writing(*this, scene, std::move(resolved)).run();
+}
+
+RecordedScene Recorder::record(const SceneRecord& scene) {
+  ResolvedScene resolved;
+  resolved.scene = evidence_of(scene, next_observation_);
+  resolved.after = std::move(state_);
+  resolved.after.next_id = std::max(resolved.after.next_id, largest_object_ + 1);
+  std::optional<TimeNs> last = resolved.after.last_scene;
+  state_ = {};
+  state_.last_scene = last;  // what the writing needs of it
+  try {
+    resolved.update = belief::advance(resolved.after, resolved.scene, options_);
+    return record(scene, std::move(resolved));
+  } catch (...) {
+    take_up();  // the memory has it as it was
+    throw;
+  }
 }
 
 belief::Scene evidence_of(const SceneRecord& record, int64_t first_observation) {

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "memory/belief/belief.h"
+#include "memory/recorder/carried_belief.h"
 #include "memory/recorder/scene_record.h"
 #include "memory/store/scene_transaction.h"
 
@@ -38,25 +39,26 @@ class Recorder {
   /// Adds a scene with everything that it changes, `resolved` being what resolve() said. On Error nothing is
   /// added.
   RecordedScene record(const SceneRecord& scene, ResolvedScene resolved);
-  RecordedScene record(const SceneRecord& scene) { return record(scene, resolve(scene)); }
+  /// Both at once, without a copy of the belief.
+  RecordedScene record(const SceneRecord& scene);
 
   const belief::BeliefState& belief() const { return state_; }
 
  private:
   class Writing;
+  void take_up();
 
   Store& store_;
   Id run_;
   belief::BeliefOptions options_;
   belief::BeliefState state_;
   Id next_observation_ = 1;
-  std::map<Id, BeliefRow> last_rows_;          ///< what the memory says about each object now
+  std::map<Id, BeliefRow> told_;  ///< what the memory says about each object of the belief
+  Id largest_object_ = 0;         ///< of the memory
+  CarriedBelief carried_;
   std::map<std::string, double> last_joints_;  ///< of the scene before
   std::map<std::string, Id> places_;           ///< that the memory knows
 };
-
-/// The belief that a memory holds after its last scene; empty for a new memory.
-belief::BeliefState load_belief(const Store& store);
 
 /// What the belief looks at in a record; observations get the numbers from `first_observation` on.
 belief::Scene evidence_of(const SceneRecord& record, int64_t first_observation = 0);

@@ -4,6 +4,9 @@
 #include <sqlite3.h>
 #include <zstd.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "mapping/base/hash.h"
 #include "mapping/base/json.h"
 
@@ -86,21 +89,23 @@ Bitemporal SqlRow::clock() const {
   return clock;
 }
 
-void bind_values(SQLite::Statement& statement, const std::vector<SqlValue>& values) {
+void bind_value(SQLite::Statement& statement, int index, const SqlValue& value) {
   struct Binder {
     SQLite::Statement& statement;
     int index;
     void operator()(std::monostate) const { statement.bind(index); }
-    void operator()(int64_t value) const { statement.bind(index, value); }
-    void operator()(double value) const { statement.bind(index, value); }
-    void operator()(std::string_view value) const { statement.bind(index, std::string(value)); }
-    void operator()(BytesView value) const {
-      statement.bind(index, static_cast<const void*>(value.bytes.data()),
-                     static_cast<int>(value.bytes.size()));
+    void operator()(int64_t number) const { statement.bind(index, number); }
+    void operator()(double number) const { statement.bind(index, number); }
+    void operator()(std::string_view text) const { statement.bind(index, std::string(text)); }
+    void operator()(BytesView view) const {
+      statement.bind(index, static_cast<const void*>(view.bytes.data()), static_cast<int>(view.bytes.size()));
     }
   };
-  for (size_t i = 0; i < values.size(); ++i)
-    std::visit(Binder{statement, static_cast<int>(i) + 1}, values[i]);
+  std::visit(Binder{statement, index}, value);
+}
+
+void bind_values(SQLite::Statement& statement, const std::vector<SqlValue>& values) {
+  for (size_t i = 0; i < values.size(); ++i) bind_value(statement, static_cast<int>(i) + 1, values[i]);
 }
 
 void throw_database_error(const SQLite::Exception& error, const std::filesystem::path& path) {
@@ -129,17 +134,21 @@ SQLite::Statement& Store::Implementation::statement(const std::string& text) {
 }
 
 Id Store::Implementation::insert(const char* table, const SqlColumns& columns) {
-  std::string names, marks;
-  std::vector<SqlValue> values;
-  for (const auto& [name, value] : columns) {
-    names += (names.empty() ? "" : ", ") + name;
-    marks += marks.empty() ? "?" : ", ?";
-    values.push_back(value);
+  // A table's columns always come in the same order, so that its name finds the statement.
+  auto& slot = statements[table];
+  if (!slot) {
+    std::string names, marks;
+    for (const auto& [name, value] : columns) {
+      names += (names.empty() ? "" : ", ") + std::string(name);
+      marks += marks.empty() ? "?" : ", ?";
+    }
+    slot = std::make_unique<SQLite::Statement>(
+        *database, fmt::format("INSERT INTO {} ({}) VALUES ({})", table, names, marks));
   }
-  SQLite::Statement& prepared =
-      statement(fmt::format("INSERT INTO {} ({}) VALUES ({})", table, names, marks));
-  bind_values(prepared, values);
-  prepared.exec();
+  slot->reset();
+  int index = 0;
+  for (const auto& [name, value] : columns) bind_value(*slot, ++index, value);
+  slot->exec();
   return database->getLastInsertRowid();
 }
 
@@ -196,6 +205,41 @@ Id Store::Implementation::add_fact(const FactRow& row, Id run, TimeNs known) {
                         {"probability", sql(row.probability)}};
   add_clock(columns, stamped.clock);
   return insert("fact", columns);
+}
+
+Id Store::Implementation::add_term(const std::string& type, const std::string& value) {
+  constexpr size_t kMostKept = 10000;
+  if (terms.size() > kMostKept) terms.clear();
+  const auto [slot, fresh] = terms.try_emplace(type + '\n' + value, 0);
+  if (!fresh) return slot->second;
+  const std::vector<SqlValue> values = {sql(type), sql(value)};
+  query("SELECT id FROM term WHERE type = ? AND value = ?", values,
+        [&](const SqlRow& row) { slot->second = row.integer("id"); });
+  if (slot->second == 0) slot->second = insert("term", {{"type", values[0]}, {"value", values[1]}});
+  return slot->second;
+}
+
+void Store::Implementation::add_stay(Id belief, const BeliefRow& row, TimeNs from) {
+  const int64_t seconds = from / kSecond;
+  std::optional<Id> before;
+  query(
+      "SELECT id FROM belief WHERE object = ? AND valid_from <= ? AND id <> ? ORDER BY valid_from DESC, id "
+      "DESC LIMIT 1",
+      {sql(row.object), sql(from), sql(belief)}, [&](const SqlRow& found) { before = found.integer("id"); });
+  if (before) {
+    SQLite::Statement& end = statement("UPDATE stay SET until = ?1 WHERE belief = ?2 AND until > ?1");
+    bind_values(end, {sql(seconds), sql(*before)});
+    end.exec();
+  }
+  if (!row.position) return;
+  const auto millimetre = [&](int axis) {
+    return sql(static_cast<int64_t>(std::lround(std::clamp((*row.position)[axis] * 1000, -2e9, 2e9))));
+  };
+  const SqlValue x = millimetre(0), y = millimetre(1), z = millimetre(2), place = sql(row.place.value_or(0));
+  SQLite::Statement& stay = statement("INSERT INTO stay VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  bind_values(stay,
+              {sql(belief), x, x, y, y, z, z, sql(seconds), sql(kOpenStay), place, place, sql(row.object)});
+  stay.exec();
 }
 
 Encoded encode_bytes(std::string_view bytes) {

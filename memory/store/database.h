@@ -86,10 +86,12 @@ struct Store::Implementation {
   int lock = -1;  ///< file descriptor of the lock file
   std::unique_ptr<SQLite::Database> database;
   std::unordered_map<std::string, std::unique_ptr<SQLite::Statement>> statements;
+  std::unordered_map<std::string, Id> terms;  ///< some of the table of that name, by type and value
   bool in_scene = false;
 
   /// A prepared statement, ready to be bound.
   SQLite::Statement& statement(const std::string& text);
+  /// Adds a row. The same columns in the same order for each row of a table.
   Id insert(const char* table, const SqlColumns& columns);
   /// Runs a query and hands over its rows.
   template <class Visitor>
@@ -108,8 +110,15 @@ struct Store::Implementation {
   Id add_blob(std::string_view bytes, const std::string& media);
   Id add_place(const PlaceRow& row, Id run, TimeNs known);
   Id add_fact(const FactRow& row, Id run, TimeNs known);
+  Id add_term(const std::string& type, const std::string& value);
+  /// Ends the object's last stay and begins the one that this belief tells of.
+  void add_stay(Id belief, const BeliefRow& row, TimeNs from);
 };
 
+/// `until` of a stay that goes on.
+constexpr int64_t kOpenStay = 2147483647;
+
+void bind_value(SQLite::Statement& statement, int index, const SqlValue& value);
 void bind_values(SQLite::Statement& statement, const std::vector<SqlValue>& values);
 [[noreturn]] void throw_database_error(const SQLite::Exception& error, const std::filesystem::path& path);
 

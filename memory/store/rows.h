@@ -172,8 +172,16 @@ struct BeliefRow {
   std::optional<HsvColor> hsv = {};
   std::optional<std::string> color = {};
   std::optional<Vector3d> size = {};
+  /// While nobody looks, the probability fades to this share within about this time; unset = it does not.
+  std::optional<double> fade_s = {}, fade_to = {};
   Bitemporal clock = {};
+  // When read: `probability`, `status` and the last sighting are as of the last scene, which these lead to.
+  double probability_then = 1;  ///< at the time of the row or of the last sighting after it
+  TimeNs then = 0;
 };
+
+/// What is left of `then` at a time, nobody having looked.
+double faded(const BeliefRow& row, TimeNs time);
 
 struct VisibilityRow {
   Id id = 0;

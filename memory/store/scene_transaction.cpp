@@ -27,6 +27,7 @@ SceneTransaction::~SceneTransaction() {
   if (!open_) return;
   store_.in_scene = false;
   for (auto& [text, statement] : store_.statements) statement->tryReset();
+  store_.terms.clear();
   store_.database->tryExec("ROLLBACK");
 }
 
@@ -92,10 +93,18 @@ Id SceneTransaction::add_observation(const ObservationRow& row) {
 
 Id SceneTransaction::add_annotation(const AnnotationRow& row) {
   return store_.guarded([&] {
+    const Id term = store_.add_term(row.type, row.value);
+    if (row.observation) {  // said later than it was decided what it is
+      SQLite::Statement& called = store_.statement(
+          "INSERT OR IGNORE INTO object_term (term, object) SELECT ?1, object FROM association WHERE "
+          "observation = ?2 "
+          "AND chosen = 1 AND probability > 0 AND object IS NOT NULL");
+      bind_values(called, {sql(term), sql(*row.observation)});
+      called.exec();
+    }
     return store_.insert("annotation", {{"scene", sql(row.scene)},
                                         {"observation", sql(row.observation)},
-                                        {"type", sql(row.type)},
-                                        {"value", sql(row.value)},
+                                        {"term", sql(term)},
                                         {"confidence", sql(row.confidence)},
                                         {"feature_structure", sql(row.feature_structure)}});
   });
@@ -150,7 +159,17 @@ Id SceneTransaction::add_association(const AssociationRow& row) {
   Bitemporal clock = stamped(row.clock, scene_time_, known_, run_);
   if (!clock.valid_to) clock.valid_to = clock.valid_from;  // It is about one moment.
   add_clock(columns, clock);
-  return store_.guarded([&] { return store_.insert("association", columns); });
+  return store_.guarded([&] {
+    if (row.chosen && row.object && row.observation && row.probability > 0) {
+      SQLite::Statement& called = store_.statement(
+          "INSERT OR IGNORE INTO object_term (term, object) SELECT term, ?1 FROM annotation WHERE scene = ?2 "
+          "AND "
+          "observation = ?3");
+      bind_values(called, {sql(*row.object), sql(row.scene), sql(*row.observation)});
+      called.exec();
+    }
+    return store_.insert("association", columns);
+  });
 }
 
 Id SceneTransaction::add_event(const EventRow& row) {
@@ -174,21 +193,22 @@ Id SceneTransaction::add_event(const EventRow& row) {
 }
 
 Id SceneTransaction::add_belief(const BeliefRow& row) {
-  SqlColumns columns = {{"object", sql(row.object)},
-                        {"scene", sql(row.scene)},
-                        {"status", sql(row.status)},
-                        {"probability", sql(row.probability)},
-                        {"place", sql(row.place)},
-                        {"sigma", sql(row.sigma)},
-                        {"last_scene", sql(row.last_scene)},
-                        {"last_observation", sql(row.last_observation)},
-                        {"color", sql(row.color)}};
+  SqlColumns columns = {{"object", sql(row.object)},         {"scene", sql(row.scene)},
+                        {"status", sql(row.status)},         {"probability", sql(row.probability)},
+                        {"place", sql(row.place)},           {"sigma", sql(row.sigma)},
+                        {"last_scene", sql(row.last_scene)}, {"last_observation", sql(row.last_observation)},
+                        {"color", sql(row.color)},           {"fade_s", sql(row.fade_s)},
+                        {"fade_to", sql(row.fade_to)}};
   add_vector(columns, "", row.position);
   add_vector(columns, "size_", row.size);
   add_color(columns, row.hsv);
   const Bitemporal clock = stamped(row.clock, scene_time_, known_, run_);
   add_clock(columns, clock);
-  return store_.guarded([&] { return store_.insert("belief", columns); });
+  return store_.guarded([&] {
+    const Id id = store_.insert("belief", columns);
+    store_.add_stay(id, row, clock.valid_from);
+    return id;
+  });
 }
 
 Id SceneTransaction::add_visibility(const VisibilityRow& row) {
@@ -217,6 +237,17 @@ void SceneTransaction::set_checkpoint(const std::string& name, std::string_view 
     SQLite::Statement& statement = store_.statement(
         "INSERT OR REPLACE INTO checkpoint (name, scene, encoding, content) VALUES (?, ?, ?, ?)");
     bind_values(statement, {sql(name), sql(scene), sql(encoded.encoding), BytesView{encoded.bytes}});
+    statement.exec();
+  });
+}
+
+void SceneTransaction::drop_checkpoints(const std::string& prefix) {
+  store_.guarded([&] {
+    // The names from the prefix on to the first that begins otherwise.
+    std::string end = prefix;
+    ++end.back();
+    SQLite::Statement& statement = store_.statement("DELETE FROM checkpoint WHERE name >= ? AND name < ?");
+    bind_values(statement, {sql(prefix), sql(end)});
     statement.exec();
   });
 }

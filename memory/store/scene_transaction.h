@@ -38,6 +38,9 @@ class SceneTransaction {
   /// Keeps a program's own state as it is after this scene; replaces the one of that name.
   void set_checkpoint(const std::string& name, std::string_view bytes, std::optional<Id> scene);
 
+  /// Removes those whose names begin so.
+  void drop_checkpoints(const std::string& prefix);
+
   void commit();
 
  private:

@@ -6,10 +6,15 @@ namespace loci {
 inline constexpr int kMemoryApplicationId = 0x6c6f6369;
 /// user_version = 1000 · major + minor. A newer minor version can be read, a newer major one cannot.
 inline constexpr int kMemoryMajor = 1;
-inline constexpr int kMemoryMinor = 0;
+inline constexpr int kMemoryMinor = 1;
 inline constexpr int kMemoryVersion = 1000 * kMemoryMajor + kMemoryMinor;
 
 /// memory/store/schema.sql.
 extern const char* const kMemorySchema;
+
+/// Leads a memory of version 1.0 to 1.1.
+extern const char* const kMigrationTo1001;
+/// Views that let a memory of version 1.0 be read as it is.
+extern const char* const kViewsOf1000;
 
 }  // namespace loci

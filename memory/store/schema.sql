@@ -116,18 +116,36 @@ CREATE TABLE observation (
 ) STRICT;
 CREATE INDEX observation_place ON observation (place);
 
--- What an annotator says, as a searchable value; all of it is in feature_structure.
+-- What annotators say, each value once; the words are searched for in term_text (FTS5).
+CREATE TABLE term (
+  id INTEGER PRIMARY KEY,
+  type TEXT NOT NULL,              -- type name: "loci.Shape", "loci.Text", ...
+  value TEXT NOT NULL,
+  UNIQUE (value, type)
+) STRICT;
+CREATE INDEX term_word ON term (value COLLATE NOCASE);
+CREATE VIRTUAL TABLE term_text USING fts5(value, content='term', content_rowid='id');
+CREATE TRIGGER term_is_searched AFTER INSERT ON term BEGIN
+  INSERT INTO term_text (rowid, value) VALUES (new.id, new.value);
+END;
+CREATE TRIGGER term_is_forgotten AFTER DELETE ON term BEGIN
+  INSERT INTO term_text (term_text, rowid, value) VALUES ('delete', old.id, old.value);
+END;
+
+-- What an annotator says, as a searchable value; all of it is in feature_structure. The view annotation_said
+-- has the words.
 CREATE TABLE annotation (
   id INTEGER PRIMARY KEY,
   scene INTEGER NOT NULL REFERENCES scene,
   observation INTEGER REFERENCES observation,  -- NULL = about the scene
-  type TEXT NOT NULL,              -- type name: "loci.Shape", "loci.Text", ...
-  value TEXT NOT NULL,
+  term INTEGER NOT NULL REFERENCES term,
   confidence REAL,                 -- uncalibrated
   feature_structure INTEGER REFERENCES feature_structure
 ) STRICT;
-CREATE INDEX annotation_scene ON annotation (scene);
-CREATE INDEX annotation_value ON annotation (type, value);
+CREATE INDEX annotation_scene ON annotation (scene, observation);
+CREATE VIEW annotation_said AS
+  SELECT a.id, a.scene, a.observation, t.type, t.value, a.confidence, a.feature_structure
+  FROM annotation a JOIN term t ON t.id = a.term;
 
 -- A type system that feature structures were written with: XML in UIMA's format, or JSON.
 CREATE TABLE type_system (
@@ -188,9 +206,18 @@ CREATE TABLE association (
   source TEXT NOT NULL
 ) STRICT;
 CREATE INDEX association_scene ON association (scene);
-CREATE INDEX association_object ON association (object, valid_from);
+-- The sightings of an object, in order of time.
+CREATE INDEX association_sighting ON association (object, valid_from, scene)
+  WHERE chosen = 1 AND observation IS NOT NULL AND probability > 0;
 CREATE INDEX association_observation ON association (observation);
 CREATE INDEX association_supersedes ON association (supersedes) WHERE supersedes IS NOT NULL;
+
+-- What objects were ever called: derived from association and annotation, so that they are found at once.
+CREATE TABLE object_term (
+  term INTEGER NOT NULL REFERENCES term,
+  object INTEGER NOT NULL REFERENCES object,
+  PRIMARY KEY (term, object)
+) STRICT, WITHOUT ROWID;
 
 -- What happened.
 CREATE TABLE event (
@@ -221,7 +248,12 @@ CREATE INDEX event_object ON event (object, valid_from);
 CREATE INDEX event_scene ON event (scene);
 CREATE INDEX event_supersedes ON event (supersedes) WHERE supersedes IS NOT NULL;
 
--- What is believed about an object from a scene on, until the next row of the object.
+-- What is believed about an object from a scene on, until the next row of the object. There is a row only for
+-- news: a new object, gone or back, another place, another look, a position farther off than 5 mm and its
+-- sigma, a size other by 1 cm and a tenth, a probability other by 0.05. In between
+--   a sighting (association) means that it is there with probability 1,
+--   the probability p of t seconds ago has become p * (fade_to + (1 - fade_to) * exp(-t / fade_s)),
+--   the status is what the last scene says: seen (association), missed or hidden (visibility), else out_of_view.
 CREATE TABLE belief (
   id INTEGER PRIMARY KEY,
   object INTEGER NOT NULL REFERENCES object,
@@ -236,6 +268,7 @@ CREATE TABLE belief (
   hue REAL, saturation REAL, value REAL,
   color TEXT,
   size_x REAL, size_y REAL, size_z REAL,
+  fade_s REAL, fade_to REAL,       -- how the probability fades while nobody looks; NULL = it does not
   valid_from INTEGER NOT NULL,
   valid_to INTEGER,
   known_from INTEGER NOT NULL,
@@ -248,7 +281,13 @@ CREATE INDEX belief_object ON belief (object, valid_from);
 CREATE INDEX belief_scene ON belief (scene);
 CREATE INDEX belief_supersedes ON belief (supersedes) WHERE supersedes IS NOT NULL;
 
--- What a scene could tell about an object's last place, or about a place as a whole.
+-- Where objects were believed to be, from one row of belief to the next: derived from belief, to find what is
+-- near a point or on a place at a time. Millimetres, seconds since 1970 (2147483647 = until now), place 0 = none.
+CREATE VIRTUAL TABLE stay USING rtree_i32(
+  belief, x_from, x_to, y_from, y_to, z_from, z_to, since, until, place_from, place_to, +object);
+
+-- What a scene could tell about an object's last place, or about a place as a whole. Of objects only those
+-- have a row that were looked for: missed, or hidden. What the scene did not see otherwise was out of view.
 CREATE TABLE visibility (
   id INTEGER PRIMARY KEY,
   scene INTEGER NOT NULL REFERENCES scene,
@@ -295,6 +334,16 @@ CREATE TABLE checkpoint (
   content BLOB NOT NULL
 ) STRICT;
 
+-- What was forgotten on request: an object, or everything of a time. Nothing else is left of it.
+CREATE TABLE forgotten (
+  id INTEGER PRIMARY KEY,
+  object INTEGER REFERENCES object,
+  valid_from INTEGER, valid_to INTEGER,
+  known_from INTEGER NOT NULL,
+  run INTEGER NOT NULL REFERENCES run,
+  CHECK ((object IS NULL) <> (valid_from IS NULL))
+) STRICT;
+
 -- Rows with two clocks are only added.
 CREATE TRIGGER association_is_kept BEFORE UPDATE ON association BEGIN SELECT RAISE(ABORT, 'rows are only added'); END;
 CREATE TRIGGER event_is_kept BEFORE UPDATE ON event BEGIN SELECT RAISE(ABORT, 'rows are only added'); END;
@@ -322,7 +371,8 @@ CREATE VIEW object_known AS
   FROM object a;
 CREATE VIEW belief_known AS
   SELECT a.id, a.object, a.scene, a.status, a.probability, a.place, a.x, a.y, a.z, a.sigma, a.last_scene,
-    a.last_observation, a.hue, a.saturation, a.value, a.color, a.size_x, a.size_y, a.size_z, a.valid_from, a.valid_to,
+    a.last_observation, a.hue, a.saturation, a.value, a.color, a.size_x, a.size_y, a.size_z, a.fade_s, a.fade_to,
+    a.valid_from, a.valid_to,
     a.known_from, coalesce(a.known_to, (SELECT min(b.known_from) FROM belief b WHERE b.supersedes = a.id)) AS known_to,
     a.supersedes, a.run, a.source
   FROM belief a;
@@ -336,12 +386,30 @@ CREATE VIEW fact_known AS
 
 -- What is believed now, one row per object.
 CREATE VIEW v_objects AS
-  SELECT 'object_' || b.object AS object, b.status, b.probability, p.name AS place, b.x, b.y, b.z, b.color,
-    b.size_x, b.size_y, b.size_z,
+  WITH latest AS (SELECT id, time FROM scene ORDER BY time DESC, id DESC LIMIT 1),
+  last AS (
+    SELECT b.*, (SELECT a.id FROM association_known a WHERE a.object = b.object AND a.chosen = 1
+      AND a.observation IS NOT NULL AND a.probability > 0 AND a.known_to IS NULL
+      ORDER BY a.valid_from DESC, a.id DESC LIMIT 1) AS sighting
+    FROM belief_known b WHERE b.known_to IS NULL AND b.id = (SELECT c.id FROM belief_known c
+      WHERE c.object = b.object AND c.known_to IS NULL ORDER BY c.valid_from DESC, c.id DESC LIMIT 1)),
+  told AS (
+    SELECT l.*, a.scene AS seen_scene, coalesce(a.valid_from > l.valid_from, 0) AS seen_later,
+      max(l.valid_from, coalesce(a.valid_from, 0)) AS base
+    FROM last l LEFT JOIN association a ON a.id = l.sighting)
+  SELECT 'object_' || t.object AS object,
+    CASE WHEN t.status = 'gone' AND NOT t.seen_later THEN 'gone'
+      WHEN t.scene = latest.id AND NOT t.seen_later THEN t.status
+      WHEN t.seen_scene = latest.id THEN 'seen'
+      ELSE coalesce((SELECT v.status FROM visibility v WHERE v.scene = latest.id AND v.object = t.object),
+        'out_of_view') END AS status,
+    CASE WHEN t.seen_later THEN 1.0 ELSE t.probability END *
+      CASE WHEN t.fade_s IS NULL THEN 1.0 ELSE t.fade_to + (1 - t.fade_to) *
+        exp(-max(0, latest.time - t.base) / 1e9 / t.fade_s) END AS probability,
+    p.name AS place, t.x, t.y, t.z, t.color, t.size_x, t.size_y, t.size_z,
     strftime('%Y-%m-%dT%H:%M:%SZ', s.time / 1000000000, 'unixepoch') AS last_seen
-  FROM belief_known b LEFT JOIN place p ON p.id = b.place LEFT JOIN scene s ON s.id = b.last_scene
-  WHERE b.known_to IS NULL AND b.id = (SELECT c.id FROM belief_known c WHERE c.object = b.object AND c.known_to IS NULL
-    ORDER BY c.valid_from DESC, c.id DESC LIMIT 1);
+  FROM told t, latest LEFT JOIN place p ON p.id = t.place
+    LEFT JOIN scene s ON s.id = coalesce(t.seen_scene, t.last_scene);
 
 -- Every time that an object was seen, as believed now.
 CREATE VIEW v_sightings AS

@@ -88,7 +88,7 @@ struct Migration {
   const char* sql;
 };
 /// In order. The schema file is always that of the newest version.
-constexpr std::array<Migration, 0> kMigrations{};
+const std::array<Migration, 1> kMigrations{{{1001, kMigrationTo1001}}};
 
 void migrate(SQLite::Database& database, int version) {
   if (version >= kMemoryVersion) return;
@@ -121,16 +121,15 @@ void configure(SQLite::Database& database) {
   database.exec("PRAGMA foreign_keys = ON");
 }
 
+bool can_write(const fs::path& path) {
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  return ::access(path.c_str(), W_OK) == 0 && ::access(folder.c_str(), W_OK) == 0;
+}
+
 /// A file that lies where nothing can be written beside it (a read-only medium) is read as it is.
 std::unique_ptr<SQLite::Database> open_database_to_read(const fs::path& path) {
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  const bool can_write = ::access(path.c_str(), W_OK) == 0 && ::access(folder.c_str(), W_OK) == 0;
-  if (can_write) {
-    // Opened so that the shared memory of the log can be set up and removed again; query_only keeps the rest.
-    auto database = std::make_unique<SQLite::Database>(path.string(), SQLite::OPEN_READWRITE);
-    database->exec("PRAGMA query_only = ON");
-    return database;
-  }
+  // Opened so that the shared memory of the log can be set up and removed again; query_only keeps the rest.
+  if (can_write(path)) return std::make_unique<SQLite::Database>(path.string(), SQLite::OPEN_READWRITE);
   std::error_code ignored;
   const fs::path log = path.string() + "-wal";
   if (fs::exists(log, ignored) && fs::file_size(log, ignored) > 0)
@@ -173,6 +172,8 @@ Store Store::open_read(const fs::path& path) {
     if (is_blank(database)) throw Error("is empty, no memory of loci", place_of(path), "give a *.loci file");
     implementation->version = static_cast<int>(pragma(database, "user_version"));
     check_version(database, path, implementation->version);
+    if (implementation->version < 1001) database.exec(kViewsOf1000);
+    if (can_write(path)) database.exec("PRAGMA query_only = ON");
   });
   return Store(std::move(implementation));
 }

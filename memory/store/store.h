@@ -1,12 +1,15 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "mapping/base/json.h"
 #include "mapping/base/progress.h"
 #include "memory/store/rows.h"
 
@@ -27,6 +30,21 @@ struct VerifyReport {
   std::vector<std::string> problems = {};                    ///< empty = all is well; one line each
   std::vector<std::pair<std::string, int64_t>> counts = {};  ///< rows per table
   int major = 0, minor = 0;                                  ///< of the file
+};
+
+/// What is to be forgotten: an object, or everything of a time.
+struct ForgetRequest {
+  std::optional<Id> object = {};
+  std::optional<TimeNs> from = {}, to = {};
+};
+struct ForgetResult {
+  int64_t objects = 0, observations = 0;
+  int64_t scenes = 0;  ///< whose pictures are gone
+};
+struct ForgottenRow {
+  std::optional<Id> object = {};
+  std::optional<TimeNs> valid_from = {}, valid_to = {};
+  TimeNs known_from = 0;
 };
 
 /// One memory file. Errors of the database come out as one-line loci::Error with the file's name. A Store is
@@ -61,6 +79,11 @@ class Store {
   /// The place of this name, added when it is new (its geometry is that of the first time).
   Id add_place(const PlaceRow& row, Id run);
   Id add_fact(const FactRow& row, Id run);
+  /// Removes an object with everything that was seen of it, or everything of a time, from the file for good:
+  /// rows, words, crops, whole pictures that show it (depth thumbnails stay with an object). That it was
+  /// forgotten stays known.
+  ForgetResult forget(const ForgetRequest& request, Id run);
+  std::vector<ForgottenRow> forgotten() const;
   void set_meta(const std::string& key, const std::string& value);
 
   // Reading.
@@ -82,18 +105,39 @@ class Store {
   /// The scene added last, and the time of the latest; unset in an empty memory.
   std::optional<SceneRow> last_scene() const;
   std::optional<TimeNs> last_scene_time() const;
+  /// The last scene up to `at`, as known at `known_at`.
+  std::optional<SceneRow> latest_scene(const AsOf& as_of) const;
   std::vector<ObservationRow> observations(Id scene) const;
   ObservationRow observation(Id id) const;
   Id last_observation() const;  ///< the highest number given; 0 = none
+  Id last_object() const;       ///< likewise
   std::vector<AnnotationRow> annotations(Id scene) const;
 
   std::vector<ObjectRow> objects(const AsOf& as_of = {}) const;
-  /// The belief that holds per object, in order of object; objects without one are left out.
+  /// The belief that holds per object as of the last scene (see `belief` in the schema), in order of object;
+  /// objects without one are left out.
   std::vector<BeliefRow> beliefs(const AsOf& as_of = {}) const;
-  /// All beliefs of one object up to `at`, in order of time.
+  std::optional<BeliefRow> belief(Id object, const AsOf& as_of = {}) const;
+  /// Objects that were believed to be on a place, or within `radius` metres of a point, at the asked time: in
+  /// order of object, without a look at their probability. By the R*Tree of stays.
+  std::vector<Id> objects_at(Id place, const AsOf& as_of = {}) const;
+  std::vector<Id> objects_near(const Vector3d& point, double radius, const AsOf& as_of = {}) const;
+  /// The rows of belief of one object up to `at`, as they are stored, in order of time.
   std::vector<BeliefRow> belief_history(Id object, const AsOf& as_of = {}) const;
   /// When the chosen story saw an object, in order of time.
   std::vector<Sighting> sightings(Id object, const AsOf& as_of = {}) const;
+  /// How often the chosen story saw an object, and in which scene first.
+  struct SightingCount {
+    size_t count = 0;
+    std::optional<Id> first_scene = {};
+  };
+  SightingCount count_sightings(Id object, const AsOf& as_of = {}) const;
+  /// What the scenes after `after` and up to `until` could tell about an object that none of them saw.
+  struct LooksSince {
+    size_t out_of_view = 0, hidden = 0, missed = 0;
+    std::optional<Id> last_missed = {};  ///< scene
+  };
+  LooksSince looks_since(Id object, TimeNs after, std::optional<TimeNs> until, const AsOf& as_of = {}) const;
   /// Everything that was considered in a scene.
   std::vector<AssociationRow> associations(Id scene, const AsOf& as_of = {}) const;
   /// Events with from <= valid_from <= to, in order of time; those taken back (probability 0) are left out.
@@ -102,6 +146,8 @@ class Store {
   std::vector<VisibilityRow> visibility(Id scene) const;
   std::vector<VisibilityRow> visibility_of_object(Id object) const;  ///< in order of scene
   std::vector<VisibilityRow> visibility_of_place(Id place) const;    ///< in order of scene
+  /// The last look that saw any of a place.
+  std::optional<VisibilityRow> last_look(Id place, const AsOf& as_of = {}) const;
   /// Facts that hold at `at`; those taken back are left out.
   std::vector<FactRow> facts(const AsOf& as_of = {}) const;
 
@@ -111,11 +157,15 @@ class Store {
     std::string bytes = {};
   };
   std::optional<Checkpoint> checkpoint(const std::string& name) const;
+  /// All whose names begin so, by name.
+  std::map<std::string, Checkpoint> checkpoints(const std::string& prefix) const;
 
   /// Objects of which an observation is annotated with this value (case does not matter), e.g. a class, a
   /// text.
   std::vector<Id> objects_annotated(const std::string& value, const AsOf& as_of = {}) const;
-  /// All values of annotations of observations, each once.
+  /// Objects of which an observation is annotated with a text in which all these words are (FTS5).
+  std::vector<Id> objects_with_text(const std::string& words, const AsOf& as_of = {}) const;
+  /// All values of annotations of objects, each once.
   std::vector<std::string> annotation_values() const;
 
   BlobRow blob(Id id) const;
@@ -124,6 +174,15 @@ class Store {
   /// Of a scene, in order of id; `type` empty = all.
   std::vector<FeatureStructureRow> feature_structures(Id scene, const std::string& type = {}) const;
   std::string type_system(Id id) const;
+
+  /// Rows of every table, and the bytes of the file that it takes with its indexes, largest first.
+  struct TableSize {
+    std::string table = {};
+    int64_t rows = 0, bytes = 0;
+  };
+  std::vector<TableSize> statistics() const;
+  /// Hands over the rows of a view for people ("v_objects") as objects {column: value}.
+  void read_view(const std::string& view, const std::function<void(const Json&)>& visitor) const;
 
   /// Integrity, references, hashes of blobs, agreement between tables.
   VerifyReport verify(Progress& progress) const;

@@ -1,14 +1,10 @@
-#include <fmt/format.h>
-
 #include <charconv>
 
 #include "mapping/base/json.h"
-#include "memory/store/database.h"
+#include "memory/store/reading.h"
 
 namespace loci {
-namespace {
 
-/// "known_to IS NULL", or what was known at ?N.
 std::string known_condition(const AsOf& as_of, std::vector<SqlValue>& values) {
   if (!as_of.known_at) return "known_to IS NULL";
   values.push_back(sql(*as_of.known_at));
@@ -16,7 +12,6 @@ std::string known_condition(const AsOf& as_of, std::vector<SqlValue>& values) {
   return fmt::format("known_from <= ?{0} AND (known_to IS NULL OR known_to > ?{0})", n);
 }
 
-/// Rows that have begun at `at`; with `open`, those that have not ended either.
 std::string valid_condition(const AsOf& as_of, std::vector<SqlValue>& values, bool open) {
   if (!as_of.at) return open ? "valid_to IS NULL" : "1";
   values.push_back(sql(*as_of.at));
@@ -38,6 +33,8 @@ std::string range_condition(const char* column, std::optional<TimeNs> from, std:
   }
   return text;
 }
+
+namespace {
 
 RecordingRow recording_row(const SqlRow& row) {
   RecordingRow result;
@@ -153,6 +150,8 @@ EventRow event_row(const SqlRow& row) {
   return result;
 }
 
+}  // namespace
+
 BeliefRow belief_row(const SqlRow& row) {
   BeliefRow result;
   result.id = row.integer("id");
@@ -168,9 +167,15 @@ BeliefRow belief_row(const SqlRow& row) {
   result.hsv = row.color();
   result.color = row.optional_text("color");
   result.size = row.vector("size_");
+  result.fade_s = row.optional_real("fade_s");
+  result.fade_to = row.optional_real("fade_to");
   result.clock = row.clock();
+  result.probability_then = result.probability;
+  result.then = result.clock.valid_from;
   return result;
 }
+
+namespace {
 
 VisibilityRow visibility_row(const SqlRow& row) {
   VisibilityRow result;
@@ -182,23 +187,6 @@ VisibilityRow visibility_row(const SqlRow& row) {
   result.probability = row.optional_real("probability");
   result.fraction = row.optional_real("fraction");
   return result;
-}
-
-template <class Row, class Read>
-std::vector<Row> all(Store::Implementation& store, const std::string& text,
-                     const std::vector<SqlValue>& values, Read read) {
-  return store.guarded([&] {
-    std::vector<Row> rows;
-    store.query(text, values, [&](const SqlRow& row) { rows.push_back(read(row)); });
-    return rows;
-  });
-}
-
-template <class Row, class Read>
-Row one(Store::Implementation& store, const char* table, Id id, Read read) {
-  auto rows = all<Row>(store, fmt::format("SELECT * FROM {} WHERE id = ?", table), {sql(id)}, read);
-  if (rows.empty()) throw Error(fmt::format("no {} {}", table, id), {store.path.string(), 0, {}});
-  return std::move(rows[0]);
 }
 
 }  // namespace
@@ -269,6 +257,16 @@ std::optional<SceneRow> Store::last_scene() const {
   return rows.empty() ? std::nullopt : std::optional(std::move(rows[0]));
 }
 
+std::optional<SceneRow> Store::latest_scene(const AsOf& as_of) const {
+  std::vector<SqlValue> values;
+  const std::string range = range_condition("time", {}, as_of.at, values) +
+                            range_condition("known_from", {}, as_of.known_at, values);
+  auto rows = all<SceneRow>(*implementation_,
+                            "SELECT * FROM scene WHERE 1" + range + " ORDER BY time DESC, id DESC LIMIT 1",
+                            values, scene_row);
+  return rows.empty() ? std::nullopt : std::optional(std::move(rows[0]));
+}
+
 std::optional<TimeNs> Store::last_scene_time() const {
   const auto rows = all<TimeNs>(*implementation_, "SELECT time FROM scene ORDER BY time DESC LIMIT 1", {},
                                 [](const SqlRow& row) { return row.integer("time"); });
@@ -290,8 +288,14 @@ Id Store::last_observation() const {
       .front();
 }
 
+Id Store::last_object() const {
+  return all<Id>(*implementation_, "SELECT coalesce(max(id), 0) AS id FROM object", {},
+                 [](const SqlRow& row) { return row.integer("id"); })
+      .front();
+}
+
 std::vector<AnnotationRow> Store::annotations(Id scene) const {
-  return all<AnnotationRow>(*implementation_, "SELECT * FROM annotation WHERE scene = ? ORDER BY id",
+  return all<AnnotationRow>(*implementation_, "SELECT * FROM annotation_said WHERE scene = ? ORDER BY id",
                             {sql(scene)}, [](const SqlRow& row) {
                               return AnnotationRow{row.integer("id"),
                                                    row.integer("scene"),
@@ -311,21 +315,6 @@ std::vector<ObjectRow> Store::objects(const AsOf& as_of) const {
                         values, [](const SqlRow& row) {
                           return ObjectRow{row.integer("id"), row.clock()};
                         });
-}
-
-std::vector<BeliefRow> Store::beliefs(const AsOf& as_of) const {
-  std::vector<BeliefRow> result;
-  for (const ObjectRow& object : objects(as_of)) {
-    std::vector<SqlValue> values = {sql(object.id)};
-    const std::string known = known_condition(as_of, values), valid = valid_condition(as_of, values, false);
-    for (BeliefRow& row : all<BeliefRow>(*implementation_,
-                                         fmt::format("SELECT * FROM belief_known WHERE object = ?1 AND {} "
-                                                     "AND {} ORDER BY valid_from DESC, id DESC LIMIT 1",
-                                                     known, valid),
-                                         values, belief_row))
-      result.push_back(std::move(row));
-  }
-  return result;
 }
 
 std::vector<BeliefRow> Store::belief_history(Id object, const AsOf& as_of) const {
@@ -405,6 +394,21 @@ std::vector<VisibilityRow> Store::visibility_of_place(Id place) const {
                             {sql(place)}, visibility_row);
 }
 
+std::optional<VisibilityRow> Store::last_look(Id place, const AsOf& as_of) const {
+  std::vector<SqlValue> values = {sql(place)};
+  const std::string range = range_condition("s.time", {}, as_of.at, values) +
+                            range_condition("s.known_from", {}, as_of.known_at, values);
+  // Backwards through the scenes, if the place was ever looked at: the last look is seldom long ago.
+  auto rows = all<VisibilityRow>(*implementation_,
+                                 "SELECT v.* FROM scene s CROSS JOIN visibility v ON v.scene = s.id WHERE "
+                                 "v.place = ?1 AND v.fraction > 0" +
+                                     range +
+                                     " AND EXISTS (SELECT 1 FROM visibility w WHERE w.place = ?1) ORDER BY "
+                                     "s.time DESC, s.id DESC LIMIT 1",
+                                 values, visibility_row);
+  return rows.empty() ? std::nullopt : std::optional(std::move(rows[0]));
+}
+
 std::vector<FactRow> Store::facts(const AsOf& as_of) const {
   std::vector<SqlValue> values;
   const std::string known = known_condition(as_of, values), valid = valid_condition(as_of, values, true);
@@ -434,24 +438,6 @@ std::optional<Store::Checkpoint> Store::checkpoint(const std::string& name) cons
   return rows.empty() ? std::nullopt : std::optional(std::move(rows[0]));
 }
 
-std::vector<Id> Store::objects_annotated(const std::string& value, const AsOf& as_of) const {
-  std::vector<SqlValue> values = {sql(value)};
-  const std::string known = known_condition(as_of, values), valid = valid_condition(as_of, values, false);
-  return all<Id>(
-      *implementation_,
-      fmt::format("SELECT DISTINCT object FROM association_known WHERE chosen = 1 AND probability > 0 AND "
-                  "object IS NOT NULL AND {} AND {} AND observation IN (SELECT observation FROM annotation "
-                  "WHERE value = ?1 COLLATE NOCASE) ORDER BY object",
-                  known, valid),
-      values, [](const SqlRow& row) { return row.integer("object"); });
-}
-
-std::vector<std::string> Store::annotation_values() const {
-  return all<std::string>(
-      *implementation_, "SELECT DISTINCT value FROM annotation WHERE observation IS NOT NULL ORDER BY value",
-      {}, [](const SqlRow& row) { return row.text("value"); });
-}
-
 BlobRow Store::blob(Id id) const {
   const auto& path = implementation_->path;
   return one<BlobRow>(*implementation_, "blob", id, [&](const SqlRow& row) {
@@ -464,6 +450,20 @@ std::optional<Id> Store::find_blob(const std::string& hash) const {
   const auto rows = all<Id>(*implementation_, "SELECT id FROM blob WHERE hash = ?", {sql(hash)},
                             [](const SqlRow& row) { return row.integer("id"); });
   return rows.empty() ? std::nullopt : std::optional(rows[0]);
+}
+
+std::map<std::string, Store::Checkpoint> Store::checkpoints(const std::string& prefix) const {
+  const auto& path = implementation_->path;
+  std::map<std::string, Checkpoint> result;
+  implementation_->guarded([&] {
+    implementation_->query("SELECT * FROM checkpoint WHERE substr(name, 1, length(?1)) = ?1", {sql(prefix)},
+                           [&](const SqlRow& row) {
+                             result[row.text("name")] = {
+                                 row.optional_integer("scene"),
+                                 decode_bytes(row.bytes("content"), row.integer("encoding"), -1, path)};
+                           });
+  });
+  return result;
 }
 
 namespace {

@@ -90,6 +90,22 @@ TEST_F(Questions, UnknownNamesAreErrorsWithTheNearest) {
               HasSubstr("no object is 'red blue'"));
 }
 
+TEST_F(Questions, SqlInAQuestionIsOnlyANameThatNobodyKnows) {
+  for (const char* words : {"'; DROP TABLE object; --", "\" OR 1=1 --", "red' OR 'a'='a", "milk* NEAR(a b)"}) {
+    EXPECT_THROW(ask(*store_, WhereQuestion{words}), Error) << words;
+    EXPECT_THROW(ask(*store_, ContentsQuestion{.place = words}), Error) << words;
+    EXPECT_TRUE(store_->objects_with_text(words).empty()) << words;
+  }
+  EXPECT_EQ(where("red").object.id, 1);
+  EXPECT_EQ(store_->objects_with_text("darjeeling"), std::vector<Id>{1});
+}
+
+TEST_F(Questions, WhatIsNearIsFoundByPositionAndTime) {
+  EXPECT_EQ(store_->objects_near({0.3, 0.3, 0.8}, 0.1, at("08:10")), std::vector<Id>{1});
+  EXPECT_EQ(store_->objects_near({3.6, 0.4, 0.8}, 0.1), std::vector<Id>{1});
+  EXPECT_TRUE(store_->objects_near({0.3, 0.3, 0.8}, 0.05).empty());
+}
+
 TEST_F(Questions, OnListsWhatIsThereAndWhatIsNoLonger) {
   const ContentsAnswer now = ask(*store_, ContentsQuestion{"table_1"});
   ASSERT_EQ(now.places.size(), 1U);

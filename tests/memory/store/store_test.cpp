@@ -340,7 +340,8 @@ TEST_F(StoreTest, ThePageAboutTheMemoryNamesEveryTableColumnAndView) {
   SQLite::Database database(file_.string());
   SQLite::Statement tables(
       database,
-      "SELECT name, type FROM sqlite_master WHERE type IN ('table', 'view') AND name NOT LIKE 'sqlite%'");
+      "SELECT name, type FROM sqlite_master WHERE type IN ('table', 'view') AND name NOT LIKE 'sqlite%' "
+      "AND name NOT LIKE 'stay\\_%' ESCAPE '\\' AND name NOT LIKE 'term\\_text\\_%' ESCAPE '\\'");
   while (tables.executeStep()) {
     const std::string name = tables.getColumn(0).getString();
     if (tables.getColumn(1).getString() == "view") {

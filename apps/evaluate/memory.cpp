@@ -1,0 +1,31 @@
+#include "apps/evaluate/commands.h"
+#include "apps/evaluate/memory/figures.h"
+#include "mapping/base/files.h"
+
+namespace loci {
+
+Command memory_command() {
+  return {
+      "memory",
+      "The memory at size: ingest through the full reasoning, questions, readers beside the writer, kills",
+      {"loci-evaluate memory --observations 600 -o demo-output/memory-figures",
+       "loci-evaluate memory --observations 400 --kills 2 -o demo-output/memory-figures --json"},
+      [](CLI::App& app) {
+        struct Arguments {
+          memory_experiment::MemoryOptions options;
+          std::string folder;
+        };
+        auto arguments = std::make_shared<Arguments>();
+        add_options(app, table_of(arguments->options));
+        app.add_option("-o,--output", arguments->folder, "Folder for the memory that is made")->required();
+        return [arguments](Session& session) {
+          table_of(arguments->options).validate();
+          make_folder(arguments->folder);
+          const memory_experiment::MemoryFigures figures =
+              memory_experiment::measure(arguments->options, arguments->folder, session.progress());
+          session.answer(text_of(figures), json_of(figures));
+        };
+      }};
+}
+
+}  // namespace loci

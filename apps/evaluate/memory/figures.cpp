@@ -1,0 +1,360 @@
+#include "apps/evaluate/memory/figures.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <ctime>
+#include <fstream>
+#include <functional>
+#include <thread>
+
+#include "apps/evaluate/memory/kill.h"
+#include "apps/evaluate/memory/plain.h"
+#include "mapping/base/quantile.h"
+#include "mapping/base/stopwatch.h"
+#include "memory/ingest/scene_of_detections.h"
+#include "memory/questions/answers.h"
+#include "memory/recorder/recorder.h"
+
+namespace loci::memory_experiment {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Of this thread: what other programs do does not count.
+double processor_s() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+}
+
+double resident_megabytes() {
+  std::ifstream statm("/proc/self/statm");
+  double pages = 0, resident = 0;
+  statm >> pages >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+/// Takes scenes in and counts.
+class Writer {
+ public:
+  Writer(const MemoryOptions& options, const fs::path& file)
+      : options_(options),
+        home_(options.home, options.seed),
+        store_(Store::open_write(file)),
+        run_(store_.begin_run("loci-evaluate memory", "{}")),
+        recorder_(store_, run_) {}
+
+  /// Only the reasoning and the writing are timed, not the simulation.
+  void write(size_t observations, const std::function<void()>& done) {
+    const size_t end = observations_ + observations;
+    while (observations_ < end) {
+      const SceneRecord record = scene_of_detections(home_.look(), options_.home.noise_m, {});
+      const Stopwatch wall;
+      const double begin = processor_s();
+      recorder_.record(record);
+      processor_ += processor_s() - begin;
+      wall_ += wall.seconds();
+      observations_ += record.observations.size();
+      ++scenes_;
+      if (scenes_ % 64 == 0) done();
+    }
+  }
+  void finish() { store_.finish_run(run_); }
+
+  size_t observations() const { return observations_; }
+  size_t scenes() const { return scenes_; }
+  double processor() const { return processor_; }
+  double wall() const { return wall_; }
+
+ private:
+  const MemoryOptions& options_;
+  Home home_;
+  Store store_;
+  Id run_;
+  Recorder recorder_;
+  size_t observations_ = 0, scenes_ = 0;
+  double processor_ = 0, wall_ = 0;
+};
+
+void ingest_all(Writer& writer, const MemoryOptions& options, MemoryFigures& figures, Progress& progress) {
+  const auto total = static_cast<size_t>(options.observations), tenth = total / 10;
+  const auto tell = [&] {
+    progress.check(double(writer.observations()) / double(total), "taking observations in");
+  };
+  writer.write(tenth, tell);
+  figures.first_tenth_rate = double(writer.observations()) / writer.processor();
+  figures.megabytes_first_tenth = resident_megabytes();
+  if (total > 2 * tenth) writer.write(total - 2 * tenth, tell);
+  const size_t before = writer.observations();
+  const double processor_before = writer.processor();
+  writer.write(tenth, tell);
+  figures.last_tenth_rate = double(writer.observations() - before) / (writer.processor() - processor_before);
+  figures.megabytes_at_end = resident_megabytes();
+  figures.scenes = writer.scenes();
+  figures.observations = writer.observations();
+  figures.processor_rate = double(figures.observations) / writer.processor();
+  figures.wall_rate = double(figures.observations) / writer.wall();
+}
+
+/// A tenth more alone, then as much beside readers.
+void write_beside_readers(Writer& writer, const MemoryOptions& options, const fs::path& file,
+                          MemoryFigures& figures, Progress& progress) {
+  const size_t part = std::max<size_t>(2000, static_cast<size_t>(options.observations) / 20);
+  const auto tell = [&] { progress.check(0.5, "one writer, several readers"); };
+  const auto rate = [&] {
+    const Stopwatch watch;
+    const size_t before = writer.observations();
+    writer.write(part, tell);
+    return double(writer.observations() - before) / watch.seconds();
+  };
+  figures.rate_alone = rate();
+  std::atomic<bool> stop = false;
+  std::atomic<size_t> asked = 0;
+  std::vector<std::thread> readers;
+  for (int i = 0; i < options.readers; ++i)
+    readers.emplace_back([&, i] {
+      const Store store = Store::open_read(file);
+      Random random(static_cast<uint64_t>(options.seed + 100 + i));
+      const auto objects = static_cast<uint64_t>(store.last_object());
+      while (!stop) {
+        ask(store, WhereQuestion{object_name(static_cast<Id>(1 + random.index(objects))), {}});
+        ++asked;
+        std::this_thread::sleep_for(std::chrono::duration<double>(1 / options.reader_hz));
+      }
+    });
+  figures.rate_with_readers = rate();
+  stop = true;
+  for (std::thread& reader : readers) reader.join();
+  figures.reader_questions = asked;
+}
+
+class Asker {
+ public:
+  Asker(const MemoryOptions& options, const Store& store, PlainTables& plain)
+      : options_(options), store_(store), plain_(plain), random_(static_cast<uint64_t>(options.seed + 1)) {
+    first_ = store.scene(1).time;
+    last_ = *store.last_scene_time();
+    objects_ = static_cast<uint64_t>(store.last_object());
+  }
+
+  std::vector<QuestionFigures> run() {
+    const auto object = [&] { return static_cast<Id>(1 + random_.index(objects_)); };
+    const auto place = [&] { return Home::place_name(static_cast<int>(random_.index(places()))); };
+    const auto hour = 3600 * kSecond;
+    time("where is object N", [&] {
+      return ask(store_, WhereQuestion{object_name(object()), {}}).objects.size();
+    });
+    compare([&] { return plain_.last_seen(object()); });
+    time(
+        "where was object N at T",
+        [&] {
+          const Id id = object();
+          const TimeNs seen = store_.sightings(id).front().time;  // before, it was not known
+          asked_at_ = std::max(seen, some_time());
+          return id;
+        },
+        [&](Id id) {
+          return ask(store_, WhereQuestion{object_name(id), {.at = asked_at_}}).objects.size();
+        });
+    time("what is on PLACE",
+         [&] { return ask(store_, ContentsQuestion{.place = place()}).places.front().there.size(); });
+    compare([&] { return plain_.at_place(1 + static_cast<Id>(random_.index(places())), last_); });
+    time("what was on PLACE at T", [&] {
+      return ask(store_, ContentsQuestion{.place = place(), .as_of = {.at = some_time()}})
+          .places.front()
+          .there.size();
+    });
+    compare([&] { return plain_.at_place(1 + static_cast<Id>(random_.index(places())), some_time()); });
+    const auto point = [&] { return Vector3d(random_.uniform(-1, 13), random_.uniform(-1, 5), 0.8); };
+    time("what was within 0.5 m of a point at T",
+         [&] { return store_.objects_near(point(), 0.5, {.at = some_time()}).size(); });
+    compare([&] { return plain_.near(point(), 0.5, some_time()); });
+    time("what changed in an hour", [&] {
+      const TimeNs from = some_time();
+      return ask(store_, ChangesQuestion{.from = from, .to = from + hour}).changes.size();
+    });
+    time("was object N on PLACE in an hour", [&] {
+      const TimeNs from = some_time();
+      return ask(store_, WasQuestion{object_name(object()), place(), from, from + hour, {}}).objects.size();
+    });
+    time("what bears the word milk", [&] { return store_.objects_with_text("milk").size(); });
+    compare([&] { return plain_.with_text("milk"); });
+    return std::move(results_);
+  }
+
+ private:
+  uint64_t places() const { return static_cast<uint64_t>(options_.home.places); }
+  TimeNs some_time() {
+    return first_ + static_cast<TimeNs>(random_.uniform() * static_cast<double>(last_ - first_));
+  }
+
+  template <class Ask>
+  std::vector<double> milliseconds(Ask ask_one, size_t& most) {
+    std::vector<double> times;
+    for (int i = 0; i < options_.questions; ++i) {
+      const double begin = processor_s();
+      most = std::max(most, ask_one());
+      times.push_back(1000 * (processor_s() - begin));
+    }
+    return times;
+  }
+
+  template <class Ask>
+  void time(const std::string& name, Ask ask_one) {
+    QuestionFigures& figures = results_.emplace_back();
+    figures.name = name;
+    const std::vector<double> times = milliseconds(ask_one, figures.most_rows);
+    figures.median_ms = median(times);
+    figures.p99_ms = quantile(times, 0.99);
+  }
+  template <class Prepare, class Ask>
+  void time(const std::string& name, Prepare prepare, Ask ask_one) {
+    std::vector<Id> prepared;
+    std::vector<TimeNs> at;
+    for (int i = 0; i < options_.questions; ++i) {
+      prepared.push_back(prepare());
+      at.push_back(asked_at_);
+    }
+    size_t next = 0;
+    time(name, [&] {
+      asked_at_ = at[next];
+      return ask_one(prepared[next++]);
+    });
+  }
+  template <class Ask>
+  void compare(Ask ask_one) {
+    size_t most = 0;
+    const std::vector<double> times = milliseconds(ask_one, most);
+    results_.back().plain_median_ms = median(times);
+    results_.back().plain_p99_ms = quantile(times, 0.99);
+  }
+
+  const MemoryOptions& options_;
+  const Store& store_;
+  PlainTables& plain_;
+  Random random_;
+  TimeNs first_ = 0, last_ = 0, asked_at_ = 0;
+  uint64_t objects_ = 0;
+  std::vector<QuestionFigures> results_;
+};
+
+}  // namespace
+
+void MemoryOptions::declare(OptionTable& table) {
+  table.integer("observations", observations, "", "Observations to take in.", 100, 100'000'000);
+  table.integer("seed", seed, "", "Seed of the simulated home.", 0, 1'000'000'000);
+  table.integer("readers", readers, "", "Readers beside the writer.", 0, 100);
+  table.number("reader_hz", reader_hz, "Hz", "Questions that each of them asks per second.", 0.1, 10000);
+  table.integer("questions", questions, "", "Questions of each kind.", 10, 100000);
+  table.integer("kills", kills, "", "Random moments at which a writer is killed.", 0, 10000);
+  table.integer("places", home.places, "", "Tables that are looked at one after the other.", 1, 1000);
+  table.integer("objects", home.objects, "", "Things in the home at any time.", 1, 10000);
+  table.number("moves", home.moves, "", "Things put elsewhere per scene.", 0, 1);
+  table.number("exchanges", home.exchanges, "", "Things that leave for good and are replaced per scene.", 0,
+               1);
+  table.number("detection", home.detection, "", "Probability that a thing in view is detected.", 0.1, 1);
+  table.number("clutter", home.clutter, "", "False detections per scene.", 0, 1);
+  table.number("noise_m", home.noise_m, "m", "Noise of positions per axis.", 0.0001, 0.1);
+}
+
+MemoryFigures measure(const MemoryOptions& options, const fs::path& folder, Progress& progress) {
+  MemoryFigures figures;
+  size_t stored = 0;
+  const fs::path file = folder / "simulated.loci", plain_file = folder / "plain.sqlite";
+  for (const fs::path& old : {file, plain_file}) fs::remove(old);
+  {
+    Writer writer(options, file);
+    PartialProgress part(progress, 0, 0.7);
+    ingest_all(writer, options, figures, part);
+    if (options.readers > 0) write_beside_readers(writer, options, file, figures, progress);
+    writer.finish();
+    stored = writer.observations();
+  }
+  figures.bytes_per_observation = double(fs::file_size(file)) / double(stored);
+  {
+    const Store store = Store::open_read(file);
+    figures.objects = static_cast<size_t>(store.last_object());
+    PlainTables plain(plain_file, file);
+    figures.plain_rate = plain.write_rate();
+    progress.check(0.8, "asking");
+    figures.questions = Asker(options, store, plain).run();
+    const Stopwatch statistics;
+    store.statistics();
+    figures.statistics_ms = 1000 * statistics.seconds();
+    PartialProgress part(progress, 0.9, 1);
+    const Stopwatch verify;
+    if (const auto problems = store.verify(part).problems; !problems.empty())
+      throw Error("the memory is not sound: " + problems.front(), {file.string(), 0, {}});
+    figures.verify_s = verify.seconds();
+  }
+  fs::remove(plain_file);
+  if (options.kills > 0) {
+    const fs::path killed = folder / "killed.loci";
+    fs::remove(killed);
+    kill_writers(options, killed, figures, progress);
+  }
+  return figures;
+}
+
+std::string text_of(const MemoryFigures& f) {
+  std::string text = fmt::format(
+      "{} scenes, {} observations, {} objects\n"
+      "  taken in: {:.0f} observations per second of processor time ({:.0f} in the first tenth, {:.0f} in "
+      "the last), "
+      "{:.0f} per second of the clock\n"
+      "  plain tables without reasoning: {:.0f} per second of the clock\n"
+      "  bytes per observation: {:.0f}\n"
+      "  memory of the writer: {:.0f} MB after a tenth, {:.0f} MB at the end\n"
+      "  statistics over everything: {:.0f} ms; verify: {:.1f} s\n",
+      f.scenes, f.observations, f.objects, f.processor_rate, f.first_tenth_rate, f.last_tenth_rate,
+      f.wall_rate, f.plain_rate, f.bytes_per_observation, f.megabytes_first_tenth, f.megabytes_at_end,
+      f.statistics_ms, f.verify_s);
+  if (f.reader_questions > 0)
+    text += fmt::format(
+        "  beside readers ({} questions): {:.0f} per second of the clock, alone {:.0f} ({:.0f} %)\n",
+        f.reader_questions, f.rate_with_readers, f.rate_alone, 100 * f.rate_with_readers / f.rate_alone);
+  if (f.kills > 0)
+    text += fmt::format("  killed {} times: {} with a committed scene lost, {} not sound\n", f.kills,
+                        f.kills_lost, f.kills_unsound);
+  text += fmt::format("  {:40} {:>10} {:>10} {:>12} {:>10} {:>6}\n", "question, ms", "median", "p99",
+                      "plain median", "p99", "rows");
+  for (const QuestionFigures& q : f.questions) {
+    text += fmt::format("  {:40} {:10.3f} {:10.3f}", q.name, q.median_ms, q.p99_ms);
+    text += q.plain_median_ms < 0 ? fmt::format(" {:>12} {:>10}", "", "")
+                                  : fmt::format(" {:12.3f} {:10.3f}", q.plain_median_ms, q.plain_p99_ms);
+    text += fmt::format(" {:6}\n", q.most_rows);
+  }
+  text.pop_back();
+  return text;
+}
+
+Json json_of(const MemoryFigures& f) {
+  Json questions = Json::array();
+  for (const QuestionFigures& q : f.questions) {
+    Json one = {
+        {"question", q.name}, {"median_ms", q.median_ms}, {"p99_ms", q.p99_ms}, {"most_rows", q.most_rows}};
+    if (q.plain_median_ms >= 0) one["plain"] = {{"median_ms", q.plain_median_ms}, {"p99_ms", q.plain_p99_ms}};
+    questions.push_back(std::move(one));
+  }
+  return {{"scenes", f.scenes},
+          {"observations", f.observations},
+          {"objects", f.objects},
+          {"observations_per_s",
+           {{"processor", f.processor_rate},
+            {"first_tenth", f.first_tenth_rate},
+            {"last_tenth", f.last_tenth_rate},
+            {"clock", f.wall_rate},
+            {"plain_tables", f.plain_rate},
+            {"alone", f.rate_alone},
+            {"beside_readers", f.rate_with_readers}}},
+          {"bytes_per_observation", f.bytes_per_observation},
+          {"resident_mb", {{"first_tenth", f.megabytes_first_tenth}, {"end", f.megabytes_at_end}}},
+          {"statistics_ms", f.statistics_ms},
+          {"verify_s", f.verify_s},
+          {"kills", {{"times", f.kills}, {"lost", f.kills_lost}, {"not_sound", f.kills_unsound}}},
+          {"questions", questions}};
+}
+
+}  // namespace loci::memory_experiment

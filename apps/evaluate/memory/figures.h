@@ -1,0 +1,53 @@
+#pragma once
+
+#include <filesystem>
+
+#include "apps/evaluate/memory/simulator.h"
+#include "mapping/base/json.h"
+#include "mapping/base/options.h"
+#include "mapping/base/progress.h"
+
+namespace loci::memory_experiment {
+
+struct MemoryOptions {
+  int observations = 20000;
+  int seed = 1;
+  int readers = 10;  ///< beside the writer, each asking `reader_hz` questions per second
+  double reader_hz = 10;
+  int questions = 200;  ///< of each kind
+  int kills = 0;        ///< random moments at which the writer is killed
+  HomeOptions home;
+
+  void declare(OptionTable& table);
+};
+
+/// One kind of question, asked of the memory and of plain indexed tables (negative = not asked there).
+struct QuestionFigures {
+  std::string name;
+  double median_ms = 0, p99_ms = 0;
+  double plain_median_ms = -1, plain_p99_ms = -1;
+  size_t most_rows = 0;  ///< in an answer
+};
+
+struct MemoryFigures {
+  size_t scenes = 0, observations = 0, objects = 0;
+  double processor_rate = 0;  ///< observations per second of processor time, reasoning and writing
+  double wall_rate = 0;       ///< per second of the clock
+  double first_tenth_rate = 0, last_tenth_rate = 0;  ///< of processor time
+  double plain_rate = 0;  ///< plain indexed tables written scene by scene, without reasoning
+  double megabytes_first_tenth = 0, megabytes_at_end = 0;  ///< resident memory of the writer
+  double bytes_per_observation = 0;
+  double verify_s = 0, statistics_ms = 0;
+  double rate_alone = 0, rate_with_readers = 0;  ///< per second of the clock, one after the other
+  size_t reader_questions = 0;
+  int kills = 0, kills_lost = 0, kills_unsound = 0;
+  std::vector<QuestionFigures> questions;
+};
+
+/// Simulates, ingests through the full reasoning into a file below `folder`, and measures. The file stays.
+MemoryFigures measure(const MemoryOptions& options, const std::filesystem::path& folder, Progress& progress);
+
+std::string text_of(const MemoryFigures& figures);
+Json json_of(const MemoryFigures& figures);
+
+}  // namespace loci::memory_experiment

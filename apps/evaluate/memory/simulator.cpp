@@ -1,0 +1,124 @@
+#include "apps/evaluate/memory/simulator.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace loci::memory_experiment {
+namespace {
+
+constexpr double kTableHeight_m = 0.75, kTableLength_m = 1.5, kTableWidth_m = 0.9;
+constexpr TimeNs kBegin = 1'767'225'600 * kSecond;  // 2026-01-01
+const std::vector<std::string> kWords = {"fresh", "dark",  "whole",  "sweet",
+                                         "old",   "green", "alpine", "salted"};
+const std::vector<std::string> kGoods = {"milk", "coffee", "rice", "tea", "honey", "butter", "beans", "soap"};
+
+Vector3d centre_of(int place) {
+  return {3.0 * (place % 5), 4.0 * (place / 5), kTableHeight_m};
+}
+
+/// Stands before the table and looks down at its middle.
+Isometry3d camera_at(int place) {
+  const Vector3d at = centre_of(place), from = at + Vector3d(0, -1.3, 1.1);
+  const Vector3d forward = (at - from).normalized();
+  const Vector3d right = forward.cross(Vector3d::UnitZ()).normalized();
+  Isometry3d pose = Isometry3d::Identity();
+  pose.linear().col(0) = right;
+  pose.linear().col(1) = forward.cross(right);
+  pose.linear().col(2) = forward;
+  pose.translation() = from;
+  return pose;
+}
+
+}  // namespace
+
+Home::Home(const HomeOptions& options, int seed)
+    : options_(options), random_(static_cast<uint64_t>(seed)), time_(kBegin) {
+  for (int i = 0; i < options.objects; ++i) {
+    things_.push_back(new_thing());
+    put(things_.back(), i % options.places);
+  }
+}
+
+std::string Home::place_name(int place) {
+  return fmt::format("table_{}", place + 1);
+}
+
+const std::vector<std::string>& Home::classes() {
+  static const std::vector<std::string> names = {"mug",  "bowl", "plate", "box",   "bottle",
+                                                 "book", "can",  "fork",  "knife", "pan"};
+  return names;
+}
+
+Home::Thing Home::new_thing() {
+  Thing thing;
+  thing.class_name = classes()[random_.index(classes().size())];
+  thing.size = {random_.uniform(0.05, 0.14), random_.uniform(0.05, 0.14), random_.uniform(0.05, 0.25)};
+  thing.color = {random_.uniform(0, 360), random_.uniform(0.3, 1), random_.uniform(0.3, 1)};
+  if (random_.uniform() < 0.3)
+    thing.text = kWords[random_.index(kWords.size())] + " " + kGoods[random_.index(kGoods.size())];
+  return thing;
+}
+
+void Home::put(Thing& thing, int place) {
+  constexpr int kTries = 50;
+  thing.place = place;
+  for (int i = 0; i < kTries; ++i) {
+    thing.position = centre_of(place) + Vector3d(random_.uniform(-kTableLength_m / 2, kTableLength_m / 2),
+                                                 random_.uniform(-kTableWidth_m / 2, kTableWidth_m / 2),
+                                                 thing.size.z() / 2);
+    const bool free = std::none_of(things_.begin(), things_.end(), [&](const Thing& other) {
+      const Vector3d apart = (other.position - thing.position).cwiseAbs();
+      return &other != &thing && apart.x() < 0.15 && apart.y() < 0.15;
+    });
+    if (free) return;
+  }
+}
+
+Detection Home::detect(const Thing& thing) {
+  Detection detection;
+  detection.position = thing.position;
+  Vector3d size = thing.size, color = thing.color;
+  for (int axis = 0; axis < 3; ++axis) {
+    detection.position[axis] += random_.normal(options_.noise_m);
+    size[axis] *= 1 + random_.normal(0.03);
+  }
+  color[0] = std::fmod(color[0] + random_.normal(4) + 360, 360);
+  for (int i = 1; i < 3; ++i) color[i] = std::clamp(color[i] + random_.normal(0.03), 0.0, 1.0);
+  detection.size = size;
+  detection.color = color;
+  detection.position_sigma = options_.noise_m;
+  detection.classes = {{thing.class_name, 0.9}};
+  if (!thing.text.empty()) detection.texts = {thing.text};
+  detection.place = place_name(thing.place);
+  return detection;
+}
+
+DetectedScene Home::look() {
+  time_ += static_cast<TimeNs>(options_.scene_s * static_cast<double>(kSecond));
+  const auto places = static_cast<uint64_t>(options_.places);
+  if (random_.uniform() < options_.moves)
+    put(things_[random_.index(things_.size())], static_cast<int>(random_.index(places)));
+  if (random_.uniform() < options_.exchanges) {
+    Thing& thing = things_[random_.index(things_.size())];
+    thing = new_thing();
+    put(thing, static_cast<int>(random_.index(places)));
+  }
+  const int place = scenes_++ % options_.places;
+  DetectedScene scene;
+  scene.time = time_;
+  scene.camera = DetectedScene::Camera{camera_at(place), PinholeCamera{640, 480, 525, 525, 320, 240}, {}, {}};
+  scene.observed = {{place_name(place), 1.0}};
+  for (const Thing& thing : things_)
+    if (thing.place == place && random_.uniform() < options_.detection)
+      scene.detections.push_back(detect(thing));
+  if (random_.uniform() < options_.clutter) {
+    Thing ghost = new_thing();
+    put(ghost, place);
+    scene.detections.push_back(detect(ghost));
+  }
+  return scene;
+}
+
+}  // namespace loci::memory_experiment

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mapping/base/random.h"
+#include "memory/ingest/detections.h"
+
+namespace loci::memory_experiment {
+
+struct HomeOptions {
+  int places = 10;
+  int objects = 100;        ///< at any time
+  double scene_s = 30;      ///< from one look to the next
+  double moves = 0.3;       ///< per scene: something is put elsewhere
+  double exchanges = 0.01;  ///< per scene: something leaves for good and something new comes
+  double detection = 0.95;  ///< what is on the place that is looked at is found
+  double clutter = 0.02;    ///< false detections per scene
+  double noise_m = 0.005;   ///< of positions, per axis
+};
+
+/// A home of tables with things on them, and a robot that looks at one table after the other: what its
+/// detector finds there, without images.
+class Home {
+ public:
+  Home(const HomeOptions& options, int seed);
+
+  /// Half a minute later, at the next table.
+  DetectedScene look();
+
+  static std::string place_name(int place);
+  static const std::vector<std::string>& classes();
+  TimeNs time() const { return time_; }
+
+ private:
+  struct Thing {
+    int place = 0;
+    Vector3d position = Vector3d::Zero(), size = Vector3d::Zero(), color = Vector3d::Zero();
+    std::string class_name, text;
+  };
+  Thing new_thing();
+  void put(Thing& thing, int place);
+  Detection detect(const Thing& thing);
+
+  HomeOptions options_;
+  Random random_;
+  std::vector<Thing> things_;
+  TimeNs time_;
+  int scenes_ = 0;
+};
+
+}  // namespace loci::memory_experiment

@@ -1,0 +1,144 @@
+// What is done with the file itself: its size, taking it elsewhere, forgetting.
+
+#include <fmt/format.h>
+
+#include "apps/memory/commands.h"
+#include "apps/memory/memory_arguments.h"
+#include "mapping/base/csv.h"
+#include "mapping/base/files.h"
+#include "memory/recorder/forget.h"
+
+namespace loci {
+namespace {
+
+/// All rows of a view, as JSON Lines and CSV; the number of rows.
+int64_t export_view(const Store& store, const std::string& view, const std::filesystem::path& folder) {
+  AtomicFile lines(folder / (view + ".jsonl")), table(folder / (view + ".csv"));
+  int64_t rows = 0;
+  store.read_view("v_" + view, [&](const Json& row) {
+    std::string names, cells;
+    for (const auto& [name, value] : row.items()) {
+      const std::string separator = cells.empty() && names.empty() ? "" : ",";
+      names += separator + csv_cell(name);
+      cells += separator + csv_cell(value.is_null()     ? ""
+                                    : value.is_string() ? value.get<std::string>()
+                                                        : value.dump());
+    }
+    if (rows++ == 0) table.write(names + "\n");
+    table.write(cells + "\n");
+    lines.write(row.dump() + "\n");
+  });
+  lines.commit();
+  table.commit();
+  return rows;
+}
+
+/// Of a memory that nobody writes: all of it is in the one file.
+void copy_memory(const std::filesystem::path& from, const std::filesystem::path& to) {
+  std::error_code none;
+  const std::filesystem::path log = from.string() + "-wal";
+  if (std::filesystem::exists(log, none) && std::filesystem::file_size(log, none) > 0)
+    throw Error("another program is writing to this memory", {from.string(), 0, {}},
+                "wait until it has finished");
+  std::error_code code;
+  std::filesystem::copy_file(from, to, std::filesystem::copy_options::overwrite_existing, code);
+  if (code) throw Error("cannot be written: " + code.message(), {to.string(), 0, {}});
+}
+
+}  // namespace
+
+Command stat_command() {
+  return {
+      "stat",
+      "Rows and bytes of the file by table",
+      {"loci-memory stat -m demo-output/memory.loci", "loci-memory stat -m demo-output/memory.loci --json"},
+      [](CLI::App& app) {
+        auto memory = std::make_shared<std::string>();
+        app.add_option("-m,--memory", *memory, "The memory, *.loci")->required();
+        return [memory](Session& session) {
+          std::string text = fmt::format("{:24} {:>12} {:>14}\n", "table, with its indexes", "rows", "bytes");
+          Json tables = Json::object();
+          int64_t bytes = 0;
+          for (const Store::TableSize& size : Store::open_read(*memory).statistics()) {
+            text += fmt::format("{:24} {:12} {:14}\n", size.table, size.rows, size.bytes);
+            tables[size.table] = {{"rows", size.rows}, {"bytes", size.bytes}};
+            bytes += size.bytes;
+          }
+          text += fmt::format("{:24} {:>12} {:14}", "all", "", bytes);
+          session.answer(text, {{"bytes", bytes}, {"tables", tables}});
+        };
+      }};
+}
+
+Command export_command() {
+  return {"export",
+          "Objects, sightings, events, looks, facts and scenes as JSON Lines and CSV",
+          {"loci-memory export -m demo-output/memory.loci -o demo-output/memory-export",
+           "loci-memory export -m demo-output/memory.loci -o demo-output/memory-export --json"},
+          [](CLI::App& app) {
+            struct Arguments {
+              std::string memory, folder;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
+            app.add_option("-o,--output", arguments->folder, "Folder for the files")->required();
+            return [arguments](Session& session) {
+              const Store store = Store::open_read(arguments->memory);
+              make_folder(arguments->folder);
+              Json rows = Json::object();
+              std::string text = "Written to " + arguments->folder + ":";
+              for (const char* view : {"objects", "sightings", "events", "scenes", "looks", "facts"}) {
+                const int64_t count = export_view(store, view, arguments->folder);
+                rows[view] = count;
+                text += fmt::format(" {} {},", count, view);
+              }
+              text.back() = '.';
+              session.answer(text, {{"folder", arguments->folder}, {"rows", rows}});
+            };
+          }};
+}
+
+Command forget_command() {
+  return {
+      "forget",
+      "Removes an object, or everything of a time, from the file for good",
+      {"loci-memory forget object_1 -m demo-output/memory.loci -o demo-output/remaining.loci",
+       "loci-memory forget --between 08:00 08:30 -m demo-output/memory.loci -o demo-output/remaining.loci "
+       "--json"},
+      [](CLI::App& app) {
+        struct Arguments {
+          std::string memory, object, output;
+          SpanArguments span;
+        };
+        auto arguments = std::make_shared<Arguments>();
+        app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
+        app.add_option("object", arguments->object, "object_12");
+        app.add_option("-o,--output", arguments->output, "Forget in a copy and leave the memory as it is");
+        arguments->span.declare(app);
+        return [arguments](Session& session) {
+          ForgetRequest request;
+          {
+            const Store store = Store::open_read(arguments->memory);
+            request.from = arguments->span.first(store);
+            request.to = arguments->span.last(store);
+          }
+          const bool interval = request.from && request.to;
+          if (!arguments->object.empty()) request.object = object_id(arguments->object);
+          if (request.object.has_value() == interval || (!request.object && !arguments->object.empty()))
+            throw Error("either one object or two times are forgotten", {},
+                        "loci-memory forget object_12, or --between A B");
+          if (!arguments->output.empty()) copy_memory(arguments->memory, arguments->output);
+          Store store = Store::open_write(arguments->output.empty() ? arguments->memory : arguments->output);
+          const Id run = store.begin_run("loci-memory forget", "{}");
+          const ForgetResult result = forget(store, request, run);
+          store.finish_run(run);
+          session.answer(fmt::format("Forgotten: {} objects, {} observations, the pictures of {} scenes.",
+                                     result.objects, result.observations, result.scenes),
+                         {{"objects", result.objects},
+                          {"observations", result.observations},
+                          {"scenes", result.scenes}});
+        };
+      }};
+}
+
+}  // namespace loci

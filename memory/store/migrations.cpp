@@ -1,0 +1,118 @@
+#include "memory/store/schema.h"
+
+namespace loci {
+
+const char* const kMigrationTo1001 = R"sql(
+DROP VIEW v_objects;
+DROP VIEW belief_known;
+ALTER TABLE annotation RENAME TO annotation_1000;
+DROP INDEX annotation_scene;
+DROP INDEX annotation_value;
+CREATE TABLE term (
+  id INTEGER PRIMARY KEY,
+  type TEXT NOT NULL,              -- type name: "loci.Shape", "loci.Text", ...
+  value TEXT NOT NULL,
+  UNIQUE (value, type)
+) STRICT;
+CREATE INDEX term_word ON term (value COLLATE NOCASE);
+CREATE VIRTUAL TABLE term_text USING fts5(value, content='term', content_rowid='id');
+CREATE TRIGGER term_is_searched AFTER INSERT ON term BEGIN
+  INSERT INTO term_text (rowid, value) VALUES (new.id, new.value);
+END;
+CREATE TRIGGER term_is_forgotten AFTER DELETE ON term BEGIN
+  INSERT INTO term_text (term_text, rowid, value) VALUES ('delete', old.id, old.value);
+END;
+
+CREATE TABLE annotation (
+  id INTEGER PRIMARY KEY,
+  scene INTEGER NOT NULL REFERENCES scene,
+  observation INTEGER REFERENCES observation,  -- NULL = about the scene
+  term INTEGER NOT NULL REFERENCES term,
+  confidence REAL,                 -- uncalibrated
+  feature_structure INTEGER REFERENCES feature_structure
+) STRICT;
+CREATE INDEX annotation_scene ON annotation (scene, observation);
+CREATE VIEW annotation_said AS
+  SELECT a.id, a.scene, a.observation, t.type, t.value, a.confidence, a.feature_structure
+  FROM annotation a JOIN term t ON t.id = a.term;
+
+INSERT INTO term (type, value) SELECT type, value FROM annotation_1000 GROUP BY value, type ORDER BY min(id);
+INSERT INTO annotation (id, scene, observation, term, confidence, feature_structure)
+  SELECT a.id, a.scene, a.observation, t.id, a.confidence, a.feature_structure
+  FROM annotation_1000 a JOIN term t ON t.value = a.value AND t.type = a.type;
+DROP TABLE annotation_1000;
+DROP INDEX association_object;
+CREATE INDEX association_sighting ON association (object, valid_from, scene)
+  WHERE chosen = 1 AND observation IS NOT NULL AND probability > 0;
+CREATE TABLE object_term (
+  term INTEGER NOT NULL REFERENCES term,
+  object INTEGER NOT NULL REFERENCES object,
+  PRIMARY KEY (term, object)
+) STRICT, WITHOUT ROWID;
+
+INSERT OR IGNORE INTO object_term (term, object)
+  SELECT n.term, a.object FROM association a JOIN annotation n ON n.scene = a.scene AND n.observation = a.observation
+  WHERE a.chosen = 1 AND a.probability > 0 AND a.object IS NOT NULL;
+-- What was forgotten on request: an object, or everything of a time. Nothing else is left of it.
+CREATE TABLE forgotten (
+  id INTEGER PRIMARY KEY,
+  object INTEGER REFERENCES object,
+  valid_from INTEGER, valid_to INTEGER,
+  known_from INTEGER NOT NULL,
+  run INTEGER NOT NULL REFERENCES run,
+  CHECK ((object IS NULL) <> (valid_from IS NULL))
+) STRICT;
+
+ALTER TABLE belief ADD COLUMN fade_s REAL;
+ALTER TABLE belief ADD COLUMN fade_to REAL;
+CREATE VIEW belief_known AS
+  SELECT a.id, a.object, a.scene, a.status, a.probability, a.place, a.x, a.y, a.z, a.sigma, a.last_scene,
+    a.last_observation, a.hue, a.saturation, a.value, a.color, a.size_x, a.size_y, a.size_z, a.fade_s, a.fade_to,
+    a.valid_from, a.valid_to,
+    a.known_from, coalesce(a.known_to, (SELECT min(b.known_from) FROM belief b WHERE b.supersedes = a.id)) AS known_to,
+    a.supersedes, a.run, a.source
+  FROM belief a;
+CREATE VIRTUAL TABLE stay USING rtree_i32(
+  belief, x_from, x_to, y_from, y_to, z_from, z_to, since, until, place_from, place_to, +object);
+
+INSERT INTO stay
+  SELECT id, round(1000 * x), round(1000 * x), round(1000 * y), round(1000 * y), round(1000 * z), round(1000 * z),
+    valid_from / 1000000000, coalesce(lead(valid_from) OVER (PARTITION BY object ORDER BY valid_from, id)
+    / 1000000000, 2147483647), coalesce(place, 0), coalesce(place, 0), object FROM belief WHERE x IS NOT NULL;
+DELETE FROM visibility WHERE object IS NOT NULL AND status IN ('seen', 'out_of_view');
+-- What is believed now, one row per object.
+CREATE VIEW v_objects AS
+  WITH latest AS (SELECT id, time FROM scene ORDER BY time DESC, id DESC LIMIT 1),
+  last AS (
+    SELECT b.*, (SELECT a.id FROM association_known a WHERE a.object = b.object AND a.chosen = 1
+      AND a.observation IS NOT NULL AND a.probability > 0 AND a.known_to IS NULL
+      ORDER BY a.valid_from DESC, a.id DESC LIMIT 1) AS sighting
+    FROM belief_known b WHERE b.known_to IS NULL AND b.id = (SELECT c.id FROM belief_known c
+      WHERE c.object = b.object AND c.known_to IS NULL ORDER BY c.valid_from DESC, c.id DESC LIMIT 1)),
+  told AS (
+    SELECT l.*, a.scene AS seen_scene, coalesce(a.valid_from > l.valid_from, 0) AS seen_later,
+      max(l.valid_from, coalesce(a.valid_from, 0)) AS base
+    FROM last l LEFT JOIN association a ON a.id = l.sighting)
+  SELECT 'object_' || t.object AS object,
+    CASE WHEN t.status = 'gone' AND NOT t.seen_later THEN 'gone'
+      WHEN t.scene = latest.id AND NOT t.seen_later THEN t.status
+      WHEN t.seen_scene = latest.id THEN 'seen'
+      ELSE coalesce((SELECT v.status FROM visibility v WHERE v.scene = latest.id AND v.object = t.object),
+        'out_of_view') END AS status,
+    CASE WHEN t.seen_later THEN 1.0 ELSE t.probability END *
+      CASE WHEN t.fade_s IS NULL THEN 1.0 ELSE t.fade_to + (1 - t.fade_to) *
+        exp(-max(0, latest.time - t.base) / 1e9 / t.fade_s) END AS probability,
+    p.name AS place, t.x, t.y, t.z, t.color, t.size_x, t.size_y, t.size_z,
+    strftime('%Y-%m-%dT%H:%M:%SZ', s.time / 1000000000, 'unixepoch') AS last_seen
+  FROM told t, latest LEFT JOIN place p ON p.id = t.place
+    LEFT JOIN scene s ON s.id = coalesce(t.seen_scene, t.last_scene);
+
+)sql";
+
+const char* const kViewsOf1000 = R"sql(
+CREATE TEMP VIEW annotation_said AS
+  SELECT id, scene, observation, type, value, confidence, feature_structure FROM annotation;
+CREATE TEMP VIEW belief_known AS SELECT *, NULL AS fade_s, NULL AS fade_to FROM main.belief_known;
+)sql";
+
+}  // namespace loci

@@ -1,0 +1,148 @@
+// What is forgotten is gone from the file: rows, pictures, words, and the places where they lay in the file.
+// That something was forgotten stays known.
+
+#include "memory/store/reading.h"
+
+namespace loci {
+namespace {
+
+/// What goes, in temporary tables: observations, objects of which nothing is left, scenes whose pictures go.
+constexpr const char* kOfObject = R"sql(
+INSERT INTO temp.gone_object VALUES (?1);
+INSERT INTO temp.gone_observation SELECT DISTINCT observation FROM association
+  WHERE object = ?1 AND chosen = 1 AND observation IS NOT NULL;
+INSERT INTO temp.gone_picture SELECT DISTINCT o.scene FROM temp.gone_observation g JOIN observation o ON o.id = g.id;
+)sql";
+
+constexpr const char* kOfInterval = R"sql(
+INSERT INTO temp.gone_picture SELECT id FROM scene WHERE time BETWEEN ?1 AND ?2;
+INSERT INTO temp.gone_observation SELECT o.id FROM observation o JOIN temp.gone_picture g ON g.id = o.scene;
+INSERT INTO temp.gone_object SELECT id FROM object o WHERE
+  EXISTS (SELECT 1 FROM association a WHERE a.object = o.id AND a.observation IN (SELECT id FROM temp.gone_observation))
+  AND NOT EXISTS (SELECT 1 FROM association a WHERE a.object = o.id AND a.chosen = 1 AND a.observation IS NOT NULL
+    AND a.observation NOT IN (SELECT id FROM temp.gone_observation));
+DELETE FROM association WHERE scene IN (SELECT id FROM temp.gone_picture);
+DELETE FROM event WHERE scene IN (SELECT id FROM temp.gone_picture);
+DELETE FROM visibility WHERE scene IN (SELECT id FROM temp.gone_picture);
+DELETE FROM stay WHERE belief IN (SELECT id FROM belief WHERE scene IN (SELECT id FROM temp.gone_picture));
+DELETE FROM belief WHERE scene IN (SELECT id FROM temp.gone_picture);
+DELETE FROM annotation WHERE scene IN (SELECT id FROM temp.gone_picture);
+DELETE FROM feature_structure_blob WHERE feature_structure IN (SELECT id FROM feature_structure
+  WHERE scene IN (SELECT id FROM temp.gone_picture));
+DELETE FROM feature_structure WHERE scene IN (SELECT id FROM temp.gone_picture);
+UPDATE scene SET depth = NULL, depth_width = NULL, depth_height = NULL, joints = NULL, x = NULL, y = NULL, z = NULL,
+  qx = NULL, qy = NULL, qz = NULL, qw = NULL WHERE id IN (SELECT id FROM temp.gone_picture);
+)sql";
+
+constexpr const char* kOfBoth = R"sql(
+DELETE FROM association WHERE object IN (SELECT id FROM temp.gone_object)
+  OR observation IN (SELECT id FROM temp.gone_observation);
+DELETE FROM event WHERE object IN (SELECT id FROM temp.gone_object)
+  OR observation IN (SELECT id FROM temp.gone_observation);
+DELETE FROM stay WHERE belief IN (SELECT id FROM belief WHERE object IN (SELECT id FROM temp.gone_object));
+DELETE FROM belief WHERE object IN (SELECT id FROM temp.gone_object);
+DELETE FROM visibility WHERE object IN (SELECT id FROM temp.gone_object);
+DELETE FROM fact WHERE object IN (SELECT id FROM temp.gone_object);
+DELETE FROM object_term;
+UPDATE belief SET last_observation = NULL, last_scene = NULL
+  WHERE last_observation IN (SELECT id FROM temp.gone_observation);
+DELETE FROM annotation WHERE observation IN (SELECT id FROM temp.gone_observation);
+DELETE FROM feature_structure_blob WHERE feature_structure IN (SELECT id FROM feature_structure
+  WHERE observation IN (SELECT id FROM temp.gone_observation));
+DELETE FROM feature_structure WHERE observation IN (SELECT id FROM temp.gone_observation);
+DELETE FROM observation WHERE id IN (SELECT id FROM temp.gone_observation);
+UPDATE scene SET picture = NULL WHERE id IN (SELECT id FROM temp.gone_picture);
+INSERT OR IGNORE INTO object_term (term, object)
+  SELECT n.term, a.object FROM association a JOIN annotation n ON n.scene = a.scene AND n.observation = a.observation
+  WHERE a.chosen = 1 AND a.probability > 0 AND a.object IS NOT NULL;
+DELETE FROM term WHERE id NOT IN (SELECT term FROM annotation);
+DELETE FROM blob WHERE id NOT IN (
+  SELECT urdf FROM map UNION SELECT sidecar FROM map WHERE sidecar IS NOT NULL
+  UNION SELECT depth FROM scene WHERE depth IS NOT NULL UNION SELECT picture FROM scene WHERE picture IS NOT NULL
+  UNION SELECT crop FROM observation WHERE crop IS NOT NULL UNION SELECT mask FROM observation WHERE mask IS NOT NULL
+  UNION SELECT content FROM type_system UNION SELECT blob FROM feature_structure_blob);
+INSERT INTO term_text (term_text) VALUES ('rebuild');
+)sql";
+
+/// Statements one after the other, each with as many of the values as it names.
+void run_all(SQLite::Database& database, const char* text, const std::vector<SqlValue>& values) {
+  const std::string all = text;
+  for (size_t begin = 0, end = 0; (end = all.find(';', begin)) != std::string::npos; begin = end + 1) {
+    SQLite::Statement statement(database, all.substr(begin, end - begin + 1));
+    const auto wanted = static_cast<size_t>(statement.getBindParameterCount());
+    bind_values(statement, {values.begin(),
+                            values.begin() + static_cast<std::ptrdiff_t>(std::min(wanted, values.size()))});
+    statement.exec();
+  }
+}
+
+int64_t count(SQLite::Database& database, const char* table) {
+  return database.execAndGet(std::string("SELECT count(*) FROM ") + table).getInt64();
+}
+
+}  // namespace
+
+ForgetResult Store::forget(const ForgetRequest& request, Id run) {
+  auto& s = *implementation_;
+  s.need_writable();
+  if (!request.object && !(request.from && request.to))
+    throw Error("nothing to forget is named", {path().string(), 0, {}}, "name an object, or two times");
+  ForgetResult result;
+  s.guarded([&] {
+    SQLite::Database& database = *s.database;
+    s.statements.clear();
+    s.terms.clear();
+    database.exec("PRAGMA secure_delete = ON; PRAGMA foreign_keys = OFF");
+    try {
+      SQLite::Transaction all(database, SQLite::TransactionBehavior::IMMEDIATE);
+      // Rows with two clocks are only added, but for this.
+      std::vector<std::string> triggers;
+      s.query("SELECT sql FROM sqlite_master WHERE type = 'trigger' AND name LIKE '%_is_kept'", {},
+              [&](const SqlRow& row) { triggers.push_back(row.text("sql")); });
+      s.statements.clear();
+      for (const char* table : {"association", "event", "object", "belief", "fact"})
+        database.exec(fmt::format("DROP TRIGGER {}_is_kept", table));
+      for (const char* table : {"gone_object", "gone_observation", "gone_picture"})
+        database.exec(fmt::format("CREATE TEMP TABLE {} (id INTEGER PRIMARY KEY)", table));
+      if (request.object) {
+        run_all(database, kOfObject, {sql(*request.object)});
+      } else {
+        run_all(database, kOfInterval, {sql(*request.from), sql(*request.to)});
+      }
+      run_all(database, kOfBoth, {});
+      result.objects = count(database, "temp.gone_object");
+      result.observations = count(database, "temp.gone_observation");
+      result.scenes = count(database, "temp.gone_picture");
+      run_all(database,
+              "INSERT INTO forgotten (object, known_from, run) SELECT id, ?1, ?2 FROM temp.gone_object;",
+              {sql(s.known_time()), sql(run)});
+      if (!request.object)
+        run_all(database,
+                "INSERT INTO forgotten (valid_from, valid_to, known_from, run) VALUES (?1, ?2, ?3, ?4);",
+                {sql(*request.from), sql(*request.to), sql(s.known_time()), sql(run)});
+      for (const char* table : {"gone_object", "gone_observation", "gone_picture"})
+        database.exec(fmt::format("DROP TABLE temp.{}", table));
+      for (const std::string& trigger : triggers) database.exec(trigger);
+      all.commit();
+      // What lay in the file is overwritten, and the log emptied.
+      database.exec("VACUUM");
+      database.exec("PRAGMA wal_checkpoint(TRUNCATE)");
+    } catch (...) {
+      database.tryExec("PRAGMA foreign_keys = ON");
+      throw;
+    }
+    database.exec("PRAGMA foreign_keys = ON");
+  });
+  return result;
+}
+
+std::vector<ForgottenRow> Store::forgotten() const {
+  if (implementation_->version < 1001) return {};
+  return all<ForgottenRow>(
+      *implementation_, "SELECT * FROM forgotten ORDER BY id", {}, [](const SqlRow& row) {
+        return ForgottenRow{row.optional_integer("object"), row.optional_integer("valid_from"),
+                            row.optional_integer("valid_to"), row.integer("known_from")};
+      });
+}
+
+}  // namespace loci

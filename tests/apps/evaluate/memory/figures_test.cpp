@@ -1,0 +1,55 @@
+#include "apps/evaluate/memory/figures.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "mapping/base/files.h"
+#include "memory/store/store.h"
+
+namespace loci::memory_experiment {
+namespace {
+
+class MemoryAtSize : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder = std::filesystem::temp_directory_path() / ("loci_memory_" + std::to_string(getpid()));
+    make_folder(folder);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+
+  std::filesystem::path folder;
+  NoProgress silent;
+};
+
+TEST_F(MemoryAtSize, KeepsWhatWasCommittedWhenItsWriterIsKilled) {
+  MemoryOptions options;
+  options.observations = 300;
+  options.readers = 0;
+  options.questions = 10;
+  options.kills = 5;
+  const MemoryFigures figures = measure(options, folder, silent);
+  EXPECT_EQ(figures.kills, 5);
+  EXPECT_EQ(figures.kills_lost, 0);
+  EXPECT_EQ(figures.kills_unsound, 0);
+}
+
+TEST_F(MemoryAtSize, KnowsTheThingsOfTheHomeAndWritesLittleForWhatDoesNotChange) {
+  MemoryOptions options;
+  options.observations = 4000;
+  options.readers = 2;
+  options.questions = 10;
+  const MemoryFigures figures = measure(options, folder, silent);
+  // A hundred things, and a few that came later or were taken for others.
+  EXPECT_GE(figures.objects, 95U);
+  EXPECT_LE(figures.objects, 130U);
+  EXPECT_LT(figures.bytes_per_observation, 900);
+  EXPECT_GT(figures.reader_questions, 0U);
+  const Store store = Store::open_read(folder / "simulated.loci");
+  size_t beliefs = 0;
+  for (const Store::TableSize& size : store.statistics())
+    if (size.table == "belief") beliefs = static_cast<size_t>(size.rows);
+  EXPECT_LT(beliefs, figures.observations / 2);
+}
+
+}  // namespace
+}  // namespace loci::memory_experiment
