@@ -81,6 +81,18 @@ std::optional<Id> translated(const std::map<Id, Id>& numbers, const std::optiona
   return id && numbers.contains(*id) ? std::optional(numbers.at(*id)) : std::nullopt;
 }
 
+/// What is said of places and holds; `places` as in the first memory, but with maps of the second.
+void copy_place_facts(const Store& from, const std::vector<PlaceRow>& places, Store& to, Id run) {
+  std::map<Id, Id> place_of;
+  for (const PlaceRow& place : places) place_of[place.id] = to.add_place(place, run);
+  for (FactRow fact : from.facts()) {
+    if (!fact.place) continue;
+    fact.place = place_of.at(*fact.place);
+    fact.clock.supersedes.reset();
+    to.add_fact(fact, run);
+  }
+}
+
 SceneRecord record_of(const Store& from, const SceneRow& row, const SceneReasoning& reasoning,
                       const std::vector<PlaceRow>& places, const Numbers& numbers) {
   SceneRecord record;
@@ -114,7 +126,6 @@ SceneRecord record_of(const Store& from, const SceneRow& row, const SceneReasoni
   const std::vector<ObservationRow> observations = from.observations(row.id);
   for (size_t i = 0; i < observations.size(); ++i) number_of[observations[i].id] = i;
   for (const AnnotationRow& annotation : from.annotations(row.id)) {
-    if (annotation.type == kReasoningType) continue;
     auto& list = annotation.observation
                      ? record.observations[number_of.at(*annotation.observation)].annotations
                      : record.annotations;
@@ -181,6 +192,7 @@ ReasonResult reason(const Store& from, const std::filesystem::path& other,
   const Id run = to.begin_run("loci-memory reason", Json{{"from", from.path().filename().string()}}.dump());
   std::vector<PlaceRow> places = from.places();
   for (PlaceRow& place : places) place.map = translated(numbers.maps, place.map);
+  copy_place_facts(from, places, to, run);
   Recorder recorder(to, run, options);
   ReasonResult result;
   const std::vector<SceneRow> scenes = from.scenes();

@@ -19,8 +19,9 @@ struct ReasonResult {
 };
 
 /// Runs the identity reasoning again over everything that a memory observed, into a new memory. Depth is that
-/// of the thumbnails. Observations, pictures, searchable annotations, places and their facts come along;
-/// feature structures and facts about objects, whose numbers change, stay behind. Error when `other` exists.
+/// of the thumbnails. Observations, pictures, searchable annotations, places and what is said of them come
+/// along; feature structures and facts about objects, whose numbers change, stay behind. Error when `other`
+/// exists.
 ReasonResult reason(const Store& from, const std::filesystem::path& other,
                     const belief::BeliefOptions& options, const WriteOptions& write, Progress& progress);
 

@@ -18,7 +18,4 @@ void save_reasoning(SceneTransaction& transaction, Id scene, const belief::Scene
 /// Unset for scenes of which none was kept (other writers, earlier versions).
 std::optional<SceneReasoning> load_reasoning(const Store& store, Id scene);
 
-/// Type of the scene annotation whose value names the blob.
-inline constexpr const char* kReasoningType = "loci.memory.SceneReasoning";
-
 }  // namespace loci

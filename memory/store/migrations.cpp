@@ -36,6 +36,19 @@ CREATE VIEW annotation_said AS
   SELECT a.id, a.scene, a.observation, t.type, t.value, a.confidence, a.feature_structure
   FROM annotation a JOIN term t ON t.id = a.term;
 
+-- What the belief was told about a scene and what it made of it, in a form of loci's own (memory/recorder): to explain
+-- decisions, and to reason anew. No other answer depends on it.
+CREATE TABLE reasoning (
+  scene INTEGER PRIMARY KEY REFERENCES scene,
+  encoding INTEGER NOT NULL CHECK (encoding IN (0, 1)),
+  content BLOB NOT NULL
+) STRICT;
+
+INSERT INTO reasoning (scene, encoding, content)
+  SELECT a.scene, b.encoding, b.content FROM annotation_1000 a JOIN blob b ON b.hash = a.value
+  WHERE a.type = 'loci.memory.SceneReasoning';
+DELETE FROM annotation_1000 WHERE type = 'loci.memory.SceneReasoning';
+DELETE FROM blob WHERE media = 'application/x-loci-reasoning';
 INSERT INTO term (type, value) SELECT type, value FROM annotation_1000 GROUP BY value, type ORDER BY min(id);
 INSERT INTO annotation (id, scene, observation, term, confidence, feature_structure)
   SELECT a.id, a.scene, a.observation, t.id, a.confidence, a.feature_structure
@@ -111,7 +124,11 @@ CREATE VIEW v_objects AS
 
 const char* const kViewsOf1000 = R"sql(
 CREATE TEMP VIEW annotation_said AS
-  SELECT id, scene, observation, type, value, confidence, feature_structure FROM annotation;
+  SELECT id, scene, observation, type, value, confidence, feature_structure FROM annotation
+  WHERE type <> 'loci.memory.SceneReasoning';
+CREATE TEMP VIEW reasoning AS
+  SELECT a.scene, b.encoding, b.content FROM main.annotation a JOIN main.blob b ON b.hash = a.value
+  WHERE a.type = 'loci.memory.SceneReasoning';
 CREATE TEMP VIEW belief_known AS SELECT *, NULL AS fade_s, NULL AS fade_to FROM main.belief_known;
 )sql";
 

@@ -230,6 +230,16 @@ Id SceneTransaction::add_fact(const FactRow& row) {
   return store_.guarded([&] { return store_.add_fact(with_time, run_, known_); });
 }
 
+void SceneTransaction::set_reasoning(Id scene, std::string_view bytes) {
+  const Encoded encoded = encode_bytes(bytes);
+  store_.guarded([&] {
+    SQLite::Statement& statement =
+        store_.statement("INSERT INTO reasoning (scene, encoding, content) VALUES (?, ?, ?)");
+    bind_values(statement, {sql(scene), sql(encoded.encoding), BytesView{encoded.bytes}});
+    statement.exec();
+  });
+}
+
 void SceneTransaction::set_checkpoint(const std::string& name, std::string_view bytes,
                                       std::optional<Id> scene) {
   const Encoded encoded = encode_bytes(bytes);

@@ -35,6 +35,8 @@ class SceneTransaction {
   Id add_visibility(const VisibilityRow& row);
   Id add_fact(const FactRow& row);
 
+  /// What the belief made of a scene, to explain it and to reason anew.
+  void set_reasoning(Id scene, std::string_view bytes);
   /// Keeps a program's own state as it is after this scene; replaces the one of that name.
   void set_checkpoint(const std::string& name, std::string_view bytes, std::optional<Id> scene);
 

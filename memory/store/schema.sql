@@ -334,6 +334,14 @@ CREATE TABLE checkpoint (
   content BLOB NOT NULL
 ) STRICT;
 
+-- What the belief was told about a scene and what it made of it, in a form of loci's own (memory/recorder): to explain
+-- decisions, and to reason anew. No other answer depends on it.
+CREATE TABLE reasoning (
+  scene INTEGER PRIMARY KEY REFERENCES scene,
+  encoding INTEGER NOT NULL CHECK (encoding IN (0, 1)),
+  content BLOB NOT NULL
+) STRICT;
+
 -- What was forgotten on request: an object, or everything of a time. Nothing else is left of it.
 CREATE TABLE forgotten (
   id INTEGER PRIMARY KEY,

@@ -151,6 +151,8 @@ class Store {
   /// Facts that hold at `at`; those taken back are left out.
   std::vector<FactRow> facts(const AsOf& as_of = {}) const;
 
+  /// What SceneTransaction::set_reasoning kept with a scene.
+  std::optional<std::string> reasoning(Id scene) const;
   /// What SceneTransaction::set_checkpoint kept, and after which scene.
   struct Checkpoint {
     std::optional<Id> scene = {};

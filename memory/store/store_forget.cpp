@@ -46,9 +46,8 @@ DELETE FROM fact WHERE object IN (SELECT id FROM temp.gone_object);
 DELETE FROM object_term;
 UPDATE belief SET last_observation = NULL, last_scene = NULL
   WHERE last_observation IN (SELECT id FROM temp.gone_observation);
-DELETE FROM annotation WHERE observation IN (SELECT id FROM temp.gone_observation)
-  OR (scene IN (SELECT id FROM temp.gone_picture) AND term IN (
-    SELECT id FROM term WHERE value IN (SELECT hash FROM blob)));
+DELETE FROM annotation WHERE observation IN (SELECT id FROM temp.gone_observation);
+DELETE FROM reasoning WHERE scene IN (SELECT id FROM temp.gone_picture);
 DELETE FROM feature_structure_blob WHERE feature_structure IN (SELECT id FROM feature_structure
   WHERE observation IN (SELECT id FROM temp.gone_observation));
 DELETE FROM feature_structure WHERE observation IN (SELECT id FROM temp.gone_observation);
@@ -62,8 +61,7 @@ DELETE FROM blob WHERE id NOT IN (
   SELECT urdf FROM map UNION SELECT sidecar FROM map WHERE sidecar IS NOT NULL
   UNION SELECT depth FROM scene WHERE depth IS NOT NULL UNION SELECT picture FROM scene WHERE picture IS NOT NULL
   UNION SELECT crop FROM observation WHERE crop IS NOT NULL UNION SELECT mask FROM observation WHERE mask IS NOT NULL
-  UNION SELECT content FROM type_system UNION SELECT blob FROM feature_structure_blob
-  UNION SELECT b.id FROM blob b JOIN term t ON t.value = b.hash);
+  UNION SELECT content FROM type_system UNION SELECT blob FROM feature_structure_blob);
 INSERT INTO term_text (term_text) VALUES ('rebuild');
 )sql";
 

@@ -428,6 +428,15 @@ std::vector<FactRow> Store::facts(const AsOf& as_of) const {
       });
 }
 
+std::optional<std::string> Store::reasoning(Id scene) const {
+  const auto& path = implementation_->path;
+  auto rows = all<std::string>(*implementation_, "SELECT encoding, content FROM reasoning WHERE scene = ?",
+                               {sql(scene)}, [&](const SqlRow& row) {
+                                 return decode_bytes(row.bytes("content"), row.integer("encoding"), -1, path);
+                               });
+  return rows.empty() ? std::nullopt : std::optional(std::move(rows[0]));
+}
+
 std::optional<Store::Checkpoint> Store::checkpoint(const std::string& name) const {
   const auto& path = implementation_->path;
   auto rows = all<Checkpoint>(

@@ -130,6 +130,20 @@ TEST_F(Reasoning, OtherParametersMakeAnotherHistoryThatCanBeCompared) {
   EXPECT_EQ(difference.events.at("appeared"), std::pair(size_t{2}, size_t{3}));
 }
 
+TEST_F(Reasoning, WhatIsSaidOfPlacesComesAlong) {
+  {
+    Store store = Store::open_write(folder / "memory.loci");
+    FactRow fact{.place = store.places().front().id, .key = "alias", .value = "breakfast table"};
+    store.add_fact(fact, store.begin_run("test", "{}"));
+  }
+  anew({});
+  const Store other = Store::open_read(folder / "other.loci");
+  const std::vector<FactRow> facts = other.facts();
+  ASSERT_EQ(facts.size(), 1U);
+  EXPECT_EQ(facts[0].value, "breakfast table");
+  EXPECT_EQ(facts[0].place, other.places().front().id);
+}
+
 TEST_F(Reasoning, OverwritesNothing) {
   EXPECT_THROW(reason(memory(), folder / "memory.loci", {}, {}, progress), Error);
 }
