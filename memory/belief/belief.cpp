@@ -576,10 +576,15 @@ class Step {
   }
 
   void finish_outcomes() {
-    const auto id_of = [&](int64_t key) -> int64_t {
-      for (const ProtoObject& object : state_.objects)
-        if (object.key == key) return object.id;
-      return 0;
+    std::map<int64_t, const ProtoObject*> by_key;
+    for (const ProtoObject& object : state_.objects) by_key[object.key] = &object;
+    const auto find = [&](int64_t key) {
+      const auto found = by_key.find(key);
+      return found == by_key.end() ? nullptr : found->second;
+    };
+    const auto id_of = [&](int64_t key) {
+      const ProtoObject* object = find(key);
+      return object == nullptr ? int64_t{0} : object->id;
     };
     for (ObservationOutcome& outcome : update_.observations) {
       outcome.object = id_of(outcome.key);
@@ -587,8 +592,8 @@ class Step {
     }
     for (ObjectOutcome& outcome : update_.objects) {
       outcome.object = id_of(outcome.key);
-      for (const ProtoObject& object : state_.objects)
-        if (object.key == outcome.key) outcome.probability_here = probability_here(object, state_, options_);
+      if (const ProtoObject* object = find(outcome.key))
+        outcome.probability_here = probability_here(*object, state_, options_);
     }
   }
 

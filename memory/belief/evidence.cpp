@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "memory/belief/appearance.h"
 #include "memory/belief/proximity.h"
 
 namespace loci::belief {
@@ -16,28 +17,71 @@ Eigen::Index index(size_t i) {
   return static_cast<Eigen::Index>(i);
 }
 
-/// Likeness to a bag of looks: the mixture of the looks, weighted by how often each was seen.
-Likeness compare_with_looks(const ProtoObject& object, const Observation& observation,
-                            const BeliefOptions& options) {
-  Likeness best;
-  std::vector<double> ratios;
-  double weights = 0, largest = -std::numeric_limits<double>::infinity();
-  for (const Look& look : object.looks) {
-    Likeness likeness = compare(look.descriptors, observation.descriptors,
-                                look.partial || observation.partial, options.appearance_weight);
-    if (likeness.parts.empty()) continue;
-    const double weight = 1 + std::log(look.weight);
-    ratios.push_back(likeness.log_ratio + std::log(weight));
-    weights += weight;
-    largest = std::max(largest, ratios.back());
-    if (best.parts.empty() || likeness.log_ratio > best.log_ratio) best = likeness;
+/// The looks of an object, ready to be compared with what is seen.
+class Bag {
+ public:
+  explicit Bag(const ProtoObject& object) {
+    for (const Look& look : object.looks) {
+      const double weight = 1 + std::log(look.weight);
+      looks_.push_back({Appearance(look.descriptors), look.partial, weight, std::log(weight)});
+    }
   }
-  if (ratios.empty()) return best;
-  double sum = 0;
-  for (const double ratio : ratios) sum += std::exp(ratio - largest);
-  best.log_ratio = largest + std::log(sum / weights);
-  return best;
+
+  /// Likeness to the mixture of the looks, weighted by how often each was seen; the parts are those of the
+  /// look that is most alike.
+  Contrast compare(const Appearance& seen, bool partial, const BeliefOptions& options) {
+    Contrast best;
+    ratios_.clear();
+    double weights = 0, largest = -std::numeric_limits<double>::infinity();
+    for (const Entry& look : looks_) {
+      const Contrast one =
+          contrast(look.appearance, seen, look.partial || partial, options.appearance_weight);
+      if (one.count == 0) continue;
+      ratios_.push_back(one.log_ratio + look.log_weight);
+      weights += look.weight;
+      largest = std::max(largest, ratios_.back());
+      if (best.count == 0 || one.log_ratio > best.log_ratio) best = one;
+    }
+    if (ratios_.empty()) return best;
+    double sum = 0;
+    for (const double ratio : ratios_) sum += std::exp(ratio - largest);
+    best.log_ratio = largest + std::log(sum / weights);
+    return best;
+  }
+
+ private:
+  struct Entry {
+    Appearance appearance;
+    bool partial;
+    double weight, log_weight;
+  };
+  std::vector<Entry> looks_;
+  std::vector<double> ratios_;
+};
+
+/// What is compared about an observation, without what it looks like.
+Observation shape_of(const Observation& observation) {
+  Observation shape;
+  shape.box = observation.box;
+  shape.sized = observation.sized;
+  shape.sigma_m = observation.sigma_m;
+  shape.range = observation.range;
+  shape.partial = observation.partial;
+  return shape;
 }
+
+/// The different places of a scene's observations.
+struct SeenPlaces {
+  explicit SeenPlaces(const std::vector<Observation>& observations) {
+    for (const Observation& observation : observations) {
+      const auto known = std::find(names.begin(), names.end(), observation.place);
+      of.push_back(static_cast<size_t>(known - names.begin()));
+      if (known == names.end()) names.push_back(observation.place);
+    }
+  }
+  std::vector<std::string> names;
+  std::vector<size_t> of;  ///< index of each observation's
+};
 
 /// Log ratio of where a moved thing is put down, against anywhere on the place: half of all moves are short.
 double log_near(const Vector3d& offset, const BeliefOptions& options) {
@@ -131,24 +175,30 @@ PairEvidence pair_evidence(const BeliefState& state, const std::vector<Expectati
   evidence.closeness.setConstant(rows, columns, std::numeric_limits<double>::quiet_NaN());
   for (const Comparison& comparison : comparisons())
     evidence.distances.push_back({comparison.kind, evidence.closeness});
+  std::vector<Appearance> appearances;
+  std::vector<Observation> shapes;
+  for (const Observation& observation : scene.observations) {
+    appearances.emplace_back(observation.descriptors);
+    shapes.push_back(shape_of(observation));
+  }
   for (Eigen::Index o = 0; o < rows; ++o) {
     const ProtoObject& object = state.objects[size_t(o)];
     const Expectation& e = expected[size_t(o)];
+    Bag bag(object);
     for (Eigen::Index k = 0; k < columns; ++k) {
-      Observation observation = scene.observations[size_t(k)];
+      Observation observation = shapes[size_t(k)];
       // Missing evidence is missing: where one size is unknown, they agree.
       AxisBox believed = e.box;
       if (!object.sized) believed.size = observation.box.size;
       if (!observation.sized) observation.box.size = believed.size;
       if (!snapshot && is_piece(e, observation.box)) observation.partial = true;
-      const Likeness likeness = compare_with_looks(object, observation, options);
-      evidence.log_similar(o, k) = std::clamp(likeness.log_ratio, -kLargestEvidence, kLargestEvidence);
-      if (likeness.closeness) evidence.closeness(o, k) = *likeness.closeness;
-      for (const Likeness::Part& part : likeness.parts)
-        for (PairEvidence::Distances& d : evidence.distances)
-          if (d.kind == part.kind) d.distance(o, k) = part.distance;
-      for (const Likeness::Part& part : likeness.parts)
-        if (find_comparison(part.kind)->whole_only) evidence.log_size(o, k) += part.log_ratio;
+      const Contrast alike = bag.compare(appearances[size_t(k)], observation.partial, options);
+      evidence.log_similar(o, k) = std::clamp(alike.log_ratio, -kLargestEvidence, kLargestEvidence);
+      if (alike.count > 0) evidence.closeness(o, k) = std::exp(alike.log_closeness);
+      for (size_t i = 0; i < kComparisons; ++i) {
+        evidence.distances[i].distance(o, k) = alike.parts[i].distance;
+        if (comparisons()[i].whole_only) evidence.log_size(o, k) += alike.parts[i].log_ratio;
+      }
       const double variance = e.variance + observation_variance(observation, options);
       evidence.log_proximity(o, k) =
           std::clamp(log_proximity(believed, variance, object.partial, observation, options),
@@ -171,6 +221,7 @@ LogOddsProblem identity_problem(const BeliefState& state, const std::vector<Expe
   problem.log_proximity = evidence.log_proximity;
   for (PairTable* table : {&problem.stay_prior, &problem.move_prior, &problem.newview_prior})
     table->setZero(index(m), index(n));
+  const SeenPlaces places(scene.observations);
   for (size_t o = 0; o < m; ++o) {
     const Expectation& e = expected[o];
     const double before = state.objects[o].probability_here;
@@ -187,23 +238,27 @@ LogOddsProblem identity_problem(const BeliefState& state, const std::vector<Expe
     const ProtoObject& object = state.objects[o];
     const bool gone = object.status == Status::gone;
     problem.stay_prior.row(index(o)).setConstant(std::log(stays * (1 - e.turned)));
+    const double turns = std::log(stays * e.turned);
     for (size_t k = 0; k < n; ++k) {
       // Another side may have other colours, though seldom altogether; it hardly has another size.
       const double size = evidence.log_size(index(o), index(k));
       const double color = evidence.log_similar(index(o), index(k)) - options.appearance_weight * size;
-      problem.newview_prior(index(o), index(k)) =
-          std::log(stays * e.turned) + size + 0.25 * std::min(0.0, color);
+      problem.newview_prior(index(o), index(k)) = turns + size + 0.25 * std::min(0.0, color);
     }
     const double left = options.detection * (e.undetectable + in_view * std::exp(empty.if_gone));
-    for (size_t k = 0; k < n; ++k) {
-      const Observation& observation = scene.observations[k];
-      const double put_here = state.habits.moved_to(object.place, observation.place);
+    std::vector<double> moves_to;
+    for (const std::string& place : places.names) {
+      const double put_here = state.habits.moved_to(object.place, place);
       const double back = gone ? state.habits.returns(options) : put_here;
       const double moves = before * e.handled * put_here + (1 - before) * back;
+      moves_to.push_back(std::log(std::max(1e-9, moves * left)));
+    }
+    for (size_t k = 0; k < n; ++k) {
+      const Observation& observation = scene.observations[k];
       // A video would have shown the hand that nudges; what was gone may come back anywhere.
       const bool anywhere = !snapshot || gone || object.place != observation.place;
       problem.move_prior(index(o), index(k)) =
-          std::log(std::max(1e-9, moves * left)) +
+          moves_to[places.of[k]] +
           (anywhere ? 0.0 : log_near(e.box.centre - observation.box.centre, options));
     }
     problem.out_of_view.push_back(e.undetectable);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "memory/belief/appearance.h"
+
 namespace loci::belief {
 
 double gaussian_closeness(double distance, double sigma) {
@@ -98,8 +100,6 @@ double log_ratio(const Comparison& comparison, double distance) {
 
 namespace {
 
-/// Whether a look is nearly without colour. Most things in kitchens are white or grey: that two are alike in
-/// this says little.
 bool is_colorless(const std::vector<Descriptor>& look) {
   for (const Descriptor& d : look) {
     if (d.kind != "mean_color" || d.values.empty()) continue;
@@ -109,37 +109,46 @@ bool is_colorless(const std::vector<Descriptor>& look) {
   return false;
 }
 
+std::vector<std::pair<const std::string*, float>> by_name(const Descriptor& descriptor) {
+  std::vector<std::pair<const std::string*, float>> sorted;
+  for (size_t i = 0; i < descriptor.names.size(); ++i)
+    sorted.emplace_back(&descriptor.names[i], descriptor.values[i]);
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const auto& one, const auto& other) { return *one.first < *other.first; });
+  size_t kept = 0;
+  for (size_t i = 0; i < sorted.size(); ++i) {
+    if (kept > 0 && *sorted[i].first == *sorted[kept - 1].first)
+      sorted[kept - 1].second += sorted[i].second;
+    else
+      sorted[kept++] = sorted[i];
+  }
+  sorted.resize(kept);
+  return sorted;
+}
+
 /// The values of both over the same names, in their order; what one does not name has none of it.
-void align(const Descriptor& a, const Descriptor& b, std::vector<float>& x, std::vector<float>& y) {
-  struct Entry {
-    const std::string* name;
-    float of_a, of_b;
-  };
-  thread_local std::vector<Entry> entries;
-  entries.clear();
-  for (size_t i = 0; i < a.values.size(); ++i) entries.push_back({&a.names[i], a.values[i], 0});
-  for (size_t i = 0; i < b.values.size(); ++i) entries.push_back({&b.names[i], 0, b.values[i]});
-  std::sort(entries.begin(), entries.end(),
-            [](const Entry& one, const Entry& other) { return *one.name < *other.name; });
+void align(const Appearance::Feature& a, const Appearance::Feature& b, std::vector<float>& x,
+           std::vector<float>& y) {
   x.clear();
   y.clear();
-  for (size_t i = 0; i < entries.size(); ++i) {
-    if (i > 0 && *entries[i].name == *entries[i - 1].name) {
-      x.back() += entries[i].of_a;
-      y.back() += entries[i].of_b;
-    } else {
-      x.push_back(entries[i].of_a);
-      y.push_back(entries[i].of_b);
-    }
+  auto in_a = a.by_name.begin();
+  auto in_b = b.by_name.begin();
+  while (in_a != a.by_name.end() || in_b != b.by_name.end()) {
+    const int order = in_a == a.by_name.end()   ? 1
+                      : in_b == b.by_name.end() ? -1
+                                                : in_a->first->compare(*in_b->first);
+    x.push_back(order <= 0 ? (in_a++)->second : 0.0F);
+    y.push_back(order >= 0 ? (in_b++)->second : 0.0F);
   }
 }
 
-bool comparable(const Descriptor& a, const Descriptor& b) {
-  return a.names.empty() == b.names.empty() && (!a.names.empty() || a.values.size() == b.values.size());
+bool comparable(const Appearance::Feature& a, const Appearance::Feature& b) {
+  if (a.values == nullptr || b.values == nullptr) return false;
+  return a.named == b.named && (a.named || a.values->size() == b.values->size());
 }
 
-double distance_of(const Comparison& comparison, const Descriptor& a, const Descriptor& b) {
-  if (a.names.empty()) return comparison.distance(a.values, b.values);
+double distance_of(const Comparison& comparison, const Appearance::Feature& a, const Appearance::Feature& b) {
+  if (!a.named) return comparison.distance(*a.values, *b.values);
   thread_local std::vector<float> x, y;
   align(a, b, x, y);
   return comparison.distance(x, y);
@@ -147,29 +156,51 @@ double distance_of(const Comparison& comparison, const Descriptor& a, const Desc
 
 }  // namespace
 
-Likeness compare(const std::vector<Descriptor>& a, const std::vector<Descriptor>& b, bool partial,
-                 double weight) {
-  Likeness likeness;
-  likeness.parts.reserve(a.size());
-  double log_closeness = 0;
-  const bool colorless = is_colorless(a) && is_colorless(b);
-  for (const Comparison& comparison : comparisons()) {
-    const auto of_kind = [&](const Descriptor& d) { return d.kind == comparison.kind; };
-    const auto in_a = std::find_if(a.begin(), a.end(), of_kind);
-    const auto in_b = std::find_if(b.begin(), b.end(), of_kind);
-    if (in_a == a.end() || in_b == b.end() || !comparable(*in_a, *in_b)) continue;
-    if (partial && comparison.whole_only) continue;
-    const double distance = distance_of(comparison, *in_a, *in_b);
+Appearance::Appearance(const std::vector<Descriptor>& descriptors) : colorless_(is_colorless(descriptors)) {
+  const std::vector<Comparison>& known = comparisons();
+  for (const Descriptor& descriptor : descriptors) {
+    const auto found = std::find_if(known.begin(), known.end(),
+                                    [&](const Comparison& one) { return one.kind == descriptor.kind; });
+    if (found == known.end()) continue;
+    Feature& feature = features_.at(static_cast<size_t>(found - known.begin()));
+    if (feature.values != nullptr) continue;  // the first of a kind counts
+    feature.values = &descriptor.values;
+    feature.named = !descriptor.names.empty();
+    feature.by_name = by_name(descriptor);
+  }
+}
+
+Contrast contrast(const Appearance& a, const Appearance& b, bool partial, double weight) {
+  static const double least_closeness = std::log(1e-12);  // where gaussian_closeness() ends
+  Contrast result;
+  const bool colorless = a.colorless() && b.colorless();
+  for (size_t i = 0; i < kComparisons; ++i) {
+    const Comparison& comparison = comparisons()[i];
+    const Appearance::Feature &of_a = a.features()[i], &of_b = b.features()[i];
+    if (!comparable(of_a, of_b) || (partial && comparison.whole_only)) continue;
+    const double distance = distance_of(comparison, of_a, of_b);
     if (!std::isfinite(distance)) continue;
     double ratio = log_ratio(comparison, distance);
     if (colorless && comparison.of_color && ratio > 0) ratio *= 0.5;
-    likeness.parts.push_back({comparison.kind, distance, ratio});
-    likeness.log_ratio += weight * likeness.parts.back().log_ratio;
-    // The log of gaussian_closeness(), which ends at 1e-12.
+    result.parts[i] = {distance, ratio};
+    ++result.count;
+    result.log_ratio += weight * ratio;
     const double relative = distance / comparison.sigma;
-    log_closeness += std::max(std::log(1e-12), -relative * relative);
+    result.log_closeness += std::max(least_closeness, -relative * relative);
   }
-  if (!likeness.parts.empty()) likeness.closeness = std::exp(log_closeness / double(likeness.parts.size()));
+  if (result.count > 0) result.log_closeness /= double(result.count);
+  return result;
+}
+
+Likeness compare(const std::vector<Descriptor>& a, const std::vector<Descriptor>& b, bool partial,
+                 double weight) {
+  const Contrast found = contrast(Appearance(a), Appearance(b), partial, weight);
+  Likeness likeness;
+  for (size_t i = 0; i < kComparisons; ++i)
+    if (!std::isnan(found.parts[i].distance))
+      likeness.parts.push_back({comparisons()[i].kind, found.parts[i].distance, found.parts[i].log_ratio});
+  likeness.log_ratio = found.log_ratio;
+  if (found.count > 0) likeness.closeness = std::exp(found.log_closeness);
   return likeness;
 }
 

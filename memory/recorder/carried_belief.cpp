@@ -4,11 +4,14 @@
 
 #include <algorithm>
 
+#include "memory/belief/archive.h"
+
 namespace loci {
 namespace {
 
 constexpr const char* kCheckpoint = "belief";
 constexpr const char* kObjects = "belief/";  ///< and the object's key, so that names sort like the objects
+constexpr uint8_t kVersion = 1;
 /// The first files kept a belief with every scene: a blob, named by an annotation of this type.
 constexpr const char* kEarlierType = "loci.memory.CarriedBelief";
 
@@ -16,21 +19,38 @@ std::string name_of(int64_t key) {
   return fmt::format("{}{:019}", kObjects, key);
 }
 
+std::string bytes_of(const belief::ProtoObject& object) {
+  belief::ArchiveWriter writer;
+  writer(kVersion, object);
+  return writer.take();
+}
+
+/// All but the objects.
+std::string bytes_of_common(const belief::BeliefState& state) {
+  belief::ArchiveWriter writer;
+  writer(kVersion, state.last_scene, state.attention_s, state.next_key, state.next_id, state.habits);
+  return writer.take();
+}
+
+belief::ArchiveReader reader_of(const Store::Checkpoint& checkpoint, const Store& store) {
+  belief::ArchiveReader reader(checkpoint.bytes);
+  uint8_t version = 0;
+  reader(version);
+  if (version != kVersion)
+    throw Error("its belief was written by another version of loci", {store.path().string(), 0, {}});
+  return reader;
+}
+
 }  // namespace
 
 void CarriedBelief::save(SceneTransaction& transaction, Id scene, const belief::BeliefState& state) {
-  belief::BeliefState common;
-  common = state;
-  common.objects.clear();
-  transaction.set_checkpoint(kCheckpoint, belief::to_bytes(common), scene);
+  transaction.set_checkpoint(kCheckpoint, bytes_of_common(state), scene);
   if (all_) transaction.drop_checkpoints(kObjects);
   fresh_.clear();
   removed_.clear();
   for (const auto& [key, bytes] : kept_) removed_.push_back(key);
   for (const belief::ProtoObject& object : state.objects) {
-    belief::BeliefState alone;
-    alone.objects = {object};
-    std::string bytes = belief::to_bytes(alone);
+    std::string bytes = bytes_of(object);
     const auto kept = kept_.find(object.key);
     if (kept != kept_.end()) std::erase(removed_, object.key);
     if (kept != kept_.end() && kept->second == bytes) continue;
@@ -56,11 +76,11 @@ belief::BeliefState load_belief(const Store& store) {
   const std::optional<SceneRow> last = store.last_scene();
   if (!last) return {};
   if (const auto checkpoint = store.checkpoint(kCheckpoint); checkpoint && checkpoint->scene == last->id) {
-    belief::BeliefState state = belief::belief_state_from_bytes(checkpoint->bytes);
-    for (const auto& [name, part] : store.checkpoints(kObjects)) {
-      belief::BeliefState alone = belief::belief_state_from_bytes(part.bytes);
-      std::ranges::move(alone.objects, std::back_inserter(state.objects));
-    }
+    belief::BeliefState state;
+    reader_of(*checkpoint, store)(state.last_scene, state.attention_s, state.next_key, state.next_id,
+                                  state.habits);
+    for (const auto& [name, part] : store.checkpoints(kObjects))
+      reader_of(part, store)(state.objects.emplace_back());
     return state;
   }
   for (const AnnotationRow& row : store.annotations(last->id)) {

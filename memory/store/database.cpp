@@ -245,7 +245,10 @@ void Store::Implementation::add_stay(Id belief, const BeliefRow& row, TimeNs fro
 Encoded encode_bytes(std::string_view bytes) {
   if (bytes.size() < 256) return {0, std::string(bytes)};
   std::string packed(ZSTD_compressBound(bytes.size()), '\0');
-  const size_t size = ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), 3);
+  thread_local const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(),
+                                                                                  ZSTD_freeCCtx);
+  const size_t size =
+      ZSTD_compressCCtx(context.get(), packed.data(), packed.size(), bytes.data(), bytes.size(), 3);
   if (ZSTD_isError(size) != 0 || size > bytes.size() / 20 * 19) return {0, std::string(bytes)};
   packed.resize(size);
   return {1, std::move(packed)};

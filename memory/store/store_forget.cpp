@@ -47,6 +47,7 @@ DELETE FROM object_term;
 UPDATE belief SET last_observation = NULL, last_scene = NULL
   WHERE last_observation IN (SELECT id FROM temp.gone_observation);
 DELETE FROM annotation WHERE observation IN (SELECT id FROM temp.gone_observation);
+DELETE FROM annotation WHERE term IN (SELECT id FROM term WHERE type = 'loci.memory.CarriedBelief');
 DELETE FROM reasoning WHERE scene IN (SELECT id FROM temp.gone_picture);
 DELETE FROM feature_structure_blob WHERE feature_structure IN (SELECT id FROM feature_structure
   WHERE observation IN (SELECT id FROM temp.gone_observation));
