@@ -6,6 +6,7 @@
 
 #include "mapping/base/hash.h"
 #include "memory/recorder/carried_belief.h"
+#include "memory/recorder/fading.h"
 #include "memory/recorder/scene_reasoning.h"
 #include "memory/store/depth_thumbnail.h"
 #include "memory/store/feature_structures.h"
@@ -328,14 +329,19 @@ class Recorder::Writing {
     row.position = box.centre;
     row.size = box.size;
     row.sigma = std::sqrt(object.variance);
-    row.fade_s = gone ? std::nullopt : std::optional(recorder_.options_.move_time_s);
-    row.fade_to = gone ? std::nullopt : std::optional(1 - recorder_.options_.move_cap);
     row.clock = clock();
     if (seen_now) fill_sighting(row, object);
     row.probability_then = row.probability;
     row.then = record_.row.time;
     const bool looks_new = outcome != nullptr && outcome->explanation == Explanation::newview;
     if (before == nullptr || looks_new || is_news(*before, row, seen_now)) {
+      row.fade_s.reset();
+      row.fade_to.reset();
+      if (!gone) {
+        const Fading fading = fading_of(object, state_, recorder_.options_);
+        row.fade_s = fading.time_s;
+        row.fade_to = fading.share;
+      }
       row.id = transaction_.add_belief(row);
       told_[object.id] = row;
     } else if (seen_now) {
