@@ -242,7 +242,8 @@ void SceneTransaction::set_reasoning(Id scene, std::string_view bytes) {
 
 void SceneTransaction::set_checkpoint(const std::string& name, std::string_view bytes,
                                       std::optional<Id> scene) {
-  const Encoded encoded = encode_bytes(bytes);
+  // Small ones are written again and again, and only the last is kept.
+  const Encoded encoded = bytes.size() < 4096 ? Encoded{0, std::string(bytes)} : encode_bytes(bytes);
   store_.guarded([&] {
     SQLite::Statement& statement = store_.statement(
         "INSERT OR REPLACE INTO checkpoint (name, scene, encoding, content) VALUES (?, ?, ?, ?)");
