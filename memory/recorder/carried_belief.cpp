@@ -76,6 +76,9 @@ belief::BeliefState load_belief(const Store& store) {
   const std::optional<SceneRow> last = store.last_scene();
   if (!last) return {};
   if (const auto checkpoint = store.checkpoint(kCheckpoint); checkpoint && checkpoint->scene == last->id) {
+    // Files of format 1.0 keep all of it as one, which begins otherwise.
+    if (!checkpoint->bytes.starts_with(static_cast<char>(kVersion)))
+      return belief::belief_state_from_bytes(checkpoint->bytes);
     belief::BeliefState state;
     reader_of(*checkpoint, store)(state.last_scene, state.attention_s, state.next_key, state.next_id,
                                   state.habits);
