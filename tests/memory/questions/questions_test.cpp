@@ -91,7 +91,8 @@ TEST_F(Questions, UnknownNamesAreErrorsWithTheNearest) {
 }
 
 TEST_F(Questions, SqlInAQuestionIsOnlyANameThatNobodyKnows) {
-  for (const char* words : {"'; DROP TABLE object; --", "\" OR 1=1 --", "red' OR 'a'='a", "milk* NEAR(a b)"}) {
+  for (const char* words :
+       {"'; DROP TABLE object; --", "\" OR 1=1 --", "red' OR 'a'='a", "milk* NEAR(a b)"}) {
     EXPECT_THROW(ask(*store_, WhereQuestion{words}), Error) << words;
     EXPECT_THROW(ask(*store_, ContentsQuestion{.place = words}), Error) << words;
     EXPECT_TRUE(store_->objects_with_text(words).empty()) << words;
