@@ -10,6 +10,13 @@ namespace loci {
 void measure(Support& support, const PlaneEvidence& evidence, const PlaneRaster& raster,
              const std::vector<VerticalPlane>& walls, const Surface& surface);
 
+/// A slab goes on behind a thing that stands on it from edge to edge: where, beyond a side of a rectangle,
+/// the thing and the slab's edge below it are all that is seen until there is surface again, and one front
+/// goes through below, the rectangle reaches to that surface's end if it is a strip. Never across what rays
+/// passed through.
+void extend_behind_things(Support& support, const PlaneEvidence& evidence,
+                          const std::vector<VerticalPlane>& faces);
+
 /// Replaces rectangles by a circle or a polygon where that fits what was seen clearly better: round tables,
 /// tops with slanted sides.
 void fit_outline(Support& support, const PlaneEvidence& evidence, const PlaneRaster& raster);

@@ -23,9 +23,10 @@ constexpr double kLowest = 0.2;       // m above the floor
 constexpr double kRasterCell = 0.02;  // m
 constexpr double kCoarseCell = 0.04;  // m, for the search of the yaw
 constexpr double kReach = 0.4;        // m; pieces of one height this near are looked at together
-constexpr double kMargin = 0.1;       // m around the pieces
-constexpr double kThrough = 0.05;     // m; a ray that comes from above and ends this far below passed through
-constexpr double kRimDepth = 0.03;    // m below a plane that belong to the edge of its slab
+constexpr double kLookout = 0.9;    // m; what is known so near is looked at: a slab may go on behind a thing
+constexpr double kMargin = 0.1;     // m around the pieces
+constexpr double kThrough = 0.05;   // m; a ray that comes from above and ends this far below passed through
+constexpr double kRimDepth = 0.03;  // m below a plane that belong to the edge of its slab
 constexpr double kLongestShadow = 1.0;  // m from a thing on a plane to what it hides of it
 constexpr double kLargestTilt = 0.03;   // slope; more is no support, drift makes less
 constexpr double kTouch = 0.06;         // m between rectangles of one support
@@ -123,6 +124,14 @@ bool holds(const Support& support, const Vector3d& position) {
                      [&](const Extent& part) { return part.contains(at, 0.02); });
 }
 
+/// Whether a support has gone on to here, behind what stands on it.
+bool is_part(const Support& piece, const std::vector<Support>& supports) {
+  const Vector2d at = piece.map_from_axes() * piece.parts.front().centre();
+  return std::any_of(supports.begin(), supports.end(), [&](const Support& support) {
+    return holds(support, {at.x(), at.y(), piece.height});
+  });
+}
+
 /// Where tall things stand on a plane or go through it (a fridge beside a counter): what they hide is not
 /// their support.
 class TallThings {
@@ -160,17 +169,17 @@ PlaneEvidence collect(const Surface& surface, const Seed& seed, const std::vecto
     if (start_above * end_above >= 0 || std::abs(end_above) < kThrough) return;
     const Vector2d crossing = (origin + (end - origin) * (start_above / (start_above - end_above))).head<2>();
     const bool deep = end_above < -kSunk || start_above < 0;
-    if (box.contains(crossing, kReach)) (deep ? evidence.pierced : evidence.sunk).push_back(crossing);
+    if (box.contains(crossing, kLookout)) (deep ? evidence.pierced : evidence.sunk).push_back(crossing);
   };
   TallThings tall;
   for (const SurfacePoint& point : surface.points) {
     const Vector3d position = point.position.cast<double>();
-    if (box.contains(position.head<2>(), kReach)) tall.add(position.head<2>(), seed.plane.above(position));
+    if (box.contains(position.head<2>(), kLookout)) tall.add(position.head<2>(), seed.plane.above(position));
   }
   for (const SurfacePoint& point : surface.points) {
     const Vector3d position = point.position.cast<double>();
     if (surface.free_space) add_ray(surface.origins[point.origin], point.position);
-    if (!box.contains(position.head<2>(), kReach)) continue;
+    if (!box.contains(position.head<2>(), kLookout)) continue;
     const double above = seed.plane.above(position);
     if (std::abs(above + kRimDepth / 2) < kRimDepth / 2 && !looks_up(point) &&
         !tall.stands_at(position.head<2>()))
@@ -336,6 +345,10 @@ SupportSearch find_supports(const Surface& surface, double floor_height, double 
       Support support;
       support.yaw = support_yaw;
       support.parts = std::move(parts);
+      support.height =
+          seed.plane.height + seed.plane.slope.dot(support.map_from_axes() * support.parts.front().centre());
+      if (is_part(support, result.supports)) continue;
+      extend_behind_things(support, evidence, vertical.others);
       measure(support, evidence, whole, vertical.walls, surface);
       fit_outline(support, evidence, whole);
       consume(support);
