@@ -81,9 +81,10 @@ void Habits::learn_handled(const Handled& object, Factor& own, double seconds, d
 }
 
 double Habits::moved_to(const std::string& from, const std::string& to) const {
-  double others = 0, there = 1;
+  double others = 0, there = 1, places = 0;
   for (const auto& [place, count] : put_down_) {
     if (place == from) continue;
+    ++places;
     others += count + 1;
     if (place == to) there = count + 1;
   }
@@ -91,7 +92,10 @@ double Habits::moved_to(const std::string& from, const std::string& to) const {
   const double stays = stayed_on_place_ + (alone ? kPutDown : kPutDown / 2);
   const double leaves = went_elsewhere_ + (alone ? 0.0 : kPutDown / 2);
   const double all = stays + leaves + carried_off_ + kCarriedOff;
-  return from == to ? stays / all : leaves / all * (others > 0 ? std::min(1.0, there / others) : 1.0);
+  // Beside a mean place, not beside all of them: what may have arrived from elsewhere competes with what is
+  // new, and new things are expected on each place anew.
+  return from == to ? stays / all
+                    : leaves / all * (others > 0 ? std::min(1.0, places * there / others) : 1.0);
 }
 
 void Habits::learn_moved(const std::string& from, const std::string& to, double probability) {
