@@ -15,6 +15,7 @@ namespace loci {
 namespace {
 
 constexpr double kSmallestShare = 0.01;
+constexpr double kLeastChosen = 1e-6;
 constexpr double kHidden = 0.99;  ///< what was so probably out of sight makes no row of association
 // Smaller changes make no row of belief (they are told in the schema).
 constexpr double kToldProbability = 0.05;
@@ -206,7 +207,8 @@ class Recorder::Writing {
     row.observation = observation;
     row.object = object;
     row.explanation = explanation_name(explanation);
-    row.probability = std::clamp(probability, 0.0, 1.0);
+    // Probability 0 means taken back: what was acted on is a sighting, however improbable by itself.
+    row.probability = std::clamp(probability, chosen ? kLeastChosen : 0.0, 1.0);
     row.chosen = chosen;
     row.clock = clock();
     transaction_.add_association(row);
