@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/simulation/scenario.h"
+
 namespace loci::memory_experiment {
 namespace {
 
@@ -20,15 +22,8 @@ Vector3d centre_of(int place) {
 
 /// Stands before the table and looks down at its middle.
 Isometry3d camera_at(int place) {
-  const Vector3d at = centre_of(place), from = at + Vector3d(0, -1.3, 1.1);
-  const Vector3d forward = (at - from).normalized();
-  const Vector3d right = forward.cross(Vector3d::UnitZ()).normalized();
-  Isometry3d pose = Isometry3d::Identity();
-  pose.linear().col(0) = right;
-  pose.linear().col(1) = forward.cross(right);
-  pose.linear().col(2) = forward;
-  pose.translation() = from;
-  return pose;
+  const Vector3d at = centre_of(place);
+  return looking_at(at + Vector3d(0, -1.3, 1.1), at);
 }
 
 }  // namespace
