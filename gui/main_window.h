@@ -27,7 +27,7 @@ class TimeBar;
 
 struct WindowOptions {
   MapBackend backend = MapBackend::widget;
-  bool remember = true;  ///< layout and recent files between sessions
+  bool remember = true;  ///< layout and recent files from one start to the next
 };
 
 /// The browser's window: the views as docks around the map, linked by one Browser.

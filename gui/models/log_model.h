@@ -8,7 +8,7 @@
 
 namespace loci {
 
-/// What went wrong in this session, then the runs and scenes of the memory.
+/// What went wrong since the window was opened, then the runs and scenes of the memory.
 class LogModel : public QAbstractTableModel {
   Q_OBJECT
 
@@ -23,7 +23,7 @@ class LogModel : public QAbstractTableModel {
   QVariant headerData(int section, Qt::Orientation orientation, int role) const override;
 
   const LogEntry& entry(int row) const;
-  /// An error of this session; it comes first.
+  /// An error of the window itself; it comes first.
   void add_problem(const QString& message);
   void set_memory_log(std::vector<LogEntry> entries);
 

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "memory/belief/evidence.h"
+#include "memory/belief/fusion.h"
 #include "memory/belief/proximity.h"
 
 namespace loci::belief {
@@ -15,36 +16,8 @@ constexpr double kSmallestAlternative = 0.02;
 /// So probable must it have been to find an object in its place before its absence makes it gone.
 constexpr double kLooked = 0.3;
 
-const Isometry3d& pose_of(const std::string& place, const std::vector<PlacePose>& places) {
-  static const Isometry3d still = Isometry3d::Identity();
-  for (const PlacePose& pose : places)
-    if (pose.name == place) return pose.map_from_place;
-  return still;
-}
-
 double log_odds(double probability) {
   return std::log(probability / (1 - probability));
-}
-
-/// A camera that stands still sees the same side again: the faces are averaged. Another view point sees
-/// further parts: the box grows quickly and shrinks slowly.
-AxisBox fused_box(const AxisBox& believed, const AxisBox& seen, double gain, bool other_view) {
-  // Much more than before is rather two things in one cluster.
-  const bool swallowed = other_view && seen.volume() > 2.5 * believed.volume();
-  const double outward = swallowed ? 0.1 * gain : other_view ? std::max(gain, 0.5) : gain;
-  const double inward = other_view ? 0.1 * gain : gain;
-  Vector3d low = believed.low(), high = believed.high();
-  for (int axis = 0; axis < 3; ++axis) {
-    const double below = seen.low()[axis] - low[axis], above = seen.high()[axis] - high[axis];
-    low[axis] += (below < 0 ? outward : inward) * below;
-    high[axis] += (above > 0 ? outward : inward) * above;
-  }
-  return {(low + high) / 2, high - low};
-}
-
-/// What a look is worth keeping: whole ones before those of parts.
-double worth(const Look& look) {
-  return look.partial ? look.weight : look.weight + 5;
 }
 
 /// Carries the belief over one scene; its members are what the steps share.
@@ -195,11 +168,11 @@ class Step {
 
     if (apart_) learn_from_sighting(o, k);
     if (explanation == Explanation::move || status_before == Status::gone)
-      put(object, observation);
+      put(object, observation, scene_, options_);
     else
-      fuse(o, observation);  // a piece leaves a whole box as it is
-    if (!observation.place.empty()) set_place(object, observation.place);
-    if (!piece) remember_look(object, observation);
+      fuse(object, expected_[o], observation, scene_, options_);  // a piece leaves a whole box as it is
+    if (!observation.place.empty()) set_place(object, observation.place, scene_);
+    if (!piece) remember_look(object, observation, scene_, options_);
     object.kind = kind_of(object);
     object.probability_here = 1;
     object.hidden_looks = 0;
@@ -319,92 +292,6 @@ class Step {
     return solution_.stay(row, column) + solution_.move(row, column) + solution_.newview(row, column);
   }
 
-  /// A fresh start of position and size.
-  void put(ProtoObject& object, const Observation& observation) {
-    object.box = observation.box;
-    object.place = observation.place;
-    object.box.centre = pose_of(object.place, scene_.places).inverse() * observation.box.centre;
-    object.variance = observation_variance(observation, options_);
-    object.partial = observation.partial;
-    object.sized = observation.sized || object.sized;
-  }
-
-  void fuse(size_t o, const Observation& observation) {
-    ProtoObject& object = state_.objects[o];
-    AxisBox box_now = expected_[o].box;
-    if (observation.sized && !object.sized) box_now.size = observation.box.size;
-    object.sized = object.sized || observation.sized;
-    const double noise = observation_variance(observation, options_);
-    if (object.partial && !observation.partial) {
-      put(object, observation);
-      return;
-    }
-    if (observation.partial) {
-      if (!object.partial) return;  // a whole view is worth more than a part
-      AxisBox both = join(box_now, observation.box);
-      both.centre = pose_of(object.place, scene_.places).inverse() * both.centre;
-      object.box = both;
-      return;
-    }
-    const double variance = std::max(expected_[o].variance, 1e-12);
-    const double gain = variance / (variance + noise);
-    const bool other_view = !object.map_from_camera.isApprox(scene_.view.map_from_camera, 1e-9);
-    const AxisBox fused = fused_box(box_now, observation.box, gain, other_view);
-    object.box.size = fused.size;
-    object.box.centre = pose_of(object.place, scene_.places).inverse() * fused.centre;
-    // Errors of one view point repeat: the position never becomes much better than one look.
-    object.variance = std::max(variance * noise / (variance + noise), noise / 4);
-  }
-
-  /// Changes what the object stands on without moving it.
-  void set_place(ProtoObject& object, const std::string& place) {
-    if (object.place == place) return;
-    object.box.centre =
-        pose_of(place, scene_.places).inverse() * (pose_of(object.place, scene_.places) * object.box.centre);
-    object.place = place;
-  }
-
-  void remember_look(ProtoObject& object, const Observation& observation) {
-    if (observation.descriptors.empty()) return;
-    Look* nearest = nullptr;
-    double nearest_ratio = -1e9;
-    for (Look& look : object.looks) {
-      const double ratio =
-          compare(look.descriptors, observation.descriptors, look.partial || observation.partial, 1)
-              .log_ratio;
-      if (ratio > nearest_ratio) {
-        nearest_ratio = ratio;
-        nearest = &look;
-      }
-    }
-    const Look fresh{observation.descriptors, 1, scene_.time, observation.partial};
-    const double alike = 2.5;  // sum of log ratios from which two looks say the same
-    if (nearest != nullptr && nearest_ratio >= alike) {
-      nearest->weight += 1;
-      if (!nearest->partial && observation.partial) return;
-      nearest->descriptors = fresh.descriptors;
-      nearest->time = fresh.time;
-      nearest->partial = fresh.partial;
-    } else if (object.looks.size() < size_t(options_.views)) {
-      object.looks.push_back(fresh);
-    } else {
-      *std::min_element(object.looks.begin(), object.looks.end(),
-                        [](const Look& a, const Look& b) { return worth(a) < worth(b); }) = fresh;
-    }
-  }
-
-  /// What its looks are called most of all.
-  static std::string kind_of(const ProtoObject& object) {
-    std::map<std::string, double> names;
-    for (const Look& look : object.looks)
-      for (const Descriptor& descriptor : look.descriptors)
-        for (size_t i = 0; descriptor.kind == "class" && i < descriptor.names.size(); ++i)
-          names[descriptor.names[i]] += look.weight * descriptor.values[i];
-    const auto most = std::max_element(names.begin(), names.end(),
-                                       [](const auto& a, const auto& b) { return a.second < b.second; });
-    return most == names.end() ? std::string() : most->first;
-  }
-
   void mark_seen(ProtoObject& object, const Observation& observation) {
     object.last_seen = scene_.time;
     object.last_update = scene_.time;
@@ -507,8 +394,8 @@ class Step {
     object.sized = false;  // until put() knows better
     object.first_seen = scene_.time;
     object.exists_log_odds = log_odds(options_.first_sight) - (observation.partial ? 0.5 : 0.0);
-    put(object, observation);
-    remember_look(object, observation);
+    put(object, observation, scene_, options_);
+    remember_look(object, observation, scene_, options_);
     object.kind = kind_of(object);
     mark_seen(object, observation);
     object.pending.push_back({observation.id, scene_.time, true, outcome.appear});
@@ -629,10 +516,6 @@ const char* event_name(EventKind kind) {
       return "reappeared";
   }
   return "";
-}
-
-AxisBox box_in_map(const ProtoObject& object, const std::vector<PlacePose>& places) {
-  return {pose_of(object.place, places) * object.box.centre, object.box.size};
 }
 
 BeliefUpdate advance(BeliefState& state, const Scene& scene, const BeliefOptions& options) {

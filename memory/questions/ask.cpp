@@ -31,9 +31,6 @@ std::vector<Stay> stays_of(const Snapshot& snapshot, Id object) {
   return stays;
 }
 
-/// So much of a place must have been seen to say that something is not there.
-constexpr double kEnough = 0.5;
-
 Verdict verdict_of(const std::vector<PlaceContents>& places) {
   const auto believed = [](const ObjectState& state) { return state.probability >= 0.5; };
   if (std::any_of(places.begin(), places.end(), [&](const PlaceContents& contents) {
@@ -41,7 +38,7 @@ Verdict verdict_of(const std::vector<PlaceContents>& places) {
       }))
     return Verdict::yes;
   const bool looked = std::all_of(places.begin(), places.end(), [](const PlaceContents& contents) {
-    return contents.there.empty() && contents.fraction.value_or(0) >= kEnough;
+    return contents.there.empty() && contents.fraction.value_or(0) >= kEnoughSeen;
   });
   return looked ? Verdict::no : Verdict::not_observed;
 }

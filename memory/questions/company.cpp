@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <sstream>
 
 #include "memory/questions/occasions.h"
@@ -14,8 +15,14 @@ namespace loci {
 namespace {
 
 constexpr TimeNs kVisitGap = 600 * kSecond;
-/// Less of a place says little about what is not there.
-constexpr double kEnough = 0.5;
+
+/// Scenes of a place that follow each other closely are one visit: no single view sees all of it.
+struct Visit {
+  TimeNs from = 0, to = 0;
+  double fraction = 0;        ///< most of the place that a scene of it saw
+  std::set<Id> objects = {};  ///< seen at the place
+};
+
 constexpr size_t kMostAlike = 5;
 
 /// "1.2,0.4,0.9" as numbers; empty when it is something else.
@@ -71,13 +78,13 @@ std::map<Id, std::optional<Id>> scenes_of(const Snapshot& snapshot, Id object) {
 
 using ScenesOfObjects = std::map<Id, std::map<Id, std::optional<Id>>>;
 
-ScenesOfObjects scenes_of_objects(const Snapshot& snapshot) {
+ScenesOfObjects scenes_of_objects(const Snapshot& snapshot, const std::vector<Id>& objects) {
   ScenesOfObjects all;
-  for (const BeliefRow& belief : snapshot.beliefs()) all[belief.object] = scenes_of(snapshot, belief.object);
+  for (const Id object : objects) all[object] = scenes_of(snapshot, object);
   return all;
 }
 
-std::optional<Company> company_of(const Snapshot& snapshot, const ScenesOfObjects& all, Id object, Id other) {
+Company company_of(const Snapshot& snapshot, const ScenesOfObjects& all, Id object, Id other) {
   Company company{.object = snapshot.object_ref(other), .scenes = all.at(other).size()};
   for (const auto& [scene, place] : all.at(object)) {
     const auto found = all.at(other).find(scene);
@@ -126,7 +133,7 @@ std::vector<Visit> alike(std::vector<Visit> visits, const std::set<Id>& present,
     const bool shares = present.empty() || std::any_of(present.begin(), present.end(), [&](Id object) {
                           return visit.objects.contains(object);
                         });
-    return !shares || visit.objects.empty() || (visit.fraction > 0 && visit.fraction < kEnough) ||
+    return !shares || visit.objects.empty() || (visit.fraction > 0 && visit.fraction < kEnoughSeen) ||
            (occasion != nullptr && !occasion->covers(local_hour(visit.from, zone_minutes)));
   });
   return visits;
@@ -212,14 +219,16 @@ NearAnswer ask(const Store& store, const NearQuestion& question) {
 TogetherAnswer ask(const Store& store, const TogetherQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
   TogetherAnswer answer{.asked = question.subject, .other = question.other};
-  const ScenesOfObjects all = scenes_of_objects(snapshot);
+  const std::vector<Id> objects = snapshot.find_objects(question.subject);
   const std::vector<Id> others = snapshot.find_objects(question.other);
-  for (const Id object : snapshot.find_objects(question.subject)) {
+  ScenesOfObjects all = scenes_of_objects(snapshot, objects);
+  all.merge(scenes_of_objects(snapshot, others));
+  for (const Id object : objects) {
     TogetherObject entry{.object = snapshot.object_ref(object), .scenes = all.at(object).size()};
     for (const Id other : others) {
       if (other == object) continue;
-      const auto company = company_of(snapshot, all, object, other);
-      if (company->together > 0 || !question.other.empty()) entry.company.push_back(*company);
+      Company company = company_of(snapshot, all, object, other);
+      if (company.together > 0 || !question.other.empty()) entry.company.push_back(std::move(company));
     }
     std::stable_sort(entry.company.begin(), entry.company.end(), [](const Company& a, const Company& b) {
       return a.together != b.together ? a.together > b.together : a.share > b.share;
@@ -236,7 +245,7 @@ MissingAnswer ask(const Store& store, const MissingQuestion& question) {
                 "occasions: breakfast, lunch, tea, dinner, supper");
   const Snapshot snapshot(store, question.as_of);
   MissingAnswer answer{.asked = question.place, .occasion = question.occasion};
-  const ScenesOfObjects all = scenes_of_objects(snapshot);
+  const ScenesOfObjects all = scenes_of_objects(snapshot, snapshot.find_objects(""));
   for (const PlaceRow& place : snapshot.find_places(question.place))
     answer.places.push_back(missing_at(snapshot, all, place, occasion));
   return answer;
@@ -252,7 +261,7 @@ KindAnswer ask(const Store& store, const KindQuestion& question) {
   std::map<Id, std::set<Id>> objects_in;
   std::set<std::string> places;
   for (const SceneRow& row : snapshot.scenes()) objects_in[row.id] = {};
-  for (const auto& [object, scenes] : scenes_of_objects(snapshot))
+  for (const auto& [object, scenes] : scenes_of_objects(snapshot, snapshot.find_objects("")))
     for (const auto& [other, place] : scenes) {
       objects_in[other].insert(object);
       if (other == id && place) places.insert(snapshot.place_ref(place)->name);

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <set>
-
 #include "memory/questions/answers.h"
 
 namespace loci {
@@ -96,12 +94,5 @@ struct KindAnswer {
   std::vector<LikeScene> like = {};  ///< most alike first, at most five
 };
 KindAnswer ask(const Store& store, const KindQuestion& question);
-
-/// Scenes of a place that follow each other within ten minutes are one visit: no single view sees all of it.
-struct Visit {
-  TimeNs from = 0, to = 0;
-  double fraction = 0;        ///< most of the place that a scene of it saw
-  std::set<Id> objects = {};  ///< seen at the place
-};
 
 }  // namespace loci

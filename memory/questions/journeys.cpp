@@ -128,11 +128,12 @@ class Search {
       if (sighting.observation.place) ++counts[*sighting.observation.place];
     double elsewhere = 0;
     for (const PlaceRow& place : snapshot_.places()) {
-      LookPlace one = place_to_look(place, seen);
+      const PlaceLooks looks = looks_at(snapshot_, place, seen);
+      LookPlace one = place_to_look(place, looks);
       const bool current = belief.place == place.id;
       const double count = counts.contains(place.id) ? counts[place.id] : 0;
       // What is believed of its place already knows of the looks since; elsewhere they must be reckoned in.
-      one.probability = current ? there : (count + kAnywhere) * looks_at(snapshot_, place, seen).unseen_since;
+      one.probability = current ? there : (count + kAnywhere) * looks.unseen_since;
       if (!current) elsewhere += one.probability;
       one.reason = current && there > 0 ? "it is believed to be there"
                    : count > 0          ? fmt::format("it was seen there in {} scenes", count)
@@ -151,9 +152,8 @@ class Search {
   }
 
  private:
-  LookPlace place_to_look(const PlaceRow& row, TimeNs seen) const {
+  LookPlace place_to_look(const PlaceRow& row, const PlaceLooks& looks) const {
     LookPlace place{.place = {row.id, row.name, row.container}};
-    const PlaceLooks looks = looks_at(snapshot_, row, seen);
     place.visibility = looks.visibility;
     place.last_look = looks.last;
     const auto centre = centre_of(row);

@@ -76,6 +76,9 @@ class Snapshot {
   mutable std::unordered_map<Id, std::optional<SceneRow>> scene_of_;
 };
 
+/// So much of a place must have been seen to say that something is not there.
+inline constexpr double kEnoughSeen = 0.5;
+
 /// The middle of a place, map frame; unset when its shape and pose are unknown.
 std::optional<Vector3d> centre_of(const PlaceRow& place);
 

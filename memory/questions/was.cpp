@@ -14,9 +14,6 @@
 namespace loci {
 namespace {
 
-/// So much of a place must have been seen to say that something was not there.
-constexpr double kEnough = 0.5;
-
 /// Points on the surface of a place, for asking scenes what they saw of it; empty when its shape is unknown.
 std::vector<Vector3d> points_on(const PlaceRow& place) {
   std::vector<Vector3d> points;
@@ -236,7 +233,7 @@ class Judge {
     }
     const double fraction = looks_.fraction();
     const std::string much = fmt::format("{:.0f} % of {}", 100 * fraction, question_.place);
-    if (!result.seen_elsewhere.empty() && (fraction >= kEnough || spot_was("seen_empty"))) {
+    if (!result.seen_elsewhere.empty() && (fraction >= kEnoughSeen || spot_was("seen_empty"))) {
       result.verdict = Verdict::no;
       result.reason = fmt::format("it was seen elsewhere, and {} was seen without it", much);
     } else if (!result.seen_elsewhere.empty()) {
@@ -247,7 +244,7 @@ class Judge {
       result.reason = "the spot where it stood was seen without it";
     } else if (spot_ && spot_was("hidden")) {
       result.reason = "the spot where it stood was hidden behind something";
-    } else if (fraction >= kEnough && !(spot_ && spot_was("out_of_view") && !spot_was("seen"))) {
+    } else if (fraction >= kEnoughSeen && !(spot_ && spot_was("out_of_view") && !spot_was("seen"))) {
       result.verdict = Verdict::no;
       result.reason = fmt::format("{} was seen and it was not there", much);
     } else if (spot_ && fraction > 0) {
