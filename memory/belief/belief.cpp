@@ -38,7 +38,7 @@ class Step {
     update_.problem = identity_problem(state_, expected_, scene_, update_.evidence, options_);
     IdentityOptions identity;
     identity.best = 1;
-    identity.gate = 1e-6;  // no share that is told is that small
+    identity.gate = 1e-4;  // a tenth of the smallest share that is told
     identity.priors.clutter = 0;
     identity.priors.missed = 0;
     weights_ = weights_of(update_.problem, identity);
@@ -172,7 +172,8 @@ class Step {
     else
       fuse(object, expected_[o], observation, scene_, options_);  // a piece leaves a whole box as it is
     if (!observation.place.empty()) set_place(object, observation.place, scene_);
-    if (!piece) remember_look(object, observation, scene_, options_);
+    // What was recognised by its look alone may be something else: only its place vouches for another look.
+    if (!piece) remember_look(object, observation, scene_, options_, explanation != Explanation::move);
     object.kind = kind_of(object);
     object.probability_here = 1;
     object.hidden_looks = 0;
@@ -395,7 +396,7 @@ class Step {
     object.first_seen = scene_.time;
     object.exists_log_odds = log_odds(options_.first_sight) - (observation.partial ? 0.5 : 0.0);
     put(object, observation, scene_, options_);
-    remember_look(object, observation, scene_, options_);
+    remember_look(object, observation, scene_, options_, true);
     object.kind = kind_of(object);
     mark_seen(object, observation);
     object.pending.push_back({observation.id, scene_.time, true, outcome.appear});

@@ -84,7 +84,7 @@ void set_place(ProtoObject& object, const std::string& place, const Scene& scene
 }
 
 void remember_look(ProtoObject& object, const Observation& observation, const Scene& scene,
-                   const BeliefOptions& options) {
+                   const BeliefOptions& options, bool vouched_for) {
   if (observation.descriptors.empty()) return;
   Look* nearest = nullptr;
   double nearest_ratio = -1e9;
@@ -104,6 +104,8 @@ void remember_look(ProtoObject& object, const Observation& observation, const Sc
     nearest->descriptors = fresh.descriptors;
     nearest->time = fresh.time;
     nearest->partial = fresh.partial;
+  } else if (!vouched_for && nearest != nullptr) {
+    return;
   } else if (object.looks.size() < size_t(options.views)) {
     object.looks.push_back(fresh);
   } else {

@@ -18,9 +18,10 @@ void fuse(ProtoObject& object, const Expectation& expected, const Observation& o
 /// Changes what the object stands on without moving it.
 void set_place(ProtoObject& object, const std::string& place, const Scene& scene);
 
-/// Keeps a few looks that differ: one that says what a known one says takes its place.
+/// Keeps a few looks that differ: one that says what a known one says takes its place. One that says
+/// something else is only kept when more than the look itself vouches for it (where it stands).
 void remember_look(ProtoObject& object, const Observation& observation, const Scene& scene,
-                   const BeliefOptions& options);
+                   const BeliefOptions& options, bool vouched_for);
 
 /// What its looks are called most of all; empty = no classifier has said anything.
 std::string kind_of(const ProtoObject& object);
