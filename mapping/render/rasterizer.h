@@ -1,44 +1,49 @@
 #pragma once
 
-#include <Eigen/Geometry>
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
+#include "mapping/render/surface.h"
 #include "mapping/sensor/camera.h"
 
 namespace loci::render_detail {
 
-/// A piece of a link's surface: few enough triangles that culling it as a whole is worth the test.
-struct Chunk {
-  std::vector<Eigen::Vector3f> vertices;  ///< link frame, metres
-  std::vector<std::array<uint32_t, 3>> triangles;
-  std::vector<std::array<uint8_t, 3>> colors;        ///< RGB, one for all or one per triangle
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of the bounding sphere, link frame
-  double radius = 0;
-  size_t link = 0;              ///< link id
-  uint32_t first_triangle = 0;  ///< number of its first triangle in the scene; grows with the link id
-};
-
-/// A chunk that may be seen, and where.
-struct PlacedChunk {
-  const Chunk* chunk = nullptr;
+/// A surface somewhere: a link's, and how it lies before the camera.
+struct PlacedSurface {
+  const Surface* surface = nullptr;
   const Eigen::Isometry3d* camera_from_link = nullptr;
+  uint32_t number = 0;  ///< of the instance in the scene; grows with the link id
 };
 
-constexpr uint32_t kNoTriangle = std::numeric_limits<uint32_t>::max();
+/// Which triangle of which instance: numbers in the order in which ties are decided.
+constexpr uint64_t surface_id(uint32_t instance, uint32_t triangle) {
+  return static_cast<uint64_t>(instance) << 32 | triangle;
+}
+constexpr uint32_t instance_of(uint64_t id) {
+  return static_cast<uint32_t>(id >> 32);
+}
+constexpr uint32_t triangle_of(uint64_t id) {
+  return static_cast<uint32_t>(id);
+}
+constexpr uint64_t kNothing = std::numeric_limits<uint64_t>::max();
 
 /// What was drawn, per pixel, row by row.
 struct Raster {
   std::vector<float> inverse_depth;  ///< 1/z, 0 = nothing
-  std::vector<uint32_t> triangle;    ///< scene number of the triangle, kNoTriangle = nothing
+  std::vector<uint64_t> id;          ///< surface_id, kNothing = nothing
 };
 
-/// Draws rows [row_begin, row_end) of the picture. Pixels depend on the chunks only, not on their order nor
-/// on how rows are shared out: the nearest surface wins, of equally near ones the triangle with the lowest
-/// number. A pixel whose centre lies on an edge that two triangles share belongs to exactly one of them.
-void draw_rows(const std::vector<PlacedChunk>& chunks, const PinholeCamera& camera, double near_m,
-               double far_m, int row_begin, int row_end, Raster& raster);
+struct DrawOptions {
+  double near_m = 0.05, far_m = 100;
+  bool occlusion_culling = true;  ///< what is hidden is passed over; the pixels are the same without
+};
+
+/// Draws rows [row_begin, row_end) of the picture; fastest when the surfaces come nearest first. Pixels
+/// depend on the surfaces only, not on their order nor on how rows are shared out: the nearest surface wins,
+/// of equally near ones the lowest number. A pixel whose centre lies on an edge that two triangles share
+/// belongs to exactly one of them.
+void draw_rows(const std::vector<PlacedSurface>& surfaces, const PinholeCamera& camera,
+               const DrawOptions& options, int row_begin, int row_end, Raster& raster);
 
 }  // namespace loci::render_detail

@@ -198,7 +198,7 @@ void RayScene::set_joints(size_t part, const JointState& state) {
   impl_->parts.set_joints(part, state);
   const ScenePart& moved = impl_->parts.part(part);
   for (Body& body : impl_->bodies)
-    if (body.base_link >= moved.first_link && body.base_link < moved.first_link + moved.world.links.size())
+    if (body.base_link >= moved.first_link && body.base_link < moved.first_link + moved.world->links.size())
       impl_->place(body);
   rtcCommitScene(impl_->scene);
 }

@@ -26,9 +26,12 @@ struct RenderOptions {
   double far_m = 100;
   bool normals = false;
   bool colors = false;
+  bool occlusion_culling = true;  ///< passes over what is hidden; the view is the same without, only later
 };
 
-/// Worlds as triangles, ready to be drawn by the z-buffer rasteriser. Several worlds (a map and robots) share
+/// Worlds as triangles, ready to be drawn by a z-buffer rasteriser that passes over what is hidden: instances
+/// and clusters of triangles go nearest first, each compared with the farthest pixels of the tiles that it
+/// can touch (a hierarchical z-buffer, Greene et al. 1993). Several worlds (a map and robots) share
 /// one scene; a joint state can be changed without loading anything again. Only visual geometry is seen.
 class RenderScene {
  public:
@@ -45,6 +48,10 @@ class RenderScene {
   /// Adds free triangles (an object, a floor) under a name that takes a link id of its own; returns the
   /// number.
   size_t add(const std::string& name, const TriangleMesh& mesh, const Isometry3d& map_from_mesh);
+
+  /// Adds a part once more, elsewhere, with joints of its own (all at 0); returns the number. Triangles are
+  /// shared: thousands of copies cost little memory.
+  size_t add_copy(size_t part, const Isometry3d& map_from_part);
 
   /// Moves the joints of a world (all joints, those not named to 0), or all of a part to another pose.
   void set_joints(size_t part, const JointState& state);

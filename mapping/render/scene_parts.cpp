@@ -20,10 +20,18 @@ std::array<uint8_t, 3> rgb_from(const Rgba& color) {
 }  // namespace
 
 size_t SceneParts::add(World world, const Isometry3d& map_from_part) {
+  return add(std::make_shared<const World>(std::move(world)), map_from_part);
+}
+
+size_t SceneParts::add_copy(size_t number, const Isometry3d& map_from_part) {
+  return add(part(number).world, map_from_part);
+}
+
+size_t SceneParts::add(std::shared_ptr<const World> world, const Isometry3d& map_from_part) {
   ScenePart added{std::move(world), map_from_part};
   added.first_link = part_of_link_.size();
-  added.part_from_links = root_from_links(added.world, {});
-  part_of_link_.insert(part_of_link_.end(), added.world.links.size(), parts_.size());
+  added.part_from_links = root_from_links(*added.world, {});
+  part_of_link_.insert(part_of_link_.end(), added.world->links.size(), parts_.size());
   parts_.push_back(std::move(added));
   for (size_t link = names_.size(); link < part_of_link_.size(); ++link) name_link(link);
   return parts_.size() - 1;
@@ -43,7 +51,7 @@ ScenePart& SceneParts::part(size_t number) {
 
 void SceneParts::set_joints(size_t number, const JointState& state) {
   ScenePart& changed = part(number);
-  changed.part_from_links = root_from_links(changed.world, state);
+  changed.part_from_links = root_from_links(*changed.world, state);
 }
 
 Isometry3d SceneParts::map_from_link(size_t link) const {
@@ -57,13 +65,13 @@ Isometry3d SceneParts::map_from_link(size_t link) const {
 void SceneParts::name_link(size_t link) {
   const auto bare_name = [&](size_t id) {
     const ScenePart& owner = part_of_link(id);
-    return owner.world.links[id - owner.first_link].name;
+    return owner.world->links[id - owner.first_link].name;
   };
-  const auto full_name = [&](size_t id) { return part_of_link(id).world.name + "/" + bare_name(id); };
+  const auto full_name = [&](size_t id) { return part_of_link(id).world->name + "/" + bare_name(id); };
   const auto name = [&](size_t id) {
     if (bare_uses_[bare_name(id)].count == 1) return bare_name(id);
     if (full_uses_[full_name(id)].count == 1) return full_name(id);
-    return part_of_link(id).world.name + "#" + std::to_string(part_of_link_[id]) + "/" + bare_name(id);
+    return part_of_link(id).world->name + "#" + std::to_string(part_of_link_[id]) + "/" + bare_name(id);
   };
   Uses& bare = bare_uses_.try_emplace(bare_name(link), Uses{link, 0}).first->second;
   Uses& full = full_uses_.try_emplace(full_name(link), Uses{link, 0}).first->second;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -17,7 +18,7 @@ namespace loci::render_detail {
 
 /// One world of a scene; free triangles are a world of one link.
 struct ScenePart {
-  World world;  ///< kept for its joints
+  std::shared_ptr<const World> world;  ///< kept for its joints; copies share it
   Isometry3d map_from_part = Isometry3d::Identity();
   std::vector<Isometry3d> part_from_links = {};
   size_t first_link = 0;
@@ -30,6 +31,9 @@ class SceneParts {
   size_t add(World world, const Isometry3d& map_from_part);
   /// A world of one link.
   size_t add(const std::string& name, const Isometry3d& map_from_part);
+
+  /// The same world once more.
+  size_t add_copy(size_t number, const Isometry3d& map_from_part);
 
   /// Error for a number that does not exist.
   ScenePart& part(size_t number);
@@ -46,6 +50,7 @@ class SceneParts {
     size_t count = 0;
   };
 
+  size_t add(std::shared_ptr<const World> world, const Isometry3d& map_from_part);
   void name_link(size_t link);
 
   std::vector<ScenePart> parts_;

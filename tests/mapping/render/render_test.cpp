@@ -298,6 +298,62 @@ TEST(Render, OrderOfPartsDoesNotMatter) {
     }
 }
 
+/// Hundreds of closed bodies of many clusters each, some around the camera, some behind others, and a wall.
+RenderScene crowd(int count) {
+  RenderScene scene;
+  Warnings warnings;
+  scene.add("ball", triangulate(Sphere{0.12}, {}, warnings, 40), at(0, 0, 1.5));
+  scene.add("wall", square(6), at(0, 0, 4, {0.3, -0.2, 0}));
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> place(-1, 1);
+  for (int i = 0; i < count; ++i)
+    scene.add_copy(0, at(1.5 * place(random), 1.2 * place(random), 1.4 + 1.5 * place(random),
+                         {3 * place(random), 3 * place(random), 3 * place(random)}));
+  return scene;
+}
+
+TEST(Render, CullingOfWhatIsHiddenChangesNoPixel) {
+  const RenderScene scene = crowd(400);
+  RenderOptions culled = everything(), all = everything();
+  all.occlusion_culling = false;
+  for (const Isometry3d& map_from_camera :
+       {at(0, 0, 0), at(0.4, -0.2, 0.5, {0.1, 0.6, 0}), at(0, 0, 9, {3, 0, 0})}) {
+    const RenderedView expected = scene.render(kCamera, map_from_camera, all);
+    for (const int threads : {1, 2, 5})
+      EXPECT_TRUE(same_view(expected, scene.render(kCamera, map_from_camera, culled, threads))) << threads;
+  }
+}
+
+TEST(Render, CopyIsThePartItselfElsewhere) {
+  const World world =
+      world_of(link("body", "<box size=\"0.5 0.5 0.1\"/>") + link("drawer", "<box size=\"0.4 0.4 0.1\"/>") +
+               "<joint name=\"slide\" type=\"prismatic\"><parent link=\"body\"/><child link=\"drawer\"/>"
+               "<origin xyz=\"0 0 -0.1\"/><axis xyz=\"0 0 -1\"/><limit lower=\"0\" upper=\"1\" effort=\"1\" "
+               "velocity=\"1\"/></joint>");
+  RenderScene copied, added;
+  Warnings warnings;
+  for (RenderScene* scene : {&copied, &added}) scene->add(world, {}, at(-0.4, 0, 3), warnings);
+  EXPECT_EQ(copied.add_copy(0, at(0.4, 0, 3, {0, 0.5, 0})),
+            added.add(world, {}, at(0.4, 0, 3, {0, 0.5, 0}), warnings));
+  for (RenderScene* scene : {&copied, &added}) scene->set_joints(1, {{"slide", 0.7}});
+  EXPECT_EQ(copied.link_names(), added.link_names());
+  EXPECT_TRUE(same_view(copied.render(kCamera, at(0, 0, 0), everything()),
+                        added.render(kCamera, at(0, 0, 0), everything())));
+  EXPECT_NEAR(copied.map_from_link(1).translation().z(), 2.9, 1e-12);  // The first one has not moved.
+  EXPECT_THROW(copied.add_copy(2, at(0, 0, 0)), Error);
+}
+
+TEST(Render, TriangleWithoutNumbersIsLeftOut) {
+  TriangleMesh mesh = square(1);
+  mesh.vertices[3].x() = std::nanf("");
+  RenderScene scene;
+  scene.add("half", mesh, at(0, 0, 4));
+  const cv::Mat link = scene.render(kCamera, at(0, 0, 0)).link;
+  int seen = 0;
+  for (int i = 0; i < link.rows * link.cols; ++i) seen += link.ptr<int32_t>()[i] == 0;
+  EXPECT_NEAR(seen, kCamera.fx * kCamera.fy / 8, 80);  // Of the square half is left.
+}
+
 TEST(Render, ApartmentSeenFromAboveHasItsSupportsAtTheTrueHeights) {
   const std::filesystem::path data = std::filesystem::path(LOCI_SHARED_DIR) / "data";
   const std::filesystem::path folder = data / "iai_apartment";

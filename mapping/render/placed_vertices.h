@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "mapping/render/surface.h"
+
+namespace loci::render_detail {
+
+/// From vertices of a link to the picture: rows of (fx·X, fy·Y, Z), the principal point and how far pixels
+/// count beyond the picture's edges.
+struct Projection {
+  double m[3][4];
+  double cx, cy;
+  double u_limit, v_limit;  ///< positions are held to [-2, limit]: outside it does not matter where
+};
+
+/// The corners of a cluster before the camera; all arrays by vertex. Pixel columns whose centre a triangle
+/// can cover are those from the smallest u_first to the largest u_last of its corners, rows alike: positions
+/// are rounded outwards by a millionth of a pixel, as the edge functions decide exactly.
+struct PlacedVertices {
+  double x[Cluster::kVertices], y[Cluster::kVertices], z[Cluster::kVertices];  ///< (fx·X, fy·Y, Z)
+  double w[Cluster::kVertices];                                                ///< 1/Z
+  int32_t u_first[Cluster::kVertices], u_last[Cluster::kVertices];
+  int32_t v_first[Cluster::kVertices], v_last[Cluster::kVertices];
+};
+
+/// Places vertices. The projections are meaningless for those that are not in front of the camera.
+void place_vertices(const float* x, const float* y, const float* z, size_t count,
+                    const Projection& projection, PlacedVertices& placed);
+
+}  // namespace loci::render_detail

@@ -1,0 +1,125 @@
+#include "mapping/render/triangle_fill.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace loci::render_detail {
+
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr int kSmallWidth = 8;  ///< triangles at most this wide are tested pixel by pixel
+
+}  // namespace
+
+/// A·u + B·v + C over pixel offsets from the principal point. Evaluated by the same operations wherever a
+/// pixel is, so that two triangles that share an edge get exactly opposite values for it: that is what makes
+/// surfaces watertight.
+struct TriangleFill::Edge {
+  double a, b, c;
+  double
+      limit;  ///< inside means value > limit: 0, or the number just below it where the edge itself is owned
+
+  Edge(const Vector3d& from, const Vector3d& to, double sign)
+      : a(sign * (from.y() * to.z() - from.z() * to.y())),
+        b(sign * (from.z() * to.x() - from.x() * to.z())),
+        c(sign * (from.x() * to.y() - from.y() * to.x())),
+        limit(a > 0 || (a == 0 && b > 0) ? -std::numeric_limits<double>::denorm_min() : 0) {}
+};
+
+/// 1/z over the picture. Within a triangle it lies between those of its corners; slivers, whose plane is
+/// badly determined, are held to that.
+struct TriangleFill::Plane {
+  double a, b, c;
+  double low, high;
+  bool clipped;
+  uint64_t id;
+};
+inline void TriangleFill::write(const Plane& plane, double row_w, int u, float* inverse_depth,
+                                uint64_t* id) const {
+  double w = plane.a * (u - camera_.cx) + row_w;
+  if (plane.clipped) {
+    if (!(w >= w_far_ && w <= w_near_)) return;
+  } else {
+    w = std::min(std::max(w, plane.low), plane.high);
+    if (w < w_far_) return;
+  }
+  const float value = static_cast<float>(w);
+  if (value > inverse_depth[u] || (value == inverse_depth[u] && plane.id < id[u])) {
+    inverse_depth[u] = value;
+    id[u] = plane.id;
+  }
+}
+
+void TriangleFill::fill_small(const Edge* e, const Plane& plane, const PixelBox& box) {
+  for (int row = box.v_first; row <= box.v_last; ++row) {
+    const double v = row - camera_.cy;
+    const double r0 = e[0].b * v + e[0].c, r1 = e[1].b * v + e[1].c, r2 = e[2].b * v + e[2].c;
+    float* inverse_depth = raster_.inverse_depth.data() + static_cast<ptrdiff_t>(row) * camera_.width;
+    uint64_t* id = raster_.id.data() + static_cast<ptrdiff_t>(row) * camera_.width;
+    for (int column = box.u_first; column <= box.u_last; ++column) {
+      const double u = column - camera_.cx;
+      const bool inside =
+          (e[0].a * u + r0 > e[0].limit) & (e[1].a * u + r1 > e[1].limit) & (e[2].a * u + r2 > e[2].limit);
+      if (inside) write(plane, plane.b * v + plane.c, column, inverse_depth, id);
+    }
+  }
+}
+
+/// Narrows [first, last] to the pixels of a row that are inside an edge. The division only guesses; the
+/// edge function, which rounding leaves monotonic, decides.
+void TriangleFill::narrow(const Edge& edge, double row_value, int& first, int& last) const {
+  const auto inside = [&](int u) { return edge.a * (u - camera_.cx) + row_value > edge.limit; };
+  if (edge.a == 0) {
+    if (!(row_value > edge.limit)) last = first - 1;
+    return;
+  }
+  const double guess = camera_.cx - row_value / edge.a;
+  if (edge.a > 0) {
+    int u = first_pixel(guess, first, last);
+    while (u > first && inside(u - 1)) --u;
+    while (u <= last && !inside(u)) ++u;
+    first = u;
+  } else {
+    int u = last_pixel(guess, first, last);
+    while (u < last && inside(u + 1)) ++u;
+    while (u >= first && !inside(u)) --u;
+    last = u;
+  }
+}
+
+void TriangleFill::fill_spans(const Edge* edges, const Plane& plane, const PixelBox& box) {
+  for (int row = box.v_first; row <= box.v_last; ++row) {
+    const double v = row - camera_.cy;
+    int first = box.u_first, last = box.u_last;
+    for (int i = 0; i < 3 && first <= last; ++i) narrow(edges[i], edges[i].b * v + edges[i].c, first, last);
+    float* inverse_depth = raster_.inverse_depth.data() + static_cast<ptrdiff_t>(row) * camera_.width;
+    uint64_t* id = raster_.id.data() + static_cast<ptrdiff_t>(row) * camera_.width;
+    const double row_w = plane.b * v + plane.c;
+    for (int u = first; u <= last; ++u) write(plane, row_w, u, inverse_depth, id);
+  }
+}
+
+bool TriangleFill::fill(const PlacedTriangle& triangle, const PixelBox& box) {
+  const Vector3d &p0 = triangle.corners[0], &p1 = triangle.corners[1], &p2 = triangle.corners[2];
+  const double determinant = p0.dot(p1.cross(p2));
+  if (determinant == 0 || !std::isfinite(determinant)) return false;
+  const double sign = determinant < 0 ? -1 : 1;
+  const Edge edges[3] = {Edge(p1, p2, sign), Edge(p2, p0, sign), Edge(p0, p1, sign)};
+  const double scale = sign / determinant;
+  const Plane plane = {(edges[0].a + edges[1].a + edges[2].a) * scale,
+                       (edges[0].b + edges[1].b + edges[2].b) * scale,
+                       (edges[0].c + edges[1].c + edges[2].c) * scale,
+                       triangle.w_low,
+                       triangle.w_high,
+                       triangle.clipped,
+                       triangle.id};
+  if (box.u_last - box.u_first < kSmallWidth)
+    fill_small(edges, plane, box);
+  else
+    fill_spans(edges, plane, box);
+  return true;
+}
+
+}  // namespace loci::render_detail
