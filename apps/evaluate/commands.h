@@ -10,6 +10,7 @@ Command mapping_command();
 Command description_command();
 Command identity_command();
 Command registration_command();
+Command segmentation_command();
 Command nbv_command();
 Command normals_command();
 Command occupancy_command();

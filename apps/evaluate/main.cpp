@@ -8,6 +8,7 @@ int main(int argc, char** argv) {
   program.add(loci::mapping_command());
   program.add(loci::identity_command());
   program.add(loci::registration_command());
+  program.add(loci::segmentation_command());
   program.add(loci::nbv_command());
   program.add(loci::normals_command());
   program.add(loci::occupancy_command());

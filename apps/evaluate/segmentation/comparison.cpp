@@ -1,0 +1,246 @@
+#include "apps/evaluate/segmentation/comparison.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <opencv2/imgproc.hpp>
+
+#include "mapping/base/csv.h"
+#include "mapping/base/files.h"
+#include "mapping/base/quantile.h"
+#include "mapping/base/stopwatch.h"
+#include "mapping/image/image_io.h"
+#include "mapping/recording/recording.h"
+#include "perception/annotators/annotators.h"
+#include "perception/annotators/io/pictures.h"
+#include "perception/pipeline/pipeline.h"
+
+namespace loci::segmentation_evaluation {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Category of a scene by the number in its name, where scenes.csv tells.
+std::map<int64_t, std::string> read_categories(const fs::path& folder) {
+  std::map<int64_t, std::string> categories;
+  if (!fs::exists(folder / "scenes.csv")) return categories;
+  const CsvTable table = CsvTable::read(folder / "scenes.csv");
+  const int scene = table.column("scene");
+  const int category = table.column("category");
+  if (scene < 0 || category < 0) return categories;
+  for (size_t row = 0; row < table.rows(); ++row)
+    categories[table.integer(row, static_cast<size_t>(scene))] =
+        table.cell(row, static_cast<size_t>(category));
+  return categories;
+}
+
+/// Label pictures anywhere in the folder, by the names of their frames.
+std::map<std::string, fs::path> find_labels(const fs::path& folder) {
+  constexpr std::string_view kEnding = "_label.png";
+  std::map<std::string, fs::path> files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    std::string name = entry.path().filename().string();
+    if (!name.ends_with(kEnding)) continue;
+    name.resize(name.size() - kEnding.size());
+    files[name] = entry.path();
+  }
+  return files;
+}
+
+/// The number at the end of "learn07", "frame-000012"; -1 = none.
+int64_t number_in(const std::string& name) {
+  const size_t last = name.find_last_of("0123456789");
+  if (last == std::string::npos) return -1;
+  size_t first = last;
+  while (first > 0 && std::isdigit(static_cast<unsigned char>(name[first - 1]))) --first;
+  return last - first > 15 ? -1 : std::stoll(name.substr(first, last - first + 1));
+}
+
+/// Our segments and seconds of every frame, by the frame's name.
+std::map<std::string, Segmentation> ours(const std::shared_ptr<Recording>& recording,
+                                         const fs::path& pipeline_file, Progress& progress,
+                                         Warnings& warnings) {
+  AnnotatorRegistry registry;
+  add_annotators(registry);
+  Pipeline pipeline =
+      pipeline_file.empty()
+          ? Pipeline::parse("reader: RecordingReader\nflow: [NormalEstimator, PlaneClusterExtractor]\n",
+                            "the tabletop pipeline", registry)
+          : Pipeline::parse(Config::read(pipeline_file), registry);
+  Resources resources;
+  resources.put(recording);
+  Context context{resources, warnings, 1, {}};
+  std::map<std::string, Segmentation> found;
+  const PipelineResult result = pipeline.run(context, types::type_system(), progress, [&](cas::Cas& cas) {
+    const types::SceneCas scene(cas);
+    found[scene.scene().frame_name.get()].segments = label_image(scene);
+  });
+  // Reading files is nobody's method.
+  double seconds = 0;
+  for (size_t i = 1; i < result.seconds.size(); ++i) seconds += result.seconds[i].second;
+  for (auto& [name, each] : found) each.seconds = seconds / static_cast<double>(found.size());
+  return found;
+}
+
+cv::Mat painted(const cv::Mat& labels, const cv::Mat& background) {
+  cv::Mat picture;
+  cv::cvtColor(background, picture, cv::COLOR_BGR2GRAY);
+  cv::cvtColor(picture, picture, cv::COLOR_GRAY2BGR);
+  for (int v = 0; v < labels.rows; ++v)
+    for (int u = 0; u < labels.cols; ++u) {
+      const int label = labels.at<uint16_t>(v, u);
+      if (label == 0) continue;
+      // Hues a golden section apart.
+      const double hue = std::fmod(label * 0.618034, 1.0) * 6;
+      const auto part = [&](double offset) {
+        const double k = std::fmod(offset + hue, 6.0);
+        return static_cast<unsigned char>(255 * (1 - std::clamp(std::min(k, 4 - k), 0.0, 1.0)));
+      };
+      picture.at<cv::Vec3b>(v, u) =
+          0.35 * picture.at<cv::Vec3b>(v, u) + 0.65 * cv::Vec3b(part(1), part(3), part(5));
+    }
+  return picture;
+}
+
+void write_strip(const RgbdFrame& frame, const LabelledPicture& truth, const std::vector<cv::Mat>& segments,
+                 const fs::path& folder) {
+  cv::Mat background = frame.color.empty() ? cv::Mat(frame.depth.size(), CV_8UC3, cv::Scalar::all(128))
+                                           : color_in_depth(frame);
+  std::vector<cv::Mat> strip = {background, painted(truth.object, background)};
+  for (const cv::Mat& each : segments) strip.push_back(painted(each, background));
+  for (cv::Mat& each : strip) cv::resize(each, each, {}, 0.5, 0.5, cv::INTER_AREA);
+  cv::Mat picture;
+  cv::hconcat(strip, picture);
+  write_image(folder / (frame.name + ".png"), picture);
+}
+
+Scores& category_of(MethodResult& method, const std::string& category) {
+  for (auto& [name, scores] : method.by_category)
+    if (name == category) return scores;
+  return method.by_category.emplace_back(category, Scores()).second;
+}
+
+std::string row(const std::string& name, const Scores& scores) {
+  return fmt::format("  {:<30}{:>7.1f} %{:>7.1f} %{:>7.1f} %{:>7.1f} %{:>7.1f} %{:>7.1f} %", name,
+                     100 * scores.weighted_overlap(), 100 * scores.over_segmentation(),
+                     100 * scores.under_segmentation(), 100 * scores.f1(), 100 * scores.precision(),
+                     100 * scores.recall());
+}
+
+}  // namespace
+
+void ComparisonOptions::declare(OptionTable& table) {
+  table.flag("peers", peers, "Runs PCL's methods beside ours.");
+  peer.declare(table);
+}
+
+LabelledPicture read_labels(const fs::path& path) {
+  const std::vector<unsigned char> bytes = [&] {
+    const std::string text = read_file(path);
+    return std::vector<unsigned char>(text.begin(), text.end());
+  }();
+  cv::Mat raw = decode_image(bytes, path.string());
+  if (raw.channels() != 1)
+    throw Error("a label picture has one channel", {path.string(), 0, {}},
+                "labels: 0 not judged, 1 to 19 table, from 20 on tens are objects");
+  raw.convertTo(raw, CV_16U);
+  LabelledPicture picture{cv::Mat::zeros(raw.size(), CV_16U), raw > 0};
+  for (int v = 0; v < raw.rows; ++v)
+    for (int u = 0; u < raw.cols; ++u)
+      if (const int label = raw.at<uint16_t>(v, u); label >= 20)
+        picture.object.at<uint16_t>(v, u) = static_cast<uint16_t>(label / 10 - 1);
+  return picture;
+}
+
+Comparison compare(const fs::path& folder, const fs::path& pipeline, const fs::path& pictures,
+                   const ComparisonOptions& options, Progress& progress, Warnings& warnings) {
+  const std::shared_ptr<Recording> recording = open_recording(folder);
+  const std::map<std::string, fs::path> label_files = find_labels(folder);
+  const std::map<int64_t, std::string> categories = read_categories(folder);
+  if (label_files.empty())
+    throw Error("there are no labels", {folder.string(), 0, {}},
+                "FRAME_label.png belongs beside FRAME_depth.png");
+  const std::map<std::string, Segmentation> found = ours(recording, pipeline, progress, warnings);
+  std::vector<std::unique_ptr<Peer>> peers;
+  Comparison comparison;
+  comparison.folder = recording->info().path;
+  comparison.methods.push_back({"ours", {}, {}, {}});
+  if (options.peers) {
+    comparison.methods.push_back({"PCL EuclideanClusterExtraction", {}, {}, {}});
+    comparison.methods.push_back({"PCL LCCP", {}, {}, {}});
+    comparison.methods.push_back({"PCL LCCP, plane removed", {}, {}, {}});
+    peers.push_back(pcl_euclidean(options.peer));
+    peers.push_back(pcl_lccp(options.peer, false));
+    peers.push_back(pcl_lccp(options.peer, true));
+  }
+  if (!pictures.empty()) make_folder(pictures);
+  for (size_t i = 0; i < recording->size(); ++i) {
+    const RgbdFrame frame = recording->frame(i);
+    progress.check(static_cast<double>(i) / static_cast<double>(recording->size()), frame.name);
+    const auto label_file = label_files.find(frame.name);
+    if (label_file == label_files.end()) continue;
+    const LabelledPicture truth = read_labels(label_file->second);
+    if (truth.object.size() != frame.depth.size())
+      throw Error("the label picture is not as large as the depth picture",
+                  {label_file->second.string(), 0, {}}, "");
+    std::vector<Segmentation> results = {found.at(frame.name)};
+    for (const auto& peer : peers) results.push_back(peer->segment(frame.depth, frame.camera.depth));
+    const auto category = categories.find(number_in(frame.name));
+    FrameResult& judged = comparison.frames.emplace_back();
+    judged.name = frame.name;
+    judged.category = category == categories.end() ? "" : category->second;
+    std::vector<cv::Mat> segments;
+    for (size_t m = 0; m < results.size(); ++m) {
+      MethodResult& method = comparison.methods[m];
+      method.scores.add(truth, results[m].segments);
+      if (!judged.category.empty()) category_of(method, judged.category).add(truth, results[m].segments);
+      judged.scores.emplace_back().add(truth, results[m].segments);
+      method.seconds.push_back(results[m].seconds);
+      segments.push_back(results[m].segments);
+    }
+    if (!pictures.empty()) write_strip(frame, truth, segments, pictures);
+  }
+  if (comparison.frames.empty())
+    throw Error("no frame has labels", {folder.string(), 0, {}},
+                "labels are named after frames: FRAME_label.png");
+  return comparison;
+}
+
+std::string Comparison::text(bool verbose) const {
+  std::string text = fmt::format("{}: {} frames, {} objects\n  {:<30}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}\n",
+                                 folder, frames.size(), methods.front().scores.objects(), "", "overlap",
+                                 "over", "under", "F1", "prec.", "recall", "ms");
+  for (const MethodResult& method : methods)
+    text += fmt::format("{}{:>9.1f}\n", row(method.name, method.scores), 1000 * median(method.seconds));
+  for (size_t c = 0; c < methods.front().by_category.size(); ++c) {
+    text += fmt::format("{}\n", methods.front().by_category[c].first);
+    for (const MethodResult& method : methods) text += row(method.name, method.by_category[c].second) + "\n";
+  }
+  if (!verbose) return text;
+  for (const FrameResult& frame : frames) {
+    text += frame.name + "\n";
+    for (size_t m = 0; m < methods.size(); ++m) text += row(methods[m].name, frame.scores[m]) + "\n";
+  }
+  return text;
+}
+
+Json Comparison::to_json() const {
+  Json json = {{"folder", folder}, {"methods", Json::array()}, {"frames", Json::array()}};
+  for (const MethodResult& method : methods) {
+    Json each = method.scores.to_json();
+    each["method"] = method.name;
+    each["ms"] = 1000 * median(method.seconds);
+    each["categories"] = Json::object();
+    for (const auto& [name, scores] : method.by_category) each["categories"][name] = scores.to_json();
+    json["methods"].push_back(std::move(each));
+  }
+  for (const FrameResult& frame : frames) {
+    Json each = {{"frame", frame.name}, {"category", frame.category}, {"methods", Json::object()}};
+    for (size_t m = 0; m < methods.size(); ++m) each["methods"][methods[m].name] = frame.scores[m].to_json();
+    json["frames"].push_back(std::move(each));
+  }
+  return json;
+}
+
+}  // namespace loci::segmentation_evaluation

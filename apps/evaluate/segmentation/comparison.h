@@ -1,0 +1,54 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "apps/evaluate/segmentation/peers.h"
+#include "apps/evaluate/segmentation/scores.h"
+#include "mapping/base/progress.h"
+
+namespace loci::segmentation_evaluation {
+
+struct ComparisonOptions {
+  bool peers = true;
+  PeerOptions peer;
+
+  void declare(OptionTable& table);
+};
+
+/// What one method did to a folder.
+struct MethodResult {
+  std::string name;
+  Scores scores;
+  std::vector<std::pair<std::string, Scores>> by_category;  ///< as scenes.csv names them
+  std::vector<double> seconds;                              ///< of each frame
+};
+
+/// One frame: what it shows, and what every method made of it, in order of Comparison::methods.
+struct FrameResult {
+  std::string name;
+  std::string category;
+  std::vector<Scores> scores;
+};
+
+struct Comparison {
+  std::string folder;
+  std::vector<MethodResult> methods;
+  std::vector<FrameResult> frames;
+
+  std::string text(bool verbose) const;
+  Json to_json() const;
+};
+
+/// The labels of a picture: 0 = not judged, 1 to 19 the table, from 20 on label / 10 is the object.
+LabelledPicture read_labels(const std::filesystem::path& path);
+
+/// Segments every frame of a recording that has a FRAME_label.png beside its depth: our pipeline (`pipeline`:
+/// a YAML file; empty = the default one) without a map, and PCL's methods; one thread. With `pictures` a
+/// strip per frame goes there: colour, truth, and each method.
+Comparison compare(const std::filesystem::path& folder, const std::filesystem::path& pipeline,
+                   const std::filesystem::path& pictures, const ComparisonOptions& options,
+                   Progress& progress, Warnings& warnings);
+
+}  // namespace loci::segmentation_evaluation

@@ -1,0 +1,77 @@
+#include "apps/evaluate/segmentation/scores.h"
+
+#include <algorithm>
+#include <map>
+
+namespace loci::segmentation_evaluation {
+
+void Scores::add(const LabelledPicture& truth, const cv::Mat& segments) {
+  constexpr double kFound = 0.75;
+  std::map<int, double> of_object;
+  std::map<int, double> of_segment;
+  std::map<int, std::map<int, double>> shared;
+  for (int v = 0; v < truth.object.rows; ++v)
+    for (int u = 0; u < truth.object.cols; ++u) {
+      if (!truth.judged.at<unsigned char>(v, u)) continue;
+      const int object = truth.object.at<uint16_t>(v, u);
+      const int segment = segments.at<uint16_t>(v, u);
+      if (object > 0) of_object[object] += 1;
+      if (segment > 0) of_segment[segment] += 1;
+      if (object > 0 && segment > 0) shared[object][segment] += 1;
+    }
+  objects_ += static_cast<int>(of_object.size());
+  segments_ += static_cast<int>(of_segment.size());
+  for (const auto& [object, size] : of_object) {
+    double best = 0;
+    double most = 0;
+    double its_segment = 0;
+    for (const auto& [segment, both] : shared[object]) {
+      best = std::max(best, both / (size + of_segment[segment] - both));
+      if (both <= most) continue;
+      most = both;
+      its_segment = of_segment[segment];
+    }
+    pixels_ += size;
+    overlap_ += size * best;
+    right_ += most;
+    wrong_ += its_segment - most;
+    found_ += best >= kFound ? 1 : 0;  // Above one half no segment finds two objects.
+  }
+}
+
+double Scores::weighted_overlap() const {
+  return pixels_ > 0 ? overlap_ / pixels_ : 0;
+}
+
+double Scores::over_segmentation() const {
+  return pixels_ > 0 ? 1 - right_ / pixels_ : 0;
+}
+
+double Scores::under_segmentation() const {
+  return pixels_ > 0 ? wrong_ / pixels_ : 0;
+}
+
+double Scores::precision() const {
+  return segments_ > 0 ? static_cast<double>(found_) / segments_ : 0;
+}
+
+double Scores::recall() const {
+  return objects_ > 0 ? static_cast<double>(found_) / objects_ : 0;
+}
+
+double Scores::f1() const {
+  return objects_ + segments_ > 0 ? 2.0 * found_ / (objects_ + segments_) : 0;
+}
+
+Json Scores::to_json() const {
+  return {{"objects", objects_},
+          {"segments", segments_},
+          {"weighted_overlap", weighted_overlap()},
+          {"over_segmentation", over_segmentation()},
+          {"under_segmentation", under_segmentation()},
+          {"precision", precision()},
+          {"recall", recall()},
+          {"f1", f1()}};
+}
+
+}  // namespace loci::segmentation_evaluation
