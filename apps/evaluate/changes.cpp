@@ -74,15 +74,20 @@ void run(const Arguments& arguments, Session& session) {
   const std::filesystem::path memory =
       arguments.memory.empty() ? folder.path() / "memory.loci" : std::filesystem::path(arguments.memory);
   perceive(arguments, recording, memory, session);
-  const changes::Comparison comparison = changes::compare(truth, Store::open_read(memory));
-  session.answer(comparison.text(session.flags().verbose), comparison.to_json());
+  const Store store = Store::open_read(memory);
+  const changes::Moments moments = changes::read_moments(store);
+  const std::vector<changes::Comparison> methods = {
+      changes::compare("loci", truth, moments, changes::memory_story(store, moments)),
+      changes::compare("greedy", truth, moments, changes::greedy_story(moments)),
+      changes::compare("nearest", truth, moments, changes::nearest_story(moments))};
+  session.answer(changes::text(methods, session.flags().verbose), changes::to_json(methods));
 }
 
 }  // namespace
 
 Command changes_command() {
   return {"changes",
-          "What the memory says happened, beside the truth",
+          "What the memory says happened, beside the truth and simpler ways of telling",
           {"loci-evaluate changes demo-output/day --map apps/samples/kitchen.urdf",
            "loci-evaluate changes demo-output/day --map apps/samples/kitchen.urdf --json"},
           [](CLI::App& app) {

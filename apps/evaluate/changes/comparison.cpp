@@ -1,90 +1,86 @@
 #include "apps/evaluate/changes/comparison.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <optional>
-#include <set>
+
+#include "memory/identity/matchings.h"
 
 namespace loci::changes {
 namespace {
 
-constexpr const char* kTrueKinds[] = {"unchanged", "moved", "added", "removed", "uncertain"};
-constexpr const char* kSaidKinds[] = {"unchanged", "moved",         "looks_different", "added",    "removed",
-                                      "kept",      "identity lost", "confused",        "not found"};
-
-/// One frame as the memory has it.
+/// One frame: which object each true thing is taken for.
 struct Frame {
-  Id scene = 0;
-  TimeNs time = 0;
-  std::map<std::string, Id> object;            ///< of true things that were found; 0 = not attributed
-  std::map<Id, std::set<std::string>> events;  ///< kinds by object
-  std::set<Id> seen;                           ///< objects
+  std::map<std::string, Id> object;  ///< of true things that were found; 0 = not attributed
+  std::map<Id, std::set<std::string>> events;
+  std::set<Id> seen;  ///< objects
+  size_t attributed = 0;
 };
 
-/// Pairs true things with observations, nearest first.
-void find_things(const std::vector<TrueObject>& things, const Store& store, Frame& frame) {
-  struct Pair {
-    double distance;
-    size_t thing;
-    Id observation;
-  };
-  std::vector<Pair> pairs;
-  for (const ObservationRow& observation : store.observations(frame.scene)) {
-    if (!observation.position) continue;
-    for (size_t i = 0; i < things.size(); ++i) {
-      const double distance = (things[i].centre - *observation.position).norm();
-      const double reach = std::max(0.06, 0.6 * things[i].size.maxCoeff());
-      if (distance <= reach) pairs.push_back({distance, i, observation.id});
-    }
+/// How far a thing and what was observed are from each other; unset = they have nothing to do with each
+/// other. Where both have pixels, these tell: of a thing that is cut off, the visible part's centre lies
+/// elsewhere.
+std::optional<double> gap(const TrueObject& thing, const Sight& sight) {
+  if (thing.pixels && sight.pixels) {
+    const auto [x, y, width, height] = *thing.pixels;
+    const auto [u, v, columns, rows] = *sight.pixels;
+    const double shared = std::max(0, std::min(x + width, u + columns) - std::max(x, u)) *
+                          double(std::max(0, std::min(y + height, v + rows) - std::max(y, v)));
+    const double overlap = shared / (double(width) * height + double(columns) * rows - shared);
+    if (overlap >= 0.5) return 1 - overlap;
   }
-  std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
-    return std::tie(a.distance, a.thing, a.observation) < std::tie(b.distance, b.thing, b.observation);
-  });
-  std::map<Id, Id> object_of;
-  for (const AssociationRow& row : store.associations(frame.scene)) {
-    if (!row.chosen || !row.observation || !row.object) continue;
-    object_of[*row.observation] = *row.object;
-    frame.seen.insert(*row.object);
-  }
-  std::set<Id> used;
-  for (const Pair& pair : pairs) {
-    if (frame.object.contains(things[pair.thing].name) || !used.insert(pair.observation).second) continue;
-    const auto object = object_of.find(pair.observation);
-    frame.object[things[pair.thing].name] = object == object_of.end() ? 0 : object->second;
-  }
+  const double distance = (thing.centre - sight.position).norm();
+  const double reach = std::max(0.06, 0.6 * thing.size.maxCoeff());
+  return distance <= reach ? std::optional(1 + distance) : std::nullopt;
 }
 
-std::map<int64_t, Frame> read_frames(const Truth& truth, const Store& store) {
+/// Pairs true things with observations, nearest first; index of the thing by that of the observation.
+std::map<size_t, size_t> find_things(const std::vector<TrueObject>& things, const Moment& moment) {
+  std::vector<std::tuple<double, size_t, size_t>> candidates;
+  for (size_t k = 0; k < moment.sights.size(); ++k)
+    for (size_t i = 0; i < things.size(); ++i)
+      if (const std::optional<double> distance = gap(things[i], moment.sights[k]))
+        candidates.emplace_back(*distance, i, k);
+  std::sort(candidates.begin(), candidates.end());
+  std::map<size_t, size_t> thing_of;
+  std::set<size_t> taken;
+  for (const auto& [ignored, i, k] : candidates)
+    if (!thing_of.contains(k) && taken.insert(i).second) thing_of[k] = i;
+  return thing_of;
+}
+
+std::vector<TrueObject> things_in(const std::map<int64_t, std::vector<TrueObject>>& things, int64_t frame) {
+  const auto found = things.find(frame);
+  return found == things.end() ? std::vector<TrueObject>() : found->second;
+}
+
+std::map<int64_t, Frame> read_frames(const Truth& truth, const Moments& moments, const Story& story) {
   std::map<int64_t, Frame> frames;
-  std::map<Id, int64_t> index_of_scene;
-  for (const SceneRow& scene : store.scenes()) {
-    if (!scene.frame_index) continue;
-    Frame& frame = frames[*scene.frame_index];
-    frame.scene = scene.id;
-    frame.time = scene.time;
-    index_of_scene[scene.id] = *scene.frame_index;
-    const auto things = truth.visible.find(*scene.frame_index);
-    find_things(things == truth.visible.end() ? std::vector<TrueObject>() : things->second, store, frame);
+  for (const auto& [index, moment] : moments) {
+    Frame& frame = frames[index];
+    const auto told = story.find(index);
+    if (told == story.end()) continue;
+    frame.events = told->second.events;
+    for (const auto& [observation, object] : told->second.object_of) frame.seen.insert(object);
+    std::vector<TrueObject> things = things_in(truth.visible, index);
+    const size_t visible = things.size();
+    for (const TrueObject& thing : things_in(truth.barely, index)) things.push_back(thing);
+    const std::map<size_t, size_t> thing_of = find_things(things, moment);
+    for (size_t k = 0; k < moment.sights.size(); ++k) {
+      const auto object = told->second.object_of.find(moment.sights[k].observation);
+      const bool attributed = object != told->second.object_of.end();
+      const auto thing = thing_of.find(k);
+      if (thing != thing_of.end() && thing->second < visible)
+        frame.object[things[thing->second].name] = attributed ? object->second : 0;
+      else if (thing != thing_of.end())
+        continue;
+      frame.attributed += attributed ? 1 : 0;
+    }
   }
-  for (const EventRow& event : store.events())
-    if (event.object && event.scene && index_of_scene.contains(*event.scene))
-      frames[index_of_scene.at(*event.scene)].events[*event.object].insert(event.kind);
   return frames;
 }
 
 Id object_in(const Frame& frame, const std::string& thing) {
   const auto found = frame.object.find(thing);
   return found == frame.object.end() ? 0 : found->second;
-}
-
-bool happened(const std::map<int64_t, Frame>& frames, int64_t after, int64_t until, Id object,
-              const char* kind) {
-  for (auto frame = frames.upper_bound(after); frame != frames.end() && frame->first <= until; ++frame) {
-    const auto events = frame->second.events.find(object);
-    if (events != frame->second.events.end() && events->second.contains(kind)) return true;
-  }
-  return false;
 }
 
 class Judge {
@@ -110,8 +106,8 @@ class Judge {
   std::string said_added(const JudgedTransition& j) const {
     if (j.to_object == 0) return "not found";
     const int64_t before = j.truth.from_frame == j.truth.to_frame ? j.truth.to_frame - 1 : j.truth.from_frame;
-    const bool came = happened(frames_, before, last(), j.to_object, "appeared") ||
-                      happened(frames_, before, j.truth.to_frame, j.to_object, "reappeared");
+    const bool came = happened(before, last(), j.to_object, "appeared") ||
+                      happened(before, j.truth.to_frame, j.to_object, "reappeared");
     return came ? "added" : "confused";
   }
 
@@ -119,8 +115,7 @@ class Judge {
     if (j.from_object == 0) return "not found";
     if (to.seen.contains(j.from_object)) return "confused";
     // With one look per place it may take until the camera comes back; a fixed camera sees it at once.
-    const bool gone = happened(frames_, j.truth.from_frame, gone_until(j), j.from_object, "gone");
-    return gone ? "removed" : "kept";
+    return happened(j.truth.from_frame, gone_until(j), j.from_object, "gone") ? "removed" : "kept";
   }
 
   int64_t gone_until(const JudgedTransition& j) const {
@@ -132,15 +127,22 @@ class Judge {
 
   std::string said_both(const JudgedTransition& j, const Frame& to) const {
     if (j.from_object == 0 || j.to_object == 0) return "not found";
+    const int64_t from = j.truth.from_frame, until = j.truth.to_frame;
     if (j.from_object != j.to_object)
-      return to.seen.contains(j.from_object) ||
-                     !happened(frames_, j.truth.from_frame, j.truth.to_frame, j.to_object, "appeared")
+      return to.seen.contains(j.from_object) || !happened(from, until, j.to_object, "appeared")
                  ? "confused"
                  : "identity lost";
-    if (happened(frames_, j.truth.from_frame, j.truth.to_frame, j.to_object, "moved")) return "moved";
-    if (happened(frames_, j.truth.from_frame, j.truth.to_frame, j.to_object, "looks_different"))
-      return "looks_different";
+    if (happened(from, until, j.to_object, "moved")) return "moved";
+    if (happened(from, until, j.to_object, "looks_different")) return "looks_different";
     return "unchanged";
+  }
+
+  bool happened(int64_t after, int64_t until, Id object, const char* kind) const {
+    for (auto frame = frames_.upper_bound(after); frame != frames_.end() && frame->first <= until; ++frame) {
+      const auto events = frame->second.events.find(object);
+      if (events != frame->second.events.end() && events->second.contains(kind)) return true;
+    }
+    return false;
   }
 
   int64_t last() const { return frames_.rbegin()->first; }
@@ -149,9 +151,9 @@ class Judge {
 };
 
 /// Things that were removed and came back: recognised as the same?
-void count_returns(const std::vector<JudgedTransition>& transitions, Comparison& comparison) {
+void count_returns(Comparison& comparison) {
   std::map<std::string, Id> removed;
-  for (const JudgedTransition& t : transitions) {
+  for (const JudgedTransition& t : comparison.transitions) {
     if (t.truth.kind == "removed") removed[t.truth.object] = t.from_object;
     if (t.truth.kind != "added" || !removed.contains(t.truth.object)) continue;
     ++comparison.returned;
@@ -160,102 +162,133 @@ void count_returns(const std::vector<JudgedTransition>& transitions, Comparison&
   }
 }
 
-size_t count_of(const std::vector<JudgedTransition>& transitions, const std::string& kind,
-                const std::string& said) {
-  return static_cast<size_t>(
-      std::count_if(transitions.begin(), transitions.end(),
-                    [&](const JudgedTransition& t) { return t.truth.kind == kind && t.said == said; }));
+void count_switches(const std::map<int64_t, Frame>& frames, Comparison& comparison) {
+  std::map<std::string, Id> last;
+  for (const auto& [index, frame] : frames)
+    for (const auto& [thing, object] : frame.object) {
+      if (object == 0) continue;
+      Id& before = last[thing];
+      comparison.pairs += before != 0 ? 1 : 0;
+      comparison.switches += before != 0 && before != object ? 1 : 0;
+      before = object;
+    }
+}
+
+void count_false_gone(const Truth& truth, const std::map<int64_t, Frame>& frames, Comparison& comparison) {
+  struct Seen {
+    std::string thing;
+    int handled = 0;
+  };
+  std::map<Id, Seen> last;
+  for (const auto& [index, frame] : frames) {
+    const auto world = truth.handled.find(index);
+    if (world == truth.handled.end()) continue;
+    for (const auto& [object, kinds] : frame.events) {
+      if (!kinds.contains("gone") || !last.contains(object)) continue;
+      const auto now = world->second.find(last.at(object).thing);
+      comparison.false_gone += now != world->second.end() && now->second == last.at(object).handled ? 1 : 0;
+    }
+    for (const auto& [thing, object] : frame.object)
+      if (object != 0) last[object] = {thing, world->second.at(thing)};
+  }
+}
+
+/// Sightings that agree with the best pairing of things with objects, each once.
+size_t count_agreed(const std::map<int64_t, Frame>& frames) {
+  std::map<std::string, size_t> row_of;
+  std::map<Id, size_t> column_of;
+  std::map<std::pair<size_t, size_t>, double> common;
+  for (const auto& [index, frame] : frames)
+    for (const auto& [thing, object] : frame.object) {
+      if (object == 0) continue;
+      const size_t row = row_of.emplace(thing, row_of.size()).first->second;
+      const size_t column = column_of.emplace(object, column_of.size()).first->second;
+      ++common[{row, column}];
+    }
+  if (common.empty()) return 0;
+  const size_t rows = std::min(row_of.size(), column_of.size());
+  const size_t columns = std::max(row_of.size(), column_of.size());
+  IdentityComponent component;
+  component.transposed = column_of.size() < row_of.size();
+  component.log_ratio.setConstant(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns),
+                                  kNever);
+  for (const auto& [pair, count] : common) {
+    const auto [thing, object] = pair;
+    component.log_ratio(static_cast<Eigen::Index>(component.transposed ? object : thing),
+                        static_cast<Eigen::Index>(component.transposed ? thing : object)) = count;
+  }
+  for (size_t i = 0; i < rows; ++i) component.rows.push_back(i);
+  for (size_t j = 0; j < columns; ++j) component.columns.push_back(j);
+  component.row_free.assign(rows, true);
+  component.column_free.assign(columns, true);
+  const std::vector<Matching> best = ranked_matchings(component, 1);
+  double agreed = 0;
+  for (const auto& pair : best.front().pairs) agreed += common.at(pair);
+  return static_cast<size_t>(agreed);
 }
 
 }  // namespace
 
-Comparison compare(const Truth& truth, const Store& store) {
+bool JudgedTransition::right() const {
+  if (truth.kind == "moved and turned") return said == "moved";
+  if (truth.kind == "turned") return said == "moved" || said == "looks_different";
+  if (truth.kind == "recoloured") return said == "looks_different";
+  return said == truth.kind;
+}
+
+Comparison compare(const std::string& method, const Truth& truth, const Moments& moments,
+                   const Story& story) {
   Comparison comparison;
-  const std::map<int64_t, Frame> frames = read_frames(truth, store);
-  if (frames.empty()) throw Error("the memory has no frame of the recording", {store.path().string(), 0, {}});
-  std::set<Id> true_objects;
+  comparison.method = method;
+  const std::map<int64_t, Frame> frames = read_frames(truth, moments, story);
+  std::set<Id> true_objects, all;
   for (const auto& [index, frame] : frames) {
-    if (const auto things = truth.visible.find(index); things != truth.visible.end())
-      comparison.visible += things->second.size();
+    comparison.visible += things_in(truth.visible, index).size();
     comparison.found += frame.object.size();
+    comparison.attributed += frame.attributed;
     for (const auto& [name, object] : frame.object) true_objects.insert(object);
+    all.insert(frame.seen.begin(), frame.seen.end());
   }
-  for (const ObjectRow& object : store.objects())
-    comparison.phantoms += true_objects.contains(object.id) ? 0 : 1;
+  for (const Id object : all) comparison.phantoms += true_objects.contains(object) ? 0 : 1;
   const Judge judge(frames);
-  for (const TrueTransition& transition : truth.transitions) {
-    if (!frames.contains(transition.from_frame) || !frames.contains(transition.to_frame)) continue;
-    const JudgedTransition judged = judge.judge(transition);
-    if (judged.from_object != 0 && judged.to_object != 0) {
-      ++comparison.same_pairs;
-      comparison.same_kept += judged.from_object == judged.to_object ? 1 : 0;
-    }
-    comparison.transitions.push_back(judged);
-  }
-  count_returns(comparison.transitions, comparison);
+  for (const TrueTransition& transition : truth.transitions)
+    if (frames.contains(transition.from_frame) && frames.contains(transition.to_frame))
+      comparison.transitions.push_back(judge.judge(transition));
+  comparison.agreed = count_agreed(frames);
+  count_switches(frames, comparison);
+  count_false_gone(truth, frames, comparison);
+  count_returns(comparison);
   return comparison;
 }
 
 size_t Comparison::certain() const {
   return static_cast<size_t>(
-      std::count_if(transitions.begin(), transitions.end(),
-                    [](const JudgedTransition& t) { return t.truth.kind != "uncertain"; }));
+      std::ranges::count_if(transitions, [](const JudgedTransition& t) { return t.counts(); }));
 }
 
 size_t Comparison::right() const {
-  return static_cast<size_t>(std::count_if(transitions.begin(), transitions.end(),
-                                           [](const JudgedTransition& t) { return t.right(); }));
+  return static_cast<size_t>(
+      std::ranges::count_if(transitions, [](const JudgedTransition& t) { return t.counts() && t.right(); }));
 }
 
-std::string Comparison::text(bool verbose) const {
-  std::string out = fmt::format("{:<12}", "truth \\ said");
-  for (const char* said : kSaidKinds) out += fmt::format(" {:>15}", said);
-  out += "\n";
-  for (const char* kind : kTrueKinds) {
-    out += fmt::format("{:<12}", kind);
-    for (const char* said : kSaidKinds) out += fmt::format(" {:>15}", count_of(transitions, kind, said));
-    out += "\n";
-  }
-  out += fmt::format("right: {} of {} certain transitions\n", right(), certain());
-  out += fmt::format(
-      "found: {} of {} visible things; identity kept: {} of {}; recognised on return: {} of {}; "
-      "objects that are no true thing: {}\n",
-      found, visible, same_kept, same_pairs, recognised, returned, phantoms);
-  if (!verbose) return out;
-  for (const JudgedTransition& t : transitions) {
-    const auto name = [](Id id) { return id == 0 ? std::string("-") : object_name(id); };
-    out += fmt::format("{:>4} -> {:<4} {:<16} {:<10} {:<16} {} -> {}{}\n", t.truth.from_frame,
-                       t.truth.to_frame, t.truth.object, t.truth.kind, t.said, name(t.from_object),
-                       name(t.to_object), t.right() || t.truth.kind == "uncertain" ? "" : "   WRONG");
-  }
-  return out;
+size_t Comparison::count(const std::string& kind) const {
+  return static_cast<size_t>(
+      std::ranges::count_if(transitions, [&](const JudgedTransition& t) { return t.truth.kind == kind; }));
 }
 
-Json Comparison::to_json() const {
-  Json table = Json::object();
-  for (const char* kind : kTrueKinds)
-    for (const char* said : kSaidKinds) table[kind][said] = count_of(transitions, kind, said);
-  Json list = Json::array();
-  for (const JudgedTransition& t : transitions)
-    list.push_back({{"from_frame", t.truth.from_frame},
-                    {"to_frame", t.truth.to_frame},
-                    {"object", t.truth.object},
-                    {"truth", t.truth.kind},
-                    {"said", t.said},
-                    {"right", t.right()},
-                    {"memory_from", t.from_object == 0 ? Json() : Json(object_name(t.from_object))},
-                    {"memory_to", t.to_object == 0 ? Json() : Json(object_name(t.to_object))}});
-  return {{"table", table},
-          {"certain", certain()},
-          {"right", right()},
-          {"visible", visible},
-          {"found", found},
-          {"identity_pairs", same_pairs},
-          {"identity_kept", same_kept},
-          {"returned", returned},
-          {"recognised", recognised},
-          {"phantoms", phantoms},
-          {"transitions", list}};
+size_t Comparison::count_right(const std::string& kind) const {
+  return static_cast<size_t>(std::ranges::count_if(
+      transitions, [&](const JudgedTransition& t) { return t.truth.kind == kind && t.right(); }));
+}
+
+size_t Comparison::count(const std::string& kind, const std::string& said) const {
+  return static_cast<size_t>(std::ranges::count_if(
+      transitions, [&](const JudgedTransition& t) { return t.truth.kind == kind && t.said == said; }));
+}
+
+double Comparison::identity_f1() const {
+  const size_t sum = visible + attributed;
+  return sum == 0 ? 1.0 : 2 * double(agreed) / double(sum);
 }
 
 }  // namespace loci::changes

@@ -3,37 +3,56 @@
 #include <string>
 #include <vector>
 
+#include "apps/evaluate/changes/story.h"
 #include "apps/evaluate/changes/truth.h"
 #include "mapping/base/json.h"
-#include "memory/store/store.h"
 
 namespace loci::changes {
 
-/// What the memory says about one true transition.
+/// What can be said of a true transition: unchanged, moved, looks_different, added, removed, kept (neither
+/// seen nor gone), identity lost (gone and appeared as another object), confused (taken for another thing),
+/// not found (no cluster in a frame).
+inline constexpr const char* kSaidKinds[] = {"unchanged", "moved",         "looks_different",
+                                             "added",     "removed",       "kept",
+                                             "confused",  "identity lost", "not found"};
+
+/// What is said about one true transition.
 struct JudgedTransition {
   TrueTransition truth;
-  /// unchanged, moved, looks_different, added, removed, kept (neither seen nor gone), identity lost (gone and
-  /// appeared as another object), confused (taken for another thing), not found (no cluster in a frame).
-  std::string said;
-  Id from_object = 0, to_object = 0;  ///< the memory's objects at the two ends; 0 = none
-  bool right() const { return said == truth.kind; }
+  std::string said;                   ///< one of kSaidKinds
+  Id from_object = 0, to_object = 0;  ///< objects at the two ends; 0 = none
+  bool counts() const { return truth.kind != "uncertain"; }
+  /// The kind of the truth; moved also for what moved and turned, moved or looks_different for what turned in
+  /// its place, looks_different for what was given another colour.
+  bool right() const;
 };
 
+/// How one way of telling what happened compares with the truth.
 struct Comparison {
+  std::string method;
   std::vector<JudgedTransition> transitions;
   size_t visible = 0, found = 0;  ///< true things in frames, and those with an observation
-  size_t same_pairs = 0,
-         same_kept = 0;  ///< unchanged or moved, found at both ends: the memory's number is kept
+  size_t attributed = 0;          ///< observations taken for objects, those of hardly visible things aside
+  size_t agreed = 0;      ///< of these, that fit the best pairing of true things with objects, each once
+  size_t switches = 0;    ///< a thing that is found gets another number than when it was found before
+  size_t pairs = 0;       ///< that could have been switches
+  size_t false_gone = 0;  ///< said to be gone while it stood where it had been seen
   size_t returned = 0, recognised = 0;  ///< came back after having been removed: recognised as the same
-  size_t phantoms = 0;                  ///< objects of the memory that never were a true thing
+  size_t phantoms = 0;                  ///< objects that never were a true thing
 
   size_t certain() const;
   size_t right() const;
-  std::string text(bool verbose) const;
-  Json to_json() const;
+  size_t count(const std::string& kind) const;
+  size_t count_right(const std::string& kind) const;
+  size_t count(const std::string& kind, const std::string& said) const;
+  /// F1 over the sightings of things: 2 agreed / (visible + attributed), [Ristani 2016].
+  double identity_f1() const;
 };
 
-/// `names` of frames for people by index; may be empty.
-Comparison compare(const Truth& truth, const Store& store);
+Comparison compare(const std::string& method, const Truth& truth, const Moments& moments, const Story& story);
+
+/// The methods beside each other, the first being the one that is looked at in detail.
+std::string text(const std::vector<Comparison>& methods, bool verbose);
+Json to_json(const std::vector<Comparison>& methods);
 
 }  // namespace loci::changes

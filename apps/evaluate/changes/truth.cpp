@@ -33,17 +33,37 @@ std::map<int64_t, int64_t> frames_of_scenes(const CsvTable& objects, const std::
   return frame_of_scene;
 }
 
+/// How each thing lay in each frame ("upside down"), where the table says it.
+using States = std::map<std::pair<int64_t, std::string>, std::string>;
+
+/// A thing that is seen in a row, nothing of it being handled in between, keeps its count.
+void count_handling(Truth& truth) {
+  std::map<std::string, int> count;
+  std::map<std::pair<int64_t, std::string>, std::string> kind_into;
+  for (const TrueTransition& t : truth.transitions) kind_into[{t.to_frame, t.object}] = t.kind;
+  for (const auto& [frame, things] : truth.visible)
+    for (const TrueObject& thing : things) {
+      const auto kind = kind_into.find({frame, thing.name});
+      if (kind != kind_into.end() && kind->second != "unchanged") ++count[thing.name];
+      truth.handled[frame][thing.name] = count[thing.name];
+    }
+}
+
 Truth read_tables(const std::filesystem::path& folder, const std::vector<int64_t>& frames) {
   Truth truth;
   const CsvTable objects = CsvTable::read(folder / "objects.csv");
   const std::map<int64_t, int64_t> frame_of_scene = frames_of_scenes(objects, frames);
+  const int state_column = objects.column("state");
+  States states;
   for (size_t row = 0; row < objects.rows(); ++row) {
     const auto number = [&](const char* name) { return objects.number(row, objects.require_column(name)); };
-    const int64_t scene = objects.integer(row, objects.require_column("scene"));
-    truth.visible[frame_of_scene.at(scene)].push_back(
-        {objects.cell(row, objects.require_column("object")),
-         {number("cx"), number("cy"), number("cz")},
-         {number("size_x"), number("size_y"), number("size_z")}});
+    const int64_t frame = frame_of_scene.at(objects.integer(row, objects.require_column("scene")));
+    const std::string name = objects.cell(row, objects.require_column("object"));
+    truth.visible[frame].push_back({name,
+                                    {number("cx"), number("cy"), number("cz")},
+                                    {number("size_x"), number("size_y"), number("size_z")},
+                                    std::nullopt});
+    if (state_column >= 0) states[{frame, name}] = objects.cell(row, static_cast<size_t>(state_column));
   }
   const CsvTable transitions = CsvTable::read(folder / "transitions.csv");
   for (size_t row = 0; row < transitions.rows(); ++row) {
@@ -53,23 +73,52 @@ Truth read_tables(const std::filesystem::path& folder, const std::vector<int64_t
         throw Error("there is no such scene in objects.csv", transitions.place(row, name));
       return found->second;
     };
-    truth.transitions.push_back({frame("from_scene"), frame("to_scene"),
-                                 transitions.cell(row, transitions.require_column("object")),
-                                 transitions.cell(row, transitions.require_column("change"))});
+    TrueTransition t{frame("from_scene"), frame("to_scene"),
+                     transitions.cell(row, transitions.require_column("object")),
+                     transitions.cell(row, transitions.require_column("change"))};
+    if (t.kind == "moved" && states[{t.from_frame, t.object}] != states[{t.to_frame, t.object}])
+      t.kind = "moved and turned";
+    truth.transitions.push_back(t);
   }
+  count_handling(truth);
   return truth;
 }
 
-struct Sighting {
+/// A thing as it stands in the simulation.
+struct Stand {
   int64_t frame = 0;
   Isometry3d pose = Isometry3d::Identity();
+  Vector3d size = Vector3d::Zero();  ///< along its own axes
+  std::array<double, 3> color{};
 };
 
 /// A thing of the simulation over time.
 struct Course {
-  std::optional<Sighting> last;  ///< when it was visible last
-  bool in_world = false;
+  std::optional<Stand> visible;  ///< when it was visible last
+  std::optional<Stand> now;      ///< unset = not in the world
+  int handled = 0;
 };
+
+bool shifted(const Stand& from, const Stand& to) {
+  return (from.pose.translation() - to.pose.translation()).norm() > kMoved;
+}
+
+bool turned(const Stand& from, const Stand& to) {
+  return Eigen::AngleAxisd(from.pose.linear().transpose() * to.pose.linear()).angle() > kTurned;
+}
+
+/// As wide as deep and upright in both: how it is turned cannot be seen.
+bool is_round(const Stand& from, const Stand& to) {
+  const bool upright = from.pose.linear()(2, 2) > 0.99 && to.pose.linear()(2, 2) > 0.99;
+  return upright && std::abs(from.size.x() - from.size.y()) < 0.02 * from.size.x();
+}
+
+std::string kind_of(const Stand& from, const Stand& to) {
+  const bool turns = turned(from, to), round = is_round(from, to);
+  if (shifted(from, to)) return turns && !round ? "moved and turned" : "moved";
+  if (turns) return round ? "uncertain" : "turned";
+  return from.color != to.color ? "recoloured" : "unchanged";
+}
 
 void add_line(const Json& line, std::map<std::string, Course>& courses, Truth& truth) {
   const int64_t frame = line.at("frame").get<int64_t>();
@@ -78,30 +127,35 @@ void add_line(const Json& line, std::map<std::string, Course>& courses, Truth& t
     const std::string name = entry.at("id").get<std::string>();
     present.insert(name);
     Course& course = courses[name];
-    course.in_world = true;
-    const bool visible = entry.at("pixels").get<double>() >= kVisiblePixels &&
-                         !entry.at("visible").is_null() && entry.at("visible").get<double>() >= kVisibleShare;
-    if (!visible) continue;
-    const Isometry3d pose = pose_from_values(entry.at("pose").get<std::array<double, 7>>());
     const auto size = entry.at("size").get<std::array<double, 3>>();
-    const Vector3d extent(size[0], size[1], size[2]);
-    const Vector3d turned = pose.linear().cwiseAbs() * extent;
-    truth.visible[frame].push_back({name, pose * Vector3d(0, 0, size[2] / 2), turned});
-    if (!course.last) {
-      truth.transitions.push_back({frame, frame, name, "added"});
-    } else {
-      const Isometry3d change = course.last->pose.inverse() * pose;
-      const bool moved =
-          change.translation().norm() > kMoved || Eigen::AngleAxisd(change.linear()).angle() > kTurned;
-      truth.transitions.push_back({course.last->frame, frame, name, moved ? "moved" : "unchanged"});
+    const Stand now{frame, pose_from_values(entry.at("pose").get<std::array<double, 7>>()),
+                    Vector3d(size[0], size[1], size[2]), entry.at("color").get<std::array<double, 3>>()};
+    if (course.now && (shifted(*course.now, now) || turned(*course.now, now))) ++course.handled;
+    course.now = now;
+    truth.handled[frame][name] = course.handled;
+    const double pixels = entry.at("pixels").get<double>();
+    if (pixels <= 0) continue;
+    const Vector3d extent = now.pose.linear().cwiseAbs() * now.size;
+    TrueObject thing{name, now.pose * Vector3d(0, 0, size[2] / 2), extent, std::nullopt};
+    if (!entry.at("box").is_null()) {
+      const auto box = entry.at("box").get<std::array<int, 4>>();
+      thing.pixels = {box[0], box[1], box[2] - box[0] + 1, box[3] - box[1] + 1};
     }
-    course.last = Sighting{frame, pose};
+    const bool visible = pixels >= kVisiblePixels && !entry.at("visible").is_null() &&
+                         entry.at("visible").get<double>() >= kVisibleShare;
+    (visible ? truth.visible : truth.barely)[frame].push_back(thing);
+    if (!visible) continue;
+    truth.transitions.push_back(
+        course.visible ? TrueTransition{course.visible->frame, frame, name, kind_of(*course.visible, now)}
+                       : TrueTransition{frame, frame, name, "added"});
+    course.visible = now;
   }
   for (auto& [name, course] : courses) {
-    if (!course.in_world || present.contains(name)) continue;
-    course.in_world = false;
-    if (course.last) truth.transitions.push_back({course.last->frame, frame, name, "removed"});
-    course.last.reset();
+    if (!course.now || present.contains(name)) continue;
+    course.now.reset();
+    ++course.handled;
+    if (course.visible) truth.transitions.push_back({course.visible->frame, frame, name, "removed"});
+    course.visible.reset();
   }
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,23 +11,32 @@
 
 namespace loci::changes {
 
+/// What truly happened to a thing between two frames in which it could be seen. `turned` stands where it
+/// stood, `recoloured` too; `uncertain` does not count: a person was not sure, or nobody could see it.
+inline constexpr const char* kTrueKinds[] = {"unchanged",  "moved", "moved and turned", "turned",
+                                             "recoloured", "added", "removed",          "uncertain"};
+
 /// A thing that is visible in a frame: the box of its visible points, map frame.
 struct TrueObject {
   std::string name;
   Vector3d centre = Vector3d::Zero();
   Vector3d size = Vector3d::Zero();
+  std::optional<std::array<int, 4>> pixels;  ///< x, y, width, height of what is visible in the depth image
 };
 
-/// What truly happened to a thing between two frames.
 struct TrueTransition {
   int64_t from_frame = 0, to_frame = 0;  ///< indexes in the recording
   std::string object;
-  std::string kind;  ///< unchanged, moved, added, removed, uncertain
+  std::string kind;  ///< one of kTrueKinds
 };
 
 struct Truth {
   std::map<int64_t, std::vector<TrueObject>> visible;  ///< by frame index
+  /// Things that are there but hardly visible: whether they are found does not count.
+  std::map<int64_t, std::vector<TrueObject>> barely;
   std::vector<TrueTransition> transitions;
+  /// Frame by frame all things of the world, seen or not, and how often each had been handled by then.
+  std::map<int64_t, std::map<std::string, int>> handled;
 };
 
 /// Reads objects.csv and transitions.csv (the layout of osd_changes), or truth.jsonl of a simulated

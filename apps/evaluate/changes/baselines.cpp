@@ -1,0 +1,130 @@
+#include <algorithm>
+#include <tuple>
+
+#include "apps/evaluate/changes/story.h"
+#include "memory/belief/similarity.h"
+
+namespace loci::changes {
+namespace {
+
+constexpr double kReach = 0.25;          ///< metres; beyond that nearest does not look, and closeness fades
+constexpr double kLeastCombined = 0.2;   ///< RoboSherlock's
+constexpr double kMoved = 0.05;          ///< metres between two looks; visible parts differ by less
+constexpr double kLeastSimilar = 0.5;    ///< below, it looks different
+constexpr double kNear = 0.3, kFar = 5;  ///< metres that a camera sees
+
+using Pairs = std::vector<std::pair<size_t, size_t>>;
+
+/// An object as it was seen last.
+struct Entry {
+  Id id = 0;
+  belief::Observation last;
+};
+
+double similar(const Entry& old, const Sight& seen) {
+  const belief::Likeness likeness =
+      belief::compare(old.last.descriptors, seen.evidence.descriptors, false, 1);
+  return likeness.closeness.value_or(0.5);
+}
+
+double distance(const Entry& old, const Sight& seen) {
+  return (old.last.box.centre - seen.evidence.box.centre).norm();
+}
+
+bool in_picture(const Vector3d& point, const Moment& moment) {
+  if (!moment.camera) return false;
+  const Vector3d p = moment.map_from_camera.inverse() * point;
+  if (p.z() < kNear || p.z() > kFar) return false;
+  const double u = moment.camera->fx * p.x() / p.z() + moment.camera->cx;
+  const double v = moment.camera->fy * p.y() / p.z() + moment.camera->cy;
+  return u >= 0 && v >= 0 && u < moment.camera->width && v < moment.camera->height;
+}
+
+Pairs greedy_pairs(const std::vector<Entry>& old, const std::vector<Sight>& seen) {
+  std::vector<size_t> best_seen(old.size(), seen.size()), best_old(seen.size(), old.size());
+  std::vector<double> most_of_seen(seen.size(), kLeastCombined);
+  for (size_t o = 0; o < old.size(); ++o) {
+    double most = 0;
+    for (size_t k = 0; k < seen.size(); ++k) {
+      const double proximity = belief::gaussian_closeness(distance(old[o], seen[k]), kReach);
+      const double value = 0.5 * similar(old[o], seen[k]) + 0.5 * proximity;
+      if (value > most) {
+        most = value;
+        best_seen[o] = k;
+      }
+      if (value > most_of_seen[k]) {
+        most_of_seen[k] = value;
+        best_old[k] = o;
+      }
+    }
+  }
+  Pairs pairs;
+  for (size_t k = 0; k < seen.size(); ++k)
+    if (best_old[k] < old.size() && best_seen[best_old[k]] == k) pairs.emplace_back(best_old[k], k);
+  return pairs;
+}
+
+Pairs nearest_pairs(const std::vector<Entry>& old, const std::vector<Sight>& seen) {
+  std::vector<std::tuple<double, size_t, size_t>> candidates;
+  for (size_t o = 0; o < old.size(); ++o)
+    for (size_t k = 0; k < seen.size(); ++k)
+      if (distance(old[o], seen[k]) <= kReach) candidates.emplace_back(distance(old[o], seen[k]), o, k);
+  std::sort(candidates.begin(), candidates.end());
+  std::set<size_t> old_taken, seen_taken;
+  Pairs pairs;
+  for (const auto& [ignored, o, k] : candidates) {
+    if (old_taken.contains(o) || seen_taken.contains(k)) continue;
+    old_taken.insert(o);
+    seen_taken.insert(k);
+    pairs.emplace_back(o, k);
+  }
+  return pairs;
+}
+
+template <class PairUp>
+Story tell(const Moments& moments, PairUp pair_up) {
+  Story story;
+  std::vector<Entry> old;
+  Id next = 1;
+  for (const auto& [frame, moment] : moments) {
+    Told& told = story[frame];
+    std::vector<bool> found(old.size()), known(moment.sights.size());
+    for (const auto& [o, k] : pair_up(old, moment.sights)) {
+      const Sight& sight = moment.sights[k];
+      found[o] = known[k] = true;
+      told.object_of[sight.observation] = old[o].id;
+      if (distance(old[o], sight) > kMoved)
+        told.events[old[o].id].insert("moved");
+      else if (similar(old[o], sight) < kLeastSimilar)
+        told.events[old[o].id].insert("looks_different");
+      old[o].last = sight.evidence;
+    }
+    std::vector<Entry> kept;
+    for (size_t o = 0; o < old.size(); ++o) {
+      const bool gone = !found[o] && in_picture(old[o].last.box.centre, moment);
+      if (gone) told.events[old[o].id].insert("gone");
+      if (!gone) kept.push_back(std::move(old[o]));
+    }
+    for (size_t k = 0; k < moment.sights.size(); ++k) {
+      if (known[k]) continue;
+      const Entry fresh{next++, moment.sights[k].evidence};
+      told.object_of[moment.sights[k].observation] = fresh.id;
+      told.events[fresh.id].insert("appeared");
+      kept.push_back(fresh);
+    }
+    old = std::move(kept);
+  }
+  return story;
+}
+
+}  // namespace
+
+Story greedy_story(const Moments& moments) {
+  return tell(moments, greedy_pairs);
+}
+
+Story nearest_story(const Moments& moments) {
+  return tell(moments, nearest_pairs);
+}
+
+}  // namespace loci::changes
