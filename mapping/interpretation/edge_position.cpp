@@ -61,8 +61,9 @@ bool surface_reaches(const EdgeSamples& samples, double position) {
   constexpr double kDense = 0.4;      // of the density inside
   if (position < kNoMatter) return true;
   const auto between = [&](double low, double high) {
-    return static_cast<double>(std::count_if(samples.support.begin(), samples.support.end(),
-                                             [&](double v) { return v >= low && v < high; }));
+    const auto inside = [&](double v) { return v >= low && v < high; };
+    return static_cast<double>(std::ranges::count_if(samples.support, inside) +
+                               std::ranges::count_if(samples.brink, inside));
   };
   return between(0, position) / position >= kDense * between(-kEdgeWindow, 0) / kEdgeWindow;
 }

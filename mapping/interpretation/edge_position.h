@@ -15,6 +15,7 @@ inline constexpr double kEdgeWindow = 0.06;
 struct EdgeSamples {
   std::vector<double> rim;      ///< points right below the top: of the slab's vertical edge
   std::vector<double> support;  ///< points of the top
+  std::vector<double> brink;    ///< points at its height with uncertain normals
   std::vector<double> passed;   ///< crossings of rays that passed beside it
 };
 
@@ -28,6 +29,7 @@ EdgeSamples samples_across(const PlaneEvidence& evidence, const Outwards& outwar
   };
   for (const Vector2d& point : evidence.rim) add(point, samples.rim);
   for (const auto& point : evidence.support) add(point.position, samples.support);
+  for (const auto& point : evidence.brink) add(point.position, samples.brink);
   for (const Vector2d& point : evidence.pierced) add(point, samples.passed);
   for (const Vector2d& point : evidence.sunk) add(point, samples.passed);
   return samples;

@@ -26,6 +26,12 @@ inline bool looks_up(const SurfacePoint& point) {
   return point.normal.z() > 0.94F;
 }
 
+/// Whether a point may be of a surface like that although its normal does not say so: near a vertical surface
+/// the neighbourhood that a normal is taken from holds both, and a few rows of points give none.
+inline bool may_look_up(const SurfacePoint& point) {
+  return !looks_up(point) && (point.normal.isZero() || point.normal.z() > 0.3F);
+}
+
 /// Upward points between two heights, by column and height, grown into pieces whose height changes little
 /// from column to column.
 Layers find_layers(const Surface& surface, double lowest, double highest);

@@ -9,6 +9,7 @@ namespace {
 
 // Scores per cell: what speaks for a rectangle and what against it.
 constexpr float kSupport = 1.0F;
+constexpr float kMaybe = 0.2F;  // points at the height, too few or too near to others for a normal
 constexpr float kPierced = -1.5F;
 constexpr float kSunkIn = -0.3F;   // a counter may have a sink
 constexpr float kHidden = -0.03F;  // something stands above: the surface may go on below it
@@ -36,6 +37,8 @@ PlaneRaster::PlaneRaster(const PlaneEvidence& evidence, const std::vector<Vector
   cells_.resize(static_cast<size_t>(width_) * static_cast<size_t>(height_));
   for (const auto& point : evidence.support)
     if (Cell* c = at(point.position)) ++c->support;
+  for (const auto& point : evidence.brink)
+    if (Cell* c = at(point.position)) ++c->brink;
   for (const Vector2d& point : evidence.pierced)
     if (Cell* c = at(point)) ++c->pierced;
   for (const Vector2d& point : evidence.sunk)
@@ -83,6 +86,7 @@ void PlaneRaster::score_cells() {
                                  : is_support(cell)    ? kSupport
                                  : is_pierced(cell)    ? kPierced
                                  : is_sunk(cell)       ? kSunkIn
+                                 : cell.brink > 0      ? kMaybe
                                  : cell.shadow > 0     ? kHidden
                                  : !near_support(x, y) ? kUnknown
                                  : cell.above > 0      ? kHidden

@@ -14,11 +14,13 @@ struct PlaneEvidence {
     uint16_t scan;
   };
   std::vector<SupportPoint> support;  ///< upward points at the height
+  std::vector<SupportPoint> brink;    ///< points at the height that may look up: at the surface's edges
   std::vector<Vector2d> pierced;      ///< where rays passed through, far down
   std::vector<Vector2d> sunk;         ///< where rays passed through, but not far: a sink, a chair's seat
   std::vector<Vector2d> taken;        ///< upward points that another support has already
   std::vector<Vector2d> above;        ///< points right above: something stands there
   std::vector<Vector2d> shadow;       ///< where rays would have met the plane, had nothing stood on it
+  std::vector<Vector2d> below;        ///< vertical surface below that edge
   std::vector<Vector2d> rim;          ///< points right below the height: of the slab's vertical edge
 };
 
@@ -50,7 +52,7 @@ class PlaneRaster {
 
  private:
   struct Cell {
-    int support = 0, pierced = 0, sunk = 0, above = 0, shadow = 0;
+    int support = 0, brink = 0, pierced = 0, sunk = 0, above = 0, shadow = 0;
     bool consumed = false;
   };
   size_t number_of(int x, int y) const {

@@ -103,6 +103,7 @@ double distance_to_wall(const Support& support, const Extent& extent, Side side,
 void measure_edges(Support& support, const PlaneEvidence& evidence, const PlaneRaster& raster,
                    const std::vector<VerticalPlane>& walls) {
   std::vector<PlaneEvidence::SupportPoint> points = evidence.support;
+  points.insert(points.end(), evidence.brink.begin(), evidence.brink.end());
   const Eigen::Rotation2Dd axes_from_map(-support.yaw);
   for (auto& point : points) point.position = axes_from_map * point.position;
   for (size_t number = 0; number < support.parts.size(); ++number) {

@@ -27,6 +27,7 @@ constexpr double kLookout = 0.9;    // m; what is known so near is looked at: a 
 constexpr double kMargin = 0.1;     // m around the pieces
 constexpr double kThrough = 0.05;   // m; a ray that comes from above and ends this far below passed through
 constexpr double kRimDepth = 0.03;  // m below a plane that belong to the edge of its slab
+constexpr double kBelow = 0.15;  // m below a plane, to which its slab's edge is compared with what carries it
 constexpr double kLongestShadow = 1.0;  // m from a thing on a plane to what it hides of it
 constexpr double kLargestTilt = 0.03;   // slope; more is no support, drift makes less
 constexpr double kTouch = 0.06;         // m between rectangles of one support
@@ -184,6 +185,8 @@ PlaneEvidence collect(const Surface& surface, const Seed& seed, const std::vecto
     if (std::abs(above + kRimDepth / 2) < kRimDepth / 2 && !looks_up(point) &&
         !tall.stands_at(position.head<2>()))
       evidence.rim.push_back(position.head<2>());
+    if (above < -1.3 * kRimDepth && above > -kBelow && !looks_up(point))
+      evidence.below.push_back(position.head<2>());
     if (surface.free_space && above > 0.03 && !tall.stands_at(position.head<2>())) {
       const Vector3d origin = surface.origins[point.origin].cast<double>();
       const double start = seed.plane.above(origin);
@@ -198,6 +201,8 @@ PlaneEvidence collect(const Surface& surface, const Seed& seed, const std::vecto
         evidence.taken.push_back(position.head<2>());
       else
         evidence.support.push_back({position.head<2>(), point.position.z(), point.scan});
+    } else if (std::abs(above) < tolerance && may_look_up(point)) {
+      evidence.brink.push_back({position.head<2>(), point.position.z(), point.scan});
     } else if (above > 0.03 && above < 0.5)
       evidence.above.push_back(position.head<2>());
   }
@@ -287,6 +292,56 @@ std::vector<std::vector<Extent>> grouped(const std::vector<Extent>& rectangles) 
   return groups;
 }
 
+/// Rectangles that lie in one row become one.
+void unite_rows(std::vector<Extent>& parts) {
+  constexpr double kAlike = 0.03;  // m between the ends across the row
+  for (size_t i = 0; i < parts.size(); ++i)
+    for (size_t j = i + 1; j < parts.size(); ++j) {
+      Extent& a = parts[i];
+      const Extent& b = parts[j];
+      if (!touch(a, b)) continue;
+      const auto alike = [&](int axis) {
+        return std::abs(a.min[axis] - b.min[axis]) < kAlike && std::abs(a.max[axis] - b.max[axis]) < kAlike;
+      };
+      if (!alike(0) && !alike(1)) continue;
+      a = {a.min.cwiseMin(b.min), a.max.cwiseMax(b.max)};
+      parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(j));
+      j = i;  // The others anew.
+    }
+}
+
+/// Two pieces of one slab, found one after the other because of what stands between: after they were extended
+/// behind it, they touch.
+bool one_slab(const Support& a, const Support& b) {
+  constexpr double kLevel = 0.01;   // m
+  constexpr double kTurned = 0.01;  // rad
+  if (!a.polygon.empty() || !b.polygon.empty() || std::abs(a.height - b.height) > kLevel ||
+      std::abs(a.yaw - b.yaw) > kTurned)
+    return false;
+  return std::ranges::any_of(a.parts, [&](const Extent& part) {
+    return std::ranges::any_of(b.parts, [&](const Extent& other) { return touch(part, other); });
+  });
+}
+
+/// Makes one support of two pieces of a slab; the larger one says what its edges are.
+void join(Support& piece, const Support& other) {
+  Support both = piece.area() < other.area() ? other : piece;
+  const Support& smaller = piece.area() < other.area() ? piece : other;
+  both.parts.insert(both.parts.end(), smaller.parts.begin(), smaller.parts.end());
+  unite_rows(both.parts);
+  const auto areas = [](const Support& support) { return support.observed_area; };
+  const double share = areas(smaller) / (areas(smaller) + areas(both));
+  both.seen_below += share * (smaller.seen_below - both.seen_below);
+  both.sd = std::max(both.sd, smaller.sd);
+  both.observed_area += smaller.observed_area;
+  both.pierced_area += smaller.pierced_area;
+  both.inliers += smaller.inliers;
+  both.scans.insert(both.scans.end(), smaller.scans.begin(), smaller.scans.end());
+  std::ranges::sort(both.scans);
+  both.scans.erase(std::unique(both.scans.begin(), both.scans.end()), both.scans.end());
+  piece = std::move(both);
+}
+
 }  // namespace
 
 const char* edge_kind_name(EdgeKind kind) {
@@ -352,7 +407,12 @@ SupportSearch find_supports(const Surface& surface, double floor_height, double 
       measure(support, evidence, whole, vertical.walls, surface);
       fit_outline(support, evidence, whole);
       consume(support);
-      result.supports.push_back(std::move(support));
+      const auto piece = std::ranges::find_if(result.supports,
+                                              [&](const Support& other) { return one_slab(other, support); });
+      if (piece != result.supports.end())
+        join(*piece, support);
+      else
+        result.supports.push_back(std::move(support));
     }
   }
   add_counters_behind_faces(result.supports, surface, vertical.others, vertical.walls, floor_height);

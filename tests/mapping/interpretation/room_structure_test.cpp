@@ -94,10 +94,15 @@ TEST(RoomStructure, RoundTableHasARoundOutline) {
   EXPECT_TRUE(std::holds_alternative<Cylinder>(link->collisions.front().geometry));
 }
 
+/// Fronts below a slab that stands out 2 cm before them, along the north wall.
+void add_counter(AnalyticRoom& room, double from, double to) {
+  room.solids.push_back({{from, 2.42, 0}, {to, 3.0, 0.87}});
+  room.solids.push_back({{from, 2.4, 0.87}, {to, 3.0, 0.9}});
+}
+
 TEST(RoomStructure, CounterGoesOnBehindAnApplianceThatStandsOnIt) {
   AnalyticRoom room;
-  room.solids.push_back({{0.5, 2.42, 0}, {2.9, 3.0, 0.87}});      // fronts …
-  room.solids.push_back({{0.5, 2.4, 0.87}, {2.9, 3.0, 0.9}});     // … below the slab
+  add_counter(room, 0.5, 2.9);
   room.solids.push_back({{2.35, 2.41, 0.9}, {2.82, 3.0, 1.25}});  // as deep as the slab
   const InterpretedMap map = interpreted(scan_room(room, kLaserOrigins, 0.002, 31));
   ASSERT_TRUE(map.semantics.links.contains("counter_1"));
@@ -105,12 +110,40 @@ TEST(RoomStructure, CounterGoesOnBehindAnApplianceThatStandsOnIt) {
   EXPECT_GT(overlap(outline_of(map, "counter_1"), slab), 0.95);
 }
 
+TEST(RoomStructure, CounterGoesOnBelowAnApplianceUpToItsEnd) {
+  AnalyticRoom room;
+  add_counter(room, 0.5, 2.9);
+  room.solids.push_back({{2.5, 2.41, 0.9}, {2.9, 3.0, 1.3}});
+  const InterpretedMap map = interpreted(scan_room(room, kLaserOrigins, 0.002, 33));
+  ASSERT_TRUE(map.semantics.links.contains("counter_1"));
+  const auto slab = [](const Vector2d& at) { return at.x() > 0.5 && at.x() < 2.9 && at.y() > 2.4; };
+  EXPECT_GT(overlap(outline_of(map, "counter_1"), slab), 0.95);
+}
+
+TEST(RoomStructure, CounterThatAnAppliancePartsInTwoIsOne) {
+  AnalyticRoom room;
+  add_counter(room, 0.3, 3.6);
+  room.solids.push_back({{1.7, 2.41, 0.9}, {2.3, 3.0, 1.3}});
+  const InterpretedMap map = interpreted(scan_room(room, kLaserOrigins, 0.002, 34));
+  ASSERT_TRUE(map.semantics.links.contains("counter_1"));
+  EXPECT_FALSE(map.semantics.links.contains("counter_2"));
+  const auto slab = [](const Vector2d& at) { return at.x() > 0.3 && at.x() < 3.6 && at.y() > 2.4; };
+  EXPECT_GT(overlap(outline_of(map, "counter_1"), slab), 0.95);
+}
+
+TEST(RoomStructure, CounterEndsAtARefrigeratorThatIsLittleHigher) {
+  AnalyticRoom room;
+  add_counter(room, 0.5, 2.2);
+  room.solids.push_back({{2.2, 2.41, 0}, {2.8, 3.0, 1.3}});
+  const InterpretedMap map = interpreted(scan_room(room, kLaserOrigins, 0.002, 35));
+  ASSERT_TRUE(map.semantics.links.contains("counter_1"));
+  for (const Vector2d& corner : outline_of(map, "counter_1")) EXPECT_LT(corner.x(), 2.25);
+}
+
 TEST(RoomStructure, CounterEndsAtAPassage) {
   AnalyticRoom room;
-  for (const auto& [from, to] : {std::pair{0.5, 2.2}, {2.7, 2.9}}) {
-    room.solids.push_back({{from, 2.42, 0}, {to, 3.0, 0.87}});
-    room.solids.push_back({{from, 2.4, 0.87}, {to, 3.0, 0.9}});
-  }
+  add_counter(room, 0.5, 2.2);
+  add_counter(room, 2.7, 2.9);
   room.solids.push_back({{1.9, 2.41, 0.9}, {2.2, 3.0, 1.25}});  // Stands at the passage, on one side.
   const InterpretedMap map = interpreted(scan_room(room, kLaserOrigins, 0.002, 32));
   ASSERT_TRUE(map.semantics.links.contains("counter_1"));
