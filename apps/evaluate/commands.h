@@ -8,6 +8,7 @@ Command articulation_command();
 Command changes_command();
 Command mapping_command();
 Command description_command();
+Command filter_command();
 Command identity_command();
 Command registration_command();
 Command segmentation_command();

@@ -5,6 +5,7 @@ int main(int argc, char** argv) {
   program.add(loci::articulation_command());
   program.add(loci::changes_command());
   program.add(loci::description_command());
+  program.add(loci::filter_command());
   program.add(loci::mapping_command());
   program.add(loci::identity_command());
   program.add(loci::registration_command());

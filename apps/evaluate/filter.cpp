@@ -1,0 +1,66 @@
+#include "apps/evaluate/commands.h"
+#include "apps/evaluate/filter/removal.h"
+#include "apps/evaluate/filter/speed.h"
+#include "mapping/base/files.h"
+
+namespace loci {
+namespace {
+
+using namespace filter_evaluation;
+
+struct Arguments {
+  std::vector<std::string> recordings;
+  std::string map;
+  std::vector<std::string> package_paths;
+  std::string output;
+  SpeedOptions speed;
+  KnownStructureOptions filter;
+};
+
+void run_speed(const Arguments& arguments, Session& session) {
+  const Speed speed = measure_speed(arguments.speed, session.progress());
+  if (!arguments.output.empty()) {
+    make_folder(arguments.output);
+    write_file_atomically(std::filesystem::path(arguments.output) / "speed.svg", speed_svg(speed));
+  }
+  session.answer(speed.text(), speed.to_json());
+}
+
+void run_recordings(const Arguments& arguments, Session& session) {
+  if (arguments.map.empty()) throw Error("recordings are filtered against a map", {}, "--map MAP.urdf");
+  const auto map = KnownMap::load(
+      arguments.map, {arguments.package_paths.begin(), arguments.package_paths.end()}, session.warnings());
+  std::vector<Removal> removals;
+  for (const std::string& recording : arguments.recordings)
+    removals.push_back(
+        measure_removal(recording, *map, arguments.filter, session.flags().threads, session.progress()));
+  session.answer(removal_text(removals), {{"removal", removal_json(removals)}});
+}
+
+void run(Arguments& arguments, Session& session) {
+  table_of(arguments.speed).validate();
+  table_of(arguments.filter).validate();
+  arguments.recordings.empty() ? run_speed(arguments, session) : run_recordings(arguments, session);
+}
+
+}  // namespace
+
+Command filter_command() {
+  return {"filter",
+          "Known structure: time to draw thousands of meshes, or what is left of recordings",
+          {"loci-evaluate filter --meshes 200 --robots 2 --steps 1 --repeats 1",
+           "loci-evaluate filter demo-output/day --map demo-output/explored/map.urdf --json"},
+          [](CLI::App& app) {
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("RECORDINGS", arguments->recordings,
+                           "Recordings to be filtered; without any, time is measured");
+            app.add_option("--map", arguments->map, "URDF of the kitchen (its sidecar is found beside it)");
+            app.add_option("--package-path", arguments->package_paths, "Folder that holds packages");
+            app.add_option("-o,--output", arguments->output, "Folder for the figure as SVG");
+            add_options(app, table_of(arguments->speed));
+            add_options(app, table_of(arguments->filter));
+            return [arguments](Session& session) { run(*arguments, session); };
+          }};
+}
+
+}  // namespace loci
