@@ -9,7 +9,7 @@ namespace {
 
 // Scores per cell: what speaks for a rectangle and what against it.
 constexpr float kSupport = 1.0F;
-constexpr float kMaybe = 0.2F;  // points at the height, too few or too near to others for a normal
+constexpr float kMaybe = -0.01F;  // points at the height without a clear normal
 constexpr float kPierced = -1.5F;
 constexpr float kSunkIn = -0.3F;   // a counter may have a sink
 constexpr float kHidden = -0.03F;  // something stands above: the surface may go on below it

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -54,6 +55,30 @@ void refine_edge(Extent& extent, Side side, const std::vector<PlaneEvidence::Sup
   if (!opinions.empty()) side.edge(extent) = side.sign() * median(opinions);
 }
 
+/// Near to where a surface meets or becomes a vertical one, normals do not tell: it goes on as long as points
+/// at its height lie about as densely as inside.
+void grow_edge(Extent& extent, Side side, const std::vector<PlaneEvidence::SupportPoint>& support,
+               const std::vector<PlaneEvidence::SupportPoint>& brink) {
+  constexpr double kBin = 0.005;   // m
+  constexpr double kInner = 0.06;  // m inside the edge, with which the density is compared
+  constexpr double kDense = 0.5;
+  const int across = 1 - side.axis;
+  const double edge = side.sign() * side.edge(extent);
+  std::array<double, static_cast<size_t>(kOutside / kBin)> beyond{};
+  double inside = 0;
+  for (const auto* points : {&support, &brink})
+    for (const auto& point : *points) {
+      if (point.position[across] < extent.min[across] || point.position[across] > extent.max[across])
+        continue;
+      const double bin = std::floor((side.sign() * point.position[side.axis] - edge) / kBin);
+      if (bin < 0 && bin >= -kInner / kBin) inside += kBin / kInner;
+      if (bin >= 0 && bin < static_cast<double>(beyond.size())) ++beyond[static_cast<size_t>(bin)];
+    }
+  size_t bins = 0;
+  while (bins < beyond.size() && inside > 0 && beyond[bins] >= kDense * inside) ++bins;
+  side.edge(extent) += side.sign() * kBin * static_cast<double>(bins);
+}
+
 /// A free edge by what shows it best.
 void sharpen_edge(Extent& extent, Side side, const PlaneEvidence& evidence,
                   const Eigen::Rotation2Dd& axes_from_map) {
@@ -103,12 +128,14 @@ double distance_to_wall(const Support& support, const Extent& extent, Side side,
 void measure_edges(Support& support, const PlaneEvidence& evidence, const PlaneRaster& raster,
                    const std::vector<VerticalPlane>& walls) {
   std::vector<PlaneEvidence::SupportPoint> points = evidence.support;
-  points.insert(points.end(), evidence.brink.begin(), evidence.brink.end());
+  std::vector<PlaneEvidence::SupportPoint> brink = evidence.brink;
   const Eigen::Rotation2Dd axes_from_map(-support.yaw);
-  for (auto& point : points) point.position = axes_from_map * point.position;
+  for (auto* list : {&points, &brink})
+    for (auto& point : *list) point.position = axes_from_map * point.position;
   for (size_t number = 0; number < support.parts.size(); ++number) {
     Extent& part = support.parts[number];
     for (size_t i = 0; i < 4; ++i) refine_edge(part, Side::of(i), points);
+    for (size_t i = 0; i < 4; ++i) grow_edge(part, Side::of(i), points, brink);
     for (size_t i = 0; i < 4; ++i) sharpen_edge(part, Side::of(i), evidence, axes_from_map);
     for (size_t i = 0; i < 4; ++i) {
       const Side side = Side::of(i);

@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -292,19 +293,20 @@ std::vector<std::vector<Extent>> grouped(const std::vector<Extent>& rectangles) 
   return groups;
 }
 
-/// Rectangles that lie in one row become one.
+/// Whether two rectangles touch and lie in one row: as deep, and level with each other at front and back.
+bool in_one_row(const Extent& a, const Extent& b) {
+  constexpr double kAlike = 0.04;  // m
+  return touch(a, b) && std::ranges::any_of(std::array{0, 1}, [&](int axis) {
+           return std::abs(a.min[axis] - b.min[axis]) < kAlike &&
+                  std::abs(a.max[axis] - b.max[axis]) < kAlike;
+         });
+}
+
 void unite_rows(std::vector<Extent>& parts) {
-  constexpr double kAlike = 0.03;  // m between the ends across the row
   for (size_t i = 0; i < parts.size(); ++i)
     for (size_t j = i + 1; j < parts.size(); ++j) {
-      Extent& a = parts[i];
-      const Extent& b = parts[j];
-      if (!touch(a, b)) continue;
-      const auto alike = [&](int axis) {
-        return std::abs(a.min[axis] - b.min[axis]) < kAlike && std::abs(a.max[axis] - b.max[axis]) < kAlike;
-      };
-      if (!alike(0) && !alike(1)) continue;
-      a = {a.min.cwiseMin(b.min), a.max.cwiseMax(b.max)};
+      if (!in_one_row(parts[i], parts[j])) continue;
+      parts[i] = {parts[i].min.cwiseMin(parts[j].min), parts[i].max.cwiseMax(parts[j].max)};
       parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(j));
       j = i;  // The others anew.
     }
@@ -319,7 +321,7 @@ bool one_slab(const Support& a, const Support& b) {
       std::abs(a.yaw - b.yaw) > kTurned)
     return false;
   return std::ranges::any_of(a.parts, [&](const Extent& part) {
-    return std::ranges::any_of(b.parts, [&](const Extent& other) { return touch(part, other); });
+    return std::ranges::any_of(b.parts, [&](const Extent& other) { return in_one_row(part, other); });
   });
 }
 
