@@ -1,5 +1,6 @@
 #include "apps/evaluate/commands.h"
 #include "apps/evaluate/segmentation/comparison.h"
+#include "apps/evaluate/segmentation/flat_comparison.h"
 
 namespace loci {
 namespace {
@@ -11,34 +12,53 @@ struct Arguments {
   std::string pipeline;
   std::string pictures;
   ComparisonOptions comparison;
+  bool flat = false;
+  FlatComparisonOptions flat_comparison;
+  FlatOptions flat_options;
 };
 
 void run(Arguments& given, Session& session) {
   table_of(given.comparison).validate();
-  const Comparison comparison = compare(given.folder, given.pipeline, given.pictures, given.comparison,
-                                        session.progress(), session.warnings());
-  session.answer(comparison.text(session.flags().verbose), comparison.to_json());
+  table_of(given.flat_comparison).validate();
+  if (given.folder.empty() && !given.flat)
+    throw Error("there is nothing to measure", {}, "give DIR or --flat");
+  std::string text;
+  Json json = Json::object();
+  if (!given.folder.empty()) {
+    const Comparison comparison = compare(given.folder, given.pipeline, given.pictures, given.comparison,
+                                          session.progress(), session.warnings());
+    text += comparison.text(session.flags().verbose);
+    json = comparison.to_json();
+  }
+  if (given.flat) {
+    const FlatComparison comparison =
+        compare_flat(given.flat_comparison, given.flat_options, given.pictures, session.progress());
+    text += comparison.text();
+    json["flat"] = comparison.to_json();
+  }
+  session.answer(text, json);
 }
 
 }  // namespace
 
 Command segmentation_command() {
-  return {
-      "segmentation",
-      "Object hypotheses against labelled scenes, beside PCL",
-      {"loci-evaluate segmentation tests/data/blocks", "loci-evaluate segmentation tests/data/blocks --json"},
-      [](CLI::App& app) {
-        auto given = std::make_shared<Arguments>();
-        app.add_option("DIR", given->folder,
-                       "Recording with FRAME_label.png beside the depth pictures: 0 not judged, 1 to 19 "
-                       "table, from 20 on tens are objects")
-            ->required();
-        app.add_option("--pipeline", given->pipeline, "Pipeline as YAML instead of the tabletop one");
-        app.add_option("-o,--output", given->pictures,
-                       "Folder for pictures: colour, truth, ours, PCL's methods");
-        add_options(app, table_of(given->comparison));
-        return [given](Session& session) { run(*given, session); };
-      }};
+  return {"segmentation",
+          "Object hypotheses against labelled scenes, beside PCL",
+          {"loci-evaluate segmentation tests/data/blocks",
+           "loci-evaluate segmentation --flat --flat-workspaces 1 --flat-pictures 2 --flat-empty 10 --json"},
+          [](CLI::App& app) {
+            auto given = std::make_shared<Arguments>();
+            app.add_option("DIR", given->folder,
+                           "Recording with FRAME_label.png for its depth pictures: 0 not judged, 1 to 19 "
+                           "table, from 20 on tens are objects");
+            app.add_flag("--flat", given->flat, "Measures flat things (10 mm) in simulated workspaces, too");
+            app.add_option("--pipeline", given->pipeline, "Pipeline as YAML instead of the tabletop one");
+            app.add_option("-o,--output", given->pictures,
+                           "Folder for pictures: colour, truth, and what each method found");
+            add_options(app, table_of(given->comparison));
+            add_options(app, table_of(given->flat_comparison));
+            return [given](Session& session) { run(*given, session); };
+          }};
 }
 
 }  // namespace loci

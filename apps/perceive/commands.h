@@ -12,6 +12,7 @@ Command list_command();
 Command read_command();
 Command recognise_command();
 Command run_command();
+Command surface_command();
 Command types_command();
 
 }  // namespace loci

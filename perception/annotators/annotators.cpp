@@ -5,6 +5,7 @@
 #include "perception/annotators/description/geometry_annotator.h"
 #include "perception/annotators/description/location_annotator.h"
 #include "perception/annotators/description/recognition_annotators.h"
+#include "perception/annotators/hypotheses/flat_object_extractor.h"
 #include "perception/annotators/hypotheses/known_structure_filter.h"
 #include "perception/annotators/hypotheses/normal_estimator.h"
 #include "perception/annotators/hypotheses/plane_cluster_extractor.h"
@@ -17,6 +18,7 @@ void add_annotators(AnnotatorRegistry& registry) {
   registry.add<NormalEstimator>();
   registry.add<KnownStructureFilter>();
   registry.add<PlaneClusterExtractor>();
+  registry.add<FlatObjectExtractor>();
   registry.add<ColorHistogramAnnotator>();
   registry.add<ColorNameAnnotator>();
   registry.add<GeometryAnnotator>();

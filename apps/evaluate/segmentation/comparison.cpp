@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <map>
-#include <opencv2/imgproc.hpp>
 
+#include "apps/evaluate/segmentation/strips.h"
 #include "mapping/base/csv.h"
 #include "mapping/base/files.h"
 #include "mapping/base/quantile.h"
-#include "mapping/base/stopwatch.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/recording.h"
 #include "perception/annotators/annotators.h"
@@ -81,38 +80,6 @@ std::map<std::string, Segmentation> ours(const std::shared_ptr<Recording>& recor
   for (size_t i = 1; i < result.seconds.size(); ++i) seconds += result.seconds[i].second;
   for (auto& [name, each] : found) each.seconds = seconds / static_cast<double>(found.size());
   return found;
-}
-
-cv::Mat painted(const cv::Mat& labels, const cv::Mat& background) {
-  cv::Mat picture;
-  cv::cvtColor(background, picture, cv::COLOR_BGR2GRAY);
-  cv::cvtColor(picture, picture, cv::COLOR_GRAY2BGR);
-  for (int v = 0; v < labels.rows; ++v)
-    for (int u = 0; u < labels.cols; ++u) {
-      const int label = labels.at<uint16_t>(v, u);
-      if (label == 0) continue;
-      // Hues a golden section apart.
-      const double hue = std::fmod(label * 0.618034, 1.0) * 6;
-      const auto part = [&](double offset) {
-        const double k = std::fmod(offset + hue, 6.0);
-        return static_cast<unsigned char>(255 * (1 - std::clamp(std::min(k, 4 - k), 0.0, 1.0)));
-      };
-      picture.at<cv::Vec3b>(v, u) =
-          0.35 * picture.at<cv::Vec3b>(v, u) + 0.65 * cv::Vec3b(part(1), part(3), part(5));
-    }
-  return picture;
-}
-
-void write_strip(const RgbdFrame& frame, const LabelledPicture& truth, const std::vector<cv::Mat>& segments,
-                 const fs::path& folder) {
-  cv::Mat background = frame.color.empty() ? cv::Mat(frame.depth.size(), CV_8UC3, cv::Scalar::all(128))
-                                           : color_in_depth(frame);
-  std::vector<cv::Mat> strip = {background, painted(truth.object, background)};
-  for (const cv::Mat& each : segments) strip.push_back(painted(each, background));
-  for (cv::Mat& each : strip) cv::resize(each, each, {}, 0.5, 0.5, cv::INTER_AREA);
-  cv::Mat picture;
-  cv::hconcat(strip, picture);
-  write_image(folder / (frame.name + ".png"), picture);
 }
 
 Scores& category_of(MethodResult& method, const std::string& category) {
@@ -199,7 +166,10 @@ Comparison compare(const fs::path& folder, const fs::path& pipeline, const fs::p
       method.seconds.push_back(results[m].seconds);
       segments.push_back(results[m].segments);
     }
-    if (!pictures.empty()) write_strip(frame, truth, segments, pictures);
+    if (pictures.empty()) continue;
+    const cv::Mat color = frame.color.empty() ? cv::Mat(frame.depth.size(), CV_8UC3, cv::Scalar::all(128))
+                                              : color_in_depth(frame);
+    write_image(pictures / (frame.name + ".png"), strip(color, truth.object, segments, 0.5));
   }
   if (comparison.frames.empty())
     throw Error("no frame has labels", {folder.string(), 0, {}},

@@ -33,6 +33,7 @@ void Scores::add(const LabelledPicture& truth, const cv::Mat& segments) {
     }
     pixels_ += size;
     overlap_ += size * best;
+    ious_ += best;
     right_ += most;
     wrong_ += its_segment - most;
     found_ += best >= kFound ? 1 : 0;  // Above one half no segment finds two objects.
@@ -41,6 +42,10 @@ void Scores::add(const LabelledPicture& truth, const cv::Mat& segments) {
 
 double Scores::weighted_overlap() const {
   return pixels_ > 0 ? overlap_ / pixels_ : 0;
+}
+
+double Scores::mean_overlap() const {
+  return objects_ > 0 ? ious_ / objects_ : 0;
 }
 
 double Scores::over_segmentation() const {
@@ -67,6 +72,7 @@ Json Scores::to_json() const {
   return {{"objects", objects_},
           {"segments", segments_},
           {"weighted_overlap", weighted_overlap()},
+          {"mean_overlap", mean_overlap()},
           {"over_segmentation", over_segmentation()},
           {"under_segmentation", under_segmentation()},
           {"precision", precision()},

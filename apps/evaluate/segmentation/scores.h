@@ -31,6 +31,8 @@ class Scores {
   int segments() const { return segments_; }
   int found() const { return found_; }
   double weighted_overlap() const;
+  /// Not weighted: every object counts the same.
+  double mean_overlap() const;
   double over_segmentation() const;
   double under_segmentation() const;
   double precision() const;
@@ -44,6 +46,7 @@ class Scores {
   int found_ = 0;
   double pixels_ = 0;
   double overlap_ = 0;
+  double ious_ = 0;
   double right_ = 0;
   double wrong_ = 0;
 };

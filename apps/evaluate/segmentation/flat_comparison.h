@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "apps/evaluate/segmentation/scores.h"
+#include "mapping/base/options.h"
+#include "mapping/base/progress.h"
+#include "perception/annotators/hypotheses/flat_objects.h"
+
+namespace loci::segmentation_evaluation {
+
+struct FlatComparisonOptions {
+  int workspaces = 6;
+  int pictures = 8;
+  int empty_pictures = 100;
+  double nearest_m = 1.0;
+  double farthest_m = 1.5;
+  int seed = 1;
+
+  void declare(OptionTable& table);
+};
+
+/// One way to find flat things: the scores at each distance.
+struct FlatMethod {
+  std::string name;
+  Scores all;
+  std::vector<std::pair<double, Scores>> by_distance;
+};
+
+struct FlatComparison {
+  int workspaces = 0;
+  int pictures = 0;
+  std::vector<FlatMethod> methods;
+
+  std::string text() const;
+  Json to_json() const;
+};
+
+/// Simulated workspaces (FlatWorkspace): the two-stage method and a threshold of 5 mm, each with and without
+/// calibration on pictures of the empty tables, and that threshold over the tables' ideal plane. Masks are
+/// compared in the colour picture. With `pictures` the last picture of each workspace goes there, with the
+/// truth and what both methods found.
+FlatComparison compare_flat(const FlatComparisonOptions& options, const FlatOptions& flat,
+                            const std::filesystem::path& pictures, Progress& progress);
+
+}  // namespace loci::segmentation_evaluation

@@ -1,0 +1,155 @@
+#include "perception/annotators/hypotheses/flat_object_extractor.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+#include "mapping/image/image_io.h"
+#include "perception/annotators/scene_data.h"
+#include "perception/conversions/camera.h"
+#include "perception/conversions/opencv.h"
+
+namespace loci {
+namespace {
+
+constexpr const char* kName = "FlatObjectExtractor";
+constexpr double kUnitsPerMetre = 10000;
+
+/// Pixels of the depth picture within the outline of a support, but for what is a cluster already.
+cv::Mat pixels_over(const types::PlanarSupport& support, const Isometry3d& camera_from_map,
+                    const PinholeCamera& camera, const cv::Mat& taken) {
+  std::vector<cv::Point> corners;
+  for (const Vector3d& corner : types::points_from_values(support.outline.get())) {
+    const Vector3d p = camera_from_map * corner;
+    if (p.z() < 0.1) continue;  // Beside or behind the camera.
+    const Vector2d at = camera.project(p);
+    corners.emplace_back(static_cast<int>(std::lround(std::clamp(at.x(), -1e4, 1e4))),
+                         static_cast<int>(std::lround(std::clamp(at.y(), -1e4, 1e4))));
+  }
+  cv::Mat inside(camera.height, camera.width, CV_8U, cv::Scalar(0));
+  if (corners.size() < 3) return inside;
+  std::vector<cv::Point> hull;
+  cv::convexHull(corners, hull);
+  cv::fillConvexPoly(inside, hull, cv::Scalar(255));
+  return inside & ~taken;
+}
+
+/// The clusters' pixels and those next to them, which show a bit of both.
+cv::Mat pixels_of_clusters(const types::SceneCas& scene, const cv::Size& size) {
+  constexpr int kMargin = 5;
+  cv::Mat taken = cv::Mat::zeros(size, CV_8U);
+  for (const types::Cluster& cluster : scene.clusters())
+    for (const int32_t index : cluster_indices(cluster)) taken.ptr<unsigned char>()[index] = 255;
+  cv::dilate(taken, taken, cv::Mat::ones(2 * kMargin + 1, 2 * kMargin + 1, CV_8U));
+  return taken;
+}
+
+void add_cluster(const FlatObject& object, const types::PlanarSupport& support, const types::SceneCas& scene,
+                 const Isometry3d& pose) {
+  cas::Cas& cas = scene.cas();
+  const auto cluster = types::Cluster::create(cas);
+  const auto reference = types::ReferenceClusterPoints::create(cas);
+  reference.source.set(kName);
+  reference.cloud.set(scene.cloud());
+  reference.indices.get_or_create().indices.set(object.pixels);
+  cluster.hypotheses.push_back(reference);
+  const auto roi = types::StandaloneImageROI::create(cas);
+  roi.source.set(kName);
+  roi.roi.set(types::to(cas, object.box));
+  roi.mask.set(types::to(cas, object.mask));
+  roi.image.set(
+      types::to(cas, cv::Mat(types::view_image(scene, types::SceneCas::kColor)(object.box).clone())));
+  cluster.hypotheses.push_back(roi);
+  const cv::Mat points = cloud_points(scene);
+  Vector3d sum = Vector3d::Zero();
+  bool at_border = false;
+  for (const int pixel : object.pixels) {
+    const cv::Vec3f& p = points.ptr<cv::Vec3f>()[pixel];
+    sum += Vector3d(static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2]));
+    const int column = pixel % points.cols;
+    const int row = pixel / points.cols;
+    at_border |= column < 4 || row < 4 || column >= points.cols - 12 || row >= points.rows - 4;
+  }
+  cluster.centroid.set(types::to(cas, Vector3d(pose * (sum / static_cast<double>(object.pixels.size())))));
+  cluster.at_image_border.set(at_border);
+  cluster.at_support_border.set(false);
+  cluster.partly_hidden.set(false);
+  cluster.support.set(support);
+  scene.add_cluster(cluster);
+}
+
+}  // namespace
+
+AnnotatorDescriptor FlatObjectExtractor::descriptor() const {
+  return {
+      kName,
+      "Finds flat things on supports by height and colour, in two stages, with masks in the colour picture.",
+      {"Scene", "CameraInfo", "view:depth", "view:color", "view:cloud", "PlanarSupport"},
+      {"Cluster", "ReferenceClusterPoints", "StandaloneImageROI"}};
+}
+
+void FlatObjectExtractor::declare(OptionTable& table) {
+  options_.declare(table);
+  table.text(
+      "calibration", calibration_,
+      "Picture of the empty surface, made by `loci-perceive surface`, for a camera that stands still.");
+}
+
+void FlatObjectExtractor::start(Context& /*context*/) {
+  if (!calibration_.empty()) empty_depth_ = read_surface(calibration_);
+}
+
+void FlatObjectExtractor::process(cas::Cas& cas, Context& /*context*/) {
+  const types::SceneCas scene(cas);
+  if (!scene.scene().map_from_camera.is_set() || !scene.has(types::SceneCas::kColor)) {
+    scene.log(kName, "warning", "flat things need a pose and a colour picture");
+    return;
+  }
+  const Isometry3d pose = map_from_camera(scene.scene());
+  const RgbdCamera camera = types::cameras(scene);
+  const cv::Mat depth = types::view_image(scene, types::SceneCas::kDepth);
+  const cv::Mat color = types::view_image(scene, types::SceneCas::kColor);
+  if (!empty_depth_.empty() && empty_depth_.size() != depth.size())
+    throw Error("the empty surface is not as large as the depth picture", {calibration_, 0, {}},
+                "make it from a recording of the same camera");
+  cv::Mat taken = pixels_of_clusters(scene, depth.size());
+  size_t found = 0;
+  for (const types::PlanarSupport& support : scene.supports()) {
+    FlatSurface surface;
+    const auto normal = types::from<Vector3d>(support.normal.get());
+    surface.normal = pose.linear().transpose() * normal;
+    surface.offset = support.offset.get() - normal.dot(pose.translation());
+    surface.inside = pixels_over(support, pose.inverse(), camera.depth, taken);
+    surface.empty_depth = empty_depth_;
+    for (const FlatObject& object : find_flat_objects(depth, color, camera, surface, options_)) {
+      if (object.pixels.empty()) continue;
+      add_cluster(object, support, scene, pose);
+      // Of two supports that overlap in the picture one has it.
+      for (const int pixel : object.pixels) taken.ptr<unsigned char>()[pixel] = 255;
+      ++found;
+    }
+  }
+  scene.log(kName, "info", fmt::format("{} flat things", found));
+}
+
+void write_surface(const std::filesystem::path& path, const cv::Mat& empty_depth) {
+  cv::Mat units(empty_depth.size(), CV_16U);
+  for (int v = 0; v < units.rows; ++v)
+    for (int u = 0; u < units.cols; ++u) {
+      const double value = static_cast<double>(empty_depth.at<float>(v, u)) * kUnitsPerMetre;
+      units.at<uint16_t>(v, u) = value > 0 && value < 65535 ? static_cast<uint16_t>(std::lround(value)) : 0;
+    }
+  write_image(path, units);
+}
+
+cv::Mat read_surface(const std::filesystem::path& path) {
+  cv::Mat depth;
+  const cv::Mat units = read_uint16(path);
+  units.convertTo(depth, CV_32F, 1 / kUnitsPerMetre);
+  depth.setTo(std::numeric_limits<float>::quiet_NaN(), units == 0);
+  return depth;
+}
+
+}  // namespace loci

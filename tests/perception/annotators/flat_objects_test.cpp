@@ -1,0 +1,143 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "mapping/base/random.h"
+#include "perception/annotators/hypotheses/flat_object_extractor.h"
+
+namespace loci {
+namespace {
+
+/// A camera 1.2 m before a plane that it looks at from 50° above; the surface waves by millimetres and bears
+/// one flat piece of another hue.
+struct Workspace {
+  RgbdCamera camera;
+  FlatSurface surface;
+  double height = 0.010;  ///< of the piece
+  Vector2d low{-0.06, -0.03};
+  Vector2d high{0.06, 0.03};
+
+  Workspace() {
+    surface.normal = Vector3d(0, -std::sin(0.87), -std::cos(0.87));
+    surface.offset = surface.normal.dot(Vector3d(0, 0, 1.2));
+    surface.inside = cv::Mat(camera.depth.height, camera.depth.width, CV_8U, cv::Scalar(255));
+  }
+
+  Vector2d on_plane(const Vector3d& p) const {
+    const Vector3d x = Vector3d::UnitX();
+    return {x.dot(p), surface.normal.cross(x).dot(p - Vector3d(0, 0, 1.2))};
+  }
+  bool on_piece(const Vector2d& at) const {
+    return (at.array() > low.array()).all() && (at.array() < high.array()).all();
+  }
+  Vector3d meet(int u, int v) const {
+    const Vector3d ray = camera.depth.unproject(u, v, 1);
+    return surface.offset / surface.normal.dot(ray) * ray;
+  }
+
+  cv::Mat depth(bool with_piece, Random random) const {
+    cv::Mat result(camera.depth.height, camera.depth.width, CV_32F);
+    for (int v = 0; v < result.rows; ++v)
+      for (int u = 0; u < result.cols; ++u) {
+        const Vector3d p = meet(u, v);
+        const Vector2d at = on_plane(p);
+        const double wave = 0.004 * std::sin(9 * at.x()) * std::cos(7 * at.y());
+        const double up = wave + (with_piece && on_piece(at) ? height : 0);
+        const double z = p.z() + up / surface.normal.dot(p / p.z());
+        const double disparity = 0.075 * 585 / z + random.normal(0.1);
+        result.at<float>(v, u) = static_cast<float>(0.075 * 585 / (std::round(8 * disparity) / 8));
+      }
+    return result;
+  }
+
+  /// Light falls off to one side by as much as `dim`.
+  cv::Mat color(double dim, Random random) const {
+    cv::Mat result(camera.color.height, camera.color.width, CV_8UC3);
+    for (int v = 0; v < result.rows; ++v)
+      for (int u = 0; u < result.cols; ++u) {
+        const double light = 1 - dim * u / result.cols;
+        const Vector3d base =
+            on_piece(on_plane(meet(u, v))) ? Vector3d(90, 140, 190) : Vector3d(130, 150, 120);
+        for (int c = 0; c < 3; ++c)
+          result.at<cv::Vec3b>(v, u)[c] = static_cast<unsigned char>(light * base[c] + random.normal(2));
+      }
+    return result;
+  }
+
+  double overlap(const FlatObject& object) const {
+    int both = 0;
+    int own = 0;
+    int piece = 0;
+    for (int v = 0; v < camera.color.height; ++v)
+      for (int u = 0; u < camera.color.width; ++u) {
+        const bool found = object.box.contains({u, v}) &&
+                           object.mask.at<unsigned char>(v - object.box.y, u - object.box.x) != 0;
+        const bool there = on_piece(on_plane(meet(u, v)));
+        both += found && there ? 1 : 0;
+        own += found ? 1 : 0;
+        piece += there ? 1 : 0;
+      }
+    return static_cast<double>(both) / (own + piece - both);
+  }
+};
+
+TEST(FlatObjects, APieceOfTenMillimetresIsFoundOnAnUnevenTableUnderAnyLight) {
+  Workspace workspace;
+  SurfaceCalibration calibration;
+  for (uint64_t i = 0; i < 15; ++i) calibration.add(workspace.depth(false, Random(100 + i)));
+  for (const bool calibrated : {true, false})
+    for (const double dim : {0.0, 0.7}) {
+      FlatSurface surface = workspace.surface;
+      if (calibrated) surface.empty_depth = calibration.mean();
+      const std::vector<FlatObject> found =
+          find_flat_objects(workspace.depth(true, Random(1)), workspace.color(dim, Random(2)),
+                            workspace.camera, surface, FlatOptions());
+      ASSERT_EQ(found.size(), 1U) << calibrated << dim;
+      EXPECT_GT(workspace.overlap(found[0]), 0.85) << calibrated << dim;
+      EXPECT_NEAR(found[0].height, 0.010, 0.002);
+    }
+}
+
+TEST(FlatObjects, AnEmptyTableHasNoneWhateverItsColours) {
+  Workspace workspace;
+  const std::vector<FlatObject> found =
+      find_flat_objects(workspace.depth(false, Random(1)), workspace.color(0.3, Random(2)), workspace.camera,
+                        workspace.surface, FlatOptions());
+  EXPECT_TRUE(found.empty());
+}
+
+TEST(FlatObjects, WhatStandsHigherIsNotFlat) {
+  Workspace workspace;
+  workspace.height = 0.045;
+  const std::vector<FlatObject> found =
+      find_flat_objects(workspace.depth(true, Random(1)), workspace.color(0, Random(2)), workspace.camera,
+                        workspace.surface, FlatOptions());
+  for (const FlatObject& object : found) EXPECT_LT(workspace.overlap(object), 0.2);
+}
+
+TEST(SurfaceCalibration, IsTheMeanAndKnowsWhatItNeverSaw) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  SurfaceCalibration calibration;
+  calibration.add((cv::Mat_<float>(1, 3) << 1.0f, nan, 2.0f));
+  calibration.add((cv::Mat_<float>(1, 3) << 1.002f, nan, nan));
+  calibration.add((cv::Mat_<float>(1, 3) << 0.998f, 1.0f, nan));
+  const cv::Mat mean = calibration.mean();
+  EXPECT_NEAR(mean.at<float>(0, 0), 1.0f, 1e-5f);
+  EXPECT_TRUE(std::isnan(mean.at<float>(0, 1)));
+  EXPECT_TRUE(std::isnan(mean.at<float>(0, 2)));
+  EXPECT_THROW(calibration.add(cv::Mat_<float>(2, 2)), Error);
+}
+
+TEST(SurfaceCalibration, SurvivesItsFile) {
+  const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / "surface.png";
+  const cv::Mat depth = (cv::Mat_<float>(1, 3) << 1.2345f, std::numeric_limits<float>::quiet_NaN(), 0.6f);
+  write_surface(path, depth);
+  const cv::Mat again = read_surface(path);
+  EXPECT_NEAR(again.at<float>(0, 0), 1.2345f, 1e-4f);
+  EXPECT_TRUE(std::isnan(again.at<float>(0, 1)));
+  EXPECT_NEAR(again.at<float>(0, 2), 0.6f, 1e-4f);
+}
+
+}  // namespace
+}  // namespace loci
