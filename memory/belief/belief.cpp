@@ -15,6 +15,8 @@ constexpr double kSmallestShare = 0.001;
 constexpr double kSmallestAlternative = 0.02;
 /// So probable must it have been to find an object in its place before its absence makes it gone.
 constexpr double kLooked = 0.3;
+/// What is cut off is less certainly an object, by so much of log odds.
+constexpr double kCutOff = 0.5;
 
 double log_odds(double probability) {
   return std::log(probability / (1 - probability));
@@ -166,6 +168,7 @@ class Step {
     const TimeNs seen_before = object.last_seen;
     const double seconds_unseen = double(scene_.time - object.last_seen) / double(kSecond);
 
+    if (explanation != Explanation::move) learn_view_noise(o, k);
     if (apart_) learn_from_sighting(o, k);
     if (explanation == Explanation::move || status_before == Status::gone)
       put(object, observation, scene_, options_);
@@ -221,6 +224,22 @@ class Step {
     const double seconds = attention_ - object.seen_attention_s;
     state_.habits.learn_handled(handled(object), object.handling, seconds, moved, options_);
     state_.habits.learn_moved(object.place, place, moved);
+  }
+
+  // What surely stayed and is found whole both times shows how well poses and visible parts agree. Where it
+  // moved a little after all it must not count in full.
+  void learn_view_noise(size_t o, size_t k) {
+    constexpr double kWeight = 0.25, kSure = 0.9, kFarthest = 4;
+    const ProtoObject& object = state_.objects[o];
+    const Observation& observation = scene_.observations[k];
+    const bool whole = !object.partial && !observation.partial && object.sized && observation.sized;
+    const double other = object.variance + observation_variance(observation, options_);
+    if (!whole || object.id == 0 || update_.observations[k].probability < kSure) return;
+    const double learned = view_noise(state_), expected = expected_[o].view_variance / learned;
+    if (expected < 4 * other) return;  // about the same view point
+    const Vector3d offset = observation.box.centre - expected_[o].box.centre;
+    const double found = offset.head<2>().squaredNorm() / 2 / expected;
+    state_.view_noise.count(kWeight * std::min(found, kFarthest * learned), kWeight);
   }
 
   void learn_from_absence(ProtoObject& object) {
@@ -394,7 +413,7 @@ class Step {
     object.key = state_.next_key++;
     object.sized = false;  // until put() knows better
     object.first_seen = scene_.time;
-    object.exists_log_odds = log_odds(options_.first_sight) - (observation.partial ? 0.5 : 0.0);
+    object.exists_log_odds = log_odds(options_.first_sight) - (observation.partial ? kCutOff : 0.0);
     put(object, observation, scene_, options_);
     remember_look(object, observation, scene_, options_, true);
     object.kind = kind_of(object);
@@ -426,10 +445,10 @@ class Step {
                               k});
   }
 
-  /// Before a long pause nothing more can be learned: what was seen, if only once, and was not missed is
-  /// believed.
+  /// Before a long pause nothing more can be learned: what was seen, if only once and cut off, and was not
+  /// missed is believed.
   void confirm_unrefuted() {
-    const double least = log_odds(options_.first_sight) - 0.1;
+    const double least = log_odds(options_.first_sight) - kCutOff - 0.1;
     for (ProtoObject& object : state_.objects) {
       if (object.status != Status::tentative || object.exists_log_odds < least) continue;
       std::optional<size_t> seen;

@@ -116,8 +116,10 @@ std::vector<Expectation> expect(const BeliefState& state, const Scene& scene, co
   for (const ProtoObject& object : state.objects) {
     Expectation e;
     e.box = box_in_map(object, scene.places);
-    e.variance = object.variance + view_change_variance(object.map_from_camera, scene.view.map_from_camera,
-                                                        e.box.size.maxCoeff(), options);
+    e.view_variance =
+        view_noise(state) * view_change_variance(object.map_from_camera, scene.view.map_from_camera,
+                                                 e.box.size.maxCoeff(), options);
+    e.variance = object.variance + e.view_variance;
     e.handled = handled_until(object, attention, state, options);
     const Isometry3d change = object.map_from_camera.inverse() * scene.view.map_from_camera;
     const double motion = change.translation().norm() + Eigen::AngleAxisd(change.linear()).angle();
@@ -200,8 +202,9 @@ PairEvidence pair_evidence(const BeliefState& state, const std::vector<Expectati
         if (comparisons()[i].whole_only) evidence.log_size(o, k) += alike.parts[i].log_ratio;
       }
       const double variance = e.variance + observation_variance(observation, options);
+      const double extent_variance = variance + e.view_variance * (1 / view_noise(state) - 1);
       evidence.log_proximity(o, k) =
-          std::clamp(log_proximity(believed, variance, object.partial, observation, options),
+          std::clamp(log_proximity(believed, variance, extent_variance, object.partial, observation, options),
                      -kLargestEvidence, kLargestEvidence);
     }
   }

@@ -8,9 +8,10 @@ namespace loci::belief {
 
 /// A believed object as it is expected at the time of a scene.
 struct Expectation {
-  AxisBox box;              ///< map frame
-  double variance = 0;      ///< of the centre, without the observation's own noise, m²
-  double handled = 0;       ///< probability that somebody moved or took it since the last look
+  AxisBox box;               ///< map frame
+  double variance = 0;       ///< of the centre, without the observation's own noise, m²
+  double view_variance = 0;  ///< the part of it that is due to another view point
+  double handled = 0;        ///< probability that somebody moved or took it since the last look
   double turned = 0;        ///< probability that it looks different though it stays: another side, or handled
   double here = 1;          ///< probability that it is still there
   OccupiedBy seen;          ///< what looking there showed

@@ -58,8 +58,8 @@ double view_change_variance(const Isometry3d& from, const Isometry3d& to, double
          square(options.view_bias * size * (1 - std::exp(-motion / 0.5)));
 }
 
-double log_proximity(const AxisBox& box, double variance, bool box_partial, const Observation& observation,
-                     const BeliefOptions& options) {
+double log_proximity(const AxisBox& box, double variance, double extent_variance, bool box_partial,
+                     const Observation& observation, const BeliefOptions& options) {
   const double size = std::max(box.size.maxCoeff(), observation.box.size.maxCoeff());
   const double spread =
       square(size / 3);  // where within the other's box the visible part is, is anybody's guess
@@ -69,7 +69,7 @@ double log_proximity(const AxisBox& box, double variance, bool box_partial, cons
     return gaussian_log_ratio(excess(observation.box, box), variance, spread, options.area_m2);
   if (box_partial) return gaussian_log_ratio(excess(box, observation.box), variance, spread, options.area_m2);
   return gaussian_log_ratio(observation.box.centre - box.centre, variance, 0, options.area_m2) +
-         extent_penalty(box, observation.box, variance);
+         extent_penalty(box, observation.box, extent_variance);
 }
 
 }  // namespace loci::belief

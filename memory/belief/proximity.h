@@ -15,7 +15,8 @@ double view_change_variance(const Isometry3d& from, const Isometry3d& to, double
 
 /// Log-likelihood ratio of the observation's position: "the object is still at `box`" against "anywhere on a
 /// place". Centres are compared where both are whole; what is cut off only has to lie within the other's box.
-double log_proximity(const AxisBox& box, double variance, bool box_partial, const Observation& observation,
-                     const BeliefOptions& options);
+/// `extent_variance` is that of the extents, which depend on what side is visible even where poses are good.
+double log_proximity(const AxisBox& box, double variance, double extent_variance, bool box_partial,
+                     const Observation& observation, const BeliefOptions& options);
 
 }  // namespace loci::belief

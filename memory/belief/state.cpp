@@ -9,7 +9,8 @@ namespace loci::belief {
 namespace {
 
 /// Cannot begin a CBOR map, as which the first version wrote beliefs.
-constexpr std::string_view kMagic = "belief 2\n";
+constexpr std::string_view kMagic = "belief 3\n";
+constexpr std::string_view kMagic2 = "belief 2\n";  ///< without what was learned about view points
 
 }  // namespace
 
@@ -23,6 +24,10 @@ const ProtoObject* BeliefState::find(int64_t id) const {
   for (const ProtoObject& object : objects)
     if (object.id == id && id != 0) return &object;
   return nullptr;
+}
+
+double view_noise(const BeliefState& state) {
+  return std::max(0.1, state.view_noise.value());
 }
 
 Handled handled(const ProtoObject& object) {
@@ -47,10 +52,12 @@ std::string to_bytes(const BeliefState& state) {
 
 BeliefState belief_state_from_bytes(const std::string& bytes) {
   try {
-    if (!bytes.starts_with(kMagic)) return belief_state_of_version_1(bytes);
+    const bool earlier = bytes.starts_with(kMagic2);
+    if (!earlier && !bytes.starts_with(kMagic)) return belief_state_of_version_1(bytes);
     BeliefState state;
     ArchiveReader reader(std::string_view(bytes).substr(kMagic.size()));
-    reader(state);
+    state.archive_before_3(reader);
+    if (!earlier) reader(state.view_noise);
     if (!reader.at_end()) throw Error("there are bytes after the end");
     return state;
   } catch (const nlohmann::json::exception& e) {

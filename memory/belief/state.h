@@ -104,15 +104,25 @@ struct BeliefState {
   int64_t next_key = 1;
   int64_t next_id = 1;
   Habits habits;
+  Factor view_noise;  ///< variance of where things seem to stand from elsewhere, against the options'
 
   const ProtoObject* find(int64_t id) const;
 
   template <class Archive>
   void archive(Archive& fields) {
+    archive_before_3(fields);
+    fields(view_noise);
+  }
+  /// The fields that the second version had.
+  template <class Archive>
+  void archive_before_3(Archive& fields) {
     fields(objects, last_scene, attention_s, next_key, next_id, habits);
   }
 };
 
+/// What the belief learned to multiply view_change_variance() by: whether poses are better than the options
+/// say shows in what stays. Never below a tenth: visible parts differ.
+double view_noise(const BeliefState& state);
 /// Whose habits tell about an object.
 Handled handled(const ProtoObject& object);
 /// Probability that an object was handled between its last update and a time (BeliefState::attention_s).
