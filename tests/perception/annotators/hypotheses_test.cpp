@@ -122,6 +122,38 @@ TEST(Clusters, ABoxHiddenInTheMiddleIsOneObject) {
   EXPECT_GT(best_overlap(found, 1), 0.8);
 }
 
+TEST(Clusters, ABowlIsOneObjectWithItsInside) {
+  for (const double sigma : {0.0, 0.05}) {
+    SyntheticTable table;
+    table.bowls = {{{-0.15, 0.05, 0}, 0.07, 0.045, 0.085}, {{0.12, -0.1, 0}, 0.10, 0.038, 0.042}};
+    const Found found = find(table, sigma, table.up());
+    EXPECT_EQ(found.clusters.size(), 2U) << sigma;
+    for (int label = 1; label <= 2; ++label) EXPECT_GT(best_overlap(found, label), 0.85) << sigma << label;
+  }
+}
+
+TEST(Clusters, ABoxAgainstABowlLeavesTheBowlWhole) {
+  SyntheticTable table;
+  table.boxes = {{{0.05, -0.02, 0.06}, {0.09, 0.07, 0.12}}};
+  table.bowls = {{{-0.09, 0.0, 0}, 0.07, 0.05, 0.085}};
+  const Found found = find(table, 0.05, table.up());
+  EXPECT_EQ(found.clusters.size(), 2U);
+  for (int label = 1; label <= 2; ++label) EXPECT_GT(best_overlap(found, label), 0.8) << label;
+}
+
+TEST(Clusters, ThingsOnTwoLevelsStandOnTheirOwnSupports) {
+  SyntheticTable table;
+  // A board of 8 cm takes the right half of the table; it is no object of it.
+  table.boxes = {{{0.3, 0.0, 0.04}, {0.58, 0.78, 0.08}},
+                 {{-0.2, 0.0, 0.05}, {0.10, 0.08, 0.10}},
+                 {{0.25, 0.0, 0.13}, {0.08, 0.08, 0.10}}};
+  const Found found = find(table, 0.05, table.up());
+  ASSERT_EQ(found.supports.size(), 2U);
+  ASSERT_EQ(found.clusters.size(), 2U);
+  EXPECT_NE(found.clusters[0].support, found.clusters[1].support);
+  for (int label = 2; label <= 3; ++label) EXPECT_GT(best_overlap(found, label), 0.8) << label;
+}
+
 TEST(Clusters, WhatThePictureCutsOffSaysSo) {
   SyntheticTable table;
   table.boxes = {{{-0.49, 0.0, 0.05}, {0.12, 0.10, 0.10}}, {{0.05, 0.0, 0.05}, {0.08, 0.08, 0.10}}};

@@ -44,6 +44,30 @@ struct TableCone {
   }
 };
 
+/// A vessel that is open at the top: its wall leans out evenly, its floor is as thick as the wall.
+struct TableBowl {
+  Vector3d foot;  ///< middle of its bottom
+  double height;
+  double radius_low;
+  double radius_high;
+  double wall = 0.005;
+
+  /// Where a ray enters its outside, its rim or its inside; infinity = nowhere.
+  double enter(const Vector3d& origin, const Vector3d& ray) const {
+    const TableCone outside{foot, height, radius_low, radius_high};
+    const double outer = outside.enter(origin, ray);
+    const double rim = (foot.z() + height - origin.z()) / ray.z();
+    const bool through_top = (origin + rim * ray - foot).head<2>().norm() < radius_high - wall;
+    if (!through_top || outer < rim) return outer;
+    // From the opening on the ray goes until it is as near to the wall as the wall is thick.
+    for (double t = rim;; t += 0.0005) {
+      const Vector3d p = origin + t * ray - foot;
+      const double inner = radius_low + (radius_high - radius_low) * p.z() / height - wall;
+      if (p.z() <= wall || p.head<2>().norm() >= inner) return t;
+    }
+  }
+};
+
 /// A table (z = 0, 1.2 × 0.8 m) with boxes and round things before a camera that looks down on it, every
 /// pixel computed.
 struct SyntheticTable {
@@ -51,6 +75,7 @@ struct SyntheticTable {
   Isometry3d map_from_camera = Isometry3d::Identity();
   std::vector<TableBox> boxes;
   std::vector<std::vector<TableCone>> rounds;  ///< things made of cones
+  std::vector<TableBowl> bowls;
 
   SyntheticTable() {
     const Vector3d from(0, -0.9, 0.8);
@@ -64,8 +89,8 @@ struct SyntheticTable {
 
   Vector3d up() const { return map_from_camera.linear().transpose() * Vector3d::UnitZ(); }
 
-  /// Which thing a pixel shows: 1 + its index, round things after the boxes, 0 = the table, -1 = nothing;
-  /// `depth` is set to z in metres.
+  /// Which thing a pixel shows: 1 + its index, round things after the boxes, bowls after them, 0 = the table,
+  /// -1 = nothing; `depth` is set to z in metres.
   int hit(int u, int v, double& depth) const {
     const Vector3d ray = map_from_camera.linear() * camera.unproject(u, v, 1.0);
     const Vector3d origin = map_from_camera.translation();
@@ -93,6 +118,11 @@ struct SyntheticTable {
           depth = enter;
           what = static_cast<int>(boxes.size() + r) + 1;
         }
+    for (size_t b = 0; b < bowls.size(); ++b)
+      if (const double enter = bowls[b].enter(origin, ray); enter < depth) {
+        depth = enter;
+        what = static_cast<int>(boxes.size() + rounds.size() + b) + 1;
+      }
     return what;
   }
 
