@@ -45,6 +45,7 @@ Command nbv_command() {
             app.add_option("--package-path", arguments->package_paths,
                            "Folder that holds packages (package://NAME/…); can be given several times")
                 ->allow_extra_args(false);
+            app.add_option("--ceiling", arguments->options.ceiling, "Height of a ceiling to add [m]");
             app.add_option("-o,--out", arguments->out, "Write the results as JSON, after each world");
             app.add_option("--picture", arguments->picture,
                            "Write coverage over scans as SVG, after each world");

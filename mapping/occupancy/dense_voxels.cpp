@@ -9,6 +9,7 @@ namespace {
 
 using octomap::OcTreeNode;
 
+constexpr float kSurely = 0.99F;  ///< of a single hit's log-odds, less than that is a doubtful voxel
 constexpr int kWorkEdge = 64;  ///< subtrees of so many cells along an edge are worked on by one thread each
 
 /// A node with the cells that it stands for.
@@ -76,18 +77,25 @@ Voxels dense_voxels(const octomap::OcTree& tree, int threads) {
   voxels.states.assign(static_cast<size_t>(voxels.size.x()) * static_cast<size_t>(voxels.size.y()) *
                            static_cast<size_t>(voxels.size.z()),
                        Occupancy::unknown);
+  const float doubt = tree.getProbHitLog() * kSurely;
+  std::vector<std::vector<size_t>> doubtful(work.size());
   parallel_for(work.size(), threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
       for_leaves(tree, work[i], [&](const Cube& leaf) {
         const Occupancy state = tree.isNodeOccupied(leaf.node) ? Occupancy::occupied : Occupancy::free;
         const Eigen::Vector3i first = leaf.low - bounds.low.matrix();
+        const bool is_doubtful = state == Occupancy::occupied && leaf.node->getLogOdds() < doubt;
         for (int z = 0; z < leaf.edge; ++z)
-          for (int y = 0; y < leaf.edge; ++y)
-            std::fill_n(
-                voxels.states.begin() + static_cast<long>(voxels.index(first + Eigen::Vector3i(0, y, z))),
-                leaf.edge, state);
+          for (int y = 0; y < leaf.edge; ++y) {
+            const size_t row = voxels.index(first + Eigen::Vector3i(0, y, z));
+            std::fill_n(voxels.states.begin() + static_cast<long>(row), leaf.edge, state);
+            for (int x = 0; is_doubtful && x < leaf.edge; ++x)
+              doubtful[i].push_back(row + static_cast<size_t>(x));
+          }
       });
   });
+  for (const auto& part : doubtful) voxels.doubtful.insert(voxels.doubtful.end(), part.begin(), part.end());
+  std::sort(voxels.doubtful.begin(), voxels.doubtful.end());
   return voxels;
 }
 

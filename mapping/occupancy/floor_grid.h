@@ -30,7 +30,9 @@ struct FloorGrid {
 
 /// Projects voxels of a levelled map (floor at z = 0) onto the floor. Cells are at least one voxel wide. The
 /// floor is what is occupied within 1.6 voxels of z = 0; what is occupied above that, up to `body_height`
-/// metres, is an obstacle: the robot's body.
+/// metres, is an obstacle: the robot's body. Doubtful voxels, and those that are
+/// occupied with less than two others around them, are none: so are the false points behind edges, while even
+/// a thin pole is a row of voxels.
 FloorGrid floor_grid(const Voxels& voxels, double cell_m, double body_height);
 
 }  // namespace loci

@@ -31,6 +31,9 @@ struct Voxels {
   Vector3d low = Vector3d::Zero();                 ///< corner of the first voxel, map frame, metres
   Eigen::Vector3i size = Eigen::Vector3i::Zero();  ///< voxels; zero when nothing is known
   std::vector<Occupancy> states;
+  /// Occupied voxels that are doubtful: likelier free than after a single hit, because rays passed through
+  /// them too. So are the false points that a beam leaves which meets two surfaces. Ascending indices.
+  std::vector<size_t> doubtful;
 
   bool contains(const Eigen::Vector3i& voxel) const {
     return (voxel.array() >= 0).all() && (voxel.array() < size.array()).all();

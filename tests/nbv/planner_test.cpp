@@ -74,12 +74,40 @@ TEST(FloorGrid, FloorUnderSpaceThatWasNotSeenIsNoPlaceToStand) {
   EXPECT_FALSE(floor.obstacle[floor.index(30, 10)]);
   EXPECT_FALSE(reach.stands(floor, floor.index(30, 10)));
   // What hangs as low as the robot is high is in its way wherever its radius reaches.
-  voxels.states[voxels.index({20, 30, 25})] = Occupancy::occupied;
+  for (int x = 19; x <= 21; ++x) voxels.states[voxels.index({x, 30, 25})] = Occupancy::occupied;
   const FloorGrid below = drivable_floor(voxels, robot, LaserModel(), {});
   const Reach around = drivable_ways(below, robot, {});
   EXPECT_FALSE(around.stands(below, below.index(10, 15)));
   EXPECT_FALSE(around.stands(below, below.index(12, 15)));
   EXPECT_TRUE(around.stands(below, below.index(15, 15)));
+}
+
+TEST(FloorGrid, AFalsePointIsNoObstacleAThinPoleIs) {
+  Voxels voxels;  // Free space over a floor.
+  voxels.resolution = 0.05;
+  voxels.size = {60, 40, 30};
+  voxels.states.assign(60 * 40 * 30, Occupancy::free);
+  const auto occupy = [&](int x, int y, int z) {
+    const size_t voxel = voxels.index({x, y, z});
+    voxels.states[voxel] = Occupancy::occupied;
+    return voxel;
+  };
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 60; ++x) occupy(x, y, 0);
+  occupy(10, 10, 2);  // Right over the floor: the floor's voxels are nothing that it is part of.
+  for (int x = 20; x < 24; ++x)
+    for (int y = 10; y < 14; ++y) voxels.doubtful.push_back(occupy(x, y, 12));
+  for (int z = 2; z < 20; ++z) occupy(40, 30, z);
+  const FloorGrid floor = floor_grid(voxels, 0.1, 1.35);
+  const auto obstacle = [&](int x, int y) {
+    const Eigen::Vector2i cell = floor.cell_of(voxels.center({x, y, 0}).head<2>());
+    return floor.obstacle[floor.index(cell.x(), cell.y())] != 0;
+  };
+  EXPECT_FALSE(obstacle(10, 10));
+  EXPECT_FALSE(obstacle(21, 11));
+  EXPECT_TRUE(obstacle(40, 30));
+  EXPECT_EQ(std::count(floor.obstacle.begin(), floor.obstacle.end(), 1), 1);
+  EXPECT_EQ(std::count(floor.seen.begin(), floor.seen.end(), 0), 0);
 }
 
 TEST(Reach, KeepsTheRobotsRadiusFromObstaclesAndGoesAroundThem) {

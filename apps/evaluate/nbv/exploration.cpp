@@ -85,6 +85,7 @@ WorldResult explore(const std::filesystem::path& urdf,
   ScannedWorldOptions world_options;
   world_options.package_paths = package_paths;
   world_options.threads = options.threads;
+  world_options.ceiling = options.ceiling;
   const ScannedWorld world(urdf, world_options, {}, warnings);
   const PlanarPose inside = world.open_place();
   TruthOptions truth_options;

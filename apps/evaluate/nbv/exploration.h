@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct ExplorationOptions {
   double exhaustive_s = 20;
   double goal = 0.98;
   int threads = 0;
+  std::optional<double> ceiling;  ///< height of one to add, metres
   PlannerOptions planner;
   OccupancyOptions occupancy;
 

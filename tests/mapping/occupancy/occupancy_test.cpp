@@ -168,6 +168,24 @@ TEST(OccupancyMap, RefusesAScanThatSpansTooManyVoxels) {
   EXPECT_THROW(map.insert(scan), Error);
 }
 
+TEST(OccupancyMap, VoxelsThatWereHitOnceAndPassedThroughLaterAreDoubtful) {
+  Scan scan;  // A false point before a wall, in the first scan only.
+  scan.origins.emplace_back(0.025F, 0.025F, 0.025F);
+  ScanPoint wall, stray;
+  wall.position = {1.525F, 0.025F, 0.025F};
+  stray.position = {0.925F, 0.025F, 0.025F};
+  OccupancyMap map(options(2));
+  scan.points = {wall, stray};
+  map.insert(scan);
+  EXPECT_TRUE(map.voxels().doubtful.empty());
+  scan.points = {wall};
+  map.insert(scan);
+  const Voxels voxels = map.voxels();
+  const size_t voxel = voxels.index(voxels.voxel_of(stray.position.cast<double>()));
+  EXPECT_EQ(voxels.states[voxel], Occupancy::occupied);
+  EXPECT_EQ(voxels.doubtful, std::vector<size_t>{voxel});
+}
+
 TEST(OccupancyMap, VoxelsAndFileSayWhatTheTreeSays) {
   OccupancyMap map(options(2));
   map.insert(sweeps()[0]);
