@@ -20,6 +20,7 @@ class Appearance {
     const std::vector<float>* values = nullptr;  ///< unset = no descriptor of this kind
     bool named = false;
     std::vector<std::pair<const std::string*, float>> by_name;  ///< in order of the names, each once
+    std::vector<double> log_extents;                            ///< where extents are compared
   };
   const std::array<Feature, kComparisons>& features() const { return features_; }
   /// Whether it is nearly without colour. Most things in kitchens are white or grey: that two are alike in

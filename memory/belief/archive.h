@@ -18,6 +18,9 @@ namespace loci::belief {
 /// before them. What is written knows its fields: template <class Archive> void archive(Archive&).
 class ArchiveWriter {
  public:
+  /// `room`: its memory is used again.
+  explicit ArchiveWriter(std::string room = {}) : bytes_(std::move(room)) { bytes_.clear(); }
+
   template <class... Fields>
   void operator()(const Fields&... fields) {
     (field(fields), ...);

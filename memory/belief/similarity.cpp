@@ -32,18 +32,21 @@ double euclidean_distance(const std::vector<float>& a, const std::vector<float>&
 }
 
 double extent_distance(const std::vector<float>& a, const std::vector<float>& b) {
-  thread_local std::vector<float> x, y;  // compared far too often to ask for memory each time
-  x = a;
-  y = b;
-  std::sort(x.begin(), x.end());
-  std::sort(y.begin(), y.end());
+  return log_extent_distance(log_extents(a), log_extents(b));
+}
+
+std::vector<double> log_extents(const std::vector<float>& extents) {
+  // A centimetre is added so that the thickness of flat things, mostly noise, does not dominate.
+  std::vector<double> logs;
+  for (const float extent : extents) logs.push_back(std::log(double(extent) + 0.01));
+  std::sort(logs.begin(), logs.end());
+  return logs;
+}
+
+double log_extent_distance(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;
-  for (size_t i = 0; i < x.size(); ++i) {
-    // A centimetre is added so that the thickness of flat things, mostly noise, does not dominate.
-    const double ratio = std::log((double(x[i]) + 0.01) / (double(y[i]) + 0.01));
-    sum += ratio * ratio;
-  }
-  return x.empty() ? 0.0 : std::sqrt(sum / double(x.size()));
+  for (size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return a.empty() ? 0.0 : std::sqrt(sum / double(a.size()));
 }
 
 const std::vector<Comparison>& comparisons() {
@@ -148,6 +151,7 @@ bool comparable(const Appearance::Feature& a, const Appearance::Feature& b) {
 }
 
 double distance_of(const Comparison& comparison, const Appearance::Feature& a, const Appearance::Feature& b) {
+  if (comparison.distance == extent_distance) return log_extent_distance(a.log_extents, b.log_extents);
   if (!a.named) return comparison.distance(*a.values, *b.values);
   thread_local std::vector<float> x, y;
   align(a, b, x, y);
@@ -167,6 +171,7 @@ Appearance::Appearance(const std::vector<Descriptor>& descriptors) : colorless_(
     feature.values = &descriptor.values;
     feature.named = !descriptor.names.empty();
     feature.by_name = by_name(descriptor);
+    if (found->distance == extent_distance) feature.log_extents = log_extents(descriptor.values);
   }
 }
 

@@ -43,6 +43,9 @@ double histogram_distance(const std::vector<float>& a, const std::vector<float>&
 double euclidean_distance(const std::vector<float>& a, const std::vector<float>& b);
 /// Root mean square of the log ratios of sorted positive extents.
 double extent_distance(const std::vector<float>& a, const std::vector<float>& b);
+/// The same in two steps, for extents that are compared many times.
+std::vector<double> log_extents(const std::vector<float>& extents);
+double log_extent_distance(const std::vector<double>& a, const std::vector<double>& b);
 
 /// What comparing two sets of descriptors gave.
 struct Likeness {

@@ -87,7 +87,7 @@ class Splitter {
   /// Drops the weakest pairs while the bound stays within the budget.
   void gate(double budget) {
     if (budget <= 0) return;
-    if (!sorted_) sort();
+    if (!sorted_) sort(budget);
     while (dropped_ < order_.size()) {
       const Pair& pair = order_[dropped_];
       if (bound_ + pair.cost > budget) break;
@@ -133,7 +133,8 @@ class Splitter {
   /// Orders the pairs by a bound of their probability. Its odds against both being unmatched bound it, and
   /// more so where another pair (o', k) competes for k: of the matchings without o and k, at least the share
   /// 1 / (1 + sum of the other odds of o') leaves o' free for k. Likewise for another partner of o.
-  void sort() {
+  /// Those that all fit into the budget together, the most by far, need no order.
+  void sort(double budget) {
     const Eigen::Index m = log_ratio_.rows(), n = log_ratio_.cols();
     const PairTable odds = log_ratio_.array().exp().min(1e250);
     const Eigen::VectorXd row_sum = odds.rowwise().sum(), column_sum = odds.colwise().sum();
@@ -161,8 +162,10 @@ class Splitter {
                                               of_row[static_cast<size_t>(o)].besides(k));
         order_.push_back({odds(o, k) / (1 + odds(o, k) + rival), o, k});
       }
-    std::stable_sort(order_.begin(), order_.end(),
-                     [](const Pair& a, const Pair& b) { return a.cost < b.cost; });
+    const double surely = budget / static_cast<double>(std::max<size_t>(1, order_.size()));
+    const auto rest = std::stable_partition(order_.begin(), order_.end(),
+                                            [&](const Pair& pair) { return pair.cost <= surely; });
+    std::stable_sort(rest, order_.end(), [](const Pair& a, const Pair& b) { return a.cost < b.cost; });
     sorted_ = true;
   }
 

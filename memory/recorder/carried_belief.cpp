@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "memory/belief/archive.h"
 
@@ -19,8 +20,8 @@ std::string name_of(int64_t key) {
   return fmt::format("{}{:019}", kObjects, key);
 }
 
-std::string bytes_of(const belief::ProtoObject& object) {
-  belief::ArchiveWriter writer;
+std::string bytes_of(const belief::ProtoObject& object, std::string room) {
+  belief::ArchiveWriter writer(std::move(room));
   writer(kVersion, object);
   return writer.take();
 }
@@ -48,15 +49,18 @@ void CarriedBelief::save(SceneTransaction& transaction, Id scene, const belief::
   if (all_) transaction.drop_checkpoints(kObjects);
   fresh_.clear();
   removed_.clear();
-  for (const auto& [key, bytes] : kept_) removed_.push_back(key);
+  std::set<int64_t> believed;
+  std::string bytes;
   for (const belief::ProtoObject& object : state.objects) {
-    std::string bytes = bytes_of(object);
+    bytes = bytes_of(object, std::move(bytes));
     const auto kept = kept_.find(object.key);
-    if (kept != kept_.end()) std::erase(removed_, object.key);
+    believed.insert(object.key);
     if (kept != kept_.end() && kept->second == bytes) continue;
     transaction.set_checkpoint(name_of(object.key), bytes, std::nullopt);
-    fresh_[object.key] = std::move(bytes);
+    fresh_[object.key] = bytes;
   }
+  for (const auto& [key, kept] : kept_)
+    if (!believed.contains(key)) removed_.push_back(key);
   for (const int64_t key : removed_) transaction.drop_checkpoints(name_of(key));
 }
 
