@@ -1,4 +1,5 @@
 #include "apps/evaluate/commands.h"
+#include "apps/evaluate/filter/phantoms.h"
 #include "apps/evaluate/filter/removal.h"
 #include "apps/evaluate/filter/speed.h"
 #include "mapping/base/files.h"
@@ -15,6 +16,7 @@ struct Arguments {
   std::string output;
   SpeedOptions speed;
   KnownStructureOptions filter;
+  bool pose_errors = false;
 };
 
 void run_speed(const Arguments& arguments, Session& session) {
@@ -34,7 +36,17 @@ void run_recordings(const Arguments& arguments, Session& session) {
   for (const std::string& recording : arguments.recordings)
     removals.push_back(
         measure_removal(recording, *map, arguments.filter, session.flags().threads, session.progress()));
-  session.answer(removal_text(removals), {{"removal", removal_json(removals)}});
+  std::string text = removal_text(removals);
+  Json json = {{"removal", removal_json(removals)}};
+  if (arguments.pose_errors)
+    for (const std::string& recording : arguments.recordings) {
+      const std::vector<Phantoms> rows =
+          measure_phantoms(recording, map, {{0, 0}, {0.01, 0.5}, {0.02, 1}, {0.03, 1.5}, {0.05, 2}},
+                           arguments.speed.seed, session.flags().threads, session.progress());
+      text += "\n" + phantoms_text(rows);
+      json["pose_errors"].push_back({{"recording", recording}, {"rows", phantoms_json(rows)}});
+    }
+  session.answer(text, json);
 }
 
 void run(Arguments& arguments, Session& session) {
@@ -56,6 +68,8 @@ Command filter_command() {
                            "Recordings to be filtered; without any, time is measured");
             app.add_option("--map", arguments->map, "URDF of the kitchen (its sidecar is found beside it)");
             app.add_option("--package-path", arguments->package_paths, "Folder that holds packages");
+            app.add_flag("--pose-errors", arguments->pose_errors,
+                         "What errors of localisation do to the objects found, refinement off and on");
             app.add_option("-o,--output", arguments->output, "Folder for the figure as SVG");
             add_options(app, table_of(arguments->speed));
             add_options(app, table_of(arguments->filter));

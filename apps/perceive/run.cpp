@@ -20,6 +20,7 @@ struct Arguments {
   std::string recording;
   std::string map;
   std::vector<std::string> package_paths;
+  std::vector<std::string> robots;
   std::string pipeline;
   std::string labels;
   std::string pictures;
@@ -32,6 +33,8 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--map", arguments.map, "URDF of the kitchen (its sidecar is found beside it)");
   app.add_option("--package-path", arguments.package_paths,
                  "Folder that holds packages (package://NAME/…); can be given several times");
+  app.add_option("--robot", arguments.robots,
+                 "URDF[,JOINTS.csv] of a robot that may be in view; can be given several times");
   app.add_option("--pipeline", arguments.pipeline,
                  "Pipeline as YAML; the default one is shown by `describe pipeline`");
   app.add_option("--every", arguments.every, "Take every n-th frame")->check(CLI::PositiveNumber);
@@ -59,9 +62,19 @@ Pipeline read_pipeline(const Arguments& arguments, const AnnotatorRegistry& regi
 Resources make_resources(const Arguments& arguments, Session& session) {
   Resources resources;
   resources.put(std::shared_ptr<Recording>(open_recording(arguments.recording)));
-  if (!arguments.map.empty())
-    resources.put(KnownMap::load(
-        arguments.map, {arguments.package_paths.begin(), arguments.package_paths.end()}, session.warnings()));
+  if (!arguments.map.empty() || !arguments.robots.empty()) {
+    const std::vector<std::filesystem::path> packages(arguments.package_paths.begin(),
+                                                      arguments.package_paths.end());
+    const std::shared_ptr<KnownMap> map = arguments.map.empty()
+                                              ? KnownMap::without_room(session.warnings())
+                                              : KnownMap::load(arguments.map, packages, session.warnings());
+    for (const std::string& robot : arguments.robots) {
+      const size_t comma = robot.find(',');
+      const std::string joints = comma == std::string::npos ? "" : robot.substr(comma + 1);
+      map->add_robot(robot.substr(0, comma), joints, packages, session.warnings());
+    }
+    resources.put(map);
+  }
   return resources;
 }
 

@@ -130,6 +130,51 @@ std::shared_ptr<KnownMap> KnownMap::make(World world, SemanticMap semantics, Mes
   return map;
 }
 
+std::shared_ptr<KnownMap> KnownMap::without_room(Warnings& warnings) {
+  World world;
+  world.name = world.root = "map";
+  world.links.emplace_back().name = "map";
+  return make(std::move(world), {}, {}, warnings);
+}
+
+bool KnownMap::has_room() const {
+  return std::ranges::any_of(world.links, [](const Link& link) { return !link.visuals.empty(); });
+}
+
+void KnownMap::add_robot(const std::filesystem::path& urdf, const std::filesystem::path& joints,
+                         const std::vector<std::filesystem::path>& package_paths, Warnings& warnings) {
+  KnownRobot robot;
+  robot.world = read_urdf(urdf);
+  if (!joints.empty()) robot.rows = KnownRobot::read_joints(joints, robot.world);
+  robot.part = scene.add(robot.world, {package_paths, urdf.parent_path()}, Isometry3d::Identity(), warnings);
+  robots.push_back(std::move(robot));
+}
+
+void KnownMap::place_robots(TimeNs time, const JointState& joints, const std::string& camera_link,
+                            const Isometry3d& map_from_camera) {
+  for (const KnownRobot& robot : robots) {
+    JointState state = robot.joints_at(time);
+    for (const auto& [name, position] : joints)
+      if (robot.world.find_joint(name)) state[name] = position;
+    scene.set_joints(robot.part, state);
+    Isometry3d map_from_root = Isometry3d::Identity();
+    if (robot.world.find_link(camera_link))
+      map_from_root = map_from_camera *
+                      root_from_links(robot.world, state)[robot.world.link_index(camera_link)].inverse();
+    scene.set_pose(robot.part, map_from_root);
+    scene.set_visible(robot.part, true);
+  }
+}
+
+void KnownMap::hide_robots() {
+  for (const KnownRobot& robot : robots) scene.set_visible(robot.part, false);
+}
+
+bool KnownMap::robot_has_joint(const std::string& joint) const {
+  return std::ranges::any_of(
+      robots, [&](const KnownRobot& robot) { return robot.world.find_joint(joint) != nullptr; });
+}
+
 std::string KnownMap::class_of(const std::string& link) const {
   const auto it = semantics.links.find(link);
   if (it != semantics.links.end() && !it->second.class_name.empty()) return it->second.class_name;

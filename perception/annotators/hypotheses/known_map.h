@@ -8,6 +8,7 @@
 #include "mapping/render/render.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/world.h"
+#include "perception/annotators/hypotheses/known_robot.h"
 
 namespace loci {
 
@@ -31,6 +32,7 @@ struct KnownMap {
   MeshSearch meshes;
   RenderScene scene;
   size_t part = 0;
+  std::vector<KnownRobot> robots;
 
   /// Reads a URDF and, where there is one, its sidecar.
   static std::shared_ptr<KnownMap> load(const std::filesystem::path& urdf,
@@ -38,6 +40,22 @@ struct KnownMap {
                                         Warnings& warnings);
   static std::shared_ptr<KnownMap> make(World world, SemanticMap semantics, MeshSearch meshes,
                                         Warnings& warnings);
+
+  /// Only robots are known: a world without anything to be seen.
+  static std::shared_ptr<KnownMap> without_room(Warnings& warnings);
+  bool has_room() const;
+
+  /// Adds a robot to the scene; it is drawn where place_robots() puts it.
+  void add_robot(const std::filesystem::path& urdf, const std::filesystem::path& joints,
+                 const std::vector<std::filesystem::path>& package_paths, Warnings& warnings);
+  /// Puts robots where they are at a time. One that has the link `camera_link` (its frame the optical one:
+  /// z ahead, y down) is where the depth camera says; the others stand at the map's origin. Joints that
+  /// `joints` names go before those of the robot's file.
+  void place_robots(TimeNs time, const JointState& joints, const std::string& camera_link,
+                    const Isometry3d& map_from_camera);
+  void hide_robots();
+  /// Whether a robot has a joint of this name.
+  bool robot_has_joint(const std::string& joint) const;
 
   /// From the sidecar; without an entry there, the name without its numbers: "drawer_3_bottom" is a
   /// "drawer_bottom".

@@ -70,6 +70,15 @@ KnownStructure find_known_structure(const cv::Mat& points, const PinholeCamera& 
   std::vector<bool> is_surface(map.scene.link_names().size(), false);
   for (const SupportSurface& surface : surfaces) is_surface[surface.link_id] = true;
   result.region = cv::Mat::zeros(points.size(), CV_16U);
+  result.kind = cv::Mat::zeros(points.size(), CV_8U);
+  const auto set_kind = [&](int pixel, PixelKind kind) {
+    result.kind.ptr<uint8_t>()[pixel] = static_cast<uint8_t>(kind);
+  };
+  const auto keep = [&](int pixel, int region) {
+    result.region.ptr<uint16_t>()[pixel] = static_cast<uint16_t>(region + 1);
+    ++result.regions[static_cast<size_t>(region)].pixels;
+    set_kind(pixel, PixelKind::interest);
+  };
   const auto* point = points.ptr<cv::Vec3f>();
   for (int i = 0; i < points.rows * points.cols; ++i) {
     const auto z = static_cast<double>(point[i][2]);
@@ -86,20 +95,20 @@ KnownStructure find_known_structure(const cv::Mat& points, const PinholeCamera& 
     // Around the height of a surface the point belongs to it, even where the map has the surface lower; but
     // not the foot of the wall behind it.
     if (region >= 0 && std::abs(height) <= tolerance && (!explained || by_surface)) {
-      result.region.ptr<uint16_t>()[i] = static_cast<uint16_t>(region + 1);
-      ++result.regions[static_cast<size_t>(region)].pixels;
+      keep(i, region);
       continue;
     }
     if (explained) {
       ++result.known;
+      set_kind(i, PixelKind::known);
       continue;
     }
     if (region < 0) {
       ++result.outside;
+      set_kind(i, PixelKind::irrelevant);
       continue;
     }
-    result.region.ptr<uint16_t>()[i] = static_cast<uint16_t>(region + 1);
-    ++result.regions[static_cast<size_t>(region)].pixels;
+    keep(i, region);
   }
   return result;
 }

@@ -1,0 +1,171 @@
+#include "perception/annotators/hypotheses/articulated_fronts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "perception/annotators/hypotheses/support_planes.h"
+
+namespace loci {
+namespace {
+
+constexpr double kSpacing = 0.025;    ///< metres between points of a front
+constexpr double kTolerance = 0.015;  ///< metres, plus twice the noise
+constexpr double kThrough = 3;        ///< cost of a point in free space; one off by the tolerance costs 1
+constexpr double kLeastOn = 0.25;     ///< share of a front that must be seen for it to be determined
+constexpr double kMostThrough = 0.1;  ///< of those seen, that may lie in free space
+constexpr double kLeastGain = 0.1;    ///< of cost, for the given position to be given up
+constexpr int kFewPoints = 25;
+constexpr int kPositions = 60;   ///< of a joint, tried first
+constexpr double kReach = 0.5;   ///< metres before a front: what is further away is in nobody's way
+constexpr double kFacing = 0.2;  ///< cosine
+
+Vector3d vector(const cv::Vec3f& value) {
+  return {static_cast<double>(value[0]), static_cast<double>(value[1]), static_cast<double>(value[2])};
+}
+
+/// The pixel that a point falls into; -1 outside.
+int pixel_of(const Vector3d& point, const PinholeCamera& camera) {
+  if (!(point.z() > 0.1)) return -1;
+  const double u = std::round(camera.fx * point.x() / point.z() + camera.cx);
+  const double v = std::round(camera.fy * point.y() / point.z() + camera.cy);
+  if (!(u >= 0 && v >= 0 && u < camera.width && v < camera.height)) return -1;
+  return static_cast<int>(v) * camera.width + static_cast<int>(u);
+}
+
+}  // namespace
+
+/// A front at a position against a picture.
+struct ArticulatedFronts::Match {
+  int in_view = 0, on = 0, through = 0;
+  double cost = 0;  ///< mean over those in view
+
+  bool sure() const {
+    return in_view >= kFewPoints && on >= kLeastOn * in_view && through <= kMostThrough * on;
+  }
+};
+
+ArticulatedFronts::ArticulatedFronts(const World& world, const MeshSearch& meshes) : world_(world) {
+  Warnings ignored;  // Missing meshes were warned about when the map was loaded.
+  for (const Joint& joint : world.joints) {
+    const bool slides = joint.type == JointType::prismatic, turns = joint.type == JointType::revolute;
+    if (!(slides || turns) || !joint.limits || joint.mimic) continue;
+    if (!(joint.limits->upper > joint.limits->lower)) continue;
+    Front front{joint, world.link_index(joint.child), {}};
+    for (const Visual& visual : world.links[front.link].visuals) {
+      const TriangleMesh mesh = triangulate(visual.geometry, meshes, ignored);
+      for (const auto& [a, b, c] : mesh.triangles) {
+        const Vector3d origin = visual.link_from_visual * mesh.vertices[a].cast<double>();
+        const Vector3d ab = visual.link_from_visual * mesh.vertices[b].cast<double>() - origin;
+        const Vector3d ac = visual.link_from_visual * mesh.vertices[c].cast<double>() - origin;
+        const Vector3d normal = ab.cross(ac);
+        // A grid in the triangle's own coordinates: as dense as the area asks for.
+        const int n = static_cast<int>(std::ceil(ab.norm() / kSpacing));
+        const int m = static_cast<int>(std::ceil(ac.norm() / kSpacing));
+        if (!(normal.norm() > 1e-8) || n > 1000 || m > 1000) continue;
+        for (int i = 0; i < n; ++i)
+          for (int j = 0; j < m; ++j) {
+            const double s = (i + 0.5) / n, t = (j + 0.5) / m;
+            if (s + t < 1) front.samples.push_back({origin + s * ab + t * ac, normal.normalized()});
+          }
+      }
+    }
+    if (front.samples.size() >= static_cast<size_t>(kFewPoints)) fronts_.push_back(std::move(front));
+  }
+}
+
+ArticulatedFronts::Match ArticulatedFronts::match(const Front& front, const Isometry3d& camera_from_link,
+                                                  const cv::Mat& points, const PinholeCamera& camera) const {
+  Match match;
+  for (const Sample& sample : front.samples) {
+    const Vector3d point = camera_from_link * sample.point;
+    const int pixel = pixel_of(point, camera);
+    if (pixel < 0) continue;
+    const auto depth = static_cast<double>(points.ptr<cv::Vec3f>()[pixel][2]);
+    if (std::isnan(depth)) continue;
+    if ((camera_from_link.linear() * sample.normal).dot(-point) < kFacing * point.norm()) continue;
+    const double off = (depth - point.z()) / (kTolerance + 2 * depth_noise(point.z()));
+    ++match.in_view;
+    if (std::abs(off) <= 1) ++match.on;
+    if (off > 1) ++match.through;
+    match.cost += off > 1 ? kThrough : std::min(1.0, off * off);
+  }
+  if (match.in_view > 0) match.cost /= match.in_view;
+  return match;
+}
+
+std::vector<FrontState> ArticulatedFronts::estimate(const cv::Mat& points, const PinholeCamera& camera,
+                                                    const Isometry3d& map_from_camera,
+                                                    const JointState& joints) const {
+  const std::vector<Isometry3d> map_from_links = root_from_links(world_, joints);
+  const Isometry3d camera_from_map = map_from_camera.inverse();
+  std::vector<FrontState> states;
+  for (const Front& front : fronts_) {
+    FrontState state;
+    state.joint = front.joint.name;
+    if (const auto given = joints.find(state.joint); given != joints.end()) state.given = given->second;
+    state.position = state.given;
+    const Isometry3d camera_from_joint =
+        camera_from_map * map_from_links[front.link] * joint_motion(front.joint, state.given).inverse();
+    const auto at = [&](double position) {
+      return match(front, camera_from_joint * joint_motion(front.joint, position), points, camera);
+    };
+    const Match given = at(state.given);
+    const double low = front.joint.limits->lower, high = front.joint.limits->upper;
+    Match best = given;
+    const auto consider = [&](double position) {
+      const Match tried = at(std::clamp(position, low, high));
+      if (!tried.sure() || (best.sure() && tried.cost >= best.cost)) return;
+      best = tried;
+      state.position = std::clamp(position, low, high);
+    };
+    const double step = (high - low) / kPositions;
+    for (int i = 0; i <= kPositions; ++i) consider(low + i * step);
+    for (double fine = step / 2; best.sure() && fine > step / 40; fine /= 2) {
+      const double around = state.position;
+      consider(around - fine);
+      consider(around + fine);
+    }
+    state.determined = best.sure();
+    state.moved = best.sure() && (!given.sure() || best.cost < given.cost - kLeastGain);
+    if (!state.moved) state.position = state.given;
+    const Match& kept = state.moved ? best : given;
+    state.in_view = kept.in_view;
+    state.on = kept.on;
+    states.push_back(state);
+  }
+  return states;
+}
+
+std::vector<Obstacle> ArticulatedFronts::obstacles(const cv::Mat& points, const cv::Mat& unknown,
+                                                   const PinholeCamera& camera,
+                                                   const Isometry3d& map_from_camera,
+                                                   const JointState& joints) const {
+  const std::vector<Isometry3d> map_from_links = root_from_links(world_, joints);
+  std::vector<Obstacle> found;
+  for (const Front& front : fronts_) {
+    const Isometry3d camera_from_link = map_from_camera.inverse() * map_from_links[front.link];
+    int in_view = 0, hidden = 0;
+    Obstacle obstacle{front.joint.name, std::numeric_limits<double>::infinity(), 0};
+    for (const Sample& sample : front.samples) {
+      const Vector3d point = camera_from_link * sample.point;
+      const Vector3d normal = camera_from_link.linear() * sample.normal;
+      const int pixel = pixel_of(point, camera);
+      if (pixel < 0 || normal.dot(-point) < kFacing * point.norm()) continue;
+      ++in_view;
+      const Vector3d seen = vector(points.ptr<cv::Vec3f>()[pixel]);
+      if (std::isnan(seen.z()) || unknown.ptr<uint8_t>()[pixel] == 0) continue;
+      const double before = normal.dot(seen - point);
+      if (before < kTolerance + 2 * depth_noise(seen.z()) || before > kReach) continue;
+      ++hidden;
+      obstacle.distance_m = std::min(obstacle.distance_m, before);
+    }
+    if (in_view < kFewPoints || hidden < kFewPoints / 5 || hidden < 0.03 * in_view) continue;
+    obstacle.share = static_cast<double>(hidden) / in_view;
+    found.push_back(obstacle);
+  }
+  return found;
+}
+
+}  // namespace loci

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "mapping/base/pose.h"
+#include "mapping/sensor/camera.h"
+#include "mapping/world/kinematics.h"
+#include "mapping/world/mesh.h"
+
+namespace loci {
+
+/// How a front (of a drawer or a door) stands in one depth picture.
+struct FrontState {
+  std::string joint;
+  double given = 0;         ///< position that was assumed, metres or radians
+  double position = 0;      ///< as the picture shows it; the given one where it does not
+  bool determined = false;  ///< enough of the front is seen at that position
+  bool moved = false;       ///< the picture shows it elsewhere than given
+  int in_view = 0;          ///< points of the front that face the camera and have a depth in their pixel
+  int on = 0;               ///< of these, where the depth is the front's
+};
+
+/// Something that stands before a front.
+struct Obstacle {
+  std::string joint;
+  double distance_m = 0;  ///< before the front, the nearest part of it
+  double share = 0;       ///< of the front that it hides
+};
+
+/// The fronts of a world's drawers and doors as points, to be compared with depth pictures.
+class ArticulatedFronts {
+ public:
+  /// Joints with limits that slide or turn, and the surfaces of the links that they carry.
+  ArticulatedFronts(const World& world, const MeshSearch& meshes);
+
+  /// Fits each joint by its front: of all positions within its limits, the one at which most of the front
+  /// lies on the depth and least of it where the camera looked through. What hides a front says nothing.
+  /// `points`: CV_32FC3, camera frame, NaN = none.
+  std::vector<FrontState> estimate(const cv::Mat& points, const PinholeCamera& camera,
+                                   const Isometry3d& map_from_camera, const JointState& joints) const;
+
+  /// What is seen before fronts, within reach of those who would open them, and is no known structure
+  /// (`unknown`: CV_8U, not 0 at pixels of points that the map does not explain).
+  std::vector<Obstacle> obstacles(const cv::Mat& points, const cv::Mat& unknown, const PinholeCamera& camera,
+                                  const Isometry3d& map_from_camera, const JointState& joints) const;
+
+ private:
+  struct Sample {
+    Vector3d point, normal;  ///< frame of the link
+  };
+  struct Front {
+    Joint joint;
+    size_t link = 0;  ///< index into the world's links
+    std::vector<Sample> samples;
+  };
+  struct Match;
+
+  Match match(const Front& front, const Isometry3d& camera_from_link, const cv::Mat& points,
+              const PinholeCamera& camera) const;
+
+  World world_;
+  std::vector<Front> fronts_;
+};
+
+}  // namespace loci

@@ -1,0 +1,209 @@
+#include "perception/annotators/hypotheses/pose_refinement.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "perception/annotators/hypotheses/support_planes.h"
+
+namespace loci {
+namespace {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+constexpr int kStride = 4;            ///< pixels between points
+constexpr int kSteps = 12;            ///< at most
+constexpr double kLastGate = 0.03;    ///< metres: what is further from the map at the end is not on it
+constexpr double kOnSurface = 0.02;   ///< metres, plus twice the noise: the filter's own tolerance
+constexpr double kSameNormal = 0.8;   ///< cosine
+constexpr double kLeastShare = 0.15;  ///< of the points on the map's surfaces, for a fit to mean anything
+constexpr double kLeastGain = 0.02;   ///< more of the points explained, for the given pose to be given up
+/// A direction is determined when a unit motion moves this share of the points (in the mean square) towards
+/// or away from their surfaces: an error of the sensor in them is at most its tenfold along it.
+constexpr double kDetermined = 0.01;
+
+/// A measured point and the surface of the map behind its pixel; camera frame.
+struct Pair {
+  Vector3d point, normal;  ///< normal of the map
+  double distance;         ///< of the point before the map's surface
+  double noise;            ///< metres
+};
+
+class Fit {
+ public:
+  Fit(const cv::Mat& points, const cv::Mat& normals, const PinholeCamera& camera, const RenderScene& scene,
+      int threads)
+      : points_(points), normals_(normals), scene_(scene), threads_(threads), coarse_(camera) {
+    coarse_.width = camera.width / kStride;
+    coarse_.height = camera.height / kStride;
+    coarse_.fx = camera.fx / kStride;
+    coarse_.fy = camera.fy / kStride;
+    coarse_.cx = camera.cx / kStride;
+    coarse_.cy = camera.cy / kStride;
+    for (int v = 0; v < coarse_.height; ++v)
+      for (int u = 0; u < coarse_.width; ++u)
+        measured_ += std::isnan(points_.at<cv::Vec3f>(v * kStride, u * kStride)[2]) ? 0 : 1;
+  }
+
+  size_t measured() const { return measured_; }
+
+  std::vector<Pair> pairs(const Isometry3d& map_from_camera) const {
+    RenderOptions options;
+    options.normals = true;
+    const RenderedView view = scene_.render(coarse_, map_from_camera, options, threads_);
+    std::vector<Pair> pairs;
+    pairs.reserve(measured_);
+    for (int v = 0; v < coarse_.height; ++v)
+      for (int u = 0; u < coarse_.width; ++u) {
+        const Vector3d point = vector(points_, v, u), measured = vector(normals_, v, u);
+        const auto depth = static_cast<double>(view.depth.at<float>(v, u));
+        if (std::isnan(point.z()) || std::isnan(depth) || !measured.allFinite()) continue;
+        const cv::Vec3f& n = view.normal.at<cv::Vec3f>(v, u);
+        const Vector3d normal(static_cast<double>(n[0]), static_cast<double>(n[1]),
+                              static_cast<double>(n[2]));
+        if (normal.dot(measured) < kSameNormal) continue;
+        pairs.push_back(
+            {point, normal, normal.dot(point - coarse_.unproject(u, v, depth)), depth_noise(point.z())});
+      }
+    return pairs;
+  }
+
+  /// Share of the points that lie on the map's surfaces.
+  double explained(const std::vector<Pair>& pairs) const {
+    const auto on = std::ranges::count_if(
+        pairs, [](const Pair& pair) { return std::abs(pair.distance) <= kOnSurface + 2 * pair.noise; });
+    return measured_ == 0 ? 0 : static_cast<double>(on) / static_cast<double>(measured_);
+  }
+
+ private:
+  static Vector3d vector(const cv::Mat& image, int v, int u) {
+    const auto& value = image.at<cv::Vec3f>(v * kStride, u * kStride);
+    return {static_cast<double>(value[0]), static_cast<double>(value[1]), static_cast<double>(value[2])};
+  }
+
+  const cv::Mat& points_;
+  const cv::Mat& normals_;
+  const RenderScene& scene_;
+  int threads_;
+  PinholeCamera coarse_;
+  size_t measured_ = 0;
+};
+
+/// The motion of the points that brings them onto the map, about their middle, along what they determine.
+struct Step {
+  Isometry3d motion = Isometry3d::Identity();
+  double length = 0;    ///< how far it moves a point at the usual distance from the middle
+  int constrained = 0;  ///< directions
+};
+
+Step step_of(const std::vector<Pair>& pairs, double gate) {
+  Vector3d middle = Vector3d::Zero();
+  double total = 0;
+  const auto weight = [gate](const Pair& pair) {
+    const double reach = gate + 2 * pair.noise, r = pair.distance / reach;
+    if (std::abs(r) >= 1) return 0.0;
+    const double sigma = 0.005 + pair.noise;
+    return std::pow(1 - r * r, 2) / (sigma * sigma);
+  };
+  for (const Pair& pair : pairs) {
+    middle += weight(pair) * pair.point;
+    total += weight(pair);
+  }
+  if (total <= 0) return {};
+  middle /= total;
+  double size = 0;
+  for (const Pair& pair : pairs) size += weight(pair) * (pair.point - middle).squaredNorm();
+  size = std::sqrt(size / total);
+  if (!(size > 0.05)) return {};
+  Matrix6d hessian = Matrix6d::Zero();
+  Vector6d gradient = Vector6d::Zero();
+  for (const Pair& pair : pairs) {
+    const double w = weight(pair) / total;
+    if (w <= 0) continue;
+    Vector6d row;
+    row << pair.normal, (pair.point - middle).cross(pair.normal) / size;
+    hessian.noalias() += w * row * row.transpose();
+    gradient -= w * pair.distance * row;
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(hessian);
+  Vector6d motion = Vector6d::Zero();
+  Step step;
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    if (solver.eigenvalues()[i] < kDetermined) continue;
+    const Vector6d direction = solver.eigenvectors().col(i);
+    motion += direction * (direction.dot(gradient) / solver.eigenvalues()[i]);
+    ++step.constrained;
+  }
+  const Vector3d turn = motion.tail<3>() / size;
+  const double angle = turn.norm();
+  if (angle > 1e-12) step.motion.linear() = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+  step.motion.translation() = motion.head<3>() + middle - step.motion.linear() * middle;
+  step.length = motion.norm();
+  return step;
+}
+
+double turn_deg(const Isometry3d& a, const Isometry3d& b) {
+  return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() * 180 / std::numbers::pi;
+}
+
+}  // namespace
+
+void PoseRefinementOptions::declare(OptionTable& table) {
+  table.flag("refine_pose", refine_pose, "Fits the pose of the camera to the map before it is compared.");
+  table.number("pose_error_m", pose_error_m, "m", "Largest error of the given position.", 0.001, 1);
+  table.number("pose_error_deg", pose_error_deg, "deg", "Largest error of the given orientation.", 0.01, 30);
+}
+
+PoseRefinement refine_pose(const cv::Mat& points, const cv::Mat& normals, const PinholeCamera& camera,
+                           const Isometry3d& map_from_camera, const RenderScene& scene,
+                           const PoseRefinementOptions& options, int threads) {
+  const Fit fit(points, normals, camera, scene, threads);
+  PoseRefinement result;
+  result.map_from_camera = map_from_camera;
+  std::vector<Pair> pairs = fit.pairs(map_from_camera);
+  result.explained_before = result.explained_after = fit.explained(pairs);
+  // Far from the camera a wrong orientation moves points more than a wrong position.
+  double gate = options.pose_error_m + std::sin(options.pose_error_deg * std::numbers::pi / 180) * 2;
+  Isometry3d pose = map_from_camera;
+  for (int i = 0; i < kSteps; ++i) {
+    if (static_cast<double>(pairs.size()) < kLeastShare * static_cast<double>(fit.measured()) ||
+        pairs.size() < 100) {
+      result.verdict = "too little of the map is in view";
+      return result;
+    }
+    const Step step = step_of(pairs, gate);
+    result.constrained = step.constrained;
+    pose.matrix() = (pose * step.motion).matrix();
+    if (gate <= kLastGate && step.length < 2e-4) break;
+    gate = std::max(0.6 * gate, kLastGate);
+    pairs = fit.pairs(pose);
+  }
+  pose.linear() = Eigen::Quaterniond(pose.linear()).normalized().toRotationMatrix();
+  const double explained = fit.explained(fit.pairs(pose));
+  const double shift = (pose.translation() - map_from_camera.translation()).norm();
+  const double turn = turn_deg(map_from_camera, pose);
+  if (explained < kLeastShare) {
+    result.verdict = "the picture does not fit the map";
+  } else if (explained < result.explained_before + kLeastGain) {
+    result.verdict = "the given pose explains as much";
+  } else if (shift > 1.5 * options.pose_error_m || turn > 1.5 * options.pose_error_deg) {
+    result.verdict = fmt::format("the map would be {:.0f} cm and {:.1f}° away", 100 * shift, turn);
+  } else {
+    result.map_from_camera = pose;
+    result.moved = true;
+    result.explained_after = explained;
+    result.shift_m = shift;
+    result.turn_deg = turn;
+    result.verdict = fmt::format("moved by {:.1f} cm and {:.2f}°", 100 * shift, turn);
+  }
+  if (result.constrained < 6)
+    result.verdict += fmt::format("; {} of 6 directions are not determined and stay", 6 - result.constrained);
+  return result;
+}
+
+}  // namespace loci
