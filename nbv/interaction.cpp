@@ -6,6 +6,7 @@
 
 #include "mapping/base/exact_pose.h"
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/interpretation/furniture_links.h"
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "mapping/base/json.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
 

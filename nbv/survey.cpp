@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/interpretation/front_links.h"
 #include "mapping/world/urdf.h"

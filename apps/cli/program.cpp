@@ -8,6 +8,8 @@
 #include <chrono>
 #include <csignal>
 
+#include "mapping/base/json.h"
+
 namespace loci {
 namespace {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json.h"
+#include "mapping/base/json_fwd.h"
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
 

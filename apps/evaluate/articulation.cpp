@@ -1,5 +1,6 @@
 #include "apps/evaluate/articulation/tracks.h"
 #include "apps/evaluate/commands.h"
+#include "mapping/base/json.h"
 
 namespace loci {
 

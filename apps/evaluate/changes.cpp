@@ -2,7 +2,9 @@
 
 #include "apps/evaluate/changes/comparison.h"
 #include "apps/evaluate/commands.h"
+#include "mapping/base/config.h"
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "memory/annotators/memory_annotators.h"
 #include "memory/annotators/memory_session.h"
 #include "perception/annotators/annotators.h"

@@ -1,5 +1,6 @@
 #include "apps/evaluate/commands.h"
 #include "apps/evaluate/description/products.h"
+#include "mapping/base/json.h"
 
 namespace loci {
 namespace {

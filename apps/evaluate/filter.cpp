@@ -3,6 +3,7 @@
 #include "apps/evaluate/filter/removal.h"
 #include "apps/evaluate/filter/speed.h"
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 
 namespace loci {
 namespace {

@@ -2,6 +2,7 @@
 #include "apps/evaluate/identity/figures.h"
 #include "apps/evaluate/identity/speed.h"
 #include "apps/evaluate/identity/tables.h"
+#include "mapping/base/json.h"
 
 namespace loci {
 namespace {

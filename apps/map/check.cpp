@@ -1,4 +1,5 @@
 #include "apps/map/commands.h"
+#include "mapping/base/json.h"
 #include "mapping/world/inspection.h"
 #include "mapping/world/urdf.h"
 

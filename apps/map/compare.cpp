@@ -1,6 +1,7 @@
 #include "mapping/exchange/compare.h"
 
 #include "apps/map/commands.h"
+#include "mapping/base/json.h"
 
 namespace loci {
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "apps/map/commands.h"
+#include "mapping/base/json.h"
 #include "mapping/sensor/pose_text.h"
 #include "mapping/simulation/scanned_world.h"
 #include "nbv/survey.h"

@@ -4,6 +4,7 @@
 
 #include "apps/map/commands.h"
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "mapping/exchange/link_graph.h"
 #include "mapping/exchange/occupancy_grid.h"
 #include "mapping/exchange/owl.h"

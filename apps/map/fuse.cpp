@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "apps/map/commands.h"
+#include "mapping/base/json.h"
 #include "mapping/fusion/fusion.h"
 
 namespace loci {

@@ -2,6 +2,7 @@
 
 #include "apps/map/commands.h"
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "mapping/exchange/map_report.h"
 #include "mapping/interpretation/interpretation.h"
 #include "mapping/interpretation/take_names.h"

@@ -5,6 +5,7 @@
 
 #include "apps/map/commands.h"
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/exchange/occupancy_grid.h"
 #include "nbv/pictures.h"

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "apps/map/commands.h"
+#include "mapping/base/json.h"
 #include "mapping/registration/registration.h"
 
 namespace loci {

@@ -1,4 +1,5 @@
 #include "apps/memory/commands.h"
+#include "mapping/base/json.h"
 #include "memory/questions/facts.h"
 #include "memory/questions/taxonomy.h"
 

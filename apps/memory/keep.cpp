@@ -6,6 +6,7 @@
 #include "apps/memory/memory_arguments.h"
 #include "mapping/base/csv.h"
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "memory/recorder/forget.h"
 
 namespace loci {

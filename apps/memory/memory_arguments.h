@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/cli/program.h"
+#include "mapping/base/json.h"
 #include "memory/questions/words.h"
 
 namespace loci {

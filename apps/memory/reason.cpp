@@ -1,6 +1,7 @@
 #include "memory/reasoning/reason.h"
 
 #include "apps/memory/commands.h"
+#include "mapping/base/json.h"
 
 namespace loci {
 

@@ -1,5 +1,6 @@
 #include "apps/memory/commands.h"
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "memory/report/memory_report.h"
 
 namespace loci {

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "apps/memory/commands.h"
+#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
 #include "memory/identity/vector_file.h"
 

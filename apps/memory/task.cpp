@@ -1,5 +1,6 @@
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
+#include "mapping/base/json.h"
 
 namespace loci {
 

@@ -2,6 +2,7 @@
 
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
+#include "mapping/base/json.h"
 
 namespace loci {
 namespace {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "apps/perceive/commands.h"
+#include "mapping/base/json.h"
 #include "mapping/recording/recording.h"
 
 namespace loci {

@@ -2,6 +2,7 @@
 
 #include "apps/perceive/annotators.h"
 #include "apps/perceive/commands.h"
+#include "mapping/base/json.h"
 
 namespace loci {
 namespace {

@@ -1,5 +1,6 @@
 #include "apps/perceive/memory_target.h"
 
+#include "mapping/base/json.h"
 #include "memory/annotators/memory_annotators.h"
 #include "perception/annotators/hypotheses/known_map.h"
 

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "apps/perceive/commands.h"
+#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/image/image_io.h"
 #include "perception/recognition/product_index.h"

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "mapping/base/json.h"
+#include "mapping/base/json_fwd.h"
 #include "perception/types/scene_cas.h"
 
 namespace loci {

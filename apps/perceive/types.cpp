@@ -5,6 +5,7 @@
 #include "apps/perceive/commands.h"
 #include "apps/perceive/ros_input.h"
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "perception/cas/listing.h"
 
 namespace loci {

@@ -1,6 +1,7 @@
 #include "mapping/simulation/record.h"
 
 #include "apps/simulate/commands.h"
+#include "mapping/base/json.h"
 
 namespace loci {
 

@@ -4,6 +4,7 @@
 
 #include "apps/simulate/commands.h"
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/sensor/pose_text.h"
 #include "mapping/simulation/scanned_world.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json.h"
+#include "mapping/base/json_fwd.h"
 #include "mapping/base/options.h"
 #include "mapping/sensor/scan.h"
 #include "mapping/world/furniture.h"

@@ -5,6 +5,7 @@
 #include "mapping/articulation/free_space.h"
 #include "mapping/articulation/joint_fit.h"
 #include "mapping/articulation/moved_face.h"
+#include "mapping/base/json.h"
 
 namespace loci {
 namespace {

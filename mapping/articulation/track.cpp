@@ -4,6 +4,7 @@
 
 #include "mapping/articulation/articulation.h"
 #include "mapping/base/csv.h"
+#include "mapping/base/json.h"
 
 namespace loci {
 namespace {

@@ -4,10 +4,9 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-namespace loci {
+#include "mapping/base/json_fwd.h"
 
-/// JSON with keys in the order in which they were written.
-using Json = nlohmann::ordered_json;
+namespace loci {
 
 /// Parses JSON text; throws Error with the line of the mistake. `file` is for the message.
 Json parse_json(std::string_view text, const std::string& file);

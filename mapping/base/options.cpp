@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/config.h"
+#include "mapping/base/json.h"
+
 namespace loci {
 namespace {
 
@@ -75,6 +78,12 @@ void OptionTable::read(const Config& config) {
           *value = config.get<T>(option.name, *value);
         },
         option.value);
+}
+
+void OptionTable::read_all(const Config& config) {
+  read(config);
+  config.finish();
+  validate(config.place());
 }
 
 void OptionTable::validate(const Place& place) const {

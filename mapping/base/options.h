@@ -5,10 +5,12 @@
 #include <variant>
 #include <vector>
 
-#include "mapping/base/config.h"
-#include "mapping/base/json.h"
+#include "mapping/base/error.h"
+#include "mapping/base/json_fwd.h"
 
 namespace loci {
+
+class Config;
 
 /// One option of a stage: where its value lives, and all that is to be said about it.
 struct Option {
@@ -46,6 +48,8 @@ class OptionTable {
 
   /// Sets what the map gives and checks it; unknown keys are left to config.finish().
   void read(const Config& config);
+  /// Reads a map that holds these options and nothing else, and validates them.
+  void read_all(const Config& config);
   /// Throws one Error that names all values outside their bounds; `place` says whose options they are.
   void validate(const Place& place = {}) const;
   /// The effective configuration, for outputs and listings.
@@ -70,10 +74,7 @@ OptionTable table_of(Options& options) {
 template <class Options>
 Options read_options(const Config& config) {
   Options options;
-  OptionTable table = table_of(options);
-  table.read(config);
-  config.finish();
-  table.validate(config.place());
+  table_of(options).read_all(config);
   return options;
 }
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <numeric>
 
+#include "mapping/base/json.h"
 #include "mapping/exchange/compare.h"
 
 namespace loci {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "mapping/base/json.h"
 #include "mapping/interpretation/furniture_links.h"
 
 namespace loci {

@@ -8,6 +8,7 @@
 
 #include "mapping/base/base64.h"
 #include "mapping/base/html.h"
+#include "mapping/base/json.h"
 #include "mapping/base/quantile.h"
 #include "mapping/image/image_io.h"
 

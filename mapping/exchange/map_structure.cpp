@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "mapping/base/json.h"
 #include "mapping/exchange/furniture_structure.h"
 #include "mapping/world/urdf.h"
 

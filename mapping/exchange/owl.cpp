@@ -8,6 +8,7 @@
 #include <cmath>
 #include <set>
 
+#include "mapping/base/json.h"
 #include "mapping/world/kinematics.h"
 
 namespace loci {

@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "mapping/base/cell_index.h"
+#include "mapping/base/json.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "mapping/base/json.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/quantile.h"
 #include "mapping/interpretation/appliances.h"

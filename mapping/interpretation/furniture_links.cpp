@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "mapping/base/error.h"
+#include "mapping/base/json.h"
 #include "mapping/interpretation/link_parts.h"
 #include "mapping/world/kinematics.h"
 

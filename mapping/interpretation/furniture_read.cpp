@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "mapping/base/error.h"
+#include "mapping/base/json.h"
 #include "mapping/interpretation/furniture_links.h"
 #include "mapping/world/kinematics.h"
 

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "mapping/base/cell_index.h"
+#include "mapping/base/json.h"
 #include "mapping/base/quantile.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/interpretation/front_links.h"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "mapping/base/json.h"
 #include "mapping/interpretation/link_parts.h"
 
 namespace loci {

@@ -8,6 +8,8 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "mapping/base/json.h"
+
 namespace loci {
 namespace {
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "mapping/base/config.h"
 #include "mapping/base/csv.h"
 #include "mapping/base/known_keys.h"
 

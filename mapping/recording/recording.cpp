@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "mapping/base/json.h"
 #include "mapping/recording/bag_recording.h"
 #include "mapping/recording/loci_layout.h"
 #include "mapping/recording/pcd_series.h"

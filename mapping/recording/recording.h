@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "mapping/base/json.h"
+#include "mapping/base/json_fwd.h"
 #include "mapping/sensor/frame.h"
 
 namespace loci {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "mapping/base/config.h"
 #include "mapping/base/files.h"
 #include "mapping/recording/loci_layout.h"
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "mapping/base/json.h"
 #include "mapping/registration/registration.h"
 
 namespace loci {

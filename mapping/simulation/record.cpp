@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "mapping/base/json.h"
 #include "mapping/recording/recording.h"
 #include "mapping/simulation/play.h"
 #include "mapping/simulation/studio.h"

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "mapping/base/exact_pose.h"
+#include "mapping/base/json.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/urdf.h"
 

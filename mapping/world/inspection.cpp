@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "mapping/base/json.h"
 #include "mapping/world/kinematics.h"
 
 namespace loci {

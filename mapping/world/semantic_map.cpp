@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "mapping/base/error.h"
+#include "mapping/base/json.h"
 
 namespace loci {
 namespace {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/json.h"
+
 namespace loci {
 namespace {
 

@@ -1,5 +1,6 @@
 #include "memory/annotators/memory_annotators.h"
 
+#include "mapping/base/json.h"
 #include "memory/annotators/belief_annotations.h"
 #include "memory/annotators/memory_session.h"
 #include "memory/annotators/scene_of_cas.h"

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "mapping/world/semantic_map.h"
 
 namespace loci {

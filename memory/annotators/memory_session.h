@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "mapping/base/json.h"
 #include "mapping/recording/recording.h"
 #include "mapping/world/world.h"
 #include "memory/annotators/known_planes.h"

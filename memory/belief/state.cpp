@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "mapping/base/json.h"
 #include "memory/belief/archive.h"
 #include "memory/belief/earlier_state.h"
 

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "mapping/base/json.h"
+
 namespace loci {
 namespace {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "mapping/base/json.h"
+#include "mapping/base/json_fwd.h"
 #include "memory/identity/solution.h"
 
 namespace loci {

@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "mapping/base/json.h"
 #include "mapping/base/pose.h"
 #include "mapping/base/time.h"
 #include "mapping/sensor/camera.h"

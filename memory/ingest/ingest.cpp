@@ -6,6 +6,7 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/hash.h"
+#include "mapping/base/json.h"
 #include "mapping/world/semantic_map.h"
 #include "memory/ingest/line_reader.h"
 #include "memory/ingest/noise.h"

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "mapping/base/json.h"
+#include "mapping/base/json_fwd.h"
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
 #include "memory/belief/options.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "mapping/image/hsv.h"
 #include "mapping/world/semantic_map.h"
 

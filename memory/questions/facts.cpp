@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "mapping/base/json.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mapping/base/json.h"
+#include "mapping/base/json_fwd.h"
 #include "memory/questions/answers.h"
 
 namespace loci {

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "mapping/base/config.h"
+#include "mapping/base/json.h"
 
 namespace loci {
 namespace {

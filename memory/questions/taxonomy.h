@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json.h"
+#include "mapping/base/json_fwd.h"
 #include "memory/store/store.h"
 
 namespace loci {

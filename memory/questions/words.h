@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "mapping/base/json.h"
+#include "mapping/base/json_fwd.h"
 #include "memory/questions/answers.h"
 #include "memory/questions/people_time.h"
 #include "memory/questions/spoken.h"

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "mapping/base/json.h"
 #include "memory/questions/word_parts.h"
 
 namespace loci {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "mapping/base/json.h"
 #include "memory/questions/word_parts.h"
 
 namespace loci {

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "mapping/base/json.h"
 #include "memory/questions/word_parts.h"
 
 namespace loci {

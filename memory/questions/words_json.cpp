@@ -1,3 +1,4 @@
+#include "mapping/base/json.h"
 #include "memory/questions/word_parts.h"
 
 namespace loci {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "mapping/base/json.h"
 #include "mapping/image/image_io.h"
 #include "memory/recorder/recorder.h"
 #include "memory/recorder/scene_reasoning.h"

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/json.h"
 #include "memory/recorder/scene_reasoning.h"
 
 namespace loci {

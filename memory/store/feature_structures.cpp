@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "mapping/base/hash.h"
+#include "mapping/base/json.h"
 #include "perception/cas/json.h"
 
 namespace loci {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "mapping/base/json.h"
+#include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
 #include "memory/store/rows.h"
 

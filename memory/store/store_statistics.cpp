@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <map>
 
+#include "mapping/base/json.h"
 #include "memory/store/reading.h"
 
 namespace loci {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mapping/base/json.h"
+#include "mapping/base/json_fwd.h"
 #include "perception/cas/cas.h"
 
 namespace loci::cas {

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "mapping/base/base64.h"
+#include "mapping/base/json.h"
 #include "perception/cas/json.h"
 
 namespace loci::cas {

@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "mapping/base/base64.h"
+#include "mapping/base/json.h"
 #include "perception/cas/graph.h"
 #include "perception/cas/json.h"
 

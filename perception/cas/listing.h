@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mapping/base/json.h"
+#include "mapping/base/json_fwd.h"
 #include "perception/cas/type_system.h"
 
 namespace loci::cas {

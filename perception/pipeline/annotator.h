@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "mapping/base/json.h"
 #include "mapping/base/options.h"
 #include "mapping/base/time.h"
 #include "perception/cas/cas.h"

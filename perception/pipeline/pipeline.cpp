@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <set>
 
+#include "mapping/base/config.h"
+#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
 #include "perception/types/scene_cas.h"
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mapping/base/config.h"
+#include "mapping/base/json.h"
 #include "mapping/base/progress.h"
 #include "perception/pipeline/registry.h"
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/json.h"
+
 namespace loci {
 namespace {
 

@@ -22,6 +22,7 @@
 #include "gui/views/time_track.h"
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "memory/questions/answers.h"
 #include "tests/gui/window_fixture.h"
 

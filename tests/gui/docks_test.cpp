@@ -12,6 +12,7 @@
 #include "gui/views/statistics_view.h"
 #include "mapping/base/csv.h"
 #include "mapping/base/error.h"
+#include "mapping/base/json.h"
 #include "tests/gui/window_fixture.h"
 
 namespace loci {

@@ -7,6 +7,7 @@
 #include "gui/background.h"
 #include "gui/data/memory_verify.h"
 #include "gui/views/time_bar.h"
+#include "mapping/base/json.h"
 #include "memory/store/scene_transaction.h"
 #include "tests/gui/window_fixture.h"
 

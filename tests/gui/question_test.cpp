@@ -12,6 +12,7 @@
 #include "gui/models/answer_links.h"
 #include "gui/models/suggestions.h"
 #include "gui/views/question_bar.h"
+#include "mapping/base/json.h"
 #include "tests/gui/window_fixture.h"
 
 namespace loci {

@@ -4,6 +4,8 @@
 
 #include "memory/identity/matchings.h"
 
+#include "mapping/base/json.h"
+
 namespace loci::changes {
 namespace {
 

@@ -5,7 +5,7 @@
 
 #include "apps/evaluate/changes/story.h"
 #include "apps/evaluate/changes/truth.h"
-#include "mapping/base/json.h"
+#include "mapping/base/json_fwd.h"
 
 namespace loci::changes {
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "apps/evaluate/changes/comparison.h"
+#include "mapping/base/json.h"
 
 namespace loci::changes {
 namespace {

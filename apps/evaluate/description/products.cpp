@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/base/csv.h"
+#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/image/image_io.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json.h"
+#include "mapping/base/json_fwd.h"
 #include "perception/recognition/product_index.h"
 
 namespace loci::description_evaluation {

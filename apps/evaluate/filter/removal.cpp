@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "mapping/base/json.h"
 #include "mapping/recording/recording.h"
 #include "perception/annotators/hypotheses/depth_normals.h"
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json.h"
+#include "mapping/base/json_fwd.h"
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
 

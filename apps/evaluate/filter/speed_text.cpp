@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "apps/evaluate/filter/speed.h"
+#include "mapping/base/json.h"
 
 namespace loci::filter_evaluation {
 namespace {

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "apps/evaluate/identity/score.h"
-#include "mapping/base/json.h"
 #include "mapping/base/progress.h"
 
 namespace loci::identity_experiment {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <ctime>
 
+#include "mapping/base/json.h"
 #include "mapping/base/random.h"
 #include "memory/identity/solution.h"
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json.h"
+#include "mapping/base/json_fwd.h"
 
 namespace loci::identity_experiment {
 

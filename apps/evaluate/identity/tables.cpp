@@ -5,6 +5,8 @@
 #include <cmath>
 #include <set>
 
+#include "mapping/base/json.h"
+
 namespace loci::identity_experiment {
 namespace {
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "mapping/base/json.h"
+
 namespace loci::mapping_claim {
 namespace {
 

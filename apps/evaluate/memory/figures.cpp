@@ -11,6 +11,7 @@
 
 #include "apps/evaluate/memory/kill.h"
 #include "apps/evaluate/memory/plain.h"
+#include "mapping/base/json.h"
 #include "mapping/base/quantile.h"
 #include "mapping/base/stopwatch.h"
 #include "memory/ingest/scene_of_detections.h"

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "apps/evaluate/nbv/exploration.h"
+#include "mapping/base/json.h"
 
 namespace loci::nbv {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apps/evaluate/normals/errors.h"
-#include "mapping/base/json.h"
+#include "mapping/base/json_fwd.h"
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
 #include "perception/annotators/hypotheses/depth_normals.h"

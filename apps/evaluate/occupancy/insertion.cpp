@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "mapping/base/error.h"
+#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
 
 namespace loci::occupancy_claim {

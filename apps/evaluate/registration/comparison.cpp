@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "apps/evaluate/registration/peers.h"
+#include "mapping/base/json.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/quantile.h"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "apps/evaluate/registration/pairs.h"
-#include "mapping/base/json.h"
+#include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
 #include "mapping/registration/registration.h"
 

@@ -6,8 +6,10 @@
 #include <map>
 
 #include "apps/evaluate/segmentation/strips.h"
+#include "mapping/base/config.h"
 #include "mapping/base/csv.h"
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "mapping/base/quantile.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/recording.h"

@@ -8,6 +8,7 @@
 #include "apps/evaluate/segmentation/flat_scenes.h"
 #include "apps/evaluate/segmentation/strips.h"
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "mapping/image/image_io.h"
 
 namespace loci::segmentation_evaluation {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "mapping/base/json.h"
+
 namespace loci::segmentation_evaluation {
 
 void Scores::add(const LabelledPicture& truth, const cv::Mat& segments) {

@@ -2,7 +2,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "mapping/base/json.h"
+#include "mapping/base/json_fwd.h"
 
 namespace loci::segmentation_evaluation {
 

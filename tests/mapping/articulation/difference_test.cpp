@@ -7,6 +7,7 @@
 #include "mapping/articulation/articulation.h"
 #include "mapping/articulation/moved_face.h"
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "mapping/base/random.h"
 #include "mapping/simulation/scanned_world.h"
 

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "mapping/articulation/articulation.h"
+#include "mapping/base/json.h"
 
 namespace loci {
 namespace {

@@ -9,6 +9,7 @@
 #include "mapping/articulation/articulation.h"
 #include "mapping/base/csv.h"
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "mapping/base/random.h"
 
 namespace loci {

@@ -6,6 +6,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/urdf.h"
 

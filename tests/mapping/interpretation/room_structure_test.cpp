@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "mapping/base/json.h"
 #include "mapping/interpretation/interpretation.h"
 #include "mapping/interpretation/take_names.h"
 #include "mapping/world/urdf.h"

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "mapping/base/json.h"
 #include "tests/mapping/registration/box_room.h"
 
 namespace loci {

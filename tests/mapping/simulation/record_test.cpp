@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "mapping/recording/recording.h"
 
 namespace loci {

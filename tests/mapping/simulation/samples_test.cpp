@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "mapping/base/json.h"
 #include "mapping/simulation/scanned_world.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/semantic_map.h"

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping/base/error.h"
+#include "mapping/base/json.h"
 
 namespace loci {
 namespace {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "mapping/base/json.h"
+
 namespace loci {
 namespace {
 

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "mapping/base/json.h"
 #include "memory/identity/vector_file.h"
 
 namespace loci {

@@ -6,6 +6,7 @@
 #include <zstd.h>
 
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "memory/questions/answers.h"
 #include "memory/questions/words.h"
 #include "memory/recorder/forget.h"

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "memory/questions/spoken.h"
 #include "memory/questions/taxonomy.h"
 #include "tests/memory/questions/synthetic_day.h"

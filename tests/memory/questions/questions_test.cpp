@@ -1,3 +1,4 @@
+#include "mapping/base/json.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci {

@@ -1,5 +1,6 @@
 #include "memory/questions/spoken.h"
 
+#include "mapping/base/json.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci {

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "memory/ingest/ingest.h"
 #include "memory/reasoning/reason.h"
 #include "memory/reasoning/why.h"

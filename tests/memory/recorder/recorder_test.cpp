@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "memory/store/feature_structures.h"
 #include "perception/cas/json.h"
 #include "perception/types/types.h"

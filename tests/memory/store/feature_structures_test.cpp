@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "mapping/base/json.h"
 #include "perception/cas/json.h"
 #include "perception/types/types.h"
 #include "tests/memory/store/temporary_folder.h"

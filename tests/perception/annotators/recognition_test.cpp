@@ -2,6 +2,8 @@
 
 #include <filesystem>
 
+#include "mapping/base/config.h"
+#include "mapping/base/json.h"
 #include "mapping/image/image_io.h"
 #include "perception/annotators/annotators.h"
 #include "perception/annotators/description/recognition_annotators.h"

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <random>
 
+#include "mapping/base/json.h"
+
 namespace loci::cas {
 namespace {
 

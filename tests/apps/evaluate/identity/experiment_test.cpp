@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/evaluate/identity/tables.h"
+#include "mapping/base/json.h"
 
 namespace loci::test {
 namespace {

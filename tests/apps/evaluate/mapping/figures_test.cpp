@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "mapping/base/json.h"
+
 namespace loci::mapping_claim {
 namespace {
 
