@@ -16,5 +16,6 @@ Command nbv_command();
 Command normals_command();
 Command occupancy_command();
 Command memory_command();
+Command system_command();
 
 }  // namespace loci

@@ -14,5 +14,6 @@ int main(int argc, char** argv) {
   program.add(loci::normals_command());
   program.add(loci::occupancy_command());
   program.add(loci::memory_command());
+  program.add(loci::system_command());
   return program.run(argc, argv);
 }

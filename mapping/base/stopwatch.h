@@ -1,14 +1,19 @@
 #pragma once
 
 #include <chrono>
+#include <ctime>
 
 namespace loci {
 
-/// Wall-clock seconds of a stage and its parts, for reports. Never decides a result.
+/// Seconds of a stage and its parts, by the clock on the wall unless it says otherwise, for reports. Never
+/// decides a result.
 class Stopwatch {
  public:
   /// Seconds since it was made.
   double seconds() const { return since(start_, Clock::now()); }
+
+  /// Processor time of all threads since it was made.
+  double processor_seconds() const { return static_cast<double>(std::clock() - processor_) / CLOCKS_PER_SEC; }
 
   /// Seconds since it was made or the last lap.
   double lap() {
@@ -25,6 +30,7 @@ class Stopwatch {
   }
   Clock::time_point start_ = Clock::now();
   Clock::time_point lap_ = start_;
+  std::clock_t processor_ = std::clock();
 };
 
 }  // namespace loci

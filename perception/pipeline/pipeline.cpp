@@ -192,6 +192,7 @@ void Pipeline::run_frame(cas::Cas& cas, Context& context) {
     }
     const double seconds = watch.seconds();
     step->seconds += seconds;
+    step->processor_seconds += watch.processor_seconds();
     scene.log(step->descriptor.name, "info", "done", seconds * 1e3);
   }
 }
@@ -217,6 +218,7 @@ PipelineResult Pipeline::run(Context& context, const std::shared_ptr<const cas::
     const Stopwatch watch;
     reader_->read_next(cas, context);
     reader_seconds_ += watch.seconds();
+    reader_processor_seconds_ += watch.processor_seconds();
     run_frame(cas, context);
     ++result.frames;
     if (done) done(cas);
@@ -224,7 +226,11 @@ PipelineResult Pipeline::run(Context& context, const std::shared_ptr<const cas::
   finish(context);
   progress.update(1, "done");
   result.seconds.emplace_back(reader_->descriptor().name, reader_seconds_);
-  for (const Step* step : steps()) result.seconds.emplace_back(step->descriptor.name, step->seconds);
+  result.processor_seconds.emplace_back(reader_->descriptor().name, reader_processor_seconds_);
+  for (const Step* step : steps()) {
+    result.seconds.emplace_back(step->descriptor.name, step->seconds);
+    result.processor_seconds.emplace_back(step->descriptor.name, step->processor_seconds);
+  }
   return result;
 }
 

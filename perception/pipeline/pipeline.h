@@ -17,6 +17,8 @@ struct PipelineResult {
   size_t frames = 0;
   /// Seconds by annotator (and reader), in order of the flow.
   std::vector<std::pair<std::string, double>> seconds;
+  /// The same in processor time of all threads.
+  std::vector<std::pair<std::string, double>> processor_seconds;
 };
 
 /// A reader, annotators in order, and writers (annotators that come last), from YAML:
@@ -63,6 +65,7 @@ class Pipeline {
     Json options;
     Place place;
     double seconds = 0;
+    double processor_seconds = 0;
   };
   static Step read_step(const Config& parent, const YAML::Node& node, const std::string& path,
                         const AnnotatorRegistry& registry);
@@ -75,6 +78,7 @@ class Pipeline {
   std::vector<Step> flow_;
   std::vector<Step> writers_;
   double reader_seconds_ = 0;
+  double reader_processor_seconds_ = 0;
   bool started_ = false;
 };
 

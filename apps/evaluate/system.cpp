@@ -1,0 +1,64 @@
+#include <unistd.h>
+
+#include "apps/evaluate/commands.h"
+#include "apps/evaluate/system/experiment.h"
+#include "mapping/base/files.h"
+#include "mapping/base/json.h"
+
+namespace loci {
+namespace {
+
+struct Arguments {
+  system_evaluation::SystemOptions options;
+  std::string output;
+};
+
+/// Where recording and memory go that nobody wants to keep.
+struct Scratch {
+  Scratch() : path(std::filesystem::temp_directory_path() / ("loci-system-" + std::to_string(getpid()))) {}
+  ~Scratch() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  const std::filesystem::path path;
+};
+
+void run(Arguments& arguments, Session& session) {
+  table_of(arguments.options).validate();
+  arguments.options.threads = session.flags().threads;
+  const Scratch scratch;
+  const std::filesystem::path folder =
+      arguments.output.empty() ? scratch.path : std::filesystem::path(arguments.output);
+  make_folder(folder);
+  const system_evaluation::SystemResult result =
+      run_system(arguments.options, folder, session.progress(), session.warnings());
+  const Json json = json_of(result);
+  if (!arguments.output.empty()) {
+    write_file_atomically(folder / "figure_8_1.svg", result.figure);
+    write_json(folder / "system.json", json);
+  }
+  session.answer(text_of(result), json);
+}
+
+}  // namespace
+
+Command system_command() {
+  return {"system",
+          "Household scenes on two counters through everything: what is found, annotated, and how fast",
+          {"loci-evaluate system --scenes 4", "loci-evaluate system --scenes 4 --json -o demo-output/system"},
+          [](CLI::App& app) {
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("--map", arguments->options.map, "URDF of a kitchen with counters")
+                ->capture_default_str();
+            app.add_option("--pipeline", arguments->options.pipeline,
+                           "Pipeline as YAML instead of the evaluation's own");
+            app.add_option("-o,--output", arguments->output,
+                           "Keep recording, memory, figures (JSON) and figure 8.1 (SVG) in this folder");
+            add_options(app, table_of(arguments->options));
+            return [arguments](Session& session) { run(*arguments, session); };
+          }};
+}
+
+}  // namespace loci

@@ -1,0 +1,270 @@
+#include "apps/evaluate/system/experiment.h"
+
+#include <algorithm>
+#include <set>
+#include <sstream>
+
+#include "apps/evaluate/system/household.h"
+#include "apps/evaluate/system/object_figure.h"
+#include "mapping/base/config.h"
+#include "mapping/base/files.h"
+#include "mapping/base/json.h"
+#include "mapping/simulation/record.h"
+#include "memory/annotators/memory_annotators.h"
+#include "memory/annotators/memory_session.h"
+#include "perception/annotators/annotators.h"
+#include "perception/annotators/scene_data.h"
+#include "perception/cas/graph.h"
+
+namespace loci::system_evaluation {
+namespace {
+
+constexpr double kMargin = 0.01;  ///< metres, for the noise of the sensor
+constexpr double kLeastOverlap = 0.5;
+constexpr int kVisiblePixels = 150;  ///< fewer are not asked for
+constexpr double kVisibleShare = 0.3;
+
+/// A thing as it stands in a scene.
+struct TrueThing {
+  const HouseholdThing* thing = nullptr;
+  Isometry3d object_from_map = Isometry3d::Identity();
+  Eigen::AlignedBox3d box;  ///< in its own frame
+  double pixels = 0;
+  bool visible = false;
+};
+
+using Truth = std::map<int64_t, std::vector<TrueThing>>;
+
+Truth read_truth(const std::filesystem::path& file, const std::vector<HouseholdThing>& things) {
+  std::map<std::string, std::pair<const HouseholdThing*, Eigen::AlignedBox3d>> by_name;
+  for (const HouseholdThing& thing : things) {
+    const ObjectModel model = build_object(thing.spec);
+    by_name[thing.spec.name] = {&thing, {model.low, model.high}};
+  }
+  Truth truth;
+  std::istringstream lines(read_file(file));
+  for (std::string line; std::getline(lines, line);) {
+    const Json frame = Json::parse(line);
+    std::vector<TrueThing>& there = truth[frame.at("frame").get<int64_t>()];
+    for (const Json& object : frame.at("objects")) {
+      const auto& [thing, box] = by_name.at(object.at("id").get<std::string>());
+      const double pixels = object.at("pixels").get<double>();
+      const Json& share = object.at("visible");
+      there.push_back({thing, pose_from_values(object.at("pose").get<std::array<double, 7>>()).inverse(), box,
+                       pixels,
+                       pixels >= kVisiblePixels && !share.is_null() && share.get<double>() >= kVisibleShare});
+    }
+  }
+  return truth;
+}
+
+Pipeline system_pipeline(const SystemOptions& options, const AnnotatorRegistry& registry) {
+  std::string flow =
+      "flow: [NormalEstimator, KnownStructureFilter, PlaneClusterExtractor, FlatObjectExtractor, "
+      "PlaceNaming, "
+      "ColorHistogram, ColorName, GeometryAnnotator, LocationAnnotator";
+  if (options.words) flow += ", BarcodeReader, TextReader";
+  Pipeline pipeline = options.pipeline.empty()
+                          ? Pipeline::parse(flow + "]\n", "the pipeline of the evaluation", registry)
+                          : Pipeline::parse(Config::read(options.pipeline), registry);
+  pipeline.add("IdentityResolution", registry);
+  pipeline.add_writer("MemoryWriter", registry);
+  return pipeline;
+}
+
+/// Looks at the scenes as they come out of the pipeline.
+class Tally {
+ public:
+  Tally(const Truth& truth, SystemResult& result) : truth_(truth), result_(result) {}
+
+  void add(cas::Cas& cas) {
+    const types::SceneCas scene(cas);
+    const std::vector<types::Cluster> clusters = scene.clusters();
+    compare(scene, clusters);
+    count_sizes(clusters);
+    count_types(scene);
+    for (const types::Cluster& cluster : clusters) {
+      count_results(cluster);
+      if (const size_t rich = richness(cluster); rich > richest_) {
+        richest_ = rich;
+        result_.figure = object_svg(cluster);
+      }
+    }
+  }
+
+  void finish() {
+    const auto list = [](const std::map<std::string, size_t>& counts) {
+      std::vector<TypeCount> types;
+      for (const auto& [type, count] : counts) types.push_back({type, count});
+      std::stable_sort(types.begin(), types.end(),
+                       [](const TypeCount& a, const TypeCount& b) { return a.count > b.count; });
+      return types;
+    };
+    result_.scene_types = list(on_scenes_);
+    result_.cluster_types = list(on_clusters_);
+    result_.kept_types = list(all_);
+  }
+
+ private:
+  void compare(const types::SceneCas& scene, const std::vector<types::Cluster>& clusters) {
+    const std::vector<TrueThing>& things = truth_.at(scene.scene().frame_index.get());
+    std::vector<bool> found(things.size(), false);
+    for (const types::Cluster& cluster : clusters) {
+      const std::vector<Vector3d> points = cluster_points(scene, cluster);
+      std::vector<double> inside(things.size(), 0);
+      for (const Vector3d& point : points)
+        for (size_t i = 0; i < things.size(); ++i)
+          inside[i] += things[i].box.exteriorDistance(Vector3d(things[i].object_from_map * point)) <= kMargin;
+      const auto best =
+          static_cast<size_t>(std::distance(inside.begin(), std::max_element(inside.begin(), inside.end())));
+      if (things.empty() || inside[best] < 0.5 * static_cast<double>(points.size())) {
+        ++result_.false_clusters;
+        continue;
+      }
+      const TrueThing& thing = things[best];
+      if (!thing.visible) continue;  // Whether it is found does not count.
+      ++result_.kinds[thing.thing->kind].clusters;
+      const double common = std::min(inside[best], thing.pixels);
+      const double both = static_cast<double>(points.size()) + thing.pixels - common;
+      if (common >= kLeastOverlap * both) found[best] = true;
+    }
+    for (size_t i = 0; i < things.size(); ++i) {
+      KindScore& kind = result_.kinds[things[i].thing->kind];
+      kind.flat = things[i].thing->flat;
+      kind.there += things[i].visible ? 1 : 0;
+      kind.found += found[i] ? 1 : 0;
+    }
+  }
+
+  void count_sizes(const std::vector<types::Cluster>& clusters) {
+    int flat = 0;
+    for (const types::Cluster& cluster : clusters) {
+      result_.points.push_back(cluster_indices(cluster).size());
+      const auto points = cluster.hypotheses.first<types::ReferenceClusterPoints>();
+      flat += points && points.source.get() == "FlatObjectExtractor" ? 1 : 0;
+    }
+    result_.clusters += clusters.size();
+    const int all = static_cast<int>(clusters.size());
+    ++result_.flat_found[flat];
+    ++result_.solid_found[all - flat];
+    ++result_.total_found[all];
+  }
+
+  void count_types(const types::SceneCas& scene) {
+    std::vector<cas::FeatureStructure> roots;
+    for (const std::string& name : scene.cas().view_names()) {
+      if (name != "default") ++on_scenes_["view " + name];
+      for (const cas::FeatureStructure& each : scene.cas().find_view(name)->all()) roots.push_back(each);
+    }
+    for (const cas::FeatureStructure& each : cas::reachable_from(roots))
+      if (each.type().kind() == cas::Kind::kStructure) ++all_[each.type().short_name()];
+    ++on_scenes_["Scene"];
+    for (const char* name : {"log", "similarities", "distances", "joint_state", "map_from_camera"})
+      if (const auto below = scene.scene().structure().get<cas::FeatureStructure>(name))
+        ++on_scenes_[below.type().short_name()];
+    for (const types::Annotation& each : scene.scene().annotations)
+      ++on_scenes_[each.structure().type().short_name()];
+    for (const types::Cluster& cluster : scene.clusters()) {
+      ++on_clusters_["Cluster"];
+      for (const types::ObjectHypothesis& each : cluster.hypotheses)
+        ++on_clusters_[each.structure().type().short_name()];
+      for (const types::Annotation& each : cluster.annotations)
+        ++on_clusters_[each.structure().type().short_name()];
+    }
+  }
+
+  void count_results(const types::Cluster& cluster) {
+    for (const types::Annotation& annotation : cluster.annotations) {
+      if (const auto text = types::try_as<types::TextAnnotation>(annotation))
+        ++result_.results[{"Text", text->text.get()}];
+      else if (const auto code = types::try_as<types::BarcodeAnnotation>(annotation))
+        ++result_.results[{"Barcode", code->code.get()}];
+      else if (const auto product = types::try_as<types::ProductAnnotation>(annotation))
+        ++result_.results[{"Product", product->name.get()}];
+    }
+  }
+
+  const Truth& truth_;
+  SystemResult& result_;
+  std::map<std::string, size_t> on_scenes_, on_clusters_, all_;
+  size_t richest_ = 0;
+};
+
+void count_set_up(const std::vector<SceneCount>& counts, SystemResult& result) {
+  for (const SceneCount& count : counts) {
+    ++result.flat_set[count.flat];
+    ++result.solid_set[count.solid];
+    ++result.total_set[count.flat + count.solid];
+  }
+  result.scenes = counts.size();
+}
+
+}  // namespace
+
+void SystemOptions::declare(OptionTable& table) {
+  table.integer("scenes", scenes, "", "Scenes that are set up.", 1, 100000);
+  table.integer("seed", seed, "", "Seed of everything that is drawn.", 0, 1 << 30);
+  table.integer("frames", frames, "", "Frames of which the throughput is measured; 0 = one per scene.", 0,
+                1000000);
+  table.flag("words", words, "Reads barcodes and printed words.");
+}
+
+KindScore SystemResult::sum(bool flat, bool solid) const {
+  KindScore sum;
+  for (const auto& [name, kind] : kinds) {
+    if (kind.flat ? !flat : !solid) continue;
+    sum.there += kind.there;
+    sum.found += kind.found;
+    sum.clusters += kind.clusters;
+  }
+  return sum;
+}
+
+SystemResult run_system(const SystemOptions& options, const std::filesystem::path& folder, Progress& progress,
+                        Warnings& warnings) {
+  SystemResult result;
+  const Random random(static_cast<uint64_t>(options.seed));
+  const std::vector<HouseholdThing> things = household(options.map.parent_path() / "labels");
+  result.things = things.size();
+  const auto map = KnownMap::load(options.map, {}, warnings);
+  const std::vector<SceneCount> counts = scene_counts(options.scenes, random.fork(0));
+  count_set_up(counts, result);
+  PartialProgress simulating(progress, 0, 0.4), perceiving(progress, 0.4, 0.8), measuring(progress, 0.8, 1);
+  RecordOptions recording;
+  recording.seed = options.seed;
+  recording.threads = options.threads;
+  record(household_scenario(*map, things, counts, random.fork(1)), folder / "recording", recording,
+         simulating, warnings);
+
+  const Truth truth = read_truth(folder / "recording" / "truth.jsonl", things);
+  const std::shared_ptr<Recording> opened = open_recording(folder / "recording");
+  AnnotatorRegistry registry;
+  add_annotators(registry);
+  add_memory_annotators(registry);
+  Pipeline pipeline = system_pipeline(options, registry);
+  Resources resources;
+  resources.put(opened);
+  resources.put(map);
+  resources.put(std::make_shared<World>(map->world));
+  MemorySessionOptions memory;
+  memory.memory = folder / "memory.loci";
+  memory.program = "loci-evaluate system";
+  memory.configuration = pipeline.to_json();
+  memory.map = options.map;
+  std::filesystem::remove(memory.memory);
+  resources.put(std::make_shared<MemorySession>(memory, *opened));
+  Context context{resources, warnings, options.threads, {}};
+  Tally tally(truth, result);
+  result.steps =
+      step_times(run_with_memory(pipeline, context, types::type_system(), perceiving, [&](cas::Cas& cas) {
+                   tally.add(cas);
+                 }).pipeline);
+  tally.finish();
+  result.objects = resources.get<MemorySession>("memory").store().objects().size();
+  result.throughput = measure_throughput(
+      opened, map, static_cast<size_t>(options.frames > 0 ? options.frames : options.scenes), options.threads,
+      measuring);
+  return result;
+}
+
+}  // namespace loci::system_evaluation

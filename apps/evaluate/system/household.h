@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "apps/evaluate/system/scene_counts.h"
+#include "mapping/simulation/scenario.h"
+#include "perception/annotators/hypotheses/known_map.h"
+
+namespace loci::system_evaluation {
+
+/// A thing of the pool from which scenes are set up.
+struct HouseholdThing {
+  std::string kind;  ///< "mug", "book"
+  bool flat = false;
+  ObjectSpec spec;
+};
+
+/// Crockery, food, packages, cutlery, books: nothing transparent, as in §8.2. Pictures for labels are looked
+/// for in `labels`; a package whose picture is not there is plain.
+std::vector<HouseholdThing> household(const std::filesystem::path& labels);
+
+/// Scenes as §8.2 has them: somebody clears one of the counters (links named counter…) and sets up so many
+/// things from the pool, no two touching, within what one look from before the counter shows. Counters take
+/// turns. Error when the map has no counter.
+Scenario household_scenario(const KnownMap& map, const std::vector<HouseholdThing>& things,
+                            const std::vector<SceneCount>& counts, const Random& random);
+
+}  // namespace loci::system_evaluation

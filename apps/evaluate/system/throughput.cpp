@@ -1,0 +1,89 @@
+#include "apps/evaluate/system/throughput.h"
+
+#include <unistd.h>
+
+#include <fstream>
+
+#include "mapping/base/json.h"
+#include "perception/annotators/annotators.h"
+#include "perception/types/types.h"
+
+namespace loci::system_evaluation {
+namespace {
+
+/// A recording that begins again at its end, with times that go on.
+class Again : public Recording {
+ public:
+  Again(const Recording& once, size_t size) : size_(size), info_(once.info()) {
+    constexpr size_t kKept = 16;
+    for (size_t i = 0; i < std::min(kKept, once.size()); ++i)
+      frames_.push_back(once.frame(i * once.size() / std::min(kKept, once.size())));
+    info_.frames = info_.frames_with_pose = size;
+  }
+  const RecordingInfo& info() const override { return info_; }
+  size_t size() const override { return size_; }
+  RgbdFrame frame(size_t i) const override {
+    RgbdFrame frame = frames_[i % frames_.size()];
+    frame.index = index_of(i);
+    frame.time_ns = time_of(i);
+    return frame;
+  }
+  TimeNs time_of(size_t i) const override { return info_.first_time + static_cast<TimeNs>(i) * kSecond / 30; }
+  int64_t index_of(size_t i) const override { return static_cast<int64_t>(i); }
+
+ private:
+  size_t size_;
+  RecordingInfo info_;
+  std::vector<RgbdFrame> frames_;
+};
+
+double resident_megabytes() {
+  std::ifstream statm("/proc/self/statm");
+  double pages = 0, resident = 0;
+  statm >> pages >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+}  // namespace
+
+std::vector<StepTime> step_times(const PipelineResult& result) {
+  std::vector<StepTime> steps;
+  const double frames = static_cast<double>(std::max<size_t>(1, result.frames));
+  for (size_t i = 0; i < result.seconds.size(); ++i)
+    steps.push_back({result.seconds[i].first, 1000 * result.seconds[i].second / frames,
+                     1000 * result.processor_seconds[i].second / frames});
+  return steps;
+}
+
+Throughput measure_throughput(const std::shared_ptr<Recording>& recording,
+                              const std::shared_ptr<KnownMap>& map, size_t frames, int threads,
+                              Progress& progress) {
+  AnnotatorRegistry registry;
+  add_annotators(registry);
+  // Names that stay are the memory's business.
+  Pipeline pipeline = Pipeline::parse(
+      "flow: [NormalEstimator, KnownStructureFilter, PlaneClusterExtractor, ColorHistogram, ColorName, "
+      "GeometryAnnotator, LocationAnnotator]\n",
+      "the tabletop pipeline", registry);
+  Resources resources;
+  resources.put(std::shared_ptr<Recording>(std::make_shared<Again>(*recording, frames)));
+  resources.put(map);
+  Warnings warnings;  // They were given when the scenes went through.
+  Context context{resources, warnings, threads, {}};
+  Throughput figures;
+  const PipelineResult result = pipeline.run(context, types::type_system(), progress, [&](cas::Cas&) {
+    ++figures.frames;
+    if (figures.frames == std::max<size_t>(1, frames / 10))
+      figures.megabytes_first_tenth = resident_megabytes();
+    if (figures.frames == std::max<size_t>(1, frames / 2)) figures.megabytes_half = resident_megabytes();
+    if (figures.frames == frames) figures.megabytes_at_end = resident_megabytes();
+  });
+  figures.steps = step_times(result);
+  for (size_t i = 1; i < figures.steps.size(); ++i) {
+    figures.clock_ms += figures.steps[i].clock_ms;
+    figures.processor_ms += figures.steps[i].processor_ms;
+  }
+  return figures;
+}
+
+}  // namespace loci::system_evaluation
