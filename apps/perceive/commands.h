@@ -13,6 +13,7 @@ Command read_command();
 Command recognise_command();
 Command run_command();
 Command surface_command();
+Command train_command();
 Command types_command();
 
 }  // namespace loci

@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
   program.add(loci::read_command());
   program.add(loci::recognise_command());
   program.add(loci::surface_command());
+  program.add(loci::train_command());
   program.add_planned("annotate", "Runs annotators over what was remembered");
-  program.add_planned("train", "Trains classifiers from labelled memory");
   return program.run(argc, argv);
 }

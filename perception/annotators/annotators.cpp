@@ -5,6 +5,7 @@
 #include "perception/annotators/description/geometry_annotator.h"
 #include "perception/annotators/description/location_annotator.h"
 #include "perception/annotators/description/recognition_annotators.h"
+#include "perception/annotators/description/shape_annotators.h"
 #include "perception/annotators/hypotheses/flat_object_extractor.h"
 #include "perception/annotators/hypotheses/known_structure_filter.h"
 #include "perception/annotators/hypotheses/normal_estimator.h"
@@ -26,6 +27,8 @@ void add_annotators(AnnotatorRegistry& registry) {
   registry.add<ProductAnnotator>();
   registry.add<BarcodeAnnotator>();
   registry.add<TextAnnotator>();
+  registry.add<PclFeatureAnnotator>();
+  registry.add<FeatureClassifier>();
 }
 
 const std::string& default_pipeline() {

@@ -14,6 +14,7 @@
 #include "mapping/image/image_io.h"
 #include "mapping/recording/recording.h"
 #include "perception/annotators/annotators.h"
+#include "perception/annotators/io/labelled_recording.h"
 #include "perception/annotators/io/pictures.h"
 #include "perception/pipeline/pipeline.h"
 
@@ -34,28 +35,6 @@ std::map<int64_t, std::string> read_categories(const fs::path& folder) {
     categories[table.integer(row, static_cast<size_t>(scene))] =
         table.cell(row, static_cast<size_t>(category));
   return categories;
-}
-
-/// Label pictures anywhere in the folder, by the names of their frames.
-std::map<std::string, fs::path> find_labels(const fs::path& folder) {
-  constexpr std::string_view kEnding = "_label.png";
-  std::map<std::string, fs::path> files;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
-    std::string name = entry.path().filename().string();
-    if (!name.ends_with(kEnding)) continue;
-    name.resize(name.size() - kEnding.size());
-    files[name] = entry.path();
-  }
-  return files;
-}
-
-/// The number at the end of "learn07", "frame-000012"; -1 = none.
-int64_t number_in(const std::string& name) {
-  const size_t last = name.find_last_of("0123456789");
-  if (last == std::string::npos) return -1;
-  size_t first = last;
-  while (first > 0 && std::isdigit(static_cast<unsigned char>(name[first - 1]))) --first;
-  return last - first > 15 ? -1 : std::stoll(name.substr(first, last - first + 1));
 }
 
 /// Our segments and seconds of every frame, by the frame's name.
@@ -105,15 +84,7 @@ void ComparisonOptions::declare(OptionTable& table) {
 }
 
 LabelledPicture read_labels(const fs::path& path) {
-  const std::vector<unsigned char> bytes = [&] {
-    const std::string text = read_file(path);
-    return std::vector<unsigned char>(text.begin(), text.end());
-  }();
-  cv::Mat raw = decode_image(bytes, path.string());
-  if (raw.channels() != 1)
-    throw Error("a label picture has one channel", {path.string(), 0, {}},
-                "labels: 0 not judged, 1 to 19 table, from 20 on tens are objects");
-  raw.convertTo(raw, CV_16U);
+  const cv::Mat raw = read_label_picture(path);
   LabelledPicture picture{cv::Mat::zeros(raw.size(), CV_16U), raw > 0};
   for (int v = 0; v < raw.rows; ++v)
     for (int u = 0; u < raw.cols; ++u)
@@ -125,7 +96,7 @@ LabelledPicture read_labels(const fs::path& path) {
 Comparison compare(const fs::path& folder, const fs::path& pipeline, const fs::path& pictures,
                    const ComparisonOptions& options, Progress& progress, Warnings& warnings) {
   const std::shared_ptr<Recording> recording = open_recording(folder);
-  const std::map<std::string, fs::path> label_files = find_labels(folder);
+  const std::map<std::string, fs::path> label_files = find_label_pictures(folder);
   const std::map<int64_t, std::string> categories = read_categories(folder);
   if (label_files.empty())
     throw Error("there are no labels", {folder.string(), 0, {}},
@@ -155,7 +126,7 @@ Comparison compare(const fs::path& folder, const fs::path& pipeline, const fs::p
                   {label_file->second.string(), 0, {}}, "");
     std::vector<Segmentation> results = {found.at(frame.name)};
     for (const auto& peer : peers) results.push_back(peer->segment(frame.depth, frame.camera.depth));
-    const auto category = categories.find(number_in(frame.name));
+    const auto category = categories.find(scene_number(frame.name));
     FrameResult& judged = comparison.frames.emplace_back();
     judged.name = frame.name;
     judged.category = category == categories.end() ? "" : category->second;

@@ -1,0 +1,246 @@
+#include "apps/evaluate/description/primitive_scenes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include <cmath>
+#include <numbers>
+
+#include "mapping/render/render.h"
+#include "mapping/sensor/kinect.h"
+#include "mapping/simulation/scenario.h"
+#include "mapping/simulation/shapes.h"
+
+namespace loci::description_evaluation {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+const Rgba kGrey(0.6f, 0.6f, 0.6f, 1);
+const std::array<const char*, 4> kClasses = {"box", "cylinder", "flat", "sphere"};
+
+Rgba grey(double /*u*/, double /*v*/) {
+  return kGrey;
+}
+
+/// A shape on z = 0 about the origin.
+struct Primitive {
+  TriangleMesh mesh;
+  double reach = 0;  ///< no point is further from the z axis
+};
+
+Primitive block(double x, double y, double z) {
+  ShapeBuilder builder;
+  builder.box({-x / 2, -y / 2, 0}, {x / 2, y / 2, z}, kGrey);
+  return {builder.take(), std::hypot(x, y) / 2};
+}
+
+Primitive box(Random& draw) {
+  const auto side = [&] {
+    return draw.uniform(0.045, 0.12) + (draw.uniform() < 0.4 ? draw.uniform(0, 0.14) : 0);
+  };
+  const double x = side(), y = side(), z = side();
+  return block(x, y, z);
+}
+
+void turn_over(TriangleMesh& mesh, double height) {
+  for (auto& vertex : mesh.vertices) {
+    vertex.y() = -vertex.y();
+    vertex.z() = static_cast<float>(height) - vertex.z();
+  }
+}
+
+/// A full cylinder on its side.
+Primitive lying(double radius, double length) {
+  ShapeBuilder builder;
+  builder.lathe({{0, 0}, {radius, 0}, {radius, length}, {0, length}}, grey);
+  Primitive primitive{builder.take(), std::hypot(radius, length / 2)};
+  for (auto& vertex : primitive.mesh.vertices)
+    vertex = {vertex.z() - static_cast<float>(length / 2), vertex.y(),
+              static_cast<float>(radius) - vertex.x()};
+  return primitive;
+}
+
+/// A tin, cup, pot or bowl.
+Primitive standing(Random& draw) {
+  const double top = draw.uniform(0.03, 0.095);
+  const double height = draw.uniform() < 0.5 ? draw.uniform(0.05, 0.12) : draw.uniform(0.6, 3) * 2 * top;
+  const double bounded = std::clamp(height, 0.05, 0.24);
+  const double taper = draw.uniform() < 0.5 ? 1 : draw.uniform(0.45, 1);
+  const double bottom = taper * top;
+  const double wall = draw.uniform(0.003, 0.006);
+  const bool hollow = draw.uniform() < 0.5;
+  ShapeBuilder builder;
+  if (hollow)
+    builder.lathe({{0, 0},
+                   {bottom, 0},
+                   {bottom + 0.6 * (top - bottom), 0.4 * bounded},
+                   {top, bounded},
+                   {top - wall, bounded},
+                   {bottom + 0.6 * (top - bottom) - wall, 0.4 * bounded},
+                   {bottom - wall, 2 * wall},
+                   {0, 2 * wall}},
+                  grey);
+  else
+    builder.lathe({{0, 0}, {bottom, 0}, {top, bounded}, {0, bounded}}, grey);
+  double reach = top;
+  if (hollow && draw.uniform() < 0.5) {
+    const double out = draw.uniform(0.02, 0.035);
+    const double high = 0.85 * bounded, low = 0.35 * bounded;
+    const double at_low = bottom + (top - bottom) * 0.35 - wall / 2,
+                 at_high = bottom + (top - bottom) * 0.85 - wall / 2;
+    builder.tube({{at_low, 0, low},
+                  {at_high + out, 0, low + 0.2 * (high - low)},
+                  {at_high + out, 0, high - 0.2 * (high - low)},
+                  {at_high, 0, high}},
+                 {0.005, 0.005, 0.005, 0.005}, Vector3d::UnitY(), kGrey);
+    reach += out + 0.005;
+  }
+  Primitive primitive{builder.take(), reach};
+  if (draw.uniform() < 0.25) turn_over(primitive.mesh, bounded);
+  return primitive;
+}
+
+Primitive cylinder(Random& draw) {
+  if (draw.uniform() < 0.2) {
+    const double radius = draw.uniform(0.03, 0.06);
+    return lying(radius, draw.uniform(2.4, 5) * radius);
+  }
+  return standing(draw);
+}
+
+Primitive flat(Random& draw) {
+  const double height = draw.uniform(0.022, 0.035);
+  const double width = height * draw.uniform(4, 7);
+  if (draw.uniform() < 0.6) return block(width, width * draw.uniform(1, 1.6), height);
+  ShapeBuilder builder;
+  builder.lathe({{0, 0}, {width / 2, 0}, {width / 2, height}, {0, height}}, grey);
+  return {builder.take(), width / 2};
+}
+
+Primitive sphere(Random& draw) {
+  const double radius = draw.uniform(0.03, 0.1);
+  std::vector<Vector2d> profile;
+  constexpr int kRings = 20;
+  for (int i = 0; i <= kRings; ++i) {
+    const double angle = kPi * i / kRings;
+    profile.emplace_back(radius * std::sin(angle), radius * (1 - std::cos(angle)));
+  }
+  ShapeBuilder builder;
+  builder.lathe(profile, grey);
+  return {builder.take(), radius};
+}
+
+Primitive primitive_of(size_t kind, Random& draw) {
+  switch (kind) {
+    case 0:
+      return box(draw);
+    case 1:
+      return cylinder(draw);
+    case 2:
+      return flat(draw);
+    default:
+      return sphere(draw);
+  }
+}
+
+struct Picture {
+  RgbdFrame frame;
+  cv::Mat labels;
+  std::vector<size_t> kinds;  ///< of the objects 20, 30, ...
+};
+
+class PrimitiveScenes : public Recording {
+ public:
+  PrimitiveScenes(size_t scenes, const Random& random) : random_(random) {
+    info_.format = "simulated";
+    info_.path = "primitive shapes";
+    info_.map_frame = "table";
+    info_.camera = kinect_camera();
+    info_.frames = info_.frames_with_pose = scenes;
+    if (scenes > 0) info_.last_time = time_of(scenes - 1);
+  }
+
+  const RecordingInfo& info() const override { return info_; }
+  size_t size() const override { return info_.frames; }
+  TimeNs time_of(size_t i) const override { return static_cast<TimeNs>(i) * kSecond; }
+  int64_t index_of(size_t i) const override { return static_cast<int64_t>(i); }
+  RgbdFrame frame(size_t i) const override {
+    last_ = picture(i);
+    return last_.frame;
+  }
+  /// What the frame that was read last shows.
+  const Picture& last() const { return last_; }
+
+ private:
+  Picture picture(size_t number) const {
+    Random draw = random_.fork(number);
+    RenderScene scene;
+    scene.add("table", block(1.6, 1.2, 0.04).mesh, Isometry3d(Eigen::Translation3d(0, 0, -0.04)));
+    Picture picture;
+    add_things(scene, picture.kinds, draw);
+    const double elevation = draw.uniform(25, 65) * kPi / 180, side = draw.uniform(-0.4, 0.4);
+    const Vector3d from(side, -std::cos(elevation), std::sin(elevation));
+    RgbdFrame& frame = picture.frame;
+    frame.camera = info_.camera;
+    frame.index = static_cast<int64_t>(number);
+    frame.name = fmt::format("scene{}", number);
+    frame.time_ns = time_of(number);
+    frame.map_from_camera = looking_at(from.normalized() * draw.uniform(0.75, 1.4), Vector3d::Zero());
+    RenderOptions options;
+    options.normals = true;
+    const RenderedView view = scene.render(frame.camera.depth, *frame.map_from_camera, options);
+    frame.depth =
+        measured_by_kinect(view.depth, view.normal, frame.camera.depth, KinectModel(), draw.fork(0));
+    picture.labels = cv::Mat::zeros(frame.depth.size(), CV_16U);
+    for (int v = 0; v < frame.depth.rows; ++v)
+      for (int u = 0; u < frame.depth.cols; ++u)
+        if (const int link = view.link.at<int>(v, u); link >= 0 && !std::isnan(frame.depth.at<float>(v, u)))
+          picture.labels.at<uint16_t>(v, u) = static_cast<uint16_t>(link == 0 ? 1 : 10 + 10 * link);
+    return picture;
+  }
+
+  static void add_things(RenderScene& scene, std::vector<size_t>& kinds, Random& draw) {
+    constexpr size_t kThings = 5;
+    constexpr double kGap = 0.03;
+    std::vector<std::pair<Vector2d, double>> taken;
+    for (int attempt = 0; attempt < 60 && taken.size() < kThings; ++attempt) {
+      const size_t kind = draw.index(kClasses.size());
+      const Primitive primitive = primitive_of(kind, draw);
+      const Vector2d at(draw.uniform(-0.3, 0.3), draw.uniform(-0.25, 0.25));
+      const bool free = std::all_of(taken.begin(), taken.end(), [&](const auto& other) {
+        return (other.first - at).norm() > other.second + primitive.reach + kGap;
+      });
+      const double turn = draw.uniform(0, 2 * kPi);
+      if (!free) continue;
+      taken.emplace_back(at, primitive.reach);
+      kinds.push_back(kind);
+      Isometry3d pose(Eigen::Translation3d(at.x(), at.y(), 0));
+      pose.rotate(Eigen::AngleAxisd(turn, Vector3d::UnitZ()));
+      scene.add(fmt::format("thing_{}", taken.size()), primitive.mesh, pose);
+    }
+  }
+
+  Random random_;
+  RecordingInfo info_;
+  mutable Picture last_;
+};
+
+}  // namespace
+
+LabelledRecording primitive_scenes(size_t scenes, const Random& random) {
+  const auto recording = std::make_shared<PrimitiveScenes>(scenes, random);
+  LabelledRecording labelled;
+  labelled.recording = recording;
+  const PrimitiveScenes* pictures = recording.get();
+  labelled.labels = [pictures](const std::string&) { return pictures->last().labels; };
+  labelled.class_of = [pictures](const std::string&, int object) {
+    const auto number = static_cast<size_t>(object / 10 - 2);
+    return number < pictures->last().kinds.size() ? std::string(kClasses[pictures->last().kinds[number]])
+                                                  : "";
+  };
+  return labelled;
+}
+
+}  // namespace loci::description_evaluation

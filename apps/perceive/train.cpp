@@ -1,0 +1,77 @@
+#include <fmt/format.h>
+
+#include "apps/perceive/commands.h"
+#include "mapping/base/json.h"
+#include "perception/annotators/io/labelled_recording.h"
+#include "perception/classification/ensemble.h"
+
+namespace loci {
+namespace {
+
+struct Arguments {
+  std::string dataset, out;
+  std::vector<std::string> experts = {"VFH:svm", "ESF:svm", "PFH:svm"};
+  int folds = 5;
+  uint64_t seed = 0;
+  ClassifierOptions options;
+};
+
+void train(Arguments& given, Session& session) {
+  table_of(given.options).validate();
+  std::vector<ExpertSpec> experts;
+  for (const std::string& text : given.experts) experts.push_back(parse_expert(text, given.options));
+  PartialProgress finding(session.progress(), 0, 0.7);
+  const LabelledSurfaces surfaces =
+      labelled_surfaces(open_labelled_recording(given.dataset), finding, session.warnings());
+  std::vector<std::string> features;
+  for (const ExpertSpec& expert : experts) features.push_back(expert.feature);
+  std::vector<LabelledThing> things;
+  for (const LabelledSurface& each : surfaces.found)
+    things.push_back({each.label, feature_set(features, each.surface)});
+  PartialProgress learning(session.progress(), 0.7, 1);
+  const Ensemble model =
+      Ensemble::train(things, experts, given.folds, Random(given.seed), session.flags().threads, learning);
+  model.save(given.out);
+  std::string text =
+      fmt::format("{} of {} objects found; cross-validated:\n", surfaces.found.size(), surfaces.objects);
+  Json classes = Json::object();
+  for (size_t c = 0; c < model.classes().size(); ++c) {
+    text += fmt::format("  {:20} {:5.1f} % right\n", model.classes()[c], 100 * model.accuracies()[c]);
+    classes[model.classes()[c]] = model.accuracies()[c];
+  }
+  text += "model in " + given.out + "\n";
+  session.answer(text, {{"objects", surfaces.objects},
+                        {"found", surfaces.found.size()},
+                        {"accuracies", classes},
+                        {"out", given.out}});
+}
+
+}  // namespace
+
+Command train_command() {
+  return {
+      "train",
+      "Trains a classifier of clusters from labelled pictures",
+      {"loci-perceive train tests/data/blocks -o demo-output/blocks.model --folds 2",
+       "loci-perceive train tests/data/blocks -o demo-output/blocks.model --folds 2 --expert VFH:knn:L1 "
+       "--k 2 --json"},
+      [](CLI::App& app) {
+        auto given = std::make_shared<Arguments>();
+        app.add_option("DATASET", given->dataset,
+                       "Recording with FRAME_label.png for its depth pictures (0 not judged, 1 to 19 table, "
+                       "from 20 on tens are objects) and objects.csv (scene, label_group, class)")
+            ->required();
+        app.add_option("-o,--out", given->out, "The model, for the annotator FeatureClassifier")->required();
+        app.add_option("--expert", given->experts,
+                       "DESCRIPTOR:CLASSIFIER[:DISTANCE], several times; they are fused")
+            ->capture_default_str();
+        app.add_option("--folds", given->folds, "Parts for cross-validation")
+            ->check(CLI::Range(2, 100))
+            ->capture_default_str();
+        app.add_option("--seed", given->seed, "Of the forests")->capture_default_str();
+        add_options(app, table_of(given->options));
+        return [given](Session& session) { train(*given, session); };
+      }};
+}
+
+}  // namespace loci

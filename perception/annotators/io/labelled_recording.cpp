@@ -1,0 +1,138 @@
+#include "perception/annotators/io/labelled_recording.h"
+
+#include <cctype>
+
+#include "mapping/base/csv.h"
+#include "mapping/base/files.h"
+#include "mapping/image/image_io.h"
+#include "perception/annotators/annotators.h"
+#include "perception/annotators/description/shape_annotators.h"
+#include "perception/annotators/io/pictures.h"
+#include "perception/pipeline/pipeline.h"
+
+namespace loci {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// How many pixels each cluster (from 1) shares with each object.
+struct Overlaps {
+  std::map<int, double> of_object;
+  std::map<int, double> of_cluster;
+  std::map<int, std::map<int, double>> shared;  ///< by cluster and object
+};
+
+Overlaps overlaps_of(const cv::Mat& clusters, const cv::Mat& labels) {
+  Overlaps overlaps;
+  for (int v = 0; v < labels.rows; ++v)
+    for (int u = 0; u < labels.cols; ++u) {
+      const int label = labels.at<uint16_t>(v, u);
+      if (label == 0) continue;
+      const int object = label < 20 ? 0 : label / 10 * 10;
+      const int cluster = clusters.at<uint16_t>(v, u);
+      if (object > 0) overlaps.of_object[object] += 1;
+      if (cluster > 0) overlaps.of_cluster[cluster] += 1;
+      if (object > 0 && cluster > 0) overlaps.shared[cluster][object] += 1;
+    }
+  return overlaps;
+}
+
+/// The object that a cluster is; 0 = none.
+int object_of(const Overlaps& overlaps, int cluster) {
+  const auto shared = overlaps.shared.find(cluster);
+  if (shared == overlaps.shared.end()) return 0;
+  for (const auto& [object, both] : shared->second)
+    if (both >= 0.5 * (overlaps.of_object.at(object) + overlaps.of_cluster.at(cluster) - both)) return object;
+  return 0;
+}
+
+}  // namespace
+
+std::map<std::string, fs::path> find_label_pictures(const fs::path& folder) {
+  constexpr std::string_view kEnding = "_label.png";
+  std::map<std::string, fs::path> files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    std::string name = entry.path().filename().string();
+    if (!name.ends_with(kEnding)) continue;
+    name.resize(name.size() - kEnding.size());
+    files[name] = entry.path();
+  }
+  return files;
+}
+
+cv::Mat read_label_picture(const fs::path& path) {
+  const std::string text = read_file(path);
+  cv::Mat raw = decode_image(std::vector<unsigned char>(text.begin(), text.end()), path.string());
+  if (raw.channels() != 1)
+    throw Error("a label picture has one channel", {path.string(), 0, {}},
+                "labels: 0 not judged, 1 to 19 table, from 20 on tens are objects");
+  raw.convertTo(raw, CV_16U);
+  return raw;
+}
+
+int64_t scene_number(const std::string& frame_name) {
+  const size_t last = frame_name.find_last_of("0123456789");
+  if (last == std::string::npos) return -1;
+  size_t first = last;
+  while (first > 0 && std::isdigit(static_cast<unsigned char>(frame_name[first - 1]))) --first;
+  return last - first > 15 ? -1 : std::stoll(frame_name.substr(first, last - first + 1));
+}
+
+LabelledRecording open_labelled_recording(const fs::path& folder) {
+  LabelledRecording labelled;
+  labelled.recording = open_recording(folder);
+  const auto pictures = find_label_pictures(folder);
+  if (pictures.empty())
+    throw Error("there are no labels", {folder.string(), 0, {}},
+                "FRAME_label.png belongs beside FRAME_depth.png");
+  labelled.labels = [pictures](const std::string& frame) {
+    const auto found = pictures.find(frame);
+    return found == pictures.end() ? cv::Mat() : read_label_picture(found->second);
+  };
+  const CsvTable table = CsvTable::read(folder / "objects.csv");
+  const size_t scene = table.require_column("scene"), group = table.require_column("label_group");
+  const int own = table.column("class");
+  const size_t name = own >= 0 ? static_cast<size_t>(own) : table.require_column("object");
+  std::map<std::pair<int64_t, int64_t>, std::string> classes;
+  for (size_t row = 0; row < table.rows(); ++row)
+    classes[{table.integer(row, scene), table.integer(row, group)}] = table.cell(row, name);
+  labelled.class_of = [classes](const std::string& frame, int object) {
+    const auto found = classes.find({scene_number(frame), object});
+    return found == classes.end() ? std::string() : found->second;
+  };
+  return labelled;
+}
+
+LabelledSurfaces labelled_surfaces(const LabelledRecording& labelled, Progress& progress,
+                                   Warnings& warnings) {
+  AnnotatorRegistry registry;
+  add_annotators(registry);
+  Pipeline pipeline =
+      Pipeline::parse("reader: RecordingReader\nflow: [NormalEstimator, PlaneClusterExtractor]\n",
+                      "the tabletop pipeline", registry);
+  Resources resources;
+  resources.put(labelled.recording);
+  Context context{resources, warnings, 1, {}};
+  LabelledSurfaces surfaces;
+  pipeline.run(context, types::type_system(), progress, [&](cas::Cas& cas) {
+    const types::SceneCas scene(cas);
+    const std::string frame = scene.scene().frame_name.get();
+    const cv::Mat labels = labelled.labels(frame);
+    if (labels.empty()) return;
+    const cv::Mat numbers = label_image(scene);
+    if (labels.size() != numbers.size())
+      throw Error("the label picture of frame " + frame + " is not as large as its depth picture");
+    const Overlaps overlaps = overlaps_of(numbers, labels);
+    for (const auto& [object, pixels] : overlaps.of_object)
+      surfaces.objects += labelled.class_of(frame, object).empty() ? 0 : 1;
+    const std::vector<types::Cluster> clusters = scene.clusters();
+    for (size_t i = 0; i < clusters.size(); ++i) {
+      const int object = object_of(overlaps, static_cast<int>(i) + 1);
+      const std::string name = object > 0 ? labelled.class_of(frame, object) : "";
+      if (!name.empty()) surfaces.found.push_back({frame, name, cluster_surface(scene, clusters[i])});
+    }
+  });
+  return surfaces;
+}
+
+}  // namespace loci

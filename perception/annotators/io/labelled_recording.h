@@ -1,0 +1,58 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "mapping/base/progress.h"
+#include "mapping/recording/recording.h"
+#include "perception/classification/shape_features.h"
+
+namespace loci {
+
+/// Label pictures (FRAME_label.png) anywhere in a folder, by the names of their frames.
+std::map<std::string, std::filesystem::path> find_label_pictures(const std::filesystem::path& folder);
+
+/// CV_16U: 0 = not judged, 1 to 19 = the table, from 20 on label / 10 is the object. Error when it is no
+/// picture with one channel.
+cv::Mat read_label_picture(const std::filesystem::path& path);
+
+/// The number at the end of a frame's name ("learn07", "frame-000012"), which tables call its scene; -1 =
+/// none.
+int64_t scene_number(const std::string& frame_name);
+
+/// A cluster that was found, and what it is.
+struct LabelledSurface {
+  std::string frame;
+  std::string label;
+  SurfacePoints surface;
+};
+
+/// A recording whose pictures are labelled.
+struct LabelledRecording {
+  std::shared_ptr<Recording> recording;
+  /// The label picture of a frame; empty = the frame has none.
+  std::function<cv::Mat(const std::string& frame)> labels;
+  /// Class of an object (label rounded down to tens) of a frame; "" = nobody knows.
+  std::function<std::string(const std::string& frame, int object)> class_of;
+};
+
+/// A folder with a recording, label pictures and objects.csv with the columns scene (scene_number()),
+/// label_group (label rounded down to tens), and class or object: what it is.
+LabelledRecording open_labelled_recording(const std::filesystem::path& folder);
+
+/// Objects of labelled frames whose class is known.
+struct LabelledSurfaces {
+  std::vector<LabelledSurface> found;  ///< those that the tabletop pipeline finds
+  size_t objects = 0;                  ///< all
+};
+
+/// Runs the tabletop pipeline (without a map) and gives each cluster the class of the object with which it
+/// shares most pixels, at least half of both together.
+LabelledSurfaces labelled_surfaces(const LabelledRecording& labelled, Progress& progress, Warnings& warnings);
+
+}  // namespace loci

@@ -1,0 +1,206 @@
+#include "perception/classification/ensemble.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+#include "mapping/base/json.h"
+#include "mapping/base/parallel.h"
+
+namespace loci {
+namespace {
+
+constexpr const char* kKind = "loci classifier";
+constexpr int kVersion = 1;
+constexpr double kRidge = 1e-3;
+
+/// What one expert says of each thing when it has not learned it.
+std::vector<std::vector<double>> scores_out_of_fold(const LabelledVectors& data,
+                                                    const ClassifierOptions& options,
+                                                    const std::vector<size_t>& fold, size_t folds,
+                                                    const Random& random) {
+  std::vector<std::vector<double>> scores(data.vectors.size());
+  for (size_t f = 0; f < folds; ++f) {
+    LabelledVectors rest;
+    rest.classes = data.classes;
+    for (size_t i = 0; i < data.vectors.size(); ++i) {
+      if (fold[i] == f) continue;
+      rest.vectors.push_back(data.vectors[i]);
+      rest.labels.push_back(data.labels[i]);
+    }
+    const auto classifier = train_classifier(rest, options, random.fork(f + 1));
+    for (size_t i = 0; i < data.vectors.size(); ++i)
+      if (fold[i] == f) scores[i] = classifier->scores(data.vectors[i]);
+  }
+  return scores;
+}
+
+size_t best_of(const std::vector<double>& probabilities) {
+  return static_cast<size_t>(std::max_element(probabilities.begin(), probabilities.end()) -
+                             probabilities.begin());
+}
+
+bool has_all(const LabelledThing& thing, const std::vector<ExpertSpec>& experts) {
+  return std::all_of(experts.begin(), experts.end(),
+                     [&](const ExpertSpec& expert) { return thing.features.contains(expert.feature); });
+}
+
+/// Each class is spread evenly over the folds.
+std::vector<size_t> folds_of(const std::vector<size_t>& labels, size_t classes, size_t folds) {
+  std::vector<size_t> count(classes, 0);
+  std::vector<size_t> fold;
+  for (const size_t label : labels) fold.push_back(count[label]++ % folds);
+  for (const size_t each : count)
+    if (each < folds)
+      throw Error("a class has fewer things than there are folds", {},
+                  "show more things, or take fewer folds");
+  return fold;
+}
+
+}  // namespace
+
+FeatureSet feature_set(const std::vector<std::string>& names, const SurfacePoints& surface) {
+  FeatureSet set;
+  for (const std::string& name : names)
+    if (FeatureVector vector = shape_feature(name, surface); !vector.empty()) set[name] = std::move(vector);
+  return set;
+}
+
+ExpertSpec parse_expert(const std::string& text, const ClassifierOptions& options) {
+  ExpertSpec expert{{}, options};
+  std::istringstream stream(text);
+  std::string distance, rest;
+  std::getline(stream, expert.feature, ':');
+  expert.options.method.clear();
+  std::getline(stream, expert.options.method, ':');
+  if (std::getline(stream, distance, ':')) expert.options.distance = distance;
+  if (expert.feature.empty() || expert.options.method.empty() || std::getline(stream, rest))
+    throw Error("\"" + text + "\" is no expert", {},
+                "write DESCRIPTOR:CLASSIFIER[:DISTANCE], such as VFH:knn:L1");
+  shape_feature_signature(expert.feature);
+  table_of(expert.options).validate();
+  return expert;
+}
+
+std::string name_of(const ExpertSpec& expert) {
+  const std::string name = expert.feature + ":" + expert.options.method;
+  return expert.options.method == "forest" ? name : name + ":" + expert.options.distance;
+}
+
+Eigen::VectorXd Ensemble::inputs(const std::vector<std::vector<double>>& scores) const {
+  constexpr double kLeast = 0.01;
+  Eigen::VectorXd inputs(static_cast<Eigen::Index>(scores.size() * classes_.size()));
+  Eigen::Index at = 0;
+  for (const std::vector<double>& each : scores)
+    for (const double score : each) inputs[at++] = std::log(std::max(score, kLeast));
+  return inputs;
+}
+
+Ensemble Ensemble::train(const std::vector<LabelledThing>& things, const std::vector<ExpertSpec>& experts,
+                         int folds, const Random& random, int threads, Progress& progress) {
+  if (experts.empty()) throw Error("there is no expert to train");
+  Ensemble ensemble;
+  ensemble.specs_ = experts;
+  std::set<std::string> names;
+  for (const LabelledThing& thing : things)
+    if (has_all(thing, experts)) names.insert(thing.label);
+  ensemble.classes_.assign(names.begin(), names.end());
+  const size_t classes = ensemble.classes_.size();
+  if (classes < 2) throw Error("there are fewer than two classes to tell apart");
+  std::vector<size_t> labels;
+  std::vector<const LabelledThing*> used;
+  for (const LabelledThing& thing : things) {
+    if (!has_all(thing, experts)) continue;
+    const auto name = std::lower_bound(ensemble.classes_.begin(), ensemble.classes_.end(), thing.label);
+    labels.push_back(static_cast<size_t>(name - ensemble.classes_.begin()));
+    used.push_back(&thing);
+  }
+  const auto parts = static_cast<size_t>(folds);
+  const std::vector<size_t> fold = folds_of(labels, classes, parts);
+  progress.check(0, "experts learn");
+  ensemble.classifiers_.resize(experts.size());
+  std::vector<std::vector<std::vector<double>>> scores(experts.size());
+  parallel_for(experts.size(), threads, [&](size_t begin, size_t end) {
+    for (size_t e = begin; e < end; ++e) {
+      LabelledVectors data{{}, labels, classes};
+      for (const LabelledThing* thing : used) data.vectors.push_back(thing->features.at(experts[e].feature));
+      const Random draw = random.fork(e);
+      scores[e] = scores_out_of_fold(data, experts[e].options, fold, parts, draw);
+      ensemble.classifiers_[e] = train_classifier(data, experts[e].options, draw.fork(0));
+    }
+  });
+  Eigen::MatrixXd all(static_cast<Eigen::Index>(used.size()),
+                      static_cast<Eigen::Index>(experts.size() * classes));
+  for (size_t i = 0; i < used.size(); ++i) {
+    std::vector<std::vector<double>> of_thing;
+    for (const auto& of_expert : scores) of_thing.push_back(of_expert[i]);
+    all.row(static_cast<Eigen::Index>(i)) = ensemble.inputs(of_thing);
+  }
+  progress.check(0.9, "they are weighed");
+  ensemble.fusion_ = SoftmaxRegression::fit(all, labels, classes, kRidge);
+  std::vector<double> right(classes, 0.0), count(classes, 0.0);
+  for (size_t i = 0; i < used.size(); ++i) {
+    count[labels[i]] += 1;
+    right[labels[i]] +=
+        best_of(ensemble.fusion_.probabilities(all.row(static_cast<Eigen::Index>(i)))) == labels[i];
+  }
+  for (size_t c = 0; c < classes; ++c) ensemble.accuracies_.push_back(right[c] / count[c]);
+  return ensemble;
+}
+
+std::vector<std::string> Ensemble::features() const {
+  std::set<std::string> names;
+  for (const ExpertSpec& expert : specs_) names.insert(expert.feature);
+  return {names.begin(), names.end()};
+}
+
+Classification Ensemble::classify(const FeatureSet& features) const {
+  std::vector<std::vector<double>> scores;
+  for (size_t e = 0; e < specs_.size(); ++e) {
+    const auto found = features.find(specs_[e].feature);
+    if (found == features.end())
+      throw Error("there is no " + specs_[e].feature + " of what is to be classified");
+    scores.push_back(classifiers_[e]->scores(found->second));
+  }
+  Classification result;
+  result.probabilities = fusion_.probabilities(inputs(scores));
+  result.best = best_of(result.probabilities);
+  return result;
+}
+
+void Ensemble::save(const std::filesystem::path& path) const {
+  Json experts = Json::array();
+  for (size_t e = 0; e < specs_.size(); ++e)
+    experts.push_back({{"expert", name_of(specs_[e])}, {"trained", classifiers_[e]->to_json()}});
+  write_json(path, {{"kind", kKind},
+                    {"version", kVersion},
+                    {"classes", classes_},
+                    {"accuracies", accuracies_},
+                    {"experts", std::move(experts)},
+                    {"fusion", fusion_.to_json()}});
+}
+
+Ensemble Ensemble::load(const std::filesystem::path& path) try {
+  const Json json = read_json(path);
+  if (!json.is_object() || json.value("kind", "") != kKind)
+    throw Error("this is no classifier", {}, "make one with `loci-perceive train`");
+  if (json.at("version") != kVersion)
+    throw Error("the classifier has another version than this program reads", {}, "train it anew");
+  Ensemble ensemble;
+  ensemble.classes_ = json.at("classes").get<std::vector<std::string>>();
+  ensemble.accuracies_ = json.at("accuracies").get<std::vector<double>>();
+  for (const Json& each : json.at("experts")) {
+    ensemble.specs_.push_back(parse_expert(each.at("expert")));
+    ensemble.classifiers_.push_back(classifier_from_json(each.at("trained")));
+  }
+  ensemble.fusion_ = SoftmaxRegression::from_json(json.at("fusion"));
+  return ensemble;
+} catch (const Error& error) {
+  if (!error.place().file.empty()) throw;
+  throw Error(error.message(), {path.string(), 0, {}}, error.hint());
+} catch (const nlohmann::json::exception&) {
+  throw Error("the classifier contradicts itself", {path.string(), 0, {}}, "train it anew");
+}
+
+}  // namespace loci

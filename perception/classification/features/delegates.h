@@ -1,0 +1,17 @@
+#pragma once
+
+#include "perception/classification/shape_features.h"
+
+namespace loci::feature_delegates {
+
+// One translation unit each: PCL is slow to compile. Points are thinned and have normals.
+std::vector<float> vfh(const SurfacePoints& surface);
+std::vector<float> cvfh(const SurfacePoints& surface);
+std::vector<float> esf(const SurfacePoints& surface);
+std::vector<float> grsd(const SurfacePoints& surface);
+std::vector<float> pfh(const SurfacePoints& surface);
+std::vector<float> fpfh(const SurfacePoints& surface);
+std::vector<float> shot(const SurfacePoints& surface);
+std::vector<float> spin_image(const SurfacePoints& surface);
+
+}  // namespace loci::feature_delegates

@@ -1,0 +1,20 @@
+#include <pcl/features/fpfh.h>
+
+#include "perception/classification/features/pcl_clouds.h"
+
+namespace loci::feature_delegates {
+
+std::vector<float> fpfh(const SurfacePoints& surface) {
+  constexpr double kRadius = 0.025;
+  const PclClouds clouds(surface);
+  pcl::FPFHEstimation<pcl::PointXYZ, pcl::Normal, pcl::FPFHSignature33> estimator;
+  prepare(estimator, clouds);
+  estimator.setIndices(some_of(clouds, kSpread));
+  estimator.setRadiusSearch(kRadius);
+  pcl::PointCloud<pcl::FPFHSignature33> signatures;
+  estimator.compute(signatures);
+  return mean_of(
+      signatures, [](const auto& signature) -> const auto& { return signature.histogram; });
+}
+
+}  // namespace loci::feature_delegates

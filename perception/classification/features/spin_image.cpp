@@ -1,0 +1,21 @@
+#include <pcl/features/spin_image.h>
+
+#include "perception/classification/features/pcl_clouds.h"
+
+namespace loci::feature_delegates {
+
+std::vector<float> spin_image(const SurfacePoints& surface) {
+  constexpr double kRadius = 0.05;
+  const PclClouds clouds(surface);
+  pcl::SpinImageEstimation<pcl::PointXYZ, pcl::Normal, pcl::Histogram<153>> estimator(8, 0, 4);
+  prepare(estimator, clouds);
+  estimator.setIndices(some_of(clouds, kSpread));
+  estimator.setSearchSurface(clouds.points);
+  estimator.setRadiusSearch(kRadius);
+  pcl::PointCloud<pcl::Histogram<153>> signatures;
+  estimator.compute(signatures);
+  return mean_of(
+      signatures, [](const auto& signature) -> const auto& { return signature.histogram; });
+}
+
+}  // namespace loci::feature_delegates
