@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "mapping/base/parallel.h"
 #include "perception/annotators/hypotheses/support_planes.h"
 
 namespace loci {
@@ -28,10 +29,24 @@ Vector3d vector(const cv::Vec3f& value) {
 /// The pixel that a point falls into; -1 outside.
 int pixel_of(const Vector3d& point, const PinholeCamera& camera) {
   if (!(point.z() > 0.1)) return -1;
-  const double u = std::round(camera.fx * point.x() / point.z() + camera.cx);
-  const double v = std::round(camera.fy * point.y() / point.z() + camera.cy);
+  const Vector2d at = camera.project(point);
+  // Most of a room's fronts are out of view: no rounding for them.
+  if (!(at.x() > -1 && at.y() > -1 && at.x() < camera.width && at.y() < camera.height)) return -1;
+  const double u = std::round(at.x());
+  const double v = std::round(at.y());
   if (!(u >= 0 && v >= 0 && u < camera.width && v < camera.height)) return -1;
   return static_cast<int>(v) * camera.width + static_cast<int>(u);
+}
+
+/// Whether nothing of a ball can fall into a pixel: it lies behind the camera or outside one of the planes
+/// through its centre and an edge of the picture (a pixel more on every side).
+bool out_of_view(const Vector3d& middle, double radius, const PinholeCamera& camera) {
+  const auto outside = [&](double x, double y, double z) {
+    return x * middle.x() + y * middle.y() + z * middle.z() < -1.001 * radius * std::hypot(x, y, z) - 1e-6;
+  };
+  return outside(0, 0, 1) || outside(camera.fx, 0, camera.cx + 1) || outside(0, camera.fy, camera.cy + 1) ||
+         outside(-camera.fx, 0, camera.width - camera.cx) ||
+         outside(0, -camera.fy, camera.height - camera.cy);
 }
 
 }  // namespace
@@ -52,7 +67,9 @@ ArticulatedFronts::ArticulatedFronts(const World& world, const MeshSearch& meshe
     const bool slides = joint.type == JointType::prismatic, turns = joint.type == JointType::revolute;
     if (!(slides || turns) || !joint.limits || joint.mimic) continue;
     if (!(joint.limits->upper > joint.limits->lower)) continue;
-    Front front{joint, world.link_index(joint.child), {}};
+    Front front;
+    front.joint = joint;
+    front.link = world.link_index(joint.child);
     for (const Visual& visual : world.links[front.link].visuals) {
       const TriangleMesh mesh = triangulate(visual.geometry, meshes, ignored);
       for (const auto& [a, b, c] : mesh.triangles) {
@@ -71,13 +88,19 @@ ArticulatedFronts::ArticulatedFronts(const World& world, const MeshSearch& meshe
           }
       }
     }
-    if (front.samples.size() >= static_cast<size_t>(kFewPoints)) fronts_.push_back(std::move(front));
+    if (front.samples.size() < static_cast<size_t>(kFewPoints)) continue;
+    Eigen::AlignedBox3d box;
+    for (const Sample& sample : front.samples) box.extend(sample.point);
+    front.middle = box.center();
+    front.radius = box.diagonal().norm() / 2;
+    fronts_.push_back(std::move(front));
   }
 }
 
 ArticulatedFronts::Match ArticulatedFronts::match(const Front& front, const Isometry3d& camera_from_link,
                                                   const cv::Mat& points, const PinholeCamera& camera) const {
   Match match;
+  if (out_of_view(camera_from_link * front.middle, front.radius, camera)) return match;
   for (const Sample& sample : front.samples) {
     const Vector3d point = camera_from_link * sample.point;
     const int pixel = pixel_of(point, camera);
@@ -97,12 +120,13 @@ ArticulatedFronts::Match ArticulatedFronts::match(const Front& front, const Isom
 
 std::vector<FrontState> ArticulatedFronts::estimate(const cv::Mat& points, const PinholeCamera& camera,
                                                     const Isometry3d& map_from_camera,
-                                                    const JointState& joints) const {
+                                                    const JointState& joints, int threads) const {
   const std::vector<Isometry3d> map_from_links = root_from_links(world_, joints);
   const Isometry3d camera_from_map = map_from_camera.inverse();
-  std::vector<FrontState> states;
-  for (const Front& front : fronts_) {
-    FrontState state;
+  std::vector<FrontState> states(fronts_.size());
+  const auto estimate_one = [&](size_t number) {
+    const Front& front = fronts_[number];
+    FrontState& state = states[number];
     state.joint = front.joint.name;
     if (const auto given = joints.find(state.joint); given != joints.end()) state.given = given->second;
     state.position = state.given;
@@ -133,8 +157,10 @@ std::vector<FrontState> ArticulatedFronts::estimate(const cv::Mat& points, const
     const Match& kept = state.moved ? best : given;
     state.in_view = kept.in_view;
     state.on = kept.on;
-    states.push_back(state);
-  }
+  };
+  parallel_for(fronts_.size(), threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) estimate_one(i);
+  });
   return states;
 }
 

@@ -37,9 +37,10 @@ class ArticulatedFronts {
 
   /// Fits each joint by its front: of all positions within its limits, the one at which most of the front
   /// lies on the depth and least of it where the camera looked through. What hides a front says nothing.
-  /// `points`: CV_32FC3, camera frame, NaN = none.
+  /// `points`: CV_32FC3, camera frame, NaN = none. The same on any number of threads.
   std::vector<FrontState> estimate(const cv::Mat& points, const PinholeCamera& camera,
-                                   const Isometry3d& map_from_camera, const JointState& joints) const;
+                                   const Isometry3d& map_from_camera, const JointState& joints,
+                                   int threads = 1) const;
 
   /// What is seen before fronts, within reach of those who would open them, and is no known structure
   /// (`unknown`: CV_8U, not 0 at pixels of points that the map does not explain).
@@ -54,6 +55,8 @@ class ArticulatedFronts {
     Joint joint;
     size_t link = 0;  ///< index into the world's links
     std::vector<Sample> samples;
+    Vector3d middle = Vector3d::Zero();  ///< of a ball around the samples, in the link's frame
+    double radius = 0;
   };
   struct Match;
 

@@ -126,10 +126,10 @@ Isometry3d KnownStructureFilter::refined_pose(const types::SceneCas& facade, con
 }
 
 void KnownStructureFilter::fit_joints(const types::SceneCas& scene, const PinholeCamera& camera,
-                                      const Isometry3d& pose, JointState& joints) {
+                                      const Isometry3d& pose, int threads, JointState& joints) {
   if (!fit_joints_) return;
   JointState fitted = joints;
-  for (const FrontState& front : fronts_->estimate(cloud_points(scene), camera, pose, joints)) {
+  for (const FrontState& front : fronts_->estimate(cloud_points(scene), camera, pose, joints, threads)) {
     if (!front.moved || joints.contains(front.joint)) continue;
     fitted[front.joint] = front.position;
     scene.log("KnownStructureFilter", "info",
@@ -206,7 +206,7 @@ void KnownStructureFilter::process(cas::Cas& cas, Context& context) {
   map_->scene.set_joints(map_->part, joints);
   map_->hide_robots();
   const Isometry3d pose = refined_pose(facade, camera, context);
-  fit_joints(facade, camera, pose, joints);
+  fit_joints(facade, camera, pose, context.threads, joints);
   map_->place_robots(scene.timestamp.get(), all_joints, camera_link_, pose);
   KnownStructure known = find_known_structure(cloud_points(facade), camera, pose, *map_, surfaces_, joints,
                                               options_, context.threads);

@@ -24,7 +24,7 @@ class KnownStructureFilter : public Annotator {
  private:
   Isometry3d refined_pose(const types::SceneCas& scene, const PinholeCamera& camera, Context& context);
   void fit_joints(const types::SceneCas& scene, const PinholeCamera& camera, const Isometry3d& pose,
-                  JointState& joints);
+                  int threads, JointState& joints);
   void remove_robots(const types::SceneCas& scene, const PinholeCamera& camera, Context& context);
   void tell_obstacles(const types::SceneCas& scene, const PinholeCamera& camera, const Isometry3d& pose,
                       const JointState& joints, const cv::Mat& map_depth);
