@@ -88,12 +88,15 @@ std::string name_of(const ExpertSpec& expert) {
   return expert.options.method == "forest" ? name : name + ":" + expert.options.distance;
 }
 
-Eigen::VectorXd Ensemble::inputs(const std::vector<std::vector<double>>& scores) const {
+Eigen::MatrixXd Ensemble::inputs(const std::vector<std::vector<double>>& scores) const {
   constexpr double kLeast = 0.01;
-  Eigen::VectorXd inputs(static_cast<Eigen::Index>(scores.size() * classes_.size()));
-  Eigen::Index at = 0;
-  for (const std::vector<double>& each : scores)
-    for (const double score : each) inputs[at++] = std::log(std::max(score, kLeast));
+  const auto classes = static_cast<Eigen::Index>(classes_.size());
+  const auto experts = static_cast<Eigen::Index>(scores.size());
+  Eigen::MatrixXd inputs(classes, experts + classes);
+  inputs.rightCols(classes).setIdentity();
+  for (Eigen::Index e = 0; e < experts; ++e)
+    for (Eigen::Index c = 0; c < classes; ++c)
+      inputs(c, e) = std::log(std::max(scores[static_cast<size_t>(e)][static_cast<size_t>(c)], kLeast));
   return inputs;
 }
 
@@ -130,20 +133,18 @@ Ensemble Ensemble::train(const std::vector<LabelledThing>& things, const std::ve
       ensemble.classifiers_[e] = train_classifier(data, experts[e].options, draw.fork(0));
     }
   });
-  Eigen::MatrixXd all(static_cast<Eigen::Index>(used.size()),
-                      static_cast<Eigen::Index>(experts.size() * classes));
+  std::vector<Eigen::MatrixXd> all;
   for (size_t i = 0; i < used.size(); ++i) {
     std::vector<std::vector<double>> of_thing;
     for (const auto& of_expert : scores) of_thing.push_back(of_expert[i]);
-    all.row(static_cast<Eigen::Index>(i)) = ensemble.inputs(of_thing);
+    all.push_back(ensemble.inputs(of_thing));
   }
   progress.check(0.9, "they are weighed");
-  ensemble.fusion_ = SoftmaxRegression::fit(all, labels, classes, kRidge);
+  ensemble.fusion_ = SoftmaxRegression::fit(all, labels, kRidge);
   std::vector<double> right(classes, 0.0), count(classes, 0.0);
   for (size_t i = 0; i < used.size(); ++i) {
     count[labels[i]] += 1;
-    right[labels[i]] +=
-        best_of(ensemble.fusion_.probabilities(all.row(static_cast<Eigen::Index>(i)))) == labels[i];
+    right[labels[i]] += best_of(ensemble.fusion_.probabilities(all[i])) == labels[i];
   }
   for (size_t c = 0; c < classes; ++c) ensemble.accuracies_.push_back(right[c] / count[c]);
   return ensemble;

@@ -43,8 +43,9 @@ struct Classification {
 };
 
 /// Several experts that decide together (stacking, Wolpert 1992): a logistic regression over the logarithms
-/// of all their scores, fitted to what each said about things that it had not learned (cross-validation),
-/// gives calibrated probabilities. With one expert it calibrates that one.
+/// of all their scores, with one weight per expert and one offset per class, fitted to what each said about
+/// things that it had not learned (cross-validation), gives calibrated probabilities. With one expert it
+/// calibrates that one.
 class Ensemble {
  public:
   /// Things without all the descriptors are passed over. Error when fewer than two classes or fewer things
@@ -67,7 +68,7 @@ class Ensemble {
   static Ensemble load(const std::filesystem::path& path);
 
  private:
-  Eigen::VectorXd inputs(const std::vector<std::vector<double>>& scores) const;
+  Eigen::MatrixXd inputs(const std::vector<std::vector<double>>& scores) const;
 
   std::vector<std::string> classes_;
   std::vector<ExpertSpec> specs_;

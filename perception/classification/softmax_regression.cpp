@@ -8,13 +8,6 @@
 namespace loci {
 namespace {
 
-/// With a one behind the inputs.
-Eigen::VectorXd extended(const Eigen::VectorXd& inputs) {
-  Eigen::VectorXd all(inputs.size() + 1);
-  all << inputs, 1;
-  return all;
-}
-
 Eigen::VectorXd softmax(const Eigen::VectorXd& logits) {
   const Eigen::VectorXd powers = (logits.array() - logits.maxCoeff()).exp();
   return powers / powers.sum();
@@ -22,65 +15,48 @@ Eigen::VectorXd softmax(const Eigen::VectorXd& logits) {
 
 }  // namespace
 
-SoftmaxRegression SoftmaxRegression::fit(const Eigen::MatrixXd& inputs, const std::vector<size_t>& labels,
-                                         size_t classes, double ridge) {
-  if (labels.empty() || static_cast<Eigen::Index>(labels.size()) != inputs.rows())
+SoftmaxRegression SoftmaxRegression::fit(const std::vector<Eigen::MatrixXd>& examples,
+                                         const std::vector<size_t>& labels, double ridge) {
+  if (labels.empty() || labels.size() != examples.size())
     throw Error("a regression needs one label for each example");
-  const auto rows = static_cast<Eigen::Index>(classes);
-  const Eigen::Index columns = inputs.cols() + 1;
-  SoftmaxRegression regression;
-  regression.weights_ = Eigen::MatrixXd::Zero(rows, columns);
+  const Eigen::Index size = examples.front().cols();
   const double share = 1.0 / static_cast<double>(labels.size());
+  SoftmaxRegression regression;
+  regression.weights_ = Eigen::VectorXd::Zero(size);
   constexpr int kSteps = 30;
   for (int step = 0; step < kSteps; ++step) {
-    Eigen::MatrixXd gradient = ridge * regression.weights_;
-    Eigen::MatrixXd hessian = ridge * Eigen::MatrixXd::Identity(rows * columns, rows * columns);
-    for (Eigen::Index i = 0; i < inputs.rows(); ++i) {
-      const Eigen::VectorXd x = extended(inputs.row(i));
-      const Eigen::VectorXd p = softmax(regression.weights_ * x);
-      Eigen::VectorXd off = p;
-      off[static_cast<Eigen::Index>(labels[static_cast<size_t>(i)])] -= 1;
-      gradient += share * off * x.transpose();
-      const Eigen::MatrixXd outer = share * x * x.transpose();
-      for (Eigen::Index a = 0; a < rows; ++a)
-        for (Eigen::Index b = 0; b < rows; ++b)
-          hessian.block(a * columns, b * columns, columns, columns) +=
-              p[a] * ((a == b ? 1.0 : 0.0) - p[b]) * outer;
+    Eigen::VectorXd gradient = ridge * regression.weights_;
+    Eigen::MatrixXd hessian = ridge * Eigen::MatrixXd::Identity(size, size);
+    for (size_t i = 0; i < examples.size(); ++i) {
+      const Eigen::MatrixXd& x = examples[i];
+      const Eigen::VectorXd p = softmax(x * regression.weights_);
+      const Eigen::VectorXd mean = x.transpose() * p;
+      gradient += share * (mean - x.row(static_cast<Eigen::Index>(labels[i])).transpose());
+      hessian += share * (x.transpose() * p.asDiagonal() * x - mean * mean.transpose());
     }
-    const Eigen::MatrixXd by_class = gradient.transpose();  // One class's weights after the other's.
-    const Eigen::VectorXd move = hessian.llt().solve(by_class.reshaped());
-    regression.weights_ -= move.reshaped(columns, rows).transpose();
+    const Eigen::VectorXd move = hessian.llt().solve(gradient);
+    regression.weights_ -= move;
     if (move.norm() < 1e-8) break;
   }
   if (!regression.weights_.allFinite()) throw Error("the regression has no finite weights");
   return regression;
 }
 
-std::vector<double> SoftmaxRegression::probabilities(const Eigen::VectorXd& inputs) const {
-  if (inputs.size() + 1 != weights_.cols()) throw Error("a regression was given inputs of another size");
-  const Eigen::VectorXd p = softmax(weights_ * extended(inputs));
+std::vector<double> SoftmaxRegression::probabilities(const Eigen::MatrixXd& example) const {
+  if (example.cols() != weights_.size()) throw Error("a regression was given inputs of another size");
+  const Eigen::VectorXd p = softmax(example * weights_);
   return {p.begin(), p.end()};
 }
 
 Json SoftmaxRegression::to_json() const {
-  Json json = Json::array();
-  for (Eigen::Index r = 0; r < weights_.rows(); ++r) {
-    Json row = Json::array();
-    for (Eigen::Index c = 0; c < weights_.cols(); ++c) row.push_back(weights_(r, c));
-    json.push_back(std::move(row));
-  }
-  return json;
+  return std::vector<double>(weights_.begin(), weights_.end());
 }
 
 SoftmaxRegression SoftmaxRegression::from_json(const Json& json) {
+  const std::vector<double> weights = json;
   SoftmaxRegression regression;
-  const size_t columns = json.at(0).size();
-  regression.weights_.resize(static_cast<Eigen::Index>(json.size()), static_cast<Eigen::Index>(columns));
-  for (size_t r = 0; r < json.size(); ++r) {
-    if (json.at(r).size() != columns) throw Error("the weights of a regression are no table");
-    for (size_t c = 0; c < columns; ++c)
-      regression.weights_(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) = json.at(r).at(c);
-  }
+  regression.weights_ =
+      Eigen::Map<const Eigen::VectorXd>(weights.data(), static_cast<Eigen::Index>(weights.size()));
   return regression;
 }
 

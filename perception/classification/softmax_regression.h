@@ -7,22 +7,23 @@
 
 namespace loci {
 
-/// Multinomial logistic regression: probabilities of classes from a vector of inputs.
+/// Conditional logistic regression: the probability of a class is proportional to exp(x · w), x being what
+/// is said for that class (a row of an example) and w weights that all classes share, so that few examples
+/// are enough.
 class SoftmaxRegression {
  public:
-  /// The weights W (classes × (inputs + 1), the last column without input) that maximise the mean log
-  /// probability of the labels minus ridge/2 · |W|², by Newton's method. Rows of `inputs` are examples;
-  /// labels are below `classes`. `ridge` > 0.
-  static SoftmaxRegression fit(const Eigen::MatrixXd& inputs, const std::vector<size_t>& labels,
-                               size_t classes, double ridge);
+  /// The weights that maximise the mean log probability of the labels minus ridge/2 · |w|², by Newton's
+  /// method. Each example is a matrix of classes × inputs; `ridge` > 0.
+  static SoftmaxRegression fit(const std::vector<Eigen::MatrixXd>& examples,
+                               const std::vector<size_t>& labels, double ridge);
 
-  std::vector<double> probabilities(const Eigen::VectorXd& inputs) const;
+  std::vector<double> probabilities(const Eigen::MatrixXd& example) const;
 
   Json to_json() const;
   static SoftmaxRegression from_json(const Json& json);
 
  private:
-  Eigen::MatrixXd weights_;
+  Eigen::VectorXd weights_;
 };
 
 }  // namespace loci

@@ -28,20 +28,27 @@ Rgba grey(double /*u*/, double /*v*/) {
 struct Primitive {
   TriangleMesh mesh;
   double reach = 0;  ///< no point is further from the z axis
+  double top = 0;    ///< height of its flat top
+  double room =
+      0;  ///< so far from the z axis the top reaches in every direction; 0 = nothing can stand on it
 };
 
 Primitive block(double x, double y, double z) {
   ShapeBuilder builder;
   builder.box({-x / 2, -y / 2, 0}, {x / 2, y / 2, z}, kGrey);
-  return {builder.take(), std::hypot(x, y) / 2};
+  return {builder.take(), std::hypot(x, y) / 2, z, std::min(x, y) / 2};
 }
 
 Primitive box(Random& draw) {
-  const auto side = [&] {
-    return draw.uniform(0.045, 0.12) + (draw.uniform() < 0.4 ? draw.uniform(0, 0.14) : 0);
-  };
-  const double x = side(), y = side(), z = side();
-  return block(x, y, z);
+  // Nothing flat: the middle side is at most four times the smallest.
+  for (;;) {
+    std::array<double, 3> sides;
+    for (double& side : sides)
+      side = draw.uniform(0.045, 0.13) + (draw.uniform() < 0.4 ? draw.uniform(0, 0.14) : 0);
+    std::array<double, 3> sorted = sides;
+    std::sort(sorted.begin(), sorted.end());
+    if (sorted[1] <= 4 * sorted[0]) return block(sides[0], sides[1], sides[2]);
+  }
 }
 
 void turn_over(TriangleMesh& mesh, double height) {
@@ -55,7 +62,7 @@ void turn_over(TriangleMesh& mesh, double height) {
 Primitive lying(double radius, double length) {
   ShapeBuilder builder;
   builder.lathe({{0, 0}, {radius, 0}, {radius, length}, {0, length}}, grey);
-  Primitive primitive{builder.take(), std::hypot(radius, length / 2)};
+  Primitive primitive{builder.take(), std::hypot(radius, length / 2), 0, 0};
   for (auto& vertex : primitive.mesh.vertices)
     vertex = {vertex.z() - static_cast<float>(length / 2), vertex.y(),
               static_cast<float>(radius) - vertex.x()};
@@ -97,8 +104,8 @@ Primitive standing(Random& draw) {
                  {0.005, 0.005, 0.005, 0.005}, Vector3d::UnitY(), kGrey);
     reach += out + 0.005;
   }
-  Primitive primitive{builder.take(), reach};
-  if (draw.uniform() < 0.25) turn_over(primitive.mesh, bounded);
+  Primitive primitive{builder.take(), reach, bounded, hollow ? 0 : top};
+  if (hollow && draw.uniform() < 0.4) turn_over(primitive.mesh, bounded);
   return primitive;
 }
 
@@ -111,12 +118,12 @@ Primitive cylinder(Random& draw) {
 }
 
 Primitive flat(Random& draw) {
-  const double height = draw.uniform(0.022, 0.035);
-  const double width = height * draw.uniform(4, 7);
-  if (draw.uniform() < 0.6) return block(width, width * draw.uniform(1, 1.6), height);
+  const double height = draw.uniform(0.022, 0.03);
+  const double width = height * draw.uniform(6, 9);
+  if (draw.uniform() < 0.6) return block(width, width * draw.uniform(1, 1.4), height);
   ShapeBuilder builder;
   builder.lathe({{0, 0}, {width / 2, 0}, {width / 2, height}, {0, height}}, grey);
-  return {builder.take(), width / 2};
+  return {builder.take(), width / 2, height, width / 2};
 }
 
 Primitive sphere(Random& draw) {
@@ -129,7 +136,7 @@ Primitive sphere(Random& draw) {
   }
   ShapeBuilder builder;
   builder.lathe(profile, grey);
-  return {builder.take(), radius};
+  return {builder.take(), radius, 0, 0};
 }
 
 Primitive primitive_of(size_t kind, Random& draw) {
@@ -215,10 +222,16 @@ class PrimitiveScenes : public Recording {
       const double turn = draw.uniform(0, 2 * kPi);
       if (!free) continue;
       taken.emplace_back(at, primitive.reach);
-      kinds.push_back(kind);
-      Isometry3d pose(Eigen::Translation3d(at.x(), at.y(), 0));
-      pose.rotate(Eigen::AngleAxisd(turn, Vector3d::UnitZ()));
-      scene.add(fmt::format("thing_{}", taken.size()), primitive.mesh, pose);
+      const auto put = [&](const Primitive& thing, size_t its_kind, double height, double yaw) {
+        kinds.push_back(its_kind);
+        Isometry3d pose(Eigen::Translation3d(at.x(), at.y(), height));
+        pose.rotate(Eigen::AngleAxisd(yaw, Vector3d::UnitZ()));
+        scene.add(fmt::format("thing_{}", kinds.size()), thing.mesh, pose);
+      };
+      put(primitive, kind, 0, turn);
+      const size_t other_kind = draw.index(kClasses.size() - 1);  // Spheres would roll.
+      const Primitive other = primitive_of(other_kind, draw);
+      if (other.reach < 1.3 * primitive.room) put(other, other_kind, primitive.top, draw.uniform(0, 2 * kPi));
     }
   }
 

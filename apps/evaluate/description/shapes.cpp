@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 struct TestSet {
   std::string name;
   std::vector<LabelledThing> things;
+  std::vector<std::string> frames;  ///< of each thing
   int missed = 0;
 };
 
@@ -54,8 +55,11 @@ TestSet described(const std::string& name, const LabelledRecording& labelled,
                   const std::vector<std::string>& features, int threads, Progress& progress,
                   Warnings& warnings) {
   const LabelledSurfaces surfaces = labelled_surfaces(labelled, progress, warnings);
-  TestSet set{name, std::vector<LabelledThing>(surfaces.found.size()),
+  TestSet set{name,
+              std::vector<LabelledThing>(surfaces.found.size()),
+              {},
               static_cast<int>(surfaces.objects - surfaces.found.size())};
+  for (const LabelledSurface& each : surfaces.found) set.frames.push_back(each.frame);
   parallel_for(surfaces.found.size(), threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
       set.things[i] = {surfaces.found[i].label, feature_set(features, surfaces.found[i].surface)};
@@ -64,12 +68,13 @@ TestSet described(const std::string& name, const LabelledRecording& labelled,
 }
 
 Confusion confusion_of(const Ensemble& model, const TestSet& set) {
-  Confusion confusion{model.classes(), {}, 0, set.missed};
+  Confusion confusion{model.classes(), {}, 0, set.missed, {}};
   const size_t classes = model.classes().size();
   confusion.counts.assign(classes, std::vector<int>(classes, 0));
   const std::vector<std::string> needed = model.features();
   int count = 0;
-  for (const LabelledThing& thing : set.things) {
+  for (size_t i = 0; i < set.things.size(); ++i) {
+    const LabelledThing& thing = set.things[i];
     const bool complete = std::all_of(needed.begin(), needed.end(),
                                       [&](const auto& name) { return thing.features.contains(name); });
     const auto truth = std::find(confusion.classes.begin(), confusion.classes.end(), thing.label);
@@ -81,6 +86,10 @@ Confusion confusion_of(const Ensemble& model, const TestSet& set) {
     const Classification result = model.classify(thing.features);
     ++confusion.counts[row][result.best];
     confusion.log_loss -= std::log(std::max(result.probabilities[row], 1e-9));
+    if (result.best != row)
+      confusion.mistakes.push_back(fmt::format("{}: {} taken for {} ({:.2f})", set.frames[i], thing.label,
+                                               model.classes()[result.best],
+                                               result.probabilities[result.best]));
     ++count;
   }
   confusion.log_loss /= std::max(1, count);
@@ -175,6 +184,7 @@ std::string ShapesResult::text() const {
       text += fmt::format("  {:<28}{:>7.1f} %{:>11.3f}\n", row.name, 100 * row.by_test_set[set].accuracy(),
                           row.by_test_set[set].log_loss);
     text += "  fused\n" + table_text(rows.back().by_test_set[set]);
+    for (const std::string& mistake : rows.back().by_test_set[set].mistakes) text += "    " + mistake + "\n";
   }
   return text;
 }
@@ -190,7 +200,8 @@ Json ShapesResult::to_json() const {
                                  {"counts", confusion.counts},
                                  {"accuracy", confusion.accuracy()},
                                  {"log_loss", confusion.log_loss},
-                                 {"not_found", confusion.missed}});
+                                 {"not_found", confusion.missed},
+                                 {"mistakes", confusion.mistakes}});
     }
     json["test_sets"].push_back(std::move(each));
   }

@@ -11,12 +11,11 @@
 namespace loci::description_evaluation {
 
 struct ShapesOptions {
-  int train_scenes = 240;
-  int test_scenes = 120;
+  int train_scenes = 160;
+  int test_scenes = 80;
   int folds = 5;
   int seed = 0;
-  std::vector<std::string> experts = {"VFH:svm", "CVFH:svm", "ESF:svm", "GRSD:forest",
-                                      "PFH:svm", "PFH:knn",  "SHOT:svm"};
+  std::vector<std::string> experts = {"VFH:svm", "CVFH:svm", "ESF:svm", "PFH:svm", "PFH:knn", "SHOT:svm"};
 
   void declare(OptionTable& table);
 };
@@ -25,8 +24,9 @@ struct ShapesOptions {
 struct Confusion {
   std::vector<std::string> classes;
   std::vector<std::vector<int>> counts;
-  double log_loss = 0;  ///< mean of -log of the true class's probability
-  int missed = 0;       ///< objects that the segmentation did not find
+  double log_loss = 0;                ///< mean of -log of the true class's probability
+  int missed = 0;                     ///< objects that the segmentation did not find
+  std::vector<std::string> mistakes;  ///< "frame: truth taken for answer (probability)"
 
   double rate(size_t row) const;  ///< share of the class that is right; NaN when there is none
   double accuracy() const;        ///< share of all that is right

@@ -157,8 +157,9 @@ TEST(Classifier, each_kind_learns_a_ring_around_a_disc) {
 TEST(SoftmaxRegression, finds_the_shares_behind_the_labels) {
   // Without information the answer is how often each class is.
   const std::vector<size_t> labels = {0, 0, 0, 1};
-  const auto regression = SoftmaxRegression::fit(Eigen::MatrixXd::Zero(4, 1), labels, 2, 1e-6);
-  EXPECT_NEAR(regression.probabilities(Eigen::VectorXd::Zero(1))[0], 0.75, 1e-3);
+  const std::vector<Eigen::MatrixXd> examples(4, Eigen::MatrixXd::Identity(2, 2));
+  const auto regression = SoftmaxRegression::fit(examples, labels, 1e-6);
+  EXPECT_NEAR(regression.probabilities(examples[0])[0], 0.75, 1e-3);
 }
 
 TEST(Ensemble, tells_boxes_from_cylinders_that_it_has_not_seen) {
