@@ -57,7 +57,8 @@ BeliefState belief_state_from_bytes(const std::string& bytes) {
     if (!earlier && !bytes.starts_with(kMagic)) return belief_state_of_version_1(bytes);
     BeliefState state;
     ArchiveReader reader(std::string_view(bytes).substr(kMagic.size()));
-    state.archive_before_3(reader);
+    reader(state.objects);
+    state.archive_rest_before_3(reader);
     if (!earlier) reader(state.view_noise);
     if (!reader.at_end()) throw Error("there are bytes after the end");
     return state;

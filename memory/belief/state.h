@@ -110,13 +110,19 @@ struct BeliefState {
 
   template <class Archive>
   void archive(Archive& fields) {
-    archive_before_3(fields);
+    fields(objects);
+    archive_rest(fields);
+  }
+  /// All but the objects, which checkpoints keep one by one.
+  template <class Archive>
+  void archive_rest(Archive& fields) {
+    archive_rest_before_3(fields);
     fields(view_noise);
   }
   /// The fields that the second version had.
   template <class Archive>
-  void archive_before_3(Archive& fields) {
-    fields(objects, last_scene, attention_s, next_key, next_id, habits);
+  void archive_rest_before_3(Archive& fields) {
+    fields(last_scene, attention_s, next_key, next_id, habits);
   }
 };
 

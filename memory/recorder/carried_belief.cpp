@@ -12,7 +12,8 @@ namespace {
 
 constexpr const char* kCheckpoint = "belief";
 constexpr const char* kObjects = "belief/";  ///< and the object's key, so that names sort like the objects
-constexpr uint8_t kVersion = 1;
+constexpr uint8_t kVersion = 1;              ///< of an object
+constexpr uint8_t kRestVersion = 2;          ///< of all but the objects; 1 had no view_noise
 /// The first files kept a belief with every scene: a blob, named by an annotation of this type.
 constexpr const char* kEarlierType = "loci.memory.CarriedBelief";
 
@@ -26,26 +27,33 @@ std::string bytes_of(const belief::ProtoObject& object, std::string room) {
   return writer.take();
 }
 
-/// All but the objects.
-std::string bytes_of_common(const belief::BeliefState& state) {
+std::string bytes_of_rest(const belief::BeliefState& state) {
   belief::ArchiveWriter writer;
-  writer(kVersion, state.last_scene, state.attention_s, state.next_key, state.next_id, state.habits);
+  writer(kRestVersion);
+  const_cast<belief::BeliefState&>(state).archive_rest(writer);  // writers only read
   return writer.take();
 }
 
-belief::ArchiveReader reader_of(const Store::Checkpoint& checkpoint, const Store& store) {
+/// A reader after the version, which must not be above `newest`.
+std::pair<belief::ArchiveReader, uint8_t> reader_of(const Store::Checkpoint& checkpoint, uint8_t newest,
+                                                    const Store& store) {
   belief::ArchiveReader reader(checkpoint.bytes);
   uint8_t version = 0;
   reader(version);
-  if (version != kVersion)
+  if (version == 0 || version > newest)
     throw Error("its belief was written by another version of loci", {store.path().string(), 0, {}});
-  return reader;
+  return {reader, version};
+}
+
+void read_rest(const Store::Checkpoint& checkpoint, const Store& store, belief::BeliefState& state) {
+  auto [reader, version] = reader_of(checkpoint, kRestVersion, store);
+  version == 1 ? state.archive_rest_before_3(reader) : state.archive_rest(reader);
 }
 
 }  // namespace
 
 void CarriedBelief::save(SceneTransaction& transaction, Id scene, const belief::BeliefState& state) {
-  transaction.set_checkpoint(kCheckpoint, bytes_of_common(state), scene);
+  transaction.set_checkpoint(kCheckpoint, bytes_of_rest(state), scene);
   if (all_) transaction.drop_checkpoints(kObjects);
   fresh_.clear();
   removed_.clear();
@@ -81,13 +89,12 @@ belief::BeliefState load_belief(const Store& store) {
   if (!last) return {};
   if (const auto checkpoint = store.checkpoint(kCheckpoint); checkpoint && checkpoint->scene == last->id) {
     // Files of format 1.0 keep all of it as one, which begins otherwise.
-    if (!checkpoint->bytes.starts_with(static_cast<char>(kVersion)))
+    if (checkpoint->bytes.empty() || static_cast<uint8_t>(checkpoint->bytes.front()) > kRestVersion)
       return belief::belief_state_from_bytes(checkpoint->bytes);
     belief::BeliefState state;
-    reader_of(*checkpoint, store)(state.last_scene, state.attention_s, state.next_key, state.next_id,
-                                  state.habits);
+    read_rest(*checkpoint, store, state);
     for (const auto& [name, part] : store.checkpoints(kObjects))
-      reader_of(part, store)(state.objects.emplace_back());
+      reader_of(part, kVersion, store).first(state.objects.emplace_back());
     return state;
   }
   for (const AnnotationRow& row : store.annotations(last->id)) {

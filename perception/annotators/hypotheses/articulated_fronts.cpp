@@ -17,6 +17,8 @@ constexpr double kThrough = 3;        ///< cost of a point in free space; one of
 constexpr double kLeastOn = 0.25;     ///< share of a front that must be seen for it to be determined
 constexpr double kMostThrough = 0.1;  ///< of those seen, that may lie in free space
 constexpr double kLeastGain = 0.1;    ///< of cost, for the given position to be given up
+constexpr double kLeastMotion =
+    0.03;  ///< metres of its farthest point; less may be the map's or pose's error
 constexpr int kFewPoints = 25;
 constexpr int kPositions = 60;   ///< of a joint, tried first
 constexpr double kReach = 0.5;   ///< metres before a front: what is further away is in nobody's way
@@ -47,6 +49,11 @@ bool out_of_view(const Vector3d& middle, double radius, const PinholeCamera& cam
   return outside(0, 0, 1) || outside(camera.fx, 0, camera.cx + 1) || outside(0, camera.fy, camera.cy + 1) ||
          outside(-camera.fx, 0, camera.width - camera.cx) ||
          outside(0, -camera.fy, camera.height - camera.cy);
+}
+
+/// How far a joint's motion carries the farthest point of a front.
+double way(const Joint& joint, double reach, double motion) {
+  return std::abs(motion) * (joint.type == JointType::revolute ? reach : 1);
 }
 
 }  // namespace
@@ -90,7 +97,10 @@ ArticulatedFronts::ArticulatedFronts(const World& world, const MeshSearch& meshe
     }
     if (front.samples.size() < static_cast<size_t>(kFewPoints)) continue;
     Eigen::AlignedBox3d box;
-    for (const Sample& sample : front.samples) box.extend(sample.point);
+    for (const Sample& sample : front.samples) {
+      box.extend(sample.point);
+      front.reach = std::max(front.reach, sample.point.cross(joint.axis.normalized()).norm());
+    }
     front.middle = box.center();
     front.radius = box.diagonal().norm() / 2;
     fronts_.push_back(std::move(front));
@@ -152,7 +162,8 @@ std::vector<FrontState> ArticulatedFronts::estimate(const cv::Mat& points, const
       consider(around + fine);
     }
     state.determined = best.sure();
-    state.moved = best.sure() && (!given.sure() || best.cost < given.cost - kLeastGain);
+    state.moved = best.sure() && (!given.sure() || best.cost < given.cost - kLeastGain) &&
+                  way(front.joint, front.reach, state.position - state.given) >= kLeastMotion;
     if (!state.moved) state.position = state.given;
     const Match& kept = state.moved ? best : given;
     state.in_view = kept.in_view;

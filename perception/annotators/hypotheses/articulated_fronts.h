@@ -57,6 +57,7 @@ class ArticulatedFronts {
     std::vector<Sample> samples;
     Vector3d middle = Vector3d::Zero();  ///< of a ball around the samples, in the link's frame
     double radius = 0;
+    double reach = 0;  ///< of the farthest sample, metres from the joint's axis
   };
   struct Match;
 
