@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <opencv2/imgproc.hpp>
+
+#include "mapping/base/convex.h"
 
 namespace loci {
 namespace {
@@ -145,19 +146,17 @@ double overlap_of(const Front& a, const Front& b) {
   if (a.normal.dot(b.normal) < kNormalGate) return 0;
   if (std::abs(b.normal.dot(a.centre - b.centre)) > kPlaneGate) return 0;
   const auto corners = [&](const Front& front) {
-    std::vector<cv::Point2f> polygon;
+    Polygon polygon;
     for (const auto& [x, y] : {std::pair{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}) {
       const Vector3d corner =
           front.centre + x * front.width * front.right() + y * front.height * front.up - b.centre;
-      polygon.emplace_back(static_cast<float>(b.right().dot(corner)), static_cast<float>(b.up.dot(corner)));
+      polygon.emplace_back(b.right().dot(corner), b.up.dot(corner));
     }
     return polygon;
   };
-  const std::vector<cv::Point2f> of_a = corners(a);
-  const std::vector<cv::Point2f> of_b = corners(b);
-  std::vector<cv::Point2f> ignored;
-  const double shared = cv::intersectConvexConvex(of_a, of_b, ignored);
-  return shared / (cv::contourArea(of_a) + cv::contourArea(of_b) - shared);
+  const Polygon of_a = corners(a), of_b = corners(b);
+  const double shared = shared_area(of_a, of_b);
+  return shared / (area_of(of_a) + area_of(of_b) - shared);
 }
 
 ComparedJoint compare_joints(const std::optional<JointEstimate>& map, const JointEstimate& truth,

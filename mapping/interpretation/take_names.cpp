@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "mapping/base/convex.h"
 #include "mapping/base/json.h"
 
 namespace loci {
@@ -89,10 +90,15 @@ double alike_walls(const Json& a, const Json& b) {
   return apart > 0.2 || shorter <= 0 ? 0 : std::max(0.0, shared / shorter) * (1 - apart / 0.2);
 }
 
-std::vector<cv::Point2f> polygon_of(const Json& outline) {
-  std::vector<cv::Point2f> polygon;
+/// The convex hull of an outline.
+Polygon hull_of(const Json& outline) {
+  std::vector<cv::Point2f> corners, hull;
   for (const Json& corner : outline)
-    polygon.emplace_back(corner.at(0).get<float>(), corner.at(1).get<float>());
+    corners.emplace_back(corner.at(0).get<float>(), corner.at(1).get<float>());
+  cv::convexHull(corners, hull);
+  Polygon polygon;
+  for (const cv::Point2f& corner : hull)
+    polygon.emplace_back(static_cast<double>(corner.x), static_cast<double>(corner.y));
   return polygon;
 }
 
@@ -100,11 +106,9 @@ std::vector<cv::Point2f> polygon_of(const Json& outline) {
 double alike_surfaces(const Json& a, const Json& b) {
   const double apart = std::abs(a.at("height").get<double>() - b.at("height").get<double>());
   if (apart > 0.1) return 0;
-  std::vector<cv::Point2f> hull_a, hull_b, shared;
-  cv::convexHull(polygon_of(a.at("outline")), hull_a);
-  cv::convexHull(polygon_of(b.at("outline")), hull_b);
-  const auto common = static_cast<double>(cv::intersectConvexConvex(hull_a, hull_b, shared));
-  const double both = cv::contourArea(hull_a) + cv::contourArea(hull_b) - common;
+  const Polygon hull_a = hull_of(a.at("outline")), hull_b = hull_of(b.at("outline"));
+  const double common = shared_area(hull_a, hull_b);
+  const double both = area_of(hull_a) + area_of(hull_b) - common;
   const double overlap = both > 0 ? common / both : 0;
   return overlap < 0.2 ? 0 : overlap * (1 - apart / 0.2);
 }
