@@ -6,6 +6,7 @@
 #include "perception/annotators/description/location_annotator.h"
 #include "perception/annotators/description/recognition_annotators.h"
 #include "perception/annotators/description/shape_annotators.h"
+#include "perception/annotators/hypotheses/asserted_volumes.h"
 #include "perception/annotators/hypotheses/flat_object_extractor.h"
 #include "perception/annotators/hypotheses/known_structure_filter.h"
 #include "perception/annotators/hypotheses/normal_estimator.h"
@@ -20,6 +21,7 @@ void add_annotators(AnnotatorRegistry& registry) {
   registry.add<KnownStructureFilter>();
   registry.add<PlaneClusterExtractor>();
   registry.add<FlatObjectExtractor>();
+  registry.add<AssertedVolumes>();
   registry.add<ColorHistogramAnnotator>();
   registry.add<ColorNameAnnotator>();
   registry.add<GeometryAnnotator>();
