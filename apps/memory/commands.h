@@ -31,6 +31,8 @@ Command verify_command();
 Command stat_command();
 Command export_command();
 Command forget_command();
+Command merge_command();
+Command retain_command();
 
 Command ingest_command();
 Command report_command();

@@ -34,18 +34,6 @@ int64_t export_view(const Store& store, const std::string& view, const std::file
   return rows;
 }
 
-/// Of a memory that nobody writes: all of it is in the one file.
-void copy_memory(const std::filesystem::path& from, const std::filesystem::path& to) {
-  std::error_code none;
-  const std::filesystem::path log = from.string() + "-wal";
-  if (std::filesystem::exists(log, none) && std::filesystem::file_size(log, none) > 0)
-    throw Error("another program is writing to this memory", {from.string(), 0, {}},
-                "wait until it has finished");
-  std::error_code code;
-  std::filesystem::copy_file(from, to, std::filesystem::copy_options::overwrite_existing, code);
-  if (code) throw Error("cannot be written: " + code.message(), {to.string(), 0, {}});
-}
-
 }  // namespace
 
 Command stat_command() {

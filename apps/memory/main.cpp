@@ -29,6 +29,8 @@ int main(int argc, char** argv) {
   program.add(loci::stat_command());
   program.add(loci::export_command());
   program.add(loci::forget_command());
+  program.add(loci::merge_command());
+  program.add(loci::retain_command());
   program.add(loci::ingest_command());
   program.add(loci::report_command());
   program.add(loci::why_command());

@@ -30,18 +30,41 @@ std::string report_text(const VerifyReport& report) {
 
 Command verify_command() {
   return {"verify",
-          "Checks a memory file",
+          "Checks a memory file, and makes anew what follows from other rows",
           {"loci-memory verify -m demo-output/memory.loci",
-           "loci-memory verify -m demo-output/memory.loci --json"},
+           "loci-memory verify --repair -m demo-output/memory.loci --json"},
           [](CLI::App& app) {
-            auto memory = std::make_shared<std::string>();
-            app.add_option("-m,--memory", *memory, "The memory, *.loci")->required();
-            return [memory](Session& session) {
-              const VerifyReport report = Store::open_read(*memory).verify(session.progress());
-              session.answer(report_text(report), report_json(report));
+            struct Arguments {
+              std::string memory;
+              bool repair = false;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
+            app.add_flag("--repair", arguments->repair,
+                         "Where stays, words or marks of objects are not what the rows say, make them anew");
+            return [arguments](Session& session) {
+              VerifyReport report = Store::open_read(arguments->memory).verify(session.progress());
+              const size_t repaired = arguments->repair ? report.derived_problems.size() : 0;
+              if (repaired > 0) {
+                Store store = Store::open_write(arguments->memory);
+                const Id run = store.begin_run("loci-memory verify --repair", "{}");
+                store.derive();
+                store.finish_run(run);
+                report = store.verify(session.progress());
+              }
+              Json json = report_json(report);
+              std::string text = report_text(report);
+              if (arguments->repair) {
+                json["repaired"] = repaired;
+                text = fmt::format("{} problems repaired. ", repaired) + text;
+              }
+              session.answer(text, json);
               if (!report.problems.empty())
-                throw Error(fmt::format("{} problems found", report.problems.size()), {*memory, 0, {}},
-                            "restore it from a copy");
+                throw Error(fmt::format("{} problems found", report.problems.size()),
+                            {arguments->memory, 0, {}},
+                            report.derived_problems.size() == report.problems.size()
+                                ? "loci-memory verify --repair makes them good"
+                                : "restore it from a copy");
             };
           }};
 }

@@ -67,11 +67,18 @@ class Looks {
   Looks(const Snapshot& snapshot, const std::vector<PlaceRow>& places, TimeNs from, TimeNs to)
       : snapshot_(snapshot) {
     asked_ = snapshot.store().scenes(snapshot.as_of(), from, to);
-    for (const SceneRow& scene : asked_) scenes_.push_back(&scene);
+    for (const SceneRow& scene : asked_) {
+      scenes_.push_back(&scene);
+      if (!range_) range_ = {scene.id, scene.id};
+      range_->first = std::min(range_->first, scene.id);
+      range_->second = std::max(range_->second, scene.id);
+    }
     for (const PlaceRow& place : places) add(place);
   }
 
   const std::vector<const SceneRow*>& scenes() const { return scenes_; }
+  /// The least and the greatest number of theirs; unset = there are none.
+  const Store::SceneRange& range() const { return range_; }
   /// Fraction of the places that any of the scenes saw.
   double fraction() const { return places_ == 0 ? 0 : fraction_sum_ / static_cast<double>(places_); }
   /// Per scene, the fraction that it saw (of the place of which it saw most).
@@ -88,8 +95,9 @@ class Looks {
   void add(const PlaceRow& place) {
     ++places_;
     std::map<Id, double> told;
-    for (const VisibilityRow& look : snapshot_.store().visibility_of_place(place.id))
-      if (look.fraction) told[look.scene] = *look.fraction;
+    if (range_)
+      for (const VisibilityRow& look : snapshot_.store().visibility_of_place(place.id, range_))
+        if (look.fraction) told[look.scene] = *look.fraction;
     const std::vector<Vector3d> points = points_on(place);
     std::vector<bool> seen(points.size(), false);
     double most_told = 0;
@@ -120,6 +128,7 @@ class Looks {
   const Snapshot& snapshot_;
   std::vector<SceneRow> asked_;
   std::vector<const SceneRow*> scenes_;
+  Store::SceneRange range_;
   std::map<Id, double> by_scene_;
   std::map<Id, std::optional<DepthThumbnail>> thumbnails_;
   size_t places_ = 0;
@@ -150,20 +159,21 @@ class Judge {
 
   void collect_sightings(Id object, WasObject& result) {
     spot_.reset();
-    for (const Sighting& sighting : snapshot_.store().sightings(object, snapshot_.as_of())) {
+    const Store& store = snapshot_.store();
+    std::vector<Id> asked;
+    for (const PlaceRow& place : places_) asked.push_back(place.id);
+    if (const auto before = store.last_sighting_before(object, question_.from, asked, snapshot_.as_of())) {
+      result.before = snapshot_.scene_ref(before->association.scene);
+      spot_ = before->observation.position;
+    }
+    if (const auto after = store.first_sighting_after(object, question_.to, asked, snapshot_.as_of())) {
+      result.after = snapshot_.scene_ref(after->association.scene);
+      if (!spot_) spot_ = after->observation.position;
+    }
+    for (const Sighting& sighting :
+         store.sightings(object, snapshot_.as_of(), question_.from, question_.to)) {
       const auto ref = snapshot_.scene_ref(sighting.association.scene);
-      const bool there = is_asked(sighting.observation.place);
-      if (sighting.time < question_.from) {
-        if (there) {
-          result.before = ref;
-          spot_ = sighting.observation.position;
-        }
-      } else if (sighting.time > question_.to) {
-        if (there && !result.after) {
-          result.after = ref;
-          if (!spot_) spot_ = sighting.observation.position;
-        }
-      } else if (there) {
+      if (is_asked(sighting.observation.place)) {
         result.seen_there.push_back(*ref);
       } else {
         const auto place = snapshot_.place_ref(sighting.observation.place);
@@ -195,10 +205,11 @@ class Judge {
   /// first sighting on and except while it was known to be gone.
   std::map<Id, std::string> told_about(Id object) const {
     std::map<Id, std::string> told;
-    for (const VisibilityRow& row : snapshot_.store().visibility_of_object(object))
+    if (!looks_.range()) return told;
+    for (const VisibilityRow& row : snapshot_.store().visibility_of_object(object, looks_.range()))
       told[row.scene] = row.status == "missed" ? "seen_empty" : row.status;
     std::map<TimeNs, bool> present;  // from this time on
-    for (const BeliefRow& row : snapshot_.store().belief_history(object, snapshot_.as_of()))
+    for (const BeliefRow& row : snapshot_.store().belief_history(object, snapshot_.as_of(), question_.from))
       present[row.clock.valid_from] = row.status != "gone";
     for (const SceneRow* scene : looks_.scenes()) {
       const auto next = present.upper_bound(scene->time);

@@ -87,6 +87,12 @@ struct Store::Implementation {
   std::unique_ptr<SQLite::Database> database;
   std::unordered_map<std::string, std::unique_ptr<SQLite::Statement>> statements;
   std::unordered_map<std::string, Id> terms;  ///< some of the table of that name, by type and value
+  /// How often some of the objects were seen, and when last.
+  struct Seen {
+    int64_t count = 0;
+    TimeNs last = 0;
+  };
+  std::unordered_map<Id, Seen> sightings;
   bool in_scene = false;
 
   /// A prepared statement, ready to be bound.
@@ -113,6 +119,8 @@ struct Store::Implementation {
   Id add_term(const std::string& type, const std::string& value);
   /// Ends the object's last stay and begins the one that this belief tells of.
   void add_stay(Id belief, const BeliefRow& row, TimeNs from);
+  /// After a sighting was added.
+  void mark_sighting(Id object, TimeNs time, Id scene);
 };
 
 /// `until` of a stay that goes on.

@@ -122,6 +122,48 @@ CREATE VIEW v_objects AS
 
 )sql";
 
+const char* const kMigrationTo1002 = R"sql(
+DROP TABLE object_term;
+CREATE TABLE object_term (
+  term INTEGER NOT NULL REFERENCES term,
+  object INTEGER NOT NULL REFERENCES object,
+  since INTEGER NOT NULL,          -- of the first sighting that was called so
+  PRIMARY KEY (term, object)
+) STRICT, WITHOUT ROWID;
+CREATE TABLE sighting_mark (
+  object INTEGER NOT NULL REFERENCES object,
+  number INTEGER NOT NULL,         -- of the sighting, in order of time
+  valid_from INTEGER NOT NULL,
+  scene INTEGER NOT NULL REFERENCES scene,
+  PRIMARY KEY (object, number)
+) STRICT, WITHOUT ROWID;
+)sql";
+
+const char* const kDerivation = R"sql(
+DELETE FROM object_term;
+INSERT INTO object_term (term, object, since)
+  SELECT n.term, a.object, min(a.valid_from)
+  FROM association a JOIN annotation n ON n.scene = a.scene AND n.observation = a.observation
+  WHERE a.chosen = 1 AND a.probability > 0 AND a.object IS NOT NULL GROUP BY n.term, a.object;
+DELETE FROM sighting_mark;
+INSERT INTO sighting_mark (object, number, valid_from, scene)
+  SELECT object, number, valid_from, scene FROM (
+    SELECT object, valid_from, scene, row_number() OVER (PARTITION BY object ORDER BY valid_from, scene) AS number
+    FROM association WHERE chosen = 1 AND observation IS NOT NULL AND probability > 0 AND object IS NOT NULL)
+  WHERE number % 64 = 1;
+DELETE FROM stay;
+INSERT INTO stay
+  SELECT id, mm_x, mm_x, mm_y, mm_y, mm_z, mm_z, valid_from / 1000000000, until, coalesce(place, 0), coalesce(place, 0),
+    object
+  FROM (SELECT id, object, place, valid_from,
+      round(min(max(1000 * x, -2e9), 2e9)) AS mm_x, round(min(max(1000 * y, -2e9), 2e9)) AS mm_y,
+      round(min(max(1000 * z, -2e9), 2e9)) AS mm_z,
+      coalesce(lead(valid_from) OVER (PARTITION BY object ORDER BY valid_from, id) / 1000000000, 2147483647) AS until
+    FROM belief)
+  WHERE mm_x IS NOT NULL AND mm_y IS NOT NULL AND mm_z IS NOT NULL;
+INSERT INTO term_text (term_text) VALUES ('rebuild');
+)sql";
+
 const char* const kViewsOf1000 = R"sql(
 CREATE TEMP VIEW annotation_said AS
   SELECT id, scene, observation, type, value, confidence, feature_structure FROM annotation

@@ -28,6 +28,7 @@ SceneTransaction::~SceneTransaction() {
   store_.in_scene = false;
   for (auto& [text, statement] : store_.statements) statement->tryReset();
   store_.terms.clear();
+  store_.sightings.clear();
   store_.database->tryExec("ROLLBACK");
 }
 
@@ -96,9 +97,10 @@ Id SceneTransaction::add_annotation(const AnnotationRow& row) {
     const Id term = store_.add_term(row.type, row.value);
     if (row.observation) {  // said later than it was decided what it is
       SQLite::Statement& called = store_.statement(
-          "INSERT OR IGNORE INTO object_term (term, object) SELECT ?1, object FROM association WHERE "
-          "observation = ?2 "
-          "AND chosen = 1 AND probability > 0 AND object IS NOT NULL");
+          "INSERT INTO object_term (term, object, since) SELECT ?1, object, valid_from FROM association "
+          "WHERE "
+          "observation = ?2 AND chosen = 1 AND probability > 0 AND object IS NOT NULL "
+          "ON CONFLICT DO UPDATE SET since = excluded.since WHERE excluded.since < since");
       bind_values(called, {sql(term), sql(*row.observation)});
       called.exec();
     }
@@ -162,11 +164,15 @@ Id SceneTransaction::add_association(const AssociationRow& row) {
   return store_.guarded([&] {
     if (row.chosen && row.object && row.observation && row.probability > 0) {
       SQLite::Statement& called = store_.statement(
-          "INSERT OR IGNORE INTO object_term (term, object) SELECT term, ?1 FROM annotation WHERE scene = ?2 "
-          "AND "
-          "observation = ?3");
-      bind_values(called, {sql(*row.object), sql(row.scene), sql(*row.observation)});
+          "INSERT INTO object_term (term, object, since) SELECT term, ?1, ?4 FROM annotation WHERE scene = "
+          "?2 "
+          "AND observation = ?3 ON CONFLICT DO UPDATE SET since = excluded.since WHERE excluded.since < "
+          "since");
+      bind_values(called, {sql(*row.object), sql(row.scene), sql(*row.observation), sql(clock.valid_from)});
       called.exec();
+      const Id id = store_.insert("association", columns);
+      store_.mark_sighting(*row.object, clock.valid_from, row.scene);
+      return id;
     }
     return store_.insert("association", columns);
   });

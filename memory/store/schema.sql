@@ -212,11 +212,22 @@ CREATE INDEX association_sighting ON association (object, valid_from, scene)
 CREATE INDEX association_observation ON association (observation);
 CREATE INDEX association_supersedes ON association (supersedes) WHERE supersedes IS NOT NULL;
 
--- What objects were ever called: derived from association and annotation, so that they are found at once.
+-- What objects were ever called, and since when: derived from association and annotation, so that they are
+-- found at once.
 CREATE TABLE object_term (
   term INTEGER NOT NULL REFERENCES term,
   object INTEGER NOT NULL REFERENCES object,
+  since INTEGER NOT NULL,          -- of the first sighting that was called so
   PRIMARY KEY (term, object)
+) STRICT, WITHOUT ROWID;
+
+-- Sightings 1, 65, 129, ... of each object: derived from association, so that sightings need not be counted.
+CREATE TABLE sighting_mark (
+  object INTEGER NOT NULL REFERENCES object,
+  number INTEGER NOT NULL,         -- of the sighting, in order of time
+  valid_from INTEGER NOT NULL,
+  scene INTEGER NOT NULL REFERENCES scene,
+  PRIMARY KEY (object, number)
 ) STRICT, WITHOUT ROWID;
 
 -- What happened.

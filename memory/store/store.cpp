@@ -88,13 +88,14 @@ struct Migration {
   const char* sql;
 };
 /// In order. The schema file is always that of the newest version.
-const std::array<Migration, 1> kMigrations{{{1001, kMigrationTo1001}}};
+const std::array<Migration, 2> kMigrations{{{1001, kMigrationTo1001}, {1002, kMigrationTo1002}}};
 
 void migrate(SQLite::Database& database, int version) {
   if (version >= kMemoryVersion) return;
   SQLite::Transaction all(database, SQLite::TransactionBehavior::IMMEDIATE);
   for (const Migration& migration : kMigrations)
     if (migration.version > version) database.exec(migration.sql);
+  database.exec(kDerivation);
   database.exec(fmt::format("PRAGMA user_version = {}", kMemoryVersion));
   all.commit();
 }

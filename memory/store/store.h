@@ -28,6 +28,7 @@ struct WriteOptions {
 /// What Store::verify() found.
 struct VerifyReport {
   std::vector<std::string> problems = {};                    ///< empty = all is well; one line each
+  std::vector<std::string> derived_problems = {};            ///< those of them that Store::derive() repairs
   std::vector<std::pair<std::string, int64_t>> counts = {};  ///< rows per table
   int major = 0, minor = 0;                                  ///< of the file
 };
@@ -84,6 +85,8 @@ class Store {
   /// forgotten stays known.
   ForgetResult forget(const ForgetRequest& request, Id run);
   std::vector<ForgottenRow> forgotten() const;
+  /// Makes what follows from other rows anew: stays, words of objects, marks of sightings, full text.
+  void derive();
   void set_meta(const std::string& key, const std::string& value);
 
   // Reading.
@@ -123,9 +126,17 @@ class Store {
   std::vector<Id> objects_at(Id place, const AsOf& as_of = {}) const;
   std::vector<Id> objects_near(const Vector3d& point, double radius, const AsOf& as_of = {}) const;
   /// The rows of belief of one object up to `at`, as they are stored, in order of time.
-  std::vector<BeliefRow> belief_history(Id object, const AsOf& as_of = {}) const;
-  /// When the chosen story saw an object, in order of time.
-  std::vector<Sighting> sightings(Id object, const AsOf& as_of = {}) const;
+  /// With `since`, only from the one on that held then.
+  std::vector<BeliefRow> belief_history(Id object, const AsOf& as_of = {},
+                                        std::optional<TimeNs> since = {}) const;
+  /// When the chosen story saw an object, in order of time; with from <= time <= to.
+  std::vector<Sighting> sightings(Id object, const AsOf& as_of = {}, std::optional<TimeNs> from = {},
+                                  std::optional<TimeNs> to = {}) const;
+  /// The last sighting before a time, or the first after it, on one of the places (empty = anywhere).
+  std::optional<Sighting> last_sighting_before(Id object, TimeNs time, const std::vector<Id>& places,
+                                               const AsOf& as_of = {}) const;
+  std::optional<Sighting> first_sighting_after(Id object, TimeNs time, const std::vector<Id>& places,
+                                               const AsOf& as_of = {}) const;
   /// How often the chosen story saw an object, and in which scene first.
   struct SightingCount {
     size_t count = 0;
@@ -144,8 +155,10 @@ class Store {
   std::vector<EventRow> events(const AsOf& as_of = {}, std::optional<TimeNs> from = {},
                                std::optional<TimeNs> to = {}) const;
   std::vector<VisibilityRow> visibility(Id scene) const;
-  std::vector<VisibilityRow> visibility_of_object(Id object) const;  ///< in order of scene
-  std::vector<VisibilityRow> visibility_of_place(Id place) const;    ///< in order of scene
+  /// In order of scene; of all scenes, or of those with numbers between two.
+  using SceneRange = std::optional<std::pair<Id, Id>>;
+  std::vector<VisibilityRow> visibility_of_object(Id object, const SceneRange& scenes = {}) const;
+  std::vector<VisibilityRow> visibility_of_place(Id place, const SceneRange& scenes = {}) const;
   /// The last look that saw any of a place.
   std::optional<VisibilityRow> last_look(Id place, const AsOf& as_of = {}) const;
   /// Facts that hold at `at`; those taken back are left out.
@@ -177,12 +190,13 @@ class Store {
   std::vector<FeatureStructureRow> feature_structures(Id scene, const std::string& type = {}) const;
   std::string type_system(Id id) const;
 
-  /// Rows of every table, and the bytes of the file that it takes with its indexes, largest first.
+  /// Rows of every table, and the bytes of the file that it takes with its indexes, largest first. Bytes are
+  /// only known by reading every page: without them it is quick.
   struct TableSize {
     std::string table = {};
     int64_t rows = 0, bytes = 0;
   };
-  std::vector<TableSize> statistics() const;
+  std::vector<TableSize> statistics(bool with_bytes = true) const;
   /// Hands over the rows of a view for people ("v_objects") as objects {column: value}.
   void read_view(const std::string& view, const std::function<void(const Json&)>& visitor) const;
 

@@ -11,12 +11,18 @@ namespace {
 
 constexpr const char* kSighting = "chosen = 1 AND observation IS NOT NULL AND probability > 0";
 
-/// Sightings of ?1, with the clocks. Where nothing was ever superseded, no row need be looked up.
-std::string sightings_of_object(Store::Implementation& store, const AsOf& as_of,
-                                std::vector<SqlValue>& values) {
+/// Whether a sighting may not be known any more, or not yet.
+bool asks_what_was_known(Store::Implementation& store, const AsOf& as_of) {
   bool superseded = as_of.known_at.has_value();
   store.query("SELECT 1 FROM association WHERE supersedes IS NOT NULL LIMIT 1", {},
               [&](const SqlRow&) { superseded = true; });
+  return superseded;
+}
+
+/// Sightings of ?1, with the clocks. Where nothing was ever superseded, no row need be looked up.
+std::string sightings_of_object(Store::Implementation& store, const AsOf& as_of,
+                                std::vector<SqlValue>& values) {
+  const bool superseded = asks_what_was_known(store, as_of);
   std::string text = fmt::format(" FROM {} WHERE object = ?1 AND {}",
                                  superseded ? "association_known" : "association", kSighting);
   if (superseded) text += " AND " + known_condition(as_of, values);
@@ -91,6 +97,31 @@ std::optional<BeliefRow> last_row(Store::Implementation& store, Id object, const
 bool has_stays(const Store::Implementation& store) {
   return store.version >= 1001;
 }
+bool has_marks(const Store::Implementation& store) {
+  return store.version >= 1002;
+}
+
+/// From the last mark on only the few sightings after it are counted.
+Store::SightingCount count_from_mark(Store::Implementation& store, Id object, const AsOf& as_of) {
+  Store::SightingCount result;
+  std::vector<SqlValue> values = {sql(object)};
+  const std::string until = range_condition("valid_from", {}, as_of.at, values);
+  const std::string marks = "SELECT number, valid_from, scene FROM sighting_mark WHERE object = ?1" + until;
+  std::vector<SqlValue> after = values;
+  store.query(marks + " ORDER BY number DESC LIMIT 1", values, [&](const SqlRow& row) {
+    result.count = static_cast<size_t>(row.integer("number"));
+    after.push_back(sql(row.integer("valid_from")));
+    after.push_back(sql(row.integer("scene")));
+  });
+  if (result.count == 0) return result;
+  store.query(fmt::format("SELECT count(*) AS number FROM association WHERE object = ?1 AND {}{} AND "
+                          "(valid_from, scene) > (?{}, ?{})",
+                          kSighting, until, values.size() + 1, values.size() + 2),
+              after, [&](const SqlRow& row) { result.count += static_cast<size_t>(row.integer("number")); });
+  store.query("SELECT scene FROM sighting_mark WHERE object = ? AND number = 1", {sql(object)},
+              [&](const SqlRow& row) { result.first_scene = row.integer("scene"); });
+  return result;
+}
 
 }  // namespace
 
@@ -164,6 +195,10 @@ std::vector<Id> Store::objects_near(const Vector3d& point, double radius, const 
 Store::SightingCount Store::count_sightings(Id object, const AsOf& as_of) const {
   SightingCount result;
   implementation_->guarded([&] {
+    if (has_marks(*implementation_) && !asks_what_was_known(*implementation_, as_of)) {
+      result = count_from_mark(*implementation_, object, as_of);
+      return;
+    }
     std::vector<SqlValue> values = {sql(object)};
     const std::string rows = sightings_of_object(*implementation_, as_of, values);
     implementation_->query("SELECT count(*) AS number" + rows, values, [&](const SqlRow& row) {
@@ -208,6 +243,13 @@ namespace {
 std::vector<Id> objects_called(Store::Implementation& store, const std::string& terms,
                                const std::string& word, const AsOf& as_of) {
   std::vector<SqlValue> values = {sql(word)};
+  if (has_marks(store) && !asks_what_was_known(store, as_of)) {
+    const std::string begun = range_condition("since", {}, as_of.at, values);
+    return all<Id>(store,
+                   fmt::format("SELECT DISTINCT object FROM object_term WHERE term IN ({}){} ORDER BY object",
+                               terms, begun),
+                   values, [](const SqlRow& row) { return row.integer("object"); });
+  }
   const std::string known = known_condition(as_of, values), valid = valid_condition(as_of, values, false);
   if (!has_stays(store))
     return all<Id>(

@@ -2,6 +2,7 @@
 // That something was forgotten stays known.
 
 #include "memory/store/reading.h"
+#include "memory/store/schema.h"
 
 namespace loci {
 namespace {
@@ -24,7 +25,6 @@ INSERT INTO temp.gone_object SELECT id FROM object o WHERE
 DELETE FROM association WHERE scene IN (SELECT id FROM temp.gone_picture);
 DELETE FROM event WHERE scene IN (SELECT id FROM temp.gone_picture);
 DELETE FROM visibility WHERE scene IN (SELECT id FROM temp.gone_picture);
-DELETE FROM stay WHERE belief IN (SELECT id FROM belief WHERE scene IN (SELECT id FROM temp.gone_picture));
 DELETE FROM belief WHERE scene IN (SELECT id FROM temp.gone_picture);
 DELETE FROM annotation WHERE scene IN (SELECT id FROM temp.gone_picture);
 DELETE FROM feature_structure_blob WHERE feature_structure IN (SELECT id FROM feature_structure
@@ -39,11 +39,9 @@ DELETE FROM association WHERE object IN (SELECT id FROM temp.gone_object)
   OR observation IN (SELECT id FROM temp.gone_observation);
 DELETE FROM event WHERE object IN (SELECT id FROM temp.gone_object)
   OR observation IN (SELECT id FROM temp.gone_observation);
-DELETE FROM stay WHERE belief IN (SELECT id FROM belief WHERE object IN (SELECT id FROM temp.gone_object));
 DELETE FROM belief WHERE object IN (SELECT id FROM temp.gone_object);
 DELETE FROM visibility WHERE object IN (SELECT id FROM temp.gone_object);
 DELETE FROM fact WHERE object IN (SELECT id FROM temp.gone_object);
-DELETE FROM object_term;
 UPDATE belief SET last_observation = NULL, last_scene = NULL
   WHERE last_observation IN (SELECT id FROM temp.gone_observation);
 DELETE FROM annotation WHERE observation IN (SELECT id FROM temp.gone_observation);
@@ -54,16 +52,12 @@ DELETE FROM feature_structure_blob WHERE feature_structure IN (SELECT id FROM fe
 DELETE FROM feature_structure WHERE observation IN (SELECT id FROM temp.gone_observation);
 DELETE FROM observation WHERE id IN (SELECT id FROM temp.gone_observation);
 UPDATE scene SET picture = NULL WHERE id IN (SELECT id FROM temp.gone_picture);
-INSERT OR IGNORE INTO object_term (term, object)
-  SELECT n.term, a.object FROM association a JOIN annotation n ON n.scene = a.scene AND n.observation = a.observation
-  WHERE a.chosen = 1 AND a.probability > 0 AND a.object IS NOT NULL;
 DELETE FROM term WHERE id NOT IN (SELECT term FROM annotation);
 DELETE FROM blob WHERE id NOT IN (
   SELECT urdf FROM map UNION SELECT sidecar FROM map WHERE sidecar IS NOT NULL
   UNION SELECT depth FROM scene WHERE depth IS NOT NULL UNION SELECT picture FROM scene WHERE picture IS NOT NULL
   UNION SELECT crop FROM observation WHERE crop IS NOT NULL UNION SELECT mask FROM observation WHERE mask IS NOT NULL
   UNION SELECT content FROM type_system UNION SELECT blob FROM feature_structure_blob);
-INSERT INTO term_text (term_text) VALUES ('rebuild');
 )sql";
 
 /// Statements one after the other, each with as many of the values as it names.
@@ -94,6 +88,7 @@ ForgetResult Store::forget(const ForgetRequest& request, Id run) {
     SQLite::Database& database = *s.database;
     s.statements.clear();
     s.terms.clear();
+    s.sightings.clear();
     database.exec("PRAGMA secure_delete = ON; PRAGMA foreign_keys = OFF");
     try {
       SQLite::Transaction all(database, SQLite::TransactionBehavior::IMMEDIATE);
@@ -112,6 +107,7 @@ ForgetResult Store::forget(const ForgetRequest& request, Id run) {
         run_all(database, kOfInterval, {sql(*request.from), sql(*request.to)});
       }
       run_all(database, kOfBoth, {});
+      database.exec(kDerivation);
       result.objects = count(database, "temp.gone_object");
       result.observations = count(database, "temp.gone_observation");
       result.scenes = count(database, "temp.gone_picture");

@@ -1,3 +1,5 @@
+#include <fmt/ranges.h>
+
 #include <charconv>
 
 #include "mapping/base/json.h"
@@ -317,45 +319,88 @@ std::vector<ObjectRow> Store::objects(const AsOf& as_of) const {
                         });
 }
 
-std::vector<BeliefRow> Store::belief_history(Id object, const AsOf& as_of) const {
+std::vector<BeliefRow> Store::belief_history(Id object, const AsOf& as_of,
+                                             std::optional<TimeNs> since) const {
   std::vector<SqlValue> values = {sql(object)};
   const std::string known = known_condition(as_of, values), valid = valid_condition(as_of, values, false);
-  return all<BeliefRow>(
-      *implementation_,
-      fmt::format("SELECT * FROM belief_known WHERE object = ?1 AND {} AND {} ORDER BY valid_from, id", known,
-                  valid),
-      values, belief_row);
+  std::string rows = fmt::format("FROM belief_known WHERE object = ?1 AND {} AND {}", known, valid);
+  if (since) {
+    values.push_back(sql(*since));
+    rows += fmt::format(
+        " AND valid_from >= coalesce((SELECT valid_from {0} AND valid_from <= ?{1} ORDER BY valid_from DESC "
+        "LIMIT 1), ?{1})",
+        rows, values.size());
+  }
+  return all<BeliefRow>(*implementation_, "SELECT * " + rows + " ORDER BY valid_from, id", values,
+                        belief_row);
 }
 
-std::vector<Sighting> Store::sightings(Id object, const AsOf& as_of) const {
-  std::vector<SqlValue> values = {sql(object)};
-  const std::string known = known_condition(as_of, values), valid = valid_condition(as_of, values, false);
+namespace {
+
+/// Sightings of ?1 that fulfil a condition, in an order.
+std::vector<Sighting> sightings_where(Store::Implementation& store, const std::string& condition,
+                                      const std::string& order, const std::vector<SqlValue>& values) {
   const std::string chosen = fmt::format(
       "SELECT * FROM association_known WHERE object = ?1 AND chosen = 1 AND observation IS NOT NULL AND "
-      "probability > 0 AND {} AND {}",
-      known, valid);
+      "probability > 0 AND {} ORDER BY {}",
+      condition, order);
   std::vector<Sighting> result;
-  for (AssociationRow& association :
-       all<AssociationRow>(*implementation_, chosen + " ORDER BY valid_from, id", values, association_row))
+  for (AssociationRow& association : all<AssociationRow>(store, chosen, values, association_row))
     result.push_back({std::move(association)});
   // The same rows in the same order, seen from their observations.
-  size_t next = 0;
-  implementation_->guarded([&] {
-    implementation_->query(
-        fmt::format(
-            "SELECT o.*, s.time AS scene_time, s.recording AS scene_recording, s.frame_index AS scene_frame "
-            "FROM ({}) a JOIN observation o ON o.id = a.observation JOIN scene s ON s.id = a.scene "
-            "ORDER BY a.valid_from, a.id",
-            chosen),
-        values, [&](const SqlRow& row) {
-          Sighting& sighting = result.at(next++);
-          sighting.observation = observation_row(row);
-          sighting.time = row.integer("scene_time");
-          sighting.recording = row.optional_integer("scene_recording");
-          sighting.frame_index = row.optional_integer("scene_frame");
-        });
+  SQLite::Statement& seen = store.statement(
+      "SELECT o.*, s.time AS scene_time, s.recording AS scene_recording, s.frame_index AS scene_frame FROM "
+      "observation o JOIN scene s ON s.id = o.scene WHERE o.id = ?");
+  store.guarded([&] {
+    for (Sighting& sighting : result) {
+      seen.reset();
+      bind_values(seen, {sql(sighting.association.observation)});
+      if (!seen.executeStep()) continue;
+      const SqlRow row(seen);
+      sighting.observation = observation_row(row);
+      sighting.time = row.integer("scene_time");
+      sighting.recording = row.optional_integer("scene_recording");
+      sighting.frame_index = row.optional_integer("scene_frame");
+    }
+    seen.reset();
   });
   return result;
+}
+
+/// " AND" that its observation lies on one of the places.
+std::string on_places(const std::vector<Id>& places) {
+  if (places.empty()) return {};
+  return fmt::format(" AND EXISTS (SELECT 1 FROM observation o WHERE o.id = observation AND o.place IN ({}))",
+                     fmt::join(places, ", "));
+}
+
+}  // namespace
+
+std::vector<Sighting> Store::sightings(Id object, const AsOf& as_of, std::optional<TimeNs> from,
+                                       std::optional<TimeNs> to) const {
+  std::vector<SqlValue> values = {sql(object)};
+  std::string condition = known_condition(as_of, values);
+  condition +=
+      " AND " + valid_condition(as_of, values, false) + range_condition("valid_from", from, to, values);
+  return sightings_where(*implementation_, condition, "valid_from, id", values);
+}
+
+std::optional<Sighting> Store::last_sighting_before(Id object, TimeNs time, const std::vector<Id>& places,
+                                                    const AsOf& as_of) const {
+  std::vector<SqlValue> values = {sql(object), sql(time)};
+  std::string condition = "valid_from < ?2 AND " + known_condition(as_of, values);
+  condition += " AND " + valid_condition(as_of, values, false) + on_places(places);
+  auto rows = sightings_where(*implementation_, condition, "valid_from DESC, scene DESC LIMIT 1", values);
+  return rows.empty() ? std::nullopt : std::optional(std::move(rows[0]));
+}
+
+std::optional<Sighting> Store::first_sighting_after(Id object, TimeNs time, const std::vector<Id>& places,
+                                                    const AsOf& as_of) const {
+  std::vector<SqlValue> values = {sql(object), sql(time)};
+  std::string condition = "valid_from > ?2 AND " + known_condition(as_of, values);
+  condition += " AND " + valid_condition(as_of, values, false) + on_places(places);
+  auto rows = sightings_where(*implementation_, condition, "valid_from, scene LIMIT 1", values);
+  return rows.empty() ? std::nullopt : std::optional(std::move(rows[0]));
 }
 
 std::vector<AssociationRow> Store::associations(Id scene, const AsOf& as_of) const {
@@ -384,14 +429,27 @@ std::vector<VisibilityRow> Store::visibility(Id scene) const {
                             {sql(scene)}, visibility_row);
 }
 
-std::vector<VisibilityRow> Store::visibility_of_object(Id object) const {
-  return all<VisibilityRow>(*implementation_, "SELECT * FROM visibility WHERE object = ? ORDER BY scene, id",
-                            {sql(object)}, visibility_row);
+namespace {
+
+std::vector<VisibilityRow> visibility_of(Store::Implementation& store, const char* what, Id id,
+                                         const Store::SceneRange& scenes) {
+  std::vector<SqlValue> values = {sql(id)};
+  std::string text = fmt::format("SELECT * FROM visibility WHERE {} = ?1", what);
+  if (scenes) {
+    text += " AND scene BETWEEN ?2 AND ?3";
+    values.insert(values.end(), {sql(scenes->first), sql(scenes->second)});
+  }
+  return all<VisibilityRow>(store, text + " ORDER BY scene, id", values, visibility_row);
 }
 
-std::vector<VisibilityRow> Store::visibility_of_place(Id place) const {
-  return all<VisibilityRow>(*implementation_, "SELECT * FROM visibility WHERE place = ? ORDER BY scene, id",
-                            {sql(place)}, visibility_row);
+}  // namespace
+
+std::vector<VisibilityRow> Store::visibility_of_object(Id object, const SceneRange& scenes) const {
+  return visibility_of(*implementation_, "object", object, scenes);
+}
+
+std::vector<VisibilityRow> Store::visibility_of_place(Id place, const SceneRange& scenes) const {
+  return visibility_of(*implementation_, "place", place, scenes);
 }
 
 std::optional<VisibilityRow> Store::last_look(Id place, const AsOf& as_of) const {

@@ -20,7 +20,7 @@ std::map<std::string, std::string> owners(Store::Implementation& store) {
 
 }  // namespace
 
-std::vector<Store::TableSize> Store::statistics() const {
+std::vector<Store::TableSize> Store::statistics(bool with_bytes) const {
   auto& s = *implementation_;
   return s.guarded([&] {
     const std::map<std::string, std::string> owner = owners(s);
@@ -28,11 +28,13 @@ std::vector<Store::TableSize> Store::statistics() const {
     for (const auto& [name, table] : owner) sizes[table].table = table;
     for (auto& [table, size] : sizes)
       size.rows = s.database->execAndGet(fmt::format("SELECT count(*) FROM {}", table)).getInt64();
-    s.query("SELECT name, pgsize FROM dbstat WHERE aggregate = 1", {}, [&](const SqlRow& row) {
-      const auto found = owner.find(row.text("name"));
-      sizes[found == owner.end() ? "sqlite_schema" : found->second].bytes += row.integer("pgsize");
-    });
-    sizes["sqlite_schema"].table = "sqlite_schema";
+    if (with_bytes) {
+      s.query("SELECT name, pgsize FROM dbstat WHERE aggregate = 1", {}, [&](const SqlRow& row) {
+        const auto found = owner.find(row.text("name"));
+        sizes[found == owner.end() ? "sqlite_schema" : found->second].bytes += row.integer("pgsize");
+      });
+      sizes["sqlite_schema"].table = "sqlite_schema";
+    }
     std::vector<TableSize> result;
     for (auto& [table, size] : sizes) result.push_back(std::move(size));
     std::ranges::stable_sort(result,

@@ -3,6 +3,7 @@
 #include "mapping/base/hash.h"
 #include "mapping/base/json.h"
 #include "memory/store/database.h"
+#include "memory/store/schema.h"
 
 namespace loci {
 namespace {
@@ -11,6 +12,7 @@ namespace {
 struct Rule {
   const char* sentence;
   const char* query;
+  int version = 1000;  ///< of the format, from which on it holds
 };
 
 constexpr Rule kRules[] = {
@@ -40,17 +42,49 @@ constexpr Rule kRules[] = {
     {"object {} was never believed to be anywhere",
      "SELECT o.id FROM object o WHERE NOT EXISTS (SELECT 1 FROM belief b WHERE b.object = o.id) AND NOT "
      "EXISTS "
-     "(SELECT 1 FROM forgotten f WHERE f.object = o.id)"},
+     "(SELECT 1 FROM forgotten f WHERE f.object = o.id)",
+     1001},
+    {"scene {} has a depth thumbnail without its size",
+     "SELECT id FROM scene WHERE depth IS NOT NULL AND (depth_width IS NULL OR depth_height IS NULL)"},
+};
+
+/// About what can be made anew from other rows.
+constexpr Rule kDerivedRules[] = {
     {"belief {} is missing among the stays",
      "SELECT b.id FROM belief b WHERE b.x IS NOT NULL AND NOT EXISTS (SELECT 1 FROM stay s WHERE s.belief = "
-     "b.id)"},
+     "b.id)",
+     1001},
     {"object {} is missing under a word that it was called",
      "SELECT DISTINCT a.object FROM association a JOIN annotation n ON n.scene = a.scene AND n.observation = "
      "a.observation WHERE a.chosen = 1 AND a.probability > 0 AND a.object IS NOT NULL AND NOT EXISTS (SELECT "
      "1 FROM "
-     "object_term t WHERE t.term = n.term AND t.object = a.object)"},
-    {"scene {} has a depth thumbnail without its size",
-     "SELECT id FROM scene WHERE depth IS NOT NULL AND (depth_width IS NULL OR depth_height IS NULL)"},
+     "object_term t WHERE t.term = n.term AND t.object = a.object)",
+     1001},
+    {"the words of object {} are not counted from its first sighting that was called so",
+     "SELECT object FROM (SELECT term, object, since FROM object_term EXCEPT SELECT n.term, a.object, "
+     "min(a.valid_from) FROM association a JOIN annotation n ON n.scene = a.scene AND n.observation = "
+     "a.observation WHERE a.chosen = 1 AND a.probability > 0 AND a.object IS NOT NULL GROUP BY n.term, "
+     "a.object)",
+     1002},
+    {"the marks of the sightings of object {} are not what its sightings say",
+     "WITH derived AS (SELECT object, number, valid_from, scene FROM (SELECT object, valid_from, scene, "
+     "row_number() OVER (PARTITION BY object ORDER BY valid_from, scene) AS number FROM association WHERE "
+     "chosen = 1 AND observation IS NOT NULL AND probability > 0 AND object IS NOT NULL) WHERE number % 64 = "
+     "1) SELECT DISTINCT object FROM (SELECT * FROM (SELECT object, number, valid_from, scene FROM "
+     "sighting_mark EXCEPT SELECT * FROM derived) UNION ALL SELECT * FROM (SELECT * FROM derived EXCEPT "
+     "SELECT object, number, valid_from, scene FROM sighting_mark))",
+     1002},
+    {"stay of belief {} is not where that belief was",
+     "SELECT s.belief FROM stay s LEFT JOIN belief b ON b.id = s.belief WHERE b.id IS NULL OR b.x IS NULL OR "
+     "abs(s.x_from - 1000 * b.x) > 1 OR abs(s.y_from - 1000 * b.y) > 1 OR abs(s.z_from - 1000 * b.z) > 1 OR "
+     "s.place_from <> coalesce(b.place, 0) OR s.object <> b.object OR s.since <> b.valid_from / 1000000000",
+     1002},
+    {"stay of belief {} does not end with the next belief",
+     "SELECT s.belief FROM stay s JOIN (SELECT id, coalesce(lead(valid_from) OVER (PARTITION BY object ORDER "
+     "BY "
+     "valid_from, id) / 1000000000, 2147483647) AS until FROM belief) b ON b.id = s.belief WHERE s.until <> "
+     "b.until",
+     1002},
 };
 
 constexpr const char* kTables[] = {"run",         "recording",   "map",        "place",
@@ -87,6 +121,13 @@ void check_blobs(Store::Implementation& store, Progress& progress, VerifyReport&
   });
 }
 
+void check_rule(Store::Implementation& store, const Rule& rule, std::vector<std::string>& problems) {
+  if (store.version < rule.version) return;
+  SQLite::Statement query(*store.database, rule.query);
+  while (query.executeStep())
+    problems.push_back(fmt::format(fmt::runtime(rule.sentence), query.getColumn(0).getInt64()));
+}
+
 void check_feature_structures(Store::Implementation& store, VerifyReport& report) {
   store.query("SELECT id, encoding, content FROM feature_structure ORDER BY id", {}, [&](const SqlRow& row) {
     try {
@@ -110,19 +151,25 @@ VerifyReport Store::verify(Progress& progress) const {
     check_integrity(s, report);
     check_blobs(s, progress, report);
     check_feature_structures(s, report);
-    const bool earlier = s.version < 1001;
-    for (const Rule& rule : kRules) {
-      if (earlier && std::string_view(rule.query).find("forgotten") != std::string_view::npos) continue;
-      if (earlier && std::string_view(rule.sentence).find("is missing") != std::string_view::npos) continue;
-      SQLite::Statement query(*s.database, rule.query);
-      while (query.executeStep())
-        report.problems.push_back(fmt::format(fmt::runtime(rule.sentence), query.getColumn(0).getInt64()));
-    }
+    for (const Rule& rule : kRules) check_rule(s, rule, report.problems);
+    for (const Rule& rule : kDerivedRules) check_rule(s, rule, report.derived_problems);
+    report.problems.insert(report.problems.end(), report.derived_problems.begin(),
+                           report.derived_problems.end());
     for (const char* table : kTables)
       report.counts.emplace_back(
           table, s.database->execAndGet(fmt::format("SELECT count(*) FROM {}", table)).getInt64());
   });
   return report;
+}
+
+void Store::derive() {
+  auto& s = *implementation_;
+  s.need_writable();
+  s.sightings.clear();
+  s.transaction([&] {
+    s.database->exec(kDerivation);
+    return 0;
+  });
 }
 
 }  // namespace loci

@@ -37,7 +37,7 @@ struct MemoryFigures {
   double plain_rate = 0;  ///< plain indexed tables written scene by scene, without reasoning
   double megabytes_first_tenth = 0, megabytes_at_end = 0;  ///< resident memory of the writer
   double bytes_per_observation = 0;
-  double verify_s = 0, statistics_ms = 0;
+  double verify_s = 0, statistics_ms = 0, table_bytes_ms = 0;
   double rate_alone = 0, rate_with_readers = 0;  ///< per second of the clock, one after the other
   size_t reader_questions = 0;
   int kills = 0, kills_lost = 0, kills_unsound = 0;

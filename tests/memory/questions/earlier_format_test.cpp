@@ -1,5 +1,5 @@
-// A memory that version 1.0 of the format made (forty scenes of nine things on three tables, ingested), and
-// what the program of that time answered.
+// Memories that earlier versions of the format made, and what the programs of that time answered: 1.0 (forty
+// scenes of nine things on three tables, ingested) and 1.1 (apps/samples/detections.jsonl, ingested).
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -10,27 +10,34 @@
 #include "memory/questions/answers.h"
 #include "memory/questions/words.h"
 #include "memory/recorder/forget.h"
+#include "memory/store/schema.h"
 
 namespace loci {
 namespace {
 
 namespace fs = std::filesystem;
 
-class EarlierFormat : public ::testing::Test {
+struct Earlier {
+  int minor;
+  size_t told_mugs;
+};
+
+class EarlierFormat : public ::testing::TestWithParam<Earlier> {
  protected:
   void SetUp() override {
-    folder = fs::temp_directory_path() / ("loci_format_" + std::to_string(getpid()));
+    name = "format_1_" + std::to_string(GetParam().minor);
+    folder = fs::temp_directory_path() / ("loci_" + name + "_" + std::to_string(getpid()));
     make_folder(folder);
-    file = folder / "format_1_0.loci";
-    const std::string packed = read_file(data / "format_1_0.loci.zst");
+    file = folder / (name + ".loci");
+    const std::string packed = read_file(data / (name + ".loci.zst"));
     std::string bytes(ZSTD_getFrameContentSize(packed.data(), packed.size()), '\0');
     ASSERT_EQ(ZSTD_decompress(bytes.data(), bytes.size(), packed.data(), packed.size()), bytes.size());
     write_file_atomically(file, bytes);
   }
   void TearDown() override { fs::remove_all(folder); }
 
-  Json told(const std::string& name) const {
-    return parse_json(read_file(data / ("format_1_0." + name + ".json")), name);
+  Json told(const std::string& question) const {
+    return parse_json(read_file(data / (name + "." + question + ".json")), question);
   }
 
   void expect_answers_as_then() const {
@@ -38,35 +45,36 @@ class EarlierFormat : public ::testing::Test {
     EXPECT_EQ(to_json(ask(store, ObjectsQuestion{})), told("objects"));
     EXPECT_EQ(to_json(ask(store, ContentsQuestion{.place = "table_1"})), told("on_table_1"));
     EXPECT_EQ(to_json(ask(store, ChangesQuestion{})), told("changes"));
-    EXPECT_EQ(ask(store, WhereQuestion{"mug", {}}).objects.size(), told_mugs);
+    EXPECT_EQ(ask(store, WhereQuestion{"mug", {}}).objects.size(), GetParam().told_mugs);
     NoProgress silent;
     EXPECT_THAT(store.verify(silent).problems, ::testing::IsEmpty());
   }
 
   const fs::path data = fs::path(LOCI_SOURCE_DIR) / "tests/data/memory";
-  const size_t told_mugs = 4;
+  std::string name;
   fs::path folder, file;
 };
 
-TEST_F(EarlierFormat, IsReadAsItIs) {
+TEST_P(EarlierFormat, IsReadAsItIs) {
   const std::string before = read_file(file);
-  EXPECT_EQ(Store::open_read(file).minor(), 0);
+  EXPECT_EQ(Store::open_read(file).minor(), GetParam().minor);
   expect_answers_as_then();
   EXPECT_EQ(read_file(file), before);
 }
 
-TEST_F(EarlierFormat, AnswersTheSameWhenMigrated) {
+TEST_P(EarlierFormat, AnswersTheSameWhenMigrated) {
   { Store::open_write(file); }
-  EXPECT_EQ(Store::open_read(file).minor(), 1);
+  EXPECT_EQ(Store::open_read(file).minor(), kMemoryMinor);
   expect_answers_as_then();
 }
 
-TEST_F(EarlierFormat, IsForgottenForGood) {
+TEST_P(EarlierFormat, IsForgottenForGood) {
+  const std::string called = GetParam().minor == 0 ? "bottle" : "cereal";
   {
     Store store = Store::open_write(file);
     const Id run = store.begin_run("test", "{}");
-    ASSERT_FALSE(store.objects_annotated("bottle").empty());
-    for (const Id object : store.objects_annotated("bottle")) forget(store, {.object = object}, run);
+    ASSERT_FALSE(store.objects_annotated(called).empty());
+    for (const Id object : store.objects_annotated(called)) forget(store, {.object = object}, run);
     // Alternatives to what was believed may have been called so too.
     const TimeNs last = *store.last_scene_time();
     forget(store, {.from = 0, .to = last}, run);
@@ -74,7 +82,7 @@ TEST_F(EarlierFormat, IsForgottenForGood) {
   for (const char* end : {"", "-wal", "-shm"}) {
     const fs::path part = file.string() + end;
     if (!fs::exists(part)) continue;
-    EXPECT_EQ(read_file(part).find("bottle"), std::string::npos) << part;
+    EXPECT_EQ(read_file(part).find(called), std::string::npos) << part;
   }
   const Store store = Store::open_read(file);
   NoProgress silent;
@@ -85,6 +93,9 @@ TEST_F(EarlierFormat, IsForgottenForGood) {
       },
       ::testing::ThrowsMessage<Error>(::testing::HasSubstr("forgotten")));
 }
+
+INSTANTIATE_TEST_SUITE_P(Formats, EarlierFormat, ::testing::Values(Earlier{0, 4}, Earlier{1, 1}),
+                         [](const auto& tested) { return "1_" + std::to_string(tested.param.minor); });
 
 }  // namespace
 }  // namespace loci

@@ -323,6 +323,80 @@ TEST_F(StoreTest, VerifyFindsADamagedBlobAndAWrongReference) {
                                             HasSubstr("blob 1 is not what its hash says")));
 }
 
+TEST_F(StoreTest, CountsAndFindsSightingsAsTheRowsSay) {
+  Store store = Store::open_write(file_);
+  const Id run = store.begin_run("test", "{}");
+  constexpr int kScenes = 200;
+  std::vector<Id> places;
+  for (int i = 0; i < kScenes; ++i) {
+    SceneTransaction scene(store, run);
+    // Two scenes with one time; one scene that comes late.
+    const TimeNs time = i == 150 ? 20 : 10 * (1 + i - i % 2);
+    places = {scene.add_place({.name = "a", .class_name = "table"}),
+              scene.add_place({.name = "b", .class_name = "table"})};
+    const Id id = scene.add_scene({.time = time});
+    if (i == 0) {
+      scene.add_object({});
+      scene.add_object({});
+    }
+    for (const Id object : {Id{1}, Id{2}}) {
+      if (object == 2 && i % 3 != 0) continue;
+      const Id seen = scene.add_observation(
+          {.scene = id, .number = object, .place = places[static_cast<size_t>(i / 20 % 2)]});
+      scene.add_association({.scene = id,
+                             .observation = seen,
+                             .object = object,
+                             .explanation = "stay",
+                             .probability = 0.9,
+                             .chosen = true,
+                             .clock = {.valid_from = time}});
+      scene.add_belief({.object = object, .scene = id, .status = "seen", .clock = {.valid_from = time}});
+    }
+    scene.commit();
+  }
+  NoProgress quiet;
+  EXPECT_THAT(store.verify(quiet).problems, testing::IsEmpty());
+  for (const Id object : {Id{1}, Id{2}}) {
+    const std::vector<Sighting> all = store.sightings(object);
+    for (TimeNs at = 0; at <= 10 * (kScenes + 2); at += 5) {
+      size_t count = 0;
+      std::optional<TimeNs> before, after;
+      for (const Sighting& sighting : all) {
+        count += sighting.time <= at ? 1 : 0;
+        if (sighting.observation.place != places[1]) continue;
+        if (sighting.time < at) before = sighting.time;
+        if (sighting.time > at && !after) after = sighting.time;
+      }
+      ASSERT_EQ(store.count_sightings(object, {.at = at}).count, count) << at;
+      const auto found_before = store.last_sighting_before(object, at, {places[1]});
+      const auto found_after = store.first_sighting_after(object, at, {places[1]});
+      ASSERT_EQ(found_before ? std::optional(found_before->time) : std::nullopt, before) << at;
+      ASSERT_EQ(found_after ? std::optional(found_after->time) : std::nullopt, after) << at;
+      ASSERT_EQ(store.sightings(object, {}, at, at + 100).size(),
+                static_cast<size_t>(std::ranges::count_if(all, [&](const Sighting& sighting) {
+                  return sighting.time >= at && sighting.time <= at + 100;
+                })));
+    }
+    EXPECT_EQ(store.count_sightings(object).first_scene, 1);
+  }
+}
+
+TEST_F(StoreTest, WhatFollowsFromOtherRowsIsMadeAnew) {
+  make_memory();
+  Store store = Store::open_write(file_);
+  {
+    SQLite::Database database(file_.string(), SQLite::OPEN_READWRITE);
+    database.exec("UPDATE sighting_mark SET valid_from = 7; DELETE FROM stay");
+    database.exec("INSERT INTO stay (belief, since, until) VALUES (77, 1, 2)");
+  }
+  NoProgress quiet;
+  const VerifyReport broken = store.verify(quiet);
+  EXPECT_EQ(broken.problems.size(), 2U);
+  EXPECT_EQ(broken.problems, broken.derived_problems);
+  store.derive();
+  EXPECT_THAT(store.verify(quiet).problems, testing::IsEmpty());
+}
+
 TEST_F(StoreTest, ViewsForPeopleAnswer) {
   make_memory();
   SQLite::Database database(file_.string());

@@ -1,0 +1,134 @@
+// Memories are joined, and let go of pictures that are old.
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+#include "apps/memory/commands.h"
+#include "apps/memory/memory_arguments.h"
+#include "memory/store/merge.h"
+#include "memory/store/retention.h"
+
+namespace loci {
+namespace {
+
+/// "x,y,z,yaw_deg".
+FrameChange frame_from(const std::string& text) {
+  std::vector<double> values;
+  const char *at = text.data(), *const end = text.data() + text.size();
+  while (at < end) {
+    double value = 0;
+    const auto read = std::from_chars(at, end, value);
+    if (read.ec != std::errc() || !std::isfinite(value) || (read.ptr < end && *read.ptr != ',')) break;
+    values.push_back(value);
+    at = read.ptr + 1;
+  }
+  if (values.size() != 4 || at <= end)
+    throw Error("'" + text + "' is no transform", {}, "write --transform x,y,z,yaw_deg, for example 0,0,0,0");
+  return {Vector3d(values[0], values[1], values[2]), values[3] / 180 * std::numbers::pi};
+}
+
+/// "90s", "12h", "30d", "2y".
+std::optional<double> age_from(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  double number = 0;
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, number);
+  const std::string unit(read.ptr, end);
+  for (const auto& [name, seconds] :
+       {std::pair{"s", 1.0}, {"h", 3600.0}, {"d", 86400.0}, {"y", 365 * 86400.0}})
+    if (read.ec == std::errc() && unit == name && number >= 0 && number < 1e6) return number * seconds;
+  throw Error("'" + text + "' is no age", {}, "write 90s, 12h, 30d or 2y");
+}
+
+}  // namespace
+
+Command merge_command() {
+  return {
+      "merge",
+      "Joins two memories of one home, of several robots or runs, without loss",
+      {"loci-memory merge demo-output/memory.loci demo-output/memory.loci -o demo-output/merged.loci",
+       "loci-memory merge demo-output/memory.loci demo-output/memory.loci --transform 0,0,0,0 -o "
+       "demo-output/merged_same_frame.loci --json"},
+      [](CLI::App& app) {
+        struct Arguments {
+          std::string first, second, output, transform;
+        };
+        auto arguments = std::make_shared<Arguments>();
+        app.add_option("first", arguments->first, "The memory whose map frame is that of the result")
+            ->required();
+        app.add_option("second", arguments->second, "The memory that is added")->required();
+        app.add_option("-o,--output", arguments->output, "The new memory")->required();
+        app.add_option(
+            "--transform", arguments->transform,
+            "Where the second map frame lies in the first: x,y,z,yaw_deg; 0,0,0,0 = it is the same one");
+        return [arguments](Session& session) {
+          std::optional<FrameChange> frame;
+          if (!arguments->transform.empty()) frame = frame_from(arguments->transform);
+          const MergeResult result =
+              merge(arguments->first, arguments->second, arguments->output, frame, session.progress());
+          std::string text = fmt::format(
+              "{} scenes with {} observations of {} objects and {} facts came in; {} scenes were known.",
+              result.scenes, result.observations, result.objects, result.facts, result.known_scenes);
+          Json renamed = Json::object();
+          for (const auto& [old, name] : result.renamed) {
+            text += fmt::format("\n{} of the second memory lies elsewhere: it is called {} now.", old, name);
+            renamed[old] = name;
+          }
+          if (result.reasoning > 0)
+            text += fmt::format("\nThe reasoning of {} scenes, which is in the other frame, stays behind.",
+                                result.reasoning);
+          if (result.scenes > 0)
+            text += fmt::format(
+                "\nWhat both have seen has two names: loci-memory reason -m {} -o OTHER finds out.",
+                arguments->output);
+          session.answer(text, {{"scenes", result.scenes},
+                                {"observations", result.observations},
+                                {"objects", result.objects},
+                                {"facts", result.facts},
+                                {"known_scenes", result.known_scenes},
+                                {"reasoning_left", result.reasoning},
+                                {"renamed", renamed}});
+        };
+      }};
+}
+
+Command retain_command() {
+  return {"retain",
+          "Lets pictures that are old go, then crops: numbers stay",
+          {"loci-memory retain --pictures 1h -m demo-output/memory.loci -o demo-output/smaller.loci",
+           "loci-memory retain --pictures 1h --crops 2h -m demo-output/memory.loci -o "
+           "demo-output/smaller.loci --json"},
+          [](CLI::App& app) {
+            struct Arguments {
+              std::string memory, output, pictures, crops;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
+            app.add_option(
+                "--pictures", arguments->pictures,
+                "Whole pictures and depth are kept so long (90s, 12h, 30d, 2y before the last scene)");
+            app.add_option("--crops", arguments->crops, "Crops, masks and large arrays are kept so long");
+            app.add_option("-o,--output", arguments->output, "Do so in a copy and leave the memory as it is");
+            return [arguments](Session& session) {
+              const RetentionRules rules{age_from(arguments->pictures), age_from(arguments->crops)};
+              if (!arguments->output.empty()) copy_memory(arguments->memory, arguments->output);
+              const RetentionResult result =
+                  retain(arguments->output.empty() ? arguments->memory : arguments->output, rules);
+              session.answer(
+                  fmt::format("{} scenes without pictures now, {} observations without crops, {} arrays "
+                              "gone; {} bytes of {} remain.",
+                              result.scenes_without_pictures, result.observations_without_crops,
+                              result.arrays, result.bytes_after, result.bytes_before),
+                  {{"scenes_without_pictures", result.scenes_without_pictures},
+                   {"observations_without_crops", result.observations_without_crops},
+                   {"arrays", result.arrays},
+                   {"bytes_before", result.bytes_before},
+                   {"bytes_after", result.bytes_after}});
+            };
+          }};
+}
+
+}  // namespace loci

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "memory/store/store.h"
+
+namespace loci {
+
+/// How long what was seen is kept how well; ages from the memory's last scene back. Unset = for ever.
+struct RetentionRules {
+  std::optional<double> pictures_s;  ///< older scenes lose whole pictures and depth thumbnails: crops remain
+  std::optional<double> crops_s;     ///< older ones lose crops, masks and large arrays too: numbers remain
+};
+
+struct RetentionResult {
+  int64_t scenes_without_pictures = 0, observations_without_crops = 0, arrays = 0;
+  int64_t bytes_before = 0, bytes_after = 0;  ///< of the file
+};
+
+/// Lets go of what the rules say, for good: the bytes are gone from the file and its log. What was observed,
+/// believed and decided stays. The run that did it keeps rules and counts as its configuration.
+RetentionResult retain(const std::filesystem::path& memory, const RetentionRules& rules);
+
+}  // namespace loci
