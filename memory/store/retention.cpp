@@ -3,6 +3,7 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 
+#include "mapping/base/json.h"
 #include "memory/store/database.h"
 
 namespace loci {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "mapping/base/config.h"
 #include "perception/annotators/hypotheses/asserted_volumes.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/opencv.h"
