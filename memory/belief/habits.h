@@ -2,6 +2,7 @@
 
 #include <array>
 #include <map>
+#include <set>
 #include <string>
 
 #include "memory/belief/options.h"
@@ -60,6 +61,11 @@ class Habits {
   double arrivals(const std::string& place, const BeliefOptions& options) const;
   /// A place was looked at and `found` new objects were on it.
   void learn_arrivals(const std::string& place, double found, const BeliefOptions& options);
+
+  /// Drops what was learned of kinds but these, down to their names.
+  void keep_kinds(const std::set<std::string>& kinds) {
+    std::erase_if(by_kind_, [&](const auto& of_kind) { return !kinds.contains(of_kind.first); });
+  }
 
   /// The fields, for an archive (archive.h).
   template <class Archive>

@@ -18,8 +18,12 @@ ForgetResult forget(Store& store, const ForgetRequest& request, Id run) {
       return (request.object && object.id == *request.object) ||
              (then(object.first_seen) && then(object.last_seen));
     });
-    for (belief::ProtoObject& object : state.objects)
+    std::set<std::string> kinds;
+    for (belief::ProtoObject& object : state.objects) {
       std::erase_if(object.looks, [&](const belief::Look& look) { return then(look.time); });
+      kinds.insert(object.kind);
+    }
+    state.habits.keep_kinds(kinds);  // else what a forgotten object was called would stay in the file
     SceneTransaction transaction(store, run);
     CarriedBelief().save(transaction, last->id, state);
     transaction.commit();
