@@ -66,6 +66,19 @@ ExplorationStep step_from(const Json& json) {
   return step;
 }
 
+/// The place after a length of a way, looking ahead; its end if it is shorter.
+PlanarPose along(const std::vector<PlanarPose>& corners, double length) {
+  for (size_t i = 1; i < corners.size(); ++i) {
+    const double dx = corners[i].x - corners[i - 1].x, dy = corners[i].y - corners[i - 1].y;
+    const double part = std::hypot(dx, dy);
+    if (part >= length && part > 0)
+      return {corners[i - 1].x + dx * length / part, corners[i - 1].y + dy * length / part,
+              std::atan2(dy, dx)};
+    length -= part;
+  }
+  return corners.back();
+}
+
 }  // namespace
 
 void ExplorationOptions::forward_threads() {
@@ -243,14 +256,12 @@ struct Exploration::Impl {
       corners.push_back(corner);
     }
     if (length <= kLongestWay) return std::nullopt;
-    double left = std::min(kStage, length / 2);
-    for (size_t i = 1; i < corners.size(); ++i) {
-      const double dx = corners[i].x - corners[i - 1].x, dy = corners[i].y - corners[i - 1].y;
-      const double part = std::hypot(dx, dy);
-      if (part >= left)
-        return PlanarPose{corners[i - 1].x + dx * left / part, corners[i - 1].y + dy * left / part,
-                          std::atan2(dy, dx)};
-      left -= part;
+    PlannerOptions planner = options.planner;
+    planner.avoid = avoid;
+    // Where the robot could not stand before, it tries the next place on the way.
+    for (double at = std::min(kStage, length / 2); at < length; at += planner.robot_radius_m) {
+      const PlanarPose stage = along(corners, at);
+      if (!avoided({stage.x, stage.y}, planner)) return stage;
     }
     return std::nullopt;
   }
