@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "mapping/base/json.h"
 #include "mapping/base/random.h"
 #include "mapping/recording/recording.h"
 #include "perception/annotators/annotators.h"

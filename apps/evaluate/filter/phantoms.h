@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json.h"
+#include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
 #include "perception/annotators/hypotheses/known_map.h"
 
