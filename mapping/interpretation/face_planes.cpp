@@ -142,13 +142,16 @@ std::vector<Face> faces_of(const std::vector<Piece>& pieces, std::vector<size_t>
   return faces;
 }
 
-/// Whether a plane is but the fringe of a stronger one: noise, mixed returns, panels a little behind it.
-bool same_face(const Face& strong, const Face& weak) {
-  if (strong.normal.dot(weak.normal) < kSameDirection) return false;
-  const Vector3d middle = weak.at((weak.u_min + weak.u_max) / 2, 0);
-  const Vector3d in_strong = strong.coordinates(middle);
-  return std::abs(in_strong.z()) < kSameFace && in_strong.x() > strong.u_min - kGap / 4 &&
-         in_strong.x() < strong.u_max + kGap / 4;
+/// Whether a piece of a plane is but the fringe of a stronger one that was found before: noise, mixed
+/// returns, panels a little behind it. Told piece by piece: a plane that is askew by less than a degree may
+/// run along behind a whole row of fronts and yet have a surface of its own elsewhere.
+bool is_fringe(const Piece& piece, const Vector2d& normal, const std::vector<Face>& stronger) {
+  return std::any_of(stronger.begin(), stronger.end(), [&](const Face& face) {
+    if (face.normal.dot(normal) < kSameDirection) return false;
+    const double u = face.right().dot(piece.position);
+    return std::abs(face.normal.dot(piece.position) - face.offset) < kSameFace && u > face.u_min - kGap / 4 &&
+           u < face.u_max + kGap / 4;
+  });
 }
 
 }  // namespace
@@ -164,17 +167,18 @@ std::vector<Face> find_faces(const Surface& surface, double floor_height) {
     if (peak.votes < fewest) break;
     Vector2d normal = peak.normal;
     double offset = peak.offset;
-    const std::vector<size_t> inliers = refine(pieces, normal, offset);
-    const std::vector<Face> found = faces_of(pieces, inliers, normal, offset);
-    if (found.empty()) votes.forget(peak);
-    for (const size_t i :
-         found.empty() ? std::vector<size_t>() : inliers_of(pieces, normal, offset, kTaken)) {
+    std::vector<size_t> inliers = refine(pieces, normal, offset);
+    if (faces_of(pieces, inliers, normal, offset).empty()) {
+      votes.forget(peak);
+      continue;
+    }
+    for (const size_t i : inliers_of(pieces, normal, offset, kTaken)) {
       pieces[i].taken = true;
       votes.vote(pieces[i].position, pieces[i].normal, -1);
     }
-    for (const Face& face : found)
-      if (std::none_of(faces.begin(), faces.end(), [&](const Face& other) { return same_face(other, face); }))
-        faces.push_back(face);
+    std::erase_if(inliers, [&](size_t i) { return is_fringe(pieces[i], normal, faces); });
+    const std::vector<Face> found = faces_of(pieces, inliers, normal, offset);
+    faces.insert(faces.end(), found.begin(), found.end());
   }
   return faces;
 }

@@ -79,7 +79,7 @@ TEST(Commands, SuggestTheNearestForAnUnknownOne) {
 }
 
 TEST(Commands, ThatArePlannedSayThatTheyAreNotBuilt) {
-  const Outcome outcome = run("loci-perceive train");
+  const Outcome outcome = run("loci-perceive annotate");
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_THAT(outcome.error, testing::HasSubstr("not built yet"));
 }
