@@ -1,7 +1,6 @@
-#include <unistd.h>
-
 #include "apps/evaluate/changes/comparison.h"
 #include "apps/evaluate/commands.h"
+#include "apps/evaluate/temporary_folder.h"
 #include "mapping/base/config.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
@@ -13,25 +12,6 @@
 
 namespace loci {
 namespace {
-
-/// A folder that goes away again.
-class TemporaryFolder {
- public:
-  TemporaryFolder()
-      : path_(std::filesystem::temp_directory_path() / ("loci-evaluate-" + std::to_string(getpid()))) {
-    make_folder(path_);
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 struct Arguments {
   std::string folder;
@@ -72,7 +52,7 @@ void run(const Arguments& arguments, Session& session) {
   std::vector<int64_t> frames;
   for (size_t i = 0; i < recording->size(); ++i) frames.push_back(recording->index_of(i));
   const changes::Truth truth = changes::read_truth(arguments.folder, frames);
-  const TemporaryFolder folder;
+  const TemporaryFolder folder("changes");
   const std::filesystem::path memory =
       arguments.memory.empty() ? folder.path() / "memory.loci" : std::filesystem::path(arguments.memory);
   perceive(arguments, recording, memory, session);

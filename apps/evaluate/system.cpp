@@ -1,7 +1,6 @@
-#include <unistd.h>
-
 #include "apps/evaluate/commands.h"
 #include "apps/evaluate/system/experiment.h"
+#include "apps/evaluate/temporary_folder.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 
@@ -13,24 +12,12 @@ struct Arguments {
   std::string output;
 };
 
-/// Where recording and memory go that nobody wants to keep.
-struct Scratch {
-  Scratch() : path(std::filesystem::temp_directory_path() / ("loci-system-" + std::to_string(getpid()))) {}
-  ~Scratch() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  const std::filesystem::path path;
-};
-
 void run(Arguments& arguments, Session& session) {
   table_of(arguments.options).validate();
   arguments.options.threads = session.flags().threads;
-  const Scratch scratch;
+  const TemporaryFolder scratch("system");
   const std::filesystem::path folder =
-      arguments.output.empty() ? scratch.path : std::filesystem::path(arguments.output);
+      arguments.output.empty() ? scratch.path() : std::filesystem::path(arguments.output);
   make_folder(folder);
   const system_evaluation::SystemResult result =
       run_system(arguments.options, folder, session.progress(), session.warnings());

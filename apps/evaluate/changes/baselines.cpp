@@ -1,7 +1,7 @@
 #include <algorithm>
-#include <tuple>
 
 #include "apps/evaluate/changes/story.h"
+#include "apps/evaluate/pairing.h"
 #include "memory/belief/similarity.h"
 
 namespace loci::changes {
@@ -12,8 +12,6 @@ constexpr double kLeastCombined = 0.2;   ///< RoboSherlock's
 constexpr double kMoved = 0.05;          ///< metres between two looks; visible parts differ by less
 constexpr double kLeastSimilar = 0.5;    ///< below, it looks different
 constexpr double kNear = 0.3, kFar = 5;  ///< metres that a camera sees
-
-using Pairs = std::vector<std::pair<size_t, size_t>>;
 
 /// An object as it was seen last.
 struct Entry {
@@ -41,44 +39,15 @@ bool in_picture(const Vector3d& point, const Moment& moment) {
 }
 
 Pairs greedy_pairs(const std::vector<Entry>& old, const std::vector<Sight>& seen) {
-  std::vector<size_t> best_seen(old.size(), seen.size()), best_old(seen.size(), old.size());
-  std::vector<double> most_of_seen(seen.size(), kLeastCombined);
-  for (size_t o = 0; o < old.size(); ++o) {
-    double most = 0;
-    for (size_t k = 0; k < seen.size(); ++k) {
-      const double proximity = belief::gaussian_closeness(distance(old[o], seen[k]), kReach);
-      const double value = 0.5 * similar(old[o], seen[k]) + 0.5 * proximity;
-      if (value > most) {
-        most = value;
-        best_seen[o] = k;
-      }
-      if (value > most_of_seen[k]) {
-        most_of_seen[k] = value;
-        best_old[k] = o;
-      }
-    }
-  }
-  Pairs pairs;
-  for (size_t k = 0; k < seen.size(); ++k)
-    if (best_old[k] < old.size() && best_seen[best_old[k]] == k) pairs.emplace_back(best_old[k], k);
-  return pairs;
+  return mutual_best(old.size(), seen.size(), kLeastCombined, [&](size_t o, size_t k) {
+    const double proximity = belief::gaussian_closeness(distance(old[o], seen[k]), kReach);
+    return 0.5 * similar(old[o], seen[k]) + 0.5 * proximity;
+  });
 }
 
 Pairs nearest_pairs(const std::vector<Entry>& old, const std::vector<Sight>& seen) {
-  std::vector<std::tuple<double, size_t, size_t>> candidates;
-  for (size_t o = 0; o < old.size(); ++o)
-    for (size_t k = 0; k < seen.size(); ++k)
-      if (distance(old[o], seen[k]) <= kReach) candidates.emplace_back(distance(old[o], seen[k]), o, k);
-  std::sort(candidates.begin(), candidates.end());
-  std::set<size_t> old_taken, seen_taken;
-  Pairs pairs;
-  for (const auto& [ignored, o, k] : candidates) {
-    if (old_taken.contains(o) || seen_taken.contains(k)) continue;
-    old_taken.insert(o);
-    seen_taken.insert(k);
-    pairs.emplace_back(o, k);
-  }
-  return pairs;
+  return nearest_first(old.size(), seen.size(), kReach,
+                       [&](size_t o, size_t k) { return distance(old[o], seen[k]); });
 }
 
 template <class PairUp>

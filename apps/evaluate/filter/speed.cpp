@@ -5,12 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <ctime>
-#include <filesystem>
 #include <functional>
 
 #include "apps/evaluate/filter/crowd.h"
 #include "apps/evaluate/filter/rays.h"
+#include "apps/evaluate/temporary_folder.h"
 #include "mapping/base/files.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/render/render.h"
@@ -21,26 +20,6 @@ namespace {
 double processor_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
-
-/// Goes when it is left, with what is in it.
-class TemporaryFolder {
- public:
-  TemporaryFolder()
-      : path_(std::filesystem::temp_directory_path() /
-              fmt::format("loci_robot_{}", Random(static_cast<uint64_t>(std::time(nullptr))).bits())) {
-    make_folder(path_);
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 Time best_time(int repeats, const std::function<void()>& work) {
   Time best;
@@ -157,7 +136,7 @@ Speed measure_speed(const SpeedOptions& options, Progress& progress) {
                    fmt::format("{} meshes", counts[i]));
     speed.crowds.push_back(time_crowd(counts[i], meshes, poses, options));
   }
-  const TemporaryFolder folder;
+  const TemporaryFolder folder("robot");
   const World robot = random_robot(folder.path(), random);
   for (const int count : steps_to(options.robots, options.steps)) {
     progress.check(0.7 + 0.3 * count / options.robots, fmt::format("{} robots", count));

@@ -1,12 +1,12 @@
 #include <algorithm>
+#include <limits>
 
 #include "apps/evaluate/identity/model.h"
+#include "apps/evaluate/pairing.h"
 #include "memory/identity/matchings.h"
 
 namespace loci::identity_experiment {
 namespace {
-
-using Pairs = std::vector<std::pair<size_t, size_t>>;
 
 /// Methods that pair up and know no probabilities. What stays alone in view is gone, out of view it is
 /// hidden.
@@ -51,54 +51,18 @@ constexpr double kLeastCombined = 0.2;
 /// RoboSherlock's ObjectIdentityResolution: who is each other's best is the same, if they are alike enough.
 class GreedyModel : public PairingModel {
   Pairs pair_up(const std::vector<Entry>& old, const std::vector<Measurement>& seen) const override {
-    std::vector<size_t> best_seen(old.size(), 0), best_old(seen.size(), 0);
-    std::vector<double> most_of_seen(seen.size(), 0);
-    for (size_t o = 0; o < old.size(); ++o) {
-      double most = 0;
-      for (size_t k = 0; k < seen.size(); ++k) {
-        const double value = combined(old[o], seen[k]);
-        if (value > most) {
-          most = value;
-          best_seen[o] = k;
-        }
-        if (value > most_of_seen[k]) {
-          most_of_seen[k] = value;
-          best_old[k] = o;
-        }
-      }
-    }
-    Pairs pairs;
-    for (size_t k = 0; k < seen.size(); ++k)
-      if (most_of_seen[k] > kLeastCombined && best_seen[best_old[k]] == k) pairs.emplace_back(best_old[k], k);
-    return pairs;
+    return mutual_best(old.size(), seen.size(), kLeastCombined,
+                       [&](size_t o, size_t k) { return combined(old[o], seen[k]); });
   }
 };
 
 /// A tracker of positions: the nearest first.
 class NearestModel : public PairingModel {
   Pairs pair_up(const std::vector<Entry>& old, const std::vector<Measurement>& seen) const override {
-    struct Candidate {
-      double distance;
-      size_t old, seen;
-    };
-    std::vector<Candidate> candidates;
-    for (size_t o = 0; o < old.size(); ++o)
-      for (size_t k = 0; k < seen.size(); ++k) {
-        const double distance = (old[o].last.position - seen[k].position).norm();
-        if (old[o].last.table == seen[k].table && distance <= kEffectiveScale)
-          candidates.push_back({distance, o, k});
-      }
-    std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-      return std::tie(a.distance, a.old, a.seen) < std::tie(b.distance, b.old, b.seen);
+    return nearest_first(old.size(), seen.size(), kEffectiveScale, [&](size_t o, size_t k) {
+      return old[o].last.table == seen[k].table ? (old[o].last.position - seen[k].position).norm()
+                                                : std::numeric_limits<double>::infinity();
     });
-    std::vector<bool> old_taken(old.size()), seen_taken(seen.size());
-    Pairs pairs;
-    for (const Candidate& candidate : candidates) {
-      if (old_taken[candidate.old] || seen_taken[candidate.seen]) continue;
-      old_taken[candidate.old] = seen_taken[candidate.seen] = true;
-      pairs.emplace_back(candidate.old, candidate.seen);
-    }
-    return pairs;
   }
   Explanation explain(const Entry&, const Measurement&) const override { return Explanation::stay; }
 };
