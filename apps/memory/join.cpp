@@ -9,6 +9,7 @@
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
 #include "mapping/base/json.h"
+#include "memory/store/copy.h"
 #include "memory/store/merge.h"
 #include "memory/store/retention.h"
 

@@ -8,6 +8,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "memory/recorder/forget.h"
+#include "memory/store/copy.h"
 
 namespace loci {
 namespace {

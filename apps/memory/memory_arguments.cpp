@@ -58,15 +58,4 @@ Declare about_place() {
   };
 }
 
-void copy_memory(const std::filesystem::path& from, const std::filesystem::path& to) {
-  std::error_code none;
-  const std::filesystem::path log = from.string() + "-wal";
-  if (std::filesystem::exists(log, none) && std::filesystem::file_size(log, none) > 0)
-    throw Error("another program is writing to this memory", {from.string(), 0, {}},
-                "wait until it has finished");
-  std::error_code code;
-  std::filesystem::copy_file(from, to, std::filesystem::copy_options::overwrite_existing, code);
-  if (code) throw Error("cannot be written: " + code.message(), {to.string(), 0, {}});
-}
-
 }  // namespace loci

@@ -89,9 +89,6 @@ Declare about_span() {
   };
 }
 
-/// Copies a memory that nobody writes: then all of it is in the one file.
-void copy_memory(const std::filesystem::path& from, const std::filesystem::path& to);
-
 /// What is on or in a place.
 Declare about_place();
 

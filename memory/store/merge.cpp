@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "mapping/base/json.h"
+#include "memory/store/copy.h"
 #include "memory/store/database.h"
 #include "memory/store/schema.h"
 
@@ -90,13 +91,7 @@ const std::vector<Joined>& joined_tables() {
 /// Copies a memory and brings the copy to this program's format.
 void copy_as_of_now(const fs::path& from, const fs::path& to) {
   { const Store check = Store::open_read(from); }
-  std::error_code code;
-  const fs::path log = from.string() + "-wal";
-  if (fs::exists(log, code) && fs::file_size(log, code) > 0)
-    throw Error("another program is writing to this memory", {from.string(), 0, {}},
-                "wait until it has finished");
-  fs::copy_file(from, to, fs::copy_options::overwrite_existing, code);
-  if (code) throw Error("cannot be written: " + code.message(), {to.string(), 0, {}});
+  copy_memory(from, to);
   { Store::open_write(to); }
 }
 

@@ -94,8 +94,12 @@ TEST_F(PerceiveIntoMemory, RecordingIsKnownByItsContentNotItsPath) {
 }
 
 TEST_F(PerceiveIntoMemory, InterruptLeavesWholeScenesAndExits130) {
-  const int status = run_and_signal("stopped.loci", "", SIGINT, std::chrono::milliseconds(400));
-  if (WIFSIGNALED(status)) GTEST_SKIP() << "the signal came before the program listened";
+  // On a busy machine the first signals may come before the program listens.
+  int status = 0;
+  for (int wait_ms = 400; wait_ms <= 3200; wait_ms *= 2) {
+    status = run_and_signal("stopped.loci", "--resume", SIGINT, std::chrono::milliseconds(wait_ms));
+    if (WIFEXITED(status)) break;
+  }
   ASSERT_TRUE(WIFEXITED(status));
   if (WEXITSTATUS(status) == 0) GTEST_SKIP() << "it was done before the signal came";
   EXPECT_EQ(WEXITSTATUS(status), 130);

@@ -30,10 +30,7 @@ std::vector<float> esf(const SurfacePoints& surface) {
   for (const Eigen::Vector3f& p : surface.points) cloud->push_back({p.x(), p.y(), p.z(), 0});
   pcl::ESFEstimation<pcl::PointXYZL, pcl::ESFSignature640> estimator;
   estimator.setInputCloud(cloud);
-  pcl::PointCloud<pcl::ESFSignature640> signatures;
-  estimator.compute(signatures);
-  return mean_of(
-      signatures, [](const auto& signature) -> const auto& { return signature.histogram; });
+  return mean_histogram<pcl::ESFSignature640>(estimator);
 }
 
 }  // namespace loci::feature_delegates

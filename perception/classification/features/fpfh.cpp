@@ -11,10 +11,7 @@ std::vector<float> fpfh(const SurfacePoints& surface) {
   prepare(estimator, clouds);
   estimator.setIndices(some_of(clouds, kSpread));
   estimator.setRadiusSearch(kRadius);
-  pcl::PointCloud<pcl::FPFHSignature33> signatures;
-  estimator.compute(signatures);
-  return mean_of(
-      signatures, [](const auto& signature) -> const auto& { return signature.histogram; });
+  return mean_histogram<pcl::FPFHSignature33>(estimator);
 }
 
 }  // namespace loci::feature_delegates

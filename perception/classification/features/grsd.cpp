@@ -9,10 +9,7 @@ std::vector<float> grsd(const SurfacePoints& surface) {
   pcl::GRSDEstimation<pcl::PointXYZ, pcl::Normal, pcl::GRSDSignature21> estimator;
   prepare(estimator, PclClouds(surface));
   estimator.setRadiusSearch(kRadius);
-  pcl::PointCloud<pcl::GRSDSignature21> signatures;
-  estimator.compute(signatures);
-  return mean_of(
-      signatures, [](const auto& signature) -> const auto& { return signature.histogram; });
+  return mean_histogram<pcl::GRSDSignature21>(estimator);
 }
 
 }  // namespace loci::feature_delegates

@@ -53,6 +53,15 @@ std::vector<float> mean_of(const Cloud& signatures, const Values& values_of) {
   return mean;
 }
 
+/// Computes signatures and takes the mean of their histograms.
+template <class Signature, class Estimator>
+std::vector<float> mean_histogram(Estimator& estimator) {
+  pcl::PointCloud<Signature> signatures;
+  estimator.compute(signatures);
+  return mean_of(
+      signatures, [](const auto& signature) -> const auto& { return signature.histogram; });
+}
+
 /// About `most` points spread evenly over the order of the points.
 inline pcl::IndicesPtr some_of(const PclClouds& clouds, size_t most) {
   auto indices = std::make_shared<pcl::Indices>();

@@ -12,10 +12,7 @@ std::vector<float> spin_image(const SurfacePoints& surface) {
   estimator.setIndices(some_of(clouds, kSpread));
   estimator.setSearchSurface(clouds.points);
   estimator.setRadiusSearch(kRadius);
-  pcl::PointCloud<pcl::Histogram<153>> signatures;
-  estimator.compute(signatures);
-  return mean_of(
-      signatures, [](const auto& signature) -> const auto& { return signature.histogram; });
+  return mean_histogram<pcl::Histogram<153>>(estimator);
 }
 
 }  // namespace loci::feature_delegates

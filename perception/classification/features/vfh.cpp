@@ -7,10 +7,7 @@ namespace loci::feature_delegates {
 std::vector<float> vfh(const SurfacePoints& surface) {
   pcl::VFHEstimation<pcl::PointXYZ, pcl::Normal, pcl::VFHSignature308> estimator;
   prepare(estimator, PclClouds(surface));
-  pcl::PointCloud<pcl::VFHSignature308> signatures;
-  estimator.compute(signatures);
-  return mean_of(
-      signatures, [](const auto& signature) -> const auto& { return signature.histogram; });
+  return mean_histogram<pcl::VFHSignature308>(estimator);
 }
 
 }  // namespace loci::feature_delegates
