@@ -35,6 +35,15 @@ struct PlaceRef {
   bool container = false;  ///< things are in it rather than on it
 };
 
+/// Where an object may be instead: something there was taken for something else.
+struct Alternative {
+  double probability = 0;
+  std::optional<PlaceRef> place = {};
+  std::optional<Vector3d> position = {};
+  SceneRef scene = {};
+  std::optional<ObjectRef> taken_for = {};  ///< unset = for a false cluster
+};
+
 /// What is believed about an object.
 struct ObjectState {
   ObjectRef object = {};
@@ -50,6 +59,8 @@ struct ObjectState {
   size_t looks_hidden = 0;
   size_t looks_missed = 0;
   std::optional<SceneRef> looked_for = {};  ///< the last of those that saw its place without it
+  /// Since it was last seen, that scene included; where only `where` asks for them.
+  std::vector<Alternative> alternatives = {};
 };
 
 /// Something that happened.

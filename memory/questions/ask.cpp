@@ -47,13 +47,34 @@ bool more_probable(const ObjectState& a, const ObjectState& b) {
   return a.probability != b.probability ? a.probability > b.probability : a.object.id < b.object.id;
 }
 
+std::vector<Alternative> alternatives_of(const Store& store, const Snapshot& snapshot,
+                                         const ObjectState& state, const AsOf& as_of) {
+  std::vector<Alternative> alternatives;
+  if (!state.last_seen) return alternatives;
+  for (const Sighting& sighting : store.doubtful_sightings(state.object.id, state.last_seen->time, as_of)) {
+    Alternative alternative;
+    alternative.probability = sighting.association.probability;
+    alternative.place = snapshot.place_ref(sighting.observation.place);
+    alternative.position = sighting.observation.position;
+    alternative.scene = *snapshot.scene_ref(sighting.association.scene);
+    for (const AssociationRow& row : store.associations(sighting.association.scene, as_of))
+      if (row.chosen && row.object && row.observation == sighting.observation.id)
+        alternative.taken_for = snapshot.object_ref(*row.object);
+    alternatives.push_back(std::move(alternative));
+  }
+  return alternatives;
+}
+
 }  // namespace
 
 WhereAnswer ask(const Store& store, const WhereQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
   WhereAnswer answer{.asked = question.subject};
-  for (const Id object : snapshot.find_objects(question.subject))
-    answer.objects.push_back(snapshot.state(*snapshot.belief(object)));
+  for (const Id object : snapshot.find_objects(question.subject)) {
+    ObjectState state = snapshot.state(*snapshot.belief(object));
+    state.alternatives = alternatives_of(store, snapshot, state, question.as_of);
+    answer.objects.push_back(std::move(state));
+  }
   return answer;
 }
 

@@ -201,7 +201,14 @@ std::string to_text(const WhereAnswer& answer, const TimeWriter& times) {
   std::vector<std::string> lines;
   if (answer.objects.size() > 1)
     lines.push_back(fmt::format("'{}' is {} objects:", answer.asked, answer.objects.size()));
-  for (const ObjectState& state : answer.objects) lines.push_back(state_text(state, times));
+  for (const ObjectState& state : answer.objects) {
+    lines.push_back(state_text(state, times));
+    for (const Alternative& other : state.alternatives)
+      lines.push_back(fmt::format("  or else {} ({}): what was seen there in scene {} is taken for {}",
+                                  spot_text(other.place, other.position), percent(other.probability),
+                                  other.scene.scene,
+                                  other.taken_for ? object_text(*other.taken_for) : "a false cluster"));
+  }
   return lines_text(lines);
 }
 

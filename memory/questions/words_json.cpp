@@ -129,7 +129,20 @@ Json was_json(const WasObject& object) {
 }  // namespace
 
 Json to_json(const WhereAnswer& answer) {
-  return {{"asked", answer.asked}, {"objects", states_json(answer.objects)}};
+  Json json = {{"asked", answer.asked}, {"objects", Json::array()}};
+  for (const ObjectState& state : answer.objects) {
+    Json entry = state_json(state);
+    entry["alternatives"] = Json::array();
+    for (const Alternative& other : state.alternatives) {
+      Json one = {{"probability", other.probability}, {"scene", scene_json(other.scene)}};
+      put(one, "place", other.place, place_json);
+      put(one, "position", other.position, vector_json);
+      put(one, "taken_for", other.taken_for, object_json);
+      entry["alternatives"].push_back(one);
+    }
+    json["objects"].push_back(entry);
+  }
+  return json;
 }
 
 Json to_json(const HistoryAnswer& answer) {

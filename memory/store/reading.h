@@ -17,6 +17,7 @@ std::string range_condition(const char* column, std::optional<TimeNs> from, std:
                             std::vector<SqlValue>& values);
 
 BeliefRow belief_row(const SqlRow& row);
+AssociationRow association_row(const SqlRow& row);
 
 template <class Row, class Read>
 std::vector<Row> all(Store::Implementation& store, const std::string& text,

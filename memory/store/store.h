@@ -143,6 +143,10 @@ class Store {
     std::optional<Id> first_scene = {};
   };
   SightingCount count_sightings(Id object, const AsOf& as_of = {}) const;
+  /// What was taken for something else, or for a false cluster, but may be the object with a probability of
+  /// at least `least`: in scenes from `from` on, the last `scenes` of them, most probable first.
+  std::vector<Sighting> doubtful_sightings(Id object, TimeNs from, const AsOf& as_of = {},
+                                           double least = 0.05, size_t scenes = 20) const;
   /// What the scenes after `after` and up to `until` could tell about an object that none of them saw.
   struct LooksSince {
     size_t out_of_view = 0, hidden = 0, missed = 0;

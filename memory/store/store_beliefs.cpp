@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "memory/store/reading.h"
 
@@ -291,6 +292,41 @@ std::vector<std::string> Store::annotation_values() const {
           ? "SELECT DISTINCT value FROM term WHERE id IN (SELECT term FROM object_term) ORDER BY value"
           : "SELECT DISTINCT value FROM annotation WHERE observation IS NOT NULL ORDER BY value";
   return all<std::string>(*implementation_, text, {}, [](const SqlRow& row) { return row.text("value"); });
+}
+
+std::vector<Sighting> Store::doubtful_sightings(Id object, TimeNs from, const AsOf& as_of, double least,
+                                                size_t scenes) const {
+  std::vector<SqlValue> values = {sql(object), sql(from), sql(as_of.at.value_or(INT64_MAX)),
+                                  sql(static_cast<int64_t>(scenes))};
+  const std::string known = known_condition(as_of, values);
+  const auto rows = all<AssociationRow>(
+      *implementation_,
+      fmt::format(
+          "SELECT * FROM association_known WHERE scene IN (SELECT id FROM scene WHERE time >= ?2 AND "
+          "time <= ?3 ORDER BY time DESC LIMIT ?4) AND object = ?1 AND observation IS NOT NULL AND {} "
+          "ORDER BY id",
+          known),
+      values, association_row);
+  std::map<Id, AssociationRow> doubtful;  // by observation, its explanations together
+  for (const AssociationRow& row : rows) {
+    const auto [entry, fresh] = doubtful.try_emplace(*row.observation, row);
+    if (fresh) continue;
+    entry->second.probability += row.probability;
+    entry->second.chosen = entry->second.chosen || row.chosen;
+  }
+  std::vector<Sighting> result;
+  for (auto& [observation, association] : doubtful) {
+    if (association.chosen || association.probability < least) continue;
+    const SceneRow seen_in = scene(association.scene);
+    Sighting sighting{std::move(association), {}, seen_in.time, seen_in.recording, seen_in.frame_index};
+    for (ObservationRow& row : observations(seen_in.id))
+      if (row.id == observation) sighting.observation = std::move(row);
+    result.push_back(std::move(sighting));
+  }
+  std::stable_sort(result.begin(), result.end(), [](const Sighting& a, const Sighting& b) {
+    return a.association.probability > b.association.probability;
+  });
+  return result;
 }
 
 }  // namespace loci

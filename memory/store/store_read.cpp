@@ -119,19 +119,6 @@ ObservationRow observation_row(const SqlRow& row) {
   return result;
 }
 
-AssociationRow association_row(const SqlRow& row) {
-  AssociationRow result;
-  result.id = row.integer("id");
-  result.scene = row.integer("scene");
-  result.observation = row.optional_integer("observation");
-  result.object = row.optional_integer("object");
-  result.explanation = row.text("explanation");
-  result.probability = row.real("probability");
-  result.chosen = row.integer("chosen") != 0;
-  result.clock = row.clock();
-  return result;
-}
-
 EventRow event_row(const SqlRow& row) {
   EventRow result;
   result.id = row.integer("id");
@@ -153,6 +140,19 @@ EventRow event_row(const SqlRow& row) {
 }
 
 }  // namespace
+
+AssociationRow association_row(const SqlRow& row) {
+  AssociationRow result;
+  result.id = row.integer("id");
+  result.scene = row.integer("scene");
+  result.observation = row.optional_integer("observation");
+  result.object = row.optional_integer("object");
+  result.explanation = row.text("explanation");
+  result.probability = row.real("probability");
+  result.chosen = row.integer("chosen") != 0;
+  result.clock = row.clock();
+  return result;
+}
 
 BeliefRow belief_row(const SqlRow& row) {
   BeliefRow result;

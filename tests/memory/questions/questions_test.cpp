@@ -47,6 +47,41 @@ TEST_F(Questions, WhereFollowsAnObjectThroughTheDay) {
                         "(98 % sure), last seen at 10:30"));
 }
 
+TEST_F(Questions, WhereTellsWhatElseMayBeTheObject) {
+  store_.reset();
+  Id fresh = 0;
+  {
+    Store store = Store::open_write(file_);
+    SceneTransaction scene(store, store.begin_run("test", "{}"));
+    const Id id = scene.add_scene({.time = day_time("20:00")});
+    const Id seen = scene.add_observation(
+        {.scene = id, .number = 0, .position = Vector3d(0.2, 0.3, 0.8), .color = "red"});
+    fresh = scene.add_object({});
+    const auto considered = [&](Id object, const char* explanation, double probability) {
+      scene.add_association({.scene = id,
+                             .observation = seen,
+                             .object = object,
+                             .explanation = explanation,
+                             .probability = probability,
+                             .chosen = object == fresh});
+    };
+    considered(fresh, "appear", 0.6);
+    considered(1, "move", 0.3);
+    considered(1, "stay", 0.05);
+    considered(2, "move", 0.01);
+    scene.commit();
+  }
+  store_.emplace(Store::open_read(file_));
+  const WhereAnswer answer = ask(*store_, WhereQuestion{"object_1"});
+  ASSERT_EQ(answer.objects.at(0).alternatives.size(), 1U);
+  const Alternative& other = answer.objects[0].alternatives[0];
+  EXPECT_DOUBLE_EQ(other.probability, 0.35);
+  EXPECT_EQ(other.taken_for->id, fresh);
+  EXPECT_THAT(text(answer), HasSubstr("or else"));
+  EXPECT_NEAR(to_json(answer)["objects"][0]["alternatives"][0]["probability"].get<double>(), 0.35, 1e-12);
+  EXPECT_TRUE(where("object_2").alternatives.empty());
+}
+
 TEST_F(Questions, WhatIsOutOfViewStaysRemembered) {
   const ObjectState blue = where("blue", at("08:40"));
   EXPECT_EQ(blue.place->name, "table_1");
