@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <map>
 #include <memory>
+#include <optional>
 #include <regex>
 #include <vector>
 
@@ -63,17 +64,27 @@ MemoryOpener opener() {
   return [](const std::string& path, Progress& progress) { return open_memory_data(path, progress); };
 }
 
-void go_to(MainWindow& window, const BrowseOptions& options) {
-  const BrowserData& data = *window.browser().data();
+/// What the options choose, by the memory's own words.
+struct Target {
+  std::optional<TimeNs> time = {};
+  FoundThings things = {};
+};
+
+Target find_target(const BrowserData& data, const BrowseOptions& options) {
+  Target target;
+  if (!options.at.empty()) target.time = data.time_of(options.at);
+  if (options.select.empty() || data.scenes().empty()) return target;
+  target.things = data.find(options.select, target.time.value_or(data.scenes().back().time));
+  return target;
+}
+
+void go_to(MainWindow& window, const Target& target, const BrowseOptions& options) {
   SelectionModel& selection = window.browser().selection();
-  if (!options.at.empty()) selection.set_time(data.time_of(options.at));
-  if (!options.select.empty()) {
-    const FoundThings found = data.find(options.select, selection.time());
-    if (found.objects.empty())
-      selection.select_place(found.place);
-    else
-      selection.select_object(found.objects.front());
-  }
+  if (target.time) selection.set_time(*target.time);
+  if (!target.things.objects.empty())
+    selection.select_object(target.things.objects.front());
+  else if (!target.things.place.empty())
+    selection.select_place(target.things.place);
   if (!options.show.empty()) window.show_dock(options.show);
   if (options.ask.empty()) return;
   window.question_bar().open();
@@ -113,9 +124,10 @@ int take_picture(const BrowseOptions& options, std::unique_ptr<BrowserData> data
   WindowOptions window_options;
   window_options.remember = false;
   window_options.backend = backend;
+  const Target target = find_target(*data, options);
   MainWindow window(opener(), window_options);
   window.show_data(std::move(data));
-  go_to(window, options);
+  go_to(window, target, options);
   write_picture(window, options);
   return 0;
 }
@@ -125,11 +137,10 @@ int show_window(const BrowseOptions& options) {
   window.show();
   if (!options.file.empty())
     window.open(QString::fromStdString(options.file), [&window, &options] {
-      try {
-        go_to(window, options);
-      } catch (const Error& error) {
-        Q_EMIT window.browser().failed(QString::fromUtf8(error.what()));
-      }
+      window.browser().reader().read<Target>(
+          &window, "target", Urgency::moment,
+          [options](const BrowserData& memory) { return find_target(memory, options); },
+          [&window, &options](const Target& target) { go_to(window, target, options); });
     });
   return QApplication::exec();
 }

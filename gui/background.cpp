@@ -1,6 +1,15 @@
 #include "gui/background.h"
 
+#include <cstdint>
+
 namespace loci {
+namespace {
+uint64_t started = 0;  // work is only started in the thread of the windows
+}
+
+void note_background_work() {
+  ++started;
+}
 
 QString reason_of(const std::exception_ptr& error) {
   try {
@@ -10,9 +19,23 @@ QString reason_of(const std::exception_ptr& error) {
   }
 }
 
+QThreadPool& reading_pool() {
+  static QThreadPool* pool = [] {
+    auto* made = new QThreadPool(QThreadPool::globalInstance());
+    made->setMaxThreadCount(1);
+    return made;
+  }();
+  return *pool;
+}
+
 void finish_background() {
-  QThreadPool::globalInstance()->waitForDone();
-  QCoreApplication::sendPostedEvents();
+  uint64_t before = 0;
+  do {
+    before = started;
+    QThreadPool::globalInstance()->waitForDone();
+    reading_pool().waitForDone();
+    QCoreApplication::sendPostedEvents();
+  } while (started != before);
 }
 
 }  // namespace loci

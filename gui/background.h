@@ -10,12 +10,16 @@
 
 namespace loci {
 
+/// Counts what is started in the background, for finish_background().
+void note_background_work();
+
 /// Runs `work` in another thread and then, in the thread of the windows, `done` with its result or `failed`
 /// with the reason; neither when `owner` is gone by then.
 template <class Result>
 void in_background(QObject* owner, std::function<Result()> work, std::function<void(Result&)> done,
                    std::function<void(const std::exception_ptr&)> failed) {
   const QPointer<QObject> alive(owner);
+  note_background_work();
   QThreadPool::globalInstance()->start([=] {
     auto result = std::make_shared<std::unique_ptr<Result>>();
     std::exception_ptr error;
@@ -39,7 +43,9 @@ void in_background(QObject* owner, std::function<Result()> work, std::function<v
 
 /// What an exception says.
 QString reason_of(const std::exception_ptr& error);
-/// Waits until nothing runs in the background and what is done has been told.
+/// Where the memory is read for the views: one thread, which long work cannot hold up.
+QThreadPool& reading_pool();
+/// Waits until nothing runs in the background and what is done has been told, with all that follows from it.
 void finish_background();
 
 }  // namespace loci

@@ -18,45 +18,83 @@ TimeNs neighbour(const std::vector<TimeNs>& times, TimeNs time, int direction) {
   return here == times.begin() ? time : *(here - 1);
 }
 
+/// More points make a frame slower than 20 ms under software rendering and show nothing new.
+constexpr size_t kMaxPoints = 50000;
+
+Moment read_moment(const BrowserData& memory, TimeNs time, const Moment& before) {
+  Moment moment;
+  moment.belief = memory.belief_at(time);
+  const SceneEntry* entry = memory.scene_at(time);
+  if (entry == nullptr) return moment;
+  if (before.content && before.content->scene.id == entry->id) {
+    moment.content = before.content;
+    moment.cloud = before.cloud;
+    return moment;
+  }
+  try {
+    moment.content = std::make_shared<const SceneContent>(memory.scene(entry->id));
+    if (moment.content->map_from_camera)
+      moment.cloud = std::make_shared<const ColoredCloud>(frame_cloud(*moment.content, kMaxPoints));
+  } catch (const Error& error) {  // A picture is broken: what is believed can be shown nevertheless.
+    moment.problem = error.what();
+  }
+  return moment;
+}
+
 }  // namespace
 
 Browser::Browser(QObject* parent) : QObject(parent) {
   connect(&selection_, &SelectionModel::selected, this, &Browser::selected);
+  connect(&selection_, &SelectionModel::time_changed, this, &Browser::time_changed);
   connect(&selection_, &SelectionModel::time_changed, this, &Browser::refresh);
+  connect(&reader_, &MemoryReader::failed, this, &Browser::failed);
 }
 
 void Browser::open(std::shared_ptr<const BrowserData> data) {
   data_ = std::move(data);
+  reader_.set_data(data_);
   selection_.clear();
-  belief_ = {};
   {
     const QSignalBlocker quiet(selection_);
     selection_.set_time(data_ && !data_->scenes().empty() ? data_->scenes().back().time : 0);
   }
+  moment_ = {};
   Q_EMIT opened();
+  take({});
   refresh();
 }
 
 void Browser::renew(std::shared_ptr<const BrowserData> data) {
   const bool at_end = data_ && !data_->scenes().empty() && selection_.time() >= data_->scenes().back().time;
   data_ = std::move(data);
+  reader_.set_data(data_);
   if (at_end || selection_.time() == 0) {
     const QSignalBlocker quiet(selection_);
     if (!data_->scenes().empty()) selection_.set_time(data_->scenes().back().time);
   }
   Q_EMIT opened();
-  refresh();
+  Q_EMIT time_changed();
+  read(Moment{});  // names in what was read may have changed
   Q_EMIT selected();
 }
 
 void Browser::refresh() {
-  try {
-    belief_ = data_ ? data_->belief_at(selection_.time()) : BelievedScene{};
-  } catch (const Error& error) {
-    belief_ = {};
-    Q_EMIT failed(QString::fromUtf8(error.what()));
-  }
+  read(moment_);
+}
+
+void Browser::read(const Moment& before) {
+  reader_.read<Moment>(
+      this, "moment", Urgency::moment,
+      [time = selection_.time(), before](const BrowserData& memory) {
+        return read_moment(memory, time, before);
+      },
+      [this](Moment& moment) { take(std::move(moment)); });
+}
+
+void Browser::take(Moment moment) {
+  moment_ = std::move(moment);
   Q_EMIT belief_changed();
+  if (!moment_.problem.empty()) Q_EMIT failed(QString::fromStdString(moment_.problem));
 }
 
 const SceneEntry* Browser::scene() const {
@@ -64,24 +102,27 @@ const SceneEntry* Browser::scene() const {
 }
 
 const BelievedObject* Browser::selected_object() const {
-  return selection_.object() ? belief_.find(*selection_.object()) : nullptr;
+  return selection_.object() ? belief().find(*selection_.object()) : nullptr;
 }
 
 void Browser::step(int direction) {
-  if (!data_) return;
-  std::vector<TimeNs> times;
-  for (const SceneEntry& scene : data_->scenes()) times.push_back(scene.time);
-  selection_.set_time(neighbour(times, selection_.time(), direction));
+  if (!data_ || data_->scenes().empty()) return;
+  const auto& scenes = data_->scenes();
+  const auto earlier = [](const SceneEntry& scene, TimeNs t) { return scene.time < t; };
+  const TimeNs now = selection_.time();
+  const auto next = std::lower_bound(scenes.begin(), scenes.end(), direction > 0 ? now + 1 : now, earlier);
+  if (direction > 0 ? next != scenes.end() : next != scenes.begin())
+    selection_.set_time(direction > 0 ? next->time : (next - 1)->time);
 }
 
 void Browser::step_observation(int direction) {
-  if (!data_) return;
   if (!selection_.object()) return step(direction);
-  try {
-    selection_.set_time(neighbour(data_->observations(*selection_.object()), selection_.time(), direction));
-  } catch (const Error& error) {
-    Q_EMIT failed(QString::fromUtf8(error.what()));
-  }
+  reader_.read<std::vector<TimeNs>>(
+      this, "step", Urgency::moment,
+      [object = *selection_.object()](const BrowserData& memory) { return memory.observations(object); },
+      [this, direction](const std::vector<TimeNs>& times) {
+        selection_.set_time(neighbour(times, selection_.time(), direction));
+      });
 }
 
 void Browser::to_first() {

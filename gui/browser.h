@@ -4,12 +4,23 @@
 #include <memory>
 
 #include "gui/data/browser_data.h"
+#include "gui/data/frame_cloud.h"
+#include "gui/memory_reader.h"
 #include "gui/selection.h"
 
 namespace loci {
 
+/// What is shown of one time.
+struct Moment {
+  BelievedScene belief = {};
+  std::shared_ptr<const SceneContent> content = {};  ///< of the scene that the time falls into; null = none
+  std::shared_ptr<const ColoredCloud> cloud = {};    ///< its points; null = none
+  std::string problem = {};                          ///< why the scene could not be read; empty = it could
+};
+
 /// One open memory, what is chosen in it, and what is believed at the chosen time: what all views share. The
-/// views read from here and write only to the selection.
+/// views read from here and write only to the selection. What is believed is read in the background: it
+/// follows the chosen time, and times that are passed too quickly are left out.
 class Browser : public QObject {
   Q_OBJECT
 
@@ -27,7 +38,11 @@ class Browser : public QObject {
   /// For work in another thread, which may outlast what is open.
   std::shared_ptr<const BrowserData> shared_data() const { return data_; }
   SelectionModel& selection() { return selection_; }
-  const BelievedScene& belief() const { return belief_; }
+  /// What was believed at belief().time, the last of the chosen times that has been read.
+  const BelievedScene& belief() const { return moment_.belief; }
+  const Moment& moment() const { return moment_; }
+  /// For what else the views read.
+  MemoryReader& reader() { return reader_; }
   /// The scene that the chosen time falls into; nullptr when there is none.
   const SceneEntry* scene() const;
   /// The chosen object as believed at the chosen time; nullptr = none.
@@ -42,16 +57,21 @@ class Browser : public QObject {
 
  Q_SIGNALS:
   void opened();          ///< another memory, or none
-  void belief_changed();  ///< another time
+  void time_changed();    ///< another time is chosen
+  void belief_changed();  ///< and what was believed then has been read
   void selected();        ///< another object or place
   void failed(const QString& message);
 
  private:
   void refresh();
+  /// Reads what is shown of the chosen time, but for what `before` has of the same scene.
+  void read(const Moment& before);
+  void take(Moment moment);
 
   std::shared_ptr<const BrowserData> data_;
   SelectionModel selection_;
-  BelievedScene belief_;
+  MemoryReader reader_;
+  Moment moment_;
 };
 
 }  // namespace loci

@@ -2,6 +2,7 @@
 
 #include <QMainWindow>
 #include <QStringList>
+#include <QTimer>
 #include <functional>
 
 #include "gui/browser.h"
@@ -84,6 +85,7 @@ class MainWindow : public QMainWindow {
   void build_file_menu();
   void build_edit_menu();
   void build_loading();
+  void show_reading();
   void build_time_menu();
   void build_select_menu();
   void build_view_menu();
@@ -120,6 +122,7 @@ class MainWindow : public QMainWindow {
   CompareView* compare_ = nullptr;
   QProgressBar* progress_ = nullptr;
   QToolButton* cancel_ = nullptr;
+  QTimer reading_;  ///< until it is told that something is read
   std::function<void()> opened_then_;
   QDockWidget* image_dock_ = nullptr;
   QMenu* recent_ = nullptr;

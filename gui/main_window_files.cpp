@@ -23,6 +23,7 @@ namespace {
 
 constexpr int kRecentFiles = 8;
 constexpr int kProgressWidth = 180;
+constexpr int kReadingShownMs = 400;
 
 }  // namespace
 
@@ -38,7 +39,21 @@ void MainWindow::build_loading() {
     statusBar()->addPermanentWidget(widget);
     widget->hide();
   }
-  connect(cancel_, &QToolButton::clicked, &loader_, &MemoryLoader::cancel);
+  connect(cancel_, &QToolButton::clicked, this, [this] {
+    if (loader_.is_loading())
+      loader_.cancel();
+    else
+      browser_.reader().cancel();
+  });
+  reading_.setSingleShot(true);
+  reading_.setInterval(kReadingShownMs);
+  connect(&reading_, &QTimer::timeout, this, &MainWindow::show_reading);
+  connect(&browser_.reader(), &MemoryReader::waiting_changed, this, [this] {
+    if (!progress_->isHidden())
+      show_reading();
+    else if (!reading_.isActive() && browser_.reader().waiting() > 0)
+      reading_.start();
+  });
   connect(&loader_, &MemoryLoader::progressed, this, [this](double fraction, const QString& text) {
     progress_->setValue(static_cast<int>(fraction * 1000));
     progress_->setFormat(text);
@@ -62,9 +77,20 @@ void MainWindow::build_loading() {
   });
 }
 
+/// What is read for the views is only told when it takes long.
+void MainWindow::show_reading() {
+  if (loader_.is_loading()) return;
+  const size_t waiting = browser_.reader().waiting();
+  progress_->setVisible(waiting > 0);
+  cancel_->setVisible(waiting > 0);
+  progress_->setRange(0, 0);
+  progress_->setFormat("reading");
+}
+
 void MainWindow::open(const QString& path, const std::function<void()>& then) {
   opened_then_ = then;
   loader_.load(path);
+  progress_->setRange(0, 1000);
   progress_->setValue(0);
   progress_->setFormat("opening");
   progress_->show();
@@ -80,7 +106,7 @@ void MainWindow::take_loaded(const QString& path, const MemoryLoader::Result& me
   opened_then_ = {};
   show_memory(memory);
   remember_file(path);
-  loader_.follow(path);
+  loader_.follow(path, memory);
   if (then) then();
 }
 

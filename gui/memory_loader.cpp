@@ -56,21 +56,32 @@ MemoryLoader::~MemoryLoader() {
   if (stop_) *stop_ = true;
 }
 
-void MemoryLoader::load(const QString& path, bool again) {
+void MemoryLoader::load(const QString& path) {
+  load(
+      path,
+      [opener = opener_, path](Progress& progress) -> Result { return opener(path.toStdString(), progress); },
+      false);
+}
+
+void MemoryLoader::load(const QString& path, std::function<Result(Progress&)> read, bool again) {
   if (stop_) *stop_ = true;
   stop_ = std::make_shared<std::atomic<bool>>(false);
   Q_EMIT started(path);
   const std::string state = state_of(path);
   in_background<Result>(
       this,
-      [opener = opener_, path, stop = stop_, self = QPointer<MemoryLoader>(this)]() -> Result {
+      [read = std::move(read), stop = stop_, self = QPointer<MemoryLoader>(this)] {
         ToldProgress progress(self, stop);
-        return opener(path.toStdString(), progress);
+        return read(progress);
       },
       [this, path, state, again, stop = stop_](Result& memory) {
         if (*stop) return;
         finish();
-        if (path == followed_) state_ = state;
+        last_state_ = state;
+        if (path == followed_) {
+          state_ = state;
+          memory_ = memory;
+        }
         Q_EMIT loaded(path, memory, again);
       },
       [this, path, again, stop = stop_](const std::exception_ptr& error) {
@@ -91,10 +102,11 @@ void MemoryLoader::finish() {
   Q_EMIT finished();
 }
 
-void MemoryLoader::follow(const QString& path) {
+void MemoryLoader::follow(const QString& path, Result memory) {
+  memory_ = std::move(memory);
   if (path == followed_) return;
   followed_ = path;
-  state_ = state_of(path);
+  state_ = last_state_;
   if (path.isEmpty())
     timer_.stop();
   else
@@ -102,11 +114,13 @@ void MemoryLoader::follow(const QString& path) {
 }
 
 void MemoryLoader::check() {
-  if (followed_.isEmpty() || is_loading()) return;
+  if (followed_.isEmpty() || memory_ == nullptr || is_loading()) return;
   const std::string state = state_of(followed_);
   if (state == state_ || state.empty()) return;
   state_ = state;
-  load(followed_, true);
+  load(
+      followed_, [memory = memory_](Progress& progress) -> Result { return memory->renewed(progress); },
+      true);
 }
 
 }  // namespace loci

@@ -26,12 +26,12 @@ class MemoryLoader : public QObject {
   explicit MemoryLoader(MemoryOpener opener, QObject* parent = nullptr);
   ~MemoryLoader() override;
 
-  /// What was being opened is given up. `again`: the memory that is open, because it has changed.
-  void load(const QString& path, bool again = false);
+  /// What was being opened is given up.
+  void load(const QString& path);
   void cancel();
   bool is_loading() const { return stop_ != nullptr; }
-  /// Loads the file again whenever a writer has changed it; empty = follows none.
-  void follow(const QString& path);
+  /// Reads what is new whenever a writer has changed the file of an open memory; empty = follows none.
+  void follow(const QString& path, Result memory = {});
   /// Looks now whether the followed file has changed.
   void check();
 
@@ -43,12 +43,15 @@ class MemoryLoader : public QObject {
   void finished();
 
  private:
+  void load(const QString& path, std::function<Result(Progress&)> read, bool again);
   void finish();
 
   MemoryOpener opener_;
   std::shared_ptr<std::atomic<bool>> stop_;  ///< set while something is loaded
   QString followed_;
-  std::string state_;  ///< of the followed file when it was loaded
+  Result memory_;           ///< as it was read last
+  std::string state_;       ///< of the followed file when it was loaded
+  std::string last_state_;  ///< of the file that was loaded last
   QTimer timer_;
 };
 

@@ -11,6 +11,7 @@
 #include "gui/data/question_answers.h"
 #include "mapping/base/joint_state.h"
 #include "mapping/base/pose.h"
+#include "mapping/base/progress.h"
 #include "mapping/base/time.h"
 #include "mapping/sensor/camera.h"
 #include "mapping/world/mesh.h"
@@ -120,10 +121,12 @@ struct MemoryInfo {
   int zone_minutes = 0;  ///< east of UTC, for showing times
   bool time_assumed = false;
   std::string summary;  ///< one line: scenes, objects, time span
+  size_t runs = 0;      ///< that wrote to it; while these are the same, it only grows at its end
 };
 
 /// What the browser shows, as plain values. The views know no database; tests may give them any memory.
-/// Functions throw Error.
+/// What stands before "Reading" is at hand; what stands after it takes time, may be called from any thread
+/// and throws Error.
 class BrowserData {
  public:
   virtual ~BrowserData() = default;
@@ -133,20 +136,28 @@ class BrowserData {
   virtual const std::vector<SceneEntry>& scenes() const = 0;
   /// In the order of time.
   virtual const std::vector<EventEntry>& events() const = 0;
-  /// The map; unset when the memory was made without one.
-  virtual const std::optional<World>& world() const = 0;
+  /// The map; nullptr when the memory was made without one. The same one when the memory has only grown.
+  virtual const World* world() const = 0;
   /// Places that the map does not draw, or all where there is none.
-  virtual std::vector<PlaceOutline> loose_places() const { return {}; }
+  virtual const std::vector<PlaceOutline>& loose_places() const = 0;
   /// Where the map's meshes are looked for.
   virtual MeshSearch mesh_search() const { return {}; }
+  /// The last scene at or before `time`, else the first; nullptr when there are none.
+  const SceneEntry* scene_at(TimeNs time) const;
+
+  // ---- Reading.
+
+  /// The same memory after its file has changed; what is new is read, what is old is taken over. Interrupted
+  /// when it is told to stop.
+  virtual std::unique_ptr<BrowserData> renewed(Progress& progress) const = 0;
   virtual BelievedScene belief_at(TimeNs time) const = 0;
   virtual SceneContent scene(int64_t id) const = 0;
   virtual std::vector<HistoryEntry> history(int64_t object) const = 0;
   /// Times at which the object was observed.
   virtual std::vector<TimeNs> observations(int64_t object) const = 0;
-  /// What each of scenes() could tell about an object, in their order.
-  virtual std::vector<Look> looks_for_object(int64_t object) const = 0;
-  virtual std::vector<Look> looks_at_place(const std::string& place) const = 0;
+  /// What each of scenes() from a number on could tell about an object, in their order.
+  virtual std::vector<Look> looks_for_object(int64_t object, size_t first_scene = 0) const = 0;
+  virtual std::vector<Look> looks_at_place(const std::string& place, size_t first_scene = 0) const = 0;
   /// The newest picture of an object at or before a time (CV_8UC3, BGR); empty when there is none.
   virtual cv::Mat picture(int64_t object, TimeNs time) const = 0;
 
@@ -157,13 +168,10 @@ class BrowserData {
   /// nearest names when they mean nothing.
   virtual FoundThings find(const std::string& words, TimeNs time) const = 0;
 
-  /// Questions in words. These three may be called from another thread.
+  /// Questions in words.
   virtual TypedAnswer answer(const TypedQuestion& question) const = 0;
   virtual std::vector<std::string> example_questions() const = 0;
   virtual std::vector<std::string> known_words() const = 0;
-
-  /// The last scene at or before `time`, else the first; nullptr when there are none.
-  const SceneEntry* scene_at(TimeNs time) const;
 };
 
 }  // namespace loci

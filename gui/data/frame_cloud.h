@@ -1,7 +1,7 @@
 #pragma once
 
 #include "gui/data/browser_data.h"
-#include "gui/scene3d/frame_actors.h"
+#include "gui/scene3d/colored_cloud.h"
 
 namespace loci {
 

@@ -4,14 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <mutex>
 #include <opencv2/imgproc.hpp>
+#include <unordered_map>
 
+#include "gui/data/memory_index.h"
 #include "mapping/image/image_io.h"
-#include "mapping/world/urdf.h"
 #include "memory/questions/people_time.h"
 #include "memory/questions/snapshot.h"
-#include "memory/questions/words.h"
 #include "memory/store/depth_thumbnail.h"
 #include "memory/store/feature_structures.h"
 #include "memory/store/store.h"
@@ -68,34 +68,27 @@ cv::Rect2d in_color_picture(const cv::Rect2d& roi, const std::optional<Vector3d>
 
 class MemoryData : public BrowserData {
  public:
-  MemoryData(const std::filesystem::path& path, Progress& progress)
-      : path_(path), store_(Store::open_read(path)) {
-    progress.check(0.1, "reading scenes");
-    for (const PlaceRow& place : store_.places()) places_[place.id] = place.name;
-    read_names();
-    read_scenes();
-    progress.check(0.3, "reading events");
-    read_events();
-    progress.check(0.9, "reading the map");
-    read_map();
-    describe();
+  MemoryData(const std::filesystem::path& path, const MemoryIndex* before, Progress& progress)
+      : path_(path), store_(Store::open_read(path)), index_(read_index(store_, before, progress)) {}
+
+  const MemoryInfo& info() const override { return index_.info; }
+  const std::vector<SceneEntry>& scenes() const override { return index_.scenes; }
+  const std::vector<EventEntry>& events() const override { return index_.events; }
+  const World* world() const override { return index_.world.get(); }
+  const std::vector<PlaceOutline>& loose_places() const override { return index_.loose_places; }
+  MeshSearch mesh_search() const override { return {{}, path_.parent_path()}; }
+
+  std::unique_ptr<BrowserData> renewed(Progress& progress) const override {
+    return std::make_unique<MemoryData>(path_, &index_, progress);
   }
-
-  const MemoryInfo& info() const override { return info_; }
-  const std::vector<SceneEntry>& scenes() const override { return scenes_; }
-  const std::vector<EventEntry>& events() const override { return events_; }
-  const std::optional<World>& world() const override { return world_; }
-  MeshSearch mesh_search() const override { return {{}, store_.path().parent_path()}; }
-
-  std::vector<PlaceOutline> loose_places() const override;
   BelievedScene belief_at(TimeNs time) const override;
   SceneContent scene(int64_t id) const override;
   std::vector<HistoryEntry> history(int64_t object) const override;
   std::vector<TimeNs> observations(int64_t object) const override;
-  std::vector<Look> looks_for_object(int64_t object) const override;
-  std::vector<Look> looks_at_place(const std::string& place) const override;
+  std::vector<Look> looks_for_object(int64_t object, size_t first_scene) const override;
+  std::vector<Look> looks_at_place(const std::string& place, size_t first_scene) const override;
   cv::Mat picture(int64_t object, TimeNs time) const override;
-  // A Store belongs to one thread: what may be asked from another opens its own.
+  // A Store belongs to one thread at a time; a question may take long and gets one of its own.
   TypedAnswer answer(const TypedQuestion& question) const override {
     return answer_question(Store::open_read(path_), question);
   }
@@ -107,96 +100,27 @@ class MemoryData : public BrowserData {
   FoundThings find(const std::string& words, TimeNs time) const override;
 
  private:
-  void read_names();
-  void read_scenes();
-  void read_events();
-  void read_map();
-  void describe();
-  std::string place_name(std::optional<Id> id) const;
-  std::string name_of(Id object) const;
   BelievedObject believed(const BeliefRow& row) const;
   const ObservationRow& observation(Id id) const;
   RgbdCamera cameras_of(const SceneRow& row) const;
-  SceneContent read_scene(const SceneRow& row) const;
   std::vector<ImageBox> boxes(const SceneRow& row, const SceneContent& content) const;
+  /// The numbers of the scenes from one on, which may have been added in another order than that of time.
+  Store::SceneRange range_from(size_t first_scene) const;
+  /// Calls `mark` with the place in `looks` of each scene that is in it.
+  template <class Mark>
+  void mark_scene(Id scene, size_t first_scene, Mark mark) const {
+    const auto found = index_.number_of_scene.find(scene);
+    if (found != index_.number_of_scene.end() && found->second >= first_scene)
+      mark(found->second - first_scene);
+  }
 
   std::filesystem::path path_;
+  mutable std::mutex mutex_;  ///< whoever reads from the store
   Store store_;
-  MemoryInfo info_;
-  std::map<Id, std::string> places_;
-  std::map<Id, std::string> aliases_, classes_, owners_;
-  std::vector<SceneEntry> scenes_;
-  std::map<Id, SceneRow> rows_;
-  std::map<Id, size_t> number_of_scene_;  ///< its index in scenes_
-  std::vector<EventEntry> events_;
-  std::optional<World> world_;
-  mutable std::optional<SceneContent> last_scene_;
-  mutable std::map<Id, ObservationRow> observations_;  ///< read once, asked for at every step in time
+  MemoryIndex index_;
+  mutable std::unordered_map<Id, ObservationRow>
+      observations_;  ///< read once, asked for at every step in time
 };
-
-void MemoryData::read_names() {
-  for (const FactRow& fact : store_.facts()) {
-    if (!fact.object || !fact.value) continue;
-    if (fact.key == "alias") aliases_[*fact.object] = *fact.value;
-    if (fact.key == "owner") owners_[*fact.object] = *fact.value;
-    if (fact.key == "class") classes_[*fact.object] = *fact.value;
-  }
-}
-
-void MemoryData::read_scenes() {
-  for (SceneRow& row : store_.scenes()) {
-    const std::string name =
-        row.frame_index ? fmt::format("frame {}", *row.frame_index) : fmt::format("scene {}", row.id);
-    number_of_scene_[row.id] = scenes_.size();
-    scenes_.push_back({row.id, row.time, name, row.map_from_camera});
-    rows_.emplace(row.id, std::move(row));
-  }
-}
-
-void MemoryData::read_events() {
-  for (const Change& change : ask(store_, ChangesQuestion{}).changes)
-    events_.push_back({change.time, change.kind, change.object ? change.object->id : 0, change_text(change)});
-  std::stable_sort(events_.begin(), events_.end(),
-                   [](const EventEntry& a, const EventEntry& b) { return a.time < b.time; });
-}
-
-void MemoryData::read_map() {
-  const auto maps = store_.maps();
-  if (maps.empty()) return;
-  const MapRow& newest = maps.back();
-  world_ = parse_urdf(store_.blob(newest.urdf).bytes, newest.name);
-}
-
-std::vector<PlaceOutline> MemoryData::loose_places() const {
-  std::vector<PlaceOutline> loose;
-  for (const PlaceRow& place : store_.places())
-    if (place.height && place.outline.size() > 2 && !(world_ && world_->find_link(place.name) != nullptr))
-      loose.push_back({place.name, place.outline, *place.height});
-  return loose;
-}
-
-void MemoryData::describe() {
-  info_.path = store_.path().string();
-  info_.schema = fmt::format("{}.{}", store_.major(), store_.minor());
-  info_.zone_minutes = store_.time_zone_minutes();
-  for (const RecordingRow& recording : store_.recordings()) info_.time_assumed |= recording.time_assumed;
-  const auto plural = [](size_t n, const char* what) {
-    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
-  };
-  info_.summary = fmt::format("{} · {} · {}", plural(scenes_.size(), "scene"),
-                              plural(store_.objects().size(), "object"), plural(events_.size(), "event"));
-  if (!world_) info_.summary += " · no map";
-}
-
-std::string MemoryData::place_name(std::optional<Id> id) const {
-  const auto found = id ? places_.find(*id) : places_.end();
-  return found == places_.end() ? std::string() : found->second;
-}
-
-std::string MemoryData::name_of(Id object) const {
-  const auto alias = aliases_.find(object);
-  return alias == aliases_.end() ? object_name(object) : alias->second;
-}
 
 const ObservationRow& MemoryData::observation(Id id) const {
   const auto found = observations_.find(id);
@@ -207,12 +131,13 @@ const ObservationRow& MemoryData::observation(Id id) const {
 BelievedObject MemoryData::believed(const BeliefRow& row) const {
   BelievedObject object;
   object.id = row.object;
-  object.name = name_of(row.object);
-  if (const auto found = classes_.find(row.object); found != classes_.end())
+  object.name = index_.name_of(row.object);
+  if (const auto found = index_.classes.find(row.object); found != index_.classes.end())
     object.class_name = found->second;
-  if (const auto found = owners_.find(row.object); found != owners_.end()) object.owner = found->second;
+  if (const auto found = index_.owners.find(row.object); found != index_.owners.end())
+    object.owner = found->second;
   object.color_name = row.color.value_or("");
-  object.place = place_name(row.place);
+  if (const std::string* place = index_.name_of_place(row.place)) object.place = *place;
   object.presence = presence_of(row.status);
   object.probability = row.probability;
   object.size = row.size.value_or(Vector3d::Zero());
@@ -234,16 +159,16 @@ BelievedObject MemoryData::believed(const BeliefRow& row) const {
   }
   if (placed) object.map_from_object = pose;
   if (row.last_scene)
-    if (const auto scene = rows_.find(*row.last_scene); scene != rows_.end())
-      object.last_seen = scene->second.time;
+    mark_scene(*row.last_scene, 0, [&](size_t number) { object.last_seen = index_.scenes[number].time; });
   return object;
 }
 
 BelievedScene MemoryData::belief_at(TimeNs time) const {
+  const std::lock_guard lock(mutex_);
   BelievedScene belief;
   belief.time = time;
   const SceneEntry* entry = scene_at(time);
-  if (entry != nullptr && entry->time <= time) belief.joints = rows_.at(entry->id).joints;
+  if (entry != nullptr && entry->time <= time) belief.joints = store_.scene(entry->id).joints;
   for (const BeliefRow& row : store_.beliefs({time, std::nullopt})) {
     belief.objects.push_back(believed(row));
     // A belief holds until the next one: what an earlier scene saw is remembered now.
@@ -255,7 +180,7 @@ BelievedScene MemoryData::belief_at(TimeNs time) const {
 }
 
 std::vector<ImageBox> MemoryData::boxes(const SceneRow& row, const SceneContent& content) const {
-  std::map<Id, Id> object_of;
+  std::unordered_map<Id, Id> object_of;
   for (const AssociationRow& association : store_.associations(row.id))
     if (association.chosen && association.observation && association.object && association.probability > 0)
       object_of[*association.observation] = *association.object;
@@ -265,7 +190,7 @@ std::vector<ImageBox> MemoryData::boxes(const SceneRow& row, const SceneContent&
     const auto found = object_of.find(seen.id);
     ImageBox box;
     box.object = found == object_of.end() ? 0 : found->second;
-    if (box.object != 0) box.name = name_of(box.object);
+    if (box.object != 0) box.name = index_.name_of(box.object);
     const auto& roi = *seen.roi;
     box.depth = cv::Rect2d(roi[0], roi[1], roi[2], roi[3]);
     box.color = in_color_picture(box.depth, seen.position, content);
@@ -293,22 +218,15 @@ RgbdCamera MemoryData::cameras_of(const SceneRow& row) const {
 }
 
 SceneContent MemoryData::scene(int64_t id) const {
-  const auto found = rows_.find(id);
-  if (found == rows_.end()) throw Error(fmt::format("no scene {}", id), {info_.path, 0, {}});
-  // Map and picture ask for the same scene one after the other.
-  if (!last_scene_ || last_scene_->scene.id != id) last_scene_ = read_scene(found->second);
-  return *last_scene_;
-}
-
-SceneContent MemoryData::read_scene(const SceneRow& row) const {
+  const std::lock_guard lock(mutex_);
+  const SceneRow row = store_.scene(id);
   SceneContent content;
-  content.scene =
-      *std::find_if(scenes_.begin(), scenes_.end(), [&](const SceneEntry& s) { return s.id == row.id; });
+  mark_scene(id, 0, [&](size_t number) { content.scene = index_.scenes[number]; });
   content.map_from_camera = row.map_from_camera;
   if (row.camera) content.camera = cameras_of(row);
   if (row.picture)
     content.color =
-        decode_color(store_.blob(*row.picture), fmt::format("{}: picture of scene {}", info_.path, row.id));
+        decode_color(store_.blob(*row.picture), fmt::format("{}: picture of scene {}", path_.string(), id));
   if (row.depth && row.depth_width > 0) {
     std::vector<float> depth = decode_depth_thumbnail(store_.blob(*row.depth).bytes);
     if (depth.size() == static_cast<size_t>(row.depth_width) * static_cast<size_t>(row.depth_height))
@@ -319,6 +237,7 @@ SceneContent MemoryData::read_scene(const SceneRow& row) const {
 }
 
 std::vector<HistoryEntry> MemoryData::history(int64_t object) const {
+  const std::lock_guard lock(mutex_);
   std::vector<HistoryEntry> entries;
   for (const ObjectHistory& history : ask(store_, HistoryQuestion{object_name(object), {}}).objects)
     for (const Change& change : history.changes) {
@@ -331,53 +250,70 @@ std::vector<HistoryEntry> MemoryData::history(int64_t object) const {
 }
 
 std::vector<TimeNs> MemoryData::observations(int64_t object) const {
+  const std::lock_guard lock(mutex_);
   std::vector<TimeNs> times;
   for (const Sighting& sighting : store_.sightings(object)) times.push_back(sighting.time);
   return times;
 }
 
-std::vector<Look> MemoryData::looks_for_object(int64_t object) const {
-  std::vector<Look> looks(scenes_.size(), Look::nothing);
-  for (const VisibilityRow& row : store_.visibility_of_object(object))
-    if (const auto scene = number_of_scene_.find(row.scene); scene != number_of_scene_.end())
-      if (row.status == "missed") looks[scene->second] = Look::missed;
-  for (const Sighting& sighting : store_.sightings(object))
-    if (const auto scene = number_of_scene_.find(sighting.observation.scene); scene != number_of_scene_.end())
-      looks[scene->second] = Look::seen;
+Store::SceneRange MemoryData::range_from(size_t first_scene) const {
+  if (first_scene == 0 || first_scene >= index_.scenes.size()) return {};
+  Id least = index_.scenes[first_scene].id;
+  for (size_t i = first_scene; i < index_.scenes.size(); ++i) least = std::min(least, index_.scenes[i].id);
+  return std::pair(least, index_.last_scene);
+}
+
+std::vector<Look> MemoryData::looks_for_object(int64_t object, size_t first_scene) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<Look> looks(index_.scenes.size() - std::min(first_scene, index_.scenes.size()), Look::nothing);
+  if (looks.empty()) return looks;
+  for (const VisibilityRow& row : store_.visibility_of_object(object, range_from(first_scene)))
+    if (row.status == "missed")
+      mark_scene(row.scene, first_scene, [&](size_t number) { looks[number] = Look::missed; });
+  for (const Sighting& sighting : store_.sightings(object, {}, index_.scenes[first_scene].time))
+    mark_scene(sighting.observation.scene, first_scene, [&](size_t number) { looks[number] = Look::seen; });
   return looks;
 }
 
-std::vector<Look> MemoryData::looks_at_place(const std::string& place) const {
-  std::vector<Look> looks(scenes_.size(), Look::nothing);
-  for (const auto& [id, name] : places_)
-    if (name == place)
-      for (const VisibilityRow& row : store_.visibility_of_place(id))
-        if (const auto scene = number_of_scene_.find(row.scene); scene != number_of_scene_.end())
-          if (row.fraction.value_or(0) > 0) looks[scene->second] = Look::seen;
+std::vector<Look> MemoryData::looks_at_place(const std::string& place, size_t first_scene) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<Look> looks(index_.scenes.size() - std::min(first_scene, index_.scenes.size()), Look::nothing);
+  for (const auto& [id, name] : index_.places)
+    if (name == place && !looks.empty())
+      for (const VisibilityRow& row : store_.visibility_of_place(id, range_from(first_scene)))
+        if (row.fraction.value_or(0) > 0)
+          mark_scene(row.scene, first_scene, [&](size_t number) { looks[number] = Look::seen; });
   return looks;
 }
 
 cv::Mat MemoryData::picture(int64_t object, TimeNs time) const {
+  const std::lock_guard lock(mutex_);
   std::optional<Id> crop;
-  for (const Sighting& sighting : store_.sightings(object, {time, std::nullopt}))
-    if (sighting.observation.crop) crop = sighting.observation.crop;
-  return crop ? decode_color(store_.blob(*crop), fmt::format("{}: picture of object {}", info_.path, object))
+  const auto last = store_.last_sighting_before(object, time + 1, {});
+  if (last) crop = last->observation.crop;
+  if (last && !crop)
+    for (const Sighting& sighting : store_.sightings(object, {time, std::nullopt}))
+      if (sighting.observation.crop) crop = sighting.observation.crop;
+  return crop ? decode_color(store_.blob(*crop),
+                             fmt::format("{}: picture of object {}", path_.string(), object))
               : cv::Mat();
 }
 
 TimeNs MemoryData::time_of(const std::string& text) const {
+  const std::lock_guard lock(mutex_);
   const TimeSpan span = TimeReader(store_).read(text);
   // Nothing changes between scenes: the belief at the last scene is that at the end of the span.
   TimeNs time = span.first;
-  for (const SceneEntry& scene : scenes_)
+  for (const SceneEntry& scene : index_.scenes)
     if (scene.time >= span.first && scene.time <= span.last) time = scene.time;
   return time;
 }
 
 FoundThings MemoryData::find(const std::string& words, TimeNs time) const {
+  const std::lock_guard lock(mutex_);
   const Snapshot snapshot(store_, {time, std::nullopt});
-  if (world_ && world_->find_link(words) != nullptr) return {{}, words};
-  for (const auto& [id, name] : places_)
+  if (world() != nullptr && world()->find_link(words) != nullptr) return {{}, words};
+  for (const auto& [id, name] : index_.places)
     if (name == words) return {{}, words};
   try {
     return {snapshot.find_objects(words), {}};
@@ -388,16 +324,16 @@ FoundThings MemoryData::find(const std::string& words, TimeNs time) const {
   } catch (const Error&) {
   }
   std::vector<std::string> names;
-  for (const BeliefRow& row : snapshot.beliefs()) names.push_back(name_of(row.object));
-  for (const auto& [id, name] : places_) names.push_back(name);
-  throw Error(fmt::format("no object or place is known as '{}' at this time", words), {info_.path, 0, {}},
+  for (const BeliefRow& row : snapshot.beliefs()) names.push_back(index_.name_of(row.object));
+  for (const auto& [id, name] : index_.places) names.push_back(name);
+  throw Error(fmt::format("no object or place is known as '{}' at this time", words), {path_.string(), 0, {}},
               did_you_mean(words, names));
 }
 
 }  // namespace
 
 std::unique_ptr<BrowserData> open_memory_data(const std::filesystem::path& path, Progress& progress) {
-  return std::make_unique<MemoryData>(path, progress);
+  return std::make_unique<MemoryData>(path, nullptr, progress);
 }
 
 std::unique_ptr<BrowserData> open_memory_data(const std::filesystem::path& path) {

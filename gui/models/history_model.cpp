@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "gui/text.h"
-#include "mapping/base/error.h"
 
 namespace loci {
 
@@ -13,22 +12,32 @@ HistoryModel::HistoryModel(Browser& browser, QObject* parent)
     : QAbstractTableModel(parent), browser_(browser) {
   connect(&browser_, &Browser::selected, this, &HistoryModel::refresh);
   connect(&browser_, &Browser::opened, this, &HistoryModel::refresh);
-  connect(&browser_, &Browser::belief_changed, this, [this] {
+  connect(&browser_, &Browser::time_changed, this, [this] {
     if (!entries_.empty()) Q_EMIT dataChanged(index(0, 0), index(rowCount() - 1, column_count - 1));
   });
   refresh();
 }
 
 void HistoryModel::refresh() {
-  beginResetModel();
-  entries_.clear();
-  try {
-    if (browser_.data() != nullptr && browser_.selection().object())
-      entries_ = browser_.data()->history(*browser_.selection().object());
-  } catch (const Error& error) {
-    Q_EMIT browser_.failed(QString::fromUtf8(error.what()));
+  const auto object = browser_.selection().object();
+  if (object != object_) set_entries({});  // what is shown of another object is wrong
+  object_ = object;
+  if (!object || browser_.data() == nullptr) {
+    browser_.reader().forget(this, "history");
+    return set_entries({});
   }
-  std::reverse(entries_.begin(), entries_.end());
+  browser_.reader().read<std::vector<HistoryEntry>>(
+      this, "history", Urgency::selection,
+      [id = *object](const BrowserData& memory) { return memory.history(id); },
+      [this](std::vector<HistoryEntry>& entries) {
+        std::reverse(entries.begin(), entries.end());
+        set_entries(std::move(entries));
+      });
+}
+
+void HistoryModel::set_entries(std::vector<HistoryEntry> entries) {
+  beginResetModel();
+  entries_ = std::move(entries);
   endResetModel();
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <QAbstractTableModel>
+#include <optional>
 #include <vector>
 
 #include "gui/browser.h"
@@ -24,9 +25,11 @@ class HistoryModel : public QAbstractTableModel {
 
  private:
   void refresh();
+  void set_entries(std::vector<HistoryEntry> entries);
   bool is_now(size_t row) const;
 
   Browser& browser_;
+  std::optional<int64_t> object_;
   std::vector<HistoryEntry> entries_;
 };
 

@@ -4,22 +4,13 @@
 #include <vtkRenderer.h>
 #include <vtkSmartPointer.h>
 
-#include <Eigen/Core>
-#include <array>
-#include <cstdint>
 #include <optional>
-#include <vector>
 
+#include "gui/scene3d/colored_cloud.h"
 #include "gui/scene3d/scene_colors.h"
 #include "mapping/sensor/camera.h"
 
 namespace loci {
-
-/// Points with a colour each, map frame.
-struct ColoredCloud {
-  std::vector<Eigen::Vector3f> points;
-  std::vector<std::array<uint8_t, 3>> colors;  ///< red, green, blue; one per point
-};
 
 /// What one frame measured and from where: its cloud and its camera.
 class FrameActors {

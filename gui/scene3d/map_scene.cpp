@@ -133,8 +133,8 @@ MapScene::~MapScene() {
   }
 }
 
-void MapScene::set_world(const World& world, const MeshSearch& search, Warnings& warnings) {
-  impl_->world.set(world, search, impl_->colors, warnings);
+void MapScene::set_world(const World& world, const PreparedWorld& prepared) {
+  impl_->world.set(world, prepared, impl_->colors);
   impl_->joint_names.clear();
   for (const Joint& joint : world.joints) impl_->joint_names.push_back(joint.name);
   impl_->world.set_visible(layer(MapLayer::map));
@@ -187,6 +187,10 @@ void MapScene::set_colors(const SceneColors& colors) {
   impl_->world.set_colors(colors);
   impl_->world.select(impl_->link, colors);
   impl_->objects.select(impl_->object, colors);
+}
+
+const SceneColors& MapScene::colors() const {
+  return impl_->colors;
 }
 
 void MapScene::select_object(std::optional<int64_t> id) {

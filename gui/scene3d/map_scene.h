@@ -18,6 +18,7 @@ namespace loci {
 
 struct MapObject;
 struct ColoredCloud;
+struct PreparedWorld;
 
 /// What can be shown and hidden.
 enum class MapLayer { map, objects, labels, cloud, camera };
@@ -40,7 +41,7 @@ class MapScene {
   MapScene(const MapScene&) = delete;
   MapScene& operator=(const MapScene&) = delete;
 
-  void set_world(const World& world, const MeshSearch& search, Warnings& warnings);
+  void set_world(const World& world, const PreparedWorld& prepared);
   void clear_world();
   /// A place that is no link of a map: a flat outline (map frame) at a height.
   void add_place(const std::string& name, const std::vector<Vector2d>& outline, double height);
@@ -51,6 +52,7 @@ class MapScene {
   void set_camera(const PinholeCamera& camera, const Isometry3d& map_from_camera);
   void clear_frame();
   void set_colors(const SceneColors& colors);
+  const SceneColors& colors() const;
 
   void select_object(std::optional<int64_t> id);
   void select_link(const std::string& link);

@@ -88,18 +88,27 @@ void WorldActors::add_outline(const std::string& name, const std::vector<Vector2
   set_visible(visible_);
 }
 
-void WorldActors::set(const World& world, const MeshSearch& search, const SceneColors& colors,
-                      Warnings& warnings) {
-  clear();
-  world_ = world;
+PreparedWorld prepare_world(const World& world, const MeshSearch& search, const SceneColors& colors) {
+  PreparedWorld prepared;
+  Warnings warnings;
   for (const Link& link : world.links) {
     const auto parts = parts_of(link, search, colors, warnings);
+    prepared.links.push_back({link.name, surface_of(parts), sharp_edges_of(parts), box_of(parts)});
+  }
+  prepared.warnings = warnings.texts();
+  return prepared;
+}
+
+void WorldActors::set(const World& world, const PreparedWorld& prepared, const SceneColors& colors) {
+  clear();
+  world_ = world;
+  for (const PreparedWorld::Part& part : prepared.links) {
     LinkActors actors;
-    actors.name = link.name;
-    actors.box = box_of(parts);
-    actors.shell = is_shell(link.name);
-    actors.surface = actor_of(surface_of(parts));
-    actors.edges = actor_of(sharp_edges_of(parts));
+    actors.name = part.link;
+    actors.box = part.box;
+    actors.shell = is_shell(part.link);
+    actors.surface = actor_of(part.surface);
+    actors.edges = actor_of(part.edges);
     actors.edges->PickableOff();
     renderer_->AddActor(actors.surface);
     renderer_->AddActor(actors.edges);

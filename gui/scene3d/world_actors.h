@@ -1,6 +1,7 @@
 #pragma once
 
 #include <vtkActor.h>
+#include <vtkPolyData.h>
 #include <vtkRenderer.h>
 #include <vtkSmartPointer.h>
 
@@ -15,13 +16,26 @@
 
 namespace loci {
 
+/// A world's surfaces as VTK takes them: made in any thread, which takes a while for large meshes.
+struct PreparedWorld {
+  struct Part {
+    std::string link;
+    vtkSmartPointer<vtkPolyData> surface, edges;
+    Eigen::AlignedBox3d box;  ///< in the link's frame
+  };
+  std::vector<Part> links;  ///< as in the world
+  std::vector<std::string> warnings;
+};
+/// Links without a material take `colors.world`.
+PreparedWorld prepare_world(const World& world, const MeshSearch& search, const SceneColors& colors);
+
 /// The map as actors, one surface and one set of edges per link, moved by the joints.
 class WorldActors {
  public:
   explicit WorldActors(vtkRenderer* renderer) : renderer_(renderer) {}
 
-  /// Replaces the world. Links without a material take `colors.world`.
-  void set(const World& world, const MeshSearch& search, const SceneColors& colors, Warnings& warnings);
+  /// Replaces the world.
+  void set(const World& world, const PreparedWorld& prepared, const SceneColors& colors);
   void clear();
   /// Adds a place that is no link: a translucent area with its edge. Does not move.
   void add_outline(const std::string& name, const std::vector<Vector2d>& outline, double height,

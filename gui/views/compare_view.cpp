@@ -10,7 +10,6 @@
 
 #include "gui/text.h"
 #include "gui/theme.h"
-#include "mapping/base/error.h"
 
 namespace loci {
 namespace {
@@ -88,13 +87,12 @@ void CompareView::set_other(TimeNs time) {
 }
 
 void CompareView::take_stamp() {
-  if (browser_.data() == nullptr) return;
-  try {
-    set_other(browser_.data()->time_of(stamp_->text().toStdString()));
-  } catch (const Error& error) {
-    Q_EMIT browser_.failed(QString::fromUtf8(error.what()));
-    refresh();
-  }
+  const std::string typed = stamp_->text().toStdString();
+  refresh();  // what cannot be read is not taken
+  browser_.reader().read<TimeNs>(
+      this, "stamp", Urgency::moment,
+      [text = typed](const BrowserData& memory) { return memory.time_of(text); },
+      [this](const TimeNs& time) { set_other(time); });
 }
 
 void CompareView::showEvent(QShowEvent* event) {
@@ -114,11 +112,14 @@ void CompareView::refresh() {
   }
   stamp_->setText(time_text(other_, memory->info().zone_minutes));
   stamp_->setCursorPosition(0);
-  try {
-    differences_ = differences(memory->belief_at(other_), browser_.belief());
-  } catch (const Error& error) {
-    Q_EMIT browser_.failed(QString::fromUtf8(error.what()));
-  }
+  browser_.reader().read<BelievedScene>(
+      this, "other", Urgency::moment,
+      [time = other_](const BrowserData& source) { return source.belief_at(time); },
+      [this](const BelievedScene& then) { show_differences(then); });
+}
+
+void CompareView::show_differences(const BelievedScene& then) {
+  differences_ = differences(then, browser_.belief());
   if (other_ == browser_.selection().time())
     state_->setText("This is the chosen time: choose another one below.");
   else if (differences_.empty())

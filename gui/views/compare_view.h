@@ -34,6 +34,7 @@ class CompareView : public QWidget {
   void forget();
   void refresh();
   void take_stamp();
+  void show_differences(const BelievedScene& then);
   void fill();
 
   Browser& browser_;

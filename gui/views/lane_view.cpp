@@ -9,10 +9,10 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "gui/text.h"
 #include "gui/theme.h"
-#include "mapping/base/error.h"
 
 namespace loci {
 namespace {
@@ -35,6 +35,10 @@ const char* look_text(Look look, bool place) {
       return "not observed";
   }
   return "";
+}
+
+std::string what_of(const std::pair<int64_t, std::string>& lane) {
+  return "lane " + std::to_string(lane.first) + " " + lane.second;
 }
 
 }  // namespace
@@ -65,29 +69,47 @@ LaneView::LaneView(Browser& browser, TimeAxis& axis, QWidget* parent)
   viewport()->setAutoFillBackground(false);
   connect(&browser_, &Browser::opened, this, &LaneView::reload);
   connect(&browser_, &Browser::selected, this, &LaneView::follow_selection);
-  connect(&browser_, &Browser::belief_changed, this, &LaneView::refresh);
+  connect(&browser_, &Browser::time_changed, this, &LaneView::refresh);
   connect(&axis_, &TimeAxis::changed, this, &LaneView::refresh);
   reload();
 }
 
+/// Whether all that has been read is true of this memory as well.
+bool LaneView::goes_on_from(const BrowserData& memory) const {
+  return memory.info().path == memory_ && memory.info().runs == runs_;
+}
+
 void LaneView::reload() {
-  lanes_.clear();
-  events_.clear();
-  looks_.clear();
   const BrowserData* memory = browser_.data();
-  if (memory != nullptr && !memory->scenes().empty()) try {
-      std::set<std::string> places;
-      for (const BelievedObject& object : memory->belief_at(memory->scenes().back().time).objects) {
-        lanes_.push_back({object.id, {}, QString::fromStdString(object.name)});
-        if (!object.place.empty()) places.insert(object.place);
-      }
-      for (const std::string& place : places) lanes_.push_back({0, place, QString::fromStdString(place)});
-      for (const EventEntry& event : memory->events()) events_[event.object].push_back(&event);
-    } catch (const Error& error) {
-      Q_EMIT browser_.failed(QString::fromUtf8(error.what()));
-    }
+  events_.clear();
+  asked_.clear();
+  if (memory == nullptr || !goes_on_from(*memory)) {
+    lanes_.clear();
+    looks_.clear();
+  }
+  memory_ = memory == nullptr ? "" : memory->info().path;
+  runs_ = memory == nullptr ? 0 : memory->info().runs;
+  if (memory != nullptr && !memory->scenes().empty()) {
+    for (const EventEntry& event : memory->events()) events_[event.object].push_back(&event);
+    browser_.reader().read<BelievedScene>(
+        this, "lanes", Urgency::selection,
+        [](const BrowserData& source) { return source.belief_at(source.scenes().back().time); },
+        [this](const BelievedScene& belief) { show_lanes(belief); });
+  }
   update_scroll_bar();
   refresh();
+}
+
+void LaneView::show_lanes(const BelievedScene& belief) {
+  lanes_.clear();
+  std::set<std::string> places;
+  for (const BelievedObject& object : belief.objects) {
+    lanes_.push_back({object.id, {}, QString::fromStdString(object.name)});
+    if (!object.place.empty()) places.insert(object.place);
+  }
+  for (const std::string& place : places) lanes_.push_back({0, place, QString::fromStdString(place)});
+  update_scroll_bar();
+  follow_selection();
 }
 
 void LaneView::refresh() {
@@ -135,15 +157,37 @@ void LaneView::follow_selection() {
 }
 
 const std::vector<Look>& LaneView::looks(const Lane& lane) {
-  const auto [entry, is_new] = looks_.try_emplace({lane.object, lane.place});
-  if (is_new) try {
-      entry->second = lane.object != 0 ? browser_.data()->looks_for_object(lane.object)
-                                       : browser_.data()->looks_at_place(lane.place);
-    } catch (const Error& error) {
-      Q_EMIT browser_.failed(QString::fromUtf8(error.what()));
+  const Key key = {lane.object, lane.place};
+  std::vector<Look>& known = looks_[key];
+  const size_t all = browser_.data()->scenes().size();
+  if (known.size() >= all || !asked_.insert(key).second) return known;
+  browser_.reader().read<std::vector<Look>>(
+      this, what_of(key), Urgency::rest,
+      [key, first = known.size()](const BrowserData& memory) {
+        return key.first != 0 ? memory.looks_for_object(key.first, first)
+                              : memory.looks_at_place(key.second, first);
+      },
+      [this, key](const std::vector<Look>& more) {
+        asked_.erase(key);
+        std::vector<Look>& looks = looks_[key];
+        looks.insert(looks.end(), more.begin(), more.end());
+        refresh();
+      });
+  return known;
+}
+
+void LaneView::forget_hidden() {
+  std::set<Key> shown;
+  for (size_t i = 0; i < lanes_.size(); ++i)
+    if (top_of(i) > -kRow && top_of(i) < viewport()->height())
+      shown.insert({lanes_[i].object, lanes_[i].place});
+  for (auto key = asked_.begin(); key != asked_.end();)
+    if (shown.contains(*key)) {
+      ++key;
+    } else {
+      browser_.reader().forget(this, what_of(*key));
+      key = asked_.erase(key);
     }
-  entry->second.resize(browser_.data()->scenes().size(), Look::nothing);
-  return entry->second;
 }
 
 void LaneView::set_time_at(double x) {
@@ -185,8 +229,10 @@ bool LaneView::viewportEvent(QEvent* event) {
   const SceneEntry* scene = browser_.data()->scene_at(time);
   const auto number = static_cast<size_t>(scene - browser_.data()->scenes().data());
   const int zone = browser_.data()->info().zone_minutes;
-  QString text = lane->name + ": " + look_text(looks(*lane)[number], lane->object == 0) +
-                 " in the scene of " + time_text(scene->time, zone).mid(11, 8);
+  const std::vector<Look>& known = looks(*lane);
+  if (number >= known.size()) return true;  // still being read
+  QString text = lane->name + ": " + look_text(known[number], lane->object == 0) + " in the scene of " +
+                 time_text(scene->time, zone).mid(11, 8);
   for (const EventEntry* entry : events_[lane->object])
     if (lane->object != 0 && entry->time == scene->time) text += "\n" + QString::fromStdString(entry->text);
   QToolTip::showText(help->globalPos(), text, viewport());
@@ -197,7 +243,9 @@ void LaneView::paintEvent(QPaintEvent*) {
   QPainter painter(viewport());
   painter.setRenderHint(QPainter::Antialiasing);
   if (browser_.data() == nullptr || lanes_.empty()) return;
+  forget_hidden();
   std::vector<double> scene_x;
+  scene_x.reserve(browser_.data()->scenes().size());
   for (const SceneEntry& scene : browser_.data()->scenes())
     scene_x.push_back(axis_.x_of(scene.time, viewport()->width()));
   for (size_t i = 0; i < lanes_.size(); ++i)
@@ -223,23 +271,45 @@ void LaneView::paint_lane(QPainter& painter, const Lane& lane, int top, const st
                    fontMetrics().elidedText(lane.name, Qt::ElideRight, static_cast<int>(name.width())));
   const double bar_top = top + (kRow - kBar) / 2.0;
   painter.fillRect(QRectF(TimeAxis::kLeft, bar_top + kBar / 2.0 - 1, right - TimeAxis::kLeft, 2), theme.grid);
-  const std::vector<Look>& all = looks(lane);
-  for (size_t i = 0; i < scene_x.size(); ++i) {
-    if (all[i] == Look::nothing || scene_x[i] < TimeAxis::kLeft - 1 || scene_x[i] > right + 1) continue;
-    double room = 2 * kMostHalf;  // to the nearest other scene
-    if (i > 0) room = std::min(room, scene_x[i] - scene_x[i - 1]);
-    if (i + 1 < scene_x.size()) room = std::min(room, scene_x[i + 1] - scene_x[i]);
-    const double half = std::clamp(room / 2, kLeastHalf, kMostHalf);
-    const QColor color = all[i] == Look::missed ? theme.gone : lane.object != 0 ? theme.seen : theme.accent;
-    painter.fillRect(QRectF(scene_x[i] - half, bar_top, 2 * half, kBar), color);
-  }
+  paint_looks(painter, lane, bar_top, scene_x);
   if (lane.object == 0) return;
   painter.setPen(QPen(theme.panel, 1));
+  double last = -1;
   for (const EventEntry* event : events_[lane.object]) {
     const double x = axis_.x_of(event->time, viewport()->width());
     if (x < TimeAxis::kLeft - 1 || x > right + 1 || event->kind == "appeared") continue;
+    if (x - std::exchange(last, x) < 1) continue;
     painter.setBrush(theme.of_event(event->kind));
     painter.drawEllipse(QPointF(x, top + kRow / 2.0), kDotRadius + 1, kDotRadius + 1);
+  }
+}
+
+void LaneView::paint_looks(QPainter& painter, const Lane& lane, double top,
+                           const std::vector<double>& scene_x) {
+  const Theme theme = Theme::of(palette());
+  const double right = viewport()->width() - TimeAxis::kRight;
+  const std::vector<Look>& all = looks(lane);
+  const QColor seen = lane.object != 0 ? theme.seen : theme.accent;
+  const auto begin = std::lower_bound(scene_x.begin(), scene_x.end(), TimeAxis::kLeft - 1);
+  const auto end = std::upper_bound(begin, scene_x.end(), right + 1);
+  const auto first = static_cast<size_t>(begin - scene_x.begin());
+  const auto last = std::min(all.size(), static_cast<size_t>(end - scene_x.begin()));
+  for (size_t i = first; i < last;) {
+    // Scenes that fall into one pixel are drawn as what most of them say.
+    const double x = scene_x[i];
+    size_t next = i, sights = 0, misses = 0;
+    for (; next < last && scene_x[next] < x + 1; ++next) {
+      sights += all[next] == Look::seen;
+      misses += all[next] == Look::missed;
+    }
+    if (sights + misses > 0) {
+      double room = 2 * kMostHalf;  // to the nearest other scene
+      if (i > 0) room = std::min(room, x - scene_x[i - 1]);
+      if (next < scene_x.size()) room = std::min(room, scene_x[next] - x);
+      const double half = std::clamp(room / 2, kLeastHalf, kMostHalf);
+      painter.fillRect(QRectF(x - half, top, 2 * half, kBar), misses > sights ? theme.gone : seen);
+    }
+    i = next;
   }
 }
 

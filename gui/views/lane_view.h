@@ -2,6 +2,7 @@
 
 #include <QAbstractScrollArea>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -47,14 +48,24 @@ class LaneView : public QAbstractScrollArea {
   const Lane* lane_at(int y) const;
   bool is_selected(const Lane& lane) const;
   void set_time_at(double x);
+  using Key = std::pair<int64_t, std::string>;
+  void show_lanes(const BelievedScene& belief);
+  /// What is known of a lane; what is missing is asked for.
   const std::vector<Look>& looks(const Lane& lane);
+  /// What was asked for and has been scrolled away is not read any more.
+  void forget_hidden();
+  bool goes_on_from(const BrowserData& memory) const;
   void paint_lane(QPainter& painter, const Lane& lane, int top, const std::vector<double>& scene_x);
+  void paint_looks(QPainter& painter, const Lane& lane, double top, const std::vector<double>& scene_x);
 
   Browser& browser_;
   TimeAxis& axis_;
   std::vector<Lane> lanes_;
-  std::map<int64_t, std::vector<const EventEntry*>> events_;            ///< by object
-  std::map<std::pair<int64_t, std::string>, std::vector<Look>> looks_;  ///< that have been on the screen
+  std::map<int64_t, std::vector<const EventEntry*>> events_;  ///< by object
+  std::map<Key, std::vector<Look>> looks_;  ///< that have been on the screen; may lack the newest scenes
+  std::set<Key> asked_;                     ///< that are being read
+  std::string memory_;                      ///< path of the memory that they are of
+  size_t runs_ = 0;                         ///< of it then
 };
 
 /// The scene's time when a drag comes near to it, else the time at this place.

@@ -10,19 +10,20 @@
 #include <QVBoxLayout>
 
 #include <cstring>
+#include <utility>
 
-#include "gui/data/frame_cloud.h"
 #include "gui/scene3d/egl_window.h"
 #include "gui/scene3d/frame_actors.h"
 #include "gui/scene3d/object_actors.h"
 #include "gui/scene3d/orbit_style.h"
+#include "gui/scene3d/world_actors.h"
 #include "gui/theme.h"
 
 namespace loci {
 namespace {
 
-/// More points make a frame slower than 20 ms under software rendering and show nothing new.
-constexpr size_t kMaxPoints = 50000;
+/// After this the time is no longer being scrubbed and the picture may take longer.
+constexpr int kStillMs = 300;
 
 QImage pixels_of(vtkRenderWindow* window) {
   const int* size = window->GetSize();
@@ -78,6 +79,12 @@ MapView::MapView(Browser& browser, MapBackend backend, QWidget* parent) : QWidge
   connect(&browser_, &Browser::opened, this, &MapView::show_memory);
   connect(&browser_, &Browser::belief_changed, this, &MapView::show_belief);
   connect(&browser_, &Browser::selected, this, &MapView::show_selection);
+  still_.setSingleShot(true);
+  still_.setInterval(kStillMs);
+  connect(&still_, &QTimer::timeout, this, [this] {
+    scene_->set_moving(false);
+    redraw();
+  });
   show_memory();
   show_belief();
 }
@@ -101,50 +108,74 @@ void MapView::make_widget() {
 }
 
 void MapView::show_memory() {
-  Warnings warnings;
-  scene_->clear_world();
   const BrowserData* memory = browser_.data();
-  if (memory != nullptr && memory->world())
-    scene_->set_world(*memory->world(), memory->mesh_search(), warnings);
-  if (memory != nullptr)
-    for (const PlaceOutline& place : memory->loose_places())
-      scene_->add_place(place.name, place.outline, place.height);
-  for (const std::string& text : warnings.texts()) Q_EMIT warned(QString::fromStdString(text));
-  scene_->set_overview_side(memory == nullptr ? Vector3d(-0.5, -1, 0) : usual_side(*memory));
   const std::string path = memory == nullptr ? "" : memory->info().path;
-  if (path != memory_) first_look_ = true;  // else it has grown: the eye stays
+  const World* world = memory == nullptr ? nullptr : memory->world();
+  const bool same = path == memory_;
+  scene_->set_overview_side(memory == nullptr ? Vector3d(-0.5, -1, 0) : usual_side(*memory));
+  if (same && world == world_ && !waits_for_world_ && world != nullptr)
+    return;  // it has grown: the eye stays
+  if (!same) first_look_ = true;
   memory_ = path;
+  world_ = world;
+  waits_for_world_ = memory != nullptr;
+  if (!same || world == nullptr) scene_->clear_world();
+  browser_.reader().read<PreparedWorld>(
+      this, "map", Urgency::moment,
+      [colors = scene_->colors()](const BrowserData& source) {
+        PreparedWorld prepared;
+        if (source.world() != nullptr)
+          prepared = prepare_world(*source.world(), source.mesh_search(), colors);
+        return prepared;
+      },
+      [this](const PreparedWorld& prepared) { take_world(prepared); });
+}
+
+void MapView::take_world(const PreparedWorld& world) {
+  waits_for_world_ = false;
+  scene_->clear_world();
+  if (world_ != nullptr) scene_->set_world(*world_, world);
+  for (const PlaceOutline& place : browser_.data()->loose_places())
+    scene_->add_place(place.name, place.outline, place.height);
+  for (const std::string& text : world.warnings) Q_EMIT warned(QString::fromStdString(text));
+  show_joints();
+  show_frame();
+  show_selection();
+  place_eye();
 }
 
 void MapView::show_belief() {
-  Warnings warnings;
-  const BelievedScene& belief = browser_.belief();
-  if (browser_.data() != nullptr && browser_.data()->world()) scene_->set_joints(belief.joints, warnings);
   std::vector<MapObject> objects;
-  for (const BelievedObject& object : belief.objects)
+  for (const BelievedObject& object : browser_.belief().objects)
     if (object.map_from_object && object.presence != Presence::gone) objects.push_back(map_object_of(object));
   scene_->set_objects(std::move(objects));
+  scene_->set_moving(true);
+  still_.start();
+  show_joints();
   show_frame();
   show_selection();
-  if (first_look_ && browser_.data() != nullptr) {
-    scene_->look_from(MapViewpoint::overview);
-    first_look_ = false;
-  }
+  place_eye();
+}
+
+void MapView::show_joints() {
+  if (world_ == nullptr) return;
+  Warnings warnings;
+  scene_->set_joints(browser_.belief().joints, warnings);
   for (const std::string& text : warnings.texts()) Q_EMIT warned(QString::fromStdString(text));
 }
 
+/// The first look waits for everything that is to be seen.
+void MapView::place_eye() {
+  if (!first_look_ || browser_.data() == nullptr || waits_for_world_ || browser_.belief().time == 0) return;
+  scene_->look_from(MapViewpoint::overview);
+  first_look_ = false;
+}
+
 void MapView::show_frame() {
-  scene_->clear_frame();
-  const SceneEntry* entry = browser_.scene();
-  if (entry == nullptr) return;
-  try {
-    const SceneContent content = browser_.data()->scene(entry->id);
-    if (!content.map_from_camera) return;
-    scene_->set_cloud(frame_cloud(content, kMaxPoints));
-    scene_->set_camera(content.camera.depth, *content.map_from_camera);
-  } catch (const Error& error) {
-    Q_EMIT warned(QString::fromUtf8(error.what()));
-  }
+  const Moment& moment = browser_.moment();
+  if (!moment.cloud) return scene_->clear_frame();
+  scene_->set_cloud(*moment.cloud);
+  scene_->set_camera(moment.content->camera.depth, *moment.content->map_from_camera);
 }
 
 void MapView::show_selection() {
@@ -183,13 +214,19 @@ void MapView::change_point_size(int steps) {
   redraw();
 }
 
+/// However much changes at once, it is drawn once.
 void MapView::redraw() {
-  if (widget_ != nullptr && isVisible()) widget_->renderWindow()->Render();
-  update();
+  if (widget_ == nullptr) return update();
+  if (!isVisible() || std::exchange(redraw_due_, true)) return;
+  QTimer::singleShot(0, this, [this] {
+    redraw_due_ = false;
+    widget_->renderWindow()->Render();
+  });
 }
 
 QImage MapView::picture() {
   QImage image;
+  scene_->set_moving(false);
   if (egl_) {
     egl_->window()->SetSize(width(), height());
     egl_->window()->Render();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <QImage>
+#include <QTimer>
 #include <QWidget>
 #include <memory>
 
@@ -12,6 +13,7 @@ class QVTKOpenGLNativeWidget;
 namespace loci {
 
 class EglWindow;
+struct PreparedWorld;
 
 /// How the 3D view gets its pixels.
 enum class MapBackend {
@@ -48,8 +50,11 @@ class MapView : public QWidget {
  private:
   void make_widget();
   void show_memory();
+  void take_world(const PreparedWorld& world);
   void show_belief();
+  void show_joints();
   void show_frame();
+  void place_eye();
   void show_selection();
   void clicked(int x, int y);
   void redraw();
@@ -58,8 +63,12 @@ class MapView : public QWidget {
   std::unique_ptr<EglWindow> egl_;
   QVTKOpenGLNativeWidget* widget_ = nullptr;
   std::unique_ptr<MapScene> scene_;
-  std::string memory_;      ///< path of the memory that is drawn
-  bool first_look_ = true;  ///< the eye has not been placed by a person yet
+  std::string memory_;            ///< path of the memory that is drawn
+  const World* world_ = nullptr;  ///< its map, drawn or being prepared
+  bool waits_for_world_ = false;
+  bool first_look_ = true;  ///< the eye has not been placed yet
+  bool redraw_due_ = false;
+  QTimer still_;  ///< since the last change of time
 };
 
 }  // namespace loci

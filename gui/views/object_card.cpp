@@ -10,7 +10,6 @@
 #include "gui/models/history_model.h"
 #include "gui/text.h"
 #include "gui/theme.h"
-#include "mapping/base/error.h"
 
 namespace loci {
 namespace {
@@ -178,16 +177,21 @@ void ObjectCard::show_object(const BelievedObject& object) {
 }
 
 void ObjectCard::show_picture() {
-  QImage image;
-  try {
-    image = image_of(browser_.data()->picture(*browser_.selection().object(), browser_.selection().time()));
-  } catch (const Error& error) {
-    Q_EMIT browser_.failed(QString::fromUtf8(error.what()));
-  }
-  picture_->setVisible(!image.isNull());
-  if (!image.isNull())
-    picture_->setPixmap(
-        QPixmap::fromImage(image.scaled(picture_->size(), Qt::KeepAspectRatio, Qt::SmoothTransformation)));
+  const int64_t object = *browser_.selection().object();
+  if (object != pictured_) picture_->hide();  // of another object
+  browser_.reader().read<cv::Mat>(
+      this, "picture", Urgency::selection,
+      [object, time = browser_.selection().time()](const BrowserData& memory) {
+        return memory.picture(object, time);
+      },
+      [this, object](const cv::Mat& picture) {
+        pictured_ = object;
+        const QImage image = image_of(picture);
+        picture_->setVisible(!image.isNull() && !rows_->isHidden());
+        if (!image.isNull())
+          picture_->setPixmap(QPixmap::fromImage(
+              image.scaled(picture_->size(), Qt::KeepAspectRatio, Qt::SmoothTransformation)));
+      });
 }
 
 }  // namespace loci

@@ -41,6 +41,7 @@ class ObjectCard : public QWidget {
   std::vector<std::pair<QString, QLabel*>> values_;
   QProgressBar* probability_;
   QTableView* history_;
+  int64_t pictured_ = 0;  ///< object in the picture
 };
 
 }  // namespace loci

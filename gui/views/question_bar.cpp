@@ -14,7 +14,6 @@
 #include "gui/background.h"
 #include "gui/models/answer_links.h"
 #include "gui/theme.h"
-#include "mapping/base/error.h"
 
 namespace loci {
 namespace {
@@ -260,12 +259,11 @@ void QuestionBar::follow(const QUrl& link) {
   if (target.startsWith("object:")) selection.select_object(rest.toLongLong());
   if (target.startsWith("place:")) selection.select_place(rest.toStdString());
   if (target.startsWith("ask:")) ask(rest);
-  if (!target.startsWith("time:") || browser_.data() == nullptr) return;
-  try {
-    selection.set_time(browser_.data()->time_of(rest.toStdString()));
-  } catch (const Error& error) {
-    Q_EMIT browser_.failed(QString::fromUtf8(error.what()));
-  }
+  if (target.startsWith("time:"))
+    browser_.reader().read<TimeNs>(
+        this, "time", Urgency::moment,
+        [text = rest.toStdString()](const BrowserData& memory) { return memory.time_of(text); },
+        [this](const TimeNs& time) { browser_.selection().set_time(time); });
 }
 
 bool QuestionBar::eventFilter(QObject* watched, QEvent* event) {

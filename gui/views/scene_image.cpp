@@ -7,7 +7,6 @@
 
 #include "gui/text.h"
 #include "gui/theme.h"
-#include "mapping/base/error.h"
 
 namespace loci {
 namespace {
@@ -41,7 +40,6 @@ QImage depth_image(const cv::Mat& depth) {
 SceneImage::SceneImage(Browser& browser, QWidget* parent) : QWidget(parent), browser_(browser) {
   setMinimumSize(200, 104);
   setMouseTracking(true);
-  connect(&browser_, &Browser::opened, this, &SceneImage::refresh);
   connect(&browser_, &Browser::belief_changed, this, &SceneImage::refresh);
   connect(&browser_, &Browser::selected, this, [this] { update(); });
   refresh();
@@ -53,19 +51,15 @@ void SceneImage::show_depth(bool depth) {
 }
 
 void SceneImage::refresh() {
-  const SceneEntry* entry = browser_.scene();
-  if (entry != nullptr && entry->id == content_.scene.id && !picture_.isNull()) return update();
-  content_ = {};
-  try {
-    if (entry != nullptr) content_ = browser_.data()->scene(entry->id);
-  } catch (const Error& error) {
-    Q_EMIT browser_.failed(QString::fromUtf8(error.what()));
-  }
+  const auto& content = browser_.moment().content;
+  if (content == content_) return update();
+  content_ = content;
   remake_picture();
 }
 
 void SceneImage::remake_picture() {
-  picture_ = depth_ ? depth_image(content_.depth) : image_of(content_.color);
+  picture_ = {};
+  if (content_) picture_ = depth_ ? depth_image(content_->depth) : image_of(content_->color);
   update();
 }
 
@@ -76,7 +70,7 @@ QRectF SceneImage::picture_area() const {
 
 QRectF SceneImage::on_widget(const ImageBox& box) const {
   const cv::Rect2d& pixels = depth_ ? box.depth : box.color;
-  const PinholeCamera& camera = depth_ ? content_.camera.depth : content_.camera.color;
+  const PinholeCamera& camera = depth_ ? content_->camera.depth : content_->camera.color;
   if (pixels.empty() || camera.width <= 0 || picture_.isNull()) return {};
   const QRectF area = picture_area();
   const double sx = area.width() / camera.width;
@@ -86,8 +80,13 @@ QRectF SceneImage::on_widget(const ImageBox& box) const {
       .intersected(area);
 }
 
+const std::vector<ImageBox>& SceneImage::boxes() const {
+  static const std::vector<ImageBox> kNone;
+  return content_ ? content_->boxes : kNone;
+}
+
 std::optional<QRectF> SceneImage::box_of(int64_t object) const {
-  for (const ImageBox& box : content_.boxes)
+  for (const ImageBox& box : boxes())
     if (box.object == object && !on_widget(box).isEmpty()) return on_widget(box);
   return std::nullopt;
 }
@@ -95,7 +94,7 @@ std::optional<QRectF> SceneImage::box_of(int64_t object) const {
 const ImageBox* SceneImage::box_at(const QPointF& point) const {
   const ImageBox* best = nullptr;  // the smallest, where they overlap
   double least = 0;
-  for (const ImageBox& box : content_.boxes) {
+  for (const ImageBox& box : boxes()) {
     const QRectF area = on_widget(box);
     if (!area.contains(point)) continue;
     const double size = area.width() * area.height();
@@ -126,9 +125,9 @@ void SceneImage::paintEvent(QPaintEvent*) {
   painter.drawImage(picture_area(), picture_);
   painter.setRenderHint(QPainter::Antialiasing);
   const auto selected = browser_.selection().object();
-  for (const ImageBox& box : content_.boxes)
+  for (const ImageBox& box : boxes())
     if (box.object != selected) paint_box(painter, box);
-  for (const ImageBox& box : content_.boxes)
+  for (const ImageBox& box : boxes())
     if (box.object == selected) paint_box(painter, box);
 }
 

@@ -30,6 +30,7 @@ class SceneImage : public QWidget {
  private:
   void refresh();
   void remake_picture();
+  const std::vector<ImageBox>& boxes() const;
   QRectF picture_area() const;
   QRectF on_widget(const ImageBox& box) const;
   const ImageBox* box_at(const QPointF& point) const;
@@ -37,7 +38,7 @@ class SceneImage : public QWidget {
   QString empty_text() const;
 
   Browser& browser_;
-  SceneContent content_;
+  std::shared_ptr<const SceneContent> content_;  ///< null = none
   QImage picture_;
   bool depth_ = false;
 };

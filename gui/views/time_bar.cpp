@@ -12,7 +12,6 @@
 #include "gui/theme.h"
 #include "gui/views/lane_view.h"
 #include "gui/views/time_track.h"
-#include "mapping/base/error.h"
 
 namespace loci {
 namespace {
@@ -81,7 +80,7 @@ TimeBar::TimeBar(Browser& browser, QWidget* parent)
     memory_ = memory == nullptr ? "" : memory->info().path;
     refresh();
   });
-  connect(&browser_, &Browser::belief_changed, this, &TimeBar::refresh);
+  connect(&browser_, &Browser::time_changed, this, &TimeBar::refresh);
   refresh();
 }
 
@@ -138,21 +137,22 @@ void TimeBar::play_step() {
 }
 
 void TimeBar::take_stamp() {
-  if (browser_.data() == nullptr) return;
-  try {
-    browser_.selection().set_time(browser_.data()->time_of(stamp_->text().toStdString()));
-    track_->setFocus();
-  } catch (const Error& error) {
-    Q_EMIT browser_.failed(QString::fromUtf8(error.what()));
-  }
-  refresh();
+  browser_.reader().read<TimeNs>(
+      this, "stamp", Urgency::moment,
+      [text = stamp_->text().toStdString()](const BrowserData& memory) { return memory.time_of(text); },
+      [this](const TimeNs& time) { browser_.selection().set_time(time); });
+  track_->setFocus();
+  refresh();  // what cannot be read is not taken
 }
 
 QString TimeBar::what_happened() const {
   const SceneEntry* scene = browser_.scene();
   QStringList texts;
-  for (const EventEntry& event : browser_.data()->events())
-    if (scene != nullptr && event.time == scene->time) texts << QString::fromStdString(event.text);
+  const auto& events = browser_.data()->events();
+  const auto first = std::lower_bound(events.begin(), events.end(), scene == nullptr ? 0 : scene->time,
+                                      [](const EventEntry& event, TimeNs time) { return event.time < time; });
+  for (auto event = first; scene != nullptr && event != events.end() && event->time == scene->time; ++event)
+    texts << QString::fromStdString(event->text);
   if (texts.isEmpty()) return "nothing changed";
   return texts.size() <= 3 ? texts.join(" · ")
                            : QString("%1 · and %2 more")

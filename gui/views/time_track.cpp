@@ -8,11 +8,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "gui/text.h"
 #include "gui/theme.h"
 #include "gui/views/lane_view.h"
-#include "mapping/base/error.h"
 
 namespace loci {
 namespace {
@@ -54,19 +54,23 @@ TimeTrack::TimeTrack(Browser& browser, TimeAxis& axis, QWidget* parent)
   setMouseTracking(true);
   connect(&browser_, &Browser::opened, this, &TimeTrack::refresh);
   connect(&browser_, &Browser::selected, this, &TimeTrack::refresh);
-  connect(&browser_, &Browser::belief_changed, this, [this] { update(); });
+  connect(&browser_, &Browser::time_changed, this, [this] { update(); });
   connect(&axis_, &TimeAxis::changed, this, [this] { update(); });
   refresh();
 }
 
 void TimeTrack::refresh() {
   observations_.clear();
-  const BrowserData* memory = browser_.data();
-  if (memory != nullptr && browser_.selection().object()) try {
-      observations_ = memory->observations(*browser_.selection().object());
-    } catch (const Error& error) {
-      Q_EMIT browser_.failed(QString::fromUtf8(error.what()));
-    }
+  if (const auto object = browser_.selection().object())
+    browser_.reader().read<std::vector<TimeNs>>(
+        this, "observations", Urgency::selection,
+        [id = *object](const BrowserData& memory) { return memory.observations(id); },
+        [this](std::vector<TimeNs>& times) {
+          observations_ = std::move(times);
+          update();
+        });
+  else
+    browser_.reader().forget(this, "observations");
   update();
 }
 
@@ -141,18 +145,18 @@ void TimeTrack::paintEvent(QPaintEvent*) {
 void TimeTrack::paint_axis(QPainter& painter) const {
   const Theme theme = Theme::of(palette());
   const int zone = browser_.data()->info().zone_minutes;
-  painter.setPen(QPen(theme.muted, 1));
-  for (const SceneEntry& scene : browser_.data()->scenes()) {
-    const double x = std::round(x_of(scene.time)) + 0.5;
-    if (!shows(x)) continue;
-    painter.drawLine(QPointF(x, kAxisY - 5), QPointF(x, kAxisY + 5));
-  }
-  painter.setPen(QPen(theme.seen, 3));
-  for (const TimeNs time : observations_) {
+  double last = -1;  // one mark per pixel, however many scenes are in it
+  const auto mark = [&](TimeNs time) {
     const double x = std::round(x_of(time)) + 0.5;
-    if (!shows(x)) continue;
+    if (!shows(x) || x == last) return;
+    last = x;
     painter.drawLine(QPointF(x, kAxisY - 5), QPointF(x, kAxisY + 5));
-  }
+  };
+  painter.setPen(QPen(theme.muted, 1));
+  for (const SceneEntry& scene : browser_.data()->scenes()) mark(scene.time);
+  last = -1;
+  painter.setPen(QPen(theme.seen, 3));
+  for (const TimeNs time : observations_) mark(time);
   const TimeNs from = axis_.from(), to = axis_.to();
   const TimeNs step = label_step(to - from, width() - TimeAxis::kLeft - TimeAxis::kRight);
   const TimeNs offset = static_cast<TimeNs>(zone) * 60 * kSecond;
@@ -170,14 +174,20 @@ void TimeTrack::paint_axis(QPainter& painter) const {
 void TimeTrack::paint_events(QPainter& painter) const {
   const Theme theme = Theme::of(palette());
   const auto object = browser_.selection().object();
+  std::map<QRgb, double> last;  // dots that would cover each other are drawn once
   const auto dot = [&](const EventEntry& event, const QColor& color) {
-    if (!shows(x_of(event.time))) return;
+    const double x = x_of(event.time);
+    if (!shows(x)) return;
+    const auto [before, is_first] = last.try_emplace(color.rgb(), x);
+    if (!is_first && x - before->second < 1) return;
+    before->second = x;
     painter.setBrush(color);
-    painter.drawEllipse(QPointF(x_of(event.time), kEventsY), kDotRadius, kDotRadius);
+    painter.drawEllipse(QPointF(x, kEventsY), kDotRadius, kDotRadius);
   };
   painter.setPen(Qt::NoPen);
   for (const EventEntry& event : browser_.data()->events())
     if (object && event.object != *object) dot(event, theme.grid);
+  last.clear();
   for (const EventEntry& event : browser_.data()->events())
     if (!object || event.object == *object) dot(event, theme.of_event(event.kind));
 }

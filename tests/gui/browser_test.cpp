@@ -38,7 +38,7 @@ TEST_F(BrowserWindow, OpensAtTheLastSceneWithFileAndSchemaInTheTitle) {
 }
 
 TEST_F(BrowserWindow, ClickInTheTreeSelectsInMapAndCard) {
-  selection().set_time(sample_.first);
+  go_to(sample_.first);
   click_in_tree(1);
   EXPECT_EQ(selection().object(), 1);
   EXPECT_EQ(window.map().scene().selected_object(), 1);
@@ -48,29 +48,28 @@ TEST_F(BrowserWindow, ClickInTheTreeSelectsInMapAndCard) {
 }
 
 TEST_F(BrowserWindow, ClickOnABoxInThePictureSelectsItsObject) {
-  selection().set_time(sample_.first);
+  go_to(sample_.first);
   const auto box = window.image().box_of(2);
   ASSERT_TRUE(box.has_value());
-  QTest::mouseClick(&window.image(), Qt::LeftButton, Qt::NoModifier, box->center().toPoint());
+  click(&window.image(), box->center().toPoint());
   EXPECT_EQ(selection().object(), 2);
   EXPECT_EQ(window.tree().view()->currentIndex(), window.tree().shown_index_of_object(2));
 }
 
 TEST_F(BrowserWindow, ClickInTheMapSelectsWhatIsThere) {
-  selection().set_time(sample_.first);
-  selection().select_object(2);
+  go_to(sample_.first);
+  choose(2);
   window.map().frame_selection();
   selection().clear();
   QWidget* canvas = window.map().findChild<QWidget*>();
-  QTest::mouseClick(canvas, Qt::LeftButton, Qt::NoModifier, canvas->rect().center());
+  click(canvas, canvas->rect().center());
   EXPECT_EQ(selection().object(), 2);
 }
 
 TEST_F(BrowserWindow, TheSliderChangesWhatIsBelieved) {
   TimeTrack* track = window.time_bar().track();
   const auto click_at = [&](TimeNs time) {
-    QTest::mouseClick(track, Qt::LeftButton, Qt::NoModifier,
-                      QPoint(static_cast<int>(track->x_of(time)), track->height() / 2));
+    click(track, QPoint(static_cast<int>(track->x_of(time)), track->height() / 2));
   };
   click_at(sample_.first);
   EXPECT_EQ(selection().time(), sample_.first);
@@ -91,26 +90,26 @@ TEST_F(BrowserWindow, TheSliderChangesWhatIsBelieved) {
 }
 
 TEST_F(BrowserWindow, KeysStepThroughTheScenes) {
-  QTest::keyClick(&window, Qt::Key_Home);
+  press(Qt::Key_Home);
   EXPECT_EQ(selection().time(), sample_.first);
-  QTest::keyClick(&window, Qt::Key_Right);
+  press(Qt::Key_Right);
   EXPECT_EQ(selection().time(), sample_.second);
-  QTest::keyClick(&window, Qt::Key_End);
+  press(Qt::Key_End);
   EXPECT_EQ(selection().time(), sample_.third);
-  QTest::keyClick(&window, Qt::Key_Left);
+  press(Qt::Key_Left);
   EXPECT_EQ(selection().time(), sample_.second);
-  selection().select_object(1);
-  QTest::keyClick(&window, Qt::Key_Left, Qt::ControlModifier);
+  choose(1);
+  press(Qt::Key_Left, Qt::ControlModifier);
   EXPECT_EQ(selection().time(), sample_.first) << "the observation before";
-  QTest::keyClick(&window, Qt::Key_Escape);
+  press(Qt::Key_Escape);
   EXPECT_FALSE(selection().object().has_value());
 }
 
 TEST_F(BrowserWindow, SpacePlaysFromTheBeginningAndStops) {
-  QTest::keyClick(&window, Qt::Key_Space);
+  press(Qt::Key_Space);
   EXPECT_TRUE(window.time_bar().plays());
   EXPECT_EQ(selection().time(), sample_.first);
-  QTest::keyClick(&window, Qt::Key_Space);
+  press(Qt::Key_Space);
   EXPECT_FALSE(window.time_bar().plays());
 }
 
@@ -119,6 +118,7 @@ TEST_F(BrowserWindow, TypedTimesAreTakenAndNonsenseIsRefused) {
   const auto type = [&](const char* text) {
     stamp->setText(text);
     QTest::keyClick(stamp, Qt::Key_Return);
+    settle();
   };
   type("2026-05-01 07:30:00");
   EXPECT_EQ(selection().time(), sample_.second);
@@ -132,8 +132,8 @@ TEST_F(BrowserWindow, TypedTimesAreTakenAndNonsenseIsRefused) {
 }
 
 TEST_F(BrowserWindow, SearchShowsWhatMatchesAndKeepsTheSelection) {
-  selection().set_time(sample_.first);
-  selection().select_object(1);
+  go_to(sample_.first);
+  choose(1);
   window.tree().search()->setText("blue");
   EXPECT_FALSE(window.tree().shown_index_of_object(1).isValid());
   EXPECT_TRUE(window.tree().shown_index_of_object(2).isValid());
@@ -143,13 +143,13 @@ TEST_F(BrowserWindow, SearchShowsWhatMatchesAndKeepsTheSelection) {
 }
 
 TEST_F(BrowserWindow, WhatIsGoneIsInAGroupOfItsOwn) {
-  selection().set_time(sample_.third);
+  go_to(sample_.third);
   const QModelIndex cup = window.tree().shown_index_of_object(1);
   EXPECT_TRUE(cup.parent().data().toString().startsWith("gone"));
 }
 
 TEST_F(BrowserWindow, MapAndCloudAreDrawnWithinTheirLimits) {
-  selection().set_time(sample_.first);
+  go_to(sample_.first);
   EXPECT_GT(window.map().scene().point_count(), 1000U);
   EXPECT_LE(window.map().scene().point_count(), 50000U);
   EXPECT_FALSE(window.map().scene().shown_labels().empty());
@@ -198,7 +198,7 @@ TEST_F(BrowserWindow, AnEmptyWindowSaysWhatToDo) {
 TEST_F(BrowserWindow, SaysTheSameAsTheQuestionsOfTheCommandLine) {
   const Store store = Store::open_read(sample_.path);
   for (const TimeNs time : {sample_.first, sample_.second, sample_.third}) {
-    selection().set_time(time);
+    go_to(time);
     const auto states = ask(store, ObjectsQuestion{{}, {time, std::nullopt}}).objects;
     EXPECT_EQ(states.size(), window.browser().belief().objects.size());
     for (const ObjectState& state : states) {
@@ -224,7 +224,7 @@ TEST_F(BrowserWindow, ScreenshotIsNotBlank) {
 }
 
 TEST_F(BrowserWindow, NothingIsClippedAtTheSmallestSizePromised) {
-  selection().select_object(1);  // a card that says all it can needs the most room
+  choose(1);  // a card that says all it can needs the most room
   for (const char* dock : {"compare", "statistics", "log", "selection"}) window.show_dock(dock);
   window.resize(1280, 800);
   QTest::qWait(50);

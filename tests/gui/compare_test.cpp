@@ -47,7 +47,10 @@ TEST(Differences, AreTurnedAroundWhenTheTimesAre) {
 
 class CompareInWindow : public test::BrowserWindow {
  protected:
-  CompareInWindow() { window.show_dock("compare"); }
+  CompareInWindow() {
+    window.show_dock("compare");
+    settle();
+  }
   QString cell(int row, int column) { return window.compare().table()->item(row, column)->text(); }
 };
 
@@ -57,18 +60,18 @@ TEST_F(CompareInWindow, TheBeginningIsComparedWithTheChosenTime) {
   EXPECT_EQ(cell(1, 0) + " " + cell(1, 1) + " " + cell(1, 2) + " " + cell(1, 3),
             "moved object_2 counter_1 table_1");
   EXPECT_EQ(cell(2, 0) + " " + cell(2, 1), "gone object_1");
-  QTest::mouseClick(
-      window.compare().table()->viewport(), Qt::LeftButton, Qt::NoModifier,
-      window.compare().table()->visualRect(window.compare().table()->model()->index(1, 1)).center());
+  click(window.compare().table()->viewport(),
+        window.compare().table()->visualRect(window.compare().table()->model()->index(1, 1)).center());
   EXPECT_EQ(selection().object(), 2);
 }
 
 TEST_F(CompareInWindow, TheOtherTimeCanBeTyped) {
   window.compare().stamp()->setText("07:30");
   QTest::keyClick(window.compare().stamp(), Qt::Key_Return);
+  settle();
   EXPECT_EQ(window.compare().other(), sample_.second);
   for (const Difference& difference : window.compare().shown()) EXPECT_NE(difference.object, 2);
-  selection().set_time(sample_.second);
+  go_to(sample_.second);
   EXPECT_TRUE(window.compare().shown().empty());
 }
 

@@ -23,7 +23,7 @@ class DocksInWindow : public test::BrowserWindow {
   void show(const char* dock) {
     window.show_dock(dock);
     QApplication::processEvents();
-    finish_background();
+    settle();
   }
   double value_of(const char* chart, const char* name) {
     for (const BarChart* drawn : window.statistics().charts())
@@ -63,7 +63,7 @@ TEST_F(DocksInWindow, TheLogListsRunsWithTheirScenesAndAClickGoesThere) {
   EXPECT_TRUE(model.index(0, LogModel::text_column).data().toString().startsWith("3 scenes, took"));
   QTableView* table = window.log().table();
   const QModelIndex second = model.index(2, LogModel::what_column);
-  QTest::mouseClick(table->viewport(), Qt::LeftButton, Qt::NoModifier, table->visualRect(second).center());
+  click(table->viewport(), table->visualRect(second).center());
   EXPECT_EQ(selection().time(), sample_.second);
 }
 

@@ -17,12 +17,8 @@ class EditsInWindow : public test::BrowserWindow {
  protected:
   EditsInWindow() {
     window.open(QString::fromStdString(sample_.path.string()));
-    finish_background();
-    selection().select_object(2);
-  }
-  void settle() {
-    finish_background();  // the writing
-    finish_background();  // the memory is read again
+    settle();
+    choose(2);
   }
   std::vector<Fact> facts() { return ask(Store::open_read(sample_.path), FactsQuestion{}).facts; }
 };
@@ -35,7 +31,7 @@ TEST_F(EditsInWindow, ARenamedObjectIsCalledSoInAllViews) {
     dialog->setTextValue("cereal");
     dialog->accept();
   });
-  QTest::keyClick(&window, Qt::Key_F2);
+  press(Qt::Key_F2);
   settle();
   EXPECT_EQ(window.card().title(), "cereal");
   EXPECT_EQ(window.tree().shown_index_of_object(2).data().toString(), "cereal");
@@ -53,7 +49,7 @@ TEST_F(EditsInWindow, UndoAndRedoRestoreWhatHeldAndLoseNothing) {
   }
   const auto owner = [&] { return facts().empty() ? "" : facts().back().value; };
   EXPECT_EQ(owner(), "Grace");
-  QTest::keyClick(&window, Qt::Key_Z, Qt::ControlModifier);
+  press(Qt::Key_Z, Qt::ControlModifier);
   settle();
   EXPECT_EQ(owner(), "Ada");
   EXPECT_EQ(window.browser().belief().find(2)->owner, "Ada");

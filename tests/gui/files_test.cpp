@@ -18,7 +18,7 @@ class FilesInWindow : public test::BrowserWindow {
  protected:
   void open(const std::filesystem::path& path) {
     window.open(QString::fromStdString(path.string()));
-    finish_background();
+    settle();
   }
   /// Adds a scene at the end, as a program that perceives would.
   void add_scene(TimeNs time) {
@@ -42,11 +42,11 @@ TEST_F(FilesInWindow, OpeningGoesOnInTheBackgroundAndCanBeCancelled) {
   EXPECT_TRUE(window.loader().is_loading());
   EXPECT_TRUE(window.windowTitle().contains("sample.loci")) << "what is open stays until then";
   window.loader().cancel();
-  finish_background();
+  settle();
   EXPECT_TRUE(window.windowTitle().contains("sample.loci"));
   bool told = false;
   window.open(QString::fromStdString(other.string()), [&] { told = true; });
-  finish_background();
+  settle();
   EXPECT_TRUE(told);
   EXPECT_TRUE(window.windowTitle().contains("other.loci"));
 }
@@ -69,7 +69,7 @@ TEST_F(FilesInWindow, BrokenFileIsExplainedAndCanBeChecked) {
   });
   press.start(50);
   open(folder_.path / "broken.loci");
-  finish_background();  // the check
+  settle();  // the check
   ASSERT_EQ(said.size(), 2);
   EXPECT_TRUE(said[0].contains("broken.loci")) << said[0].toStdString();
   EXPECT_TRUE(said[1].contains("cannot be read at all")) << said[1].toStdString();
@@ -88,19 +88,19 @@ TEST_F(FilesInWindow, AMemoryThatIsWrittenIsFollowed) {
   window.loader().check();
   EXPECT_FALSE(window.loader().is_loading()) << "nothing has changed";
   const TimeNs fourth = sample_.third + 60 * kSecond;
-  selection().select_object(1);
+  choose(1);
   add_scene(fourth);
   window.loader().check();
   EXPECT_TRUE(window.loader().is_loading());
-  finish_background();
+  settle();
   EXPECT_EQ(window.browser().data()->scenes().size(), 4U);
   EXPECT_EQ(selection().time(), fourth) << "the end stays the end";
   EXPECT_EQ(selection().object(), 1) << "the selection stays";
   EXPECT_EQ(window.time_bar().axis().to(), fourth);
-  selection().set_time(sample_.second);
+  go_to(sample_.second);
   add_scene(fourth + kSecond);
   window.loader().check();
-  finish_background();
+  settle();
   EXPECT_EQ(selection().time(), sample_.second) << "who looks back is not torn away";
 }
 

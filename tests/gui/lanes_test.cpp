@@ -45,8 +45,7 @@ TEST_F(LanesInWindow, SeenMissedAndNotObservedHaveColoursOfTheirOwn) {
 }
 
 TEST_F(LanesInWindow, AClickChoosesTimeAndObject) {
-  QTest::mouseClick(lanes().viewport(), Qt::LeftButton, Qt::NoModifier,
-                    lanes().point_of(lane_of(2), sample_.second));
+  click(lanes().viewport(), lanes().point_of(lane_of(2), sample_.second));
   EXPECT_EQ(selection().object(), 2);
   EXPECT_EQ(selection().time(), sample_.second);
   window.resize(1280, 1000);  // room for all lanes
@@ -54,22 +53,21 @@ TEST_F(LanesInWindow, AClickChoosesTimeAndObject) {
   const size_t table = lane_of(0, "table_1");
   selection().select_place("table_1");
   selection().clear();
-  QTest::mouseClick(lanes().viewport(), Qt::LeftButton, Qt::NoModifier,
-                    lanes().point_of(table, sample_.first));
+  click(lanes().viewport(), lanes().point_of(table, sample_.first));
   EXPECT_EQ(selection().place(), "table_1");
   EXPECT_EQ(selection().time(), sample_.first);
 }
 
 TEST_F(LanesInWindow, ZoomKeepsTheChosenTimeAndAllCanBeShownAgain) {
-  selection().set_time(sample_.second);
+  go_to(sample_.second);
   const double before = window.time_bar().track()->x_of(sample_.second);
-  QTest::keyClick(&window, Qt::Key_Plus, Qt::ControlModifier);
+  press(Qt::Key_Plus, Qt::ControlModifier);
   EXPECT_GT(axis().from(), sample_.first);
   EXPECT_NEAR(window.time_bar().track()->x_of(sample_.second), before, 1);
   EXPECT_NEAR(lanes().point_of(0, sample_.second).x(), before, 1) << "lanes and track are in line";
-  QTest::keyClick(&window, Qt::Key_Home);
+  press(Qt::Key_Home);
   EXPECT_EQ(axis().from(), sample_.first) << "the chosen time is always shown";
-  QTest::keyClick(&window, Qt::Key_0, Qt::ControlModifier);
+  press(Qt::Key_0, Qt::ControlModifier);
   EXPECT_EQ(axis().from(), sample_.first);
   EXPECT_EQ(axis().to(), sample_.third);
 }

@@ -56,15 +56,15 @@ class QuestionBarInWindow : public BrowserWindow {
     bar().line()->selectAll();
     QTest::keyClicks(bar().line(), question);
     QTest::keyClick(bar().line(), Qt::Key_Return);
-    finish_background();
+    settle();
     return bar().answers()->toPlainText();
   }
 };
 
 TEST_F(QuestionBarInWindow, SlashOpensItWithQuestionsOfThisMemory) {
-  QTest::keyClick(&window, Qt::Key_Slash);
+  press(Qt::Key_Slash);
   ASSERT_TRUE(bar().isVisible());
-  finish_background();
+  settle();
   ASSERT_GT(bar().suggestions()->count(), 3);
   EXPECT_TRUE(bar().suggestions()->item(0)->text().startsWith("Where is "));
 }
@@ -78,15 +78,15 @@ TEST_F(QuestionBarInWindow, AnswersInWordsAndSelectsTheOneObjectOfTheAnswer) {
 }
 
 TEST_F(QuestionBarInWindow, AnswersAtTheChosenTimeUnlessTheQuestionSaysAnother) {
-  selection().set_time(sample_.first);
+  go_to(sample_.first);
   bar().open();
   EXPECT_TRUE(answer_to("where is the blue one").contains("is on counter_1"));
   EXPECT_TRUE(answer_to("where is the blue one at 08:00").contains("is on table_1"));
 }
 
 TEST_F(QuestionBarInWindow, ItIsTheChosenObject) {
-  selection().set_time(sample_.first);
-  selection().select_object(1);
+  go_to(sample_.first);
+  choose(1);
   bar().open();
   EXPECT_TRUE(answer_to("where is it").contains("object_1"));
 }
@@ -114,9 +114,11 @@ TEST_F(QuestionBarInWindow, WhatIsNotUnderstoodGetsQuestionsThatAre) {
 TEST_F(QuestionBarInWindow, LinksOfAnAnswerSelectInTheViews) {
   bar().open();
   bar().follow(QUrl("object:1"));
+  settle();
   EXPECT_EQ(selection().object(), 1);
   EXPECT_EQ(window.card().title(), "object_1");
   bar().follow(QUrl("time:07:30:00"));
+  settle();
   EXPECT_EQ(selection().time(), sample_.second);
   bar().follow(QUrl("place:table_1"));
   EXPECT_EQ(selection().place(), "table_1");
@@ -128,7 +130,7 @@ TEST_F(QuestionBarInWindow, EarlierQuestionsAreOfferedAgainAndEscCloses) {
   bar().line()->clear();
   ASSERT_GT(bar().suggestions()->count(), 0);
   EXPECT_EQ(bar().suggestions()->item(0)->text(), "where is the red cup");
-  selection().select_object(1);
+  choose(1);
   QTest::keyClick(bar().line(), Qt::Key_Escape);
   EXPECT_FALSE(bar().isVisible());
   EXPECT_EQ(selection().object(), 1) << "the first Esc only closes the bar";

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <string>
 
+#include "gui/background.h"
 #include "gui/data/memory_data.h"
 #include "gui/main_window.h"
 #include "gui/scene3d/object_actors.h"
@@ -38,14 +39,37 @@ class BrowserWindow : public testing::Test {
     EXPECT_TRUE(QTest::qWaitForWindowExposed(&window));
     QApplication::setActiveWindow(&window);  // No window manager does it here.
     QTest::qWait(50);
+    settle();
   }
 
+  /// Waits for what is read and shows it.
+  static void settle() {
+    finish_background();
+    QApplication::processEvents();
+    finish_background();
+  }
+  void go_to(TimeNs time) {
+    selection().set_time(time);
+    settle();
+  }
+  void choose(int64_t object) {
+    selection().select_object(object);
+    settle();
+  }
+  void press(Qt::Key key, Qt::KeyboardModifiers modifiers = Qt::NoModifier) {
+    QTest::keyClick(&window, key, modifiers);
+    settle();
+  }
+  static void click(QWidget* widget, const QPoint& at) {
+    QTest::mouseClick(widget, Qt::LeftButton, Qt::NoModifier, at);
+    settle();
+  }
   SelectionModel& selection() { return window.browser().selection(); }
   void click_in_tree(int64_t object) {
     const QModelIndex index = window.tree().shown_index_of_object(object);
     ASSERT_TRUE(index.isValid());
     QTreeView* view = window.tree().view();
-    QTest::mouseClick(view->viewport(), Qt::LeftButton, Qt::NoModifier, view->visualRect(index).center());
+    click(view->viewport(), view->visualRect(index).center());
   }
   const MapObject* drawn(int64_t object) {
     for (const MapObject& candidate : window.map().scene().objects())

@@ -1,0 +1,114 @@
+#include "gui/data/memory_index.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "mapping/world/urdf.h"
+#include "memory/questions/answers.h"
+#include "memory/questions/words.h"
+
+namespace loci {
+namespace {
+
+void read_names(const Store& store, MemoryIndex& index) {
+  for (const PlaceRow& place : store.places()) index.places[place.id] = place.name;
+  for (const FactRow& fact : store.facts()) {
+    if (!fact.object || !fact.value) continue;
+    if (fact.key == "alias") index.aliases[*fact.object] = *fact.value;
+    if (fact.key == "owner") index.owners[*fact.object] = *fact.value;
+    if (fact.key == "class") index.classes[*fact.object] = *fact.value;
+  }
+}
+
+void add_scene(const SceneRow& row, MemoryIndex& index) {
+  const std::string name =
+      row.frame_index ? fmt::format("frame {}", *row.frame_index) : fmt::format("scene {}", row.id);
+  index.number_of_scene[row.id] = index.scenes.size();
+  index.scenes.push_back({row.id, row.time, name, row.map_from_camera});
+  index.last_scene = std::max(index.last_scene, row.id);
+}
+
+void add_events(const Store& store, std::optional<TimeNs> from, MemoryIndex& index) {
+  for (const Change& change : ask(store, ChangesQuestion{.from = from}).changes)
+    index.events.push_back(
+        {change.time, change.kind, change.object ? change.object->id : 0, change_text(change)});
+  std::stable_sort(index.events.begin(), index.events.end(),
+                   [](const EventEntry& a, const EventEntry& b) { return a.time < b.time; });
+}
+
+/// Takes over the scenes and events of before and adds those behind them; false when something else than
+/// further scenes at the end may have come.
+bool grow(const Store& store, const MemoryIndex& before, MemoryIndex& index) {
+  if (before.info.runs != index.info.runs || before.scenes.empty()) return false;
+  const TimeNs end = before.scenes.back().time;
+  const std::vector<SceneRow> later = store.scenes({}, end + 1);
+  const std::optional<SceneRow> newest = store.last_scene();
+  if (!newest || newest->id - before.last_scene != static_cast<Id>(later.size())) return false;
+  index.scenes = before.scenes;
+  index.number_of_scene = before.number_of_scene;
+  index.last_scene = before.last_scene;
+  index.events = before.events;
+  for (const SceneRow& row : later) add_scene(row, index);
+  add_events(store, end + 1, index);
+  return true;
+}
+
+void read_places(const Store& store, const MemoryIndex* before, MemoryIndex& index) {
+  const auto maps = store.maps();
+  if (!maps.empty() && before != nullptr && before->world && before->info.runs == index.info.runs)
+    index.world = before->world;
+  else if (!maps.empty())
+    index.world =
+        std::make_shared<const World>(parse_urdf(store.blob(maps.back().urdf).bytes, maps.back().name));
+  for (const PlaceRow& place : store.places())
+    if (place.height && place.outline.size() > 2 &&
+        !(index.world && index.world->find_link(place.name) != nullptr))
+      index.loose_places.push_back({place.name, place.outline, *place.height});
+}
+
+MemoryInfo describe(const Store& store, const MemoryIndex& index) {
+  MemoryInfo info;
+  info.runs = index.info.runs;
+  info.path = store.path().string();
+  info.schema = fmt::format("{}.{}", store.major(), store.minor());
+  info.zone_minutes = store.time_zone_minutes();
+  for (const RecordingRow& recording : store.recordings()) info.time_assumed |= recording.time_assumed;
+  const auto plural = [](size_t n, const char* what) {
+    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+  };
+  info.summary = fmt::format("{} · {} · {}", plural(index.scenes.size(), "scene"),
+                             plural(store.objects().size(), "object"), plural(index.events.size(), "event"));
+  if (!index.world) info.summary += " · no map";
+  return info;
+}
+
+}  // namespace
+
+const std::string* MemoryIndex::name_of_place(std::optional<Id> id) const {
+  const auto found = id ? places.find(*id) : places.end();
+  return found == places.end() ? nullptr : &found->second;
+}
+
+std::string MemoryIndex::name_of(Id object) const {
+  const auto alias = aliases.find(object);
+  return alias == aliases.end() ? object_name(object) : alias->second;
+}
+
+MemoryIndex read_index(const Store& store, const MemoryIndex* before, Progress& progress) {
+  MemoryIndex index;
+  index.info.runs = store.runs().size();
+  progress.check(0.1, "reading scenes");
+  read_names(store, index);
+  if (before == nullptr || !grow(store, *before, index)) {
+    for (const SceneRow& row : store.scenes()) add_scene(row, index);
+    progress.check(0.4, "reading events");
+    add_events(store, {}, index);
+  }
+  progress.check(0.9, "reading the map");
+  read_places(store, before, index);
+  index.info = describe(store, index);
+  return index;
+}
+
+}  // namespace loci

@@ -1,0 +1,122 @@
+#include "gui/memory_reader.h"
+
+#include <QCoreApplication>
+#include <algorithm>
+#include <deque>
+#include <map>
+#include <mutex>
+
+#include "gui/background.h"
+
+namespace loci {
+
+struct MemoryReader::Shared {
+  mutable std::mutex mutex;
+  MemoryReader* reader = nullptr;  ///< null when it is gone
+  Data data;
+  std::deque<Job> jobs;                                                ///< not begun
+  std::map<std::pair<const void*, std::string>, uint64_t> last_asked;  ///< that has not been told
+  uint64_t asked = 0;
+  bool runs = false;
+};
+
+MemoryReader::MemoryReader(QObject* parent) : QObject(parent), shared_(std::make_shared<Shared>()) {
+  shared_->reader = this;
+}
+
+MemoryReader::~MemoryReader() {
+  const std::lock_guard lock(shared_->mutex);
+  shared_->reader = nullptr;
+  shared_->jobs.clear();
+}
+
+void MemoryReader::set_data(Data data) {
+  cancel();
+  Data old;  // closed outside the lock
+  const std::lock_guard lock(shared_->mutex);
+  old = std::exchange(shared_->data, std::move(data));
+}
+
+void MemoryReader::cancel() {
+  {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->jobs.clear();
+    shared_->last_asked.clear();
+  }
+  Q_EMIT waiting_changed();
+}
+
+void MemoryReader::forget(QObject* owner, const std::string& what) {
+  const std::lock_guard lock(shared_->mutex);
+  shared_->last_asked.erase({owner, what});
+  std::erase_if(shared_->jobs, [&](const Job& job) { return job.owner == owner && job.what == what; });
+}
+
+size_t MemoryReader::waiting() const {
+  const std::lock_guard lock(shared_->mutex);
+  return shared_->last_asked.size();
+}
+
+void MemoryReader::add(Job job) {
+  {
+    const std::lock_guard lock(shared_->mutex);
+    if (shared_->data == nullptr) return;
+    std::erase_if(shared_->jobs,
+                  [&](const Job& other) { return other.owner == job.owner && other.what == job.what; });
+    job.number = ++shared_->asked;
+    shared_->last_asked[{job.owner, job.what}] = job.number;
+    const auto later = std::find_if(shared_->jobs.begin(), shared_->jobs.end(),
+                                    [&](const Job& other) { return other.urgency > job.urgency; });
+    shared_->jobs.insert(later, std::move(job));
+    note_background_work();
+    if (!std::exchange(shared_->runs, true)) reading_pool().start([shared = shared_] { run(shared); });
+  }
+  Q_EMIT waiting_changed();
+}
+
+void MemoryReader::run(const std::shared_ptr<Shared>& shared) {
+  while (true) {
+    Job job;
+    Data data;
+    {
+      const std::lock_guard lock(shared->mutex);
+      if (shared->jobs.empty()) {
+        shared->runs = false;
+        return;
+      }
+      job = std::move(shared->jobs.front());
+      shared->jobs.pop_front();
+      data = shared->data;
+    }
+    std::function<void()> deliver;
+    QString problem;
+    try {
+      deliver = job.work(data);
+    } catch (...) {
+      problem = reason_of(std::current_exception());
+    }
+    QMetaObject::invokeMethod(
+        QCoreApplication::instance(),
+        [shared, job, deliver, problem] {
+          // Only this thread ends a reader: it cannot go between here and there.
+          if (shared->reader != nullptr) shared->reader->finish(job, deliver, problem);
+        },
+        Qt::QueuedConnection);
+  }
+}
+
+void MemoryReader::finish(const Job& job, const std::function<void()>& deliver, const QString& problem) {
+  {
+    const std::lock_guard lock(shared_->mutex);
+    const auto asked = shared_->last_asked.find({job.owner, job.what});
+    if (asked == shared_->last_asked.end() || asked->second != job.number) return;
+    shared_->last_asked.erase(asked);
+  }
+  if (!problem.isEmpty())
+    Q_EMIT failed(problem);
+  else if (!job.alive.isNull())
+    deliver();
+  Q_EMIT waiting_changed();
+}
+
+}  // namespace loci
