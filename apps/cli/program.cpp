@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -80,6 +81,13 @@ void add_common_flags(CLI::App& app, CommonFlags& flags) {
   app.add_option("--threads", flags.threads, "Threads, 0 = all cores [0]")->check(CLI::Range(0, 1024));
 }
 
+/// Pictures come and go with every frame: their memory is kept for the next one instead of being given back
+/// to the system, which would have to clear it again page by page (a seventh of the time of a frame).
+void keep_freed_memory() {
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 256 << 20);
+}
+
 }  // namespace
 
 bool interrupted() {
@@ -147,6 +155,7 @@ std::vector<std::string> Program::commands() const {
 
 int Program::run(int argc, char** argv) {
   install_interrupt_handler();
+  keep_freed_memory();
   const auto names = commands();
   if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end()) {
     const std::string nearest = did_you_mean(argv[1], names);

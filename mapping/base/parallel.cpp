@@ -1,6 +1,7 @@
 #include "mapping/base/parallel.h"
 
 #include <algorithm>
+#include <atomic>
 #include <exception>
 #include <thread>
 #include <vector>
@@ -32,6 +33,14 @@ void parallel_for(size_t count, int threads, const std::function<void(size_t, si
   for (std::jthread& worker : workers) worker.join();
   for (const auto& failure : failures)
     if (failure) std::rethrow_exception(failure);
+}
+
+void parallel_each(size_t count, int threads, const std::function<void(size_t)>& task) {
+  std::atomic<size_t> next = 0;
+  const size_t workers = std::min(count, static_cast<size_t>(thread_count(threads)));
+  parallel_for(workers, threads, [&](size_t, size_t) {
+    for (size_t i = next++; i < count; i = next++) task(i);
+  });
 }
 
 }  // namespace loci

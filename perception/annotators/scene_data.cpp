@@ -6,30 +6,49 @@
 namespace loci {
 namespace {
 
-/// The first three floats of every point.
+/// Deletes a cloud that was made from an image, and keeps the image as long: nobody has to take the cloud
+/// apart again.
 template <class Point>
-cv::Mat image_of(const types::PointCloud& cloud) {
-  const cas::Buffer<Point> points = types::points_of<Point>(cloud);
-  cv::Mat image(static_cast<int>(cloud.height.get()), static_cast<int>(cloud.width.get()), CV_32FC3);
-  if (points.size() != image.total()) throw Error("the cloud of the scene is not organised");
-  auto* out = image.ptr<cv::Vec3f>();
-  for (size_t i = 0; i < points.size(); ++i) {
-    if constexpr (std::is_same_v<Point, pcl::Normal>)
-      out[i] = cv::Vec3f(points[i].normal_x, points[i].normal_y, points[i].normal_z);
-    else
-      out[i] = cv::Vec3f(points[i].x, points[i].y, points[i].z);
-  }
-  return image;
+struct WithImage {
+  cv::Mat image;
+  void operator()(const pcl::PointCloud<Point>* cloud) const { delete cloud; }
+};
+
+pcl::PointXYZ point_of(const cv::Vec3f& v, pcl::PointXYZ*) {
+  return {v[0], v[1], v[2]};
+}
+pcl::Normal point_of(const cv::Vec3f& v, pcl::Normal*) {
+  return {v[0], v[1], v[2]};
+}
+cv::Vec3f vector_of(const pcl::PointXYZ& p) {
+  return {p.x, p.y, p.z};
+}
+cv::Vec3f vector_of(const pcl::Normal& n) {
+  return {n.normal_x, n.normal_y, n.normal_z};
 }
 
-template <class Cloud>
-std::shared_ptr<Cloud> organised(const cv::Mat& image) {
-  auto cloud = std::make_shared<Cloud>();
-  cloud->resize(image.total());
+template <class Point>
+std::shared_ptr<const pcl::PointCloud<Point>> cloud_of(const cv::Mat& image) {
+  const std::shared_ptr<pcl::PointCloud<Point>> cloud(new pcl::PointCloud<Point>, WithImage<Point>{image});
+  cloud->points.reserve(image.total());
+  const auto* in = image.ptr<cv::Vec3f>();
+  for (size_t i = 0; i < image.total(); ++i)
+    cloud->points.push_back(point_of(in[i], static_cast<Point*>(nullptr)));
   cloud->width = static_cast<uint32_t>(image.cols);
   cloud->height = static_cast<uint32_t>(image.rows);
   cloud->is_dense = false;
   return cloud;
+}
+
+template <class Point>
+cv::Mat image_of(const typename types::PointTraits<Point>::Proxy& proxy) {
+  const auto cloud = types::from<std::shared_ptr<const pcl::PointCloud<Point>>>(proxy);
+  if (const auto* made_from = std::get_deleter<WithImage<Point>>(cloud)) return made_from->image;
+  cv::Mat image(static_cast<int>(cloud->height), static_cast<int>(cloud->width), CV_32FC3);
+  if (cloud->size() != image.total()) throw Error("the cloud of the scene is not organised");
+  auto* out = image.ptr<cv::Vec3f>();
+  for (size_t i = 0; i < cloud->size(); ++i) out[i] = vector_of(cloud->points[i]);
+  return image;
 }
 
 }  // namespace
@@ -43,17 +62,11 @@ cv::Mat cloud_normals(const types::SceneCas& scene) {
 }
 
 void set_cloud_points(const types::SceneCas& scene, const cv::Mat& points) {
-  const auto cloud = organised<pcl::PointCloud<pcl::PointXYZ>>(points);
-  const auto* in = points.ptr<cv::Vec3f>();
-  for (size_t i = 0; i < cloud->size(); ++i) cloud->points[i] = pcl::PointXYZ(in[i][0], in[i][1], in[i][2]);
-  scene.set_cloud(types::to(scene.cas(), std::shared_ptr<const pcl::PointCloud<pcl::PointXYZ>>(cloud)));
+  scene.set_cloud(types::to(scene.cas(), cloud_of<pcl::PointXYZ>(points)));
 }
 
 void set_cloud_normals(const types::SceneCas& scene, const cv::Mat& normals) {
-  const auto cloud = organised<pcl::PointCloud<pcl::Normal>>(normals);
-  const auto* in = normals.ptr<cv::Vec3f>();
-  for (size_t i = 0; i < cloud->size(); ++i) cloud->points[i] = pcl::Normal(in[i][0], in[i][1], in[i][2]);
-  scene.set_normals(types::to(scene.cas(), std::shared_ptr<const pcl::PointCloud<pcl::Normal>>(cloud)));
+  scene.set_normals(types::to(scene.cas(), cloud_of<pcl::Normal>(normals)));
 }
 
 Isometry3d map_from_camera(const types::Scene& scene) {

@@ -18,11 +18,12 @@ inline constexpr std::string_view kMapDepthView = "map_depth";  ///< CV_32F: wha
 /// Frame of poses that nobody measured: the first supporting plane before a camera taken as fixed.
 inline constexpr const char* kAssumedFrame = "first_support";
 
-/// The cloud of a scene as an image: CV_32FC3, metres, camera frame, NaN = none.
+/// The cloud of a scene as an image: CV_32FC3, metres, camera frame, NaN = none. To be read: it may be the
+/// image that the cloud was made from.
 cv::Mat cloud_points(const types::SceneCas& scene);
 /// The normals of a scene likewise.
 cv::Mat cloud_normals(const types::SceneCas& scene);
-/// Makes images the cloud and the normals of a scene.
+/// Makes images the cloud and the normals of a scene. Nobody may write to them afterwards.
 void set_cloud_points(const types::SceneCas& scene, const cv::Mat& points);
 void set_cloud_normals(const types::SceneCas& scene, const cv::Mat& normals);
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "mapping/base/quantile.h"
 #include "perception/annotators/scene_data.h"
@@ -17,8 +18,9 @@ struct Range {
   double high;
 };
 
-Range range_of(const std::vector<double>& values, double outliers) {
-  return {quantile(values, outliers), quantile(values, 1 - outliers)};
+Range range_of(std::vector<double> values, double outliers) {
+  const auto [low, high] = quantiles(values, outliers, 1 - outliers);
+  return {low, high};
 }
 
 }  // namespace
@@ -28,6 +30,8 @@ UprightBox upright_box(const std::vector<Vector3d>& points, double ground, doubl
   if (points.empty()) return box;
   std::vector<cv::Point2f> footprint;
   std::vector<double> heights;
+  footprint.reserve(points.size());
+  heights.reserve(points.size());
   const Vector3d origin = points.front();  // Floats lose digits far from the map's origin.
   for (const Vector3d& p : points) {
     footprint.emplace_back(static_cast<float>(p.x() - origin.x()), static_cast<float>(p.y() - origin.y()));
@@ -41,13 +45,15 @@ UprightBox upright_box(const std::vector<Vector3d>& points, double ground, doubl
   const Vector2d y(-x.y(), x.x());
   std::vector<double> along;
   std::vector<double> across;
+  along.reserve(points.size());
+  across.reserve(points.size());
   for (const Vector3d& p : points) {
     along.push_back(x.dot(p.head<2>()));
     across.push_back(y.dot(p.head<2>()));
   }
-  const Range a = range_of(along, outliers);
-  const Range b = range_of(across, outliers);
-  Range z = range_of(heights, outliers);
+  const Range a = range_of(std::move(along), outliers);
+  const Range b = range_of(std::move(across), outliers);
+  Range z = range_of(std::move(heights), outliers);
   if (z.low > ground && z.low - ground < reach) z.low = ground;
   const Vector2d centre = x * (a.low + a.high) / 2 + y * (b.low + b.high) / 2;
   box.map_from_box.linear() = Eigen::AngleAxisd(yaw, Vector3d::UnitZ()).toRotationMatrix();

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "mapping/base/parallel.h"
+#include "perception/annotators/hypotheses/in_view.h"
 #include "perception/annotators/hypotheses/support_planes.h"
 
 namespace loci {
@@ -32,23 +33,9 @@ Vector3d vector(const cv::Vec3f& value) {
 int pixel_of(const Vector3d& point, const PinholeCamera& camera) {
   if (!(point.z() > 0.1)) return -1;
   const Vector2d at = camera.project(point);
-  // Most of a room's fronts are out of view: no rounding for them.
-  if (!(at.x() > -1 && at.y() > -1 && at.x() < camera.width && at.y() < camera.height)) return -1;
-  const double u = std::round(at.x());
-  const double v = std::round(at.y());
-  if (!(u >= 0 && v >= 0 && u < camera.width && v < camera.height)) return -1;
-  return static_cast<int>(v) * camera.width + static_cast<int>(u);
-}
-
-/// Whether nothing of a ball can fall into a pixel: it lies behind the camera or outside one of the planes
-/// through its centre and an edge of the picture (a pixel more on every side).
-bool out_of_view(const Vector3d& middle, double radius, const PinholeCamera& camera) {
-  const auto outside = [&](double x, double y, double z) {
-    return x * middle.x() + y * middle.y() + z * middle.z() < -1.001 * radius * std::hypot(x, y, z) - 1e-6;
-  };
-  return outside(0, 0, 1) || outside(camera.fx, 0, camera.cx + 1) || outside(0, camera.fy, camera.cy + 1) ||
-         outside(-camera.fx, 0, camera.width - camera.cx) ||
-         outside(0, -camera.fy, camera.height - camera.cy);
+  if (!(at.x() > -0.5 && at.y() > -0.5 && at.x() < camera.width - 0.5 && at.y() < camera.height - 0.5))
+    return -1;
+  return static_cast<int>(at.y() + 0.5) * camera.width + static_cast<int>(at.x() + 0.5);
 }
 
 /// How far a joint's motion carries the farthest point of a front.
@@ -108,14 +95,20 @@ ArticulatedFronts::ArticulatedFronts(const World& world, const MeshSearch& meshe
 }
 
 ArticulatedFronts::Match ArticulatedFronts::match(const Front& front, const Isometry3d& camera_from_link,
-                                                  const cv::Mat& points, const PinholeCamera& camera) const {
+                                                  const cv::Mat& points, const PinholeCamera& camera,
+                                                  bool only_if_sure) const {
   Match match;
   if (out_of_view(camera_from_link * front.middle, front.radius, camera)) return match;
+  const auto* measured = points.ptr<cv::Vec3f>();
+  auto left = static_cast<int>(front.samples.size());
   for (const Sample& sample : front.samples) {
+    // What stands open in the picture's free space is soon found out.
+    if (only_if_sure && match.through > kMostThrough * (match.on + left)) return {};
+    --left;
     const Vector3d point = camera_from_link * sample.point;
     const int pixel = pixel_of(point, camera);
     if (pixel < 0) continue;
-    const auto depth = static_cast<double>(points.ptr<cv::Vec3f>()[pixel][2]);
+    const auto depth = static_cast<double>(measured[pixel][2]);
     if (std::isnan(depth)) continue;
     if ((camera_from_link.linear() * sample.normal).dot(-point) < kFacing * point.norm()) continue;
     const double off = (depth - point.z()) / (kTolerance + 2 * depth_noise(point.z()));
@@ -142,14 +135,15 @@ std::vector<FrontState> ArticulatedFronts::estimate(const cv::Mat& points, const
     state.position = state.given;
     const Isometry3d camera_from_joint =
         camera_from_map * map_from_links[front.link] * joint_motion(front.joint, state.given).inverse();
-    const auto at = [&](double position) {
-      return match(front, camera_from_joint * joint_motion(front.joint, position), points, camera);
+    const auto at = [&](double position, bool only_if_sure) {
+      return match(front, camera_from_joint * joint_motion(front.joint, position), points, camera,
+                   only_if_sure);
     };
-    const Match given = at(state.given);
+    const Match given = at(state.given, false);
     const double low = front.joint.limits->lower, high = front.joint.limits->upper;
     Match best = given;
     const auto consider = [&](double position) {
-      const Match tried = at(std::clamp(position, low, high));
+      const Match tried = at(std::clamp(position, low, high), true);
       if (!tried.sure() || (best.sure() && tried.cost >= best.cost)) return;
       best = tried;
       state.position = std::clamp(position, low, high);
@@ -183,6 +177,7 @@ std::vector<Obstacle> ArticulatedFronts::obstacles(const cv::Mat& points, const 
   std::vector<Obstacle> found;
   for (const Front& front : fronts_) {
     const Isometry3d camera_from_link = map_from_camera.inverse() * map_from_links[front.link];
+    if (out_of_view(camera_from_link * front.middle, front.radius, camera)) continue;
     int in_view = 0, hidden = 0;
     Obstacle obstacle{front.joint.name, std::numeric_limits<double>::infinity(), 0};
     for (const Sample& sample : front.samples) {

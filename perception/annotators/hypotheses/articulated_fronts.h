@@ -61,8 +61,9 @@ class ArticulatedFronts {
   };
   struct Match;
 
+  /// With `only_if_sure` counting ends, with nothing, as soon as the match cannot be sure any more.
   Match match(const Front& front, const Isometry3d& camera_from_link, const cv::Mat& points,
-              const PinholeCamera& camera) const;
+              const PinholeCamera& camera, bool only_if_sure) const;
 
   World world_;
   std::vector<Front> fronts_;

@@ -2,11 +2,14 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <numeric>
 #include <queue>
+#include <span>
 
 #include "perception/annotators/hypotheses/disjoint_sets.h"
 
@@ -39,34 +42,102 @@ std::vector<uint64_t> forward_steps() {
   return steps;
 }
 
-struct VoxelGrid {
-  std::vector<uint64_t> keys;  ///< sorted
-  std::vector<int> voxel_of_point;
-  std::vector<std::vector<int>> neighbours;
+/// From cells to small numbers: open addressing in a table that is at most half full.
+class CellTable {
+ public:
+  explicit CellTable(size_t most) : slots_(std::bit_ceil(2 * most + 1), {kNone, 0}) {}
+
+  /// The number of a cell; -1 when it has none.
+  int find(uint64_t key) const {
+    const Slot& slot = slots_[slot_of(key)];
+    return slot.key == key ? slot.number : -1;
+  }
+  /// Gives a cell the number unless it has one. True when it had none.
+  bool insert(uint64_t key, int number) {
+    Slot& slot = slots_[slot_of(key)];
+    if (slot.key == key) return false;
+    slot = {key, number};
+    return true;
+  }
+
+ private:
+  static constexpr uint64_t kNone = ~uint64_t{0};  ///< keys have 63 bits
+  struct Slot {
+    uint64_t key;
+    int number;
+  };
+  size_t slot_of(uint64_t key) const {
+    uint64_t hash = key * 0x9e3779b97f4a7c15u;
+    hash ^= hash >> 32;
+    size_t slot = hash & (slots_.size() - 1);
+    while (slots_[slot].key != key && slots_[slot].key != kNone) slot = (slot + 1) & (slots_.size() - 1);
+    return slot;
+  }
+  std::vector<Slot> slots_;
 };
 
-VoxelGrid voxel_grid(const std::vector<Vector3f>& points, float size) {
-  VoxelGrid grid;
-  std::vector<uint64_t> point_keys(points.size());
-  for (size_t i = 0; i < points.size(); ++i) point_keys[i] = cell_key(points[i], 1.0f / size);
-  grid.keys = point_keys;
-  std::sort(grid.keys.begin(), grid.keys.end());
-  grid.keys.erase(std::unique(grid.keys.begin(), grid.keys.end()), grid.keys.end());
-  const auto find = [&](uint64_t key) {
-    const auto it = std::lower_bound(grid.keys.begin(), grid.keys.end(), key);
-    return it != grid.keys.end() && *it == key ? static_cast<int>(it - grid.keys.begin()) : -1;
-  };
-  grid.voxel_of_point.resize(points.size());
-  for (size_t i = 0; i < points.size(); ++i) grid.voxel_of_point[i] = find(point_keys[i]);
-  grid.neighbours.resize(grid.keys.size());
-  for (const uint64_t step : forward_steps())
-    for (size_t v = 0; v < grid.keys.size(); ++v)
-      if (const int other = find(grid.keys[v] + step); other >= 0) {
-        grid.neighbours[v].push_back(other);
-        grid.neighbours[static_cast<size_t>(other)].push_back(static_cast<int>(v));
+/// The cells that some positions lie in, numbered in order of their keys.
+struct Cells {
+  std::vector<uint64_t> keys;  ///< sorted
+  std::vector<int> cell_of;    ///< by position
+
+  Cells(const std::vector<Vector3f>& points, float size) {
+    cell_of.resize(points.size());
+    CellTable first(points.size());
+    uint64_t last_key = 0;
+    for (size_t i = 0; i < points.size(); ++i) {
+      const uint64_t key = cell_key(points[i], 1.0f / size);
+      // Neighbours in the picture mostly share a cell.
+      if (i > 0 && key == last_key) {
+        cell_of[i] = cell_of[i - 1];
+        continue;
       }
-  return grid;
-}
+      if (first.insert(key, static_cast<int>(keys.size()))) keys.push_back(key);
+      cell_of[i] = first.find(key);
+      last_key = key;
+    }
+    std::vector<int> order(keys.size()), number(keys.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(),
+              [&](int a, int b) { return keys[static_cast<size_t>(a)] < keys[static_cast<size_t>(b)]; });
+    for (size_t i = 0; i < order.size(); ++i) number[static_cast<size_t>(order[i])] = static_cast<int>(i);
+    for (int& cell : cell_of) cell = number[static_cast<size_t>(cell)];
+    std::sort(keys.begin(), keys.end());
+  }
+};
+
+struct VoxelGrid {
+  Cells cells;
+  std::vector<std::array<int, 2>> pairs;  ///< of neighbours (26 around each)
+  std::vector<int> neighbours;            ///< of voxel v those from begin[v] to begin[v + 1]
+  std::vector<size_t> begin;
+
+  VoxelGrid(const std::vector<Vector3f>& points, float size) : cells(points, size) {
+    CellTable table(cells.keys.size());
+    for (size_t v = 0; v < cells.keys.size(); ++v) table.insert(cells.keys[v], static_cast<int>(v));
+    const std::vector<uint64_t> steps = forward_steps();
+    begin.assign(cells.keys.size() + 1, 0);
+    for (size_t v = 0; v < cells.keys.size(); ++v)
+      for (const uint64_t step : steps)
+        if (const int other = table.find(cells.keys[v] + step); other >= 0) {
+          pairs.push_back({static_cast<int>(v), other});
+          ++begin[v + 1];
+          ++begin[static_cast<size_t>(other) + 1];
+        }
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    neighbours.resize(begin.back());
+    std::vector<size_t> next(begin.begin(), begin.end() - 1);
+    for (const auto& [a, b] : pairs) {
+      neighbours[next[static_cast<size_t>(a)]++] = b;
+      neighbours[next[static_cast<size_t>(b)]++] = a;
+    }
+  }
+
+  std::span<const int> neighbours_of(int voxel) const {
+    const auto v = static_cast<size_t>(voxel);
+    return std::span(neighbours).subspan(begin[v], begin[v + 1] - begin[v]);
+  }
+};
 
 struct Element {
   Vector3f position = Vector3f::Zero();
@@ -101,21 +172,25 @@ class Patches {
  private:
   /// One voxel per coarse cell, nearest to the mean of what the cell holds.
   void seed() {
-    std::map<uint64_t, Element> cells;
-    for (const Element& v : voxels_) cells[cell_key(v.position, 1 / size_)].add(v.position, v.normal);
-    std::map<uint64_t, std::pair<float, int>> nearest;
-    for (auto& [key, cell] : cells) cell.finish();
+    std::vector<Vector3f> positions;
+    positions.reserve(voxels_.size());
+    for (const Element& v : voxels_) positions.push_back(v.position);
+    const Cells coarse(positions, size_);
+    std::vector<Element> cells(coarse.keys.size());
+    for (size_t i = 0; i < voxels_.size(); ++i)
+      cells[static_cast<size_t>(coarse.cell_of[i])].add(voxels_[i].position, voxels_[i].normal);
+    for (Element& cell : cells) cell.finish();
+    std::vector<std::pair<float, int>> nearest(cells.size(), {std::numeric_limits<float>::max(), -1});
     for (size_t i = 0; i < voxels_.size(); ++i) {
-      const uint64_t key = cell_key(voxels_[i].position, 1 / size_);
-      const float distance = (voxels_[i].position - cells[key].position).squaredNorm();
-      const auto [it, fresh] = nearest.try_emplace(key, distance, static_cast<int>(i));
-      if (!fresh && distance < it->second.first) it->second = {distance, static_cast<int>(i)};
+      const auto c = static_cast<size_t>(coarse.cell_of[i]);
+      const float distance = (voxels_[i].position - cells[c].position).squaredNorm();
+      if (distance < nearest[c].first) nearest[c] = {distance, static_cast<int>(i)};
     }
-    for (const auto& [key, best] : nearest)
-      if (cells[key].count >= 4) patches.push_back(voxels_[static_cast<size_t>(best.second)]);
-    seeds_.clear();
-    for (const auto& [key, best] : nearest)
-      if (cells[key].count >= 4) seeds_.push_back(best.second);
+    for (size_t c = 0; c < cells.size(); ++c) {
+      if (cells[c].count < 4) continue;
+      patches.push_back(voxels_[static_cast<size_t>(nearest[c].second)]);
+      seeds_.push_back(nearest[c].second);
+    }
   }
 
   float distance(const Element& voxel, const Element& patch) const {
@@ -123,16 +198,20 @@ class Patches {
            normal_weight_ * (voxel.normal - patch.normal).norm();
   }
 
+  struct Step {
+    float cost;
+    int voxel;
+    int patch;
+    bool operator<(const Step& other) const {
+      if (cost != other.cost) return cost > other.cost;
+      return std::pair(voxel, patch) > std::pair(other.voxel, other.patch);
+    }
+  };
+
   void grow() {
     patch_of_voxel.assign(voxels_.size(), -1);
-    struct Step {
-      float cost;
-      int voxel;
-      int patch;
-      bool operator<(const Step& other) const {
-        return std::tie(cost, voxel, patch) > std::tie(other.cost, other.voxel, other.patch);
-      }
-    };
+    // The cheapest step to a voxel so far: a dearer one would come too late.
+    std::vector<std::pair<float, int>> offer(voxels_.size(), {std::numeric_limits<float>::max(), 0});
     std::priority_queue<Step> queue;
     for (size_t p = 0; p < patches.size(); ++p) queue.push({0, seeds_[p], static_cast<int>(p)});
     size_t next_lone = 0;
@@ -143,11 +222,15 @@ class Patches {
         int& owner = patch_of_voxel[static_cast<size_t>(step.voxel)];
         if (owner >= 0) continue;
         owner = step.patch;
-        for (const int other : grid_.neighbours[static_cast<size_t>(step.voxel)])
-          if (patch_of_voxel[static_cast<size_t>(other)] < 0)
-            queue.push(
-                {distance(voxels_[static_cast<size_t>(other)], patches[static_cast<size_t>(step.patch)]),
-                 other, step.patch});
+        const Element& patch = patches[static_cast<size_t>(step.patch)];
+        for (const int next : grid_.neighbours_of(step.voxel)) {
+          const auto other = static_cast<size_t>(next);
+          if (patch_of_voxel[other] >= 0) continue;
+          const std::pair cost(distance(voxels_[other], patch), step.patch);
+          if (cost >= offer[other]) continue;
+          offer[other] = cost;
+          queue.push({cost.first, next, step.patch});
+        }
       }
       // What no seed reaches becomes a patch of its own.
       while (next_lone < voxels_.size() && patch_of_voxel[next_lone] >= 0) ++next_lone;
@@ -212,15 +295,14 @@ void ConvexPartsOptions::declare(OptionTable& table) {
 }
 
 std::vector<int> euclidean_groups(const std::vector<Vector3f>& points, float reach, int& count) {
-  const VoxelGrid grid = voxel_grid(points, reach);
-  DisjointSets sets(grid.keys.size());
-  for (size_t v = 0; v < grid.keys.size(); ++v)
-    for (const int other : grid.neighbours[v]) sets.join(v, static_cast<size_t>(other));
-  std::vector<int> number(grid.keys.size(), -1);
+  const VoxelGrid grid(points, reach);
+  DisjointSets sets(grid.cells.keys.size());
+  for (const auto& [a, b] : grid.pairs) sets.join(static_cast<size_t>(a), static_cast<size_t>(b));
+  std::vector<int> number(grid.cells.keys.size(), -1);
   std::vector<int> groups(points.size());
   count = 0;
   for (size_t i = 0; i < points.size(); ++i) {
-    int& n = number[sets.find(static_cast<size_t>(grid.voxel_of_point[i]))];
+    int& n = number[sets.find(static_cast<size_t>(grid.cells.cell_of[i]))];
     if (n < 0) n = count++;
     groups[i] = n;
   }
@@ -230,20 +312,23 @@ std::vector<int> euclidean_groups(const std::vector<Vector3f>& points, float rea
 ConvexParts split_at_concave_edges(const std::vector<Vector3f>& points, const std::vector<Vector3f>& normals,
                                    double scale, const ConvexPartsOptions& options) {
   const auto voxel_size = static_cast<float>(options.voxel_m * scale);
-  const VoxelGrid grid = voxel_grid(points, voxel_size);
-  std::vector<Element> voxels(grid.keys.size());
+  const VoxelGrid grid(points, voxel_size);
+  const std::vector<int>& voxel_of_point = grid.cells.cell_of;
+  std::vector<Element> voxels(grid.cells.keys.size());
   for (size_t i = 0; i < points.size(); ++i)
-    voxels[static_cast<size_t>(grid.voxel_of_point[i])].add(points[i], normals[i]);
+    voxels[static_cast<size_t>(voxel_of_point[i])].add(points[i], normals[i]);
   for (Element& v : voxels) v.finish();
   const Patches patches(voxels, grid, voxel_size * static_cast<float>(options.patch_voxels),
                         static_cast<float>(options.normal_weight));
+  std::vector<std::array<int, 2>> borders;
+  for (const auto& [v, other] : grid.pairs) {
+    const int a = patches.patch_of_voxel[static_cast<size_t>(v)];
+    const int b = patches.patch_of_voxel[static_cast<size_t>(other)];
+    if (a != b) borders.push_back({std::min(a, b), std::max(a, b)});
+  }
+  std::sort(borders.begin(), borders.end());
   std::map<std::array<int, 2>, int> touching;
-  for (size_t v = 0; v < voxels.size(); ++v)
-    for (const int other : grid.neighbours[v]) {
-      const int a = patches.patch_of_voxel[v];
-      const int b = patches.patch_of_voxel[static_cast<size_t>(other)];
-      if (a < b) ++touching[{a, b}];
-    }
+  for (const auto& pair : borders) ++touching[pair];
   std::map<std::array<int, 2>, bool> is_convex;
   std::vector<std::vector<int>> joined(patches.patches.size());
   for (const auto& [pair, contact] : touching) {
@@ -271,7 +356,7 @@ ConvexParts split_at_concave_edges(const std::vector<Vector3f>& points, const st
   std::vector<int> number(patches.patches.size(), -1);
   parts.part_of_point.resize(points.size());
   for (size_t i = 0; i < points.size(); ++i) {
-    const int patch = patches.patch_of_voxel[static_cast<size_t>(grid.voxel_of_point[i])];
+    const int patch = patches.patch_of_voxel[static_cast<size_t>(voxel_of_point[i])];
     int& n = number[sets.find(static_cast<size_t>(patch))];
     if (n < 0) n = parts.count++;
     parts.part_of_point[i] = n;

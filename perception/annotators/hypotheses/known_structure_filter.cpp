@@ -107,13 +107,13 @@ void KnownStructureFilter::start(Context& context) {
 }
 
 /// The pose of the camera, fitted to the map; the scene is told when it moves.
-Isometry3d KnownStructureFilter::refined_pose(const types::SceneCas& facade, const PinholeCamera& camera,
-                                              Context& context) {
+Isometry3d KnownStructureFilter::refined_pose(const types::SceneCas& facade, const cv::Mat& points,
+                                              const PinholeCamera& camera, Context& context) {
   const types::Scene scene = facade.scene();
   const Isometry3d given = map_from_camera(scene);
   if (!refinement_.refine_pose || !has_measured_pose(scene)) return given;
-  const PoseRefinement refinement = refine_pose(cloud_points(facade), cloud_normals(facade), camera, given,
-                                                map_->scene, refinement_, context.threads);
+  const PoseRefinement refinement =
+      refine_pose(points, cloud_normals(facade), camera, given, map_->scene, refinement_, context.threads);
   facade.log(
       "KnownStructureFilter", "info",
       fmt::format("pose of the camera: {} ({:.0f} % of the points on the map, {:.0f} % before)",
@@ -125,11 +125,12 @@ Isometry3d KnownStructureFilter::refined_pose(const types::SceneCas& facade, con
   return refinement.map_from_camera;
 }
 
-void KnownStructureFilter::fit_joints(const types::SceneCas& scene, const PinholeCamera& camera,
-                                      const Isometry3d& pose, int threads, JointState& joints) {
+void KnownStructureFilter::fit_joints(const types::SceneCas& scene, const cv::Mat& points,
+                                      const PinholeCamera& camera, const Isometry3d& pose, int threads,
+                                      JointState& joints) {
   if (!fit_joints_) return;
   JointState fitted = joints;
-  for (const FrontState& front : fronts_->estimate(cloud_points(scene), camera, pose, joints, threads)) {
+  for (const FrontState& front : fronts_->estimate(points, camera, pose, joints, threads)) {
     if (!front.moved || joints.contains(front.joint)) continue;
     fitted[front.joint] = front.position;
     scene.log("KnownStructureFilter", "info",
@@ -169,15 +170,16 @@ void KnownStructureFilter::remove_robots(const types::SceneCas& facade, const Pi
   facade.log("KnownStructureFilter", "info", fmt::format("{} points on robots", known.known));
 }
 
-void KnownStructureFilter::tell_obstacles(const types::SceneCas& scene, const PinholeCamera& camera,
-                                          const Isometry3d& pose, const JointState& joints,
-                                          const cv::Mat& map_depth) {
-  const cv::Mat points = cloud_points(scene);
-  cv::Mat unknown = cv::Mat::zeros(points.size(), CV_8U);
+void KnownStructureFilter::tell_obstacles(const types::SceneCas& scene, const cv::Mat& points,
+                                          const PinholeCamera& camera, const Isometry3d& pose,
+                                          const JointState& joints, const cv::Mat& map_depth) {
+  cv::Mat unknown(points.size(), CV_8U);
+  const auto* point = points.ptr<cv::Vec3f>();
+  const auto* model = map_depth.ptr<float>();
+  auto* out = unknown.ptr<uint8_t>();
   for (int i = 0; i < points.rows * points.cols; ++i) {
-    const auto z = static_cast<double>(points.ptr<cv::Vec3f>()[i][2]);
-    const auto model = static_cast<double>(map_depth.ptr<float>()[i]);
-    unknown.ptr<uint8_t>()[i] = model - z > options_.epsilon_m + 2 * depth_noise(z) ? 1 : 0;
+    const auto z = static_cast<double>(point[i][2]);
+    out[i] = static_cast<double>(model[i]) - z > options_.epsilon_m + 2 * depth_noise(z) ? 1 : 0;
   }
   for (const Obstacle& obstacle : fronts_->obstacles(points, unknown, camera, pose, joints))
     scene.log("KnownStructureFilter", "info",
@@ -205,21 +207,20 @@ void KnownStructureFilter::process(cas::Cas& cas, Context& context) {
   JointState joints = joints_of_map(all_joints, map_->world);
   map_->scene.set_joints(map_->part, joints);
   map_->hide_robots();
-  const Isometry3d pose = refined_pose(facade, camera, context);
-  fit_joints(facade, camera, pose, context.threads, joints);
+  const cv::Mat points = cloud_points(facade);
+  const Isometry3d pose = refined_pose(facade, points, camera, context);
+  fit_joints(facade, points, camera, pose, context.threads, joints);
   map_->place_robots(scene.timestamp.get(), all_joints, camera_link_, pose);
-  KnownStructure known = find_known_structure(cloud_points(facade), camera, pose, *map_, surfaces_, joints,
-                                              options_, context.threads);
-  tell_obstacles(facade, camera, pose, joints, known.map_depth);
+  KnownStructure known =
+      find_known_structure(points, camera, pose, *map_, surfaces_, joints, options_, context.threads);
+  tell_obstacles(facade, points, camera, pose, joints, known.map_depth);
   // Regions out of view are left out, the others numbered from 1 in the order of the scene's supports.
   std::vector<uint16_t> number(known.regions.size() + 1, 0);
   uint16_t next = 0;
   for (size_t r = 0; r < known.regions.size(); ++r)
     if (known.regions[r].pixels >= kFewPixels) number[r + 1] = ++next;
-  for (size_t i = 0; i < known.region.total(); ++i) {
-    uint16_t& label = known.region.ptr<uint16_t>()[i];
-    label = number[label];
-  }
+  auto* label = known.region.ptr<uint16_t>();
+  for (size_t i = 0; i < known.region.total(); ++i) label[i] = number[label[i]];
   for (size_t r = 0; r < known.regions.size(); ++r)
     if (number[r + 1] > 0) add_region(facade, known.regions[r], known.region, number[r + 1], options_);
   types::set_view_image(facade, kRegionsView, known.region);

@@ -22,12 +22,13 @@ class KnownStructureFilter : public Annotator {
   void process(cas::Cas& cas, Context& context) override;
 
  private:
-  Isometry3d refined_pose(const types::SceneCas& scene, const PinholeCamera& camera, Context& context);
-  void fit_joints(const types::SceneCas& scene, const PinholeCamera& camera, const Isometry3d& pose,
-                  int threads, JointState& joints);
+  Isometry3d refined_pose(const types::SceneCas& scene, const cv::Mat& points, const PinholeCamera& camera,
+                          Context& context);
+  void fit_joints(const types::SceneCas& scene, const cv::Mat& points, const PinholeCamera& camera,
+                  const Isometry3d& pose, int threads, JointState& joints);
   void remove_robots(const types::SceneCas& scene, const PinholeCamera& camera, Context& context);
-  void tell_obstacles(const types::SceneCas& scene, const PinholeCamera& camera, const Isometry3d& pose,
-                      const JointState& joints, const cv::Mat& map_depth);
+  void tell_obstacles(const types::SceneCas& scene, const cv::Mat& points, const PinholeCamera& camera,
+                      const Isometry3d& pose, const JointState& joints, const cv::Mat& map_depth);
 
   KnownStructureOptions options_;
   PoseRefinementOptions refinement_;

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <tuple>
 
+#include "mapping/base/parallel.h"
 #include "mapping/base/quantile.h"
 
 namespace loci {
@@ -21,72 +23,109 @@ struct Standing {
   std::vector<Vector3f> in_plane;  ///< z = height over the support
   std::vector<Vector3f> normals_in_plane;
   std::vector<float> areas;  ///< of a pixel on the surface, m²
+
+  void add(const Standing& other, size_t i) {
+    pixels.push_back(other.pixels[i]);
+    points.push_back(other.points[i]);
+    normals.push_back(other.normals[i]);
+    in_plane.push_back(other.in_plane[i]);
+    normals_in_plane.push_back(other.normals_in_plane[i]);
+    areas.push_back(other.areas[i]);
+  }
+  void reserve(size_t count) {
+    pixels.reserve(count);
+    points.reserve(count);
+    normals.reserve(count);
+    in_plane.reserve(count);
+    normals_in_plane.reserve(count);
+    areas.reserve(count);
+  }
+};
+
+/// A support made ready to be asked about many points.
+struct Ground {
+  const SupportPlane& plane;
+  ConvexOutline outline;
+  Eigen::Matrix3f plane_from_camera;  ///< rotation
+
+  explicit Ground(const SupportPlane& support)
+      : plane(support),
+        outline(support.outline),
+        plane_from_camera(support.camera_from_plane.linear().transpose().cast<float>()) {}
 };
 
 Vector3f vector_of(const cv::Vec3f& v) {
   return {v[0], v[1], v[2]};
 }
 
-/// Gives every pixel to the highest support below it.
-std::vector<Standing> stand_on_supports(const cv::Mat& points, const cv::Mat& normals, const cv::Mat& region,
-                                        const PinholeCamera& camera,
-                                        const std::vector<SupportPlane>& supports,
-                                        const ClusterOptions& options) {
+/// The highest support below a point, -1 = none or the support itself, and the point in its frame.
+int support_below(const Vector3f& p, int label, const std::vector<Ground>& grounds,
+                  const ClusterOptions& options, Vector3d& position) {
   // Beyond the outline by this much things are still looked at, to tell what merely reaches over the support.
   constexpr double kAround = 0.15;
-  std::vector<Standing> standing(supports.size());
+  int best = -1;
+  for (size_t s = 0; s < grounds.size(); ++s) {
+    const SupportPlane& support = grounds[s].plane;
+    if (support.region != label) continue;
+    const Vector3d at = support.in_plane(p.cast<double>());
+    if (at.z() > options.max_height_m || at.z() < -0.03) continue;
+    const double floor =
+        options.floor_m + support.uncertainty + 1.5 * depth_noise(static_cast<double>(p.z()));
+    if (at.z() < -floor || (best >= 0 && at.z() > floor && at.z() >= position.z())) continue;
+    const double inside = grounds[s].outline.inside(at.head<2>());
+    if (inside < -kAround) continue;
+    if (std::abs(at.z()) <= floor && inside > -options.margin_m) return -1;  // The support itself.
+    if (at.z() <= floor) continue;
+    best = static_cast<int>(s);
+    position = at;
+  }
+  return best;
+}
+
+/// Gives every pixel to the highest support below it.
+std::vector<Standing> stand_on_supports(const cv::Mat& points, const cv::Mat& normals, const cv::Mat& region,
+                                        const PinholeCamera& camera, const std::vector<Ground>& grounds,
+                                        const ClusterOptions& options, int threads) {
   const auto* point = points.ptr<cv::Vec3f>();
   const auto* normal = normals.ptr<cv::Vec3f>();
+  const auto* label_of = region.empty() ? nullptr : region.ptr<uint16_t>();
   const auto focal_squared = static_cast<float>(camera.fx * camera.fy);
-  for (int i = 0; i < points.rows * points.cols; ++i) {
-    if (std::isnan(point[i][2])) continue;
-    const int label = region.empty() ? 0 : region.ptr<uint16_t>()[i];
-    if (!region.empty() && label == 0) continue;
-    const Vector3f p = vector_of(point[i]);
-    int best = -1;
-    Vector3d best_position = Vector3d::Zero();
-    for (size_t s = 0; s < supports.size(); ++s) {
-      if (supports[s].region != label) continue;
-      const Vector3d position = supports[s].in_plane(p.cast<double>());
-      if (position.z() > options.max_height_m || position.z() < -0.03) continue;
-      const double inside = supports[s].inside(position.head<2>());
-      if (inside < -kAround) continue;
-      const double floor =
-          options.floor_m + supports[s].uncertainty + 1.5 * depth_noise(static_cast<double>(p.z()));
-      if (std::abs(position.z()) <= floor && inside > -options.margin_m) {
-        best = -1;  // The support itself.
-        break;
-      }
-      if (position.z() <= floor) continue;
-      if (best < 0 || position.z() < best_position.z()) {
-        best = static_cast<int>(s);
-        best_position = position;
-      }
+  constexpr int kRows = 16;
+  const auto blocks = static_cast<size_t>((points.rows + kRows - 1) / kRows);
+  std::vector<std::vector<Standing>> of_block(blocks, std::vector<Standing>(grounds.size()));
+  parallel_each(blocks, threads, [&](size_t block) {
+    const int end = std::min(points.rows, static_cast<int>(block + 1) * kRows) * points.cols;
+    for (int i = static_cast<int>(block) * kRows * points.cols; i < end; ++i) {
+      if (std::isnan(point[i][2]) || (label_of && label_of[i] == 0)) continue;
+      const Vector3f p = vector_of(point[i]);
+      Vector3d position;
+      const int best = support_below(p, label_of ? label_of[i] : 0, grounds, options, position);
+      if (best < 0) continue;
+      const auto s = static_cast<size_t>(best);
+      Standing& target = of_block[block][s];
+      target.pixels.push_back(i);
+      target.points.push_back(p);
+      target.normals.push_back(vector_of(normal[i]));
+      target.in_plane.push_back(position.cast<float>());
+      target.normals_in_plane.push_back(grounds[s].plane_from_camera * target.normals.back());
+      target.areas.push_back(p.z() * p.z() / focal_squared);
     }
-    if (best < 0) continue;
-    Standing& target = standing[static_cast<size_t>(best)];
-    target.pixels.push_back(i);
-    target.points.push_back(p);
-    target.normals.push_back(vector_of(normal[i]));
-    target.in_plane.push_back(best_position.cast<float>());
-    target.normals_in_plane.push_back(
-        (supports[static_cast<size_t>(best)].camera_from_plane.linear().transpose().cast<float>() *
-         target.normals.back()));
-    target.areas.push_back(p.z() * p.z() / focal_squared);
+  });
+  std::vector<Standing> standing(grounds.size());
+  for (size_t s = 0; s < standing.size(); ++s) {
+    size_t count = 0;
+    for (const auto& part : of_block) count += part[s].pixels.size();
+    standing[s].reserve(count);
+    for (const auto& part : of_block)
+      for (size_t i = 0; i < part[s].pixels.size(); ++i) standing[s].add(part[s], i);
   }
   return standing;
 }
 
 Standing subset(const Standing& all, const std::vector<size_t>& members) {
   Standing part;
-  for (const size_t i : members) {
-    part.pixels.push_back(all.pixels[i]);
-    part.points.push_back(all.points[i]);
-    part.normals.push_back(all.normals[i]);
-    part.in_plane.push_back(all.in_plane[i]);
-    part.normals_in_plane.push_back(all.normals_in_plane[i]);
-    part.areas.push_back(all.areas[i]);
-  }
+  part.reserve(members.size());
+  for (const size_t i : members) part.add(all, i);
   return part;
 }
 
@@ -98,9 +137,14 @@ std::vector<std::vector<size_t>> members_of(const std::vector<int>& group_of, in
 
 class ClusterMaker {
  public:
-  ClusterMaker(const cv::Mat& points, const cv::Mat& region, const SupportPlane& support, int index,
+  ClusterMaker(const cv::Mat& points, const cv::Mat& region, const Ground& ground, int index,
                const ClusterOptions& options)
-      : points_(points), region_(region), support_(support), index_(index), options_(options) {}
+      : points_(points),
+        region_(region),
+        support_(ground.plane),
+        outline_(ground.outline),
+        index_(index),
+        options_(options) {}
 
   /// A cluster of these points, or nothing when they do not look like a thing on the support.
   std::optional<ObjectCluster> make(const Standing& thing) const {
@@ -113,8 +157,7 @@ class ClusterMaker {
     std::array<float, 3> high;
     for (int a = 0; a < 3; ++a) {
       for (size_t i = 0; i < axis.size(); ++i) axis[i] = thing.in_plane[i][a];
-      low[static_cast<size_t>(a)] = quantile(axis, 0.02);
-      high[static_cast<size_t>(a)] = quantile(axis, 0.98);
+      std::tie(low[static_cast<size_t>(a)], high[static_cast<size_t>(a)]) = quantiles(axis, 0.02, 0.98);
     }
     cluster.bottom = static_cast<double>(low[2]);
     cluster.top = static_cast<double>(high[2]);
@@ -194,7 +237,7 @@ class ClusterMaker {
     size_t over = 0;
     size_t beyond = 0;
     for (const Vector3f& p : thing.in_plane) {
-      const double inside = support_.inside(p.head<2>().cast<double>());
+      const double inside = outline_.inside(p.head<2>().cast<double>());
       over += inside > -options_.margin_m ? 1 : 0;
       beyond += inside < 0 ? 1 : 0;
     }
@@ -225,22 +268,28 @@ class ClusterMaker {
   void set_hidden(ObjectCluster& cluster) const {
     const int cols = points_.cols;
     const auto* point = points_.ptr<cv::Vec3f>();
-    const auto own = [&](int pixel) {
-      return std::binary_search(cluster.pixels.begin(), cluster.pixels.end(), pixel);
+    // Edges are ragged and measured with gaps: a few pixels further are looked at.
+    constexpr int kFar = 6;
+    cv::Mat own = cv::Mat::zeros(cluster.box.height + 2 * kFar, cluster.box.width + 2 * kFar, CV_8U);
+    const auto in_own = [&](int pixel) {
+      return (pixel / cols - cluster.box.y + kFar) * own.cols + pixel % cols - cluster.box.x + kFar;
     };
+    for (const int pixel : cluster.pixels) own.ptr<unsigned char>()[in_own(pixel)] = 1;
     int border = 0;
     int nearer = 0;
     for (const int pixel : cluster.pixels) {
-      for (const int step : {-1, 1, -cols, cols}) {
-        const int next = pixel + step;
-        if (next < 0 || next >= points_.rows * cols || own(next)) continue;
+      const unsigned char* here = own.ptr<unsigned char>() + in_own(pixel);
+      const int row = pixel / cols;
+      const int col = pixel % cols;
+      for (const auto& [du, dv] : {std::pair(-1, 0), {1, 0}, {0, -1}, {0, 1}}) {
+        if (here[dv * own.cols + du]) continue;
+        const int room = du < 0 ? col : du > 0 ? cols - 1 - col : dv < 0 ? row : points_.rows - 1 - row;
+        if (room == 0) continue;
         ++border;
-        // Edges are ragged and measured with gaps: look a few pixels further.
-        for (int far = 1; far <= 6; ++far) {
-          const int other = pixel + far * step;
-          if (other < 0 || other >= points_.rows * cols) break;
-          if (std::isnan(point[other][2])) continue;
-          nearer += point[other][2] < point[pixel][2] - 0.03f && !own(other) ? 1 : 0;
+        for (int far = 1; far <= std::min(kFar, room); ++far) {
+          const float z = point[pixel + far * (dv * cols + du)][2];
+          if (std::isnan(z)) continue;
+          nearer += z < point[pixel][2] - 0.03f && !here[far * (dv * own.cols + du)] ? 1 : 0;
           break;
         }
       }
@@ -251,32 +300,41 @@ class ClusterMaker {
   const cv::Mat& points_;
   const cv::Mat& region_;
   const SupportPlane& support_;
+  const ConvexOutline& outline_;
   int index_;
   const ClusterOptions& options_;
 };
 
-/// Convex parts of everything on a support: connected groups first, then each split at its concave edges.
-ConvexParts parts_of(const Standing& all, const ClusterOptions& options) {
+ConvexParts parts_of_group(const Standing& group, const ClusterOptions& options) {
   ConvexParts parts;
-  parts.part_of_point.assign(all.pixels.size(), -1);
+  if (!options.split) {
+    parts.part_of_point.assign(group.pixels.size(), 0);
+    parts.count = 1;
+    return parts;
+  }
+  std::vector<float> depths;
+  depths.reserve(group.points.size());
+  for (const Vector3f& p : group.points) depths.push_back(p.z());
+  const auto depth = static_cast<double>(median(std::move(depths)));
+  const double scale = std::max(1.0, depth_noise(depth) / depth_noise(1.0));
+  return split_at_concave_edges(group.points, group.normals, scale, options.parts);
+}
+
+/// Convex parts of everything on a support: connected groups first, then each split at its concave edges.
+ConvexParts parts_of(const Standing& all, const ClusterOptions& options, int threads) {
   int groups = 0;
   const std::vector<int> group_of =
       euclidean_groups(all.points, static_cast<float>(options.tolerance_m * 0.6), groups);
-  for (const std::vector<size_t>& members : members_of(group_of, groups)) {
-    const Standing group = subset(all, members);
-    ConvexParts own;
-    if (options.split) {
-      std::vector<float> depths;
-      for (const Vector3f& p : group.points) depths.push_back(p.z());
-      const auto depth = static_cast<double>(median(depths));
-      const double scale = std::max(1.0, depth_noise(depth) / depth_noise(1.0));
-      own = split_at_concave_edges(group.points, group.normals, scale, options.parts);
-    } else {
-      own.part_of_point.assign(members.size(), 0);
-      own.count = 1;
-    }
-    for (size_t i = 0; i < members.size(); ++i)
-      parts.part_of_point[members[i]] = parts.count + own.part_of_point[i];
+  const std::vector<std::vector<size_t>> members = members_of(group_of, groups);
+  std::vector<ConvexParts> of_group(members.size());
+  parallel_each(members.size(), threads,
+                [&](size_t g) { of_group[g] = parts_of_group(subset(all, members[g]), options); });
+  ConvexParts parts;
+  parts.part_of_point.assign(all.pixels.size(), -1);
+  for (size_t g = 0; g < members.size(); ++g) {
+    const ConvexParts& own = of_group[g];
+    for (size_t i = 0; i < members[g].size(); ++i)
+      parts.part_of_point[members[g][i]] = parts.count + own.part_of_point[i];
     for (const auto& [pair, contact] : own.contacts)
       parts.contacts.push_back({{pair[0] + parts.count, pair[1] + parts.count}, contact});
     parts.count += own.count;
@@ -341,15 +399,16 @@ void ClusterOptions::declare(OptionTable& table) {
 std::vector<ObjectCluster> extract_clusters(const cv::Mat& points, const cv::Mat& normals,
                                             const cv::Mat& region, const PinholeCamera& camera,
                                             const std::vector<SupportPlane>& supports,
-                                            const ClusterOptions& options) {
+                                            const ClusterOptions& options, int threads) {
   std::vector<ObjectCluster> clusters;
+  const std::vector<Ground> grounds(supports.begin(), supports.end());
   const std::vector<Standing> standing =
-      stand_on_supports(points, normals, region, camera, supports, options);
+      stand_on_supports(points, normals, region, camera, grounds, options, threads);
   for (size_t s = 0; s < supports.size(); ++s) {
     const Standing& all = standing[s];
-    const ClusterMaker maker(points, region, supports[s], static_cast<int>(s), options);
+    const ClusterMaker maker(points, region, grounds[s], static_cast<int>(s), options);
     const Vector2f viewpoint = supports[s].in_plane(Vector3d::Zero()).head<2>().cast<float>();
-    const ConvexParts parts = parts_of(all, options);
+    const ConvexParts parts = parts_of(all, options, threads);
     int count = 0;
     const std::vector<int> thing_of_part =
         assemble_parts(parts,
@@ -359,9 +418,13 @@ std::vector<ObjectCluster> extract_clusters(const cv::Mat& points, const cv::Mat
     std::vector<int> thing_of_point(all.pixels.size());
     for (size_t i = 0; i < thing_of_point.size(); ++i)
       thing_of_point[i] = thing_of_part[static_cast<size_t>(parts.part_of_point[i])];
+    const std::vector<std::vector<size_t>> things = members_of(thing_of_point, count);
+    std::vector<std::optional<ObjectCluster>> made(things.size());
+    parallel_each(things.size(), threads,
+                  [&](size_t thing) { made[thing] = maker.make(subset(all, things[thing])); });
     std::vector<ObjectCluster> own;
-    for (const std::vector<size_t>& thing : members_of(thing_of_point, count))
-      if (auto cluster = maker.make(subset(all, thing))) own.push_back(std::move(*cluster));
+    for (std::optional<ObjectCluster>& cluster : made)
+      if (cluster) own.push_back(std::move(*cluster));
     keep_what_rests(own, maker, options);
     cv::Mat taken = cv::Mat::zeros(points.size(), CV_8U);
     for (const ObjectCluster& cluster : own)

@@ -46,10 +46,10 @@ struct ObjectCluster {
 /// Objects on supports: connected points above a plane, split where they are concave, put together again
 /// where one thing only looks like several. `points` and `normals` are CV_32FC3 in the camera frame. `region`
 /// (CV_16U, may be empty) says which support's region of interest a pixel belongs to (SupportPlane::region);
-/// 0 = none, the pixel is left out.
+/// 0 = none, the pixel is left out. The same on any number of threads (0 = all cores).
 std::vector<ObjectCluster> extract_clusters(const cv::Mat& points, const cv::Mat& normals,
                                             const cv::Mat& region, const PinholeCamera& camera,
                                             const std::vector<SupportPlane>& supports,
-                                            const ClusterOptions& options);
+                                            const ClusterOptions& options, int threads = 1);
 
 }  // namespace loci

@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <tuple>
 
 #include "mapping/base/quantile.h"
 #include "perception/annotators/hypotheses/disjoint_sets.h"
@@ -40,12 +41,14 @@ class Assembly {
     for (size_t i = 0; i < parts.part_of_point.size(); ++i)
       pieces_[static_cast<size_t>(parts.part_of_point[i])].points.push_back(static_cast<int>(i));
     for (const auto& [pair, count] : parts.contacts) contacts_[pair] = count;
-    for (Piece& piece : pieces_) measure(piece);
+    for (Piece& piece : pieces_) set_area(piece);
   }
 
   void run() {
     while (join_splinter()) {
     }
+    for (size_t i = 0; i < pieces_.size(); ++i)
+      if (alive(i)) measure(pieces_[i]);
     while (join_cavity() || join_contained() || join_appendage() || join_neck() || join_lid() ||
            join_hidden()) {
     }
@@ -56,18 +59,20 @@ class Assembly {
  private:
   bool alive(size_t i) { return sets_.find(i) == i; }
 
-  void measure(Piece& piece) const {
-    std::vector<float> heights;
+  /// What joining splinters goes by.
+  void set_area(Piece& piece) const {
     piece.area = 0;
-    for (const int i : piece.points) {
-      heights.push_back(cloud_.points[static_cast<size_t>(i)].z());
-      piece.area += static_cast<double>(cloud_.areas[static_cast<size_t>(i)]);
-    }
+    for (const int i : piece.points) piece.area += static_cast<double>(cloud_.areas[static_cast<size_t>(i)]);
     // What a pixel covers grows with the square of the distance, and so does the noise.
     const double focal_squared = cloud_.camera.fx * cloud_.camera.fy;
     piece.noise = std::max(1.0, piece.area / static_cast<double>(piece.points.size()) * focal_squared);
-    piece.bottom = quantile(heights, 0.02);
-    piece.top = quantile(heights, 0.98);
+  }
+
+  void measure(Piece& piece) const {
+    std::vector<float> heights;
+    heights.reserve(piece.points.size());
+    for (const int i : piece.points) heights.push_back(cloud_.points[static_cast<size_t>(i)].z());
+    std::tie(piece.bottom, piece.top) = quantiles(heights, 0.02, 0.98);
     set_footprint(piece);
   }
 
@@ -133,14 +138,15 @@ class Assembly {
     return static_cast<double>(within) / count;
   }
 
-  void join(size_t a, size_t b) {
+  /// Makes two pieces one, of which only the area is known then.
+  void merge(size_t a, size_t b) {
     const size_t keep = std::min(a, b);
     const size_t gone = std::max(a, b);
     sets_.join(keep, gone);
     pieces_[keep].points.insert(pieces_[keep].points.end(), pieces_[gone].points.begin(),
                                 pieces_[gone].points.end());
     pieces_[gone].points.clear();
-    measure(pieces_[keep]);
+    set_area(pieces_[keep]);
     std::map<std::array<int, 2>, int> contacts;
     for (const auto& [pair, count] : contacts_) {
       const int first = piece_of(pair[0]);
@@ -148,6 +154,11 @@ class Assembly {
       if (first != second) contacts[{std::min(first, second), std::max(first, second)}] += count;
     }
     contacts_ = std::move(contacts);
+  }
+
+  void join(size_t a, size_t b) {
+    merge(a, b);
+    measure(pieces_[std::min(a, b)]);
   }
 
   int contact(size_t a, size_t b) const {
@@ -177,7 +188,7 @@ class Assembly {
       if (smallest == pieces_.size() || pieces_[i].area < pieces_[smallest].area) smallest = i;
     }
     if (smallest == pieces_.size()) return false;
-    join(smallest, most_touched(smallest));
+    merge(smallest, most_touched(smallest));
     return true;
   }
 

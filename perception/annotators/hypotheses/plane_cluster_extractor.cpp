@@ -31,22 +31,26 @@ SupportPlane support_of_region(const types::PlanarSupport& known, int label, con
       camera_from_map * types::from<Isometry3d>(known.map_from_support.get());
   const Vector3d normal = camera_from_support.linear().col(2);
   const double offset = normal.dot(camera_from_support.translation());
-  cv::Mat mask = cv::Mat::zeros(points.size(), CV_8U);
+  std::vector<int> pixels;
   std::vector<float> heights;
   const cv::Vec3f n(static_cast<float>(normal.x()), static_cast<float>(normal.y()),
                     static_cast<float>(normal.z()));
+  const auto along = [&n](const cv::Vec3f& v) { return n[0] * v[0] + n[1] * v[1] + n[2] * v[2]; };
+  const auto* point = points.ptr<cv::Vec3f>();
+  const auto* direction = normals.ptr<cv::Vec3f>();
+  const auto* label_of = region.ptr<uint16_t>();
   for (int i = 0; i < static_cast<int>(points.total()); ++i) {
-    if (region.ptr<uint16_t>()[i] != label) continue;
-    const float height = points.ptr<cv::Vec3f>()[i].dot(n) - static_cast<float>(offset);
+    if (label_of[i] != label) continue;
+    const float height = along(point[i]) - static_cast<float>(offset);
     if (std::abs(height) > 0.05f) continue;
-    mask.ptr<unsigned char>()[i] = 255;
-    if (normals.ptr<cv::Vec3f>()[i].dot(n) > 0.9f) heights.push_back(height);
+    pixels.push_back(i);
+    if (along(direction[i]) > 0.9f) heights.push_back(height);
   }
   SupportOptions small = options;
   small.min_area_m2 = std::min(0.01, options.min_area_m2);
   std::optional<SupportPlane> plane;
   if (heights.size() > 100) {
-    plane = refine_support(points, normals, mask, normal,
+    plane = refine_support(points, normals, pixels, normal,
                            offset + static_cast<double>(median(std::move(heights))), small);
   }
   // A fit to few points may tilt away from what the map says.
@@ -70,12 +74,13 @@ SupportPlane support_of_region(const types::PlanarSupport& known, int label, con
 double covered_fraction(const SupportPlane& plane, const cv::Mat& points, const PinholeCamera& camera) {
   Eigen::AlignedBox2d extent;
   for (const Vector2d& corner : plane.outline) extent.extend(corner);
+  const ConvexOutline outline(plane.outline);
   int all = 0;
   int seen = 0;
   constexpr double kStep = 0.03;
   for (double x = extent.min().x() + kStep / 2; x < extent.max().x(); x += kStep)
     for (double y = extent.min().y() + kStep / 2; y < extent.max().y(); y += kStep) {
-      if (plane.inside({x, y}) < 0) continue;
+      if (outline.inside({x, y}) < 0) continue;
       ++all;
       const Vector3d p = plane.camera_from_plane * Vector3d(x, y, 0);
       if (p.z() < 0.1) continue;
@@ -170,7 +175,7 @@ void PlaneClusterExtractor::declare(OptionTable& table) {
   cluster_options_.declare(table);
 }
 
-void PlaneClusterExtractor::process(cas::Cas& cas, Context& /*context*/) {
+void PlaneClusterExtractor::process(cas::Cas& cas, Context& context) {
   const types::SceneCas facade(cas);
   const types::Scene scene = facade.scene();
   if (!scene.map_from_camera.is_set()) {
@@ -202,7 +207,7 @@ void PlaneClusterExtractor::process(cas::Cas& cas, Context& /*context*/) {
   for (size_t i = 0; i < planes.size(); ++i)
     describe_support(planes[i], pose, covered_fraction(planes[i], points, camera), supports[i]);
   const std::vector<ObjectCluster> found =
-      extract_clusters(points, normals, region, camera, planes, cluster_options_);
+      extract_clusters(points, normals, region, camera, planes, cluster_options_, context.threads);
   std::vector<types::Cluster> clusters;
   for (const ObjectCluster& each : found) {
     clusters.push_back(make_cluster(each, facade, points, pose));

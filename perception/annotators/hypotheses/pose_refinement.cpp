@@ -38,7 +38,7 @@ class Fit {
  public:
   Fit(const cv::Mat& points, const cv::Mat& normals, const PinholeCamera& camera, const RenderScene& scene,
       int threads)
-      : points_(points), normals_(normals), scene_(scene), threads_(threads), coarse_(camera) {
+      : scene_(scene), threads_(threads), coarse_(camera) {
     coarse_.width = camera.width / kStride;
     coarse_.height = camera.height / kStride;
     coarse_.fx = camera.fx / kStride;
@@ -46,8 +46,12 @@ class Fit {
     coarse_.cx = camera.cx / kStride;
     coarse_.cy = camera.cy / kStride;
     for (int v = 0; v < coarse_.height; ++v)
-      for (int u = 0; u < coarse_.width; ++u)
-        measured_ += std::isnan(points_.at<cv::Vec3f>(v * kStride, u * kStride)[2]) ? 0 : 1;
+      for (int u = 0; u < coarse_.width; ++u) {
+        const Vector3d point = vector(points, v, u), normal = vector(normals, v, u);
+        if (std::isnan(point.z())) continue;
+        ++measured_;
+        if (normal.allFinite()) samples_.push_back({u, v, point, normal, depth_noise(point.z())});
+      }
   }
 
   size_t measured() const { return measured_; }
@@ -57,19 +61,16 @@ class Fit {
     options.normals = true;
     const RenderedView view = scene_.render(coarse_, map_from_camera, options, threads_);
     std::vector<Pair> pairs;
-    pairs.reserve(measured_);
-    for (int v = 0; v < coarse_.height; ++v)
-      for (int u = 0; u < coarse_.width; ++u) {
-        const Vector3d point = vector(points_, v, u), measured = vector(normals_, v, u);
-        const auto depth = static_cast<double>(view.depth.at<float>(v, u));
-        if (std::isnan(point.z()) || std::isnan(depth) || !measured.allFinite()) continue;
-        const cv::Vec3f& n = view.normal.at<cv::Vec3f>(v, u);
-        const Vector3d normal(static_cast<double>(n[0]), static_cast<double>(n[1]),
-                              static_cast<double>(n[2]));
-        if (normal.dot(measured) < kSameNormal) continue;
-        pairs.push_back(
-            {point, normal, normal.dot(point - coarse_.unproject(u, v, depth)), depth_noise(point.z())});
-      }
+    pairs.reserve(samples_.size());
+    for (const Sample& sample : samples_) {
+      const auto depth = static_cast<double>(view.depth.at<float>(sample.v, sample.u));
+      if (std::isnan(depth)) continue;
+      const cv::Vec3f& n = view.normal.at<cv::Vec3f>(sample.v, sample.u);
+      const Vector3d normal(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
+      if (normal.dot(sample.normal) < kSameNormal) continue;
+      const double distance = normal.dot(sample.point - coarse_.unproject(sample.u, sample.v, depth));
+      pairs.push_back({sample.point, normal, distance, sample.noise});
+    }
     return pairs;
   }
 
@@ -86,11 +87,17 @@ class Fit {
     return {static_cast<double>(value[0]), static_cast<double>(value[1]), static_cast<double>(value[2])};
   }
 
-  const cv::Mat& points_;
-  const cv::Mat& normals_;
+  /// A measured point and where it is in the coarse picture.
+  struct Sample {
+    int u, v;
+    Vector3d point, normal;
+    double noise;
+  };
+
   const RenderScene& scene_;
   int threads_;
   PinholeCamera coarse_;
+  std::vector<Sample> samples_;  ///< those that have a normal
   size_t measured_ = 0;
 };
 
@@ -102,33 +109,34 @@ struct Step {
 };
 
 Step step_of(const std::vector<Pair>& pairs, double gate) {
+  std::vector<double> weights;
+  weights.reserve(pairs.size());
   Vector3d middle = Vector3d::Zero();
   double total = 0;
-  const auto weight = [gate](const Pair& pair) {
-    const double reach = gate + 2 * pair.noise, r = pair.distance / reach;
-    if (std::abs(r) >= 1) return 0.0;
-    const double sigma = 0.005 + pair.noise;
-    return std::pow(1 - r * r, 2) / (sigma * sigma);
-  };
   for (const Pair& pair : pairs) {
-    middle += weight(pair) * pair.point;
-    total += weight(pair);
+    const double reach = gate + 2 * pair.noise, r = pair.distance / reach, far = 1 - r * r;
+    const double sigma = 0.005 + pair.noise;
+    weights.push_back(far <= 0 ? 0 : far * far / (sigma * sigma));
+    middle += weights.back() * pair.point;
+    total += weights.back();
   }
   if (total <= 0) return {};
   middle /= total;
   double size = 0;
-  for (const Pair& pair : pairs) size += weight(pair) * (pair.point - middle).squaredNorm();
+  for (size_t i = 0; i < pairs.size(); ++i) size += weights[i] * (pairs[i].point - middle).squaredNorm();
   size = std::sqrt(size / total);
   if (!(size > 0.05)) return {};
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
-  for (const Pair& pair : pairs) {
-    const double w = weight(pair) / total;
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    const double w = weights[i] / total;
     if (w <= 0) continue;
+    const Pair& pair = pairs[i];
     Vector6d row;
     row << pair.normal, (pair.point - middle).cross(pair.normal) / size;
-    hessian.noalias() += w * row * row.transpose();
-    gradient -= w * pair.distance * row;
+    const Vector6d weighted = w * row;
+    hessian.noalias() += weighted * row.transpose();
+    gradient -= pair.distance * weighted;
   }
   const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(hessian);
   Vector6d motion = Vector6d::Zero();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/base/random.h"
@@ -18,48 +19,63 @@ Vector3d vector_of(const cv::Vec3f& v) {
   return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
 }
 
+/// So many points, spread over a surface, determine its plane as well as all do.
+constexpr size_t kEnough = 10000;
+
+size_t stride_of(size_t count) {
+  return std::max<size_t>(1, count / kEnough);
+}
+
 struct Sample {
   Vector3d point;
   int pixel;
   double weight;
 };
 
-/// Pixels near a plane whose normals agree with it.
-std::vector<Sample> samples_near(const cv::Mat& points, const cv::Mat& normals, const cv::Mat& mask,
-                                 const Vector3d& normal, double offset, double reach, double cosine) {
+/// Those of some pixels that are near a plane and whose normals agree with it.
+std::vector<Sample> samples_near(const cv::Mat& points, const cv::Mat& normals,
+                                 const std::vector<int>& pixels, const Vector3d& normal, double offset,
+                                 double reach, double cosine) {
   std::vector<Sample> samples;
+  samples.reserve(pixels.size());
   const auto* point = points.ptr<cv::Vec3f>();
   const auto* direction = normals.ptr<cv::Vec3f>();
-  const unsigned char* allowed = mask.empty() ? nullptr : mask.ptr<unsigned char>();
-  const int count = points.rows * points.cols;
   const cv::Vec3f n(static_cast<float>(normal.x()), static_cast<float>(normal.y()),
                     static_cast<float>(normal.z()));
-  for (int i = 0; i < count; ++i) {
-    if (allowed && !allowed[i]) continue;
-    const double z = static_cast<double>(point[i][2]);
-    if (!(z > 0) || !(static_cast<double>(n.dot(direction[i])) > cosine)) continue;
-    if (std::abs(static_cast<double>(n.dot(point[i])) - offset) > reach + depth_noise(z)) continue;
+  const auto along = [&n](const cv::Vec3f& v) {
+    return static_cast<double>(n[0] * v[0] + n[1] * v[1] + n[2] * v[2]);
+  };
+  for (const int i : pixels) {
+    const auto z = static_cast<double>(point[i][2]);
+    if (!(z > 0) || !(along(direction[i]) > cosine)) continue;
+    if (std::abs(along(point[i]) - offset) > reach + depth_noise(z)) continue;
     samples.push_back({vector_of(point[i]), i, 1.0 / (z * z)});
   }
   return samples;
 }
 
-/// Least-squares plane; false when the samples do not span one.
-bool fit_plane(const std::vector<Sample>& samples, Vector3d& normal, double& offset) {
+/// Fits a plane to what lies within reach of it, by least squares; false when that does not span one.
+bool fit_plane(const std::vector<Sample>& samples, double reach, Vector3d& normal, double& offset) {
   double weight = 0;
-  Vector3d mean = Vector3d::Zero();
-  for (const Sample& s : samples) {
+  Vector3d sum = Vector3d::Zero();
+  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+  size_t count = 0;
+  const Vector3d origin = samples.empty() ? Vector3d::Zero() : samples.front().point;
+  for (size_t i = 0; i < samples.size(); i += stride_of(samples.size())) {
+    const Sample& s = samples[i];
+    if (std::abs(normal.dot(s.point) - offset) > reach + depth_noise(s.point.z())) continue;
+    const Vector3d p = s.point - origin;
     weight += s.weight;
-    mean += s.weight * s.point;
+    sum += s.weight * p;
+    moments += s.weight * p * p.transpose();
+    ++count;
   }
-  if (samples.size() < 50 || weight <= 0) return false;
-  mean /= weight;
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (const Sample& s : samples) covariance += s.weight * (s.point - mean) * (s.point - mean).transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  if (count < 50 || weight <= 0) return false;
+  const Vector3d mean = sum / weight;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments - weight * mean * mean.transpose());
   const Vector3d fitted = solver.eigenvectors().col(0);
   normal = fitted.dot(normal) < 0 ? Vector3d(-fitted) : fitted;
-  offset = normal.dot(mean);
+  offset = normal.dot(origin + mean);
   return true;
 }
 
@@ -74,19 +90,26 @@ Vector6d monomials(double x, double y) {
 void fit_bend(const std::vector<Sample>& samples, SupportPlane& plane) {
   constexpr double kStiffness =
       0.02;  // Metres to the fourth: a metre of surface bends freely, a foot hardly.
+  struct Position {
+    Vector3d point;  ///< in the plane's frame
+    double weight, noise;
+  };
   const Isometry3d plane_from_camera = plane.camera_from_plane.inverse();
-  const size_t stride = std::max<size_t>(1, samples.size() / 20000);
+  std::vector<Position> positions;
+  for (size_t i = 0; i < samples.size(); i += stride_of(samples.size()))
+    positions.push_back(
+        {plane_from_camera * samples[i].point, samples[i].weight, depth_noise(samples[i].point.z())});
   double reach = 0.02;
   for (int round = 0; round < 3; ++round) {
     Eigen::Matrix<double, 6, 6> a = Eigen::Matrix<double, 6, 6>::Identity() * 1e-6;
     Vector6d b = Vector6d::Zero();
-    for (size_t i = 0; i < samples.size(); i += stride) {
-      const Vector3d p = plane_from_camera * samples[i].point;
+    for (const Position& position : positions) {
+      const Vector3d& p = position.point;
       const Vector6d m = monomials(p.x(), p.y());
       const double bent = Eigen::Map<const Vector6d>(plane.bend.data()).dot(m);
-      if (std::abs(p.z() - bent) > reach + depth_noise(samples[i].point.z())) continue;
-      a += samples[i].weight * m * m.transpose();
-      b += samples[i].weight * p.z() * m;
+      if (std::abs(p.z() - bent) > reach + position.noise) continue;
+      a.noalias() += (position.weight * m) * m.transpose();
+      b += (position.weight * p.z()) * m;
     }
     const double weight = a(0, 0);
     for (int i = 3; i < 6; ++i) a(i, i) += kStiffness * weight;
@@ -94,6 +117,12 @@ void fit_bend(const std::vector<Sample>& samples, SupportPlane& plane) {
     std::copy_n(solved.data(), 6, plane.bend.begin());
     reach = std::max(0.006, reach * 0.6);
   }
+}
+
+std::vector<int> all_pixels(const cv::Mat& points) {
+  std::vector<int> pixels(points.total());
+  std::iota(pixels.begin(), pixels.end(), 0);
+  return pixels;
 }
 
 /// A top-down grid of what was seen of a plane.
@@ -161,11 +190,23 @@ Isometry3d plane_frame(const Vector3d& normal, const Vector3d& origin) {
   return frame;
 }
 
-void set_area_and_outline(const std::vector<Sample>& inliers, SupportPlane& plane) {
-  const Isometry3d plane_from_camera = plane.camera_from_plane.inverse();
-  std::vector<Vector2d> positions;
-  positions.reserve(inliers.size());
-  for (const Sample& s : inliers) positions.push_back((plane_from_camera * s.point).head<2>());
+/// Where the surface is seen, in the plane's frame. Notes how many pixels these are and how far they are off.
+std::vector<Vector2d> bent_inliers(const std::vector<Sample>& samples, SupportPlane& plane) {
+  std::vector<Vector2d> inliers;
+  inliers.reserve(samples.size());
+  double sum = 0;
+  for (const Sample& s : samples) {
+    const Vector3d position = plane.in_plane(s.point);
+    if (std::abs(position.z()) > 0.006 + depth_noise(s.point.z())) continue;
+    inliers.push_back(position.head<2>());
+    sum += position.z() * position.z();
+  }
+  plane.inliers = static_cast<int>(inliers.size());
+  plane.deviation = inliers.empty() ? 0 : std::sqrt(sum / static_cast<double>(inliers.size()));
+  return inliers;
+}
+
+void set_area_and_outline(const std::vector<Vector2d>& positions, SupportPlane& plane) {
   const Grid grid = grid_of(positions);
   // Sparse far rows leave gaps between cells; single cells are flying pixels.
   cv::Mat solid;
@@ -175,23 +216,9 @@ void set_area_and_outline(const std::vector<Sample>& inliers, SupportPlane& plan
   plane.outline = hull_of(solid, grid);
 }
 
-std::vector<Sample> bent_inliers(const std::vector<Sample>& samples, SupportPlane& plane) {
-  std::vector<Sample> inliers;
-  double sum = 0;
-  for (const Sample& s : samples) {
-    const double height = plane.in_plane(s.point).z();
-    if (std::abs(height) > 0.006 + depth_noise(s.point.z())) continue;
-    inliers.push_back(s);
-    sum += height * height;
-  }
-  plane.inliers = static_cast<int>(inliers.size());
-  plane.deviation = inliers.empty() ? 0 : std::sqrt(sum / static_cast<double>(inliers.size()));
-  return inliers;
-}
-
-/// Splits one height into supports that are apart: each a mask of pixels.
-std::vector<cv::Mat> separate(const std::vector<Sample>& samples, const Isometry3d& plane_from_camera,
-                              const cv::Size& size, const SupportOptions& options) {
+/// Splits one height into supports that are apart: the pixels of each.
+std::vector<std::vector<int>> separate(const std::vector<Sample>& samples,
+                                       const Isometry3d& plane_from_camera, const SupportOptions& options) {
   std::vector<Vector2d> positions;
   positions.reserve(samples.size());
   for (const Sample& s : samples) positions.push_back((plane_from_camera * s.point).head<2>());
@@ -206,18 +233,17 @@ std::vector<cv::Mat> separate(const std::vector<Sample>& samples, const Isometry
   for (int row = 0; row < labels.rows; ++row)
     for (int col = 0; col < labels.cols; ++col)
       if (grid.cells.at<unsigned char>(row, col)) ++cells[static_cast<size_t>(labels.at<int>(row, col))];
-  std::vector<cv::Mat> masks(static_cast<size_t>(count));
+  std::vector<std::vector<int>> pixels(static_cast<size_t>(count));
   for (size_t i = 0; i < samples.size(); ++i) {
     const int col = static_cast<int>((positions[i].x() - grid.origin.x()) / kCell);
     const int row = static_cast<int>((positions[i].y() - grid.origin.y()) / kCell);
     if (col < 0 || row < 0 || col >= labels.cols || row >= labels.rows) continue;
     const auto label = static_cast<size_t>(labels.at<int>(row, col));
     if (label == 0 || cells[label] * kCell * kCell < 0.5 * options.min_area_m2) continue;
-    if (masks[label].empty()) masks[label] = cv::Mat::zeros(size, CV_8U);
-    masks[label].ptr<unsigned char>()[samples[i].pixel] = 255;
+    pixels[label].push_back(samples[i].pixel);
   }
-  std::erase_if(masks, [](const cv::Mat& m) { return m.empty(); });
-  return masks;
+  std::erase_if(pixels, [](const std::vector<int>& p) { return p.empty(); });
+  return pixels;
 }
 
 /// Whether `upper` is the top of a thing that stands on `lower` rather than a support of its own right.
@@ -225,10 +251,11 @@ bool is_top_of_object(const SupportPlane& upper, const SupportPlane& lower) {
   if (upper.area > 0.3 * lower.area) return false;
   const Vector3d centre = lower.in_plane(upper.camera_from_plane.translation());
   if (centre.z() < 0.01 || centre.z() > 0.35 || upper.outline.empty()) return false;
+  const ConvexOutline outline(lower.outline);
   int within = 0;
   for (const Vector2d& corner : upper.outline) {
     const Vector3d p = upper.camera_from_plane * Vector3d(corner.x(), corner.y(), 0);
-    within += lower.inside(lower.in_plane(p).head<2>()) > -0.03 ? 1 : 0;
+    within += outline.inside(lower.in_plane(p).head<2>()) > -0.03 ? 1 : 0;
   }
   return within >= 0.7 * static_cast<double>(upper.outline.size());
 }
@@ -236,8 +263,9 @@ bool is_top_of_object(const SupportPlane& upper, const SupportPlane& lower) {
 std::vector<SupportPlane> horizontal_supports(const cv::Mat& points, const cv::Mat& normals,
                                               const Vector3d& up, const SupportOptions& options) {
   const double cosine = std::cos(options.normal_deg * std::numbers::pi / 180);
-  std::vector<Sample> all = samples_near(points, normals, {}, up, -options.max_below_camera_m / 2,
-                                         options.max_below_camera_m / 2 + 0.5, cosine);
+  std::vector<Sample> all =
+      samples_near(points, normals, all_pixels(points), up, -options.max_below_camera_m / 2,
+                   options.max_below_camera_m / 2 + 0.5, cosine);
   constexpr double kBin = 0.01;
   const auto bins = static_cast<size_t>((options.max_below_camera_m + 1.0) / kBin) + 1;
   std::vector<int> bin_of(all.size(), -1);
@@ -268,8 +296,8 @@ std::vector<SupportPlane> horizontal_supports(const cv::Mat& points, const cv::M
       if (bin_of[i] >= 0 && std::abs(bin_of[i] - static_cast<int>(peak)) <= reach) layer.push_back(all[i]);
     const double height = (static_cast<double>(peak) + 0.5) * kBin - options.max_below_camera_m;
     const Isometry3d plane_from_camera = plane_frame(up, up * height).inverse();
-    for (const cv::Mat& mask : separate(layer, plane_from_camera, points.size(), options))
-      if (auto plane = refine_support(points, normals, mask, up, height, options)) found.push_back(*plane);
+    for (const std::vector<int>& pixels : separate(layer, plane_from_camera, options))
+      if (auto plane = refine_support(points, normals, pixels, up, height, options)) found.push_back(*plane);
     for (int b = -reach; b <= reach; ++b) {
       const int bin = static_cast<int>(peak) + b;
       if (bin >= 0 && bin < static_cast<int>(bins)) area[static_cast<size_t>(bin)] = 0;
@@ -342,52 +370,38 @@ void SupportOptions::declare(OptionTable& table) {
                2);
 }
 
-double depth_noise(double z) {
-  return 0.5 * 0.125 / (585 * 0.075) * z * z;
-}
-
-Vector3d SupportPlane::in_plane(const Vector3d& point) const {
-  Vector3d p = camera_from_plane.linear().transpose() * (point - camera_from_plane.translation());
-  p.z() -= std::clamp(bend[0] + bend[1] * p.x() + bend[2] * p.y() + bend[3] * p.x() * p.x() +
-                          bend[4] * p.x() * p.y() + bend[5] * p.y() * p.y(),
-                      -0.02, 0.02);
-  return p;
-}
-
-double SupportPlane::inside(const Vector2d& position) const {
-  double least = outline.size() < 3 ? -1e9 : 1e9;
-  for (size_t i = 0; i < outline.size(); ++i) {
-    const Vector2d& a = outline[i];
-    const Vector2d edge = outline[(i + 1) % outline.size()] - a;
+ConvexOutline::ConvexOutline(const std::vector<Vector2d>& corners) {
+  if (corners.size() < 3) return;
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const Vector2d edge = corners[(i + 1) % corners.size()] - corners[i];
     const double length = edge.norm();
     if (length < 1e-9) continue;
-    const Vector2d to = position - a;
-    least = std::min(least, (edge.x() * to.y() - edge.y() * to.x()) / length);
+    const Vector2d inwards(-edge.y() / length, edge.x() / length);
+    edges_.push_back({inwards.x(), inwards.y(), inwards.dot(corners[i])});
   }
-  return least;
 }
 
-std::optional<SupportPlane> refine_support(const cv::Mat& points, const cv::Mat& normals, const cv::Mat& mask,
-                                           const Vector3d& normal, double offset,
-                                           const SupportOptions& options) {
+std::optional<SupportPlane> refine_support(const cv::Mat& points, const cv::Mat& normals,
+                                           const std::vector<int>& pixels, const Vector3d& normal,
+                                           double offset, const SupportOptions& options) {
   const double cosine = std::cos(options.normal_deg * std::numbers::pi / 180);
   SupportPlane plane;
   plane.normal = normal;
   plane.offset = offset;
-  std::vector<Sample> samples;
-  for (const double reach : {1.0, 0.75, 0.5, 0.5}) {
-    samples =
-        samples_near(points, normals, mask, plane.normal, plane.offset, reach * options.inlier_m, cosine);
-    if (!fit_plane(samples, plane.normal, plane.offset)) return std::nullopt;
-  }
-  samples = samples_near(points, normals, mask, plane.normal, plane.offset, options.inlier_m, cosine);
+  const std::vector<Sample> around =
+      samples_near(points, normals, pixels, normal, offset, 2 * options.inlier_m, cosine);
+  for (const double reach : {1.0, 0.75, 0.5, 0.5})
+    if (!fit_plane(around, reach * options.inlier_m, plane.normal, plane.offset)) return std::nullopt;
+  const std::vector<Sample> samples =
+      samples_near(points, normals, pixels, plane.normal, plane.offset, options.inlier_m, cosine);
+  if (samples.empty()) return std::nullopt;
   Vector3d mean = Vector3d::Zero();
   for (const Sample& s : samples) mean += s.point;
   mean /= static_cast<double>(samples.size());
   mean -= plane.normal * (plane.normal.dot(mean) - plane.offset);
   plane.camera_from_plane = plane_frame(plane.normal, mean);
   fit_bend(samples, plane);
-  const std::vector<Sample> inliers = bent_inliers(samples, plane);
+  const std::vector<Vector2d> inliers = bent_inliers(samples, plane);
   if (inliers.size() < 50) return std::nullopt;
   set_area_and_outline(inliers, plane);
   if (plane.area < options.min_area_m2 || plane.outline.size() < 3) return std::nullopt;
@@ -401,7 +415,8 @@ std::vector<SupportPlane> find_supports(const cv::Mat& points, const cv::Mat& no
   const double cosine = std::cos(options.normal_deg * std::numbers::pi / 180);
   const auto normal = dominant_plane(points, normals, options.inlier_m, cosine, offset);
   if (!normal) return {};
-  if (auto plane = refine_support(points, normals, {}, *normal, offset, options)) return {*plane};
+  if (auto plane = refine_support(points, normals, all_pixels(points), *normal, offset, options))
+    return {*plane};
   return {};
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <opencv2/core.hpp>
 #include <optional>
@@ -22,6 +23,27 @@ struct SupportOptions {
   void declare(OptionTable& table);
 };
 
+/// A convex outline, counter-clockwise, made ready to be asked about many positions.
+class ConvexOutline {
+ public:
+  ConvexOutline() = default;
+  explicit ConvexOutline(const std::vector<Vector2d>& corners);
+
+  /// Signed distance of a position to the nearest edge's line, positive inside; -1e9 without an outline.
+  double inside(const Vector2d& position) const {
+    double least = edges_.empty() ? -1e9 : 1e9;
+    for (const Edge& edge : edges_)
+      least = std::min(least, edge.x * position.x() + edge.y * position.y() - edge.offset);
+    return least;
+  }
+
+ private:
+  struct Edge {
+    double x, y, offset;  ///< (x, y) looks inwards, unit
+  };
+  std::vector<Edge> edges_;
+};
+
 /// A plane that things stand on, as one frame shows it. All in the camera frame, metres.
 struct SupportPlane {
   Vector3d normal = -Vector3d::UnitY();                   ///< unit, away from the support (up)
@@ -38,19 +60,25 @@ struct SupportPlane {
   int region = 0;  ///< value of the region label image that it was refined in; 0 = found without a map
 
   /// Position in the plane's frame with z = height over the (bent) surface.
-  Vector3d in_plane(const Vector3d& point) const;
-  /// Signed distance of a plane position to the outline, metres, positive inside.
-  double inside(const Vector2d& position) const;
+  Vector3d in_plane(const Vector3d& point) const {
+    Vector3d p = camera_from_plane.linear().transpose() * (point - camera_from_plane.translation());
+    p.z() -= std::clamp(bend[0] + bend[1] * p.x() + bend[2] * p.y() + bend[3] * p.x() * p.x() +
+                            bend[4] * p.x() * p.y() + bend[5] * p.y() * p.y(),
+                        -0.02, 0.02);
+    return p;
+  }
 };
 
 /// Standard deviation to reckon with for a depth of `z` metres: half a quantum of a Kinect's disparity.
-double depth_noise(double z);
+inline double depth_noise(double z) {
+  return 0.5 * 0.125 / (585 * 0.075) * z * z;
+}
 
-/// Refines a plane on the pixels of `mask` (CV_8U, empty = all): inliers in distance and in normal, weighted
-/// least squares, bend, outline. Empty when what is left is smaller than min_area_m2.
-std::optional<SupportPlane> refine_support(const cv::Mat& points, const cv::Mat& normals, const cv::Mat& mask,
-                                           const Vector3d& normal, double offset,
-                                           const SupportOptions& options);
+/// Refines a plane on some pixels (row · width + column): inliers in distance and in normal, weighted least
+/// squares, bend, outline. Empty when what is left is smaller than min_area_m2.
+std::optional<SupportPlane> refine_support(const cv::Mat& points, const cv::Mat& normals,
+                                           const std::vector<int>& pixels, const Vector3d& normal,
+                                           double offset, const SupportOptions& options);
 
 /// All horizontal supports in view, nearest to the camera's height last, when `up` (unit, camera frame) is
 /// known; otherwise the one plane that dominates the picture and looks upwards in it.

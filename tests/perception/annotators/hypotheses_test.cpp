@@ -72,6 +72,34 @@ TEST(Clusters, EveryBoxIsOneObjectAndNothingElseIs) {
   for (int label = 1; label <= 3; ++label) EXPECT_GT(best_overlap(found, label), 0.8) << label;
 }
 
+TEST(Clusters, AreTheSameOnAnyNumberOfThreads) {
+  const SyntheticTable table = table_with_boxes();
+  cv::Mat labels;
+  const cv::Mat depth = smooth_depth(table.render(0.1, labels), table.camera, NormalOptions::for_objects());
+  const cv::Mat points = points_from_depth(depth, table.camera);
+  const cv::Mat normals = normals_from_depth(depth, table.camera, NormalOptions::for_objects());
+  const auto supports = find_supports(points, normals, table.up(), SupportOptions());
+  const auto pixels_with = [&](int threads) {
+    std::vector<std::vector<int>> pixels;
+    for (const ObjectCluster& cluster :
+         extract_clusters(points, normals, {}, table.camera, supports, ClusterOptions(), threads))
+      pixels.push_back(cluster.pixels);
+    return pixels;
+  };
+  const auto once = pixels_with(1);
+  EXPECT_EQ(once.size(), 3U);
+  EXPECT_EQ(once, pixels_with(2));
+  EXPECT_EQ(once, pixels_with(5));
+}
+
+TEST(ConvexOutline, TellsTheDistanceToTheNearestEdge) {
+  const ConvexOutline square({{0, 0}, {2, 0}, {2, 2}, {0, 2}});
+  EXPECT_DOUBLE_EQ(square.inside({0.5, 1}), 0.5);
+  EXPECT_DOUBLE_EQ(square.inside({1, 1}), 1);
+  EXPECT_DOUBLE_EQ(square.inside({2.25, 1}), -0.25);
+  EXPECT_LT(ConvexOutline(std::vector<Vector2d>{{0, 0}, {1, 0}}).inside({0, 0}), -1e6);
+}
+
 TEST(Clusters, TouchingBoxesAreSplitAtTheirConcaveEdge) {
   SyntheticTable table;
   table.boxes = {{{-0.05, 0.0, 0.09}, {0.10, 0.10, 0.18}}, {{0.06, -0.01, 0.035}, {0.12, 0.12, 0.07}}};
