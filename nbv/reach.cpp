@@ -45,14 +45,18 @@ Reach find_ways(const FloorGrid& floor, const PlanarPose& robot, double robot_ra
   Reach reach;
   reach.distance.assign(floor.cells(), Reach::kNever);
   reach.parent.assign(floor.cells(), -1);
+  reach.roomy.assign(floor.cells(), 0);
   if (floor.cells() == 0) return reach;
   // After a single scan what is known ends where the robot stands: it may be a hair's breadth outside.
   const Eigen::Vector2i start = floor.cell_of({robot.x, robot.y})
                                     .cwiseMax(0)
                                     .cwiseMin(Eigen::Vector2i(floor.width - 1, floor.height - 1));
   if ((floor.center(start.x(), start.y()) - Vector2d(robot.x, robot.y)).norm() > robot_radius) return reach;
+  const double anywhere_in_cell = floor.cell * std::sqrt(0.5);
+  reach.roomy = dilated(floor, robot_radius + anywhere_in_cell);
+  for (uint8_t& cell : reach.roomy) cell = cell == 0 ? 1 : 0;
   std::vector<uint8_t> passable = passable_cells(floor, robot, robot_radius, blind_radius);
-  passable[floor.index(start.x(), start.y())] = 1;
+  passable[floor.index(start.x(), start.y())] = reach.roomy[floor.index(start.x(), start.y())] = 1;
   const auto free = [&](int x, int y) { return floor.contains(x, y) && passable[floor.index(x, y)] != 0; };
 
   using Entry = std::pair<float, int32_t>;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "mapping/base/cell_index.h"
+#include "mapping/interpretation/face_raster.h"
 #include "mapping/interpretation/line_votes.h"
 
 namespace loci {
@@ -20,6 +21,7 @@ constexpr double kLeastArea = 0.04;      // m²; a small drawer front
 constexpr double kGap = 1.0;             // m; a mirror-like front may leave such a hole
 constexpr double kSameFace = 0.035;      // m; layers of one face
 constexpr double kSameDirection = 0.99;  // cosine
+constexpr int kBesideFixture = 3;        // cells of kPiece within which a plane goes on beside a fixture
 constexpr size_t kMostFaces = 80;
 constexpr double kLowest = 0.03;  // m above the floor
 constexpr size_t kFewestPoints = 2;
@@ -142,15 +144,58 @@ std::vector<Face> faces_of(const std::vector<Piece>& pieces, std::vector<size_t>
   return faces;
 }
 
-/// Whether a piece of a plane is but the fringe of a stronger one that was found before: noise, mixed
-/// returns, panels a little behind it. Told piece by piece: a plane that is askew by less than a degree may
-/// run along behind a whole row of fronts and yet have a surface of its own elsewhere.
-bool is_fringe(const Piece& piece, const Vector2d& normal, const std::vector<Face>& stronger) {
-  return std::any_of(stronger.begin(), stronger.end(), [&](const Face& face) {
-    if (face.normal.dot(normal) < kSameDirection) return false;
-    const double u = face.right().dot(piece.position);
-    return std::abs(face.normal.dot(piece.position) - face.offset) < kSameFace && u > face.u_min - kGap / 4 &&
-           u < face.u_max + kGap / 4;
+/// A plane that was found before, with the cells of it that were seen.
+class StrongerPlane {
+ public:
+  StrongerPlane(std::vector<Face> faces, const std::vector<Piece>& pieces, const std::vector<size_t>& inliers)
+      : faces_(std::move(faces)) {
+    for (const size_t i : inliers) seen_.insert(cell(pieces[i]));
+  }
+
+  bool is_parallel(const Vector2d& normal) const {
+    return faces_.front().normal.dot(normal) > kSameDirection;
+  }
+
+  /// Whether a piece of a weaker plane along it is but its fringe: noise, mixed returns, panels a little
+  /// behind it.
+  bool has_fringe(const Piece& piece) const {
+    const double u = faces_.front().right().dot(piece.position);
+    return std::abs(before(piece)) < kSameFace &&
+           std::any_of(faces_.begin(), faces_.end(), [&](const Face& face) {
+             return u > face.u_min - kGap / 4 && u < face.u_max + kGap / 4;
+           });
+  }
+
+  /// Whether a piece belongs to something narrow that stands a little before it, with the plane to be seen on
+  /// both sides: equal handles make a plane of their own.
+  bool has_fixture(const Piece& piece) const {
+    if (const double depth = before(piece); depth < 0 || depth > kFixtureReach) return false;
+    const Eigen::Vector3i at = cell(piece);
+    const auto seen_towards = [&](int du, int dv) {
+      for (int step = 1; step <= kBesideFixture; ++step)
+        if (seen_.find(at + step * Eigen::Vector3i(du, dv, 0)) != CellIndex::kNone) return true;
+      return false;
+    };
+    return (seen_towards(1, 0) && seen_towards(-1, 0)) || (seen_towards(0, 1) && seen_towards(0, -1));
+  }
+
+ private:
+  double before(const Piece& piece) const {
+    return faces_.front().normal.dot(piece.position) - faces_.front().offset;
+  }
+  Eigen::Vector3i cell(const Piece& piece) const {
+    return cell_of(Vector3d(faces_.front().right().dot(piece.position), piece.height, 0), kPiece);
+  }
+
+  std::vector<Face> faces_;  ///< pieces of the one plane; never empty
+  CellIndex seen_;
+};
+
+/// Told piece by piece: a plane that is askew by less than a degree may run along a whole row of fronts and
+/// yet have a surface of its own elsewhere.
+bool is_explained(const Piece& piece, const Vector2d& normal, const std::vector<StrongerPlane>& stronger) {
+  return std::any_of(stronger.begin(), stronger.end(), [&](const StrongerPlane& plane) {
+    return plane.is_parallel(normal) && (plane.has_fringe(piece) || plane.has_fixture(piece));
   });
 }
 
@@ -159,6 +204,7 @@ bool is_fringe(const Piece& piece, const Vector2d& normal, const std::vector<Fac
 std::vector<Face> find_faces(const Surface& surface, double floor_height) {
   std::vector<Piece> pieces = pieces_of(surface, floor_height);
   std::vector<Face> faces;
+  std::vector<StrongerPlane> stronger;
   if (pieces.empty()) return faces;
   LineVotes votes = votes_of(pieces);
   const int fewest = static_cast<int>(0.4 * kLeastArea / (kPiece * kPiece));
@@ -176,9 +222,10 @@ std::vector<Face> find_faces(const Surface& surface, double floor_height) {
       pieces[i].taken = true;
       votes.vote(pieces[i].position, pieces[i].normal, -1);
     }
-    std::erase_if(inliers, [&](size_t i) { return is_fringe(pieces[i], normal, faces); });
+    std::erase_if(inliers, [&](size_t i) { return is_explained(pieces[i], normal, stronger); });
     const std::vector<Face> found = faces_of(pieces, inliers, normal, offset);
     faces.insert(faces.end(), found.begin(), found.end());
+    if (!found.empty()) stronger.emplace_back(found, pieces, inliers);
   }
   return faces;
 }

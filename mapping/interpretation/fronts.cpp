@@ -19,12 +19,11 @@ constexpr double kWidest = 1.4;          // m; wider is no front
 constexpr double kLargest = 2.2;         // m²
 constexpr double kNarrowest = 0.07;      // m
 constexpr double kNarrowestBare = 0.12;  // m, without a fixture: narrower ones are strips that fill a gap
-constexpr double kMostScatter = 0.015;   // m; half the way that a handle stands out
+constexpr double kMostScatter = 0.015;   // m; more are corners and clutter, and handles would drown in it
 constexpr double kLeastSure = 0.4;       // of a fixture
 constexpr double kSureOnWall = 0.75;     // of a fixture
 constexpr size_t kFewestOnWall = 2;      // fronts
 constexpr int kResolvedOnWall = 3;       // edges
-constexpr double kMostUneven = 1.8;      // times the usual scatter; more is no plane but corners and clutter
 
 struct FaceResult {
   std::vector<Front> fronts;
@@ -99,7 +98,7 @@ bool believed(const PlacedFront& front, const std::vector<FaceFixture>& fixtures
 
 FaceResult interpret_face(const FaceRays& rays, bool wall, const Random& random) {
   FaceResult result;
-  if (rays.sigma > kMostScatter) return result;  // a handle would drown in it
+  if (rays.sigma > kMostScatter) return result;
   FixtureSearch found = find_fixtures(rays, random);
   std::erase_if(found.fixtures,
                 [](const FaceFixture& fixture) { return fixture.fixture.confidence < kLeastSure; });
@@ -119,21 +118,6 @@ FaceResult interpret_face(const FaceRays& rays, bool wall, const Random& random)
                     at.y(), at.z()));
   }
   return result;
-}
-
-/// The median over area of how much depths scatter on a face.
-double usual_sigma(const std::vector<FaceRays>& rays) {
-  std::vector<std::pair<double, double>> faces;
-  double area = 0;
-  for (const FaceRays& face : rays) {
-    faces.emplace_back(face.sigma, face.face.area);
-    area += face.face.area;
-  }
-  std::sort(faces.begin(), faces.end());
-  double sum = 0;
-  for (const auto& [sigma, own] : faces)
-    if (sum += own; sum >= area / 2) return sigma;
-  return 0;
 }
 
 /// Whether a face is a piece of a wall.
@@ -157,8 +141,6 @@ FrontSearch find_fronts(const Surface& surface, double floor_height, const WallS
   parallel_for(faces.size(), options.threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) rays[i] = gather_rays(surface, faces[i], floor_height);
   });
-  const double most = kMostUneven * usual_sigma(rays);
-  std::erase_if(rays, [&](const FaceRays& face) { return face.sigma > most; });
   progress.check(0.5, "furniture fronts");
   std::vector<FaceResult> results(rays.size());
   const Random random(kSeed);

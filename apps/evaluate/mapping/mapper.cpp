@@ -2,8 +2,11 @@
 
 #include <sys/resource.h>
 
+#include "mapping/base/files.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/interpretation/front_links.h"
+#include "mapping/world/semantic_map.h"
+#include "mapping/world/urdf.h"
 
 namespace loci::mapping_claim {
 namespace {
@@ -48,6 +51,9 @@ SurveyResult survey_from_poses(const Run& run, Progress& progress, Warnings& war
   const Stopwatch watch;
   result.map = interpret(result.scans, options, progress);
   result.seconds = watch.seconds();
+  make_folder(run.folder);
+  write_urdf(result.map.world, run.folder / "map.urdf");
+  write_semantic_map(result.map.semantics, sidecar_path(run.folder / "map.urdf"));
   return result;
 }
 

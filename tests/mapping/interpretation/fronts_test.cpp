@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping/base/progress.h"
+#include "mapping/interpretation/face_planes.h"
 #include "tests/mapping/interpretation/synthetic_furniture.h"
 
 namespace loci::test {
@@ -136,6 +137,20 @@ TEST(Fronts, CarcassBesideThePanelsDoesNotTurnTheirFace) {
     EXPECT_GT(front.normal.dot(cupboard.map_from_furniture.linear() * Vector3d::UnitX()),
               std::cos(0.5 * std::numbers::pi / 180));
   }
+}
+
+TEST(Fronts, EqualHandlesAreNoFaceOfTheirOwn) {
+  Furniture drawers;  // Flat bars, all 5 cm before the fronts: together larger than a small drawer.
+  drawers.add_body(-0.8, 0.8, 0.1, 0.9);
+  for (const double u : {-0.4, 0.4})
+    for (const double v : {0.1, 0.37, 0.64}) {
+      drawers.add_panel(u - 0.397, u + 0.397, v, v + 0.264);
+      drawers.parts.push_back({{0.036, -u - 0.3, v + 0.19}, {0.05, -u + 0.3, v + 0.22}});
+    }
+  NoProgress progress;
+  const Surface surface = gather_surface(scan_furniture(drawers, kStandpoints, 13), 0, progress);
+  for (const Face& face : find_faces(surface, 0))
+    EXPECT_FALSE(face.normal.x() > 0.9 && face.offset > 0.03) << face.offset << ", " << face.area;
 }
 
 TEST(Fronts, BoardsOfAnOpenShelfAreNoHandles) {
