@@ -19,6 +19,7 @@ void run(Arguments& arguments, Session& session) {
   options.threads = options.planner.threads = options.occupancy.threads = session.flags().threads;
   std::vector<nbv::WorldResult> results;
   Json json = {{"options", table_of(options).to_json()}};
+  if (!arguments.out.empty()) write_json(arguments.out, json);  // Hours later would be too late to fail.
   const auto count = static_cast<double>(arguments.worlds.size());
   for (size_t i = 0; i < arguments.worlds.size(); ++i) {
     PartialProgress part(session.progress(), static_cast<double>(i) / count,
@@ -47,6 +48,9 @@ Command nbv_command() {
                            "Folder that holds packages (package://NAME/…); can be given several times")
                 ->allow_extra_args(false);
             app.add_option("--ceiling", arguments->options.ceiling, "Height of a ceiling to add [m]");
+            app.add_option("--planners", arguments->options.planners, "Those that are to be run")
+                ->check(CLI::IsMember(nbv::planner_names()))
+                ->capture_default_str();
             app.add_option("-o,--out", arguments->out, "Write the results as JSON, after each world");
             app.add_option("--picture", arguments->picture,
                            "Write coverage over scans as SVG, after each world");

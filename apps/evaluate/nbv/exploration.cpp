@@ -100,7 +100,11 @@ WorldResult explore(const std::filesystem::path& urdf,
   result.places = truth.places.size();
   result.surface = truth.surface.size();
   const std::vector<PlanarPose> starts = starts_of(truth, world.scene(), options);
-  const auto all = strategies(world_options.laser, options.planner, options.exhaustive_s);
+  std::vector<NamedStrategy> all = strategies(world_options.laser, options.planner, options.exhaustive_s);
+  std::erase_if(all, [&](const NamedStrategy& strategy) {
+    return std::find(options.planners.begin(), options.planners.end(), strategy.name) ==
+           options.planners.end();
+  });
   const double total = static_cast<double>(starts.size() * all.size());
   for (size_t i = 0; i < starts.size(); ++i)
     for (const NamedStrategy& strategy : all) {

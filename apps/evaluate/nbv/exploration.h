@@ -20,6 +20,7 @@ struct ExplorationOptions {
   double goal = 0.98;
   int threads = 0;
   std::optional<double> ceiling;  ///< height of one to add, metres
+  std::vector<std::string> planners = planner_names();
   PlannerOptions planner;
   OccupancyOptions occupancy;
 

@@ -182,6 +182,12 @@ Decision exhaustive(const OccupancyMap& map, const PlanarPose& robot, const Lase
 
 }  // namespace
 
+std::vector<std::string> planner_names() {
+  std::vector<std::string> names;
+  for (const NamedStrategy& strategy : strategies({}, {}, 0)) names.push_back(strategy.name);
+  return names;
+}
+
 std::vector<NamedStrategy> strategies(const LaserModel& laser, const PlannerOptions& options,
                                       double exhaustive_s) {
   const auto named = [&](std::string name, auto decide) {

@@ -24,6 +24,9 @@ struct NamedStrategy {
   Strategy decide;
 };
 
+/// Names of all strategies, in the order in which they are run.
+std::vector<std::string> planner_names();
+
 /// Ours; a random reachable pose; the nearest frontier (Yamauchi 1997); and the exhaustive greedy planner,
 /// which casts all rays from each reachable cell, with our ray caster over the same voxels, and takes the
 /// largest gain of any orientation (orientations share rays: it does no work twice). It is cut after
