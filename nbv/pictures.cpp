@@ -16,18 +16,22 @@ namespace {
 const cv::Scalar kUnknown(225, 225, 225), kFree(170, 220, 170), kOccupied(60, 60, 200), kBlue(200, 120, 30),
     kGreen(40, 160, 40), kRed(30, 30, 220), kRobot(0, 140, 255);
 
+constexpr double kMargin = 0.4;  ///< metres around what is known: the robot may stand at its edge
+
 /// A picture of the floor, some pixels per cell.
 class Sheet {
  public:
   explicit Sheet(const FloorGrid& floor)
       : floor_(floor),
         scale_(std::clamp(900 / std::max({floor.width, floor.height, 1}), 3, 12)),
-        image_(floor.height * scale_, floor.width * scale_, CV_8UC3, cv::Scalar::all(255)) {}
+        margin_(static_cast<int>(std::ceil(kMargin / floor.cell)) * scale_),
+        image_(floor.height * scale_ + 2 * margin_, floor.width * scale_ + 2 * margin_, CV_8UC3,
+               cv::Scalar::all(255)) {}
 
   cv::Point at(const Vector2d& point) const {
     const Vector2d cells = (point - floor_.low) / floor_.cell * scale_;
-    return {static_cast<int>(std::lround(cells.x())),
-            image_.rows - 1 - static_cast<int>(std::lround(cells.y()))};
+    return {margin_ + static_cast<int>(std::lround(cells.x())),
+            image_.rows - 1 - margin_ - static_cast<int>(std::lround(cells.y()))};
   }
   void square(const Vector2d& center, double edge, const cv::Scalar& color) {
     const Vector2d half(edge / 2, edge / 2);
@@ -72,6 +76,7 @@ class Sheet {
  private:
   const FloorGrid& floor_;
   int scale_;
+  int margin_;  ///< pixels
   cv::Mat image_;
 };
 
