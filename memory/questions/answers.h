@@ -122,11 +122,13 @@ struct ContentsQuestion {
   std::string place = {};
   AsOf as_of = {};
   std::string subject = {};  ///< only these; empty = everything
+  size_t most_gone = 50;     ///< so many at most of what is gone from it
 };
 struct PlaceContents {
   PlaceRef place = {};
   std::vector<ObjectState> there = {};     ///< believed to be there, most probable first
-  std::vector<ObjectState> gone = {};      ///< were there last, and were looked for in vain
+  std::vector<ObjectState> gone = {};      ///< were there last, and were looked for in vain: the last to go
+  size_t gone_in_all = 0;                  ///< of which those are the last ones
   std::optional<SceneRef> last_look = {};  ///< the last scene that saw any of it
   std::optional<double> fraction = {};     ///< how much of it that scene saw
 };

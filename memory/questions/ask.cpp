@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 #include <set>
 
 #include "memory/questions/answers.h"
@@ -108,11 +109,16 @@ ContentsAnswer ask(const Store& store, const ContentsQuestion& question) {
     PlaceContents contents{.place = {place.id, place.name, place.container}};
     for (const Id object : store.objects_at(place.id, question.as_of)) {
       const BeliefRow* row = snapshot.belief(object);
-      if (row == nullptr || row->place != place.id) continue;
-      if (!question.subject.empty() && !meant.contains(object)) continue;
-      auto& list = row->status == "gone" ? contents.gone : contents.there;
-      list.push_back(snapshot.state(*row));
+      if (row == nullptr || row->place != place.id || row->status == "gone") continue;
+      if (question.subject.empty() || meant.contains(object)) contents.there.push_back(snapshot.state(*row));
     }
+    const bool any = question.subject.empty();
+    Store::Gone gone = store.objects_gone_from(
+        place.id, any ? question.most_gone : std::numeric_limits<size_t>::max(), question.as_of);
+    std::erase_if(gone.objects, [&](Id object) { return !any && !meant.contains(object); });
+    contents.gone_in_all = any ? gone.in_all : gone.objects.size();
+    gone.objects.resize(std::min(gone.objects.size(), question.most_gone));
+    for (const Id object : gone.objects) contents.gone.push_back(snapshot.state(*snapshot.belief(object)));
     for (auto* list : {&contents.there, &contents.gone}) std::sort(list->begin(), list->end(), more_probable);
     if (const std::optional<VisibilityRow> look = store.last_look(place.id, question.as_of)) {
       contents.last_look = snapshot.scene_ref(look->scene);

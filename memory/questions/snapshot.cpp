@@ -93,6 +93,7 @@ bool has_size(const std::string& word, const Vector3d& size) {
 
 Snapshot::Snapshot(const Store& store, const AsOf& as_of)
     : store_(store),
+      moment_(store),
       as_of_(as_of),
       places_(store.places()),
       facts_(store.facts(as_of)),
@@ -178,7 +179,7 @@ ObjectState Snapshot::state(const BeliefRow& row) const {
   if (!state.last_seen) return state;
   std::optional<TimeNs> gone;  // since when nobody expects it there
   if (row.status == "gone")
-    for (const BeliefRow& earlier : store_.belief_history(row.object, as_of_))
+    for (const BeliefRow& earlier : store_.belief_history(row.object, as_of_, state.last_seen->time))
       if (!gone && earlier.status == "gone" && earlier.clock.valid_from > state.last_seen->time)
         gone = earlier.clock.valid_from;
   const Store::LooksSince looks = store_.looks_since(row.object, state.last_seen->time, gone, as_of_);

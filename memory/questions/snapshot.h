@@ -21,8 +21,8 @@ class UnknownName : public Error {
   Kind kind_;
 };
 
-/// What the memory believes as of two clocks, with names in place of ids. Read once per question, and only
-/// what the question needs.
+/// What the memory believes as of two clocks, with names in place of ids. Read once per question, of one
+/// moment, and only what the question needs.
 class Snapshot {
  public:
   Snapshot(const Store& store, const AsOf& as_of);
@@ -64,6 +64,7 @@ class Snapshot {
   std::vector<std::string> known_names() const;
 
   const Store& store_;
+  Store::Moment moment_;
   AsOf as_of_;
   std::vector<PlaceRow> places_;
   std::vector<FactRow> facts_;

@@ -65,20 +65,15 @@ std::string look_name(DepthThumbnail::Look look) {
 class Looks {
  public:
   Looks(const Snapshot& snapshot, const std::vector<PlaceRow>& places, TimeNs from, TimeNs to)
-      : snapshot_(snapshot) {
+      : snapshot_(snapshot), from_(from), to_(to) {
     asked_ = snapshot.store().scenes(snapshot.as_of(), from, to);
     for (const SceneRow& scene : asked_) {
       scenes_.push_back(&scene);
-      if (!range_) range_ = {scene.id, scene.id};
-      range_->first = std::min(range_->first, scene.id);
-      range_->second = std::max(range_->second, scene.id);
     }
     for (const PlaceRow& place : places) add(place);
   }
 
   const std::vector<const SceneRow*>& scenes() const { return scenes_; }
-  /// The least and the greatest number of theirs; unset = there are none.
-  const Store::SceneRange& range() const { return range_; }
   /// Fraction of the places that any of the scenes saw.
   double fraction() const { return places_ == 0 ? 0 : fraction_sum_ / static_cast<double>(places_); }
   /// Per scene, the fraction that it saw (of the place of which it saw most).
@@ -95,9 +90,8 @@ class Looks {
   void add(const PlaceRow& place) {
     ++places_;
     std::map<Id, double> told;
-    if (range_)
-      for (const VisibilityRow& look : snapshot_.store().visibility_of_place(place.id, range_))
-        if (look.fraction) told[look.scene] = *look.fraction;
+    for (const VisibilityRow& look : snapshot_.store().visibility_of_place(place.id, from_, to_))
+      if (look.fraction) told[look.scene] = *look.fraction;
     const std::vector<Vector3d> points = points_on(place);
     std::vector<bool> seen(points.size(), false);
     double most_told = 0;
@@ -128,7 +122,7 @@ class Looks {
   const Snapshot& snapshot_;
   std::vector<SceneRow> asked_;
   std::vector<const SceneRow*> scenes_;
-  Store::SceneRange range_;
+  TimeNs from_, to_;
   std::map<Id, double> by_scene_;
   std::map<Id, std::optional<DepthThumbnail>> thumbnails_;
   size_t places_ = 0;
@@ -205,11 +199,14 @@ class Judge {
   /// first sighting on and except while it was known to be gone.
   std::map<Id, std::string> told_about(Id object) const {
     std::map<Id, std::string> told;
-    if (!looks_.range()) return told;
-    for (const VisibilityRow& row : snapshot_.store().visibility_of_object(object, looks_.range()))
+    if (looks_.scenes().empty()) return told;
+    for (const VisibilityRow& row :
+         snapshot_.store().visibility_of_object(object, question_.from, question_.to))
       told[row.scene] = row.status == "missed" ? "seen_empty" : row.status;
     std::map<TimeNs, bool> present;  // from this time on
-    for (const BeliefRow& row : snapshot_.store().belief_history(object, snapshot_.as_of(), question_.from))
+    AsOf then = snapshot_.as_of();
+    then.at = std::min(then.at.value_or(question_.to), question_.to);
+    for (const BeliefRow& row : snapshot_.store().belief_history(object, then, question_.from))
       present[row.clock.valid_from] = row.status != "gone";
     for (const SceneRow* scene : looks_.scenes()) {
       const auto next = present.upper_bound(scene->time);

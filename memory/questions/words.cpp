@@ -259,6 +259,8 @@ std::string to_text(const ContentsAnswer& answer, const TimeWriter& times) {
     for (const ObjectState& state : contents.there) lines.push_back("  " + state_text(state, times));
     for (const ObjectState& state : contents.gone)
       lines.push_back("  no longer: " + state_text(state, times));
+    if (contents.gone_in_all > contents.gone.size())
+      lines.push_back(fmt::format("  no longer: {} more", contents.gone_in_all - contents.gone.size()));
   }
   return lines_text(lines);
 }

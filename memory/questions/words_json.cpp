@@ -173,6 +173,7 @@ Json to_json(const ContentsAnswer& answer) {
                   {"container", contents.place.container},
                   {"objects", states_json(contents.there)},
                   {"gone", states_json(contents.gone)}};
+    if (contents.gone_in_all > contents.gone.size()) entry["gone_in_all"] = contents.gone_in_all;
     put(entry, "last_look", contents.last_look, scene_json);
     if (contents.fraction) entry["fraction"] = *contents.fraction;
     json["places"].push_back(entry);

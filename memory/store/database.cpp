@@ -227,9 +227,7 @@ void Store::Implementation::add_stay(Id belief, const BeliefRow& row, TimeNs fro
       "DESC LIMIT 1",
       {sql(row.object), sql(from), sql(belief)}, [&](const SqlRow& found) { before = found.integer("id"); });
   if (before) {
-    SQLite::Statement& end = statement("UPDATE stay SET until = ?1 WHERE belief = ?2 AND until > ?1");
-    bind_values(end, {sql(seconds), sql(*before)});
-    end.exec();
+    run("UPDATE stay SET until = ?1 WHERE belief = ?2 AND until > ?1", {sql(seconds), sql(*before)});
   }
   if (!row.position) return;
   int64_t until = kOpenStay;
@@ -241,53 +239,10 @@ void Store::Implementation::add_stay(Id belief, const BeliefRow& row, TimeNs fro
   const auto millimetre = [&](int axis) {
     return sql(static_cast<int64_t>(std::lround(std::clamp((*row.position)[axis] * 1000, -2e9, 2e9))));
   };
-  const SqlValue x = millimetre(0), y = millimetre(1), z = millimetre(2), place = sql(row.place.value_or(0));
-  SQLite::Statement& stay = statement("INSERT INTO stay VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
-  bind_values(stay, {sql(belief), x, x, y, y, z, z, sql(seconds), sql(until), place, place, sql(row.object)});
-  stay.exec();
-}
-
-namespace {
-
-constexpr int64_t kSightingsPerMark = 64;  // as in kDerivation
-constexpr const char* kMarksOfObject =
-    "INSERT INTO sighting_mark (object, number, valid_from, scene) SELECT object, number, valid_from, scene "
-    "FROM (SELECT object, valid_from, scene, row_number() OVER (ORDER BY valid_from, scene) AS number FROM "
-    "association WHERE object = ? AND chosen = 1 AND observation IS NOT NULL AND probability > 0) WHERE "
-    "number % 64 = 1";
-
-}  // namespace
-
-void Store::Implementation::mark_sighting(Id object, TimeNs time, Id scene) {
-  const auto [slot, fresh] = sightings.try_emplace(object);
-  Seen& seen = slot->second;
-  const bool late = !fresh && time < seen.last;
-  if (fresh || late) {
-    if (late) {  // those after it have other numbers now
-      SQLite::Statement& old = statement("DELETE FROM sighting_mark WHERE object = ?");
-      bind_values(old, {sql(object)});
-      old.exec();
-      SQLite::Statement& anew = statement(kMarksOfObject);
-      bind_values(anew, {sql(object)});
-      anew.exec();
-    }
-    query(
-        "SELECT count(*) AS number, max(valid_from) AS last FROM association WHERE object = ? AND chosen = 1 "
-        "AND observation IS NOT NULL AND probability > 0",
-        {sql(object)}, [&](const SqlRow& row) {
-          seen = {row.integer("number"), row.integer("last")};
-        });
-    if (late) return;
-    if (seen.last > time) return mark_sighting(object, time, scene);
-  } else {
-    ++seen.count;
-    seen.last = time;
-  }
-  if (seen.count % kSightingsPerMark != 1) return;
-  SQLite::Statement& mark =
-      statement("INSERT INTO sighting_mark (object, number, valid_from, scene) VALUES (?, ?, ?, ?)");
-  bind_values(mark, {sql(object), sql(seen.count), sql(time), sql(scene)});
-  mark.exec();
+  const SqlValue x = millimetre(0), y = millimetre(1), z = millimetre(2),
+                 place = sql((row.status == "gone" ? -1 : 1) * row.place.value_or(0));
+  run("INSERT INTO stay VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+      {sql(belief), x, x, y, y, z, z, sql(seconds), sql(until), place, place, sql(row.object)});
 }
 
 Encoded encode_bytes(std::string_view bytes) {

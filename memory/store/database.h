@@ -87,16 +87,21 @@ struct Store::Implementation {
   std::unique_ptr<SQLite::Database> database;
   std::unordered_map<std::string, std::unique_ptr<SQLite::Statement>> statements;
   std::unordered_map<std::string, Id> terms;  ///< some of the table of that name, by type and value
-  /// How often some of the objects were seen, and when last.
+  /// How many there are, time and scene of the last, and where that was (unset = not known yet).
   struct Seen {
     int64_t count = 0;
-    TimeNs last = 0;
+    std::pair<TimeNs, Id> last = {};
+    std::optional<Id> place = {};
   };
-  std::unordered_map<Id, Seen> sightings;
+  std::optional<Seen> scenes;              ///< when known
+  std::unordered_map<Id, Seen> sightings;  ///< of some of the objects
   bool in_scene = false;
+  int moments = 0;  ///< that are being held
 
   /// A prepared statement, ready to be bound.
   SQLite::Statement& statement(const std::string& text);
+  /// Runs a statement that gives no rows.
+  void run(const char* text, const std::vector<SqlValue>& values);
   /// Adds a row. The same columns in the same order for each row of a table.
   Id insert(const char* table, const SqlColumns& columns);
   /// Runs a query and hands over its rows.
@@ -119,8 +124,11 @@ struct Store::Implementation {
   Id add_term(const std::string& type, const std::string& value);
   /// Ends the object's last stay and begins the one that this belief tells of.
   void add_stay(Id belief, const BeliefRow& row, TimeNs from);
-  /// After a sighting was added.
-  void mark_sighting(Id object, TimeNs time, Id scene);
+  /// After a scene, or a sighting, was added.
+  void mark_scene(Id scene, TimeNs time);
+  void mark_sighting(Id object, Id observation, TimeNs time, Id scene);
+  /// What was read of the tables is to be read anew.
+  void forget_cached();
 };
 
 /// `until` of a stay that goes on.

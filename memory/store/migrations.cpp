@@ -139,7 +139,92 @@ CREATE TABLE sighting_mark (
 ) STRICT, WITHOUT ROWID;
 )sql";
 
+const char* const kMigrationTo1003 = R"sql(
+CREATE TABLE scene_mark (
+  number INTEGER PRIMARY KEY,      -- of the scene, in order of time
+  time INTEGER NOT NULL,
+  scene INTEGER NOT NULL REFERENCES scene
+) STRICT;
+CREATE TABLE visit (
+  object INTEGER NOT NULL REFERENCES object,
+  valid_from INTEGER NOT NULL,     -- of the first sighting there
+  scene INTEGER NOT NULL REFERENCES scene,
+  place INTEGER NOT NULL,          -- 0 = none
+  PRIMARY KEY (object, valid_from, scene)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX visit_place ON visit (object, place, valid_from, scene);
+DROP VIEW v_looks;
+DROP VIEW v_objects;
+ALTER TABLE visibility RENAME TO visibility_1002;
+DROP INDEX visibility_object;
+DROP INDEX visibility_place;
+DROP INDEX visibility_scene;
+CREATE TABLE visibility (
+  id INTEGER PRIMARY KEY,
+  scene INTEGER NOT NULL REFERENCES scene,
+  object INTEGER REFERENCES object,
+  place INTEGER REFERENCES place,
+  status TEXT NOT NULL CHECK (status IN ('seen', 'missed', 'hidden', 'out_of_view')),
+  probability REAL CHECK (probability BETWEEN 0 AND 1),  -- object: that the status is right
+  fraction REAL CHECK (fraction BETWEEN 0 AND 1),        -- place: observed part of its surface
+  valid_from INTEGER NOT NULL,     -- time of the scene
+  known_from INTEGER NOT NULL,
+  run INTEGER NOT NULL REFERENCES run,
+  CHECK ((object IS NULL) <> (place IS NULL))
+) STRICT;
+INSERT INTO visibility (id, scene, object, place, status, probability, fraction, valid_from, known_from, run)
+  SELECT v.id, v.scene, v.object, v.place, v.status, v.probability, v.fraction, s.time, v.known_from, v.run
+  FROM visibility_1002 v JOIN scene s ON s.id = v.scene ORDER BY v.id;
+DROP TABLE visibility_1002;
+CREATE INDEX visibility_object ON visibility (object, valid_from) WHERE object IS NOT NULL;
+CREATE INDEX visibility_place ON visibility (place, valid_from) WHERE place IS NOT NULL;
+CREATE INDEX visibility_scene ON visibility (scene);
+-- What is believed now, one row per object.
+CREATE VIEW v_objects AS
+  WITH latest AS (SELECT id, time FROM scene ORDER BY time DESC, id DESC LIMIT 1),
+  last AS (
+    SELECT b.*, (SELECT a.id FROM association_known a WHERE a.object = b.object AND a.chosen = 1
+      AND a.observation IS NOT NULL AND a.probability > 0 AND a.known_to IS NULL
+      ORDER BY a.valid_from DESC, a.id DESC LIMIT 1) AS sighting
+    FROM belief_known b WHERE b.known_to IS NULL AND b.id = (SELECT c.id FROM belief_known c
+      WHERE c.object = b.object AND c.known_to IS NULL ORDER BY c.valid_from DESC, c.id DESC LIMIT 1)),
+  told AS (
+    SELECT l.*, a.scene AS seen_scene, coalesce(a.valid_from > l.valid_from, 0) AS seen_later,
+      max(l.valid_from, coalesce(a.valid_from, 0)) AS base
+    FROM last l LEFT JOIN association a ON a.id = l.sighting)
+  SELECT 'object_' || t.object AS object,
+    CASE WHEN t.status = 'gone' AND NOT t.seen_later THEN 'gone'
+      WHEN t.scene = latest.id AND NOT t.seen_later THEN t.status
+      WHEN t.seen_scene = latest.id THEN 'seen'
+      ELSE coalesce((SELECT v.status FROM visibility v WHERE v.scene = latest.id AND v.object = t.object),
+        'out_of_view') END AS status,
+    CASE WHEN t.seen_later THEN 1.0 ELSE t.probability END *
+      CASE WHEN t.fade_s IS NULL THEN 1.0 ELSE t.fade_to + (1 - t.fade_to) *
+        exp(-max(0, latest.time - t.base) / 1e9 / t.fade_s) END AS probability,
+    p.name AS place, t.x, t.y, t.z, t.color, t.size_x, t.size_y, t.size_z,
+    strftime('%Y-%m-%dT%H:%M:%SZ', s.time / 1000000000, 'unixepoch') AS last_seen
+  FROM told t, latest LEFT JOIN place p ON p.id = t.place
+    LEFT JOIN scene s ON s.id = coalesce(t.seen_scene, t.last_scene);
+-- Which scene looked at which place, and how much of it was seen.
+CREATE VIEW v_looks AS
+  SELECT p.name AS place, s.id AS scene, strftime('%Y-%m-%dT%H:%M:%SZ', s.time / 1000000000, 'unixepoch') AS time,
+    v.fraction, v.status
+  FROM visibility v JOIN place p ON p.id = v.place JOIN scene s ON s.id = v.scene;
+)sql";
+
 const char* const kDerivation = R"sql(
+DELETE FROM scene_mark;
+INSERT INTO scene_mark (number, time, scene)
+  SELECT number, time, id FROM (SELECT id, time, row_number() OVER (ORDER BY time, id) AS number FROM scene)
+  WHERE number % 64 = 1;
+DELETE FROM visit;
+INSERT INTO visit (object, place, valid_from, scene)
+  SELECT object, place, valid_from, scene FROM (
+    SELECT a.object, coalesce(o.place, 0) AS place, a.valid_from, a.scene, lag(coalesce(o.place, 0))
+      OVER (PARTITION BY a.object ORDER BY a.valid_from, a.scene) AS place_before
+    FROM association a JOIN observation o ON o.id = a.observation
+    WHERE a.chosen = 1 AND a.probability > 0 AND a.object IS NOT NULL)
+  WHERE place_before IS NOT place;
 DELETE FROM object_term;
 INSERT INTO object_term (term, object, since)
   SELECT n.term, a.object, min(a.valid_from)
@@ -153,9 +238,8 @@ INSERT INTO sighting_mark (object, number, valid_from, scene)
   WHERE number % 64 = 1;
 DELETE FROM stay;
 INSERT INTO stay
-  SELECT id, mm_x, mm_x, mm_y, mm_y, mm_z, mm_z, valid_from / 1000000000, until, coalesce(place, 0), coalesce(place, 0),
-    object
-  FROM (SELECT id, object, place, valid_from,
+  SELECT id, mm_x, mm_x, mm_y, mm_y, mm_z, mm_z, valid_from / 1000000000, until, side * place, side * place, object
+  FROM (SELECT id, object, coalesce(place, 0) AS place, iif(status = 'gone', -1, 1) AS side, valid_from,
       round(min(max(1000 * x, -2e9), 2e9)) AS mm_x, round(min(max(1000 * y, -2e9), 2e9)) AS mm_y,
       round(min(max(1000 * z, -2e9), 2e9)) AS mm_z,
       coalesce(lead(valid_from) OVER (PARTITION BY object ORDER BY valid_from, id) / 1000000000, 2147483647) AS until
@@ -172,6 +256,11 @@ CREATE TEMP VIEW reasoning AS
   SELECT a.scene, b.encoding, b.content FROM main.annotation a JOIN main.blob b ON b.hash = a.value
   WHERE a.type = 'loci.memory.SceneReasoning';
 CREATE TEMP VIEW belief_known AS SELECT *, NULL AS fade_s, NULL AS fade_to FROM main.belief_known;
+)sql";
+
+const char* const kViewsOf1002 = R"sql(
+CREATE TEMP VIEW visibility AS
+  SELECT v.*, s.time AS valid_from FROM main.visibility v JOIN main.scene s ON s.id = v.scene;
 )sql";
 
 }  // namespace loci

@@ -16,8 +16,17 @@ std::string valid_condition(const AsOf& as_of, std::vector<SqlValue>& values, bo
 std::string range_condition(const char* column, std::optional<TimeNs> from, std::optional<TimeNs> to,
                             std::vector<SqlValue>& values);
 
-BeliefRow belief_row(const SqlRow& row);
+RecordingRow recording_row(const SqlRow& row);
+PlaceRow place_row(const SqlRow& row);
+SceneRow scene_row(const SqlRow& row);
+ObservationRow observation_row(const SqlRow& row);
 AssociationRow association_row(const SqlRow& row);
+EventRow event_row(const SqlRow& row);
+BeliefRow belief_row(const SqlRow& row);
+VisibilityRow visibility_row(const SqlRow& row);
+
+/// Whether a sighting may not be known any more, or not yet.
+bool asks_what_was_known(Store::Implementation& store, const AsOf& as_of);
 
 template <class Row, class Read>
 std::vector<Row> all(Store::Implementation& store, const std::string& text,

@@ -191,6 +191,7 @@ struct VisibilityRow {
   std::string status = {};                 ///< seen, missed, hidden, out_of_view
   std::optional<double> probability = {};  ///< object: that the status is right
   std::optional<double> fraction = {};     ///< place: observed part of its surface
+  TimeNs time = 0;                         ///< of the scene
 };
 
 struct FactRow {

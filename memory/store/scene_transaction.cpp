@@ -27,8 +27,7 @@ SceneTransaction::~SceneTransaction() {
   if (!open_) return;
   store_.in_scene = false;
   for (auto& [text, statement] : store_.statements) statement->tryReset();
-  store_.terms.clear();
-  store_.sightings.clear();
+  store_.forget_cached();
   store_.database->tryExec("ROLLBACK");
 }
 
@@ -68,7 +67,11 @@ Id SceneTransaction::add_scene(const SceneRow& row) {
                         {"known_from", sql(known_)},
                         {"run", sql(run_)}};
   add_pose(columns, "", row.map_from_camera);
-  return store_.guarded([&] { return store_.insert("scene", columns); });
+  return store_.guarded([&] {
+    const Id id = store_.insert("scene", columns);
+    store_.mark_scene(id, row.time);
+    return id;
+  });
 }
 
 Id SceneTransaction::add_place(const PlaceRow& row) {
@@ -171,7 +174,7 @@ Id SceneTransaction::add_association(const AssociationRow& row) {
       bind_values(called, {sql(*row.object), sql(row.scene), sql(*row.observation), sql(clock.valid_from)});
       called.exec();
       const Id id = store_.insert("association", columns);
-      store_.mark_sighting(*row.object, clock.valid_from, row.scene);
+      store_.mark_sighting(*row.object, *row.observation, clock.valid_from, row.scene);
       return id;
     }
     return store_.insert("association", columns);
@@ -225,6 +228,7 @@ Id SceneTransaction::add_visibility(const VisibilityRow& row) {
                                         {"status", sql(row.status)},
                                         {"probability", sql(row.probability)},
                                         {"fraction", sql(row.fraction)},
+                                        {"valid_from", sql(scene_time_)},
                                         {"known_from", sql(known_)},
                                         {"run", sql(run_)}});
   });
@@ -252,7 +256,9 @@ void SceneTransaction::set_checkpoint(const std::string& name, std::string_view 
   const Encoded encoded = bytes.size() < 4096 ? Encoded{0, std::string(bytes)} : encode_bytes(bytes);
   store_.guarded([&] {
     SQLite::Statement& statement = store_.statement(
-        "INSERT OR REPLACE INTO checkpoint (name, scene, encoding, content) VALUES (?, ?, ?, ?)");
+        "INSERT INTO checkpoint (name, scene, encoding, content) VALUES (?, ?, ?, ?) ON CONFLICT DO UPDATE "
+        "SET "
+        "scene = excluded.scene, encoding = excluded.encoding, content = excluded.content");
     bind_values(statement, {sql(name), sql(scene), sql(encoded.encoding), BytesView{encoded.bytes}});
     statement.exec();
   });

@@ -6,7 +6,7 @@ namespace loci {
 inline constexpr int kMemoryApplicationId = 0x6c6f6369;
 /// user_version = 1000 · major + minor. A newer minor version can be read, a newer major one cannot.
 inline constexpr int kMemoryMajor = 1;
-inline constexpr int kMemoryMinor = 2;
+inline constexpr int kMemoryMinor = 3;
 inline constexpr int kMemoryVersion = 1000 * kMemoryMajor + kMemoryMinor;
 
 /// memory/store/schema.sql.
@@ -16,9 +16,13 @@ extern const char* const kMemorySchema;
 extern const char* const kMigrationTo1001;
 /// Leads a memory of version 1.1 to 1.2; then what is derived is to be derived anew.
 extern const char* const kMigrationTo1002;
-/// Makes what is derived from other rows anew: stays, words of objects, marks of sightings, full text.
+/// Leads a memory of version 1.2 to 1.3; then what is derived is to be derived anew.
+extern const char* const kMigrationTo1003;
+/// Makes what is derived from other rows anew: stays, visits, words of objects, marks of scenes and
+/// sightings, full text.
 extern const char* const kDerivation;
-/// Views that let a memory of version 1.0 be read as it is.
+/// Views that let a memory of version 1.0 be read as it is, and one of 1.0 to 1.2.
 extern const char* const kViewsOf1000;
+extern const char* const kViewsOf1002;
 
 }  // namespace loci

@@ -95,6 +95,12 @@ CREATE TABLE scene (
   UNIQUE (recording, frame_index)
 ) STRICT;
 CREATE INDEX scene_time ON scene (time);
+-- Scenes 1, 65, 129, ... in order of time: derived from scene, so that scenes need not be counted.
+CREATE TABLE scene_mark (
+  number INTEGER PRIMARY KEY,      -- of the scene, in order of time
+  time INTEGER NOT NULL,
+  scene INTEGER NOT NULL REFERENCES scene
+) STRICT;
 
 -- One thing that was seen in one scene (a cluster), before asking which object it is.
 CREATE TABLE observation (
@@ -230,6 +236,17 @@ CREATE TABLE sighting_mark (
   PRIMARY KEY (object, number)
 ) STRICT, WITHOUT ROWID;
 
+-- Where an object was seen: one row for each change of place between its sightings, which holds until its next
+-- row. Derived from association and observation, so that sightings on a place are found at once.
+CREATE TABLE visit (
+  object INTEGER NOT NULL REFERENCES object,
+  valid_from INTEGER NOT NULL,     -- of the first sighting there
+  scene INTEGER NOT NULL REFERENCES scene,
+  place INTEGER NOT NULL,          -- 0 = none
+  PRIMARY KEY (object, valid_from, scene)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX visit_place ON visit (object, place, valid_from, scene);
+
 -- What happened.
 CREATE TABLE event (
   id INTEGER PRIMARY KEY,
@@ -293,7 +310,8 @@ CREATE INDEX belief_scene ON belief (scene);
 CREATE INDEX belief_supersedes ON belief (supersedes) WHERE supersedes IS NOT NULL;
 
 -- Where objects were believed to be, from one row of belief to the next: derived from belief, to find what is
--- near a point or on a place at a time. Millimetres, seconds since 1970 (2147483647 = until now), place 0 = none.
+-- near a point or on a place at a time. Millimetres, seconds since 1970 (2147483647 = until now), place 0 = none,
+-- -5 = gone from place 5.
 CREATE VIRTUAL TABLE stay USING rtree_i32(
   belief, x_from, x_to, y_from, y_to, z_from, z_to, since, until, place_from, place_to, +object);
 
@@ -307,12 +325,13 @@ CREATE TABLE visibility (
   status TEXT NOT NULL CHECK (status IN ('seen', 'missed', 'hidden', 'out_of_view')),
   probability REAL CHECK (probability BETWEEN 0 AND 1),  -- object: that the status is right
   fraction REAL CHECK (fraction BETWEEN 0 AND 1),        -- place: observed part of its surface
+  valid_from INTEGER NOT NULL,     -- time of the scene
   known_from INTEGER NOT NULL,
   run INTEGER NOT NULL REFERENCES run,
   CHECK ((object IS NULL) <> (place IS NULL))
 ) STRICT;
-CREATE INDEX visibility_object ON visibility (object, scene) WHERE object IS NOT NULL;
-CREATE INDEX visibility_place ON visibility (place, scene) WHERE place IS NOT NULL;
+CREATE INDEX visibility_object ON visibility (object, valid_from) WHERE object IS NOT NULL;
+CREATE INDEX visibility_place ON visibility (place, valid_from) WHERE place IS NOT NULL;
 CREATE INDEX visibility_scene ON visibility (scene);
 
 -- What people or programs say about an object or a place: owner, state, alias, taxonomy, class, text, ...

@@ -88,7 +88,8 @@ struct Migration {
   const char* sql;
 };
 /// In order. The schema file is always that of the newest version.
-const std::array<Migration, 2> kMigrations{{{1001, kMigrationTo1001}, {1002, kMigrationTo1002}}};
+const std::array<Migration, 3> kMigrations{
+    {{1001, kMigrationTo1001}, {1002, kMigrationTo1002}, {1003, kMigrationTo1003}}};
 
 void migrate(SQLite::Database& database, int version) {
   if (version >= kMemoryVersion) return;
@@ -121,6 +122,20 @@ void configure(SQLite::Database& database) {
   database.setBusyTimeout(5000);
   database.exec("PRAGMA cache_size = -16000");  // 16 MB: what scenes change and questions ask again and again
   database.exec("PRAGMA foreign_keys = ON");
+}
+
+/// A memory without scenes, which is there as a whole or not at all, whenever the program is stopped.
+void create_memory(const fs::path& path, TimeNs known) {
+  const fs::path partial = path.string() + ".partial";
+  std::error_code ignored;
+  for (const char* end : {"", "-wal", "-shm", "-journal"}) fs::remove(partial.string() + end, ignored);
+  {
+    SQLite::Database database(partial.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+    configure(database);
+    create_schema(database, known);
+    database.exec("PRAGMA journal_mode = WAL");
+  }
+  fs::rename(partial, path);
 }
 
 bool can_write(const fs::path& path) {
@@ -175,6 +190,7 @@ Store Store::open_read(const fs::path& path) {
     implementation->version = static_cast<int>(pragma(database, "user_version"));
     check_version(database, path, implementation->version);
     if (implementation->version < 1001) database.exec(kViewsOf1000);
+    if (implementation->version < 1003) database.exec(kViewsOf1002);
     if (can_write(path)) database.exec("PRAGMA query_only = ON");
   });
   return Store(std::move(implementation));
@@ -192,8 +208,8 @@ Store Store::open_write(const fs::path& path, const WriteOptions& options) {
   const bool existed = fs::exists(path, code);
   try {
     implementation->guarded([&] {
-      implementation->database =
-          std::make_unique<SQLite::Database>(path.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+      if (!existed) create_memory(path, implementation->known_time());
+      implementation->database = std::make_unique<SQLite::Database>(path.string(), SQLite::OPEN_READWRITE);
       SQLite::Database& database = *implementation->database;
       configure(database);
       const bool blank = is_blank(database);
@@ -218,7 +234,7 @@ Store Store::open_write(const fs::path& path, const WriteOptions& options) {
   } catch (...) {
     if (!existed) {
       implementation->database.reset();
-      fs::remove(path, code);
+      for (const char* end : {"", ".partial"}) fs::remove(path.string() + end, code);
     }
     throw;
   }

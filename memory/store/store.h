@@ -65,6 +65,20 @@ class Store {
   Store& operator=(Store&&) noexcept;
   ~Store();  ///< a clean close leaves the one file that can be copied
 
+  /// While it lives, everything that is read is of one moment, whatever a writer adds meanwhile; it is also
+  /// quicker than to ask for each row's moment anew. (The writer's own Store always sees the last of its
+  /// changes.)
+  class Moment {
+   public:
+    explicit Moment(const Store& store);
+    ~Moment();
+    Moment(const Moment&) = delete;
+    Moment& operator=(const Moment&) = delete;
+
+   private:
+    Implementation& store_;
+  };
+
   const std::filesystem::path& path() const;
   bool writable() const;
   int major() const;
@@ -121,6 +135,13 @@ class Store {
   /// objects without one are left out.
   std::vector<BeliefRow> beliefs(const AsOf& as_of = {}) const;
   std::optional<BeliefRow> belief(Id object, const AsOf& as_of = {}) const;
+  /// Objects that had gone from a place at the asked time, those that had gone last first, `most` of them at
+  /// most; and how many there are.
+  struct Gone {
+    std::vector<Id> objects = {};
+    size_t in_all = 0;
+  };
+  Gone objects_gone_from(Id place, size_t most, const AsOf& as_of = {}) const;
   /// Objects that were believed to be on a place, or within `radius` metres of a point, at the asked time: in
   /// order of object, without a look at their probability. By the R*Tree of stays.
   std::vector<Id> objects_at(Id place, const AsOf& as_of = {}) const;
@@ -159,10 +180,11 @@ class Store {
   std::vector<EventRow> events(const AsOf& as_of = {}, std::optional<TimeNs> from = {},
                                std::optional<TimeNs> to = {}) const;
   std::vector<VisibilityRow> visibility(Id scene) const;
-  /// In order of scene; of all scenes, or of those with numbers between two.
-  using SceneRange = std::optional<std::pair<Id, Id>>;
-  std::vector<VisibilityRow> visibility_of_object(Id object, const SceneRange& scenes = {}) const;
-  std::vector<VisibilityRow> visibility_of_place(Id place, const SceneRange& scenes = {}) const;
+  /// In order of time; with from <= time <= to.
+  std::vector<VisibilityRow> visibility_of_object(Id object, std::optional<TimeNs> from = {},
+                                                  std::optional<TimeNs> to = {}) const;
+  std::vector<VisibilityRow> visibility_of_place(Id place, std::optional<TimeNs> from = {},
+                                                 std::optional<TimeNs> to = {}) const;
   /// The last look that saw any of a place.
   std::optional<VisibilityRow> last_look(Id place, const AsOf& as_of = {}) const;
   /// Facts that hold at `at`; those taken back are left out.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "memory/store/reading.h"
 
@@ -12,13 +11,16 @@ namespace {
 
 constexpr const char* kSighting = "chosen = 1 AND observation IS NOT NULL AND probability > 0";
 
-/// Whether a sighting may not be known any more, or not yet.
+}  // namespace
+
 bool asks_what_was_known(Store::Implementation& store, const AsOf& as_of) {
   bool superseded = as_of.known_at.has_value();
   store.query("SELECT 1 FROM association WHERE supersedes IS NOT NULL LIMIT 1", {},
               [&](const SqlRow&) { superseded = true; });
   return superseded;
 }
+
+namespace {
 
 /// Sightings of ?1, with the clocks. Where nothing was ever superseded, no row need be looked up.
 std::string sightings_of_object(Store::Implementation& store, const AsOf& as_of,
@@ -101,6 +103,40 @@ bool has_stays(const Store::Implementation& store) {
 bool has_marks(const Store::Implementation& store) {
   return store.version >= 1002;
 }
+bool has_scene_marks(const Store::Implementation& store) {
+  return store.version >= 1003;
+}
+
+/// How many scenes there are up to a time: from the last mark on only the few after it are counted.
+int64_t scenes_until(Store::Implementation& store, std::optional<TimeNs> time) {
+  std::vector<SqlValue> values;
+  const std::string until = range_condition("time", {}, time, values);
+  int64_t count = 0;
+  std::string after;
+  std::vector<SqlValue> rest = values;
+  store.query("SELECT number, time, scene FROM scene_mark WHERE 1" + until + " ORDER BY number DESC LIMIT 1",
+              values, [&](const SqlRow& row) {
+                count = row.integer("number");
+                rest.push_back(sql(row.integer("time")));
+                rest.push_back(sql(row.integer("scene")));
+                after = fmt::format(" AND (time, id) > (?{}, ?{})", values.size() + 1, values.size() + 2);
+              });
+  store.query("SELECT count(*) AS number FROM scene WHERE 1" + until + after, rest,
+              [&](const SqlRow& row) { count += row.integer("number"); });
+  return count;
+}
+
+/// Of rows of belief, those that are of gone objects, the last first.
+Store::Gone gone_of(const std::vector<BeliefRow>& rows, Id place, size_t most) {
+  std::vector<std::pair<TimeNs, Id>> gone;
+  for (const BeliefRow& row : rows)
+    if (row.place == place && row.status == "gone") gone.emplace_back(-row.clock.valid_from, row.object);
+  std::ranges::sort(gone);
+  Store::Gone result{.in_all = gone.size()};
+  for (const auto& [time, object] : gone)
+    if (result.objects.size() < most) result.objects.push_back(object);
+  return result;
+}
 
 /// From the last mark on only the few sightings after it are counted.
 Store::SightingCount count_from_mark(Store::Implementation& store, Id object, const AsOf& as_of) {
@@ -169,6 +205,21 @@ std::vector<Id> Store::objects_at(Id place, const AsOf& as_of) const {
       {sql(place), sql(time)}, [](const SqlRow& row) { return row.integer("object"); });
 }
 
+Store::Gone Store::objects_gone_from(Id place, size_t most, const AsOf& as_of) const {
+  if (!has_scene_marks(*implementation_) || as_of.known_at) return gone_of(beliefs(as_of), place, most);
+  const int64_t time = as_of.at ? *as_of.at / kSecond : kOpenStay;
+  Gone result;
+  for (const Id object :
+       all<Id>(*implementation_,
+               "SELECT object FROM stay WHERE place_from <= ?1 AND place_to >= ?1 AND since <= ?2 "
+               "AND until >= ?2 ORDER BY since DESC, belief DESC",
+               {sql(-place), sql(time)}, [](const SqlRow& row) { return row.integer("object"); })) {
+    ++result.in_all;
+    if (result.objects.size() < most) result.objects.push_back(object);
+  }
+  return result;
+}
+
 std::vector<Id> Store::objects_near(const Vector3d& point, double radius, const AsOf& as_of) const {
   std::vector<Id> found;
   if (!has_stays(*implementation_) || as_of.known_at) {
@@ -214,19 +265,26 @@ Store::SightingCount Store::count_sightings(Id object, const AsOf& as_of) const 
 Store::LooksSince Store::looks_since(Id object, TimeNs after, std::optional<TimeNs> until,
                                      const AsOf& as_of) const {
   LooksSince result;
-  std::vector<SqlValue> values = {sql(object), sql(after)};
-  const std::string range = range_condition("s.time", {}, as_of.at, values) +
-                            range_condition("s.time", {}, until, values) +
-                            range_condition("s.known_from", {}, as_of.known_at, values);
+  if (as_of.at && (!until || *as_of.at < *until)) until = as_of.at;
   implementation_->guarded([&] {
     int64_t scenes = 0;
-    implementation_->query("SELECT count(*) AS number FROM scene s WHERE ?1 = ?1 AND s.time > ?2" + range,
-                           values, [&](const SqlRow& row) { scenes = row.integer("number"); });
+    if (as_of.known_at || !has_scene_marks(*implementation_)) {
+      std::vector<SqlValue> values = {sql(after)};
+      const std::string range = range_condition("time", {}, until, values) +
+                                range_condition("known_from", {}, as_of.known_at, values);
+      implementation_->query("SELECT count(*) AS number FROM scene WHERE time > ?1" + range, values,
+                             [&](const SqlRow& row) { scenes = row.integer("number"); });
+    } else {
+      scenes = scenes_until(*implementation_, until) - scenes_until(*implementation_, after);
+    }
+    std::vector<SqlValue> values = {sql(object), sql(after)};
+    const std::string range = range_condition("valid_from", {}, until, values) +
+                              range_condition("known_from", {}, as_of.known_at, values);
     implementation_->query(
-        "SELECT v.status, count(*) AS number, s.id AS scene, max(s.time) FROM visibility v JOIN scene s ON "
-        "s.id = "
-        "v.scene WHERE v.object = ?1 AND v.status IN ('hidden', 'missed') AND s.time > ?2" +
-            range + " GROUP BY v.status",
+        "SELECT status, count(*) AS number, scene, max(valid_from) FROM visibility WHERE object = ?1 AND "
+        "status IN "
+        "('hidden', 'missed') AND valid_from > ?2" +
+            range + " GROUP BY status",
         values, [&](const SqlRow& row) {
           const auto number = static_cast<size_t>(row.integer("number"));
           (row.text("status") == "missed" ? result.missed : result.hidden) = number;
@@ -292,41 +350,6 @@ std::vector<std::string> Store::annotation_values() const {
           ? "SELECT DISTINCT value FROM term WHERE id IN (SELECT term FROM object_term) ORDER BY value"
           : "SELECT DISTINCT value FROM annotation WHERE observation IS NOT NULL ORDER BY value";
   return all<std::string>(*implementation_, text, {}, [](const SqlRow& row) { return row.text("value"); });
-}
-
-std::vector<Sighting> Store::doubtful_sightings(Id object, TimeNs from, const AsOf& as_of, double least,
-                                                size_t scenes) const {
-  std::vector<SqlValue> values = {sql(object), sql(from), sql(as_of.at.value_or(INT64_MAX)),
-                                  sql(static_cast<int64_t>(scenes))};
-  const std::string known = known_condition(as_of, values);
-  const auto rows = all<AssociationRow>(
-      *implementation_,
-      fmt::format(
-          "SELECT * FROM association_known WHERE scene IN (SELECT id FROM scene WHERE time >= ?2 AND "
-          "time <= ?3 ORDER BY time DESC LIMIT ?4) AND object = ?1 AND observation IS NOT NULL AND {} "
-          "ORDER BY id",
-          known),
-      values, association_row);
-  std::map<Id, AssociationRow> doubtful;  // by observation, its explanations together
-  for (const AssociationRow& row : rows) {
-    const auto [entry, fresh] = doubtful.try_emplace(*row.observation, row);
-    if (fresh) continue;
-    entry->second.probability += row.probability;
-    entry->second.chosen = entry->second.chosen || row.chosen;
-  }
-  std::vector<Sighting> result;
-  for (auto& [observation, association] : doubtful) {
-    if (association.chosen || association.probability < least) continue;
-    const SceneRow seen_in = scene(association.scene);
-    Sighting sighting{std::move(association), {}, seen_in.time, seen_in.recording, seen_in.frame_index};
-    for (ObservationRow& row : observations(seen_in.id))
-      if (row.id == observation) sighting.observation = std::move(row);
-    result.push_back(std::move(sighting));
-  }
-  std::stable_sort(result.begin(), result.end(), [](const Sighting& a, const Sighting& b) {
-    return a.association.probability > b.association.probability;
-  });
-  return result;
 }
 
 }  // namespace loci

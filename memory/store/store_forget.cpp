@@ -87,8 +87,7 @@ ForgetResult Store::forget(const ForgetRequest& request, Id run) {
   s.guarded([&] {
     SQLite::Database& database = *s.database;
     s.statements.clear();
-    s.terms.clear();
-    s.sightings.clear();
+    s.forget_cached();
     database.exec("PRAGMA secure_delete = ON; PRAGMA foreign_keys = OFF");
     try {
       SQLite::Transaction all(database, SQLite::TransactionBehavior::IMMEDIATE);

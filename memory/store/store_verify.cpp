@@ -74,11 +74,34 @@ constexpr Rule kDerivedRules[] = {
      "sighting_mark EXCEPT SELECT * FROM derived) UNION ALL SELECT * FROM (SELECT * FROM derived EXCEPT "
      "SELECT object, number, valid_from, scene FROM sighting_mark))",
      1002},
+    {"scene {} is marked with a number that is not its own",
+     "WITH derived AS (SELECT number, time, id FROM (SELECT id, time, row_number() OVER (ORDER BY time, id) "
+     "AS "
+     "number FROM scene) WHERE number % 64 = 1) SELECT scene FROM (SELECT * FROM (SELECT scene, number, time "
+     "FROM "
+     "scene_mark EXCEPT SELECT id, number, time FROM derived) UNION SELECT * FROM (SELECT id, number, time "
+     "FROM "
+     "derived EXCEPT SELECT scene, number, time FROM scene_mark))",
+     1003},
+    {"the visits of object {} are not what its sightings say",
+     "WITH derived AS (SELECT object, place, valid_from, scene FROM (SELECT a.object, coalesce(o.place, 0) "
+     "AS "
+     "place, a.valid_from, a.scene, lag(coalesce(o.place, 0)) OVER (PARTITION BY a.object ORDER BY "
+     "a.valid_from, "
+     "a.scene) AS place_before FROM association a JOIN observation o ON o.id = a.observation WHERE a.chosen "
+     "= 1 "
+     "AND a.probability > 0 AND a.object IS NOT NULL) WHERE place_before IS NOT place) SELECT DISTINCT "
+     "object "
+     "FROM (SELECT * FROM (SELECT object, place, valid_from, scene FROM visit EXCEPT SELECT * FROM derived) "
+     "UNION "
+     "ALL SELECT * FROM (SELECT * FROM derived EXCEPT SELECT object, place, valid_from, scene FROM visit))",
+     1003},
     {"stay of belief {} is not where that belief was",
      "SELECT s.belief FROM stay s LEFT JOIN belief b ON b.id = s.belief WHERE b.id IS NULL OR b.x IS NULL OR "
      "abs(s.x_from - 1000 * b.x) > 1 OR abs(s.y_from - 1000 * b.y) > 1 OR abs(s.z_from - 1000 * b.z) > 1 OR "
-     "s.place_from <> coalesce(b.place, 0) OR s.object <> b.object OR s.since <> b.valid_from / 1000000000",
-     1002},
+     "s.place_from <> iif(b.status = 'gone', -1, 1) * coalesce(b.place, 0) OR s.object <> b.object OR "
+     "s.since <> b.valid_from / 1000000000",
+     1003},
     {"stay of belief {} does not end with the next belief",
      "SELECT s.belief FROM stay s JOIN (SELECT id, coalesce(lead(valid_from) OVER (PARTITION BY object ORDER "
      "BY "
@@ -165,7 +188,7 @@ VerifyReport Store::verify(Progress& progress) const {
 void Store::derive() {
   auto& s = *implementation_;
   s.need_writable();
-  s.sightings.clear();
+  s.forget_cached();
   s.transaction([&] {
     s.database->exec(kDerivation);
     return 0;

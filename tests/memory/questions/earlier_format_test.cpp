@@ -1,5 +1,5 @@
 // Memories that earlier versions of the format made, and what the programs of that time answered: 1.0 (forty
-// scenes of nine things on three tables, ingested) and 1.1 (apps/samples/detections.jsonl, ingested).
+// scenes of nine things on three tables, ingested), 1.1 and 1.2 (apps/samples/detections.jsonl, ingested).
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -10,6 +10,7 @@
 #include "memory/questions/answers.h"
 #include "memory/questions/words.h"
 #include "memory/recorder/forget.h"
+#include "memory/recorder/recorder.h"
 #include "memory/store/schema.h"
 
 namespace loci {
@@ -68,6 +69,25 @@ TEST_P(EarlierFormat, AnswersTheSameWhenMigrated) {
   expect_answers_as_then();
 }
 
+TEST_P(EarlierFormat, GoesOnWithTheBeliefThatItHolds) {
+  Store store = Store::open_write(file);
+  const std::optional<SceneRow> last = store.last_scene();
+  SceneRecord next;
+  next.row.time = last->time + 60 * kSecond;
+  Recorder recorder(store, store.begin_run("test", "{}"));
+  EXPECT_EQ(recorder.belief().last_scene, last->time);
+  size_t believed = 0;
+  for (const BeliefRow& row : store.beliefs()) believed += row.status == "gone" ? 0 : 1;
+  EXPECT_EQ(std::ranges::count_if(recorder.belief().objects,
+                                  [](const belief::ProtoObject& object) {
+                                    return object.id != 0 && object.status == belief::Status::present;
+                                  }),
+            static_cast<std::ptrdiff_t>(believed));
+  recorder.record(next);
+  NoProgress silent;
+  EXPECT_THAT(store.verify(silent).problems, ::testing::IsEmpty());
+}
+
 TEST_P(EarlierFormat, IsForgottenForGood) {
   const std::string called = GetParam().minor == 0 ? "bottle" : "cereal";
   {
@@ -94,7 +114,8 @@ TEST_P(EarlierFormat, IsForgottenForGood) {
       ::testing::ThrowsMessage<Error>(::testing::HasSubstr("forgotten")));
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, EarlierFormat, ::testing::Values(Earlier{0, 4}, Earlier{1, 1}),
+INSTANTIATE_TEST_SUITE_P(Formats, EarlierFormat,
+                         ::testing::Values(Earlier{0, 4}, Earlier{1, 1}, Earlier{2, 1}),
                          [](const auto& tested) { return "1_" + std::to_string(tested.param.minor); });
 
 }  // namespace

@@ -48,6 +48,13 @@ class StoreTest : public testing_support::TemporaryFolder {
     return id;
   }
 
+  Id add_to_new_memory() {
+    Store store = Store::open_write(file_);
+    const Id run = store.begin_run("test", "{}");
+    store.add_recording({.fingerprint = "abc", .name = "rec", .kind = "loci"});
+    return add_one_scene(store, run, 0, 1000);
+  }
+
   Id make_memory() {
     Store store = Store::open_write(file_);
     const Id run = store.begin_run("test", "{}");
@@ -119,6 +126,24 @@ TEST_F(StoreTest, SurvivesBeingKilledInTheMiddleOfAScene) {
   }
   Store again = Store::open_write(file_);  // The dead writer's lock has fallen.
   EXPECT_TRUE(again.writable());
+}
+
+TEST_F(StoreTest, IsThereAsAWholeOrNotAtAllWhenKilledWhileItIsMade) {
+  for (int delay = 0; delay < 20; ++delay) {
+    for (const auto& entry : fs::directory_iterator(file_.parent_path())) fs::remove(entry.path());
+    const pid_t child = ::fork();
+    if (child == 0) {
+      { Store store = Store::open_write(file_); }
+      for (;;) ::pause();
+    }
+    ::usleep(static_cast<useconds_t>(500 * delay));
+    ::kill(child, SIGKILL);
+    ::waitpid(child, nullptr, 0);
+    if (fs::exists(file_)) {
+      EXPECT_EQ(Store::open_read(file_).minor(), kMemoryMinor);
+    }
+    EXPECT_EQ(add_to_new_memory(), 1);
+  }
 }
 
 TEST_F(StoreTest, KeepsWhatWasCommittedWhenNothingMoreCanBeWritten) {
