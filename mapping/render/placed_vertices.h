@@ -15,14 +15,19 @@ struct Projection {
   double u_limit, v_limit;  ///< positions are held to [-2, limit]: outside it does not matter where
 };
 
-/// The corners of a cluster before the camera; all arrays by vertex. Pixel columns whose centre a triangle
-/// can cover are those from the smallest u_first to the largest u_last of its corners, rows alike: positions
-/// are rounded outwards by a millionth of a pixel, as the edge functions decide exactly.
+/// The pixels around a position: its first column, its last one negated, first row, last row negated, so that
+/// the pixels around several positions are the smallest of each, four comparisons at a time. They are held to
+/// pictures of at most kLargestSide pixels a side.
+using PixelReach [[gnu::vector_size(8)]] = int16_t;
+constexpr int kLargestSide = 32000;
+
+/// The corners of a cluster before the camera; all arrays by vertex. Pixels whose centre a triangle can cover
+/// are those in the reach of its corners: positions are rounded outwards by a millionth of a pixel, as the
+/// edge functions decide exactly.
 struct PlacedVertices {
   double x[Cluster::kVertices], y[Cluster::kVertices], z[Cluster::kVertices];  ///< (fx·X, fy·Y, Z)
   double w[Cluster::kVertices];                                                ///< 1/Z
-  int32_t u_first[Cluster::kVertices], u_last[Cluster::kVertices];
-  int32_t v_first[Cluster::kVertices], v_last[Cluster::kVertices];
+  PixelReach reach[Cluster::kVertices];
 };
 
 /// Places vertices. The projections are meaningless for those that are not in front of the camera.

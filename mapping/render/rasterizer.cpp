@@ -32,6 +32,8 @@ class RowBand {
         w_far_(1 / options.far_m),
         row_begin_(row_begin),
         row_end_(row_end),
+        most_{0, static_cast<int16_t>(1 - camera.width), static_cast<int16_t>(row_begin),
+              static_cast<int16_t>(1 - row_end)},
         raster_(raster),
         tiles_(raster.inverse_depth.data(), camera.width, row_begin, row_end),
         fill_(camera, options, raster) {}
@@ -110,8 +112,10 @@ class RowBand {
     const std::array<uint8_t, 3>* triangles = &surface.triangles[cluster.first_triangle];
     for (uint32_t i = 0; i < cluster.triangles; ++i) {
       const auto [a, b, c] = triangles[i];
-      PixelBox box = held_bounds(a, b, c);
-      if (before && box.empty()) continue;  // Most small triangles lie between pixel centres.
+      const PixelReach reach = held_reach(a, b, c);
+      // Most small triangles lie between pixel centres.
+      if (before && (reach[0] + reach[1] > 0 || reach[2] + reach[3] > 0)) continue;
+      PixelBox box{reach[0], -reach[1], reach[2], -reach[3]};
       double w_low = w_far_, w_high = w_near_;
       bool clipped = false;
       if (before || std::min({vertices_.z[a], vertices_.z[b], vertices_.z[c]}) >= options_.near_m) {
@@ -135,12 +139,11 @@ class RowBand {
   Vector3d corner(uint8_t i) const { return {vertices_.x[i], vertices_.y[i], vertices_.z[i]}; }
 
   /// Pixels of the band that a triangle in front of the near plane can cover.
-  PixelBox held_bounds(uint8_t a, uint8_t b, uint8_t c) const {
-    const PlacedVertices& p = vertices_;
-    return {std::max(0, std::min({p.u_first[a], p.u_first[b], p.u_first[c]})),
-            std::min(camera_.width - 1, std::max({p.u_last[a], p.u_last[b], p.u_last[c]})),
-            std::max(row_begin_, std::min({p.v_first[a], p.v_first[b], p.v_first[c]})),
-            std::min(row_end_ - 1, std::max({p.v_last[a], p.v_last[b], p.v_last[c]}))};
+  PixelReach held_reach(uint8_t a, uint8_t b, uint8_t c) const {
+    const PixelReach &p = vertices_.reach[a], &q = vertices_.reach[b], &r = vertices_.reach[c];
+    PixelReach least = p < q ? p : q;
+    least = least < r ? least : r;
+    return least > most_ ? least : most_;
   }
 
   /// Those of one that crosses it; may be empty. Coverage itself needs no clipping: the edge functions are
@@ -178,6 +181,7 @@ class RowBand {
   const DrawOptions& options_;
   double w_near_, w_far_;
   int row_begin_, row_end_;
+  PixelReach most_;  ///< the band
   Raster& raster_;
   DepthTiles tiles_;
   TriangleFill fill_;

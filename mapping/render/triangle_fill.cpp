@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 namespace loci::render_detail {
 
@@ -35,24 +37,41 @@ struct TriangleFill::Plane {
   double low, high;
   bool clipped;
   uint64_t id;
+
+  /// `scale`: one over the determinant, with the edges' sign.
+  Plane(const Edge* edges, double scale, const PlacedTriangle& triangle)
+      : a((edges[0].a + edges[1].a + edges[2].a) * scale),
+        b((edges[0].b + edges[1].b + edges[2].b) * scale),
+        c((edges[0].c + edges[1].c + edges[2].c) * scale),
+        low(triangle.w_low),
+        high(triangle.w_high),
+        clipped(triangle.clipped),
+        id(triangle.id) {}
 };
-inline void TriangleFill::write(const Plane& plane, double row_w, int u, float* inverse_depth,
+
+/// Whether the pixel shows the triangle now.
+inline bool TriangleFill::write(const Plane& plane, double row_w, int u, float* inverse_depth,
                                 uint64_t* id) const {
   double w = plane.a * (u - camera_.cx) + row_w;
   if (plane.clipped) {
-    if (!(w >= w_far_ && w <= w_near_)) return;
+    if (!(w >= w_far_ && w <= w_near_)) return false;
   } else {
     w = std::min(std::max(w, plane.low), plane.high);
-    if (w < w_far_) return;
+    if (w < w_far_) return false;
   }
   const float value = static_cast<float>(w);
-  if (value > inverse_depth[u] || (value == inverse_depth[u] && plane.id < id[u])) {
-    inverse_depth[u] = value;
-    id[u] = plane.id;
-  }
+  const bool nearer = value > inverse_depth[u] || (value == inverse_depth[u] && plane.id < id[u]);
+  if (!nearer) return false;
+  inverse_depth[u] = value;
+  id[u] = plane.id;
+  return true;
 }
 
-void TriangleFill::fill_small(const Edge* e, const Plane& plane, const PixelBox& box) {
+bool TriangleFill::fill_small(const Edge* e, double determinant, const PlacedTriangle& triangle,
+                              const PixelBox& box) {
+  // Most small triangles cover no pixel's centre: what only those need that do is found out when one does.
+  std::optional<Plane> plane;
+  bool written = false;
   for (int row = box.v_first; row <= box.v_last; ++row) {
     const double v = row - camera_.cy;
     const double r0 = e[0].b * v + e[0].c, r1 = e[1].b * v + e[1].c, r2 = e[2].b * v + e[2].c;
@@ -62,9 +81,12 @@ void TriangleFill::fill_small(const Edge* e, const Plane& plane, const PixelBox&
       const double u = column - camera_.cx;
       const bool inside =
           (e[0].a * u + r0 > e[0].limit) & (e[1].a * u + r1 > e[1].limit) & (e[2].a * u + r2 > e[2].limit);
-      if (inside) write(plane, plane.b * v + plane.c, column, inverse_depth, id);
+      if (!inside) continue;
+      if (!plane) plane.emplace(e, 1 / determinant, triangle);
+      written |= write(*plane, plane->b * v + plane->c, column, inverse_depth, id);
     }
   }
+  return written;
 }
 
 /// Narrows [first, last] to the pixels of a row that are inside an edge. The division only guesses; the
@@ -89,7 +111,8 @@ void TriangleFill::narrow(const Edge& edge, double row_value, int& first, int& l
   }
 }
 
-void TriangleFill::fill_spans(const Edge* edges, const Plane& plane, const PixelBox& box) {
+bool TriangleFill::fill_spans(const Edge* edges, const Plane& plane, const PixelBox& box) {
+  bool written = false;
   for (int row = box.v_first; row <= box.v_last; ++row) {
     const double v = row - camera_.cy;
     int first = box.u_first, last = box.u_last;
@@ -97,8 +120,9 @@ void TriangleFill::fill_spans(const Edge* edges, const Plane& plane, const Pixel
     float* inverse_depth = raster_.inverse_depth.data() + static_cast<ptrdiff_t>(row) * camera_.width;
     uint64_t* id = raster_.id.data() + static_cast<ptrdiff_t>(row) * camera_.width;
     const double row_w = plane.b * v + plane.c;
-    for (int u = first; u <= last; ++u) write(plane, row_w, u, inverse_depth, id);
+    for (int u = first; u <= last; ++u) written |= write(plane, row_w, u, inverse_depth, id);
   }
+  return written;
 }
 
 bool TriangleFill::fill(const PlacedTriangle& triangle, const PixelBox& box) {
@@ -107,19 +131,8 @@ bool TriangleFill::fill(const PlacedTriangle& triangle, const PixelBox& box) {
   if (determinant == 0 || !std::isfinite(determinant)) return false;
   const double sign = determinant < 0 ? -1 : 1;
   const Edge edges[3] = {Edge(p1, p2, sign), Edge(p2, p0, sign), Edge(p0, p1, sign)};
-  const double scale = sign / determinant;
-  const Plane plane = {(edges[0].a + edges[1].a + edges[2].a) * scale,
-                       (edges[0].b + edges[1].b + edges[2].b) * scale,
-                       (edges[0].c + edges[1].c + edges[2].c) * scale,
-                       triangle.w_low,
-                       triangle.w_high,
-                       triangle.clipped,
-                       triangle.id};
-  if (box.u_last - box.u_first < kSmallWidth)
-    fill_small(edges, plane, box);
-  else
-    fill_spans(edges, plane, box);
-  return true;
+  if (box.u_last - box.u_first < kSmallWidth) return fill_small(edges, sign * determinant, triangle, box);
+  return fill_spans(edges, Plane(edges, sign / determinant, triangle), box);
 }
 
 }  // namespace loci::render_detail

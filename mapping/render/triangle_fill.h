@@ -21,17 +21,17 @@ class TriangleFill {
   TriangleFill(const PinholeCamera& camera, const DrawOptions& options, Raster& raster)
       : camera_(camera), w_near_(1 / options.near_m), w_far_(1 / options.far_m), raster_(raster) {}
 
-  /// Considers the pixels of a box only. False when the triangle is seen edge-on.
+  /// Considers the pixels of a box only. Whether something was written.
   bool fill(const PlacedTriangle& triangle, const PixelBox& box);
 
  private:
   struct Edge;
   struct Plane;
 
-  void write(const Plane& plane, double row_w, int u, float* inverse_depth, uint64_t* id) const;
+  bool write(const Plane& plane, double row_w, int u, float* inverse_depth, uint64_t* id) const;
   void narrow(const Edge& edge, double row_value, int& first, int& last) const;
-  void fill_small(const Edge* edges, const Plane& plane, const PixelBox& box);
-  void fill_spans(const Edge* edges, const Plane& plane, const PixelBox& box);
+  bool fill_small(const Edge* edges, double determinant, const PlacedTriangle& triangle, const PixelBox& box);
+  bool fill_spans(const Edge* edges, const Plane& plane, const PixelBox& box);
 
   const PinholeCamera& camera_;
   double w_near_, w_far_;
