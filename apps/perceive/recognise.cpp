@@ -46,9 +46,13 @@ Json to_json(const ProductMatch& match, const Product& product) {
   Json properties = Json::object();
   for (const auto& [key, value] : product.properties) properties[key] = value;
   const cv::Rect& region = match.region;
-  return {{"name", product.name},     {"verified", match.verified},
-          {"inliers", match.inliers}, {"score", match.score},
-          {"share", match.share},     {"region", {region.x, region.y, region.width, region.height}},
+  return {{"name", product.name},
+          {"verified", match.verified},
+          {"inliers", match.inliers},
+          {"score", match.score},
+          {"share", match.share},
+          {"presence", match.presence},
+          {"region", {region.x, region.y, region.width, region.height}},
           {"properties", properties}};
 }
 
@@ -67,8 +71,9 @@ void recognise(RecogniseArguments& given, Session& session) {
     text += path + (matches.empty() || !matches[0].verified ? ": nothing sure\n" : "\n");
     for (const ProductMatch& match : matches) {
       const Product& product = index.products()[match.product];
-      text += fmt::format("  {:40} {:3} features agree{}\n", product.name, match.inliers,
-                          match.verified ? fmt::format(", share {:.2f}", match.share) : ": not sure");
+      text +=
+          fmt::format("  {:40} {:3} features agree{}\n", product.name, match.inliers,
+                      match.verified ? fmt::format(", confidence {:.2f}", match.confidence()) : ": not sure");
       products.push_back(to_json(match, product));
     }
     answers.push_back({{"image", path}, {"products", products}});

@@ -1,6 +1,7 @@
 #include "perception/recognition/product_index.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -18,8 +19,14 @@ constexpr int kCatalogueCells = 48;
 constexpr int kQueryCells = 128;  // A product fills a part of the picture.
 constexpr int kLargestDistance = 2 * 512 * 512;
 // What votes count beside features that agree on a place, which decides when hardly any do.
-constexpr double kVoteShare = 0.1;
+constexpr double kVoteShare = 0.05;
 constexpr double kUnknownColor = 0.25;
+// A picture with more features wins more of everything by chance, and that varies with the root of its
+// number.
+constexpr double kManyFeatures = 1000;
+// Presence over log10 of the expected false alarms: logistic, fitted to pictures of products and of other
+// things.
+constexpr double kPresenceOffset = -1.4, kPresenceSlope = -0.7;
 
 cv::Rect region_of(const std::vector<Correspondence>& pairs, const std::vector<size_t>& inliers,
                    const cv::Size& size) {
@@ -29,6 +36,10 @@ cv::Rect region_of(const std::vector<Correspondence>& pairs, const std::vector<s
     region = region.empty() ? point : region | point;
   }
   return region & cv::Rect({}, size);
+}
+
+double presence_of(double log_false_alarms) {
+  return 1 / (1 + std::exp(-(kPresenceOffset + kPresenceSlope * log_false_alarms)));
 }
 
 /// Each name once, by score.
@@ -64,8 +75,9 @@ void RecognitionOptions::declare(OptionTable& table) {
                 1, 10000);
   table.number("tolerance", tolerance, "", "Largest error of a place, of the image's longer side.", 0.001,
                0.5);
-  table.integer("least_inliers", least_inliers, "",
-                "Features that must agree on a place for a product to be believed.", 3, 1000);
+  table.number("least_presence", least_presence, "",
+               "Products are believed when their features agree by more than chance with this probability.",
+               0, 1);
 }
 
 /// Votes and correspondences of every product.
@@ -100,6 +112,11 @@ ProductIndex ProductIndex::build(const std::vector<Product>& catalogue, int thre
   progress.check(0.9, "vocabulary tree");
   index.tree_ = VocabularyTree::build(index.descriptors_, threads);
   return index;
+}
+
+size_t ProductIndex::features_of(size_t product) const {
+  const auto [first, last] = std::ranges::equal_range(owners_, static_cast<uint32_t>(product));
+  return static_cast<size_t>(last - first);
 }
 
 ProductIndex::Ballot ProductIndex::vote(const ImageFeatures& query, const RecognitionOptions& options,
@@ -152,13 +169,15 @@ std::vector<ProductMatch> ProductIndex::recognise(const cv::Mat& image, const Re
       ProductMatch& match = matches[i];
       match.product = product;
       match.inliers = static_cast<int>(fit.inliers.size());
-      match.verified = match.inliers >= options.least_inliers;
+      match.presence = presence_of(log_false_alarms(pairs, fit, tolerance_px, image.size(), order.size()));
+      match.verified = match.inliers > 0 && match.presence >= options.least_presence;
       match.region = region_of(pairs, fit.inliers, image.size());
-      match.score = kUnknownColor * kVoteShare * ballot.votes[product];
-      if (match.inliers < 4) continue;
+      const double root = std::sqrt(static_cast<double>(features_of(product)) / kManyFeatures);
+      match.score = kUnknownColor * kVoteShare * ballot.votes[product] / root;
+      if (match.inliers == 0) continue;
       const double color =
           color_agreement(chroma_[product], sizes_[product], chroma, image.size(), fit.to_from_from);
-      match.score += fit.weight * color * color;
+      match.score += fit.weight * color * color / root;
     }
   });
   return ranked(std::move(matches), products_, most);

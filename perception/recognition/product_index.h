@@ -17,7 +17,7 @@ struct RecognitionOptions {
   int checks = 250;
   int candidates = 40;
   double tolerance = 0.03;
-  int least_inliers = 6;
+  double least_presence = 0.5;
 
   void declare(OptionTable& table);
 };
@@ -28,8 +28,12 @@ struct ProductMatch {
   double score = 0;       ///< grows with what speaks for it; of one image's matches only
   double share = 0;       ///< of the scores of all verified products, 0 to 1
   int inliers = 0;        ///< features that agree on where the catalogue's picture lies in the image
-  bool verified = false;  ///< at least least_inliers of them
+  double presence = 0;    ///< probability that they do not agree by chance: a package like this is shown
+  bool verified = false;  ///< presence is at least least_presence
   cv::Rect region;        ///< of the image, that those features cover
+
+  /// Probability that this product is shown, and no other one that looks alike.
+  double confidence() const { return presence * share; }
 };
 
 /// Products known by pictures, as ODUFinder did (§5.3): SIFT features in a vocabulary tree vote for products;
@@ -58,6 +62,7 @@ class ProductIndex {
 
  private:
   struct Ballot;
+  size_t features_of(size_t product) const;
   Ballot vote(const ImageFeatures& query, const RecognitionOptions& options, int threads) const;
 
   std::vector<Product> products_;
@@ -65,7 +70,7 @@ class ProductIndex {
   std::vector<cv::Size> sizes_;      ///< of its picture
   std::vector<Keypoint> keypoints_;  ///< of all products, one after the other
   std::vector<Descriptor> descriptors_;
-  std::vector<uint32_t> owners_;  ///< product of each feature
+  std::vector<uint32_t> owners_;  ///< product of each feature, ascending
   VocabularyTree tree_;
 };
 

@@ -123,4 +123,25 @@ ImageFit fit_images(const std::vector<Correspondence>& pairs, double tolerance) 
   return best;
 }
 
+double log_false_alarms(const std::vector<Correspondence>& pairs, const ImageFit& fit, double tolerance,
+                        const cv::Size& to, size_t images) {
+  constexpr double kScales = 16;  // between the smallest and the largest key points of an image
+  const double place = std::numbers::pi * tolerance * tolerance / std::max(1, to.area());
+  const double turn = kLargestTurn / std::numbers::pi;
+  const double zoom = 2 * std::log(kLargestZoom) / std::log(kScales);
+  const double p = std::min(0.5, place * turn * zoom);
+  std::set<std::pair<int, int>> places;
+  for (const size_t i : fit.inliers)
+    places.insert({static_cast<int>(static_cast<double>(pairs[i].to.x) / (2 * tolerance)),
+                   static_cast<int>(static_cast<double>(pairs[i].to.y) / (2 * tolerance))});
+  const auto tried = static_cast<double>(std::min(pairs.size(), kMost));
+  const double tests = static_cast<double>(images) * tried;
+  const double k = static_cast<double>(places.size()) - 3, n = tried - 3;
+  if (k <= 0 || n < k) return std::log10(std::max(1.0, tests));
+  // The first term of the tail, far above the mean nearly all of it.
+  const double chance = std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1) + k * std::log(p) +
+                        (n - k) * std::log1p(-p);
+  return (std::log(tests) + std::min(0.0, chance)) / std::numbers::ln10;
+}
+
 }  // namespace loci

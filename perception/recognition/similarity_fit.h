@@ -26,4 +26,11 @@ struct ImageFit {
 /// fewer than three agree.
 ImageFit fit_images(const std::vector<Correspondence>& correspondences, double tolerance);
 
+/// log10 of the number of fits as good as this one that chance is expected to bring when so many images are
+/// tried ("a contrario": Moisan and Stival, IJCV 2004): correspondences that are strewn over an image of size
+/// `to` agree with a map by place, turn and scale as often as a binomial distribution says. What lies
+/// together counts once, and three make any map.
+double log_false_alarms(const std::vector<Correspondence>& correspondences, const ImageFit& fit,
+                        double tolerance, const cv::Size& to, size_t images);
+
 }  // namespace loci

@@ -8,6 +8,8 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "apps/evaluate/description/distractors.h"
+#include "apps/evaluate/temporary_folder.h"
 #include "mapping/base/csv.h"
 #include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
@@ -110,6 +112,9 @@ Json score_json(const ProductsScore& score) {
 
 void ProductsOptions::declare(OptionTable& table) {
   table.integer("every", every, "", "Take every n-th query.", 1, 1000000);
+  table.integer("distractors", distractors, "",
+                "Invented packages in the catalogue besides: shapes and words that no query shows.", 0,
+                100000);
   table.flag("peer", peer, "Run plain brute-force SIFT beside.");
 }
 
@@ -117,7 +122,9 @@ ProductsResult evaluate_products(const fs::path& folder, const ProductsOptions& 
                                  const RecognitionOptions& recognition, int threads, Progress& progress,
                                  Warnings& warnings) {
   ProductsResult result;
-  const std::vector<Product> catalogue = read_catalogue(folder);
+  std::vector<Product> catalogue = read_catalogue(folder);
+  const TemporaryFolder scratch("products");
+  std::ranges::move(invent_products(options.distractors, scratch.path()), std::back_inserter(catalogue));
   const Stopwatch watch;
   PartialProgress building(progress, 0, 0.2);
   const ProductIndex index = ProductIndex::build(catalogue, threads, building, warnings);

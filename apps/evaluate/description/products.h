@@ -13,6 +13,7 @@ namespace loci::description_evaluation {
 struct ProductsOptions {
   int every = 1;
   bool peer = true;
+  int distractors = 0;  ///< entries of the catalogue that no query shows
 
   void declare(OptionTable& table);
 };

@@ -54,7 +54,7 @@ void ProductAnnotator::process(cas::Cas& cas, Context& context) {
     const Product& product = index_->products()[matches[0].product];
     const auto annotation = types::ProductAnnotation::create(cas);
     annotation.source.set(descriptor().name);
-    annotation.confidence.set(matches[0].share);
+    annotation.confidence.set(matches[0].confidence());
     annotation.name.set(product.name);
     for (const auto& [key, value] : product.properties) {
       const auto property = types::KeyValue::create(cas);
@@ -65,7 +65,7 @@ void ProductAnnotator::process(cas::Cas& cas, Context& context) {
     cluster.annotations.push_back(annotation);
     const auto classified = types::ClassificationAnnotation::create(cas);
     classified.source.set(descriptor().name);
-    classified.confidence.set(matches[0].share);
+    classified.confidence.set(matches[0].confidence());
     classified.kind.set("product");
     classified.label.set(category_of(product));
     classified.feature.set("SIFT");

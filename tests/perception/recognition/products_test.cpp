@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/base/files.h"
+#include "mapping/base/random.h"
 #include "mapping/image/image_io.h"
 #include "perception/recognition/color_agreement.h"
 #include "perception/recognition/product_index.h"
@@ -53,6 +54,50 @@ TEST(Products, AreRecognisedTurnedAndSmallAndBeforeSomethingElse) {
     EXPECT_TRUE(matches[0].verified) << product.name;
     EXPECT_TRUE(matches[0].region.contains({299, 219})) << product.name << " " << matches[0].region;
   }
+}
+
+TEST(Products, WhatIsNoProductIsNotBelieved) {
+  const ProductIndex index = sample_index();
+  Random random(5);
+  int believed = 0;
+  for (int i = 0; i < 30; ++i) {  // Boxes and lines in many colours: features, but of nothing known.
+    cv::Mat image(200, 200, CV_8UC3, cv::Scalar(90, 110, 120));
+    const auto at = [&] {
+      return cv::Point(static_cast<int>(random.index(200)), static_cast<int>(random.index(200)));
+    };
+    for (int k = 0; k < 40; ++k) {
+      const cv::Scalar color(static_cast<double>(random.index(256)), static_cast<double>(random.index(256)),
+                             static_cast<double>(random.index(256)));
+      if (k % 2 == 0)
+        cv::rectangle(image, at(), at(), color, 1 + k % 5);
+      else
+        cv::putText(image, std::string(1, static_cast<char>('A' + random.index(26))), at(), k % 8, 0.8,
+                    color);
+    }
+    const auto matches = index.recognise(image, {}, 2);
+    if (matches.empty() || !matches[0].verified) continue;
+    ++believed;
+    EXPECT_LT(matches[0].confidence(), 0.9);
+  }
+  EXPECT_LE(believed, 2);
+}
+
+TEST(SimilarityFit, ChanceBringsFewInliersButNotMany) {
+  Random random(3);
+  std::vector<Correspondence> pairs;
+  const auto any = [&](double most) { return static_cast<float>(random.uniform(0, most)); };
+  for (int i = 0; i < 200; ++i)
+    pairs.push_back(
+        {{any(200), any(200), 4 + any(12), any(6)}, {any(200), any(200), 4 + any(12), any(6)}, 1});
+  const ImageFit chance = fit_images(pairs, 6);
+  EXPECT_GT(log_false_alarms(pairs, chance, 6, {200, 200}, 40), -1);
+  for (size_t i = 0; i < 20; ++i) {
+    pairs[i].to = pairs[i].from;
+    pairs[i].to.x += 3;
+  }
+  const ImageFit shifted = fit_images(pairs, 6);
+  EXPECT_GE(shifted.inliers.size(), 20U);
+  EXPECT_LT(log_false_alarms(pairs, shifted, 6, {200, 200}, 40), -5);
 }
 
 TEST(Products, APhotographIsRecognisedAndAnEmptyPictureIsNothing) {
