@@ -12,4 +12,31 @@ AnnotatorRegistry all_annotators() {
   return registry;
 }
 
+void PluginOption::declare(CLI::App& app) {
+  app.add_option("--plugin", files, "Shared library with further annotators; can be given several times");
+}
+
+Experts PluginOption::load() const {
+  Experts experts{all_annotators(), nullptr};
+  std::vector<LoadedPlugin> plugins;
+  for (const std::string& file : files) plugins.push_back(load_plugin(file, experts.registry));
+  experts.types = type_system_with_plugins(plugins);
+  return experts;
+}
+
+void StatisticsTarget::declare(CLI::App& app) {
+  app.add_option("--statistics", file,
+                 "JSON file with the statistics of annotators (default: the one beside the memory)");
+}
+
+std::filesystem::path StatisticsTarget::path(const std::string& memory) const {
+  if (!file.empty()) return file;
+  return memory.empty() ? std::filesystem::path() : statistics_path(memory);
+}
+
+StatisticsTable StatisticsTarget::read(const std::string& memory) const {
+  const std::filesystem::path from = path(memory);
+  return from.empty() ? StatisticsTable() : read_statistics(from);
+}
+
 }  // namespace loci

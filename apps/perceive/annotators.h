@@ -1,10 +1,37 @@
 #pragma once
 
-#include "perception/pipeline/registry.h"
+#include <CLI/CLI.hpp>
+
+#include "perception/pipeline/plugin.h"
+#include "perception/pipeline/statistics.h"
 
 namespace loci {
 
 /// Every annotator and reader that this program knows: where rooms add theirs.
 AnnotatorRegistry all_annotators();
+
+/// The annotators of this program and of plugins, and the types of both.
+struct Experts {
+  AnnotatorRegistry registry;
+  std::shared_ptr<const cas::TypeSystem> types;
+};
+
+/// The option --plugin, and what it leads to.
+struct PluginOption {
+  std::vector<std::string> files;
+
+  void declare(CLI::App& app);
+  Experts load() const;
+};
+
+/// Where the statistics of annotators are kept: beside a memory, or in a file of their own.
+struct StatisticsTarget {
+  std::string file;
+
+  void declare(CLI::App& app);
+  /// The file, or the one beside `memory`; empty when there is neither.
+  std::filesystem::path path(const std::string& memory) const;
+  StatisticsTable read(const std::string& memory) const;
+};
 
 }  // namespace loci

@@ -9,15 +9,31 @@
 namespace loci {
 namespace {
 
+struct Arguments {
+  std::string name;
+  std::string memory;
+  StatisticsTarget statistics;
+  PluginOption plugins;
+};
+
 template <class Declarer>
-void answer(Declarer& declarer, Session& session) {
+void answer(Declarer& declarer, const StatisticsTable& statistics, Session& session) {
   OptionTable table;
   declarer.declare(table);
-  session.answer(description_text(declarer.descriptor(), table), describe(declarer.descriptor(), table));
+  const AnnotatorDescriptor descriptor = declarer.descriptor();
+  std::string text = description_text(descriptor, table);
+  Json json = describe(descriptor, table);
+  if (const auto known = statistics.find(descriptor.name); known != statistics.end()) {
+    text += "  so far: " + statistics_text(known->second) + "\n";
+    json["statistics"] = to_json(known->second);
+  }
+  session.answer(text, json);
 }
 
-void describe_named(const std::string& name, Session& session) {
-  const AnnotatorRegistry registry = all_annotators();
+void describe_named(const Arguments& arguments, Session& session) {
+  const AnnotatorRegistry registry = arguments.plugins.load().registry;
+  const StatisticsTable statistics = arguments.statistics.read(arguments.memory);
+  const std::string& name = arguments.name;
   if (name == "pipeline") {
     session.answer(default_pipeline(),
                    Pipeline::parse(default_pipeline(), "the default pipeline", registry).to_json());
@@ -25,21 +41,25 @@ void describe_named(const std::string& name, Session& session) {
   }
   const std::vector<std::string> readers = registry.readers();
   if (std::find(readers.begin(), readers.end(), name) != readers.end())
-    answer(*registry.make_reader(name), session);
+    answer(*registry.make_reader(name), statistics, session);
   else
-    answer(*registry.make(name), session);
+    answer(*registry.make(name), statistics, session);
 }
 
 }  // namespace
 
 Command describe_command() {
   return {"describe",
-          "Describes one annotator, or the default pipeline",
-          {"loci-perceive describe PlaneClusterExtractor", "loci-perceive describe pipeline"},
+          "Describes one annotator, with what is known from its runs, or the default pipeline",
+          {"loci-perceive describe PlaneClusterExtractor -m demo-output/memory.loci",
+           "loci-perceive describe pipeline"},
           [](CLI::App& app) {
-            auto name = std::make_shared<std::string>();
-            app.add_option("NAME", *name, "Annotator, reader, or 'pipeline'")->required();
-            return [name](Session& session) { describe_named(*name, session); };
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("NAME", arguments->name, "Annotator, reader, or 'pipeline'")->required();
+            app.add_option("-m,--memory", arguments->memory, "Memory beside which the statistics are");
+            arguments->statistics.declare(app);
+            arguments->plugins.declare(app);
+            return [arguments](Session& session) { describe_named(*arguments, session); };
           }};
 }
 

@@ -7,6 +7,12 @@
 namespace loci {
 namespace {
 
+struct Arguments {
+  std::string memory;
+  StatisticsTarget statistics;
+  PluginOption plugins;
+};
+
 template <class Declarer>
 Json entry(Declarer& declarer) {
   OptionTable table;
@@ -14,8 +20,9 @@ Json entry(Declarer& declarer) {
   return describe(declarer.descriptor(), table);
 }
 
-void list(Session& session) {
-  const AnnotatorRegistry registry = all_annotators();
+void list(const Arguments& arguments, Session& session) {
+  const AnnotatorRegistry registry = arguments.plugins.load().registry;
+  const StatisticsTable statistics = arguments.statistics.read(arguments.memory);
   Json json = {{"readers", Json::array()}, {"annotators", Json::array()}};
   std::string text;
   for (const std::string& name : registry.readers()) {
@@ -27,6 +34,10 @@ void list(Session& session) {
     const auto annotator = registry.make(name);
     json["annotators"].push_back(entry(*annotator));
     text += fmt::format("{:<24}{}\n", name, annotator->descriptor().sentence);
+    const auto known = statistics.find(name);
+    if (known == statistics.end()) continue;
+    json["annotators"].back()["statistics"] = to_json(known->second);
+    text += fmt::format("{:<24}  {}\n", "", statistics_text(known->second));
   }
   session.answer(text, json);
 }
@@ -34,8 +45,15 @@ void list(Session& session) {
 }  // namespace
 
 Command list_command() {
-  return {"list", "Lists the annotators", {"loci-perceive list", "loci-perceive list --json"}, [](CLI::App&) {
-            return [](Session& session) { list(session); };
+  return {"list",
+          "Lists the annotators, with what is known from their runs",
+          {"loci-perceive list", "loci-perceive list -m demo-output/memory.loci --json"},
+          [](CLI::App& app) {
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("-m,--memory", arguments->memory, "Memory beside which the statistics are");
+            arguments->statistics.declare(app);
+            arguments->plugins.declare(app);
+            return [arguments](Session& session) { list(*arguments, session); };
           }};
 }
 

@@ -28,7 +28,7 @@ void MemoryTarget::prepare(const std::string& map, Pipeline& pipeline, const Ann
   options.map = map;
   if (!now.empty()) options.write.now = parse_time(now);
   const Recording& recording = resources.get<Recording>("recording to read", "give its folder");
-  resources.put(std::make_shared<MemorySession>(options, recording));
+  resources.put_for_run(std::make_shared<MemorySession>(options, recording));
   if (const auto known = resources.find<KnownMap>()) resources.put(std::make_shared<World>(known->world));
 }
 

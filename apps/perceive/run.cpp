@@ -28,6 +28,8 @@ struct Arguments {
   std::string pictures;
   int every = 0;
   MemoryTarget memory;
+  StatisticsTarget statistics;
+  PluginOption plugins;
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
@@ -41,6 +43,8 @@ void declare(CLI::App& app, Arguments& arguments) {
                  "Pipeline as YAML; the default one is shown by `describe pipeline`");
   app.add_option("--every", arguments.every, "Take every n-th frame")->check(CLI::PositiveNumber);
   arguments.memory.declare(app);
+  arguments.statistics.declare(app);
+  arguments.plugins.declare(app);
   app.add_option("--labels", arguments.labels,
                  "Folder for label images FRAME_label.png (0 = none, n = object)");
   app.add_option("--pictures", arguments.pictures, "Folder for colour pictures with what was found drawn in");
@@ -88,7 +92,8 @@ void write_pictures(const Arguments& arguments, const types::SceneCas& scene, bo
 }
 
 void run(const Arguments& arguments, Session& session) {
-  const AnnotatorRegistry registry = all_annotators();
+  const Experts experts = arguments.plugins.load();
+  const AnnotatorRegistry& registry = experts.registry;
   Pipeline pipeline = read_pipeline(arguments, registry);
   Resources resources = make_resources(arguments, session);
   if (!arguments.labels.empty()) make_folder(arguments.labels);
@@ -109,15 +114,20 @@ void run(const Arguments& arguments, Session& session) {
   };
   MemoryRunResult result;
   if (remembers)
-    result = run_with_memory(pipeline, context, types::type_system(), session.progress(), done);
+    result = run_with_memory(pipeline, context, experts.types, session.progress(), done);
   else
-    result.pipeline = pipeline.run(context, types::type_system(), session.progress(), done);
+    result.pipeline = pipeline.run(context, experts.types, session.progress(), done);
   for (const auto& [name, seconds] : result.pipeline.seconds) session.timing(name, seconds);
+  if (const auto path = arguments.statistics.path(arguments.memory.memory); !path.empty())
+    add_to_statistics(path, result.pipeline.statistics);
   text += fmt::format("{} frames, {} things seen", result.pipeline.frames, things);
+  if (result.pipeline.left_out > 0)
+    text += fmt::format("; {} frames were left out because an annotator failed", result.pipeline.left_out);
   if (result.skipped > 0) text += fmt::format("; {} frames were in the memory already", result.skipped);
   text += remembers ? fmt::format("; remembered in {}\n", arguments.memory.memory) : "\n";
   session.answer(text, {{"frames", result.pipeline.frames},
                         {"skipped", result.skipped},
+                        {"left_out", result.pipeline.left_out},
                         {"scenes", scenes},
                         {"pipeline", context.configuration}});
 }

@@ -21,6 +21,21 @@ Json vector_json(const types::Vector& vector) {
   return {rounded(v.x()), rounded(v.y()), rounded(v.z())};
 }
 
+/// What an annotation says in words and numbers, whatever its type.
+Json annotation_json(const types::Annotation& annotation) {
+  Json json = {{"type", annotation.type().short_name()}};
+  const cas::FeatureStructure& structure = annotation;
+  for (const cas::Feature& feature : structure.type().features()) {
+    if (!structure.is_set(feature)) continue;
+    const cas::Kind kind = feature.range().kind();
+    if (kind == cas::Kind::kString) json[feature.name()] = structure.text(feature);
+    if (kind == cas::Kind::kBoolean) json[feature.name()] = structure.get<bool>(feature);
+    if (cas::is_integer(kind)) json[feature.name()] = structure.get<int64_t>(feature);
+    if (cas::is_floating(kind)) json[feature.name()] = rounded(structure.get<double>(feature));
+  }
+  return json;
+}
+
 Json cluster_json(const types::Cluster& cluster, int number) {
   Json json = {{"cluster", number}, {"centroid", vector_json(cluster.centroid.get())}};
   if (cluster.place.is_set()) json["place"] = cluster.place.get();
@@ -37,6 +52,9 @@ Json cluster_json(const types::Cluster& cluster, int number) {
   }
   if (const auto points = cluster.hypotheses.first<types::ReferenceClusterPoints>())
     json["points"] = points.indices.get().indices.size();
+  json["annotations"] = Json::array();
+  for (const types::Annotation& annotation : cluster.annotations)
+    json["annotations"].push_back(annotation_json(annotation));
   json["at_image_border"] = cluster.at_image_border.get();
   json["at_support_border"] = cluster.at_support_border.get();
   json["partly_hidden"] = cluster.partly_hidden.get();

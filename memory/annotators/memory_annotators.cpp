@@ -33,7 +33,9 @@ AnnotatorDescriptor PlaceNaming::descriptor() const {
   return {"PlaceNaming",
           "Gives supporting planes found without a map names that stay: plane_1, plane_2, …",
           {"PlanarSupport"},
-          {}};
+          {},
+          {},
+          {"PlanarSupport"}};
 }
 
 void PlaceNaming::process(cas::Cas& cas, Context& context) {
@@ -50,7 +52,8 @@ AnnotatorDescriptor IdentityResolution::descriptor() const {
   return {"IdentityResolution",
           "Decides which cluster is which known object, what moved, appeared, is hidden or has gone.",
           {"Scene", "Cluster"},
-          {"TrackingAnnotation", "SimilarityMatrix", "DistanceMatrix", "BeliefStateInstance"}};
+          {"TrackingAnnotation", "SimilarityMatrix", "DistanceMatrix", "BeliefStateInstance"},
+          {"*"}};
 }
 
 void IdentityResolution::start(Context& context) {
@@ -71,7 +74,8 @@ AnnotatorDescriptor MemoryWriter::descriptor() const {
   return {"MemoryWriter",
           "Keeps each scene, and everything that it changes, in the memory: one transaction per scene.",
           {"Scene", "Cluster"},
-          {}};
+          {},
+          {"*"}};
 }
 
 void MemoryWriter::process(cas::Cas& cas, Context& context) {

@@ -109,6 +109,17 @@ void read_points(const types::Cluster& cluster, SceneRecord& record, Observation
   observation.mask = {encoded(mask, ".png"), "image/png"};
 }
 
+/// The first text in a type that we do not know: what it is to be searched by.
+std::string first_word(const cas::FeatureStructure& structure) {
+  if (structure.type().name().starts_with("loci.")) return {};
+  const cas::Type base = structure.cas().type_system().type(types::Annotation::kTypeName);
+  for (const cas::Feature& feature : structure.type().features())
+    if (!base.find_feature(feature.name()) && feature.range().kind() == cas::Kind::kString &&
+        structure.is_set(feature))
+      return structure.text(feature);
+  return {};
+}
+
 std::string value_of(const types::Annotation& annotation) {
   const cas::FeatureStructure& structure = annotation;
   if (const auto color = types::try_as<types::ColorAnnotation>(structure))
@@ -123,7 +134,7 @@ std::string value_of(const types::Annotation& annotation) {
   if (const auto code = types::try_as<types::BarcodeAnnotation>(structure)) return code->code.get();
   if (const auto text = types::try_as<types::TextAnnotation>(structure)) return text->text.get();
   if (const auto geometry = types::try_as<types::GeometryAnnotation>(structure)) return geometry->place.get();
-  return {};
+  return first_word(structure);
 }
 
 void read_annotations(const types::Cluster& cluster, ObservationRecord& observation) {

@@ -21,7 +21,7 @@ FeatureStructure Cas::create(Type type) {
 
 FeatureStructure Cas::create_array(Kind component, RawBuffer values) {
   const FeatureStructure array = create(type_system_->array_type(component));
-  record(array.id()).buffer = std::move(values);
+  writable(array.id()).buffer = std::move(values);
   return array;
 }
 
@@ -38,13 +38,16 @@ const Cas::Record& Cas::record(uint32_t id) const {
   return found;
 }
 
-Cas::Record& Cas::record(uint32_t id) {
-  return const_cast<Record&>(std::as_const(*this).record(id));
+Cas::Record& Cas::writable(uint32_t id) {
+  auto& found = const_cast<Record&>(record(id));
+  if (!journals_.empty()) remember(id, found);
+  return found;
 }
 
 View& Cas::view(std::string_view name) {
   if (View* found = find_view(name)) return *found;
   auto view = std::make_unique<View>(*this, std::string(name));
+  if (!journals_.empty()) journals_.back().views.emplace_back(name);
   return *views_.emplace(std::string(name), std::move(view)).first->second;
 }
 
@@ -71,10 +74,10 @@ Selection Cas::select(std::string_view type_name, std::string_view view) const {
 }
 
 void Cas::remove(const FeatureStructure& structure) {
-  Record& removed = record(structure.id());
+  Record& removed = writable(structure.id());
   for (auto& [name, view] : views_) {
     view->remove_from_index(structure);
-    if (view->sofa_ == structure) view->sofa_ = {};
+    if (view->sofa_ == structure) view->replace_sofa({});
   }
   removed.deleted = true;
   removed.values = {};

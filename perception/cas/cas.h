@@ -29,6 +29,12 @@ class Selection {
   std::vector<FeatureStructure> found_;
 };
 
+/// Something in a view's index, with its place in the order in which things were added.
+struct IndexEntry {
+  uint64_t sequence;
+  uint32_t id;
+};
+
 /// One subject of analysis (a colour image, a cloud, ...) with its data and its index of feature structures.
 class View {
  public:
@@ -64,15 +70,12 @@ class View {
 
  private:
   friend class Cas;
-  struct Entry {
-    uint64_t sequence;
-    uint32_t id;
-  };
+  void replace_sofa(const FeatureStructure& sofa);
 
   Cas* cas_;
   std::string name_;
   FeatureStructure sofa_;
-  std::map<int, std::vector<Entry>> index_;  ///< by Type::order(), so that subtypes are a range
+  std::map<int, std::vector<IndexEntry>> index_;  ///< by Type::order(), so that subtypes are a range
   std::unordered_set<uint32_t> members_;
   uint64_t next_sequence_ = 0;
 };
@@ -112,6 +115,29 @@ class Cas {
   /// How many were created, deleted ones included. Ids run from 1 to this.
   size_t size() const { return heap_.size(); }
 
+  // Working on the side, and taking back (branch.cpp).
+
+  /// A copy on which somebody works while others work on this one or on copies of their own. Buffers of
+  /// numbers are shared, so it costs what the structures do, not what the pictures do.
+  std::unique_ptr<Cas> branch() const;
+  /// Brings home what was done in a branch of this CAS, whatever has been done here meanwhile. New structures
+  /// get the next ids, in their order; what both appended to one list comes one after the other; of a feature
+  /// that both set the branch's value stays.
+  void merge(const Cas& branch);
+
+  /// From here on changes can be taken back. Nested: keeping hands them to the outer one.
+  void begin_changes();
+  void keep_changes();
+  void undo_changes();
+  /// What was made or written to since the last begin_changes(), without what was deleted; in order of id.
+  std::vector<FeatureStructure> changes() const;
+
+  /// Selections and facades pass over a hidden structure: a branch that works on a part hides the rest. Is
+  /// no change that merge() would bring home.
+  void hide(const FeatureStructure& structure) { hidden_.insert(structure.id()); }
+  bool is_hidden(const FeatureStructure& structure) const { return is_hidden(structure.id()); }
+  bool is_hidden(uint32_t id) const { return !hidden_.empty() && hidden_.contains(id); }
+
  private:
   friend class FeatureStructure;
   friend class View;
@@ -124,11 +150,31 @@ class Cas {
   };
   /// Throws Error when it was deleted.
   const Record& record(uint32_t id) const;
-  Record& record(uint32_t id);
+  Record& writable(uint32_t id);
+
+  /// What to know to take changes back, or to repeat them elsewhere.
+  struct IndexChange {
+    std::string view;
+    IndexEntry entry;
+    bool added;
+  };
+  struct Journal {
+    size_t size = 0;                                ///< structures that there were
+    std::map<uint32_t, Record> before;              ///< those of them that were written to, as they were
+    std::vector<IndexChange> index;                 ///< in order
+    std::map<std::string, FeatureStructure> sofas;  ///< subjects of views that got another, as they were
+    std::vector<std::string> views;                 ///< that were made
+  };
+  void remember(uint32_t id, const Record& record);
+  void note_index(const std::string& view, const IndexEntry& entry, bool added);
+  void note_sofa(const std::string& view, const FeatureStructure& before);
+  class Merge;
 
   std::shared_ptr<const TypeSystem> type_system_;
   std::deque<Record> heap_;
   std::map<std::string, std::unique_ptr<View>, std::less<>> views_;
+  std::vector<Journal> journals_;
+  std::unordered_set<uint32_t> hidden_;
 };
 
 }  // namespace loci::cas

@@ -58,7 +58,8 @@ const Value& FeatureStructure::read(Feature feature) const {
 }
 
 Value& FeatureStructure::write(Feature feature) const {
-  return const_cast<Value&>(read(feature));
+  read(feature);
+  return cas().writable(id_).values[feature.slot()];
 }
 
 const Value& FeatureStructure::value(Feature feature) const {
@@ -187,7 +188,7 @@ std::vector<FeatureStructure> FeatureStructure::structures() const {
 }
 
 void FeatureStructure::set_elements(const std::vector<FeatureStructure>& elements) const {
-  Cas::Record& record = cas().record(id_);
+  Cas::Record& record = cas().writable(id_);
   if (record.type != cas_->type_system().array_type(Kind::kStructure))
     throw Error("type " + record.type.name() + " is no array of feature structures");
   std::vector<uint32_t> ids;
@@ -199,7 +200,7 @@ void FeatureStructure::set_elements(const std::vector<FeatureStructure>& element
 }
 
 void FeatureStructure::append(const FeatureStructure& element) const {
-  Cas::Record& record = cas().record(id_);
+  Cas::Record& record = cas().writable(id_);
   if (record.type != cas_->type_system().array_type(Kind::kStructure))
     throw Error("type " + record.type.name() + " is no array of feature structures");
   if (element && element.cas_ != cas_) throw Error("an array cannot refer to another CAS");

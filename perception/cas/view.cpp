@@ -39,7 +39,7 @@ Selection Selection::filter(const std::function<bool(const FeatureStructure&)>& 
 
 FeatureStructure View::sofa() {
   if (sofa_.is_null()) {
-    sofa_ = cas_->create("uima.cas.Sofa");
+    replace_sofa(cas_->create("uima.cas.Sofa"));
     sofa_.set("sofaID", name_);
   }
   return sofa_;
@@ -49,6 +49,11 @@ void View::adopt_sofa(const FeatureStructure& sofa) {
   if (sofa_) throw Error("view '" + name_ + "' has a sofa already", {}, "read into an empty CAS");
   if (sofa.is_null() || &sofa.cas() != cas_ || !sofa.is_a("uima.cas.Sofa"))
     throw Error("the sofa of view '" + name_ + "' is no uima.cas.Sofa of this CAS");
+  replace_sofa(sofa);
+}
+
+void View::replace_sofa(const FeatureStructure& sofa) {
+  cas_->note_sofa(name_, sofa_);
   sofa_ = sofa;
 }
 
@@ -80,13 +85,17 @@ void View::add_to_index(const FeatureStructure& structure) {
     throw Error("only feature structures of the same CAS can be indexed in view '" + name_ + "'");
   const Type type = structure.type();
   if (!members_.insert(structure.id()).second) return;
+  cas_->note_index(name_, {next_sequence_, structure.id()}, true);
   index_[type.order()].push_back({next_sequence_++, structure.id()});
 }
 
 void View::remove_from_index(const FeatureStructure& structure) {
   if (members_.erase(structure.id()) == 0) return;
   const auto entries = index_.find(structure.type().order());
-  std::erase_if(entries->second, [&](const Entry& entry) { return entry.id == structure.id(); });
+  std::erase_if(entries->second, [&](const IndexEntry& entry) {
+    if (entry.id == structure.id()) cas_->note_index(name_, entry, false);
+    return entry.id == structure.id();
+  });
 }
 
 bool View::is_indexed(const FeatureStructure& structure) const {
@@ -94,15 +103,16 @@ bool View::is_indexed(const FeatureStructure& structure) const {
 }
 
 Selection View::select(Type type) const {
-  std::vector<Entry> entries;
+  std::vector<IndexEntry> entries;
   const auto end = index_.upper_bound(type.last_order());
   for (auto each = index_.lower_bound(type.order()); each != end; ++each)
     entries.insert(entries.end(), each->second.begin(), each->second.end());
   std::sort(entries.begin(), entries.end(),
-            [](const Entry& one, const Entry& two) { return one.sequence < two.sequence; });
+            [](const IndexEntry& one, const IndexEntry& two) { return one.sequence < two.sequence; });
   std::vector<FeatureStructure> found;
   found.reserve(entries.size());
-  for (const Entry& entry : entries) found.emplace_back(cas_, entry.id);
+  for (const IndexEntry& entry : entries)
+    if (!cas_->is_hidden(entry.id)) found.emplace_back(cas_, entry.id);
   return Selection(std::move(found));
 }
 

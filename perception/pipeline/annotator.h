@@ -11,13 +11,17 @@
 
 namespace loci {
 
-/// What an annotator says about itself. Needs and makes are views ("view:depth") and types by their short
-/// names ("Cluster", "GeometryAnnotation").
+/// What an annotator says about itself. Needs, makes and so on are views ("view:depth") and types by their
+/// short names ("Cluster", "GeometryAnnotation"), or features of theirs ("Cluster.place"). Annotators of
+/// which none reads or changes what another one writes may run at the same time, each on a copy of the CAS:
+/// what is not declared is not seen.
 struct AnnotatorDescriptor {
   std::string name;
   std::string sentence;
-  std::vector<std::string> needs;
-  std::vector<std::string> makes;
+  std::vector<std::string> needs;         ///< cannot do without
+  std::vector<std::string> makes;         ///< adds
+  std::vector<std::string> uses = {};     ///< reads when it is there; "*" = everything
+  std::vector<std::string> changes = {};  ///< writes to, although others made it
 };
 
 /// What an annotator has at hand besides the CAS.
@@ -26,6 +30,7 @@ struct Context {
   Warnings& warnings;
   int threads = 1;
   Json configuration;  ///< of the whole pipeline, with defaults, for outputs
+  bool alone = true;   ///< no other annotator runs meanwhile
 };
 
 /// An expert that reads a CAS and adds to it. Made for one run; frames come one after the other.

@@ -8,6 +8,7 @@
 #include "mapping/base/config.h"
 #include "mapping/base/json.h"
 #include "mapping/base/progress.h"
+#include "perception/pipeline/flow.h"
 #include "perception/pipeline/registry.h"
 
 namespace loci {
@@ -15,13 +16,16 @@ namespace loci {
 /// What a run did.
 struct PipelineResult {
   size_t frames = 0;
+  size_t left_out = 0;  ///< further frames, because of an annotator that failed
   /// Seconds by annotator (and reader), in order of the flow.
   std::vector<std::pair<std::string, double>> seconds;
-  /// The same in processor time of all threads.
+  /// The same in processor time of all threads; of those that run beside others, of their own thread.
   std::vector<std::pair<std::string, double>> processor_seconds;
+  StatisticsTable statistics;  ///< of this run, by annotator
 };
 
-/// A reader, annotators in order, and writers (annotators that come last), from YAML:
+/// A collection processing engine: a reader, a flow of annotators, and writers (annotators that come last),
+/// from YAML:
 ///
 ///   reader: {RecordingReader: {every: 2}}
 ///   flow:
@@ -29,8 +33,9 @@ struct PipelineResult {
 ///     - PlaneClusterExtractor: {tolerance_m: 0.02}
 ///   writers: [MemoryWriter]
 ///
-/// `reader` and `writers` may be left out. Reading is strict: an unknown key, annotator or option is an Error
-/// that names the nearest known one. What an annotator needs must be made before it.
+/// `reader` and `writers` may be left out. What else a flow may hold is said in flow.h. Reading is strict: an
+/// unknown key, annotator or option is an Error that names the nearest known one. What an annotator needs
+/// must be made before it.
 class Pipeline {
  public:
   static Pipeline parse(const Config& config, const AnnotatorRegistry& registry);
@@ -50,7 +55,8 @@ class Pipeline {
 
   /// Runs over all frames that the reader has left; start() of everybody comes first. Each frame is a fresh
   /// CAS of `type_system` that is handed to `done` (if given) when all annotators are through. An annotator's
-  /// Error is passed on with the annotator's name and the frame. Interrupted when `progress` says stop.
+  /// failure is treated as its policy says; by default it is passed on with the annotator's name and the
+  /// frame. Interrupted when `progress` says stop. Same results on any number of threads.
   PipelineResult run(Context& context, const std::shared_ptr<const cas::TypeSystem>& type_system,
                      Progress& progress, const std::function<void(cas::Cas&)>& done = {});
 
@@ -59,24 +65,15 @@ class Pipeline {
   void start(Context& context);
 
  private:
-  struct Step {
-    std::unique_ptr<Annotator> annotator;
-    AnnotatorDescriptor descriptor;
-    Json options;
-    Place place;
-    double seconds = 0;
-    double processor_seconds = 0;
-  };
-  static Step read_step(const Config& parent, const YAML::Node& node, const std::string& path,
-                        const AnnotatorRegistry& registry);
-  void run_frame(cas::Cas& cas, Context& context);
+  void run_frames(Context& context, const std::shared_ptr<const cas::TypeSystem>& type_system,
+                  Progress& progress, const std::function<void(cas::Cas&)>& done, PipelineResult& result);
   void finish(Context& context);
   std::vector<Step*> steps();
 
   std::unique_ptr<Reader> reader_;
   Json reader_options_;
-  std::vector<Step> flow_;
-  std::vector<Step> writers_;
+  Flow flow_;
+  Flow writers_;
   double reader_seconds_ = 0;
   double reader_processor_seconds_ = 0;
   bool started_ = false;

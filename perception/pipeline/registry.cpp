@@ -19,9 +19,9 @@ std::vector<std::string> names_of(const Map& map) {
 }
 
 template <class Map>
-auto make_from(const Map& map, const std::string& name, const Place& place, const char* kind) {
+auto maker_from(const Map& map, const std::string& name, const Place& place, const char* kind) {
   const auto it = map.find(name);
-  if (it != map.end()) return it->second();
+  if (it != map.end()) return it->second;
   const std::vector<std::string> known = names_of(map);
   std::string hint = did_you_mean(name, known);
   if (hint.empty()) hint = fmt::format("known are {}", fmt::join(known, ", "));
@@ -43,6 +43,16 @@ std::string bounds_of(const Option& option) {
 
 }  // namespace
 
+void AnnotatorRegistry::merge(const AnnotatorRegistry& more, const Place& place) {
+  const auto merge_map = [&](auto& own, const auto& others) {
+    for (const auto& [name, make] : others)
+      if (!own.emplace(name, make).second)
+        throw Error("there is an annotator '" + name + "' already", place, "give this one another name");
+  };
+  merge_map(annotators_, more.annotators_);
+  merge_map(readers_, more.readers_);
+}
+
 std::vector<std::string> AnnotatorRegistry::annotators() const {
   return names_of(annotators_);
 }
@@ -52,18 +62,25 @@ std::vector<std::string> AnnotatorRegistry::readers() const {
 }
 
 std::unique_ptr<Annotator> AnnotatorRegistry::make(const std::string& name, const Place& place) const {
-  return make_from(annotators_, name, place, "annotator");
+  return maker(name, place)();
+}
+
+std::function<std::unique_ptr<Annotator>()> AnnotatorRegistry::maker(const std::string& name,
+                                                                     const Place& place) const {
+  return maker_from(annotators_, name, place, "annotator");
 }
 
 std::unique_ptr<Reader> AnnotatorRegistry::make_reader(const std::string& name, const Place& place) const {
-  return make_from(readers_, name, place, "reader");
+  return maker_from(readers_, name, place, "reader")();
 }
 
 std::vector<std::string> AnnotatorRegistry::makers_of(const std::string& product) const {
   std::vector<std::string> makers;
   const auto look = [&](const std::string& name, const AnnotatorDescriptor& descriptor) {
-    if (std::find(descriptor.makes.begin(), descriptor.makes.end(), product) != descriptor.makes.end())
-      makers.push_back(name);
+    const auto has = [&](const std::vector<std::string>& list) {
+      return std::find(list.begin(), list.end(), product) != list.end();
+    };
+    if (has(descriptor.makes) && !has(descriptor.needs)) makers.push_back(name);
   };
   for (const auto& [name, make] : annotators_) look(name, make()->descriptor());
   for (const auto& [name, make] : readers_) look(name, make()->descriptor());
@@ -71,10 +88,9 @@ std::vector<std::string> AnnotatorRegistry::makers_of(const std::string& product
 }
 
 Json describe(const AnnotatorDescriptor& descriptor, const OptionTable& options) {
-  Json json = {{"name", descriptor.name},
-               {"description", descriptor.sentence},
-               {"needs", descriptor.needs},
-               {"makes", descriptor.makes},
+  Json json = {{"name", descriptor.name},   {"description", descriptor.sentence},
+               {"needs", descriptor.needs}, {"makes", descriptor.makes},
+               {"uses", descriptor.uses},   {"changes", descriptor.changes},
                {"options", Json::array()}};
   const Json defaults = options.to_json();
   for (const Option& option : options.options()) {
@@ -95,6 +111,11 @@ std::string description_text(const AnnotatorDescriptor& descriptor, const Option
   };
   std::string text = fmt::format("{}\n  {}\n  needs {}\n  makes {}\n", descriptor.name, descriptor.sentence,
                                  list(descriptor.needs), list(descriptor.makes));
+  if (descriptor.uses == std::vector<std::string>{"*"})
+    text += "  also reads everything that is there\n";
+  else if (!descriptor.uses.empty())
+    text += fmt::format("  also reads {}\n", list(descriptor.uses));
+  if (!descriptor.changes.empty()) text += fmt::format("  changes {}\n", list(descriptor.changes));
   for (const Option& option : options.options()) {
     const std::string unit = option.unit.empty() ? "" : " " + option.unit;
     const std::string bounds = bounds_of(option);

@@ -15,18 +15,27 @@ class AnnotatorRegistry {
   void add() {
     annotators_[T().descriptor().name] = [] { return std::make_unique<T>(); };
   }
+  /// For those that are not made by a default constructor.
+  void add(const std::string& name, std::function<std::unique_ptr<Annotator>()> maker) {
+    annotators_[name] = std::move(maker);
+  }
   template <class T>
   void add_reader() {
     readers_[T().descriptor().name] = [] { return std::make_unique<T>(); };
   }
+
+  /// Takes over what another one has. Error, with `place`, when a name is taken.
+  void merge(const AnnotatorRegistry& more, const Place& place);
 
   std::vector<std::string> annotators() const;  ///< sorted
   std::vector<std::string> readers() const;     ///< sorted
   /// A fresh one with default options. Error that names the nearest known one when there is none of this
   /// name.
   std::unique_ptr<Annotator> make(const std::string& name, const Place& place = {}) const;
+  /// What makes it; stays good when the registry is gone.
+  std::function<std::unique_ptr<Annotator>()> maker(const std::string& name, const Place& place = {}) const;
   std::unique_ptr<Reader> make_reader(const std::string& name, const Place& place = {}) const;
-  /// The annotators and readers that make something.
+  /// The annotators and readers that make something without needing it themselves.
   std::vector<std::string> makers_of(const std::string& product) const;
 
  private:

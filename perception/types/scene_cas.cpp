@@ -1,6 +1,16 @@
 #include "perception/types/scene_cas.h"
 
 namespace loci::types {
+namespace {
+
+/// Without those that are hidden in a branch that works on a part.
+template <class P>
+std::vector<P> shown(const cas::Cas& cas, std::vector<P> all) {
+  std::erase_if(all, [&](const P& each) { return cas.is_hidden(each); });
+  return all;
+}
+
+}  // namespace
 
 bool SceneCas::has_scene() const {
   return !cas_->select(Scene::kTypeName).empty();
@@ -25,7 +35,7 @@ void SceneCas::add_cluster(const Cluster& cluster) const {
 }
 
 std::vector<Cluster> SceneCas::clusters() const {
-  return scene().clusters.to_vector();
+  return shown(*cas_, scene().clusters.to_vector());
 }
 
 void SceneCas::add_support(const PlanarSupport& support) const {
@@ -34,7 +44,7 @@ void SceneCas::add_support(const PlanarSupport& support) const {
 }
 
 std::vector<PlanarSupport> SceneCas::supports() const {
-  return scene().supports.to_vector();
+  return shown(*cas_, scene().supports.to_vector());
 }
 
 void SceneCas::set_subject(std::string_view view, const cas::FeatureStructure& subject,

@@ -28,6 +28,7 @@ class SceneCas {
 
   /// Indexes a cluster and makes it part of the scene.
   void add_cluster(const Cluster& cluster) const;
+  /// Those of the scene that are not hidden (`scene().clusters` has all), in their order.
   std::vector<Cluster> clusters() const;
   void add_support(const PlanarSupport& support) const;
   std::vector<PlanarSupport> supports() const;

@@ -33,13 +33,15 @@ AnnotatorDescriptor LocationAnnotator::descriptor() const {
   return {"LocationAnnotator",
           "Says on or in which place each object is, and how far from its edge.",
           {"Scene", "Cluster", "PlanarSupport"},
-          {"TFLocationAnnotation"}};
+          {"TFLocationAnnotation"},
+          {},
+          {"Cluster.place"}};
 }
 
 void LocationAnnotator::process(cas::Cas& cas, Context& /*context*/) {
   const types::SceneCas facade(cas);
-  const std::vector<types::Cluster> clusters = facade.clusters();
-  for (const types::Cluster& cluster : clusters) {
+  const std::vector<types::Cluster> all = facade.scene().clusters.to_vector();
+  for (const types::Cluster& cluster : facade.clusters()) {
     const types::PlanarSupport support = cluster.support.get();
     if (!support) continue;
     const Isometry3d support_from_map = types::from<Isometry3d>(support.map_from_support.get()).inverse();
@@ -51,7 +53,7 @@ void LocationAnnotator::process(cas::Cas& cas, Context& /*context*/) {
     const std::string place = support.name.get();
     std::string sentence = place_phrase(place, support.support_class.get());
     if (const types::Cluster below = cluster.stands_on.get()) {
-      const auto number = std::find(clusters.begin(), clusters.end(), below) - clusters.begin() + 1;
+      const auto number = std::find(all.begin(), all.end(), below) - all.begin() + 1;
       sentence = fmt::format("on top of cluster {} {}", number, sentence);
     }
     if (const std::string edge = edge_phrase(place_from_cluster.translation().head<2>(), outline);

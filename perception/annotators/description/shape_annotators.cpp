@@ -77,7 +77,8 @@ AnnotatorDescriptor FeatureClassifier::descriptor() const {
   return {"FeatureClassifier",
           "Classifies objects by descriptors of their shape with a trained model.",
           {"Cluster", "ReferenceClusterPoints", "view:cloud", "view:normals"},
-          {"ClassificationAnnotation"}};
+          {"ClassificationAnnotation"},
+          {"PclFeatureAnnotation"}};
 }
 
 void FeatureClassifier::declare(OptionTable& table) {

@@ -109,7 +109,9 @@ AnnotatorDescriptor AssertedVolumes::descriptor() const {
       kName,
       "Makes volumes that are asserted from outside hypotheses, of the objects found there or of new ones.",
       {"Scene", "view:cloud"},
-      {"Cluster", "ReferenceClusterPoints", "TFLinkROI"}};
+      {"Cluster", "ReferenceClusterPoints", "TFLinkROI"},
+      {"Cluster", "PlanarSupport"},
+      {"Cluster"}};
 }
 
 void AssertedVolumes::declare(OptionTable& table) {

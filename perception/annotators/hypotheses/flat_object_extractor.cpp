@@ -87,7 +87,8 @@ AnnotatorDescriptor FlatObjectExtractor::descriptor() const {
       kName,
       "Finds flat things on supports by height and colour, in two stages, with masks in the colour picture.",
       {"Scene", "CameraInfo", "view:depth", "view:color", "view:cloud", "PlanarSupport"},
-      {"Cluster", "ReferenceClusterPoints", "StandaloneImageROI"}};
+      {"Cluster", "ReferenceClusterPoints", "StandaloneImageROI"},
+      {"Cluster"}};
 }
 
 void FlatObjectExtractor::declare(OptionTable& table) {

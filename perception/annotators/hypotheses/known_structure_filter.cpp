@@ -84,7 +84,9 @@ AnnotatorDescriptor KnownStructureFilter::descriptor() const {
           "supports.",
           {"Scene", "view:cloud", "view:normals", "CameraInfo"},
           {"RegionOfInterest", "SegmentationLocationAnnotation", "view:regions", "view:structure",
-           "view:map_depth"}};
+           "view:map_depth"},
+          {"JointState"},
+          {"Scene", "JointState", "PlanarSupport"}};
 }
 
 void KnownStructureFilter::declare(OptionTable& table) {

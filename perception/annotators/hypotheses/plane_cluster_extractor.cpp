@@ -167,7 +167,9 @@ AnnotatorDescriptor PlaneClusterExtractor::descriptor() const {
   return {kName,
           "Finds supporting planes and what stands on them, one cluster per object.",
           {"Scene", "CameraInfo", "view:cloud", "view:normals"},
-          {"PlanarSupport", "Cluster", "ReferenceClusterPoints", "StandaloneImageROI"}};
+          {"PlanarSupport", "Cluster", "ReferenceClusterPoints", "StandaloneImageROI"},
+          {"view:color", "view:regions", "RegionOfInterest"},
+          {"PlanarSupport"}};
 }
 
 void PlaneClusterExtractor::declare(OptionTable& table) {

@@ -10,8 +10,11 @@ int main(int argc, char** argv) {
   const std::vector<std::string> arguments(argv + 1, argv + argc);
   try {
     if (arguments.size() >= 5 && arguments[0] == "proxies") {
+      const bool paths = arguments[4] == "--path" && arguments.size() >= 7;
+      std::vector<std::filesystem::path> path_dirs;
+      if (paths) path_dirs.emplace_back(arguments[5]);
       loci::generator::write_proxies({arguments[1], arguments[2], arguments[3]},
-                                     {arguments.begin() + 4, arguments.end()});
+                                     {arguments.begin() + (paths ? 6 : 4), arguments.end()}, path_dirs);
       return 0;
     }
     if (arguments.size() >= 3 && arguments[0] == "docs") {
@@ -22,8 +25,9 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "loci_generate_types: %s\n", error.what());
     return 1;
   }
-  std::fprintf(stderr,
-               "usage: loci_generate_types proxies NAMESPACE INCLUDE_FOLDER OUTPUT_FOLDER FILE.xml...\n"
-               "       loci_generate_types docs OUTPUT.md FILE.xml...\n");
+  std::fprintf(
+      stderr,
+      "usage: loci_generate_types proxies NAMESPACE INCLUDE_FOLDER OUTPUT_FOLDER [--path DIR] FILE.xml...\n"
+      "       loci_generate_types docs OUTPUT.md FILE.xml...\n");
   return 2;
 }

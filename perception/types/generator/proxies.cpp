@@ -52,8 +52,9 @@ void write_when_changed(const std::filesystem::path& path, const std::string& te
 
 class Generator {
  public:
-  Generator(ProxyTarget target, const std::vector<std::filesystem::path>& files)
-      : target_(std::move(target)), files_(files), system_(TypeSystem::load(files)) {
+  Generator(ProxyTarget target, const std::vector<std::filesystem::path>& files,
+            const std::vector<std::filesystem::path>& path_dirs)
+      : target_(std::move(target)), files_(files), system_(TypeSystem::load(files, path_dirs)) {
     std::set<std::string> names;
     for (const auto& file : files) names.insert(file.string());
     std::map<std::string, std::string> short_names;
@@ -71,6 +72,7 @@ class Generator {
     text += "#include \"perception/types/proxy.h\"\n";
     if (target_.include_folder != "perception/types") text += "#include \"perception/types/types.h\"\n";
     text += fmt::format("\nnamespace {} {{\n\n", target_.name_space);
+    if (!target_.name_space.starts_with("loci::")) text += "namespace cas = loci::cas;\n";
     if (target_.name_space != "loci::types")
       text +=
           "using loci::types::ArrayFeature;\nusing loci::types::ListFeature;\nusing "
@@ -163,8 +165,9 @@ class Generator {
 
 }  // namespace
 
-void write_proxies(const ProxyTarget& target, const std::vector<std::filesystem::path>& files) {
-  const Generator generator(target, files);
+void write_proxies(const ProxyTarget& target, const std::vector<std::filesystem::path>& files,
+                   const std::vector<std::filesystem::path>& path_dirs) {
+  const Generator generator(target, files, path_dirs);
   const auto folder = target.output / target.include_folder;
   make_folder(folder);
   write_when_changed(folder / "generated.h", generator.header());

@@ -14,7 +14,8 @@ struct ProxyTarget {
 
 /// Writes generated.h (a class per type that the files declare) and generated.cpp (the texts of the files, so
 /// that programs need none). Types that the files only import are taken from loci::types when their name
-/// begins with "loci.". Throws loci::Error.
-void write_proxies(const ProxyTarget& target, const std::vector<std::filesystem::path>& files);
+/// begins with "loci."; imports by name are looked for under `path_dirs`. Throws loci::Error.
+void write_proxies(const ProxyTarget& target, const std::vector<std::filesystem::path>& files,
+                   const std::vector<std::filesystem::path>& path_dirs = {});
 
 }  // namespace loci::generator

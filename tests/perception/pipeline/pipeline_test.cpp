@@ -94,12 +94,6 @@ TEST(Pipeline, RefusesWhatNobodyMakesAndNamesWhoCould) {
   EXPECT_EQ(refusal("flow: [Finder, Describer]\n"), "accepted");
 }
 
-TEST(Pipeline, SaysThatConditionsAreNotBuiltYet) {
-  EXPECT_THAT(refusal("flow:\n  - if: \"Geometry.height > 0.02\"\n    then: [Finder]\n"),
-              HasSubstr("not built yet"));
-  EXPECT_THAT(refusal("flow:\n  - parallel: [Finder]\n"), HasSubstr("not built yet"));
-}
-
 TEST(Pipeline, NeedsAnnotators) {
   EXPECT_THAT(refusal(""), HasSubstr("no annotators"));
   EXPECT_THAT(refusal("flow: Finder\n"), HasSubstr("a list was expected"));

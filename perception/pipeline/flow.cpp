@@ -1,0 +1,268 @@
+#include "perception/pipeline/flow.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "mapping/base/json.h"
+
+namespace loci {
+namespace {
+
+Place place_of(const Config& config, const YAML::Node& node, const std::string& path) {
+  Place place = config.place();
+  if (!node.Mark().is_null()) place.line = node.Mark().line + 1;
+  place.key = path;
+  return place;
+}
+
+bool intersects(const std::set<std::string>& products, const std::set<std::string>& needs) {
+  return std::any_of(products.begin(), products.end(), [&](const std::string& product) {
+    return std::any_of(needs.begin(), needs.end(),
+                       [&](const std::string& need) { return meets(product, need); });
+  });
+}
+
+std::set<std::string> set_of(const std::vector<std::string>& list) {
+  return {list.begin(), list.end()};
+}
+
+/// Reads flows; engines are read when they are used.
+class FlowReader {
+ public:
+  FlowReader(const Config& pipeline, const AnnotatorRegistry& registry)
+      : pipeline_(pipeline), registry_(registry), engines_(pipeline.map("engines")) {
+    engine_names_ = engines_.keys();
+    policy_names_ = {};
+    StepPolicy policy;
+    const OptionTable table = table_of(policy);
+    for (const Option& option : table.options()) policy_names_.push_back(option.name);
+  }
+
+  /// Engines that nobody uses must be right, too.
+  void check_engines() {
+    for (const std::string& name : engine_names_) read_list(engines_.node(name), "engines." + name);
+  }
+
+  Flow read_list(const YAML::Node& node, const std::string& path) {
+    if (!node.IsSequence()) throw Error("a list was expected here", place_of(pipeline_, node, path));
+    Flow flow;
+    for (size_t i = 0; i < node.size(); ++i) read_item(node[i], fmt::format("{}[{}]", path, i), flow);
+    plan(flow);
+    return flow;
+  }
+
+ private:
+  void read_item(const YAML::Node& node, const std::string& path, Flow& flow) {
+    const Place place = place_of(pipeline_, node, path);
+    if (node.IsMap() && node["if"]) return read_condition(node, path, flow);
+    if (node.IsMap() && node["regions"]) return read_regions(node, path, flow);
+    if (node.IsMap() && node["parallel"]) return read_parallel(node, path, flow);
+    std::string name;
+    YAML::Node options(YAML::NodeType::Map), policy(YAML::NodeType::Map);
+    if (node.IsScalar()) name = node.as<std::string>();
+    if (node.IsMap()) {
+      for (const auto& entry : node) {
+        const auto key = entry.first.as<std::string>();
+        if (std::find(policy_names_.begin(), policy_names_.end(), key) != policy_names_.end()) {
+          policy[key] = entry.second;
+        } else if (name.empty()) {
+          name = key;
+          if (!entry.second.IsMap() && !entry.second.IsNull())
+            throw Error("the options of '" + name + "' must be a map", place);
+          if (entry.second.IsMap()) options = entry.second;
+        } else {
+          std::string hint = did_you_mean(key, policy_names_);
+          throw Error(fmt::format("'{}' beside '{}': one step has one annotator, and beside it {}", key, name,
+                                  fmt::join(policy_names_, ", ")),
+                      place, hint);
+        }
+      }
+    }
+    if (name.empty())
+      throw Error("a step is a name, or a name with a map of options", place,
+                  "e.g. '- NormalEstimator' or '- NormalEstimator: {iterations: 5}'");
+    if (is_engine(name)) {
+      if (options.size() + policy.size() > 0)
+        throw Error("'" + name + "' is an engine of several steps, which has no options", place,
+                    "give them to its steps");
+      return splice_engine(name, place, flow);
+    }
+    add_step(name, pipeline_.over(options, path + "." + name), pipeline_.over(policy, path), place, flow);
+  }
+
+  bool is_engine(const std::string& name) const {
+    return std::find(engine_names_.begin(), engine_names_.end(), name) != engine_names_.end();
+  }
+
+  void splice_engine(const std::string& name, const Place& place, Flow& flow) {
+    if (std::find(within_.begin(), within_.end(), name) != within_.end())
+      throw Error(fmt::format("engine '{}' contains itself", name), place);
+    within_.push_back(name);
+    Flow inner = read_list(engines_.node(name), "engines." + name);
+    within_.pop_back();
+    std::move(inner.nodes.begin(), inner.nodes.end(), std::back_inserter(flow.nodes));
+  }
+
+  void add_step(const std::string& name, const Config& options, const Config& policy, const Place& place,
+                Flow& flow) {
+    FlowNode node;
+    node.place = place;
+    if (!engine_names_.empty()) {
+      const std::vector<std::string> known = registry_.annotators();
+      if (std::find(known.begin(), known.end(), name) == known.end())
+        if (const std::string hint = did_you_mean(name, engine_names_); !hint.empty())
+          throw Error(fmt::format("there is no annotator or engine '{}'", name), place, hint);
+    }
+    node.step = std::make_unique<Step>(name, options, policy, place, registry_);
+    node.footprint.add(node.step->descriptor());
+    flow.nodes.push_back(std::move(node));
+  }
+
+  void read_condition(const YAML::Node& node, const std::string& path, Flow& flow) {
+    const Config config = pipeline_.over(node, path);
+    FlowNode made = branching(FlowNode::Kind::kCondition, node, path);
+    made.condition = Condition::parse(config.require<std::string>("if"), made.place);
+    for (const char* key : {"then", "else"})
+      add_branch(made, config.has(key) ? read_list(config.node(key), path + "." + key) : Flow());
+    config.finish();
+    if (made.branches[0].nodes.empty() && made.branches[1].nodes.empty())
+      throw Error("'if' without 'then' or 'else'", made.place);
+    for (const std::string& type : made.condition->types()) made.footprint.reads.insert(type);
+    made.footprint.reads.insert("Cluster");
+    flow.nodes.push_back(std::move(made));
+  }
+
+  void read_regions(const YAML::Node& node, const std::string& path, Flow& flow) {
+    const Config config = pipeline_.over(node, path);
+    FlowNode made = branching(FlowNode::Kind::kRegions, node, path);
+    const Config regions = config.map("regions");
+    for (const std::string& pattern : regions.keys()) {
+      made.patterns.push_back(pattern);
+      add_branch(made, read_list(regions.node(pattern), path + ".regions." + pattern));
+    }
+    config.finish();
+    made.footprint.reads.insert({"Cluster", "PlanarSupport", "Cluster.place"});
+    flow.nodes.push_back(std::move(made));
+  }
+
+  void read_parallel(const YAML::Node& node, const std::string& path, Flow& flow) {
+    const Config config = pipeline_.over(node, path);
+    FlowNode made = branching(FlowNode::Kind::kParallel, node, path);
+    const YAML::Node list = config.node("parallel");
+    if (!list.IsSequence()) throw Error("a list was expected here", made.place);
+    for (size_t i = 0; i < list.size(); ++i) {
+      const std::string item_path = fmt::format("{}.parallel[{}]", path, i);
+      Flow branch;
+      if (list[i].IsSequence())
+        branch = read_list(list[i], item_path);
+      else
+        read_item(list[i], item_path, branch);
+      plan(branch);
+      const Footprint footprint = footprint_of(branch);
+      for (size_t j = 0; j < made.branches.size(); ++j)
+        if (depends(footprint, footprint_of(made.branches[j])))
+          throw Error(
+              fmt::format("branch {} of 'parallel' needs what branch {} makes or changes", i + 1, j + 1),
+              made.place, "put one after the other");
+      add_branch(made, std::move(branch));
+    }
+    config.finish();
+    flow.nodes.push_back(std::move(made));
+  }
+
+  FlowNode branching(FlowNode::Kind kind, const YAML::Node& node, const std::string& path) const {
+    FlowNode made;
+    made.kind = kind;
+    made.place = place_of(pipeline_, node, path);
+    return made;
+  }
+
+  static Footprint footprint_of(const Flow& flow) {
+    Footprint all;
+    for (const FlowNode& node : flow.nodes) all.add(node.footprint);
+    return all;
+  }
+
+  static void add_branch(FlowNode& node, Flow branch) {
+    node.footprint.add(footprint_of(branch));
+    node.branches.push_back(std::move(branch));
+  }
+
+ public:
+  /// Finds runs of nodes of which none depends on an earlier one of the run.
+  static void plan(Flow& flow) {
+    flow.batches.clear();
+    const std::vector<FlowNode>& nodes = flow.nodes;
+    for (size_t begin = 0, end = 0; begin < nodes.size(); begin = end) {
+      end = begin + 1;
+      while (!nodes[begin].asynchronous() && end < nodes.size() && !nodes[end].asynchronous() &&
+             std::none_of(nodes.begin() + static_cast<std::ptrdiff_t>(begin),
+                          nodes.begin() + static_cast<std::ptrdiff_t>(end), [&](const FlowNode& earlier) {
+                            return depends(nodes[end].footprint, earlier.footprint);
+                          }))
+        ++end;
+      flow.batches.emplace_back(begin, end);
+    }
+  }
+
+ private:
+  const Config& pipeline_;
+  const AnnotatorRegistry& registry_;
+  Config engines_;
+  std::vector<std::string> engine_names_;
+  std::vector<std::string> policy_names_;
+  std::vector<std::string> within_;  ///< engines that are being read
+};
+
+}  // namespace
+
+bool depends(const Footprint& later, const Footprint& earlier) {
+  return later.reads.contains("*") || intersects(earlier.makes, later.reads) ||
+         intersects(earlier.changes, later.reads) || intersects(earlier.makes, later.changes) ||
+         intersects(earlier.changes, later.changes);
+}
+
+void Footprint::add(const Footprint& more) {
+  reads.insert(more.reads.begin(), more.reads.end());
+  makes.insert(more.makes.begin(), more.makes.end());
+  changes.insert(more.changes.begin(), more.changes.end());
+}
+
+void Footprint::add(const AnnotatorDescriptor& descriptor) {
+  Footprint own{set_of(descriptor.needs), set_of(descriptor.makes), set_of(descriptor.changes)};
+  own.reads.insert(descriptor.uses.begin(), descriptor.uses.end());
+  add(own);
+}
+
+bool meets(const std::string& product, const std::string& need) {
+  if (product == need) return true;
+  const cas::TypeSystem& types = *types::type_system();
+  static const std::map<std::string, cas::Type> by_name = [&] {
+    std::map<std::string, cas::Type> map;
+    for (const cas::Type type : types.types()) map.emplace(type.short_name(), type);
+    return map;
+  }();
+  const auto made = by_name.find(product);
+  if (made == by_name.end()) return product == need + "Annotation";
+  for (const std::string& name : {need, need + "Annotation"})
+    if (const auto wanted = by_name.find(name); wanted != by_name.end())
+      return cas::is_a(made->second, wanted->second);
+  return made->second.name() == need;
+}
+
+Flow read_flow(const Config& pipeline, const std::string& key, const AnnotatorRegistry& registry) {
+  FlowReader reader(pipeline, registry);
+  reader.check_engines();
+  return pipeline.has(key) ? reader.read_list(pipeline.node(key), key) : Flow();
+}
+
+void append_step(Flow& flow, const std::string& name, const AnnotatorRegistry& registry) {
+  const Config list = Config::parse("flow: [" + name + "]", "");
+  Flow one = read_flow(list, "flow", registry);
+  std::move(one.nodes.begin(), one.nodes.end(), std::back_inserter(flow.nodes));
+  FlowReader::plan(flow);
+}
+
+}  // namespace loci

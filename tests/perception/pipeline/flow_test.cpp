@@ -1,0 +1,193 @@
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "tests/perception/pipeline/test_annotators.h"
+
+namespace loci {
+namespace {
+
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+TEST(Flow, SendsClustersThroughTheBranchOfACondition) {
+  const TestRun run = run_test(R"(flow:
+  - if: "GeometryAnnotation.height > 0.02"
+    then: [{Speaker: {word: solid}}]
+    else: [{Speaker: {word: flat}}]
+)",
+                               test_registry());
+  ASSERT_EQ(run.words.size(), 3U);
+  EXPECT_THAT(run.words, Each(ElementsAre("flat", "solid", "solid", "solid")));
+}
+
+TEST(Flow, DoesNotRunABranchThatNoClusterGoesThrough) {
+  AnnotatorRegistry registry = test_registry();
+  int runs = 0;
+  add_scripted(registry, {"Counter", "Counts.", {"Cluster"}, {}}, [&](cas::Cas&, Context&) { ++runs; });
+  run_test("flow: [{if: 'Geometry.height > 1', then: [Counter]}]", registry);
+  EXPECT_EQ(runs, 0);
+  run_test("flow: [{if: 'Geometry.height > 0.1', then: [Counter]}]", registry);
+  EXPECT_EQ(runs, 3);
+}
+
+TEST(Flow, ConditionsAboutTheSceneDecideForAll) {
+  const TestRun run = run_test(R"(flow:
+  - if: "Scene.frame_index == 11"
+    then: [{Speaker: {word: second}}]
+)",
+                               test_registry());
+  EXPECT_THAT(run.words, ElementsAre(Each(""), Each("second"), Each("")));
+}
+
+TEST(Flow, SendsPlacesThroughTheBranchOfTheFirstPatternThatMatches) {
+  const TestRun run = run_test(R"(flow:
+  - regions:
+      counter_1: [{Speaker: {word: left}}]
+      "counter*": [{Speaker: {word: counter}}]
+      "table*": [{Speaker: {word: table}}]
+)",
+                               test_registry());
+  EXPECT_THAT(run.words, Each(ElementsAre("left", "counter", "table", "")));
+}
+
+TEST(Flow, BranchesNest) {
+  const TestRun run = run_test(R"(engines:
+  speak: [{Speaker: {word: a}}, {Speaker: {word: b}}]
+flow:
+  - regions:
+      "counter*":
+        - if: "Geometry.height < 0.02"
+          then: [speak]
+      "*": [{Speaker: {word: c}}]
+)",
+                               test_registry());
+  EXPECT_THAT(run.words, Each(ElementsAre("a b", "", "c", "c")));
+}
+
+TEST(Flow, NewClustersOfABranchBelongToTheScene) {
+  AnnotatorRegistry registry = test_registry();
+  add_scripted(registry, {"Finder", "Finds.", {"Cluster"}, {"Cluster"}}, [](cas::Cas& cas, Context&) {
+    types::SceneCas(cas).add_cluster(types::Cluster::create(cas));
+  });
+  const TestRun run = run_test(R"(flow:
+  - regions: {"table*": [Finder, {Speaker: {word: here}}]}
+  - Speaker: {word: all}
+)",
+                               registry);
+  EXPECT_THAT(run.words, Each(ElementsAre("all", "all", "here all", "all", "here all")));
+}
+
+/// Annotators that wait for each other: they are only through when they run at the same time.
+class Meeting {
+ public:
+  explicit Meeting(int expected) : expected_(expected) {}
+  bool meet() {
+    ++here_;
+    for (int i = 0; i < 2000 && here_ < expected_; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return here_ >= expected_;
+  }
+
+ private:
+  int expected_;
+  std::atomic<int> here_ = 0;
+};
+
+TEST(Flow, WhatDoesNotDependOnEachOtherRunsAtTheSameTime) {
+  AnnotatorRegistry registry = test_registry();
+  Meeting meeting(2);
+  std::atomic<int> met = 0;
+  const auto work = [&](cas::Cas&, Context&) { met += meeting.meet() ? 1 : 0; };
+  add_scripted(registry, {"One", "", {"Cluster"}, {"ColorAnnotation"}}, work);
+  add_scripted(registry, {"Two", "", {"Cluster"}, {"SizeAnnotation"}}, work);
+  run_test("flow: [One, Two]", registry, 2);
+  EXPECT_EQ(met, 6);
+}
+
+TEST(Flow, WhatDependsOnAnotherWaitsForIt) {
+  AnnotatorRegistry registry = test_registry();
+  add_scripted(registry, {"Listener", "", {"TextAnnotation"}, {"ColorAnnotation"}},
+               [](cas::Cas& cas, Context&) {
+                 for (const types::Cluster& cluster : types::SceneCas(cas).clusters())
+                   if (words(cluster) != "a") throw Error("heard something else");
+               });
+  EXPECT_EQ(refusal_of("flow: [{Speaker: {word: a}}, Listener]", registry), "accepted");
+  EXPECT_EQ(refusal_of("flow: [{Speaker: {word: a}, asynchronous: true}, Listener]", registry), "accepted");
+  EXPECT_THAT(refusal_of("flow: [{parallel: [Speaker, Listener]}]", registry),
+              HasSubstr("branch 2 of 'parallel' needs what branch 1 makes"));
+}
+
+TEST(Flow, MakesTheSameBytesOnAnyNumberOfThreads) {
+  const std::string yaml = R"(flow:
+  - Speaker: {word: a}
+    asynchronous: true
+  - Speaker: {word: b}
+  - Speaker: {word: c}
+  - parallel: [{Speaker: {word: d}}, [{Speaker: {word: e}}, {Speaker: {word: f}}]]
+  - if: "Geometry.height > 0.02"
+    then: [{Speaker: {word: g}}]
+    else: [{Speaker: {word: h}}]
+  - Speaker: {word: i}
+    timeout_s: 60
+)";
+  const TestRun one = run_test(yaml, test_registry(), 1);
+  for (const int threads : {2, 3, 8}) EXPECT_EQ(run_test(yaml, test_registry(), threads).json, one.json);
+  for (const std::string& said : one.words[0])
+    for (const char* word : {"a", "b", "c", "d", "e", "f", "i"}) EXPECT_THAT(said, HasSubstr(word));
+}
+
+TEST(Flow, AsynchronousAnnotatorsRunBesideOthersAndAreJoinedAtTheEnd) {
+  AnnotatorRegistry registry = test_registry();
+  Meeting meeting(2);
+  std::atomic<int> met = 0;
+  add_scripted(registry, {"Slow", "", {"Cluster"}, {"TextAnnotation"}}, [&](cas::Cas& cas, Context&) {
+    met += meeting.meet() ? 1 : 0;
+    for (const types::Cluster& cluster : types::SceneCas(cas).clusters()) Scripted::say(cluster, "slow");
+  });
+  // It changes what the other one makes, so that the two would not run at the same time by themselves.
+  add_scripted(registry, {"Other", "", {"Cluster"}, {"ColorAnnotation"}},
+               [&](cas::Cas&, Context&) { met += meeting.meet() ? 1 : 0; });
+  const TestRun run = run_test("flow: [{Slow: {}, asynchronous: true}, Other]", registry, 1);
+  EXPECT_EQ(met, 6);
+  EXPECT_THAT(run.words, Each(Each("slow")));
+}
+
+TEST(Flow, RefusesWhatCannotBeMetInsideOfBranches) {
+  const AnnotatorRegistry registry = test_registry();
+  EXPECT_THAT(refusal_of("flow: [{if: 'TextAnnotation', then: [Speaker]}]", registry),
+              HasSubstr("the condition 'TextAnnotation' needs TextAnnotation, which nothing before it makes; "
+                        "put Speaker before it"));
+  EXPECT_THAT(refusal_of("flow:\n  - if: 'Geometry.hight > 1'\n    then: [Speaker]", registry),
+              HasSubstr("height"));
+  EXPECT_THAT(refusal_of("flow: [{if: 'Geometry.height > 1'}]", registry), HasSubstr("'then'"));
+  EXPECT_THAT(refusal_of("flow: [{if: 'Geometry.height > 1', thn: [Speaker]}]", registry),
+              HasSubstr("'then'"));
+  EXPECT_THAT(refusal_of("engines: {x: [y], y: [x]}\nflow: [x]", registry), HasSubstr("contains itself"));
+  EXPECT_THAT(refusal_of("engines: {speaking: [Speaker]}\nflow: [speakin]", registry),
+              HasSubstr("did you mean 'speaking'?"));
+  EXPECT_THAT(refusal_of("flow: [{Speaker: {}, on_eror: skip}]", registry), HasSubstr("'on_error'"));
+}
+
+TEST(Flow, ItsConfigurationIsAPipelineAgain) {
+  const std::string yaml = R"(engines: {speak: [Speaker]}
+flow:
+  - speak
+  - Speaker: {word: x}
+    on_error: skip
+    retry: 2
+  - regions: {"counter*": [Speaker]}
+  - parallel: [Speaker, [Speaker, Speaker]]
+  - if: "Geometry.height > 0.02"
+    then: [Speaker]
+)";
+  const AnnotatorRegistry registry = test_registry();
+  const Json json = Pipeline::parse(yaml, "p.yaml", registry).to_json();
+  EXPECT_EQ(Pipeline::parse(json.dump(), "again", registry).to_json(), json);
+}
+
+}  // namespace
+}  // namespace loci
