@@ -2,15 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "mapping/base/cell_index.h"
 #include "mapping/base/quantile.h"
 
 namespace loci {
 namespace {
 
-constexpr double kAlignReach = 0.03;  // m; points used to align a scan with the face
-constexpr double kAboveFloor = 0.03;  // m; what is lower is floor
-constexpr size_t kFewestToAlign = 100;
+constexpr double kAlignReach = 0.03;   // m; points used to compare scans
+constexpr double kAboveFloor = 0.03;   // m; what is lower is floor
+constexpr double kFewestPoints = 100;  // of a scan that saw the face
+constexpr double kLeastSpread = 0.04;  // m²; over less of the face no slope is told
+constexpr double kMostTurned = 0.01;   // rad
+constexpr double kAgreeCell = 0.03;    // m; cells in which scans are compared
+constexpr size_t kFewestToAgree = 30;  // cells
+constexpr int kAgreeRounds = 8;
 constexpr float kLeastCosine = 0.15F;  // of incidence; intensity over less is noise
 
 /// Looks along a ray from `origin` to `end` (face coordinates); false when it says nothing about the face.
@@ -29,41 +36,106 @@ bool meet(const Vector3d& origin, const Vector3d& end, bool known_origin, FaceRa
   return true;
 }
 
-/// Median and slope along u of the depths of each scan become zero.
-void align_scans(FaceRays& result, size_t scans) {
-  for (size_t scan = 0; scan < scans; ++scan) {
-    std::vector<FaceRay*> near;
-    for (FaceRay& ray : result.rays)
-      if (ray.scan == scan && ray.returned && std::abs(ray.depth) < kAlignReach) near.push_back(&ray);
-    if (near.size() < kFewestToAlign) continue;
-    double offset = 0;
-    double slope = 0;
-    double mean_u = 0;
-    for (const FaceRay* ray : near) mean_u += static_cast<double>(ray->u) / static_cast<double>(near.size());
-    for (int round = 0; round < 2; ++round) {
-      std::vector<double> depths;
-      double uu = 0;
-      double ud = 0;
-      for (const FaceRay* ray : near) {
-        const double u = static_cast<double>(ray->u) - mean_u;
-        depths.push_back(static_cast<double>(ray->depth) - slope * u);
-      }
-      offset = median(depths);
-      for (const FaceRay* ray : near) {
-        const double u = static_cast<double>(ray->u) - mean_u;
-        const double d = static_cast<double>(ray->depth) - offset;
-        if (std::abs(d - slope * u) > 0.015) continue;
-        uu += u * u;
-        ud += u * d;
-      }
-      const double spread = uu / static_cast<double>(near.size());
-      if (spread > 0.04) slope = std::clamp(ud / uu, -0.01, 0.01);
+/// How far and how much turned a scan lies off a face: depth = offset + slope · (u − middle).
+struct Misfit {
+  double offset = 0, slope = 0, middle = 0;
+  double at(double u) const { return offset + slope * (u - middle); }
+};
+
+struct DepthAt {
+  double u, depth;
+};
+
+/// The median, and the slope of what is near it.
+Misfit misfit_of(const std::vector<DepthAt>& depths) {
+  Misfit misfit;
+  for (const DepthAt& one : depths) misfit.middle += one.u / static_cast<double>(depths.size());
+  for (int round = 0; round < 2; ++round) {
+    std::vector<double> level;
+    for (const DepthAt& one : depths) level.push_back(one.depth - misfit.slope * (one.u - misfit.middle));
+    misfit.offset = median(std::move(level));
+    double uu = 0;
+    double ud = 0;
+    for (const DepthAt& one : depths) {
+      const double u = one.u - misfit.middle;
+      if (std::abs(one.depth - misfit.at(one.u)) > kAlignReach / 2) continue;
+      uu += u * u;
+      ud += u * (one.depth - misfit.offset);
     }
-    for (FaceRay& ray : result.rays)
-      if (ray.scan == scan && ray.returned)
-        ray.depth -= static_cast<float>(offset + slope * (static_cast<double>(ray.u) - mean_u));
-    ++result.scans;
+    if (uu / static_cast<double>(depths.size()) > kLeastSpread)
+      misfit.slope = std::clamp(ud / uu, -kMostTurned, kMostTurned);
   }
+  return misfit;
+}
+
+/// Takes a misfit per scan out of the rays; unset ones are left alone.
+void take_out(std::vector<FaceRay>& rays, const std::vector<std::optional<Misfit>>& misfits) {
+  for (FaceRay& ray : rays)
+    if (ray.returned && misfits[ray.scan])
+      ray.depth -= static_cast<float>(misfits[ray.scan]->at(static_cast<double>(ray.u)));
+}
+
+/// What a scan says of a cell of the face.
+struct CellDepth {
+  size_t cell, scan;
+  double u, depth, count;
+};
+
+std::vector<CellDepth> cell_depths(const std::vector<FaceRay>& rays, size_t& cells) {
+  CellIndex cell_index, index;
+  std::vector<CellDepth> result;
+  std::vector<std::vector<float>> depths;
+  for (const FaceRay& ray : rays) {
+    if (!ray.returned || std::abs(ray.depth) >= kAlignReach) continue;
+    const Eigen::Vector3i at = cell_of(Eigen::Vector3f(ray.u, ray.v, 0), kAgreeCell);
+    const uint32_t number = index.insert({at.x(), at.y(), static_cast<int>(ray.scan)});
+    if (number == result.size()) {
+      result.push_back({cell_index.insert(at), ray.scan, (at.x() + 0.5) * kAgreeCell, 0, 0});
+      depths.emplace_back();
+    }
+    depths[number].push_back(ray.depth);
+  }
+  for (size_t i = 0; i < result.size(); ++i) {
+    result[i].count = static_cast<double>(depths[i].size());
+    result[i].depth = static_cast<double>(median(std::move(depths[i])));
+  }
+  cells = cell_index.size();
+  return result;
+}
+
+/// Scans see different parts of a face, whose panels do not all lie in one plane: where several saw the same
+/// part, they shall say the same. Otherwise the border of what one of them saw looks like an edge. Returns
+/// how many scans saw the face.
+size_t make_scans_agree(std::vector<FaceRay>& rays, size_t scans) {
+  size_t cells = 0;
+  std::vector<CellDepth> depths = cell_depths(rays, cells);
+  std::vector<double> points(scans, 0);
+  for (const CellDepth& one : depths) points[one.scan] += one.count;
+  for (int round = 0; round < kAgreeRounds; ++round) {
+    struct Mean {
+      double sum = 0, count = 0;
+      size_t scans = 0;
+    };
+    std::vector<Mean> means(cells);
+    for (const CellDepth& one : depths) {
+      Mean& mean = means[one.cell];
+      mean.sum += one.count * one.depth;
+      mean.count += one.count;
+      ++mean.scans;
+    }
+    std::vector<std::vector<DepthAt>> off(scans);
+    for (const CellDepth& one : depths)
+      if (const Mean& mean = means[one.cell]; mean.scans > 1)
+        off[one.scan].push_back({one.u, one.depth - mean.sum / mean.count});
+    std::vector<std::optional<Misfit>> misfits(scans);
+    for (size_t scan = 0; scan < scans; ++scan)
+      if (off[scan].size() >= kFewestToAgree) misfits[scan] = misfit_of(off[scan]);
+    for (CellDepth& one : depths)
+      if (misfits[one.scan]) one.depth -= misfits[one.scan]->at(one.u);
+    take_out(rays, misfits);
+  }
+  return static_cast<size_t>(
+      std::count_if(points.begin(), points.end(), [](double n) { return n >= kFewestPoints; }));
 }
 
 }  // namespace
@@ -96,7 +168,7 @@ FaceRays gather_rays(const Surface& surface, const Face& face, double floor_heig
     ray.look[3] = static_cast<float>(point.b) / 255.F;
     result.rays.push_back(ray);
   }
-  align_scans(result, surface.scans);
+  result.scans = make_scans_agree(result.rays, surface.scans);
   std::vector<double> deviations;
   for (const FaceRay& ray : result.rays)
     if (std::abs(ray.depth) < kAlignReach) deviations.push_back(std::abs(static_cast<double>(ray.depth)));

@@ -26,7 +26,10 @@ constexpr double kMostTurned = 0.35;        // rad; handles are level or upright
 /// Of the points in a cell that stand before the face, for the cell to belong to a fixture; look by look.
 constexpr std::array<float, 3> kShares = {0.3F, 0.45F, 0.65F};
 constexpr double kLeastShownAtEnds = 0.25;
+constexpr double kAsDeep = 0.6;  // of its distance from the face; nearer to the face a ray passed by it
+constexpr double kCore = 0.38;   // of length and width to each side that rays certainly meet
 constexpr size_t kFewestPoints = 10;
+constexpr size_t kManyPoints = 40;       // are not all in mid-air
 constexpr double kFewestBeside = 6;      // cells beside a fixture that rays met
 constexpr double kSurroundings = 0.035;  // m beside a fixture in which its front shows
 constexpr double kLeastShown = 0.4;      // of these must be face
@@ -288,6 +291,28 @@ class FixtureFinder {
     return sum / static_cast<double>(points);
   }
 
+  /// Whether more rays pass through the place of a fixture that stands `protrusion` before the face, to end
+  /// at or behind the face, than end there: beams that met two things left points in mid-air.
+  bool is_seen_through(const FixtureShape& shape, double protrusion) const {
+    const Vector2d across(-shape.axis.y(), shape.axis.x());
+    size_t through = 0;
+    size_t on = 0;
+    for (const FaceRay& ray : rays_.rays) {
+      if (!ray.returned) continue;
+      const double depth =
+          static_cast<double>(ray.depth) - ground_.at(static_cast<double>(ray.u), static_cast<double>(ray.v));
+      const bool before = depth > kAsDeep * protrusion;
+      if (before && depth > kFixtureReach) continue;
+      const double at = before ? depth : protrusion;
+      const Vector2d d = Vector2d(static_cast<double>(ray.u) + static_cast<double>(ray.slope_u) * at,
+                                  static_cast<double>(ray.v) + static_cast<double>(ray.slope_v) * at) -
+                         shape.centre;
+      if (std::abs(shape.axis.dot(d)) < kCore * shape.length && std::abs(across.dot(d)) < kCore * shape.width)
+        ++(before ? on : through);
+    }
+    return through >= on;
+  }
+
   std::string add(const std::vector<FixturePoint>& points, FixtureShape& shape, bool bar) {
     const double above = std::min(shown(shape, 1, true), shown(shape, -1, true));
     if (above < kLeastShown) return fmt::format("the face shows beside {:.0f} % of it", 100 * above);
@@ -302,6 +327,8 @@ class FixtureFinder {
       scans.insert(points[i].scan);
       first_depths.push_back(points[i].depth);
     }
+    if (shape.inliers.size() < kManyPoints && is_seen_through(shape, median(first_depths)))
+      return "rays pass through it";
     FaceFixture found;
     Fixture& fixture = found.fixture;
     fixture.kind = bar ? Fixture::Kind::handle : Fixture::Kind::knob;
