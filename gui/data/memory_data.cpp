@@ -104,8 +104,6 @@ class MemoryData : public BrowserData {
   const ObservationRow& observation(Id id) const;
   RgbdCamera cameras_of(const SceneRow& row) const;
   std::vector<ImageBox> boxes(const SceneRow& row, const SceneContent& content) const;
-  /// The numbers of the scenes from one on, which may have been added in another order than that of time.
-  Store::SceneRange range_from(size_t first_scene) const;
   /// Calls `mark` with the place in `looks` of each scene that is in it.
   template <class Mark>
   void mark_scene(Id scene, size_t first_scene, Mark mark) const {
@@ -256,18 +254,11 @@ std::vector<TimeNs> MemoryData::observations(int64_t object) const {
   return times;
 }
 
-Store::SceneRange MemoryData::range_from(size_t first_scene) const {
-  if (first_scene == 0 || first_scene >= index_.scenes.size()) return {};
-  Id least = index_.scenes[first_scene].id;
-  for (size_t i = first_scene; i < index_.scenes.size(); ++i) least = std::min(least, index_.scenes[i].id);
-  return std::pair(least, index_.last_scene);
-}
-
 std::vector<Look> MemoryData::looks_for_object(int64_t object, size_t first_scene) const {
   const std::lock_guard lock(mutex_);
   std::vector<Look> looks(index_.scenes.size() - std::min(first_scene, index_.scenes.size()), Look::nothing);
   if (looks.empty()) return looks;
-  for (const VisibilityRow& row : store_.visibility_of_object(object, range_from(first_scene)))
+  for (const VisibilityRow& row : store_.visibility_of_object(object, index_.scenes[first_scene].time))
     if (row.status == "missed")
       mark_scene(row.scene, first_scene, [&](size_t number) { looks[number] = Look::missed; });
   for (const Sighting& sighting : store_.sightings(object, {}, index_.scenes[first_scene].time))
@@ -280,7 +271,7 @@ std::vector<Look> MemoryData::looks_at_place(const std::string& place, size_t fi
   std::vector<Look> looks(index_.scenes.size() - std::min(first_scene, index_.scenes.size()), Look::nothing);
   for (const auto& [id, name] : index_.places)
     if (name == place && !looks.empty())
-      for (const VisibilityRow& row : store_.visibility_of_place(id, range_from(first_scene)))
+      for (const VisibilityRow& row : store_.visibility_of_place(id, index_.scenes[first_scene].time))
         if (row.fraction.value_or(0) > 0)
           mark_scene(row.scene, first_scene, [&](size_t number) { looks[number] = Look::seen; });
   return looks;
