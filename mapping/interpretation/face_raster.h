@@ -37,7 +37,7 @@ struct FaceRect {
 };
 
 /// The rays that met a face or its surroundings, gathered over all scans. The offset and turn of every scan
-/// against the face are taken out: registration is good to some millimetres, the seams of furniture ask for
+/// against the others are taken out: registration is good to some millimetres, the seams of furniture ask for
 /// less.
 struct FaceRays {
   Face face;

@@ -7,20 +7,21 @@
 namespace loci {
 namespace {
 
-constexpr double kLeastZ = 6;         // of a cut
-constexpr double kLeastShare = 0.6;   // of its length that shows it
-constexpr double kLeastSide = 0.028;  // m; narrower parts are not cut off
-constexpr double kUnbroken = 0.3;     // of a line's mean score along all its length
-constexpr double kLeastFront = 0.08;  // m
-constexpr double kSomeFace = 0.08;    // share of these that is face, while it is cut
-constexpr double kLeastKnown = 0.1;   // share of a row or column that rays met
-constexpr double kLeastGap = 0.015;   // m; wider strips without face part it
-constexpr double kLeastFace = 0.4;    // and of these that is face
-constexpr int kDeepest = 60;          // cuts one after the other
-constexpr double kSameLine = 0.03;    // m
-constexpr double kClearZ = 8;         // of the seam of a front without fixture
-constexpr double kLeastArea = 0.02;   // m², of a front without fixture
-constexpr double kProud = 0.003;      // m
+constexpr double kLeastZ = 6;          // of a cut
+constexpr double kLeastShare = 0.6;    // of its length that shows it
+constexpr double kLeastSide = 0.028;   // m; narrower parts are not cut off
+constexpr double kUnbroken = 0.3;      // of a line's mean score along all its length
+constexpr double kLeastFront = 0.08;   // m
+constexpr double kSomeFace = 0.08;     // share of these that is face, while it is cut
+constexpr double kLeastKnown = 0.1;    // share of a row or column that rays met
+constexpr double kLeastGap = 0.015;    // m; wider strips without face part it
+constexpr double kWidestHidden = 0.1;  // m; wider strips that no ray met part it, too
+constexpr double kLeastFace = 0.4;     // and of these that is face
+constexpr int kDeepest = 60;           // cuts one after the other
+constexpr double kSameLine = 0.03;     // m
+constexpr double kClearZ = 8;          // of the seam of a front without fixture
+constexpr double kLeastArea = 0.02;    // m², of a front without fixture
+constexpr double kProud = 0.003;       // m
 
 enum Side : size_t { left, right, bottom, top };
 
@@ -52,19 +53,25 @@ void shrink(const SeamMap& seams, PlacedFront& part, double least_face) {
 }
 
 /// The widest strip across a part in which there is no face: something stands out there, or there is a hole.
+/// A narrow strip that no ray met says nothing: a front goes on behind the leg of a table.
 std::optional<std::pair<double, double>> widest_gap(const std::vector<std::array<float, 2>>& shares,
                                                     double start) {
   std::optional<std::pair<double, double>> widest;
   size_t begin = 0;
+  size_t open = 0;  // of the strip so far, seen and no face
   for (size_t i = 0; i <= shares.size(); ++i) {
-    const bool face = i == shares.size() || (shares[i][0] >= static_cast<float>(kLeastKnown) &&
-                                             shares[i][1] >= static_cast<float>(kSomeFace));
-    if (!face) continue;
+    const bool known = i < shares.size() && shares[i][0] >= static_cast<float>(kLeastKnown);
+    const bool face = i == shares.size() || (known && shares[i][1] >= static_cast<float>(kSomeFace));
+    if (!face) {
+      open += known ? 1 : 0;
+      continue;
+    }
     const double width = static_cast<double>(i - begin) * kFaceCell;
-    if (begin > 0 && i < shares.size() && width > kLeastGap &&
-        (!widest || width > widest->second - widest->first))
+    const bool parts = static_cast<double>(open) * kFaceCell > kLeastGap || width > kWidestHidden;
+    if (begin > 0 && i < shares.size() && parts && (!widest || width > widest->second - widest->first))
       widest = {start + static_cast<double>(begin) * kFaceCell, start + static_cast<double>(i) * kFaceCell};
     begin = i + 1;
+    open = 0;
   }
   return widest;
 }
