@@ -4,6 +4,7 @@
 
 namespace loci {
 
+Command annotate_command();
 Command cas_command();
 Command describe_command();
 Command index_command();

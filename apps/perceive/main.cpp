@@ -2,6 +2,7 @@
 
 int main(int argc, char** argv) {
   loci::Program program("loci-perceive", "Runs perception experts over recordings.");
+  program.add(loci::annotate_command());
   program.add(loci::info_command());
   program.add(loci::types_command());
   program.add(loci::cas_command());
@@ -13,6 +14,5 @@ int main(int argc, char** argv) {
   program.add(loci::recognise_command());
   program.add(loci::surface_command());
   program.add(loci::train_command());
-  program.add_planned("annotate", "Runs annotators over what was remembered");
   return program.run(argc, argv);
 }

@@ -3,6 +3,7 @@
 #include "mapping/base/json.h"
 #include "memory/annotators/belief_annotations.h"
 #include "memory/annotators/memory_session.h"
+#include "memory/annotators/remembered.h"
 #include "memory/annotators/scene_of_cas.h"
 #include "perception/types/geometry.h"
 
@@ -98,6 +99,7 @@ void MemoryWriter::finish(Context& context) {
 }
 
 void add_memory_annotators(AnnotatorRegistry& registry) {
+  registry.add_reader<MemoryReader>();
   registry.add<PlaceNaming>();
   registry.add<IdentityResolution>();
   registry.add<MemoryWriter>();

@@ -138,14 +138,8 @@ std::string value_of(const types::Annotation& annotation) {
 }
 
 void read_annotations(const types::Cluster& cluster, ObservationRecord& observation) {
-  for (const types::Annotation& annotation : cluster.annotations) {
-    AnnotationRecord record;
-    record.type = annotation.type().name();
-    record.value = value_of(annotation);
-    if (annotation.confidence.is_set()) record.confidence = annotation.confidence.get();
-    record.structure = annotation;
-    observation.annotations.push_back(std::move(record));
-  }
+  for (const types::Annotation& annotation : cluster.annotations)
+    observation.annotations.push_back(annotation_record(annotation));
   if (const auto geometry = cluster.annotations.first<types::GeometryAnnotation>()) {
     observation.row.map_from_box = types::from<Isometry3d>(geometry.map_from_object.get());
     observation.row.size = types::from<Vector3d>(geometry.size.get());
@@ -179,6 +173,15 @@ ObservationRecord read_cluster(const types::Cluster& cluster, SceneRecord& recor
 }
 
 }  // namespace
+
+AnnotationRecord annotation_record(const types::Annotation& annotation) {
+  AnnotationRecord record;
+  record.type = annotation.type().name();
+  record.value = value_of(annotation);
+  if (annotation.confidence.is_set()) record.confidence = annotation.confidence.get();
+  record.structure = annotation;
+  return record;
+}
 
 belief::AxisBox robust_box(const std::vector<Vector3d>& points) {
   if (points.empty()) return {};

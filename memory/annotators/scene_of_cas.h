@@ -10,6 +10,9 @@ namespace loci {
 /// where places that move with a joint are. The row's recording and map are left to the caller.
 SceneRecord scene_record(const types::SceneCas& scene, const World* world);
 
+/// An annotation with the value that it is searched by.
+AnnotationRecord annotation_record(const types::Annotation& annotation);
+
 /// The numbers of a cluster's annotations that can be compared (distances live with the types).
 std::vector<belief::Descriptor> descriptors_of(const types::Cluster& cluster);
 

@@ -79,7 +79,7 @@ TEST(Commands, SuggestTheNearestForAnUnknownOne) {
 }
 
 TEST(Commands, ThatArePlannedSayThatTheyAreNotBuilt) {
-  const Outcome outcome = run("loci-perceive annotate");
+  const Outcome outcome = run("loci-memory catalogue");
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_THAT(outcome.error, testing::HasSubstr("not built yet"));
 }

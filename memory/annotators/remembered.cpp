@@ -1,0 +1,137 @@
+#include "memory/annotators/remembered.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <opencv2/imgproc.hpp>
+
+#include "mapping/image/image_io.h"
+#include "memory/annotators/scene_of_cas.h"
+#include "memory/store/feature_structures.h"
+#include "perception/conversions/camera.h"
+#include "perception/conversions/opencv.h"
+#include "perception/types/geometry.h"
+
+namespace loci {
+namespace {
+
+cv::Mat picture(const Store& store, Id id) {
+  const BlobRow blob = store.blob(id);
+  return decode_image({blob.bytes.begin(), blob.bytes.end()}, blob.hash);
+}
+
+/// The picture of an observation as a hypothesis. Its mask is that of the depth image, stretched to it.
+void add_picture(const Store& store, const ObservationRow& row, const types::Cluster& cluster) {
+  if (!row.crop) return;
+  cas::Cas& cas = cluster.cas();
+  const cv::Mat image = picture(store, *row.crop);
+  cv::Mat mask(image.size(), CV_8U, cv::Scalar(255));
+  if (row.mask) cv::resize(picture(store, *row.mask), mask, image.size(), 0, 0, cv::INTER_NEAREST);
+  const auto roi = types::StandaloneImageROI::create(cas);
+  roi.source.set("MemoryReader");
+  roi.roi.set(types::to(cas, cv::Rect(cv::Point(), image.size())));
+  roi.image.set(types::to(cas, image));
+  roi.mask.set(types::to(cas, mask));
+  cluster.hypotheses.push_back(roi);
+}
+
+types::Cluster make_cluster(const Store& store, const ObservationRow& row, cas::Cas& cas) {
+  const auto cluster = types::Cluster::create(cas);
+  if (row.position) cluster.centroid.set(types::to(cas, *row.position));
+  add_picture(store, row, cluster);
+  return cluster;
+}
+
+bool answered(const types::Cluster& cluster, const std::set<std::string>& by) {
+  std::set<std::string> sources;
+  for (const types::Annotation& annotation : cluster.annotations) sources.insert(annotation.source.get());
+  return !by.empty() && std::includes(sources.begin(), sources.end(), by.begin(), by.end());
+}
+
+}  // namespace
+
+AnnotatorDescriptor MemoryReader::descriptor() const {
+  return {"MemoryReader",
+          "Reads the scenes of a memory: clusters with their pictures, and what was said about them.",
+          {},
+          {"Scene", "CameraInfo", "view:color", "Cluster", "StandaloneImageROI", "PlanarSupport",
+           "GeometryAnnotation", "ColorAnnotation", "ColorHistogram", "TFLocationAnnotation"}};
+}
+
+void MemoryReader::start(Context& context) {
+  memory_ = &context.resources.get<RememberedMemory>("memory for MemoryReader", "name one with -m FILE.loci");
+  scenes_ = memory_->store.scenes();
+}
+
+FrameId MemoryReader::upcoming() const {
+  const SceneRow& scene = scenes_.at(position_);
+  return {scene.id, scene.time};
+}
+
+void MemoryReader::read_next(cas::Cas& cas, Context& context) {
+  const Store& store = memory_->store;
+  const SceneRow& row = scenes_.at(position_++);
+  const types::SceneCas scene(cas);
+  const types::Scene made = scene.create_scene();
+  made.timestamp.set(row.time);
+  made.frame_index.set(row.id);
+  if (row.map_from_camera)
+    made.map_from_camera.set(types::to_stamped(cas, *row.map_from_camera, "map", "depth_camera", row.time));
+  if (row.picture) types::set_view_image(scene, types::SceneCas::kColor, picture(store, *row.picture));
+  memory_->current = {row.id, {}, 0};
+  std::map<Id, types::Cluster> clusters;
+  for (const ObservationRow& observation : store.observations(row.id)) {
+    const types::Cluster cluster = make_cluster(store, observation, cas);
+    clusters.emplace(observation.id, cluster);
+    memory_->current.observations.push_back(observation.id);
+    scene.add_cluster(cluster);
+  }
+  for (const FeatureStructureRow& kept : store.feature_structures(row.id)) {
+    if (!cas.type_system().find(kept.type)) {
+      if (unknown_.insert(kept.type).second)
+        context.warnings.add(
+            fmt::format("{} is not known here and left out; a plugin may know it", kept.type));
+      continue;
+    }
+    const cas::FeatureStructure structure = read_feature_structure(store, kept.id, cas);
+    const auto annotation = types::try_as<types::Annotation>(structure);
+    if (const auto support = types::try_as<types::PlanarSupport>(structure)) scene.add_support(*support);
+    if (const auto camera = types::try_as<types::CameraInfo>(structure)) scene.set_camera(*camera);
+    if (annotation && kept.observation) clusters.at(*kept.observation).annotations.push_back(*annotation);
+  }
+  for (const auto& [id, cluster] : clusters) {
+    if (const auto location = cluster.annotations.first<types::TFLocationAnnotation>())
+      cluster.place.set(location.frame_id.get());
+    for (const types::PlanarSupport& support : scene.supports())
+      if (cluster.place.is_set() && support.name.get() == cluster.place.get()) cluster.support.set(support);
+    if (answered(cluster, memory_->answered_by)) cas.hide(cluster);
+  }
+  memory_->current.structures = cas.size();
+}
+
+size_t keep_late_annotations(RememberedMemory& memory, cas::Cas& cas, Id run) {
+  const std::vector<types::Cluster> clusters = types::SceneCas(cas).scene().clusters.to_vector();
+  SceneTransaction transaction(memory.store, run);
+  FeatureStructureWriter writer(transaction, memory.current.scene);
+  size_t added = 0;
+  for (size_t i = 0; i < std::min(clusters.size(), memory.current.observations.size()); ++i)
+    for (const types::Annotation& annotation : clusters[i].annotations) {
+      const cas::FeatureStructure& structure = annotation;
+      if (structure.id() <= memory.current.structures) continue;
+      const AnnotationRecord record = annotation_record(annotation);
+      AnnotationRow row;
+      row.scene = memory.current.scene;
+      row.observation = memory.current.observations[i];
+      row.type = record.type;
+      row.value = record.value;
+      row.confidence = record.confidence;
+      row.feature_structure = writer.add(structure, row.observation);
+      transaction.add_annotation(row);
+      ++added;
+    }
+  if (added > 0) transaction.commit();
+  return added;
+}
+
+}  // namespace loci

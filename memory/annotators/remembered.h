@@ -1,0 +1,50 @@
+#pragma once
+
+#include <memory>
+#include <set>
+
+#include "memory/store/store.h"
+#include "perception/pipeline/annotator.h"
+
+namespace loci {
+
+/// A memory whose scenes are read again (§5.2): a resource of the pipeline.
+struct RememberedMemory {
+  explicit RememberedMemory(Store opened) : store(std::move(opened)) {}
+
+  Store store;
+  /// Clusters about which all of these have said something already are hidden; empty = none are.
+  std::set<std::string> answered_by;
+  /// The scene that was read last: its observations in the order of its clusters, and the structures of its
+  /// CAS.
+  struct Current {
+    Id scene = 0;
+    std::vector<Id> observations;
+    size_t structures = 0;
+  };
+  Current current;
+};
+
+/// Reads the scenes of a memory: clusters with their pictures, supports, and what was said about them.
+class MemoryReader : public Reader {
+ public:
+  AnnotatorDescriptor descriptor() const override;
+  void start(Context& context) override;
+  size_t count() const override { return scenes_.size(); }
+  size_t position() const override { return position_; }
+  FrameId upcoming() const override;
+  void read_next(cas::Cas& cas, Context& context) override;
+  void skip(size_t frames) override { position_ += frames; }
+
+ private:
+  RememberedMemory* memory_ = nullptr;
+  std::vector<SceneRow> scenes_;
+  size_t position_ = 0;
+  std::set<std::string> unknown_;  ///< types that were warned about
+};
+
+/// Adds what was said anew about the clusters of the scene read last to their observations, in one
+/// transaction. Returns how many annotations these are.
+size_t keep_late_annotations(RememberedMemory& memory, cas::Cas& cas, Id run);
+
+}  // namespace loci
