@@ -27,6 +27,7 @@ Command like_command();
 Command ask_command();
 Command fact_command();
 Command taxonomy_command();
+Command edit_command();
 Command verify_command();
 Command stat_command();
 Command export_command();

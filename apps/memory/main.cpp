@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   program.add(loci::ask_command());
   program.add(loci::fact_command());
   program.add(loci::taxonomy_command());
+  program.add(loci::edit_command());
   program.add(loci::verify_command());
   program.add(loci::stat_command());
   program.add(loci::export_command());

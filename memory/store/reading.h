@@ -22,6 +22,7 @@ SceneRow scene_row(const SqlRow& row);
 ObservationRow observation_row(const SqlRow& row);
 AssociationRow association_row(const SqlRow& row);
 EventRow event_row(const SqlRow& row);
+FactRow fact_row(const SqlRow& row);
 BeliefRow belief_row(const SqlRow& row);
 VisibilityRow visibility_row(const SqlRow& row);
 

@@ -181,17 +181,7 @@ std::vector<FactRow> Store::facts(const AsOf& as_of) const {
   return all<FactRow>(
       *implementation_,
       fmt::format("SELECT * FROM fact_known WHERE value IS NOT NULL AND {} AND {} ORDER BY id", known, valid),
-      values, [](const SqlRow& row) {
-        FactRow fact;
-        fact.id = row.integer("id");
-        fact.object = row.optional_integer("object");
-        fact.place = row.optional_integer("place");
-        fact.key = row.text("key");
-        fact.value = row.optional_text("value");
-        fact.probability = row.optional_real("probability");
-        fact.clock = row.clock();
-        return fact;
-      });
+      values, fact_row);
 }
 
 }  // namespace loci

@@ -128,6 +128,18 @@ AssociationRow association_row(const SqlRow& row) {
   return result;
 }
 
+FactRow fact_row(const SqlRow& row) {
+  FactRow fact;
+  fact.id = row.integer("id");
+  fact.object = row.optional_integer("object");
+  fact.place = row.optional_integer("place");
+  fact.key = row.text("key");
+  fact.value = row.optional_text("value");
+  fact.probability = row.optional_real("probability");
+  fact.clock = row.clock();
+  return fact;
+}
+
 EventRow event_row(const SqlRow& row) {
   EventRow result;
   result.id = row.integer("id");

@@ -1,0 +1,191 @@
+// Corrections by people: what they change, what stays known, and that undo brings everything back.
+
+#include "memory/edits/edits.h"
+
+#include "mapping/base/files.h"
+#include "mapping/base/json.h"
+#include "mapping/world/urdf.h"
+#include "memory/questions/facts.h"
+#include "tests/memory/questions/day_fixture.h"
+
+namespace loci {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing_support::day_time;
+using testing_support::SyntheticDay;
+
+class Edits : public testing_support::DayFixture {
+ protected:
+  /// Writes as if it were some days after the day was taken in.
+  template <class Change>
+  auto edit(Change change) {
+    store_.reset();
+    const auto result = [&] {
+      Store store = Store::open_write(file_, {.now = SyntheticDay::kKnownSecond + ++days_ * 86400 * kSecond});
+      return change(store);
+    }();
+    store_.emplace(Store::open_read(file_));
+    return result;
+  }
+  std::string refusal(const std::function<void(Store&)>& change) {
+    try {
+      edit([&](Store& store) {
+        change(store);
+        return 0;
+      });
+    } catch (const Error& error) {
+      store_.emplace(Store::open_read(file_));
+      return error.what();
+    }
+    return "not refused";
+  }
+  /// All that questions can tell, now and at times of the day.
+  std::string everything() const {
+    std::string all = text(ask(*store_, ChangesQuestion{})) + text(ask(*store_, TimelineQuestion{}));
+    for (const char* clock : {"08:00", "08:30", "09:00", "09:30", "10:30"})
+      all += text(ask(*store_, ObjectsQuestion{{}, at(clock)})) +
+             text(ask(*store_, ContentsQuestion{"counter_1", at(clock), {}})) +
+             text(ask(*store_, ContentsQuestion{"table_1", at(clock), {}}));
+    // What is restored is said by the person who restored it.
+    const std::string by_user = " - says user";
+    for (size_t i = all.find(by_user); i != std::string::npos; i = all.find(by_user))
+      all.erase(i, by_user.size());
+    return all;
+  }
+  void expect_sound() const {
+    NoProgress quiet;
+    EXPECT_THAT(store_->verify(quiet).problems, IsEmpty());
+  }
+
+  int days_ = 0;
+};
+
+TEST_F(Edits, MergedObjectsAreOneWithOneHistory) {
+  const Edit done = edit([](Store& store) { return merge_objects(store, 4, 2); });
+  EXPECT_EQ(done.text, "object_4 is object_2") << "the elder keeps its number";
+  EXPECT_FALSE(store_->belief(4).has_value());
+  const auto history = ask(*store_, HistoryQuestion{"object_2"}).objects.at(0);
+  EXPECT_EQ(history.now.place->name, "drawer_1_bottom");
+  EXPECT_EQ(history.now.sightings, 3U);
+  const Change& last = history.changes.back();
+  EXPECT_EQ(last.kind, "moved") << "it was known, so it has come from somewhere";
+  EXPECT_EQ(last.from_place->name, "table_1");
+  expect_sound();
+}
+
+TEST_F(Edits, WhatWasKnownBeforeIsStillKnownToHaveBeenKnown) {
+  edit([](Store& store) { return merge_objects(store, 2, 4); });
+  const AsOf before = {std::nullopt, SyntheticDay::kKnownSecond};
+  EXPECT_TRUE(store_->belief(4, before).has_value());
+  EXPECT_EQ(store_->belief(2, before)->last_scene, 3);
+  EXPECT_EQ(store_->belief(2)->last_scene, 6);
+}
+
+TEST_F(Edits, ObjectsThatWereSeenTogetherAreTwo) {
+  EXPECT_THAT(refusal([](Store& store) { merge_objects(store, 1, 2); }), HasSubstr("seen together"));
+  EXPECT_THAT(refusal([](Store& store) { merge_objects(store, 1, 1); }), HasSubstr("itself"));
+  EXPECT_THAT(refusal([](Store& store) { merge_objects(store, 1, 99); }), HasSubstr("no object_99"));
+}
+
+TEST_F(Edits, ASplitObjectGoesOnAsAnother) {
+  const size_t seen = store_->sightings(1).size();
+  edit([](Store& store) { return split_object(store, 1, day_time("09:15")); });
+  const Id made = store_->last_object();
+  EXPECT_EQ(store_->sightings(1).size() + store_->sightings(made).size(), seen);
+  EXPECT_EQ(store_->belief(made)->status, "seen");
+  EXPECT_EQ(ask(*store_, WhereQuestion{object_name(made)}).objects.at(0).place->name, "counter_1");
+  EXPECT_EQ(store_->belief(1)->status, "gone") << "what was believed before stays";
+  const auto changes = ask(*store_, HistoryQuestion{object_name(made)}).objects.at(0).changes;
+  ASSERT_FALSE(changes.empty());
+  EXPECT_EQ(changes[0].kind, "appeared");
+  expect_sound();
+  EXPECT_THAT(refusal([](Store& store) { split_object(store, 1, day_time("07:00")); }),
+              HasSubstr("not before"));
+}
+
+TEST_F(Edits, UndoBringsEverythingBackAndRedoAgain) {
+  const std::string first = everything();
+  edit([](Store& store) { return merge_objects(store, 2, 3); });
+  const std::string merged = everything();
+  edit([](Store& store) { return split_object(store, 1, day_time("09:15")); });
+  const std::string split = everything();
+  EXPECT_NE(first, merged);
+  EXPECT_NE(merged, split);
+  edit([](Store& store) { return undo(store); });
+  EXPECT_EQ(everything(), merged);
+  edit([](Store& store) { return undo(store); });
+  EXPECT_EQ(everything(), first);
+  edit([](Store& store) { return redo(store); });
+  EXPECT_EQ(everything(), merged);
+  edit([](Store& store) { return redo(store); });
+  EXPECT_EQ(everything(), split);
+  edit([](Store& store) { return undo(store); });
+  EXPECT_EQ(everything(), merged);
+  expect_sound();
+  EXPECT_EQ(edits(*store_).done.size(), 1U);
+  EXPECT_EQ(edits(*store_).undone.size(), 1U);
+}
+
+TEST_F(Edits, ANewEditEndsWhatCouldBeRedone) {
+  edit([](Store& store) { return say(store, "object_1", "owner", "Ada"); });
+  edit([](Store& store) { return undo(store); });
+  edit([](Store& store) { return say(store, "object_1", "owner", "Grace"); });
+  EXPECT_THAT(edits(*store_).undone, IsEmpty());
+  EXPECT_THAT(refusal([](Store& store) { redo(store); }), HasSubstr("nothing to redo"));
+}
+
+TEST_F(Edits, WhatIsSaidIsTakenBackToWhatWasSaidBefore) {
+  const auto owner = [&] {
+    const auto facts = ask(*store_, FactsQuestion{"object_1", "owner", {}}).facts;
+    return facts.empty() ? std::string() : facts.back().value;
+  };
+  for (const char* name : {"Ada", "Grace"})
+    edit([&](Store& store) { return say(store, "object_1", "owner", name); });
+  EXPECT_EQ(owner(), "Grace");
+  edit([](Store& store) { return undo(store); });
+  EXPECT_EQ(owner(), "Ada");
+  edit([](Store& store) { return undo(store); });
+  EXPECT_EQ(owner(), "");
+  EXPECT_THAT(refusal([](Store& store) { undo(store); }), HasSubstr("nothing to undo"));
+  edit([](Store& store) { return redo(store); });
+  EXPECT_EQ(owner(), "Ada");
+}
+
+TEST_F(Edits, ALabelledThingCanBeFoundByItsClass) {
+  const Id observation = store_->observations(1).front().id;
+  edit([](Store& store) { return label_observation(store, 1, 0, "mug"); });
+  EXPECT_EQ(label_of(*store_, 1, observation), "mug");
+  EXPECT_THAT(store_->objects_annotated("mug"), testing::Not(IsEmpty()));
+  edit([](Store& store) { return undo(store); });
+  EXPECT_EQ(label_of(*store_, 1, observation), "");
+  edit([](Store& store) { return redo(store); });
+  EXPECT_EQ(label_of(*store_, 1, observation), "mug");
+  EXPECT_THAT(refusal([](Store& store) { label_observation(store, 1, 77, "mug"); }),
+              HasSubstr("no observation 77"));
+}
+
+TEST_F(Edits, ACorrectedJointIsInANewMapAndTheOldOneStays) {
+  const std::filesystem::path kitchen = std::filesystem::path(LOCI_SOURCE_DIR) / "apps/samples/kitchen.urdf";
+  edit([&](Store& store) { return store.add_map("kitchen.urdf", read_file(kitchen), ""); });
+  const auto type = [&] {
+    const MapRow newest = store_->maps().back();
+    return parse_urdf(store_->blob(newest.urdf).bytes, newest.name).find_joint("drawer_2_front_joint")->type;
+  };
+  ASSERT_EQ(type(), JointType::prismatic);
+  edit([](Store& store) { return set_joint_type(store, "drawer_2_front_joint", "revolute"); });
+  EXPECT_EQ(type(), JointType::revolute);
+  EXPECT_EQ(store_->maps().size(), 2U);
+  edit([](Store& store) { return undo(store); });
+  EXPECT_EQ(type(), JointType::prismatic);
+  edit([](Store& store) { return redo(store); });
+  EXPECT_EQ(type(), JointType::revolute);
+  EXPECT_THAT(refusal([](Store& store) { set_joint_type(store, "drawer_2_front_join", "fixed"); }),
+              HasSubstr("drawer_2_front_joint"));
+  EXPECT_THAT(refusal([](Store& store) { set_joint_type(store, "drawer_2_front_joint", "bent"); }),
+              HasSubstr("prismatic"));
+}
+
+}  // namespace
+}  // namespace loci
