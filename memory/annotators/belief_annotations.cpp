@@ -1,6 +1,5 @@
 #include "memory/annotators/belief_annotations.h"
 
-#include <limits>
 #include <map>
 
 #include "memory/store/store.h"
@@ -29,18 +28,13 @@ void fill(const types::PairMatrix& matrix, const ResolvedScene& resolved, const 
   matrix.values.set(values);
 }
 
-void add_matrices(const types::SceneCas& cas, const ResolvedScene& resolved,
-                  const std::map<int64_t, belief::AxisBox>& before) {
+void add_matrices(const types::SceneCas& cas, const ResolvedScene& resolved) {
   std::vector<double> similarities, distances;
-  const PairTable& closeness = resolved.update.evidence.closeness;
-  for (Eigen::Index k = 0; k < closeness.cols(); ++k) {
-    for (Eigen::Index o = 0; o < closeness.rows(); ++o) {
-      similarities.push_back(closeness(o, k));
-      const auto box = before.find(resolved.update.objects[static_cast<size_t>(o)].key);
-      distances.push_back(
-          box == before.end()
-              ? std::numeric_limits<double>::quiet_NaN()
-              : (box->second.centre - resolved.scene.observations[static_cast<size_t>(k)].box.centre).norm());
+  const belief::PairEvidence& evidence = resolved.update.evidence;
+  for (Eigen::Index k = 0; k < evidence.offset.cols(); ++k) {
+    for (Eigen::Index o = 0; o < evidence.offset.rows(); ++o) {
+      similarities.push_back(evidence.closeness(o, k));
+      distances.push_back(evidence.offset(o, k));
     }
   }
   fill(cas.scene().similarities.get_or_create(), resolved, similarities);
@@ -116,10 +110,8 @@ void annotate_belief(const types::SceneCas& cas, const ResolvedScene& resolved) 
     tracking.tracking_id.set(outcome.object);
     clusters[k].annotations.push_back(tracking);
   }
-  std::map<int64_t, belief::AxisBox> boxes;
   std::map<int64_t, types::Object> objects;
   for (const belief::ProtoObject& object : resolved.after.objects) {
-    boxes[object.key] = belief::box_in_map(object, resolved.scene.places);
     if (object.id == 0) continue;
     const types::Object fs = object_of(cas.cas(), object, resolved);
     objects.emplace(object.key, fs);
@@ -129,7 +121,7 @@ void annotate_belief(const types::SceneCas& cas, const ResolvedScene& resolved) 
   }
   belief.identities.set(distribution(cas, resolved, objects));
   belief.add_to_index();
-  add_matrices(cas, resolved, boxes);
+  add_matrices(cas, resolved);
 }
 
 }  // namespace loci

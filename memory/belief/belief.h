@@ -63,6 +63,7 @@ struct PairEvidence {
     PairTable distance;  ///< NaN = not comparable
   };
   std::vector<Distances> distances;
+  PairTable offset;     ///< between the centres, metres
   PairTable closeness;  ///< the dissertation's similarity in [0,1]; NaN = nothing to compare
   PairTable log_similar, log_proximity;
   PairTable log_size;  ///< the part of log_similar that is about size; 0 = not comparable

@@ -174,6 +174,7 @@ PairEvidence pair_evidence(const BeliefState& state, const std::vector<Expectati
   evidence.log_similar.setZero(rows, columns);
   evidence.log_proximity.setZero(rows, columns);
   evidence.log_size.setZero(rows, columns);
+  evidence.offset.setZero(rows, columns);
   evidence.closeness.setConstant(rows, columns, std::numeric_limits<double>::quiet_NaN());
   for (const Comparison& comparison : comparisons())
     evidence.distances.push_back({comparison.kind, evidence.closeness});
@@ -201,6 +202,7 @@ PairEvidence pair_evidence(const BeliefState& state, const std::vector<Expectati
         evidence.distances[i].distance(o, k) = alike.parts[i].distance;
         if (comparisons()[i].whole_only) evidence.log_size(o, k) += alike.parts[i].log_ratio;
       }
+      evidence.offset(o, k) = (observation.box.centre - believed.centre).norm();
       const double variance = e.variance + observation_variance(observation, options);
       const double extent_variance = variance + e.view_variance * (1 / view_noise(state) - 1);
       evidence.log_proximity(o, k) =
@@ -249,10 +251,13 @@ LogOddsProblem identity_problem(const BeliefState& state, const std::vector<Expe
       problem.newview_prior(index(o), index(k)) = turns + size + 0.25 * std::min(0.0, color);
     }
     const double left = options.detection * (e.undetectable + in_view * std::exp(empty.if_gone));
+    const double returns =
+        gone ? state.habits.returns(attention_at(state, scene, options) - object.seen_attention_s, options)
+             : 0.0;
     std::vector<double> moves_to;
     for (const std::string& place : places.names) {
       const double put_here = state.habits.moved_to(object.place, place);
-      const double back = gone ? state.habits.returns(options) : put_here;
+      const double back = gone ? returns : put_here;
       const double moves = before * e.handled * put_here + (1 - before) * back;
       moves_to.push_back(std::log(std::max(1e-9, moves * left)));
     }
@@ -263,6 +268,10 @@ LogOddsProblem identity_problem(const BeliefState& state, const std::vector<Expe
       problem.move_prior(index(o), index(k)) =
           moves_to[places.of[k]] +
           (anywhere ? 0.0 : log_near(e.box.centre - observation.box.centre, options));
+    }
+    if (object.leftover_of != 0) {  // elsewhere it is another object's already
+      problem.move_prior.row(index(o)).setConstant(kNever);
+      problem.newview_prior.row(index(o)).setConstant(kNever);
     }
     problem.out_of_view.push_back(e.undetectable);
     problem.disappear_prior.push_back(std::log(std::max(1e-6, 1 - e.here)) + empty.if_gone);
@@ -280,10 +289,9 @@ LogOddsProblem identity_problem(const BeliefState& state, const std::vector<Expe
       piece = std::max(piece, inside * expected[o].here);
     }
     const double fresh = state.habits.arrivals(observation.place, options);
-    problem.appear_prior.push_back(std::log(fresh));
-    // Where new things are rare, what is new is still no more likely to be a false cluster than anywhere.
-    const double clutter = options.clutter * std::min(1.0, fresh / options.appear);
-    problem.clutter_prior.push_back(std::log(clutter + (snapshot ? 0.1 : 1.0) * piece));
+    const double mistaken = state.habits.false_share(observation.place, options);
+    problem.appear_prior.push_back(std::log(fresh * (1 - mistaken)));
+    problem.clutter_prior.push_back(std::log(fresh * mistaken + (snapshot ? 0.1 : 1.0) * piece));
   }
   return problem;
 }

@@ -19,6 +19,11 @@ double cumulative_hazard(double seconds, const BeliefOptions& options) {
   return -std::log(1 - soon) + 0.15 * std::log1p(seconds / (24 * options.move_time_s));
 }
 
+size_t age_of(double seconds) {
+  const auto end = std::ranges::upper_bound(kAgeBegins, seconds);
+  return static_cast<size_t>(end - kAgeBegins.begin());
+}
+
 /// Mean share of an interval that had gone by when something happened in it at a constant rate.
 double elapsed_share(double hazard) {
   return hazard < 1e-3 ? 0.5 : 1 / hazard - 1 / std::expm1(hazard);
@@ -108,8 +113,23 @@ void Habits::learn_found_again(const std::string& from, const std::string& to, d
   learn_moved(from, to, probability);
 }
 
-double Habits::returns(const BeliefOptions& options) const {
-  return std::min(0.9, options.reappear * returns_.value());
+double Habits::returns(double age, const BeliefOptions& options) const {
+  return std::min(0.9, options.reappear * returns_.at(age_of(age)).value());
+}
+
+void Habits::learn_returns(double age, double found, const BeliefOptions& options) {
+  returns_.at(age_of(age)).count(found, options.reappear);
+}
+
+double Habits::false_share(const std::string& place, const BeliefOptions& options) const {
+  const double expected = options.clutter / (options.clutter + options.appear);
+  if (knows(place)) return std::min(0.9, expected * false_.value());
+  // On a first look nearly everything is new.
+  return expected * std::min(1.0, options.appear / arrivals(place, options));
+}
+
+void Habits::learn_false(double probability, const BeliefOptions& options) {
+  false_.count(probability, options.clutter / (options.clutter + options.appear));
 }
 
 double Habits::arrivals(const std::string& place, const BeliefOptions& options) const {

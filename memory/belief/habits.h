@@ -53,13 +53,13 @@ class Habits {
   /// What was taken for carried off turned up in another place.
   void learn_found_again(const std::string& from, const std::string& to, double probability);
 
-  /// Probability that an object that was gone is back in a scene.
-  double returns(const BeliefOptions& options) const;
-  void learn_returns(double found, double expected) { returns_.count(found, expected); }
+  /// Probability that an object that was gone is back in a scene, `age` seconds after it was seen last.
+  double returns(double age, const BeliefOptions& options) const;
+  void learn_returns(double age, double found, const BeliefOptions& options);
 
-  /// New objects expected on a place in a scene.
+  /// New things expected on a place in a scene, false clusters included.
   double arrivals(const std::string& place, const BeliefOptions& options) const;
-  /// A place was looked at and `found` new objects were on it.
+  /// A place was looked at and `found` new things were on it.
   void learn_arrivals(const std::string& place, double found, const BeliefOptions& options);
 
   /// Drops what was learned of kinds but these, down to their names.
@@ -67,11 +67,24 @@ class Habits {
     std::erase_if(by_kind_, [&](const auto& of_kind) { return !kinds.contains(of_kind.first); });
   }
 
+  bool knows(const std::string& place) const { return put_down_.contains(place); }
+  /// Of what is new on a place that was looked at before, the share that are false clusters.
+  double false_share(const std::string& place, const BeliefOptions& options) const;
+  /// Another look showed with which probability something new was a false cluster.
+  void learn_false(double probability, const BeliefOptions& options);
+
   /// The fields, for an archive (archive.h).
   template <class Archive>
   void archive(Archive& fields) {
     fields(by_age_, by_kind_, by_place_, stayed_on_place_, went_elsewhere_, carried_off_, put_down_, returns_,
-           first_look_, later_look_);
+           first_look_, later_look_, false_);
+  }
+  /// The same before returns were told apart by age, and false clusters were learned of.
+  template <class Archive>
+  void archive_before_4(Archive& fields) {
+    fields(by_age_, by_kind_, by_place_, stayed_on_place_, went_elsewhere_, carried_off_, put_down_,
+           returns_.front(), first_look_, later_look_);
+    returns_.fill({returns_.front().found / kAges, returns_.front().expected / kAges});
   }
 
  private:
@@ -86,7 +99,8 @@ class Habits {
   std::map<std::string, Factor> by_kind_, by_place_;
   double stayed_on_place_ = 0, went_elsewhere_ = 0, carried_off_ = 0;  ///< of those that were handled
   std::map<std::string, double> put_down_;                             ///< on each known place
-  Factor returns_, first_look_, later_look_;
+  std::array<Factor, kAges> returns_{};
+  Factor first_look_, later_look_, false_;
 };
 
 }  // namespace loci::belief

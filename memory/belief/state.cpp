@@ -10,8 +10,27 @@ namespace loci::belief {
 namespace {
 
 /// Cannot begin a CBOR map, as which the first version wrote beliefs.
-constexpr std::string_view kMagic = "belief 3\n";
-constexpr std::string_view kMagic2 = "belief 2\n";  ///< without what was learned about view points
+constexpr std::string_view kMagic = "belief 4\n";
+constexpr std::string_view kMagic3 = "belief 3\n";  ///< without leftovers; returns not by age
+constexpr std::string_view kMagic2 = "belief 2\n";  ///< nor what was learned about view points
+
+struct EarlierObject {
+  ProtoObject object;
+
+  template <class Archive>
+  void archive(Archive& fields) {
+    object.archive_before_4(fields);
+  }
+};
+
+BeliefState state_before_4(ArchiveReader& reader, int version) {
+  BeliefState state;
+  std::vector<EarlierObject> objects;
+  reader(objects);
+  for (EarlierObject& earlier : objects) state.objects.push_back(std::move(earlier.object));
+  state.archive_rest_before_4(reader, version);
+  return state;
+}
 
 }  // namespace
 
@@ -53,13 +72,17 @@ std::string to_bytes(const BeliefState& state) {
 
 BeliefState belief_state_from_bytes(const std::string& bytes) {
   try {
-    const bool earlier = bytes.starts_with(kMagic2);
-    if (!earlier && !bytes.starts_with(kMagic)) return belief_state_of_version_1(bytes);
+    const int version = bytes.starts_with(kMagic)    ? 4
+                        : bytes.starts_with(kMagic3) ? 3
+                        : bytes.starts_with(kMagic2) ? 2
+                                                     : 1;
+    if (version == 1) return belief_state_of_version_1(bytes);
     BeliefState state;
     ArchiveReader reader(std::string_view(bytes).substr(kMagic.size()));
-    reader(state.objects);
-    state.archive_rest_before_3(reader);
-    if (!earlier) reader(state.view_noise);
+    if (version == 4)
+      reader(state);
+    else
+      state = state_before_4(reader, version);
     if (!reader.at_end()) throw Error("there are bytes after the end");
     return state;
   } catch (const nlohmann::json::exception& e) {

@@ -83,11 +83,23 @@ struct ProtoObject {
   std::vector<Alternative> alternatives;  ///< most probable first; the rest is that it is itself
   int64_t last_observation = 0;           ///< memory's number
   std::vector<PendingSighting> pending;   ///< while tentative
+  /// Key of an object that is taken for having moved away from here: this is that object if it was another
+  /// one that was seen elsewhere. 0 = none of this kind. Tentative until somebody looks here again.
+  int64_t leftover_of = 0;
+  /// Probability of being a false cluster when it turned up where nothing new was expected; 0 = it did not,
+  /// or the next look has shown.
+  double doubt = 0;
 
   double probability_itself() const;
 
   template <class Archive>
   void archive(Archive& fields) {
+    archive_before_4(fields);
+    fields(leftover_of, doubt);
+  }
+  /// The fields that beliefs before the fourth version had.
+  template <class Archive>
+  void archive_before_4(Archive& fields) {
     fields(key, id, status, first_seen, last_seen, last_update, attention_s, seen_attention_s, sightings,
            exists_log_odds, probability_here, hidden_looks, told_hidden, place, box.centre, box.size,
            variance, partial, sized, map_from_camera, looks, kind, handling, alternatives, last_observation,
@@ -116,13 +128,14 @@ struct BeliefState {
   /// All but the objects, which checkpoints keep one by one.
   template <class Archive>
   void archive_rest(Archive& fields) {
-    archive_rest_before_3(fields);
-    fields(view_noise);
+    fields(last_scene, attention_s, next_key, next_id, habits, view_noise);
   }
-  /// The fields that the second version had.
+  /// The fields that the second and the third version had.
   template <class Archive>
-  void archive_rest_before_3(Archive& fields) {
-    fields(last_scene, attention_s, next_key, next_id, habits);
+  void archive_rest_before_4(Archive& fields, int version) {
+    fields(last_scene, attention_s, next_key, next_id);
+    habits.archive_before_4(fields);
+    if (version >= 3) fields(view_noise);
   }
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "mapping/base/json.h"
+#include "memory/reasoning/pair_matrices.h"
 #include "memory/recorder/scene_reasoning.h"
 
 namespace loci {
@@ -202,6 +203,10 @@ Why why_scene(const Store& store, Id id) {
     const Why one = explain(d);
     why.text += one.text;
     why.json["unseen"].push_back(one.json);
+  }
+  if (const std::optional<PairMatrices> matrices = pair_matrices(store, id)) {
+    why.text += to_text(*matrices);
+    why.json["matrices"] = to_json(*matrices);
   }
   return why;
 }

@@ -16,7 +16,8 @@ struct Why {
 /// such object, or not yet.
 Why why_object(const Store& store, Id object, const AsOf& as_of = {});
 
-/// Why each observation of a scene was taken for what it was. Error when there is no such scene.
+/// Why each observation of a scene was taken for what it was, with the matrices that it rests on
+/// (pair_matrices.h). Error when there is no such scene.
 Why why_scene(const Store& store, Id scene);
 
 }  // namespace loci

@@ -12,8 +12,8 @@ namespace {
 
 constexpr const char* kCheckpoint = "belief";
 constexpr const char* kObjects = "belief/";  ///< and the object's key, so that names sort like the objects
-constexpr uint8_t kVersion = 1;              ///< of an object
-constexpr uint8_t kRestVersion = 2;          ///< of all but the objects; 1 had no view_noise
+constexpr uint8_t kVersion = 2;              ///< of an object; 1 had no leftovers
+constexpr uint8_t kRestVersion = 3;          ///< of all but the objects; 1 had no view_noise
 /// The first files kept a belief with every scene: a blob, named by an annotation of this type.
 constexpr const char* kEarlierType = "loci.memory.CarriedBelief";
 
@@ -47,7 +47,14 @@ std::pair<belief::ArchiveReader, uint8_t> reader_of(const Store::Checkpoint& che
 
 void read_rest(const Store::Checkpoint& checkpoint, const Store& store, belief::BeliefState& state) {
   auto [reader, version] = reader_of(checkpoint, kRestVersion, store);
-  version == 1 ? state.archive_rest_before_3(reader) : state.archive_rest(reader);
+  version < 3 ? state.archive_rest_before_4(reader, version + 1) : state.archive_rest(reader);
+}
+
+belief::ProtoObject read_object(const Store::Checkpoint& checkpoint, const Store& store) {
+  belief::ProtoObject object;
+  auto [reader, version] = reader_of(checkpoint, kVersion, store);
+  version == 1 ? object.archive_before_4(reader) : object.archive(reader);
+  return object;
 }
 
 }  // namespace
@@ -94,7 +101,7 @@ belief::BeliefState load_belief(const Store& store) {
     belief::BeliefState state;
     read_rest(*checkpoint, store, state);
     for (const auto& [name, part] : store.checkpoints(kObjects))
-      reader_of(part, kVersion, store).first(state.objects.emplace_back());
+      state.objects.push_back(read_object(part, store));
     return state;
   }
   for (const AnnotationRow& row : store.annotations(last->id)) {

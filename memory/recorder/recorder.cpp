@@ -89,7 +89,9 @@ class Recorder::Writing {
     add_joint_events();
     add_beliefs();
     add_visibility();
-    save_reasoning(transaction_, result_.scene, evidence_, belief::decisions_of(result_.update));
+    const belief::Decisions decisions = belief::decisions_of(result_.update);
+    save_reasoning(transaction_, result_.scene, evidence_, decisions,
+                   belief::matrices_of(result_.update, decisions));
     recorder_.carried_.save(transaction_, result_.scene, state_);
     transaction_.commit();
     recorder_.carried_.committed();

@@ -5,15 +5,16 @@
 namespace loci {
 namespace {
 
-constexpr uint8_t kVersion = 1;
+constexpr uint8_t kVersion = 2;  ///< 1 had no matrices
 
 }  // namespace
 
 void save_reasoning(SceneTransaction& transaction, Id scene, const belief::Scene& evidence,
-                    const belief::Decisions& decisions) {
+                    const belief::Decisions& decisions, const belief::SceneMatrices& matrices) {
   belief::ArchiveWriter writer;
   writer(kVersion, evidence.time, evidence.seconds_to_next, evidence.view.has_camera, evidence.view.observed,
-         evidence.view.near_m, evidence.view.far_m, evidence.observations, evidence.places, decisions);
+         evidence.view.near_m, evidence.view.far_m, evidence.observations, evidence.places, decisions,
+         matrices);
   transaction.set_reasoning(scene, writer.take());
 }
 
@@ -25,11 +26,12 @@ std::optional<SceneReasoning> load_reasoning(const Store& store, Id scene) {
   uint8_t version = 0;
   belief::ArchiveReader reader(*bytes);
   reader(version);
-  if (version != kVersion)
+  if (version == 0 || version > kVersion)
     throw Error("this reasoning was written by another version of loci", {store.path().string(), 0, {}});
   reader(evidence.time, evidence.seconds_to_next, evidence.view.has_camera, evidence.view.observed,
          evidence.view.near_m, evidence.view.far_m, evidence.observations, evidence.places,
          reasoning.decisions);
+  if (version >= 2) reader(reasoning.matrices);
   return reasoning;
 }
 

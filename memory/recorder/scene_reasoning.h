@@ -1,6 +1,6 @@
 #pragma once
 
-#include "memory/belief/decisions.h"
+#include "memory/belief/scene_matrices.h"
 #include "memory/store/scene_transaction.h"
 
 namespace loci {
@@ -10,11 +10,12 @@ namespace loci {
 struct SceneReasoning {
   belief::Scene evidence;  ///< view without camera and images, which the scene's row has
   belief::Decisions decisions;
+  belief::SceneMatrices matrices;  ///< empty where an earlier version wrote it
 };
 
 /// Kept with the scene, compact.
 void save_reasoning(SceneTransaction& transaction, Id scene, const belief::Scene& evidence,
-                    const belief::Decisions& decisions);
+                    const belief::Decisions& decisions, const belief::SceneMatrices& matrices);
 /// Unset for scenes of which none was kept (other writers, earlier versions).
 std::optional<SceneReasoning> load_reasoning(const Store& store, Id scene);
 

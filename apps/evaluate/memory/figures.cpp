@@ -54,9 +54,10 @@ class Writer {
       const SceneRecord record = scene_of_detections(home_.look(), options_.home.noise_m, {});
       const Stopwatch wall;
       const double begin = processor_s();
-      recorder_.record(record);
+      const RecordedScene recorded = recorder_.record(record);
       processor_ += processor_s() - begin;
       wall_ += wall.seconds();
+      judge(recorded.update);
       observations_ += record.observations.size();
       ++scenes_;
       if (scenes_ % 64 == 0) done();
@@ -68,13 +69,26 @@ class Writer {
   size_t scenes() const { return scenes_; }
   double processor() const { return processor_; }
   double wall() const { return wall_; }
+  IdentityFigures identity() const { return judge_.figures(); }
 
  private:
+  void judge(const belief::BeliefUpdate& update) {
+    std::vector<JudgedSighting> scene;
+    for (size_t k = 0; k < update.observations.size(); ++k) {
+      const belief::ObservationOutcome& outcome = update.observations[k];
+      const TrueThing& truth = home_.seen()[k];
+      scene.push_back({truth.number, truth.event, outcome.object, outcome.explanation == Explanation::appear,
+                       outcome.explanation == Explanation::move});
+    }
+    judge_.see(scene);
+  }
+
   const MemoryOptions& options_;
   Home home_;
   Store store_;
   Id run_;
   Recorder recorder_;
+  IdentityJudge judge_;
   size_t observations_ = 0, scenes_ = 0;
   double processor_ = 0, wall_ = 0;
 };
@@ -93,6 +107,7 @@ void ingest_all(Writer& writer, const MemoryOptions& options, MemoryFigures& fig
   writer.write(tenth, tell);
   figures.last_tenth_rate = double(writer.observations() - before) / (writer.processor() - processor_before);
   figures.megabytes_at_end = resident_megabytes();
+  figures.identity = writer.identity();
   figures.scenes = writer.scenes();
   figures.observations = writer.observations();
   figures.processor_rate = double(figures.observations) / writer.processor();
@@ -315,6 +330,7 @@ std::string text_of(const MemoryFigures& f) {
       f.scenes, f.observations, f.objects, f.processor_rate, f.first_tenth_rate, f.last_tenth_rate,
       f.wall_rate, f.plain_rate, f.bytes_per_observation, f.megabytes_first_tenth, f.megabytes_at_end,
       f.statistics_ms, f.table_bytes_ms, f.verify_s);
+  text += text_of(f.identity);
   if (f.reader_questions > 0)
     text += fmt::format(
         "  beside readers ({} questions): {:.0f} per second of the clock, alone {:.0f} ({:.0f} %)\n",
@@ -353,6 +369,7 @@ Json json_of(const MemoryFigures& f) {
             {"plain_tables", f.plain_rate},
             {"alone", f.rate_alone},
             {"beside_readers", f.rate_with_readers}}},
+          {"identity", json_of(f.identity)},
           {"bytes_per_observation", f.bytes_per_observation},
           {"resident_mb", {{"first_tenth", f.megabytes_first_tenth}, {"end", f.megabytes_at_end}}},
           {"statistics_ms", f.statistics_ms},

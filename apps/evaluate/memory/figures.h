@@ -40,6 +40,7 @@ struct MemoryFigures {
   double verify_s = 0, statistics_ms = 0, table_bytes_ms = 0;
   double rate_alone = 0, rate_with_readers = 0;  ///< per second of the clock, one after the other
   size_t reader_questions = 0;
+  IdentityFigures identity;  ///< of what was taken in alone
   int kills = 0, kills_lost = 0, kills_unsound = 0;
   std::vector<QuestionFigures> questions;
 };

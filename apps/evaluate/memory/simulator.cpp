@@ -48,6 +48,7 @@ const std::vector<std::string>& Home::classes() {
 
 Home::Thing Home::new_thing() {
   Thing thing;
+  thing.number = numbers_++;
   thing.class_name = classes()[random_.index(classes().size())];
   thing.size = {random_.uniform(0.05, 0.14), random_.uniform(0.05, 0.14), random_.uniform(0.05, 0.25)};
   thing.color = {random_.uniform(0, 360), random_.uniform(0.3, 1), random_.uniform(0.3, 1)};
@@ -90,11 +91,21 @@ Detection Home::detect(const Thing& thing) {
   return detection;
 }
 
+TrueEvent Home::event_of(const Thing& thing) {
+  if (!thing.seen_on) return TrueEvent::fresh;
+  if (*thing.seen_on != thing.place) return TrueEvent::moved_elsewhere;
+  return thing.moved ? TrueEvent::moved_here : TrueEvent::stayed;
+}
+
 DetectedScene Home::look() {
   time_ += static_cast<TimeNs>(options_.scene_s * static_cast<double>(kSecond));
   const auto places = static_cast<uint64_t>(options_.places);
-  if (random_.uniform() < options_.moves)
-    put(things_[random_.index(things_.size())], static_cast<int>(random_.index(places)));
+  if (random_.uniform() < options_.moves) {
+    const auto to = static_cast<int>(random_.index(places));
+    Thing& thing = things_[random_.index(things_.size())];
+    put(thing, to);
+    thing.moved = true;
+  }
   if (random_.uniform() < options_.exchanges) {
     Thing& thing = things_[random_.index(things_.size())];
     thing = new_thing();
@@ -105,13 +116,19 @@ DetectedScene Home::look() {
   scene.time = time_;
   scene.camera = DetectedScene::Camera{camera_at(place), PinholeCamera{640, 480, 525, 525, 320, 240}, {}, {}};
   scene.observed = {{place_name(place), 1.0}};
-  for (const Thing& thing : things_)
-    if (thing.place == place && random_.uniform() < options_.detection)
-      scene.detections.push_back(detect(thing));
+  seen_.clear();
+  for (Thing& thing : things_) {
+    if (thing.place != place || random_.uniform() >= options_.detection) continue;
+    scene.detections.push_back(detect(thing));
+    seen_.push_back({thing.number, event_of(thing)});
+    thing.seen_on = place;
+    thing.moved = false;
+  }
   if (random_.uniform() < options_.clutter) {
     Thing ghost = new_thing();
     put(ghost, place);
     scene.detections.push_back(detect(ghost));
+    seen_.emplace_back();
   }
   return scene;
 }

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "apps/evaluate/memory/identity_judge.h"
 #include "mapping/base/random.h"
 #include "memory/ingest/detections.h"
 
@@ -19,6 +21,12 @@ struct HomeOptions {
   double noise_m = 0.005;   ///< of positions, per axis
 };
 
+/// What a detection is of, which only evaluation may know.
+struct TrueThing {
+  int number = -1;  ///< -1 = false detection
+  TrueEvent event = TrueEvent::ghost;
+};
+
 /// A home of tables with things on them, and a robot that looks at one table after the other: what its
 /// detector finds there, without images.
 class Home {
@@ -27,6 +35,8 @@ class Home {
 
   /// Half a minute later, at the next table.
   DetectedScene look();
+  /// Of what the detections of the last look are.
+  const std::vector<TrueThing>& seen() const { return seen_; }
 
   static std::string place_name(int place);
   static const std::vector<std::string>& classes();
@@ -37,16 +47,21 @@ class Home {
     int place = 0;
     Vector3d position = Vector3d::Zero(), size = Vector3d::Zero(), color = Vector3d::Zero();
     std::string class_name, text;
+    int number = 0;
+    std::optional<int> seen_on;  ///< the place where it was seen last
+    bool moved = false;          ///< since then
   };
   Thing new_thing();
   void put(Thing& thing, int place);
   Detection detect(const Thing& thing);
+  static TrueEvent event_of(const Thing& thing);
 
   HomeOptions options_;
   Random random_;
   std::vector<Thing> things_;
   TimeNs time_;
-  int scenes_ = 0;
+  std::vector<TrueThing> seen_;
+  int scenes_ = 0, numbers_ = 0;
 };
 
 }  // namespace loci::memory_experiment

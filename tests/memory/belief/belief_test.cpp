@@ -89,6 +89,44 @@ TEST_F(Belief, TwoEqualCupsThatBothMovedAreAmbiguous) {
   }
 }
 
+TEST_F(Belief, TwoEqualCupsAreNotTakenForOneThatGoesToAndFro) {
+  const Isometry3d here = kitchen.map_from_camera;
+  const Isometry3d there = SyntheticKitchen::look_from({4, -1.0, 1.4}, {4, 0, 0.72});
+  kitchen.things = {{"cup", at(0, 0)}};
+  look(0);
+  kitchen.things.push_back({"its twin", at(4, 0)});
+  kitchen.map_from_camera = there;
+  EXPECT_THAT(told(look(1200)), ElementsAre("moved 1")) << "the likelier story as long as nobody looks back";
+  kitchen.map_from_camera = here;
+  EXPECT_THAT(told(look(1260)), ElementsAre("moved 1")) << "it stands where it stood";
+  kitchen.map_from_camera = there;
+  EXPECT_THAT(told(look(1320)), ElementsAre("appeared 2"));
+  for (int i = 0; i < 4; ++i) {
+    kitchen.map_from_camera = i % 2 == 0 ? here : there;
+    EXPECT_THAT(told(look(1500 + 60 * i)), IsEmpty());
+  }
+}
+
+TEST_F(Belief, WhatLeftItsPlaceLeavesNothingBehind) {
+  kitchen.things = {{"cup", at(0, 0)}};
+  look(0);
+  kitchen.thing("cup").centre = at(0.3, 0);
+  look(600);
+  EXPECT_EQ(state.objects.size(), 1U) << "the place was seen empty";
+}
+
+TEST_F(Belief, WhereNewThingsAreMostlyFalseTheyWaitForAnotherLook) {
+  kitchen.things = {{"cup", at(0, 0)}};
+  look(0);
+  for (int i = 0; i < 200; ++i) state.habits.learn_false(i % 2, {});
+  kitchen.things.push_back({"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue});
+  EXPECT_THAT(told(look(60)), IsEmpty());
+  const BeliefUpdate second = look(120);
+  EXPECT_THAT(told(second), ElementsAre("appeared 2"));
+  ASSERT_EQ(second.confirmed.size(), 1U);
+  EXPECT_EQ(second.confirmed[0].earlier.size(), 1U) << "with its first sighting";
+}
+
 TEST_F(Belief, LookedForAndNotThereIsGone) {
   kitchen.things = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
   look(0);

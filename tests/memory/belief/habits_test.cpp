@@ -61,6 +61,25 @@ TEST(Habits, NewThingsAreExpectedWhereNobodyLookedBefore) {
   EXPECT_GT(habits.arrivals("place_99", kOptions), 10 * habits.arrivals("place_3", kOptions));
 }
 
+TEST(Habits, WhatIsGoneForLongReturnsMoreSeldom) {
+  Habits habits;
+  for (int i = 0; i < 100; ++i) {
+    habits.learn_returns(100, i % 2, kOptions);
+    habits.learn_returns(5 * kHour, 0, kOptions);
+  }
+  EXPECT_NEAR(habits.returns(100, kOptions), 0.5, 0.05);
+  EXPECT_LT(habits.returns(5 * kHour, kOptions), 0.03);
+}
+
+TEST(Habits, HowOftenNewThingsAreFalseIsLearned) {
+  Habits habits;
+  for (int i = 0; i < 20; ++i) habits.learn_arrivals("table_" + std::to_string(i), 5, kOptions);
+  EXPECT_NEAR(habits.false_share("table_1", kOptions), 0.1, 1e-9);
+  EXPECT_LT(habits.false_share("table_99", kOptions), 0.02) << "where nobody looked before all is new";
+  for (int i = 0; i < 200; ++i) habits.learn_false(i % 2, kOptions);
+  EXPECT_NEAR(habits.false_share("table_1", kOptions), 0.5, 0.05);
+}
+
 TEST(Archive, RefusesBytesThatEndTooEarly) {
   ArchiveWriter writer;
   writer(watched("mug", 9, 3));

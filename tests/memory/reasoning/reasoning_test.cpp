@@ -7,6 +7,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "memory/ingest/ingest.h"
+#include "memory/reasoning/pair_matrices.h"
 #include "memory/reasoning/reason.h"
 #include "memory/reasoning/why.h"
 #include "memory/recorder/scene_reasoning.h"
@@ -96,6 +97,25 @@ TEST_F(Reasoning, WhyAnObjectIsGone) {
   EXPECT_GT(why.json.at("since").at("place").at("searched"), 0.9);
   const Why before = why_object(store, 2, {.at = parse_time("2026-05-01T09:30:00Z")});
   EXPECT_FALSE(before.json.contains("since")) << "nobody had looked";
+}
+
+TEST_F(Reasoning, MatricesOfASceneAreKeptWithIt) {
+  const Store store = memory();
+  const auto matrices = pair_matrices(store, store.scenes()[1].id);
+  ASSERT_TRUE(matrices);
+  ASSERT_EQ(matrices->rows.size(), 1U) << "the mug on the counter";
+  ASSERT_EQ(matrices->columns.size(), 2U);
+  EXPECT_EQ(matrices->columns[0].name, "object_1");
+  EXPECT_NEAR(matrices->distance(0, 0), Vector3d(2, 0, 0.1).norm(), 1e-3);
+  EXPECT_GT(matrices->similar(0, 0), 0.9);
+  EXPECT_LT(matrices->similar(0, 1), 0.1) << "the box";
+  EXPECT_GT(matrices->is(0, 0), 0.5);
+  EXPECT_EQ(matrices->rows[0].column, 0U);
+  for (const PairMatrices::Kind& kind : matrices->kinds)
+    EXPECT_LE(kind.distance(0, 0), kind.distance(0, 1) + 1e-9) << kind.name;
+  const Json json = why_scene(store, store.scenes()[1].id).json.at("matrices");
+  EXPECT_EQ(json.at("objects").size(), 2U);
+  EXPECT_EQ(json.at("annotations").at("mean_color").at("distance").at(0).size(), 2U);
 }
 
 TEST_F(Reasoning, WhyOfWhatIsUnknownSaysSo) {

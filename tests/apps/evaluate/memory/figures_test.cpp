@@ -40,7 +40,12 @@ TEST_F(MemoryAtSize, KnowsTheThingsOfTheHomeAndWritesLittleForWhatDoesNotChange)
   options.questions = 10;
   const MemoryFigures figures = measure(options, folder, silent);
   EXPECT_GE(figures.objects, 95U) << "a hundred things are in the home";
-  EXPECT_LT(figures.bytes_per_observation, 900);
+  EXPECT_LT(figures.bytes_per_observation, 1000);
+  const IdentityFigures& identity = figures.identity;
+  EXPECT_GT(identity.f1(), 0.98);
+  const auto& stayed = identity.events[static_cast<size_t>(TrueEvent::stayed)];
+  EXPECT_LT(stayed.said_moved, 10U);
+  EXPECT_GT(stayed.same, stayed.all * 99 / 100);
   EXPECT_GT(figures.reader_questions, 0U);
   const Store store = Store::open_read(folder / "simulated.loci");
   size_t beliefs = 0;
