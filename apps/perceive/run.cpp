@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include <chrono>
+#include <algorithm>
 
 #include "apps/perceive/annotators.h"
 #include "apps/perceive/commands.h"
@@ -13,6 +13,7 @@
 #include "perception/annotators/annotators.h"
 #include "perception/annotators/hypotheses/known_map.h"
 #include "perception/annotators/io/pictures.h"
+#include "perception/pipeline/goal.h"
 #include "perception/pipeline/pipeline.h"
 
 namespace loci {
@@ -30,6 +31,9 @@ struct Arguments {
   MemoryTarget memory;
   StatisticsTarget statistics;
   PluginOption plugins;
+  std::string goal;
+  double budget_ms = 0;
+  std::vector<std::string> with;
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
@@ -45,14 +49,51 @@ void declare(CLI::App& app, Arguments& arguments) {
   arguments.memory.declare(app);
   arguments.statistics.declare(app);
   arguments.plugins.declare(app);
+  CLI::Option* goal =
+      app.add_option("--for", arguments.goal,
+                     "What is looked for, \"class=mug color=red on=table_1\": annotators are chosen for it");
+  goal->excludes("--pipeline");
+  app.add_option("--budget-ms", arguments.budget_ms, "Expected time per scene that --for may use")
+      ->check(CLI::PositiveNumber)
+      ->needs(goal);
+  app.add_option("--with", arguments.with,
+                 "Options of an annotator that --for may choose: 'Name: {option: value}'")
+      ->needs(goal);
   app.add_option("--labels", arguments.labels,
                  "Folder for label images FRAME_label.png (0 = none, n = object)");
   app.add_option("--pictures", arguments.pictures, "Folder for colour pictures with what was found drawn in");
 }
 
-Pipeline read_pipeline(const Arguments& arguments, const AnnotatorRegistry& registry) {
-  Config config = arguments.pipeline.empty() ? Config::parse(default_pipeline(), "the default pipeline")
-                                             : Config::read(arguments.pipeline);
+/// The steps of the default pipeline that find the objects: those before the first that needs them.
+Json steps_that_find(const AnnotatorRegistry& registry) {
+  Json steps = Json::array();
+  const Json all = Pipeline::parse(default_pipeline(), "the default pipeline", registry).to_json();
+  for (const Json& step : all["flow"]) {
+    const std::vector<std::string> needs = registry.make(step.begin().key())->descriptor().needs;
+    if (std::find(needs.begin(), needs.end(), "Cluster") != needs.end()) break;
+    steps.push_back(step);
+  }
+  return steps;
+}
+
+std::optional<GoalPlan> plan_for(const Arguments& arguments, const AnnotatorRegistry& registry) {
+  if (arguments.goal.empty()) return std::nullopt;
+  Json configured = Json::object();
+  for (const std::string& text : arguments.with) {
+    const Config list = Config::parse("flow: [{" + text + "}]", "--with");
+    configured.update(to_json(read_flow(list, "flow", registry))[0]);
+  }
+  const std::optional<double> budget =
+      arguments.budget_ms > 0 ? std::optional<double>(arguments.budget_ms / 1e3) : std::nullopt;
+  return plan_goal(parse_goal(arguments.goal), steps_that_find(registry), configured, registry,
+                   arguments.statistics.read(arguments.memory.memory), budget);
+}
+
+Pipeline read_pipeline(const Arguments& arguments, const AnnotatorRegistry& registry,
+                       const std::optional<GoalPlan>& plan) {
+  Config config = plan ? Config::parse(plan->pipeline.dump(), "the pipeline made by --for")
+                  : arguments.pipeline.empty() ? Config::parse(default_pipeline(), "the default pipeline")
+                                               : Config::read(arguments.pipeline);
   if (arguments.every > 0) {
     // The command line overrides the file.
     YAML::Node options;
@@ -94,19 +135,33 @@ void write_pictures(const Arguments& arguments, const types::SceneCas& scene, bo
 void run(const Arguments& arguments, Session& session) {
   const Experts experts = arguments.plugins.load();
   const AnnotatorRegistry& registry = experts.registry;
-  Pipeline pipeline = read_pipeline(arguments, registry);
+  const std::optional<GoalPlan> plan = plan_for(arguments, registry);
+  Pipeline pipeline = read_pipeline(arguments, registry, plan);
   Resources resources = make_resources(arguments, session);
   if (!arguments.labels.empty()) make_folder(arguments.labels);
   if (!arguments.pictures.empty()) make_folder(arguments.pictures);
   arguments.memory.prepare(arguments.map, pipeline, registry, resources);
   Context context{resources, session.warnings(), session.flags().threads, {}};
   const bool remembers = resources.find<MemorySession>() != nullptr;
-  std::string text;
+  std::string text = plan ? plan_text(*plan) : std::string();
+  const std::optional<Condition> wanted =
+      plan && !plan->condition.empty() ? std::optional(Condition::parse(plan->condition, {})) : std::nullopt;
+  Json found = Json::array();
   size_t things = 0;
   Json scenes = Json::array();
   const auto done = [&](cas::Cas& cas) {
     const types::SceneCas scene(cas);
     things += scene.scene().clusters.size();
+    if (wanted) {
+      int number = 0;
+      for (const types::Cluster& cluster : scene.clusters()) {
+        ++number;
+        if (!wanted->holds(scene, cluster)) continue;
+        found.push_back({{"frame", scene.scene().frame_index.get()}, {"cluster", number}});
+        text += fmt::format("frame {}: cluster {} fits\n", scene.scene().frame_index.get(), number);
+      }
+      return write_pictures(arguments, scene, remembers);
+    }
     // With a memory the questions are the way to look; without one this is the answer.
     if (!remembers || session.flags().verbose) text += scene_text(scene);
     if (session.flags().json) scenes.push_back(scene_json(scene));
@@ -125,11 +180,13 @@ void run(const Arguments& arguments, Session& session) {
     text += fmt::format("; {} frames were left out because an annotator failed", result.pipeline.left_out);
   if (result.skipped > 0) text += fmt::format("; {} frames were in the memory already", result.skipped);
   text += remembers ? fmt::format("; remembered in {}\n", arguments.memory.memory) : "\n";
-  session.answer(text, {{"frames", result.pipeline.frames},
-                        {"skipped", result.skipped},
-                        {"left_out", result.pipeline.left_out},
-                        {"scenes", scenes},
-                        {"pipeline", context.configuration}});
+  Json json = {{"frames", result.pipeline.frames},
+               {"skipped", result.skipped},
+               {"left_out", result.pipeline.left_out},
+               {"scenes", scenes},
+               {"pipeline", context.configuration}};
+  if (plan) json.update({{"found", found}, {"plan", to_json(*plan)}});
+  session.answer(text, json);
 }
 
 }  // namespace
@@ -139,7 +196,8 @@ Command run_command() {
           "What stands where, frame by frame, through a pipeline of annotators",
           {"loci-perceive run demo-output/day --map demo-output/explored/map.urdf -m demo-output/memory.loci "
            "--resume",
-           "loci-perceive run demo-output/day --every 6 --json"},
+           "loci-perceive run demo-output/day --every 6 --json",
+           "loci-perceive run demo-output/day --every 6 --for \"color=red\" --budget-ms 2000"},
           [](CLI::App& app) {
             auto arguments = std::make_shared<Arguments>();
             declare(app, *arguments);

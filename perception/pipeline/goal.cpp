@@ -1,0 +1,221 @@
+#include "perception/pipeline/goal.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "mapping/base/json.h"
+#include "perception/pipeline/flow.h"
+
+namespace loci {
+namespace {
+
+// What is assumed of an annotator that never ran: it answers for half of the clusters, is right half of the
+// time, and takes as long as a slow one.
+constexpr double kAssumedAnswers = 0.5;
+constexpr double kAssumedConfidence = 0.5;
+constexpr double kAssumedSeconds = 0.2;
+
+struct KeyMeaning {
+  std::vector<std::string> products;
+  std::string condition;  ///< with {} for the value
+};
+
+const std::map<std::string, KeyMeaning>& meanings() {
+  static const std::map<std::string, KeyMeaning> all = {
+      {"barcode", {{"BarcodeAnnotation"}, "BarcodeAnnotation.code == '{}'"}},
+      {"class", {{"ClassificationAnnotation"}, "ClassificationAnnotation.label == '{}'"}},
+      {"color", {{"ColorAnnotation"}, "ColorAnnotation.names == '{}'"}},
+      {"on", {{"TFLocationAnnotation"}, "TFLocationAnnotation.frame_id == '{}'"}},
+      {"product", {{"ProductAnnotation"}, "ProductAnnotation.name == '{}'"}},
+      {"text", {{"TextAnnotation"}, "TextAnnotation.text == '{}'"}},
+  };
+  return all;
+}
+
+std::string step_name(const Json& step) {
+  return step.is_string() ? step.get<std::string>() : step.begin().key();
+}
+
+double expected_seconds(const std::string& name, const StatisticsTable& statistics) {
+  const auto known = statistics.find(name);
+  return known == statistics.end() || known->second.scenes == 0 ? kAssumedSeconds
+                                                                : known->second.seconds_per_scene();
+}
+
+/// What has to run, in order, before somebody's needs are met; nothing when that cannot be.
+std::optional<std::vector<std::string>> prerequisites(const std::string& name, std::set<std::string> made,
+                                                      const AnnotatorRegistry& registry, int depth = 0) {
+  std::vector<std::string> before;
+  for (const std::string& need : registry.make(name)->descriptor().needs) {
+    const auto met = [&] {
+      return std::any_of(made.begin(), made.end(),
+                         [&](const std::string& product) { return meets(product, need); });
+    };
+    if (met()) continue;
+    bool found = false;
+    for (const std::string& maker : depth > 8 ? std::vector<std::string>() : registry.makers_of(need)) {
+      const std::vector<std::string> annotators = registry.annotators();
+      if (std::find(annotators.begin(), annotators.end(), maker) == annotators.end()) continue;
+      const auto more = prerequisites(maker, made, registry, depth + 1);
+      if (!more) continue;
+      before.insert(before.end(), more->begin(), more->end());
+      before.push_back(maker);
+      for (const std::string& each : before)
+        for (const std::string& product : registry.make(each)->descriptor().makes) made.insert(product);
+      found = true;
+      break;
+    }
+    if (!found) return std::nullopt;
+  }
+  return before;
+}
+
+GoalChoice consider(const GoalTerm& term, const std::string& name, const std::vector<std::string>& with,
+                    const StatisticsTable& statistics) {
+  GoalChoice choice;
+  choice.term = term.key + "=" + term.value;
+  choice.annotator = name;
+  choice.with = with;
+  AnnotatorStatistics record;
+  if (const auto known = statistics.find(name); known != statistics.end()) record = known->second;
+  choice.known = record.scenes > 0;
+  for (const std::string& product : term.products)
+    choice.gain =
+        std::max(choice.gain, record.answer_rate(product, kAssumedAnswers) *
+                                  record.confidence(product, choice.known ? 1 : kAssumedConfidence));
+  choice.seconds = expected_seconds(name, statistics);
+  for (const std::string& each : with) choice.seconds += expected_seconds(each, statistics);
+  return choice;
+}
+
+}  // namespace
+
+std::vector<GoalTerm> parse_goal(const std::string& text) {
+  std::vector<std::string> keys;
+  for (const auto& [key, meaning] : meanings()) keys.push_back(key);
+  std::vector<GoalTerm> goal;
+  std::stringstream words(text);
+  for (std::string word; words >> word;) {
+    const size_t equals = word.find('=');
+    const std::string key = word.substr(0, equals);
+    const auto meaning = meanings().find(key);
+    if (equals == std::string::npos || equals + 1 == word.size() || meaning == meanings().end()) {
+      const std::string hint = did_you_mean(key, keys);
+      throw Error(fmt::format("'{}' is nothing that can be asked for", word), {"", 0, "--for"},
+                  hint.empty() ? fmt::format("KEY=VALUE with {}", fmt::join(keys, ", ")) : hint);
+    }
+    const std::string value = word.substr(equals + 1);
+    if (value.find('\'') != std::string::npos) throw Error("a value cannot hold a quote", {"", 0, "--for"});
+    goal.push_back(
+        {key, value, meaning->second.products, fmt::format(fmt::runtime(meaning->second.condition), value)});
+  }
+  if (goal.empty()) throw Error("nothing is asked for", {"", 0, "--for"}, "e.g. \"color=red on=table_1\"");
+  return goal;
+}
+
+GoalPlan plan_goal(const std::vector<GoalTerm>& goal, const Json& base, const Json& configured,
+                   const AnnotatorRegistry& registry, const StatisticsTable& statistics,
+                   std::optional<double> budget_s) {
+  GoalPlan plan;
+  std::set<std::string> made = {"Scene", "view:depth", "view:color", "CameraInfo", "JointState"};
+  for (const Json& step : base) {
+    const std::string name = step_name(step);
+    for (const std::string& product : registry.make(name)->descriptor().makes) made.insert(product);
+    plan.seconds += expected_seconds(name, statistics);
+  }
+  std::vector<std::pair<GoalChoice, const GoalTerm*>> best;
+  for (const GoalTerm& term : goal) {
+    std::vector<GoalChoice> options;
+    for (const std::string& name : registry.annotators()) {
+      const AnnotatorDescriptor descriptor = registry.make(name)->descriptor();
+      const bool answers = std::any_of(term.products.begin(), term.products.end(), [&](const auto& product) {
+        return std::find(descriptor.makes.begin(), descriptor.makes.end(), product) != descriptor.makes.end();
+      });
+      if (!answers) continue;
+      if (const auto before = prerequisites(name, made, registry))
+        options.push_back(consider(term, name, *before, statistics));
+    }
+    // One that was given with its options comes before those that may lack what they need to start.
+    std::stable_sort(options.begin(), options.end(), [&](const GoalChoice& one, const GoalChoice& two) {
+      const bool a = configured.contains(one.annotator), b = configured.contains(two.annotator);
+      return a != b ? a : one.gain / one.seconds > two.gain / two.seconds;
+    });
+    for (size_t i = 0; i < options.size(); ++i) {
+      if (i == 0)
+        best.emplace_back(options[0], &term);
+      else {
+        options[i].why = "less gain per time than " + options[0].annotator;
+        plan.choices.push_back(options[i]);
+      }
+    }
+    if (options.empty()) plan.unanswered.push_back(term.key + "=" + term.value);
+  }
+  std::stable_sort(best.begin(), best.end(), [](const auto& one, const auto& two) {
+    return one.first.gain / one.first.seconds > two.first.gain / two.first.seconds;
+  });
+  // From the inside out: whoever comes later is asked about the clusters that fit so far.
+  std::vector<std::pair<Json, std::string>> taken;
+  for (auto& [choice, term] : best) {
+    choice.taken = !budget_s || plan.seconds + choice.seconds <= *budget_s;
+    choice.why = choice.taken
+                     ? fmt::format("gain per time is {:.3g} per second", choice.gain / choice.seconds)
+                     : "the budget is used up";
+    plan.choices.push_back(choice);
+    if (!choice.taken) {
+      plan.unanswered.push_back(choice.term);
+      continue;
+    }
+    plan.seconds += choice.seconds;
+    Json steps = Json::array();
+    for (const std::string& each : choice.with) steps.push_back(each);
+    const Json options =
+        configured.contains(choice.annotator) ? configured[choice.annotator] : Json::object();
+    steps.push_back({{choice.annotator, options}});
+    taken.emplace_back(steps, term->condition);
+    plan.condition += (plan.condition.empty() ? "" : " and ") + term->condition;
+  }
+  Json flow = base;
+  Json inner = Json::array();
+  for (auto each = taken.rbegin(); each != taken.rend(); ++each) {
+    Json level = each->first;
+    if (!inner.empty()) level.push_back({{"if", each->second}, {"then", inner}});
+    inner = level;
+  }
+  for (const Json& step : inner) flow.push_back(step);
+  plan.pipeline = {{"flow", flow}};
+  return plan;
+}
+
+Json to_json(const GoalPlan& plan) {
+  Json choices = Json::array();
+  for (const GoalChoice& choice : plan.choices)
+    choices.push_back({{"for", choice.term},
+                       {"annotator", choice.annotator},
+                       {"with", choice.with},
+                       {"gain", choice.gain},
+                       {"seconds", choice.seconds},
+                       {"known", choice.known},
+                       {"taken", choice.taken},
+                       {"why", choice.why}});
+  return {{"choices", choices}, {"seconds", plan.seconds}, {"unanswered", plan.unanswered}};
+}
+
+std::string plan_text(const GoalPlan& plan) {
+  std::string text;
+  for (const GoalChoice& choice : plan.choices) {
+    text += fmt::format("{} {} for {}: {}; expected gain {:.2f} in {:.1f} ms{}", choice.taken ? "+" : "-",
+                        choice.annotator, choice.term, choice.why, choice.gain, choice.seconds * 1e3,
+                        choice.known ? "" : " (assumed: it never ran)");
+    if (!choice.with.empty()) text += fmt::format(", with {}", fmt::join(choice.with, ", "));
+    text += "\n";
+  }
+  for (const std::string& term : plan.unanswered) text += fmt::format("nobody is asked about {}\n", term);
+  return text + fmt::format("expected {:.0f} ms per scene\n", plan.seconds * 1e3);
+}
+
+}  // namespace loci

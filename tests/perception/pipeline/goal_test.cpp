@@ -1,0 +1,80 @@
+#include "perception/pipeline/goal.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/perception/pipeline/test_annotators.h"
+
+namespace loci {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+AnnotatorRegistry experts() {
+  AnnotatorRegistry registry = test_registry();
+  add_scripted(registry, {"Finder", "", {"Scene"}, {"Cluster"}});
+  add_scripted(registry, {"Colors", "", {"Cluster"}, {"ColorAnnotation"}});
+  add_scripted(registry, {"SlowColors", "", {"Cluster"}, {"ColorAnnotation"}});
+  add_scripted(registry, {"Features", "", {"Cluster"}, {"PclFeatureAnnotation"}});
+  add_scripted(registry, {"Classes", "", {"PclFeatureAnnotation"}, {"ClassificationAnnotation"}});
+  return registry;
+}
+
+AnnotatorStatistics record(double seconds, const std::string& type, int64_t made) {
+  AnnotatorStatistics statistics;
+  statistics.scenes = 1;
+  statistics.clusters = 10;
+  statistics.seconds = seconds;
+  statistics.products[type] = {made, 0, 0};
+  return statistics;
+}
+
+GoalPlan plan(const std::string& goal, std::optional<double> budget = {}) {
+  const StatisticsTable statistics = {{"Finder", record(0.1, "Cluster", 10)},
+                                      {"Colors", record(0.001, "ColorAnnotation", 10)},
+                                      {"SlowColors", record(0.1, "ColorAnnotation", 10)},
+                                      {"Features", record(0.02, "PclFeatureAnnotation", 10)},
+                                      {"Classes", record(0.01, "ClassificationAnnotation", 8)}};
+  return plan_goal(parse_goal(goal), Json::array({"Finder"}), Json::object(), experts(), statistics, budget);
+}
+
+std::vector<std::string> taken(const GoalPlan& plan) {
+  std::vector<std::string> names;
+  for (const GoalChoice& choice : plan.choices)
+    if (choice.taken) names.push_back(choice.annotator);
+  return names;
+}
+
+TEST(Goal, TakesTheMostGainPerTimeAndSaysWhy) {
+  const GoalPlan made = plan("class=mug color=red");
+  EXPECT_THAT(taken(made), ElementsAre("Colors", "Classes"));
+  EXPECT_NEAR(made.seconds, 0.131, 1e-9);
+  EXPECT_THAT(plan_text(made), HasSubstr("- SlowColors for color=red: less gain per time than Colors"));
+  EXPECT_THAT(plan_text(made), HasSubstr("with Features"));
+}
+
+TEST(Goal, AsksLaterExpertsOnlyAboutWhatFitsSoFar) {
+  const Json flow = plan("class=mug color=red").pipeline["flow"];
+  ASSERT_EQ(flow.size(), 3U);
+  EXPECT_EQ(flow[2]["if"], "ColorAnnotation.names == 'red'");
+  EXPECT_EQ(flow[2]["then"][0], "Features");
+  // It is a pipeline.
+  AnnotatorRegistry registry = experts();
+  EXPECT_EQ(refusal_of(Json{{"flow", flow}}.dump(), registry).find("needs"), std::string::npos);
+}
+
+TEST(Goal, KeepsToTheBudget) {
+  const GoalPlan made = plan("class=mug color=red", 0.12);
+  EXPECT_THAT(taken(made), ElementsAre("Colors"));
+  EXPECT_THAT(made.unanswered, ElementsAre("class=mug"));
+  EXPECT_THAT(plan_text(made), HasSubstr("the budget is used up"));
+}
+
+TEST(Goal, SaysWhatNobodyCanAnswer) {
+  EXPECT_THAT(plan("barcode=123").unanswered, ElementsAre("barcode=123"));
+  EXPECT_THROW(parse_goal("colour=red"), Error);
+  EXPECT_THROW(parse_goal(""), Error);
+}
+
+}  // namespace
+}  // namespace loci
