@@ -18,14 +18,15 @@ struct FeatureDelegate {
   std::vector<float> (*compute)(const SurfacePoints&);
 };
 
-constexpr std::array<FeatureDelegate, 8> kDelegates = {{{"VFH", "VFHSignature308", vfh},
+constexpr std::array<FeatureDelegate, 9> kDelegates = {{{"VFH", "VFHSignature308", vfh},
                                                         {"CVFH", "CVFHSignature308", cvfh},
                                                         {"ESF", "ESFSignature640", esf},
                                                         {"GRSD", "GRSDSignature21", grsd},
                                                         {"PFH", "PFHSignature125", pfh},
                                                         {"FPFH", "FPFHSignature33", fpfh},
                                                         {"SHOT", "SHOT352", shot},
-                                                        {"SpinImage", "SpinImage153", spin_image}}};
+                                                        {"SpinImage", "SpinImage153", spin_image},
+                                                        {"GaussImage", "GaussImage12", gauss_image}}};
 
 const FeatureDelegate& delegate(const std::string& name) {
   for (const FeatureDelegate& each : kDelegates)

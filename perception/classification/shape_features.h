@@ -20,11 +20,11 @@ std::vector<std::string> shape_feature_names();
 /// What PCL calls a descriptor of that name: "VFHSignature308". Error that names those that there are.
 std::string shape_feature_signature(const std::string& name);
 
-/// One vector that describes the whole surface, computed with PCL after the points were thinned to one for
-/// each cell of 5 mm (points without a normal are left out). Descriptors of single points (FPFH, SHOT, spin
-/// images) are averaged over points spread over the surface, those of parts (CVFH) over the parts;
-/// PFH is taken of all pairs of points. The same bytes for the same points. Empty when there are too few
-/// points.
+/// One vector that describes the whole surface, computed with PCL (but for GaussImage) after the points were
+/// thinned to one for each cell of 5 mm (points without a normal are left out). Descriptors of single points
+/// (FPFH, SHOT, spin images) are averaged over points spread over the surface, those of parts (CVFH) over the
+/// parts; PFH is taken of all pairs of points. The same bytes for the same points. Empty when there are too
+/// few points.
 std::vector<float> shape_feature(const std::string& name, const SurfacePoints& surface);
 
 }  // namespace loci

@@ -13,5 +13,8 @@ std::vector<float> pfh(const SurfacePoints& surface);
 std::vector<float> fpfh(const SurfacePoints& surface);
 std::vector<float> shot(const SurfacePoints& surface);
 std::vector<float> spin_image(const SurfacePoints& surface);
+/// Not of PCL: size along the principal axes and how the normals are spread over the sphere (Horn 1984). 12
+/// values.
+std::vector<float> gauss_image(const SurfacePoints& surface);
 
 }  // namespace loci::feature_delegates
