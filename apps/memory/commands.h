@@ -31,6 +31,7 @@ Command edit_command();
 Command verify_command();
 Command stat_command();
 Command export_command();
+Command model_command();
 Command forget_command();
 Command merge_command();
 Command retain_command();

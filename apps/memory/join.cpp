@@ -9,6 +9,7 @@
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
 #include "mapping/base/json.h"
+#include "memory/reasoning/reason.h"
 #include "memory/store/copy.h"
 #include "memory/store/merge.h"
 #include "memory/store/retention.h"
@@ -56,7 +57,7 @@ Command merge_command() {
        "demo-output/merged_same_frame.loci --json"},
       [](CLI::App& app) {
         struct Arguments {
-          std::string first, second, output, transform;
+          std::string first, second, output, transform, reason;
         };
         auto arguments = std::make_shared<Arguments>();
         app.add_option("first", arguments->first, "The memory whose map frame is that of the result")
@@ -66,6 +67,9 @@ Command merge_command() {
         app.add_option(
             "--transform", arguments->transform,
             "Where the second map frame lies in the first: x,y,z,yaw_deg; 0,0,0,0 = it is the same one");
+        app.add_option(
+            "--reason", arguments->reason,
+            "Then reason over both together, into this new memory: what both have seen becomes one");
         return [arguments](Session& session) {
           std::optional<FrameChange> frame;
           if (!arguments->transform.empty()) frame = frame_from(arguments->transform);
@@ -82,17 +86,25 @@ Command merge_command() {
           if (result.reasoning > 0)
             text += fmt::format("\nThe reasoning of {} scenes, which is in the other frame, stays behind.",
                                 result.reasoning);
-          if (result.scenes > 0)
+          Json reasoned;
+          if (!arguments->reason.empty()) {
+            const ReasonResult reasons =
+                reason(Store::open_read(arguments->output), arguments->reason, {}, {}, session.progress());
+            text += "\n" + reasons.summary();
+            reasoned = reasons.report();
+          } else if (result.scenes > 0)
             text += fmt::format(
                 "\nWhat both have seen has two names: loci-memory reason -m {} -o OTHER finds out.",
                 arguments->output);
-          session.answer(text, {{"scenes", result.scenes},
-                                {"observations", result.observations},
-                                {"objects", result.objects},
-                                {"facts", result.facts},
-                                {"known_scenes", result.known_scenes},
-                                {"reasoning_left", result.reasoning},
-                                {"renamed", renamed}});
+          Json json = {{"scenes", result.scenes},
+                       {"observations", result.observations},
+                       {"objects", result.objects},
+                       {"facts", result.facts},
+                       {"known_scenes", result.known_scenes},
+                       {"reasoning_left", result.reasoning},
+                       {"renamed", renamed}};
+          if (!reasoned.is_null()) json["reason"] = reasoned;
+          session.answer(text, json);
         };
       }};
 }

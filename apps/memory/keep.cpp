@@ -1,42 +1,14 @@
-// What is done with the file itself: its size, taking it elsewhere, forgetting.
+// What is done with the file itself: its size, forgetting.
 
 #include <fmt/format.h>
 
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
-#include "mapping/base/csv.h"
-#include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "memory/recorder/forget.h"
 #include "memory/store/copy.h"
 
 namespace loci {
-namespace {
-
-/// All rows of a view, as JSON Lines and CSV; the number of rows.
-int64_t export_view(const Store& store, const std::string& view, const std::filesystem::path& folder) {
-  AtomicFile lines(folder / (view + ".jsonl")), table(folder / (view + ".csv"));
-  int64_t rows = 0;
-  store.read_view("v_" + view, [&](const Json& row) {
-    std::string names, cells;
-    for (const auto& [name, value] : row.items()) {
-      const std::string separator = cells.empty() && names.empty() ? "" : ",";
-      names += separator + csv_cell(name);
-      cells += separator + csv_cell(value.is_null()     ? ""
-                                    : value.is_string() ? value.get<std::string>()
-                                                        : value.dump());
-    }
-    if (rows++ == 0) table.write(names + "\n");
-    table.write(cells + "\n");
-    lines.write(row.dump() + "\n");
-  });
-  lines.commit();
-  table.commit();
-  return rows;
-}
-
-}  // namespace
-
 Command stat_command() {
   return {
       "stat",
@@ -58,34 +30,6 @@ Command stat_command() {
           session.answer(text, {{"bytes", bytes}, {"tables", tables}});
         };
       }};
-}
-
-Command export_command() {
-  return {"export",
-          "Objects, sightings, events, looks, facts and scenes as JSON Lines and CSV",
-          {"loci-memory export -m demo-output/memory.loci -o demo-output/memory-export",
-           "loci-memory export -m demo-output/memory.loci -o demo-output/memory-export --json"},
-          [](CLI::App& app) {
-            struct Arguments {
-              std::string memory, folder;
-            };
-            auto arguments = std::make_shared<Arguments>();
-            app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
-            app.add_option("-o,--output", arguments->folder, "Folder for the files")->required();
-            return [arguments](Session& session) {
-              const Store store = Store::open_read(arguments->memory);
-              make_folder(arguments->folder);
-              Json rows = Json::object();
-              std::string text = "Written to " + arguments->folder + ":";
-              for (const char* view : {"objects", "sightings", "events", "scenes", "looks", "facts"}) {
-                const int64_t count = export_view(store, view, arguments->folder);
-                rows[view] = count;
-                text += fmt::format(" {} {},", count, view);
-              }
-              text.back() = '.';
-              session.answer(text, {{"folder", arguments->folder}, {"rows", rows}});
-            };
-          }};
 }
 
 Command forget_command() {

@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   program.add(loci::verify_command());
   program.add(loci::stat_command());
   program.add(loci::export_command());
+  program.add(loci::model_command());
   program.add(loci::forget_command());
   program.add(loci::merge_command());
   program.add(loci::retain_command());

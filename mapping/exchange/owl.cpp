@@ -1,30 +1,17 @@
 #include "mapping/exchange/owl.h"
 
-#include <fmt/format.h>
-#include <tinyxml2.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
 
 #include "mapping/base/json.h"
+#include "mapping/exchange/owl_document.h"
 #include "mapping/world/kinematics.h"
 
 namespace loci {
 namespace {
 
 using tinyxml2::XMLElement;
-
-constexpr const char* kKnowRob = "http://knowrob.org/kb/knowrob.owl#";
-constexpr const char* kXsd = "http://www.w3.org/2001/XMLSchema#";
-
-/// What is within reach of a name in OWL: letters, digits, underscore, hyphen.
-std::string identifier(std::string name) {
-  std::ranges::replace_if(
-      name, [](unsigned char c) { return !std::isalnum(c) && c != '_' && c != '-'; }, '_');
-  return name;
-}
 
 Vector3d vector_of(const Json& json) {
   return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
@@ -56,144 +43,73 @@ class Writer {
   Writer(const World& world, const SemanticMap& semantics, const std::string& name, int64_t time_ns)
       : world_(world),
         semantics_(semantics),
-        base_("http://knowrob.org/kb/" + identifier(name) + ".owl"),
-        map_(identifier(name)),
-        time_("timepoint_" + std::to_string(time_ns / 1'000'000'000)),
-        root_from_link_(root_from_links(world, {})) {}
+        map_(owl_identifier(name)),
+        root_from_link_(root_from_links(world, {})),
+        document_(name) {
+    document_.individual(map_, "SemanticEnvironmentMap");
+    time_ = document_.timepoint(time_ns);
+  }
 
   std::string text() {
-    document_.InsertEndChild(document_.NewDeclaration());
-    XMLElement* rdf = document_.NewElement("rdf:RDF");
-    document_.InsertEndChild(rdf);
-    rdf_ = rdf;
-    const auto space = [&](const char* attribute, const std::string& uri) {
-      rdf->SetAttribute(attribute, uri.c_str());
-    };
-    space("xmlns", base_ + "#");
-    space("xml:base", base_);
-    space("xmlns:rdf", "http://www.w3.org/1999/02/22-rdf-syntax-ns#");
-    space("xmlns:rdfs", "http://www.w3.org/2000/01/rdf-schema#");
-    space("xmlns:owl", "http://www.w3.org/2002/07/owl#");
-    space("xmlns:xsd", kXsd);
-    space("xmlns:knowrob", kKnowRob);
-    XMLElement& ontology = top("owl:Ontology", base_);
-    resource(ontology, "owl:imports", "package://knowrob_common/owl/knowrob.owl");
-
-    individual(map_, "SemanticEnvironmentMap");
-    individual(time_, "TimePoint");
     for (const Link& link : world_.links)
       if (const auto entry = semantics_.links.find(link.name); entry != semantics_.links.end())
         add_link(link, entry->second);
     for (const Joint& joint : world_.joints)
       if (joint.type != JointType::fixed && joint.type != JointType::floating) add_joint(joint);
-    declare();
-    tinyxml2::XMLPrinter printer;
-    document_.Print(&printer);
-    return printer.CStr();
+    return document_.text();
   }
 
  private:
-  XMLElement& top(const char* element, const std::string& about) {
-    XMLElement& node = *rdf_->InsertNewChildElement(element);
-    node.SetAttribute("rdf:about", about.c_str());
-    return node;
-  }
-
-  static void resource(XMLElement& parent, const char* property, const std::string& uri) {
-    parent.InsertNewChildElement(property)->SetAttribute("rdf:resource", uri.c_str());
-  }
-
-  XMLElement& individual(const std::string& name, const std::string& class_name) {
-    XMLElement& node = top("owl:NamedIndividual", own(name));
-    resource(node, "rdf:type", kKnowRob + class_name);
-    classes_.insert(class_name);
-    return node;
-  }
-
-  std::string own(const std::string& name) const { return base_ + "#" + identifier(name); }
-
-  /// A property whose value is another individual.
-  void relate(XMLElement& node, const std::string& property, const std::string& name) {
-    object_properties_.insert(property);
-    resource(node, ("knowrob:" + property).c_str(), own(name));
-  }
-
-  void state(XMLElement& node, const std::string& property, const char* type, const std::string& value) {
-    data_properties_.insert(property);
-    XMLElement* element = node.InsertNewChildElement(("knowrob:" + property).c_str());
-    element->SetAttribute("rdf:datatype", (kXsd + std::string(type)).c_str());
-    element->SetText(value.c_str());
-  }
-  void state(XMLElement& node, const std::string& property, double value) {
-    state(node, property, "double", number(value));
-  }
-
-  /// A property that KnowRob does not have, in the map's own namespace.
-  void state_own(XMLElement& node, const std::string& property, const char* type, const std::string& value) {
-    own_properties_.insert(property);
-    XMLElement* element = node.InsertNewChildElement(property.c_str());
-    element->SetAttribute("rdf:datatype", (kXsd + std::string(type)).c_str());
-    element->SetText(value.c_str());
-  }
-
-  static std::string number(double value) { return fmt::format("{}", value == 0 ? 0.0 : value); }
-
   void add_link(const Link& link, const SemanticLink& entry) {
-    XMLElement& node = individual(link.name, knowrob_class(entry));
-    relate(node, "describedInMap", map_);
+    XMLElement& node = document_.individual(link.name, knowrob_class(entry));
+    document_.relate(node, "describedInMap", map_);
     if (const std::optional<Vector3d> size = size_of(link)) {
-      state(node, "depthOfObject", size->x());
-      state(node, "widthOfObject", size->y());
-      state(node, "heightOfObject", size->z());
+      document_.state(node, "depthOfObject", size->x());
+      document_.state(node, "widthOfObject", size->y());
+      document_.state(node, "heightOfObject", size->z());
     }
-    state_own(node, "urdfName", "string", link.name);
-    state_own(node, "confidence", "double", number(entry.confidence));
-    for (const std::string& alias : entry.aliases) {
-      XMLElement* label = node.InsertNewChildElement("rdfs:label");
-      label->SetText(alias.c_str());
-    }
+    document_.state_own(node, "urdfName", "string", link.name);
+    document_.state_own(node, "confidence", "double", OwlDocument::number(entry.confidence));
+    for (const std::string& alias : entry.aliases) document_.label(node, alias);
     for (const Joint& joint : world_.joints) {
       if (joint.parent != link.name || !semantics_.links.contains(joint.child)) continue;
-      relate(node, "properPhysicalParts", joint.child);
-      if (joint.type == JointType::prismatic) relate(node, "prismaticallyConnectedTo", joint.child);
+      document_.relate(node, "properPhysicalParts", joint.child);
+      if (joint.type == JointType::prismatic) document_.relate(node, "prismaticallyConnectedTo", joint.child);
       if (joint.type == JointType::revolute || joint.type == JointType::continuous)
-        relate(node, "hingedTo", joint.child);
+        document_.relate(node, "hingedTo", joint.child);
     }
     add_perception(link.name, root_from_link_[world_.link_index(link.name)]);
   }
 
   /// Where and when something was seen, as KnowRob keeps poses.
   void add_perception(const std::string& of, const Isometry3d& pose) {
-    XMLElement& perception = individual("perception_" + of, "SemanticMapPerception");
-    relate(perception, "objectActedOn", of);
-    relate(perception, "eventOccursAt", "pose_" + of);
-    relate(perception, "startTime", time_);
-    XMLElement& matrix = individual("pose_" + of, "RotationMatrix3D");
-    for (int row = 0; row < 4; ++row)
-      for (int column = 0; column < 4; ++column)
-        state(matrix, fmt::format("m{}{}", row, column), pose.matrix()(row, column));
+    XMLElement& perception = document_.individual("perception_" + of, "SemanticMapPerception");
+    document_.relate(perception, "objectActedOn", of);
+    document_.relate(perception, "eventOccursAt", "pose_" + of);
+    document_.relate(perception, "startTime", time_);
+    document_.add_matrix("pose_" + of, pose);
   }
 
   void add_joint(const Joint& joint) {
     const bool slides = joint.type == JointType::prismatic;
     const Isometry3d& pose = root_from_link_[world_.link_index(joint.child)];
-    XMLElement& node = individual(joint.name, slides ? "PrismaticJoint" : "HingedJoint");
-    relate(node, "describedInMap", map_);
-    relate(node, "connectedTo-Rigidly", joint.parent);
-    relate(node, "connectedTo-Rigidly", joint.child);
+    XMLElement& node = document_.individual(joint.name, slides ? "PrismaticJoint" : "HingedJoint");
+    document_.relate(node, "describedInMap", map_);
+    document_.relate(node, "connectedTo-Rigidly", joint.parent);
+    document_.relate(node, "connectedTo-Rigidly", joint.child);
     if (joint.limits) {
-      state(node, "minJointValue", joint.limits->lower);
-      state(node, "maxJointValue", joint.limits->upper);
+      document_.state(node, "minJointValue", joint.limits->lower);
+      document_.state(node, "maxJointValue", joint.limits->upper);
     }
-    relate(node, "direction", "direction_" + joint.name);
+    document_.relate(node, "direction", "direction_" + joint.name);
     add_belief(node, joint.child);
     if (const std::optional<double> radius = slides ? std::nullopt : turn_radius(joint, pose))
-      state(node, "turnRadius", *radius);
+      document_.state(node, "turnRadius", *radius);
     const Vector3d axis = pose.linear() * joint.axis.normalized();
-    XMLElement& direction = individual("direction_" + joint.name, "Vector");
-    state(direction, "vectorX", axis.x());
-    state(direction, "vectorY", axis.y());
-    state(direction, "vectorZ", axis.z());
+    XMLElement& direction = document_.individual("direction_" + joint.name, "Vector");
+    document_.state(direction, "vectorX", axis.x());
+    document_.state(direction, "vectorY", axis.y());
+    document_.state(direction, "vectorZ", axis.z());
     add_perception(joint.name, pose);
   }
 
@@ -203,10 +119,11 @@ class Writer {
     if (entry == semantics_.links.end()) return;
     const Json& extra = entry->second.extra;
     if (extra.contains("joint_evidence"))
-      state_own(node, "jointEvidence", "string", extra["joint_evidence"].get<std::string>());
+      document_.state_own(node, "jointEvidence", "string", extra["joint_evidence"].get<std::string>());
     const Json probabilities = extra.value("joint_probabilities", Json::object());
     for (const auto& [type, probability] : probabilities.items())
-      state_own(node, "probability-" + type, "double", number(probability.get<double>()));
+      document_.state_own(node, "probability-" + type, "double",
+                          OwlDocument::number(probability.get<double>()));
   }
 
   /// From the hinge to the handle, or else to the front's middle.
@@ -228,20 +145,11 @@ class Writer {
     return (*point - pose.translation()).cross(axis).norm();
   }
 
-  void declare() {
-    for (const std::string& name : classes_) top("owl:Class", kKnowRob + name);
-    for (const std::string& name : object_properties_) top("owl:ObjectProperty", kKnowRob + name);
-    for (const std::string& name : data_properties_) top("owl:DatatypeProperty", kKnowRob + name);
-    for (const std::string& name : own_properties_) top("owl:DatatypeProperty", own(name));
-  }
-
   const World& world_;
   const SemanticMap& semantics_;
-  std::string base_, map_, time_;
+  std::string map_, time_;
   std::vector<Isometry3d> root_from_link_;
-  tinyxml2::XMLDocument document_;
-  XMLElement* rdf_ = nullptr;
-  std::set<std::string> classes_, object_properties_, data_properties_, own_properties_;
+  OwlDocument document_;
 };
 
 }  // namespace

@@ -4,9 +4,10 @@
 #include <cmath>
 #include <set>
 
-#include "mapping/base/hash.h"
 #include "memory/recorder/carried_belief.h"
+#include "memory/recorder/depth_sample.h"
 #include "memory/recorder/fading.h"
+#include "memory/recorder/news.h"
 #include "memory/recorder/scene_reasoning.h"
 #include "memory/store/depth_thumbnail.h"
 #include "memory/store/feature_structures.h"
@@ -17,53 +18,7 @@ namespace {
 constexpr double kSmallestShare = 0.01;
 constexpr double kLeastChosen = 1e-6;
 constexpr double kHidden = 0.99;  ///< what was so probably out of sight makes no row of association
-// Smaller changes make no row of belief (they are told in the schema).
-constexpr double kToldProbability = 0.05;
-constexpr double kToldDistance_m = 0.005;  ///< and the standard deviation
-constexpr double kToldSize_m = 0.01;
-constexpr double kToldSizeShare = 0.1;
-constexpr double kJointMoved = 0.01;  ///< metres or radians
 constexpr double kPlaceSeen = 0.01;
-
-struct Thumbnail {
-  int width = 0, height = 0;
-  std::string bytes;
-};
-
-/// Every so-many-th pixel, so that the longer side has at most 160; where that one was not measured, the
-/// first around it that was.
-Thumbnail thumbnail_of(const cv::Mat& depth) {
-  const int step = std::max(1, (std::max(depth.cols, depth.rows) + 159) / 160);
-  Thumbnail small{depth.cols / step, depth.rows / step, {}};
-  std::vector<float> values;
-  for (int row = 0; row < small.height; ++row) {
-    for (int column = 0; column < small.width; ++column) {
-      const int v = row * step + step / 2, u = column * step + step / 2;
-      float value = depth.at<float>(v, u);
-      for (int i = 0; i < step * step && !std::isfinite(value); ++i)
-        value = depth.at<float>(row * step + i / step, column * step + i % step);
-      values.push_back(std::isfinite(value) ? value : 0.0F);
-    }
-  }
-  small.bytes = encode_depth_thumbnail(values);
-  return small;
-}
-
-std::string unseen_status(const belief::Visibility& v) {
-  if (v.looked() >= v.out_of_view && v.looked() >= v.hidden + v.unmeasured) return "missed";
-  return v.out_of_view >= v.hidden + v.unmeasured ? "out_of_view" : "hidden";
-}
-
-double unseen_probability(const belief::Visibility& v, const std::string& status) {
-  const double share = status == "missed"        ? v.looked()
-                       : status == "out_of_view" ? v.out_of_view
-                                                 : v.hidden + v.unmeasured;
-  return std::clamp(share, 0.0, 1.0);
-}
-
-bool joint_moved(double from, double to) {
-  return std::abs(to - from) > kJointMoved;
-}
 
 }  // namespace
 
@@ -125,7 +80,7 @@ class Recorder::Writing {
   void add_scene() {
     SceneRow row = record_.row;
     if (!record_.view.depth.empty()) {
-      const Thumbnail small = thumbnail_of(record_.view.depth);
+      const DepthSample small = depth_sample(record_.view.depth);
       row.depth = transaction_.add_blob(small.bytes, kDepthThumbnailMedia);
       row.depth_width = small.width;
       row.depth_height = small.height;
@@ -357,19 +312,6 @@ class Recorder::Writing {
     }
   }
 
-  /// Whether a reader of the memory would be told something else otherwise.
-  static bool is_news(const BeliefRow& before, const BeliefRow& row, bool seen_now) {
-    const bool gone = row.status == "gone";
-    if (gone != (before.status == "gone")) return true;
-    if (row.place != before.place || !before.position || !before.size) return true;
-    if ((*row.position - *before.position).norm() > std::max(kToldDistance_m, before.sigma.value_or(0)))
-      return true;
-    const Eigen::Array3d resized = (*row.size - *before.size).array().abs();
-    if ((resized > kToldSize_m + kToldSizeShare * before.size->array()).any()) return true;
-    const double expected = seen_now ? 1.0 : faded(before, row.then);
-    return !gone && std::abs(row.probability - expected) > kToldProbability;
-  }
-
   /// Only of objects that the belief still has.
   void keep_told() {
     for (auto& [object, row] : told_) recorder_.told_[object] = std::move(row);
@@ -525,20 +467,6 @@ belief::Scene evidence_of(const SceneRecord& record, int64_t first_observation) 
     scene.observations.back().id = first_observation++;
   }
   return scene;
-}
-
-std::string recording_fingerprint(const std::vector<FrameDigest>& frames,
-                                  const std::vector<cv::Mat>& pictures) {
-  std::string bytes;
-  for (const FrameDigest& frame : frames)
-    bytes += std::to_string(frame.index) + " " + std::to_string(frame.time) + "\n";
-  for (const cv::Mat& picture : pictures) {
-    bytes += std::to_string(picture.cols) + "x" + std::to_string(picture.rows) + "\n";
-    for (int row = 0; row < picture.rows; ++row)
-      bytes.append(reinterpret_cast<const char*>(picture.ptr(row)),
-                   size_t(picture.cols) * picture.elemSize());
-  }
-  return content_hash(bytes);
 }
 
 }  // namespace loci

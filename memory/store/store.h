@@ -95,7 +95,7 @@ class Store {
   Id add_place(const PlaceRow& row, Id run);
   Id add_fact(const FactRow& row, Id run);
   /// Removes an object with everything that was seen of it, or everything of a time, from the file for good:
-  /// rows, words, crops, whole pictures that show it (depth thumbnails stay with an object). That it was
+  /// rows, words, crops, whole pictures that show it, its pixels of depth thumbnails. That it was
   /// forgotten stays known.
   ForgetResult forget(const ForgetRequest& request, Id run);
   std::vector<ForgottenRow> forgotten() const;

@@ -1,6 +1,7 @@
 // What is forgotten is gone from the file: rows, pictures, words, and the places where they lay in the file.
 // That something was forgotten stays known.
 
+#include "memory/store/depth_thumbnail.h"
 #include "memory/store/reading.h"
 #include "memory/store/schema.h"
 
@@ -72,6 +73,62 @@ void run_all(SQLite::Database& database, const char* text, const std::vector<Sql
   }
 }
 
+/// What was seen of an object leaves the depth thumbnails: its region of interest with a pixel around it.
+/// Where no region is known, all of the thumbnail.
+void cut_out_of_depth(Store::Implementation& store) {
+  struct Cut {
+    Id scene = 0, depth = 0;
+    int64_t width = 0, height = 0;
+    std::optional<std::array<double, 4>> sides;  ///< left, top, right, bottom in pixels of the thumbnail
+  };
+  std::vector<Cut> cuts;
+  store.query(
+      "SELECT o.scene, s.depth, s.depth_width, s.depth_height, s.camera_width, s.camera_height, o.roi_x, "
+      "o.roi_y, "
+      "o.roi_width, o.roi_height FROM temp.gone_observation g JOIN observation o ON o.id = g.id JOIN scene s "
+      "ON s.id = "
+      "o.scene WHERE s.depth IS NOT NULL ORDER BY o.id",
+      {}, [&](const SqlRow& row) {
+        Cut cut{row.integer("scene"), row.integer("depth"), row.integer("depth_width"),
+                row.integer("depth_height"), std::nullopt};
+        if (!row.is_null("roi_x") && !row.is_null("camera_width")) {
+          const double across = double(cut.width) / row.real("camera_width"),
+                       down = double(cut.height) / row.real("camera_height");
+          const double x = row.real("roi_x"), y = row.real("roi_y");
+          cut.sides = {x * across - 1, y * down - 1, (x + row.real("roi_width")) * across + 1,
+                       (y + row.real("roi_height")) * down + 1};
+        }
+        cuts.push_back(cut);
+      });
+  for (const Cut& cut : cuts) {
+    std::optional<Id> depth;
+    if (cut.sides) {
+      std::string bytes;
+      store.query(
+          "SELECT b.encoding, b.content, b.size FROM scene s JOIN blob b ON b.id = s.depth WHERE s.id = ?",
+          {sql(cut.scene)}, [&](const SqlRow& row) {
+            bytes =
+                decode_bytes(row.bytes("content"), row.integer("encoding"), row.integer("size"), store.path);
+          });
+      const auto& [left, top, right, bottom] = *cut.sides;
+      for (int64_t y = 0; y < cut.height; ++y)
+        for (int64_t x = 0; x < cut.width; ++x) {
+          const auto at = static_cast<size_t>(2 * (y * cut.width + x));
+          const auto u = static_cast<double>(x), v = static_cast<double>(y);
+          if (u >= left && u <= right && v >= top && v <= bottom && at + 1 < bytes.size())
+            bytes[at] = bytes[at + 1] = 0;
+        }
+      depth = store.add_blob(bytes, kDepthThumbnailMedia);
+    }
+    store.run(
+        "UPDATE scene SET depth = ?1, depth_width = iif(?1 IS NULL, NULL, depth_width), depth_height = "
+        "iif(?1 IS "
+        "NULL, NULL, depth_height) WHERE id = ?2",
+        {sql(depth), sql(cut.scene)});
+  }
+  store.statements.clear();
+}
+
 int64_t count(SQLite::Database& database, const char* table) {
   return database.execAndGet(std::string("SELECT count(*) FROM ") + table).getInt64();
 }
@@ -102,6 +159,7 @@ ForgetResult Store::forget(const ForgetRequest& request, Id run) {
         database.exec(fmt::format("CREATE TEMP TABLE {} (id INTEGER PRIMARY KEY)", table));
       if (request.object) {
         run_all(database, kOfObject, {sql(*request.object)});
+        cut_out_of_depth(s);
       } else {
         run_all(database, kOfInterval, {sql(*request.from), sql(*request.to)});
       }

@@ -1,0 +1,130 @@
+// What a memory holds, for other programs.
+
+#include <fmt/format.h>
+
+#include "apps/memory/commands.h"
+#include "apps/memory/memory_arguments.h"
+#include "mapping/base/csv.h"
+#include "mapping/base/files.h"
+#include "mapping/base/json.h"
+#include "mapping/exchange/ply.h"
+#include "mapping/image/image_io.h"
+#include "memory/exchange/observation_image.h"
+#include "memory/exchange/owl_individuals.h"
+
+namespace loci {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// All rows of a view, as JSON Lines and CSV; the number of rows.
+int64_t export_view(const Store& store, const std::string& view, const fs::path& folder) {
+  AtomicFile lines(folder / (view + ".jsonl")), table(folder / (view + ".csv"));
+  int64_t rows = 0;
+  store.read_view("v_" + view, [&](const Json& row) {
+    std::string names, cells;
+    for (const auto& [name, value] : row.items()) {
+      const std::string separator = cells.empty() && names.empty() ? "" : ",";
+      names += separator + csv_cell(name);
+      cells += separator + csv_cell(value.is_null()     ? ""
+                                    : value.is_string() ? value.get<std::string>()
+                                                        : value.dump());
+    }
+    if (rows++ == 0) table.write(names + "\n");
+    table.write(cells + "\n");
+    lines.write(row.dump() + "\n");
+  });
+  lines.commit();
+  table.commit();
+  return rows;
+}
+
+/// A 16-bit PNG per scene, the number of the object per pixel of the depth image; how many.
+int64_t export_labels(const Store& store, const fs::path& folder, Progress& progress) {
+  make_folder(folder);
+  const std::vector<SceneRow> scenes = store.scenes();
+  int64_t written = 0;
+  for (size_t i = 0; i < scenes.size(); ++i) {
+    progress.check(double(i) / double(scenes.size()), "label pictures");
+    const cv::Mat labels = label_picture(store, scenes[i]);
+    if (labels.empty()) continue;
+    write_image(folder / fmt::format("scene_{:06}.png", scenes[i].id), labels);
+    ++written;
+  }
+  return written;
+}
+
+/// A PLY per sighting whose surface is kept, map frame; how many.
+int64_t export_clouds(const Store& store, const fs::path& folder, Progress& progress) {
+  make_folder(folder);
+  const std::vector<ObjectRow> objects = store.objects();
+  int64_t written = 0;
+  for (size_t i = 0; i < objects.size(); ++i) {
+    progress.check(double(i) / double(objects.size()), "clouds");
+    for (const Sighting& sighting : store.sightings(objects[i].id)) {
+      const SceneRow scene = store.scene(sighting.observation.scene);
+      std::optional<Scan> cloud = cloud_of(store, scene, sighting.observation);
+      if (!cloud) continue;
+      ScanSet set;
+      set.scans.push_back(std::move(*cloud));
+      write_file_atomically(folder / fmt::format("{}_scene_{:06}.ply", object_name(objects[i].id), scene.id),
+                            ply_text(set));
+      ++written;
+    }
+  }
+  return written;
+}
+
+struct Arguments {
+  std::string memory, folder;
+  bool labels = false, clouds = false, owl = false;
+};
+
+void export_memory(const Arguments& arguments, Session& session) {
+  const Store store = Store::open_read(arguments.memory);
+  const fs::path folder = arguments.folder;
+  make_folder(folder);
+  Json rows = Json::object();
+  std::string text = "Written to " + arguments.folder + ":";
+  const auto tell = [&](const std::string& what, int64_t count) {
+    rows[what] = count;
+    text += fmt::format(" {} {},", count, what);
+  };
+  for (const char* view : {"objects", "sightings", "events", "scenes", "looks", "facts"})
+    tell(view, export_view(store, view, folder));
+  if (arguments.labels) tell("labels", export_labels(store, folder / "labels", session.progress()));
+  if (arguments.clouds) tell("clouds", export_clouds(store, folder / "clouds", session.progress()));
+  if (arguments.owl) {
+    write_file_atomically(folder / "individuals.owl",
+                          owl_individuals(store, fs::path(arguments.memory).stem().string()));
+    text += " individuals.owl,";
+  }
+  text.back() = '.';
+  session.answer(text, {{"folder", arguments.folder}, {"rows", rows}});
+}
+
+}  // namespace
+
+Command export_command() {
+  return {
+      "export",
+      "Objects, sightings, events, looks, facts and scenes as JSON Lines and CSV; label pictures, clouds, "
+      "OWL",
+      {"loci-memory export -m demo-output/memory.loci -o demo-output/memory-export",
+       "loci-memory export -m demo-output/memory.loci -o demo-output/memory-export --labels --clouds --owl "
+       "--json"},
+      [](CLI::App& app) {
+        auto arguments = std::make_shared<Arguments>();
+        app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
+        app.add_option("-o,--output", arguments->folder, "Folder for the files")->required();
+        app.add_flag("--labels", arguments->labels,
+                     "labels/scene_N.png: the number of the object per pixel of the depth image, 16 bits");
+        app.add_flag("--clouds", arguments->clouds,
+                     "clouds/object_N_scene_M.ply: the surface of each sighting, as far as depth is kept");
+        app.add_flag("--owl", arguments->owl,
+                     "individuals.owl: objects and their stays with time, as KnowRob names them");
+        return [arguments](Session& session) { export_memory(*arguments, session); };
+      }};
+}
+
+}  // namespace loci

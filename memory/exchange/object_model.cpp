@@ -1,0 +1,252 @@
+#include "memory/exchange/object_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "mapping/base/error.h"
+#include "mapping/base/json.h"
+#include "mapping/base/options.h"
+#include "mapping/registration/registration.h"
+#include "memory/exchange/observation_image.h"
+
+namespace loci {
+namespace {
+
+/// Sightings closer than this on one place show it where nobody moved it.
+constexpr double kSameSpot_m = 0.08;
+/// From higher than this it is seen from above.
+constexpr double kAbove_deg = 55;
+
+/// A sighting that may become a view.
+struct Candidate {
+  Sighting sighting;
+  size_t stay = 0;
+};
+
+std::vector<Candidate> candidates_of(const std::vector<Sighting>& sightings) {
+  std::vector<Candidate> candidates;
+  size_t stay = 0;
+  const ObservationRow* before = nullptr;
+  for (const Sighting& sighting : sightings) {
+    const ObservationRow& seen = sighting.observation;
+    if (!seen.position) continue;
+    if (before != nullptr &&
+        (before->place != seen.place || (*before->position - *seen.position).norm() > kSameSpot_m))
+      ++stay;
+    before = &seen;
+    candidates.push_back({sighting, stay});
+  }
+  return candidates;
+}
+
+/// Where the object stood in each stay: the mean of its sightings.
+std::map<size_t, Vector3d> centres_of(const std::vector<Candidate>& candidates) {
+  std::map<size_t, Vector3d> sums;
+  std::map<size_t, double> counts;
+  for (const Candidate& candidate : candidates) {
+    const auto [sum, fresh] = sums.try_emplace(candidate.stay, Vector3d::Zero());
+    sum->second += *candidate.sighting.observation.position;
+    counts[candidate.stay] += 1;
+  }
+  for (auto& [stay, sum] : sums) sum /= counts[stay];
+  return sums;
+}
+
+/// The angle from which the camera looks at a centre, in eighths of a turn.
+int eighth_of(const Vector3d& from_centre) {
+  return static_cast<int>(std::floor(std::atan2(from_centre.y(), from_centre.x()) / (std::numbers::pi / 4)));
+}
+
+/// Those with most points first, one of every side and stay before the second of any.
+std::vector<Candidate> chosen_of(const Store& store, std::vector<Candidate> candidates,
+                                 const std::map<size_t, Vector3d>& centres, size_t most) {
+  std::erase_if(candidates, [](const Candidate& candidate) {
+    return !candidate.sighting.observation.roi || candidate.sighting.observation.points.value_or(0) == 0;
+  });
+  std::ranges::stable_sort(candidates, [](const Candidate& a, const Candidate& b) {
+    return *a.sighting.observation.points > *b.sighting.observation.points;
+  });
+  std::map<std::pair<size_t, int>, int> taken;
+  std::vector<std::pair<int, size_t>> order;
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    const SceneRow scene = store.scene(candidates[i].sighting.observation.scene);
+    const Vector3d from_centre =
+        scene.map_from_camera ? (scene.map_from_camera->translation() - centres.at(candidates[i].stay)).eval()
+                              : Vector3d::Zero();
+    order.emplace_back(taken[{candidates[i].stay, eighth_of(from_centre)}]++, i);
+  }
+  std::ranges::sort(order);
+  std::vector<Candidate> chosen;
+  for (const auto& [round, i] : order)
+    if (chosen.size() < most) chosen.push_back(candidates[i]);
+  std::ranges::stable_sort(chosen, {}, [](const Candidate& candidate) { return candidate.sighting.time; });
+  return chosen;
+}
+
+std::string side_of(const Vector3d& from_centre, double front_yaw) {
+  if (from_centre.z() > std::tan(kAbove_deg / 180 * std::numbers::pi) * from_centre.head<2>().norm())
+    return "top";
+  static const char* const names[] = {"front", "right", "back", "left"};  // to the left, seen from above
+  const double turn = std::atan2(from_centre.y(), from_centre.x()) - front_yaw;
+  return names[(static_cast<int>(std::lround(turn / (std::numbers::pi / 2))) % 4 + 4) % 4];
+}
+
+std::vector<ObjectEvidence> evidence_of(const Store& store, const std::vector<Sighting>& sightings) {
+  std::map<std::pair<std::string, std::string>, size_t> said;
+  std::map<std::string, size_t> of_type;
+  for (const Sighting& sighting : sightings) {
+    std::set<std::pair<std::string, std::string>> now;
+    std::set<std::string> types;
+    for (const AnnotationRow& row : store.annotations(sighting.observation.scene))
+      // Where it is says nothing about what it is.
+      if (row.observation == sighting.observation.id && !row.value.empty() &&
+          row.type.find("Location") == std::string::npos && row.type.find("Geometry") == std::string::npos) {
+        now.insert({row.type, row.value});
+        types.insert(row.type);
+      }
+    for (const auto& one : now) ++said[one];
+    for (const auto& type : types) ++of_type[type];
+  }
+  std::vector<ObjectEvidence> evidence;
+  for (const auto& [what, count] : said)
+    evidence.push_back({what.first, what.second, count,
+                        static_cast<double>(count) / static_cast<double>(of_type[what.first])});
+  std::ranges::stable_sort(evidence, [](const ObjectEvidence& a, const ObjectEvidence& b) {
+    return a.type != b.type ? a.type < b.type : a.sightings > b.sightings;
+  });
+  return evidence;
+}
+
+/// In the frame of its stay's centre.
+void centre(Scan& scan, const Vector3d& centre) {
+  for (ScanPoint& point : scan.points) point.position -= centre.cast<float>();
+  for (Eigen::Vector3f& origin : scan.origins) origin -= centre.cast<float>();
+}
+
+void register_views(ObjectModel& model, const ObjectModelOptions& options, Progress& progress) {
+  RegistrationOptions registration;
+  registration.position_error_m = options.position_error_m;
+  registration.yaw_error_deg = options.yaw_error_deg;
+  registration.voxel_m = options.voxel_m;
+  registration.rmse_max_m = options.voxel_m;
+  const RegistrationResult result = register_scans(model.cloud, registration, progress);
+  for (size_t i = 0; i < model.views.size(); ++i) {
+    ObjectView& view = model.views[i];
+    view.registered = result.connected[i];
+    if (view.registered) {
+      model.cloud.scans[i].map_from_scan = result.map_from_scan[i];
+      view.placed = i == 0 ? "the first view" : "registered with the views before";
+      continue;
+    }
+    const bool unmoved = view.stay == model.views.front().stay;
+    view.placed = unmoved ? "by the pose of the camera: it was not moved, and no alignment is certain"
+                          : "by its centre alone: no alignment says for certain how it was turned";
+  }
+}
+
+}  // namespace
+
+void ObjectModelOptions::declare(OptionTable& table) {
+  table.integer("views", views, "", "Views that are put together at most.", 1, 100);
+  table.number("position_error_m", position_error_m, "m", "Expected error of a view's position (sigma).",
+               0.001, 1);
+  table.number("yaw_error_deg", yaw_error_deg, "deg", "Expected error of a view's direction (sigma).", 0.1,
+               90);
+  table.number("voxel_m", voxel_m, "m", "Voxel size of the registration.", 0.001, 0.1);
+}
+
+ObjectModel model_of(const Store& store, Id object, const ObjectModelOptions& options, Progress& progress,
+                     const AsOf& as_of) {
+  const Store::Moment moment(store);
+  ObjectModel model;
+  model.object = object;
+  const std::vector<Sighting> sightings = store.sightings(object, as_of);
+  if (sightings.empty()) throw Error(object_name(object) + " was never seen", {store.path().string(), 0, {}});
+  model.sightings = sightings.size();
+  model.evidence = evidence_of(store, sightings);
+  const std::vector<Candidate> candidates = candidates_of(sightings);
+  const std::map<size_t, Vector3d> centres = centres_of(candidates);
+  model.cloud.sensor = "depth thumbnails";
+  for (const Candidate& candidate :
+       chosen_of(store, candidates, centres, static_cast<size_t>(options.views))) {
+    const SceneRow scene = store.scene(candidate.sighting.observation.scene);
+    std::optional<Scan> scan = cloud_of(store, scene, candidate.sighting.observation);
+    if (!scan) continue;
+    centre(*scan, centres.at(candidate.stay));
+    model.views.push_back({.scene = scene.id,
+                           .time = scene.time,
+                           .stay = candidate.stay,
+                           .side = {},
+                           .points = scan->points.size(),
+                           .placed = {}});
+    model.cloud.range_max = std::max(model.cloud.range_max, 10.0);
+    model.cloud.scans.push_back(std::move(*scan));
+  }
+  if (model.views.empty())
+    throw Error(
+        "nothing of the surface of " + object_name(object) + " is kept", {store.path().string(), 0, {}},
+        "depth, masks and poses are needed (loci-perceive run keeps them; loci-memory retain lets them go)");
+  register_views(model, options, progress);
+  const auto from_centre = [&](size_t i) {
+    const Scan& scan = model.cloud.scans[i];
+    return (scan.map_from_scan * scan.origins.front().cast<double>()).eval();
+  };
+  const double front = std::atan2(from_centre(0).y(), from_centre(0).x());
+  std::map<std::string, int> largest;
+  for (size_t i = 0; i < model.views.size(); ++i) {
+    ObjectView& view = model.views[i];
+    view.side = side_of(from_centre(i), front);
+    for (const Candidate& candidate : candidates) {
+      const ObservationRow& seen = candidate.sighting.observation;
+      if (seen.scene != view.scene || !seen.crop || !seen.roi) continue;
+      const int area = (*seen.roi)[2] * (*seen.roi)[3];
+      if (area <= largest[view.side]) continue;
+      largest[view.side] = area;
+      model.best_crop[view.side] = *seen.crop;
+    }
+  }
+  return model;
+}
+
+std::string ObjectModel::summary() const {
+  size_t points = 0, registered = 0;
+  for (const ObjectView& view : views) {
+    points += view.points;
+    registered += view.registered ? 1 : 0;
+  }
+  std::string text = fmt::format("{}: {} points of {} views ({} registered) of {} sightings\n",
+                                 object_name(object), points, views.size(), registered, sightings);
+  for (const ObjectView& view : views)
+    text += fmt::format("  scene {}: {}, {} points, {}\n", view.scene, view.side, view.points, view.placed);
+  for (const ObjectEvidence& one : evidence)
+    text += fmt::format("  {} '{}': {} sightings, {:.0f} % agree\n", one.type, one.value, one.sightings,
+                        100 * one.agreement);
+  return text;
+}
+
+Json ObjectModel::report() const {
+  Json json = {{"object", object_name(object)},
+               {"sightings", sightings},
+               {"views", Json::array()},
+               {"evidence", Json::array()}};
+  for (const ObjectView& view : views)
+    json["views"].push_back({{"scene", view.scene},
+                             {"time", format_time(view.time)},
+                             {"stay", view.stay},
+                             {"side", view.side},
+                             {"points", view.points},
+                             {"registered", view.registered},
+                             {"placed", view.placed}});
+  for (const ObjectEvidence& one : evidence)
+    json["evidence"].push_back({{"type", one.type},
+                                {"value", one.value},
+                                {"sightings", one.sightings},
+                                {"agreement", one.agreement}});
+  return json;
+}
+
+}  // namespace loci

@@ -1,0 +1,85 @@
+#include "memory/exchange/observation_image.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/base/error.h"
+#include "mapping/image/image_io.h"
+#include "memory/store/depth_thumbnail.h"
+
+namespace loci {
+namespace {
+
+cv::Mat picture_in(const Store& store, Id blob) {
+  const std::string bytes = store.blob(blob).bytes;
+  return decode_image({bytes.begin(), bytes.end()}, store.path().string());
+}
+
+}  // namespace
+
+cv::Mat mask_of(const Store& store, const SceneRow& scene, const ObservationRow& observation) {
+  if (!scene.camera || !observation.roi) return {};
+  cv::Mat mask = cv::Mat::zeros(scene.camera->height, scene.camera->width, CV_8U);
+  const auto& [x, y, width, height] = *observation.roi;
+  const cv::Rect roi = cv::Rect(x, y, width, height) & cv::Rect(0, 0, mask.cols, mask.rows);
+  if (roi.empty()) return {};
+  const cv::Mat own = observation.mask ? picture_in(store, *observation.mask) : cv::Mat();
+  if (own.size() == roi.size() && own.type() == CV_8U)
+    own.copyTo(mask(roi));
+  else
+    mask(roi) = 255;
+  return mask;
+}
+
+cv::Mat label_picture(const Store& store, const SceneRow& scene, const AsOf& as_of) {
+  cv::Mat labels;
+  for (const AssociationRow& association : store.associations(scene.id, as_of)) {
+    if (!association.chosen || !association.object || !association.observation ||
+        association.probability <= 0)
+      continue;
+    if (*association.object > 65535)
+      throw Error(object_name(*association.object) + " has no number in a label picture",
+                  {store.path().string(), 0, {}}, "16 bits are enough for 65535 objects");
+    const cv::Mat mask = mask_of(store, scene, store.observation(*association.observation));
+    if (mask.empty()) continue;
+    if (labels.empty()) labels = cv::Mat::zeros(mask.size(), CV_16U);
+    labels.setTo(static_cast<int>(*association.object), mask);
+  }
+  return labels;
+}
+
+std::optional<Scan> cloud_of(const Store& store, const SceneRow& scene, const ObservationRow& observation) {
+  const std::optional<DepthThumbnail> depth = DepthThumbnail::of(store, scene);
+  if (!depth) return std::nullopt;
+  const cv::Mat mask = mask_of(store, scene, observation);
+  if (mask.empty()) return std::nullopt;
+  const cv::Mat picture = scene.picture ? picture_in(store, *scene.picture) : cv::Mat();
+  const SceneCamera& camera = *scene.camera;
+  Scan cloud;
+  cloud.name = "scene_" + std::to_string(scene.id);
+  cloud.origins = {scene.map_from_camera->translation().cast<float>()};
+  for (int y = 0; y < depth->height(); ++y)
+    for (int x = 0; x < depth->width(); ++x) {
+      const double z = static_cast<double>(depth->depth()[static_cast<size_t>(y * depth->width() + x)]);
+      // Pixel centres are at integers, so edges are at -0.5 and scale with the image.
+      const double u = (x + 0.5) * camera.width / depth->width() - 0.5,
+                   v = (y + 0.5) * camera.height / depth->height() - 0.5;
+      const int column = std::min(mask.cols - 1, static_cast<int>(std::lround(u))),
+                row = std::min(mask.rows - 1, static_cast<int>(std::lround(v)));
+      if (!(z > 0) || mask.at<uint8_t>(row, column) == 0) continue;
+      const Vector3d in_camera((u - camera.cx) / camera.fx * z, (v - camera.cy) / camera.fy * z, z);
+      ScanPoint point{.position = (*scene.map_from_camera * in_camera).cast<float>()};
+      if (picture.type() == CV_8UC3) {
+        const auto& color =
+            picture.at<cv::Vec3b>(row * picture.rows / mask.rows, column * picture.cols / mask.cols);
+        point.b = color[0];
+        point.g = color[1];
+        point.r = color[2];
+      }
+      cloud.points.push_back(point);
+    }
+  if (cloud.points.empty()) return std::nullopt;
+  return cloud;
+}
+
+}  // namespace loci

@@ -1,0 +1,142 @@
+// What is done with the file of a memory itself, and what other programs get out of it.
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "mapping/base/files.h"
+#include "mapping/base/json.h"
+#include "tests/cli/command.h"
+#include "tests/memory/questions/synthetic_day.h"
+
+namespace loci::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class MemoryFileCli : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fresh_folder();
+    file_ = folder_ + "/memory.loci";
+    const testing_support::SyntheticDay day(file_);
+  }
+  static Json answer(const std::string& command) {
+    const Outcome outcome = run("loci-memory " + command + " --json");
+    EXPECT_EQ(outcome.exit_code, 0) << command << ": " << outcome.error;
+    return parse_json(outcome.out, command);
+  }
+  std::string folder_, file_;
+};
+
+TEST_F(MemoryFileCli, MergeWithItselfAddsNothingAndWithoutACommonFrameIsRefused) {
+  const std::string joined = folder_ + "/joined.loci";
+  const Json same = answer("merge " + file_ + " " + file_ + " -o " + joined);
+  EXPECT_EQ(same["scenes"], 0);
+  EXPECT_EQ(same["known_scenes"], 6);
+  EXPECT_EQ(answer("objects -m " + joined), answer("objects -m " + file_));
+  EXPECT_EQ(run("loci-memory verify -m " + joined).exit_code, 0);
+
+  const std::string other = folder_ + "/other.loci";
+  EXPECT_EQ(run("loci-memory ingest apps/samples/detections.jsonl -m " + other).exit_code, 0);
+  const std::string both = folder_ + "/both.loci";
+  const Outcome refused = run("loci-memory merge " + file_ + " " + other + " -o " + both);
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.error, HasSubstr("--transform"));
+  EXPECT_FALSE(fs::exists(both));
+  const Outcome joined_now =
+      run("loci-memory merge " + file_ + " " + other + " --transform 0,0,0,0 -o " + both);
+  EXPECT_EQ(joined_now.exit_code, 0) << joined_now.error;
+  EXPECT_THAT(joined_now.out, HasSubstr("loci-memory reason -m " + both));
+  EXPECT_EQ(run("loci-memory verify -m " + both).exit_code, 0);
+}
+
+TEST_F(MemoryFileCli, MergeReasonsOverWhatTwoHalvesSaw) {
+  // One story, told by two robots in turns.
+  const std::string lines = read_file(fs::path(LOCI_SOURCE_DIR) / "apps/samples/detections.jsonl");
+  std::istringstream stream(lines);
+  std::string halves[2];
+  int n = 0;
+  for (std::string line; std::getline(stream, line);) halves[n++ % 2] += line + "\n";
+  for (const int half : {0, 1}) {
+    const std::string name = folder_ + "/half_" + std::to_string(half);
+    write_file_atomically(name + ".jsonl", halves[half]);
+    EXPECT_EQ(run("loci-memory ingest " + name + ".jsonl -m " + name + ".loci").exit_code, 0);
+  }
+  EXPECT_EQ(run("loci-memory ingest apps/samples/detections.jsonl -m " + folder_ + "/whole.loci").exit_code,
+            0);
+  const Json merged =
+      answer("merge " + folder_ + "/half_0.loci " + folder_ + "/half_1.loci --transform 0,0,0,0 -o " +
+             folder_ + "/apart.loci --reason " + folder_ + "/together.loci");
+  EXPECT_GT(merged["reason"]["scenes"].get<int>(), 0);
+  const auto objects = [&](const std::string& name) {
+    return answer("objects -m " + folder_ + "/" + name + ".loci")["objects"].size();
+  };
+  EXPECT_GT(objects("apart"), objects("together"));
+  EXPECT_EQ(objects("together"), objects("whole"));
+  EXPECT_EQ(run("loci-memory verify -m " + folder_ + "/together.loci").exit_code, 0);
+}
+
+TEST_F(MemoryFileCli, RetainLetsOldPicturesGoAndKeepsTheAnswers) {
+  const std::string smaller = folder_ + "/smaller.loci";
+  const Json before = answer("objects -m " + file_);
+  const Json result = answer("retain --pictures 1h -m " + file_ + " -o " + smaller);
+  EXPECT_EQ(result["scenes_without_pictures"], 3);  // the last scene is at 10:30; at 09:30 it is an hour
+  EXPECT_EQ(answer("objects -m " + smaller), before);
+  EXPECT_EQ(run("loci-memory verify -m " + smaller).exit_code, 0);
+  EXPECT_EQ(run("loci-memory retain --pictures soon -m " + smaller).exit_code, 1);
+}
+
+TEST_F(MemoryFileCli, VerifyRepairsWhatFollowsFromOtherRows) {
+  const Json before = answer("on table_1 -m " + file_);
+  {
+    SQLite::Database database(file_, SQLite::OPEN_READWRITE);
+    for (const char* table : {"stay", "visit", "sighting_mark", "scene_mark", "object_term"})
+      database.exec(std::string("DELETE FROM ") + table);
+  }
+  const Outcome damaged = run("loci-memory verify -m " + file_);
+  EXPECT_EQ(damaged.exit_code, 1);
+  EXPECT_THAT(damaged.error, HasSubstr("--repair"));
+  const Json repaired = answer("verify --repair -m " + file_);
+  EXPECT_GT(repaired["repaired"].get<int>(), 0);
+  EXPECT_TRUE(repaired["ok"].get<bool>());
+  EXPECT_EQ(answer("on table_1 -m " + file_), before);
+  EXPECT_EQ(answer("verify --repair -m " + file_)["repaired"], 0);
+}
+
+TEST_F(MemoryFileCli, ExportsOwlIndividualsWithTime) {
+  const Json result = answer("export --owl --labels --clouds -m " + file_ + " -o " + folder_ + "/out");
+  EXPECT_EQ(result["rows"]["objects"], 4);
+  const std::string owl = read_file(folder_ + "/out/individuals.owl");
+  for (const char* expected : {"#object_1\"", "knowrob.owl#HumanScaleObject", "knowrob:startTime",
+                               "knowrob:endTime", "#object_1_stay_2\"", "#pose_object_1_stay_2\"",
+                               "<rdfs:label>tea cup</rdfs:label>", "#counter_1\"", "owl:ObjectProperty"})
+    EXPECT_THAT(owl, HasSubstr(expected));
+}
+
+TEST_F(MemoryFileCli, TheExamplesOfTheViewsWorkAsPrinted) {
+  const std::string page = read_file(fs::path(LOCI_SOURCE_DIR) / "docs/memory.md");
+  std::istringstream stream(page);
+  bool inside = false;
+  int executed = 0;
+  for (std::string line; std::getline(stream, line);) {
+    if (line.starts_with("```")) inside = line == "```sh";
+    const std::string program = line.substr(0, line.find(' '));
+    if (!inside || (program != "sqlite3" && program != "python3" && program != "duckdb")) continue;
+    if (run("command -v " + program).exit_code != 0) {
+      std::cout << "not installed: " << program << "\n";
+      continue;
+    }
+    const Outcome outcome = run("cd " + folder_ + " && " + line);
+    EXPECT_EQ(outcome.exit_code, 0) << line << ": " << outcome.error;
+    EXPECT_NE(outcome.out, "") << line;
+    ++executed;
+  }
+  if (executed == 0) GTEST_SKIP() << "neither sqlite3 nor python3 is installed";
+}
+
+}  // namespace
+}  // namespace loci::test
