@@ -1,7 +1,6 @@
 #include "gui/application.h"
 
 #include <QVTKOpenGLNativeWidget.h>
-#include <QApplication>
 #include <QBuffer>
 #include <QOpenGLContext>
 #include <QSurfaceFormat>
@@ -15,6 +14,7 @@
 #include "gui/background.h"
 #include "gui/data/memory_data.h"
 #include "gui/main_window.h"
+#include "gui/measure.h"
 #include "gui/scene3d/egl_window.h"
 #include "gui/views/question_bar.h"
 #include "mapping/base/error.h"
@@ -132,6 +132,15 @@ int take_picture(const BrowseOptions& options, std::unique_ptr<BrowserData> data
   return 0;
 }
 
+int measure(TimedApplication& application, const BrowseOptions& options) {
+  WindowOptions window_options;
+  window_options.remember = false;
+  MainWindow window(opener(), window_options);
+  window.resize(parse_size(options.size));
+  options.say(text_of(measure_window(application, window, options.file, options.measure_s)));
+  return 0;
+}
+
 int show_window(const BrowseOptions& options) {
   MainWindow window(opener());
   window.show();
@@ -171,11 +180,12 @@ int run_browser(const BrowseOptions& options, const std::string& program) {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   auto count = static_cast<int>(arguments.size());
-  QApplication application(count, arguments.data());
+  TimedApplication application(count, arguments.data());
   QApplication::setOrganizationName("loci");
   QApplication::setApplicationName(QString::fromStdString(program));
   if (backend == MapBackend::widget) require_opengl();
   apply_theme(application, options.theme, options.has_desktop);
+  if (options.measure_s > 0) return measure(application, options);
   return picture ? take_picture(options, std::move(data), backend) : show_window(options);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,8 @@ struct BrowseOptions {
   std::string select;      ///< object or place to choose, in words; empty = nothing
   std::string ask;         ///< question to ask in the question bar; empty = none
   std::string show;        ///< dock to bring to the front; empty = as it was
+  double measure_s = 0;    ///< seconds for which the window is measured instead of staying; 0 = not
+  std::function<void(const std::string&)> say = {};  ///< where the figures go
   std::string size = "1280x800";
   std::string view = "window";         ///< what the picture shows: the whole "window", or the "map" alone
   std::vector<std::string> hide = {};  ///< layers of the 3D view that the picture leaves out

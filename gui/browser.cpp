@@ -21,9 +21,10 @@ TimeNs neighbour(const std::vector<TimeNs>& times, TimeNs time, int direction) {
 /// More points make a frame slower than 20 ms under software rendering and show nothing new.
 constexpr size_t kMaxPoints = 50000;
 
-Moment read_moment(const BrowserData& memory, TimeNs time, const Moment& before) {
+Moment read_moment(const BrowserData& memory, TimeNs time, std::optional<TimeNs> known_at,
+                   const Moment& before) {
   Moment moment;
-  moment.belief = memory.belief_at(time);
+  moment.belief = memory.belief_at(time, known_at);
   const SceneEntry* entry = memory.scene_at(time);
   if (entry == nullptr) return moment;
   if (before.content && before.content->scene.id == entry->id) {
@@ -57,6 +58,7 @@ void Browser::open(std::shared_ptr<const BrowserData> data) {
   {
     const QSignalBlocker quiet(selection_);
     selection_.set_time(data_ && !data_->scenes().empty() ? data_->scenes().back().time : 0);
+    selection_.set_known_at({});
   }
   moment_ = {};
   Q_EMIT opened();
@@ -85,8 +87,8 @@ void Browser::refresh() {
 void Browser::read(const Moment& before) {
   reader_.read<Moment>(
       this, "moment", Urgency::moment,
-      [time = selection_.time(), before](const BrowserData& memory) {
-        return read_moment(memory, time, before);
+      [time = selection_.time(), known_at = selection_.known_at(), before](const BrowserData& memory) {
+        return read_moment(memory, time, known_at, before);
       },
       [this](Moment& moment) { take(std::move(moment)); });
 }

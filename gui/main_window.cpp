@@ -11,6 +11,7 @@
 
 #include "gui/text.h"
 #include "gui/views/compare_view.h"
+#include "gui/views/identity_view.h"
 #include "gui/views/log_view.h"
 #include "gui/views/object_card.h"
 #include "gui/views/objects_tree.h"
@@ -113,9 +114,11 @@ void MainWindow::fill_corner() {
   statistics_ = new StatisticsView(browser_, this);
   log_ = new LogView(browser_, this);
   compare_ = new CompareView(browser_, this);
+  identity_ = new IdentityView(browser_, this);
   setTabPosition(Qt::RightDockWidgetArea, QTabWidget::North);
   QDockWidget* first = add_dock("Selection", "selection", card_, Qt::RightDockWidgetArea);
-  for (QDockWidget* dock : {add_dock("Compare", "compare", compare_, Qt::RightDockWidgetArea),
+  for (QDockWidget* dock : {add_dock("Identity", "identity", identity_, Qt::RightDockWidgetArea),
+                            add_dock("Compare", "compare", compare_, Qt::RightDockWidgetArea),
                             add_dock("Statistics", "statistics", statistics_, Qt::RightDockWidgetArea),
                             add_dock("Log", "log", log_, Qt::RightDockWidgetArea)})
     tabifyDockWidget(first, dock);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <QDockWidget>
 #include <QMainWindow>
 #include <QStringList>
 #include <QTimer>
@@ -10,7 +11,6 @@
 #include "gui/memory_loader.h"
 #include "gui/views/map_view.h"
 
-class QDockWidget;
 class QLabel;
 class QProgressBar;
 class QToolButton;
@@ -21,6 +21,7 @@ class ObjectCard;
 class ObjectsTree;
 class QuestionBar;
 class CompareView;
+class IdentityView;
 class LogView;
 class SceneImage;
 class StatisticsView;
@@ -57,11 +58,13 @@ class MainWindow : public QMainWindow {
   StatisticsView& statistics() { return *statistics_; }
   LogView& log() { return *log_; }
   CompareView& compare() { return *compare_; }
+  IdentityView& identity() { return *identity_; }
   MemoryLoader& loader() { return loader_; }
   EditHistory& edits() { return edits_; }
   /// Brings a dock to the front by its name (objects, scene, selection, compare, statistics, log, time).
   /// Error when there is none.
   void show_dock(const std::string& name);
+  QList<QDockWidget*> docks() const { return findChildren<QDockWidget*>(); }
   QList<QMenu*> menus() const;
 
  protected:
@@ -120,6 +123,7 @@ class MainWindow : public QMainWindow {
   StatisticsView* statistics_ = nullptr;
   LogView* log_ = nullptr;
   CompareView* compare_ = nullptr;
+  IdentityView* identity_ = nullptr;
   QProgressBar* progress_ = nullptr;
   QToolButton* cancel_ = nullptr;
   QTimer reading_;  ///< until it is told that something is read

@@ -22,6 +22,12 @@ void SelectionModel::set_time(TimeNs time) {
   Q_EMIT time_changed();
 }
 
+void SelectionModel::set_known_at(std::optional<TimeNs> known_at) {
+  if (known_at_ == known_at) return;
+  known_at_ = known_at;
+  Q_EMIT time_changed();
+}
+
 void SelectionModel::clear() {
   select_object(std::nullopt);
 }

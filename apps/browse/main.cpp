@@ -1,6 +1,7 @@
 // loci-browse: one window onto one memory, or a picture of it.
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <string>
@@ -42,6 +43,8 @@ void declare(CLI::App& app, loci::BrowseOptions& options) {
       ->capture_default_str();
   app.add_option("--hide", options.hide,
                  "Layers of the map that the picture leaves out: map, objects, labels, cloud, camera");
+  app.add_option("--measure", options.measure_s, "Measure the window for so many seconds and exit")
+      ->group("");
   app.add_option("--size", options.size, "Size of the picture in pixels")->capture_default_str();
 }
 
@@ -50,6 +53,7 @@ void declare(CLI::App& app, loci::BrowseOptions& options) {
 int main(int argc, char** argv) {
   CLI::App app("Looks through the memory of a room.", kProgram);
   loci::BrowseOptions options;
+  options.say = [](const std::string& text) { std::fputs(text.c_str(), stdout); };
   options.has_screen = is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
   options.has_desktop = is_set("XDG_CURRENT_DESKTOP");
   declare(app, options);

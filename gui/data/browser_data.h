@@ -80,9 +80,10 @@ struct HistoryEntry {
 /// An object as it was found in a picture.
 struct ImageBox {
   int64_t object = 0;
-  std::string name;  ///< empty = of no object
-  cv::Rect2d color;  ///< pixels of the colour picture
-  cv::Rect2d depth;  ///< pixels of the depth picture
+  int64_t number = 0;  ///< of the observation within its scene
+  std::string name;    ///< empty = of no object
+  cv::Rect2d color;    ///< pixels of the colour picture
+  cv::Rect2d depth;    ///< pixels of the depth picture
 };
 
 /// What was recorded of one scene.
@@ -115,6 +116,12 @@ struct PlaceOutline {
   double height = 0;              ///< metres
 };
 
+/// A moment at which the memory knew less than now, or otherwise: before a run added to it.
+struct KnownState {
+  TimeNs known_at = 0;
+  std::string before = {};  ///< "before loci-memory edit (object_3 is object_2)"
+};
+
 struct MemoryInfo {
   std::string path;
   std::string schema;    ///< "1.0"
@@ -122,7 +129,11 @@ struct MemoryInfo {
   bool time_assumed = false;
   std::string summary;  ///< one line: scenes, objects, time span
   size_t runs = 0;      ///< that wrote to it; while these are the same, it only grows at its end
+  std::vector<KnownState> known = {};  ///< what can be gone back to, the oldest first
 };
+
+struct SceneDecisions;
+struct ObjectDetails;
 
 /// What the browser shows, as plain values. The views know no database; tests may give them any memory.
 /// What stands before "Reading" is at hand; what stands after it takes time, may be called from any thread
@@ -150,7 +161,11 @@ class BrowserData {
   /// The same memory after its file has changed; what is new is read, what is old is taken over. Interrupted
   /// when it is told to stop.
   virtual std::unique_ptr<BrowserData> renewed(Progress& progress) const = 0;
-  virtual BelievedScene belief_at(TimeNs time) const = 0;
+  /// What is believed of a time; with `known_at` as it was known then.
+  virtual BelievedScene belief_at(TimeNs time, std::optional<TimeNs> known_at = {}) const = 0;
+  /// How identities were decided in a scene and up to `count` - 1 scenes before it, in the order of time.
+  virtual std::vector<SceneDecisions> decisions(int64_t scene, size_t count) const = 0;
+  virtual ObjectDetails details(int64_t object, TimeNs time) const = 0;
   virtual SceneContent scene(int64_t id) const = 0;
   virtual std::vector<HistoryEntry> history(int64_t object) const = 0;
   /// Times at which the object was observed.

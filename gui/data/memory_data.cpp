@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
-#include <opencv2/imgproc.hpp>
 #include <unordered_map>
 
+#include "gui/data/decisions.h"
 #include "gui/data/memory_index.h"
-#include "mapping/image/image_io.h"
+#include "gui/data/object_details.h"
+#include "gui/data/pictures.h"
 #include "memory/questions/people_time.h"
 #include "memory/questions/snapshot.h"
 #include "memory/store/depth_thumbnail.h"
@@ -37,16 +38,6 @@ std::array<uint8_t, 3> rgb_of(const HsvColor& hsv) {
     return static_cast<uint8_t>(std::lround(std::clamp(level, 0.0, 1.0) * 255));
   };
   return {channel(5), channel(3), channel(1)};
-}
-
-cv::Mat decode_color(const BlobRow& blob, const std::string& name) {
-  const std::vector<unsigned char> bytes(blob.bytes.begin(), blob.bytes.end());
-  const cv::Mat image = decode_image(bytes, name);
-  if (image.type() == CV_8UC3) return image;
-  if (image.depth() != CV_8U) throw Error("a picture with more than 8 bits", {name, 0, {}});
-  cv::Mat color;
-  cv::cvtColor(image, color, image.channels() == 4 ? cv::COLOR_BGRA2BGR : cv::COLOR_GRAY2BGR);
-  return color;
 }
 
 PinholeCamera pinhole_of(const SceneCamera& camera) {
@@ -81,7 +72,12 @@ class MemoryData : public BrowserData {
   std::unique_ptr<BrowserData> renewed(Progress& progress) const override {
     return std::make_unique<MemoryData>(path_, &index_, progress);
   }
-  BelievedScene belief_at(TimeNs time) const override;
+  BelievedScene belief_at(TimeNs time, std::optional<TimeNs> known_at) const override;
+  std::vector<SceneDecisions> decisions(int64_t scene, size_t count) const override;
+  ObjectDetails details(int64_t object, TimeNs time) const override {
+    const std::lock_guard lock(mutex_);
+    return read_details(store_, index_, object, time);
+  }
   SceneContent scene(int64_t id) const override;
   std::vector<HistoryEntry> history(int64_t object) const override;
   std::vector<TimeNs> observations(int64_t object) const override;
@@ -161,13 +157,13 @@ BelievedObject MemoryData::believed(const BeliefRow& row) const {
   return object;
 }
 
-BelievedScene MemoryData::belief_at(TimeNs time) const {
+BelievedScene MemoryData::belief_at(TimeNs time, std::optional<TimeNs> known_at) const {
   const std::lock_guard lock(mutex_);
   BelievedScene belief;
   belief.time = time;
   const SceneEntry* entry = scene_at(time);
   if (entry != nullptr && entry->time <= time) belief.joints = store_.scene(entry->id).joints;
-  for (const BeliefRow& row : store_.beliefs({time, std::nullopt})) {
+  for (const BeliefRow& row : store_.beliefs({time, known_at})) {
     belief.objects.push_back(believed(row));
     // A belief holds until the next one: what an earlier scene saw is remembered now.
     BelievedObject& object = belief.objects.back();
@@ -175,6 +171,16 @@ BelievedScene MemoryData::belief_at(TimeNs time) const {
       object.presence = Presence::remembered;
   }
   return belief;
+}
+
+std::vector<SceneDecisions> MemoryData::decisions(int64_t scene, size_t count) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<SceneDecisions> decided;
+  mark_scene(scene, 0, [&](size_t number) {
+    for (size_t i = number + 1 - std::min(count, number + 1); i <= number; ++i)
+      decided.push_back(read_decisions(store_, index_, index_.scenes[i]));
+  });
+  return decided;
 }
 
 std::vector<ImageBox> MemoryData::boxes(const SceneRow& row, const SceneContent& content) const {
@@ -188,6 +194,7 @@ std::vector<ImageBox> MemoryData::boxes(const SceneRow& row, const SceneContent&
     const auto found = object_of.find(seen.id);
     ImageBox box;
     box.object = found == object_of.end() ? 0 : found->second;
+    box.number = seen.number;
     if (box.object != 0) box.name = index_.name_of(box.object);
     const auto& roi = *seen.roi;
     box.depth = cv::Rect2d(roi[0], roi[1], roi[2], roi[3]);
@@ -222,9 +229,7 @@ SceneContent MemoryData::scene(int64_t id) const {
   mark_scene(id, 0, [&](size_t number) { content.scene = index_.scenes[number]; });
   content.map_from_camera = row.map_from_camera;
   if (row.camera) content.camera = cameras_of(row);
-  if (row.picture)
-    content.color =
-        decode_color(store_.blob(*row.picture), fmt::format("{}: picture of scene {}", path_.string(), id));
+  if (row.picture) content.color = read_picture(store_, *row.picture);
   if (row.depth && row.depth_width > 0) {
     std::vector<float> depth = decode_depth_thumbnail(store_.blob(*row.depth).bytes);
     if (depth.size() == static_cast<size_t>(row.depth_width) * static_cast<size_t>(row.depth_height))
@@ -285,9 +290,7 @@ cv::Mat MemoryData::picture(int64_t object, TimeNs time) const {
   if (last && !crop)
     for (const Sighting& sighting : store_.sightings(object, {time, std::nullopt}))
       if (sighting.observation.crop) crop = sighting.observation.crop;
-  return crop ? decode_color(store_.blob(*crop),
-                             fmt::format("{}: picture of object {}", path_.string(), object))
-              : cv::Mat();
+  return crop ? read_picture(store_, *crop) : cv::Mat();
 }
 
 TimeNs MemoryData::time_of(const std::string& text) const {

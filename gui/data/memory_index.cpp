@@ -4,12 +4,15 @@
 
 #include <algorithm>
 
+#include "mapping/base/json.h"
 #include "mapping/world/urdf.h"
 #include "memory/questions/answers.h"
 #include "memory/questions/words.h"
 
 namespace loci {
 namespace {
+
+constexpr size_t kKnownStates = 30;
 
 void read_names(const Store& store, MemoryIndex& index) {
   for (const PlaceRow& place : store.places()) index.places[place.id] = place.name;
@@ -67,9 +70,25 @@ void read_places(const Store& store, const MemoryIndex* before, MemoryIndex& ind
       index.loose_places.push_back({place.name, place.outline, *place.height});
 }
 
+/// Only the last ones: who goes further back than that asks the command line.
+std::vector<KnownState> known_states(const Store& store) {
+  std::vector<KnownState> states;
+  const std::vector<RunRow> runs = store.runs();
+  for (size_t i = runs.size() - std::min(runs.size(), kKnownStates); i < runs.size(); ++i) {
+    if (i == 0) continue;  // before the first one nothing was known
+    const Json configuration = parse_json(runs[i].configuration, "run.configuration");
+    std::string what = runs[i].program;
+    if (configuration.is_object() && configuration.contains("text") && configuration["text"].is_string())
+      what = configuration["text"].get<std::string>();
+    states.push_back({runs[i].started - 1, "before: " + what});
+  }
+  return states;
+}
+
 MemoryInfo describe(const Store& store, const MemoryIndex& index) {
   MemoryInfo info;
   info.runs = index.info.runs;
+  info.known = known_states(store);
   info.path = store.path().string();
   info.schema = fmt::format("{}.{}", store.major(), store.minor());
   info.zone_minutes = store.time_zone_minutes();

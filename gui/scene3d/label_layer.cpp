@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <utility>
 
 namespace loci {
@@ -16,6 +17,7 @@ namespace {
 constexpr int kFontSize = 13;
 constexpr int kGap = 7;  // pixels between the anchor and the text
 constexpr int kScreenDpi = 72;
+constexpr size_t kMostLabels = 300;  // more would cover each other
 
 struct Rectangle {
   double left, bottom, right, top;
@@ -48,24 +50,48 @@ vtkSmartPointer<vtkBillboardTextActor3D> actor_of(const LabelLayer::Label& label
 
 }  // namespace
 
-void LabelLayer::set(const std::vector<Label>& labels, const SceneColors& colors) {
-  for (Item& item : items_) renderer_->RemoveActor(item.actor);
+void LabelLayer::set(std::vector<Label> labels, const SceneColors& colors) {
+  std::stable_sort(labels.begin(), labels.end(),
+                   [](const Label& a, const Label& b) { return a.importance > b.importance; });
+  if (labels.size() > kMostLabels) labels.resize(kMostLabels);
+  // A text is drawn into a texture: what says the same as before keeps it.
+  std::multimap<std::pair<std::string, bool>, Item> before;
+  const bool same_colors = colors.label_text == colors_.label_text &&
+                           colors.label_back == colors_.label_back && colors.accent == colors_.accent;
+  for (Item& item : items_)
+    if (same_colors)
+      before.emplace(std::pair(item.label.text, item.label.emphasised), std::move(item));
+    else
+      renderer_->RemoveActor(item.actor);
   items_.clear();
-  for (const Label& label : labels) {
-    Item item;
-    item.label = label;
-    item.actor = actor_of(label, colors);
-    std::array<int, 4> box = {0, 0, 0, 0};
-    if (auto* measure = vtkTextRenderer::GetInstance())
-      measure->GetBoundingBox(item.actor->GetTextProperty(), vtkStdString(item.actor->GetInput()), box.data(),
-                              kScreenDpi);
-    item.width = box[1] - box[0] + 1;
-    item.height = box[3] - box[2] + 1;
-    renderer_->AddActor(item.actor);
-    items_.push_back(std::move(item));
+  colors_ = colors;
+  for (Label& label : labels) {
+    const auto known = before.find({label.text, label.emphasised});
+    if (known == before.end()) {
+      items_.push_back(make(std::move(label)));
+      continue;
+    }
+    items_.push_back(std::move(known->second));
+    before.erase(known);
+    items_.back().label = std::move(label);
+    const Vector3d& anchor = items_.back().label.anchor;
+    items_.back().actor->SetPosition(anchor.x(), anchor.y(), anchor.z());
   }
-  std::stable_sort(items_.begin(), items_.end(),
-                   [](const Item& a, const Item& b) { return a.label.importance > b.label.importance; });
+  for (const auto& [key, item] : before) renderer_->RemoveActor(item.actor);
+}
+
+LabelLayer::Item LabelLayer::make(Label label) {
+  Item item;
+  item.label = std::move(label);
+  item.actor = actor_of(item.label, colors_);
+  std::array<int, 4> box = {0, 0, 0, 0};
+  if (auto* measure = vtkTextRenderer::GetInstance())
+    measure->GetBoundingBox(item.actor->GetTextProperty(), vtkStdString(item.actor->GetInput()), box.data(),
+                            kScreenDpi);
+  item.width = box[1] - box[0] + 1;
+  item.height = box[3] - box[2] + 1;
+  renderer_->AddActor(item.actor);
+  return item;
 }
 
 void LabelLayer::set_visible(bool visible) {

@@ -24,7 +24,8 @@ class LabelLayer {
     bool emphasised = false;
   };
 
-  void set(const std::vector<Label>& labels, const SceneColors& colors);
+  /// The most important few hundred.
+  void set(std::vector<Label> labels, const SceneColors& colors);
   void set_visible(bool visible);
   /// Decides for the present camera and window size which labels are shown.
   void lay_out();
@@ -37,9 +38,11 @@ class LabelLayer {
     vtkSmartPointer<vtkBillboardTextActor3D> actor;
     int width = 0, height = 0;  ///< pixels
   };
+  Item make(Label label);
 
   vtkRenderer* renderer_;
-  std::vector<Item> items_;
+  std::vector<Item> items_;  ///< the most important first
+  SceneColors colors_;
   bool visible_ = true;
 };
 

@@ -162,7 +162,6 @@ void MapScene::set_joints(const JointState& state, Warnings& warnings) {
 
 void MapScene::set_objects(std::vector<MapObject> objects) {
   impl_->objects.set(std::move(objects), impl_->colors);
-  impl_->objects.select(impl_->object, impl_->colors);
 }
 
 void MapScene::set_cloud(const ColoredCloud& cloud) {
@@ -186,7 +185,7 @@ void MapScene::set_colors(const SceneColors& colors) {
                                   colors.background_top[2]);
   impl_->world.set_colors(colors);
   impl_->world.select(impl_->link, colors);
-  impl_->objects.select(impl_->object, colors);
+  impl_->objects.set_colors(colors);
 }
 
 const SceneColors& MapScene::colors() const {
@@ -271,7 +270,7 @@ MapPick MapScene::pick(int x, int y) {
   for (vtkActor* actor : impl_->world.pickable()) picker->AddPickList(actor);
   MapPick result;
   if (picker->Pick(x, y, 0, impl_->renderer) == 0) return result;
-  result.object = impl_->objects.object_of(picker->GetActor());
+  result.object = impl_->objects.object_of(picker->GetActor(), picker->GetCellId());
   if (const std::string* link = impl_->world.link_of(picker->GetActor())) result.link = *link;
   return result;
 }

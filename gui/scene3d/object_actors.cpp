@@ -1,13 +1,16 @@
 #include "gui/scene3d/object_actors.h"
 
-#include <vtkActor.h>
-#include <vtkCubeSource.h>
+#include <vtkCellArray.h>
+#include <vtkCellData.h>
 #include <vtkNew.h>
-#include <vtkOutlineSource.h>
+#include <vtkPoints.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
+#include <vtkUnsignedCharArray.h>
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "gui/scene3d/vtk_convert.h"
 
@@ -16,28 +19,100 @@ namespace {
 
 /// Nothing is drawn thinner than this, so that flat and unmeasured things can be seen and clicked.
 constexpr double kLeastSize = 0.01;
+constexpr vtkIdType kFaces = 6, kEdges = 12;
+// Corner i has bit 0 for x, 1 for y, 2 for z.
+constexpr std::array<std::array<vtkIdType, 4>, kFaces> kFaceCorners = {
+    {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
+constexpr std::array<std::array<vtkIdType, 2>, kEdges> kEdgeCorners = {
+    {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
 
-Vector3d drawn_size(const MapObject& object) {
-  return object.size.cwiseMax(kLeastSize);
-}
+using Color4 = std::array<unsigned char, 4>;
 
-template <class Source>
-vtkSmartPointer<vtkActor> actor_of(Source* source, const MapObject& object) {
-  vtkNew<vtkPolyDataMapper> mapper;
-  mapper->SetInputConnection(source->GetOutputPort());
-  auto actor = vtkSmartPointer<vtkActor>::New();
-  actor->SetMapper(mapper);
-  actor->SetUserMatrix(matrix_of(object.map_from_object));
-  return actor;
+Vector3d corner_of(const MapObject& object, int i) {
+  const Vector3d half = object.size.cwiseMax(kLeastSize) / 2;
+  return object.map_from_object *
+         Vector3d(i & 1 ? half.x() : -half.x(), i & 2 ? half.y() : -half.y(), i & 4 ? half.z() : -half.z());
 }
 
 Eigen::AlignedBox3d box_of(const MapObject& object) {
-  const Vector3d half = drawn_size(object) / 2;
-  const Eigen::AlignedBox3d local(-half, half);
   Eigen::AlignedBox3d box;
-  for (int corner = 0; corner < 8; ++corner)
-    box.extend(object.map_from_object * local.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+  for (int i = 0; i < 8; ++i) box.extend(corner_of(object, i));
   return box;
+}
+
+Color4 face_color(const MapObject& object) {
+  const double opacity = object.ghost ? 0.12 + 0.28 * object.probability : 1.0;
+  return {object.rgb[0], object.rgb[1], object.rgb[2],
+          static_cast<unsigned char>(std::lround(255 * opacity))};
+}
+
+/// Edges are opaque, which costs no pass over the whole picture; those of ghosts fade into the background.
+Color4 edge_color(const MapObject& object, bool selected, const SceneColors& colors) {
+  const SceneColor& line = selected ? colors.accent : colors.edges;
+  const double fade = object.ghost && !selected ? 0.5 : 0;
+  Color4 color = {0, 0, 0, 255};
+  for (size_t i = 0; i < 3; ++i)
+    color[i] = static_cast<unsigned char>(
+        std::lround(255 * (line[i] * (1 - fade) + colors.background_bottom[i] * fade)));
+  return color;
+}
+
+/// Points and cells of boxes with a colour per cell.
+class Boxes {
+ public:
+  Boxes() { colors_->SetNumberOfComponents(4); }
+
+  void add_faces(const MapObject& object) {
+    const vtkIdType first = add_corners(object);
+    for (const auto& face : kFaceCorners) {
+      const std::array<vtkIdType, 4> ids = {first + face[0], first + face[1], first + face[2],
+                                            first + face[3]};
+      cells_->InsertNextCell(4, ids.data());
+      colors_->InsertNextTypedTuple(face_color(object).data());
+    }
+  }
+  void add_edges(const MapObject& object, const Color4& color) {
+    const vtkIdType first = add_corners(object);
+    for (const auto& edge : kEdgeCorners) {
+      const std::array<vtkIdType, 2> ids = {first + edge[0], first + edge[1]};
+      cells_->InsertNextCell(2, ids.data());
+      colors_->InsertNextTypedTuple(color.data());
+    }
+  }
+  void show_as(vtkActor& actor, bool lines) const {
+    vtkNew<vtkPolyData> data;
+    data->SetPoints(points_);
+    if (lines)
+      data->SetLines(cells_);
+    else
+      data->SetPolys(cells_);
+    data->GetCellData()->SetScalars(colors_);
+    static_cast<vtkPolyDataMapper*>(actor.GetMapper())->SetInputData(data);
+  }
+
+ private:
+  vtkIdType add_corners(const MapObject& object) {
+    const vtkIdType first = points_->GetNumberOfPoints();
+    for (int i = 0; i < 8; ++i) points_->InsertNextPoint(corner_of(object, i).data());
+    return first;
+  }
+
+  vtkNew<vtkPoints> points_;
+  vtkNew<vtkCellArray> cells_;
+  vtkNew<vtkUnsignedCharArray> colors_;
+};
+
+vtkSmartPointer<vtkActor> layer_actor(vtkRenderer& renderer, bool lines) {
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(vtkNew<vtkPolyData>());
+  auto actor = vtkSmartPointer<vtkActor>::New();
+  actor->SetMapper(mapper);
+  actor->GetProperty()->SetAmbient(0.42);
+  actor->GetProperty()->SetDiffuse(0.64);
+  actor->GetProperty()->SetLighting(!lines);
+  actor->SetPickable(!lines);
+  renderer.AddActor(actor);
+  return actor;
 }
 
 LabelLayer::Label label_of(const MapObject& object, bool selected) {
@@ -52,67 +127,59 @@ LabelLayer::Label label_of(const MapObject& object, bool selected) {
 
 }  // namespace
 
+ObjectActors::ObjectActors(vtkRenderer* renderer, vtkRenderer* overlay)
+    : renderer_(renderer), labels_(overlay) {
+  solid_.actor = layer_actor(*renderer_, false);
+  ghosts_.actor = layer_actor(*renderer_, false);
+  ghosts_.actor->ForceTranslucentOn();
+  edges_.actor = layer_actor(*renderer_, true);
+  edges_.actor->GetProperty()->SetLineWidth(1.5F);
+  selected_edges_.actor = layer_actor(*renderer_, true);
+  selected_edges_.actor->GetProperty()->SetLineWidth(4.0F);
+}
+
 void ObjectActors::set(std::vector<MapObject> objects, const SceneColors& colors) {
-  for (Actors& actors : actors_) {
-    renderer_->RemoveActor(actors.surface);
-    renderer_->RemoveActor(actors.edges);
-  }
-  actors_.clear();
   objects_ = std::move(objects);
-  for (const MapObject& object : objects_) {
-    const Vector3d size = drawn_size(object);
-    vtkNew<vtkCubeSource> cube;
-    cube->SetXLength(size.x());
-    cube->SetYLength(size.y());
-    cube->SetZLength(size.z());
-    vtkNew<vtkOutlineSource> outline;
-    outline->SetBounds(-size.x() / 2, size.x() / 2, -size.y() / 2, size.y() / 2, -size.z() / 2, size.z() / 2);
-    Actors actors = {actor_of(cube.Get(), object), actor_of(outline.Get(), object)};
-    actors.edges->PickableOff();
-    renderer_->AddActor(actors.surface);
-    renderer_->AddActor(actors.edges);
-    actors_.push_back(std::move(actors));
-  }
-  restyle(colors);
+  rebuild(colors);
 }
 
 void ObjectActors::select(std::optional<int64_t> id, const SceneColors& colors) {
-  selected_ = id;
-  restyle(colors);
+  if (std::exchange(selected_, id) != id) rebuild(colors);
 }
 
-void ObjectActors::restyle(const SceneColors& colors) {
+void ObjectActors::rebuild(const SceneColors& colors) {
+  Boxes solid, ghosts, edges, selected_edges;
   std::vector<LabelLayer::Label> labels;
+  for (Layer* layer : {&solid_, &ghosts_, &edges_, &selected_edges_}) layer->objects.clear();
   for (size_t i = 0; i < objects_.size(); ++i) {
     const MapObject& object = objects_[i];
     const bool selected = selected_ == object.id;
-    vtkProperty* surface = actors_[i].surface->GetProperty();
-    surface->SetColor(object.rgb[0] / 255.0, object.rgb[1] / 255.0, object.rgb[2] / 255.0);
-    surface->SetAmbient(0.42);
-    surface->SetDiffuse(0.64);
-    surface->SetOpacity(object.ghost ? 0.12 + 0.28 * object.probability : 1.0);
-    vtkProperty* edges = actors_[i].edges->GetProperty();
-    edges->SetLighting(false);
-    set_color(*edges, selected ? colors.accent : colors.edges);
-    edges->SetLineWidth(selected ? 4.0F : 1.5F);
-    edges->SetOpacity(object.ghost && !selected ? 0.5 : 1.0);
+    (object.ghost ? ghosts : solid).add_faces(object);
+    (object.ghost ? ghosts_ : solid_).objects.push_back(i);
+    (selected ? selected_edges : edges).add_edges(object, edge_color(object, selected, colors));
+    (selected ? selected_edges_ : edges_).objects.push_back(i);
     labels.push_back(label_of(object, selected));
   }
+  solid.show_as(*solid_.actor, false);
+  ghosts.show_as(*ghosts_.actor, false);
+  edges.show_as(*edges_.actor, true);
+  selected_edges.show_as(*selected_edges_.actor, true);
   labels_.set(labels, colors);
   set_visible(visible_);
 }
 
 void ObjectActors::set_visible(bool visible) {
   visible_ = visible;
-  for (Actors& actors : actors_) {
-    actors.surface->SetVisibility(visible);
-    actors.edges->SetVisibility(visible);
-  }
+  for (const Layer* layer : {&solid_, &ghosts_, &edges_, &selected_edges_})
+    layer->actor->SetVisibility(visible && !layer->objects.empty());
 }
 
-std::optional<int64_t> ObjectActors::object_of(const vtkActor* actor) const {
-  for (size_t i = 0; i < actors_.size(); ++i)
-    if (actors_[i].surface.Get() == actor) return objects_[i].id;
+std::optional<int64_t> ObjectActors::object_of(const vtkActor* actor, int64_t cell) const {
+  for (const Layer* layer : {&solid_, &ghosts_})
+    if (layer->actor.Get() == actor && cell >= 0) {
+      const auto box = static_cast<size_t>(cell / kFaces);
+      if (box < layer->objects.size()) return objects_[layer->objects[box]].id;
+    }
   return std::nullopt;
 }
 
@@ -130,8 +197,8 @@ std::optional<Eigen::AlignedBox3d> ObjectActors::bounds_of(int64_t id) const {
 
 std::vector<vtkActor*> ObjectActors::pickable() const {
   std::vector<vtkActor*> actors;
-  if (visible_)
-    for (const Actors& item : actors_) actors.push_back(item.surface);
+  for (const Layer* layer : {&solid_, &ghosts_})
+    if (layer->actor->GetVisibility() != 0) actors.push_back(layer->actor);
   return actors;
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <vtkActor.h>
+#include <vtkPolyData.h>
 #include <vtkRenderer.h>
+#include <vtkSmartPointer.h>
 
 #include <array>
 #include <cstdint>
@@ -26,35 +28,40 @@ struct MapObject {
   double probability = 1;  ///< a ghost is the paler the less is believed
 };
 
-/// Objects as oriented boxes with names.
+/// Objects as oriented boxes with names. All boxes are a handful of actors: hundreds of them would cost more
+/// than what they draw.
 class ObjectActors {
  public:
   /// Names go to `overlay`, which is drawn over everything.
-  ObjectActors(vtkRenderer* renderer, vtkRenderer* overlay) : renderer_(renderer), labels_(overlay) {}
+  ObjectActors(vtkRenderer* renderer, vtkRenderer* overlay);
 
   void set(std::vector<MapObject> objects, const SceneColors& colors);
   void select(std::optional<int64_t> id, const SceneColors& colors);
+  void set_colors(const SceneColors& colors) { rebuild(colors); }
   void set_visible(bool visible);
   void set_labels_visible(bool visible) { labels_.set_visible(visible && visible_); }
   void lay_out_labels() { labels_.lay_out(); }
   const LabelLayer& labels() const { return labels_; }
 
   const std::vector<MapObject>& objects() const { return objects_; }
-  std::optional<int64_t> object_of(const vtkActor* actor) const;
+  /// The object that a face (cell) of an actor belongs to.
+  std::optional<int64_t> object_of(const vtkActor* actor, int64_t cell) const;
   std::optional<Eigen::AlignedBox3d> bounds() const;
   std::optional<Eigen::AlignedBox3d> bounds_of(int64_t id) const;
   std::vector<vtkActor*> pickable() const;
 
  private:
-  struct Actors {
-    vtkSmartPointer<vtkActor> surface, edges;
+  /// Boxes that are drawn alike.
+  struct Layer {
+    vtkSmartPointer<vtkActor> actor;
+    std::vector<size_t> objects;  ///< index of each box
   };
-  void restyle(const SceneColors& colors);
+  void rebuild(const SceneColors& colors);
 
   vtkRenderer* renderer_;
   LabelLayer labels_;
   std::vector<MapObject> objects_;
-  std::vector<Actors> actors_;
+  Layer solid_, ghosts_, edges_, selected_edges_;
   std::optional<int64_t> selected_;
   bool visible_ = true;
 };

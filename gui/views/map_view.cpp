@@ -12,6 +12,7 @@
 #include <cstring>
 #include <utility>
 
+#include "gui/measure.h"
 #include "gui/scene3d/egl_window.h"
 #include "gui/scene3d/frame_actors.h"
 #include "gui/scene3d/object_actors.h"
@@ -220,7 +221,11 @@ void MapView::redraw() {
   if (!isVisible() || std::exchange(redraw_due_, true)) return;
   QTimer::singleShot(0, this, [this] {
     redraw_due_ = false;
-    widget_->renderWindow()->Render();
+    {
+      const DrawingScope drawing;
+      widget_->renderWindow()->Render();
+    }
+    Q_EMIT drawn();
   });
 }
 
@@ -245,6 +250,7 @@ void MapView::paintEvent(QPaintEvent*) {
   QPainter painter(this);
   try {
     painter.drawImage(rect(), picture());
+    Q_EMIT drawn();
   } catch (const Error& error) {  // No exception may pass Qt's event loop.
     painter.drawText(rect(), Qt::AlignCenter | Qt::TextWordWrap, QString::fromUtf8(error.what()));
   }

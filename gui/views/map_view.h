@@ -41,6 +41,7 @@ class MapView : public QWidget {
 
  Q_SIGNALS:
   void warned(const QString& text);
+  void drawn();
 
  protected:
   void paintEvent(QPaintEvent* event) override;

@@ -10,6 +10,7 @@
 #include "gui/models/history_model.h"
 #include "gui/text.h"
 #include "gui/theme.h"
+#include "gui/views/object_details_view.h"
 
 namespace loci {
 namespace {
@@ -34,7 +35,8 @@ ObjectCard::ObjectCard(Browser& browser, QWidget* parent)
       hint_(new QLabel(this)),
       rows_(new QWidget(this)),
       probability_(new QProgressBar(this)),
-      history_(new QTableView(this)) {
+      history_(new QTableView(this)),
+      pages_(new ObjectDetailsView(browser, history_, this)) {
   picture_->setFixedSize(kPictureSide, kPictureSide);
   picture_->setAlignment(Qt::AlignCenter);
   QFont bold = scaled_font(font(), 1.25);
@@ -45,6 +47,7 @@ ObjectCard::ObjectCard(Browser& browser, QWidget* parent)
   history_->setModel(model_);
   history_->setSelectionBehavior(QAbstractItemView::SelectRows);
   history_->setShowGrid(false);
+  history_->setFrameShape(QFrame::NoFrame);
   history_->setMinimumHeight(2 * (fontMetrics().height() + 6));
   history_->verticalHeader()->hide();
   history_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 6);
@@ -69,7 +72,7 @@ ObjectCard::ObjectCard(Browser& browser, QWidget* parent)
   layout->setSpacing(8);
   layout->addLayout(head);
   layout->addWidget(rows_);
-  layout->addWidget(history_, 1);
+  layout->addWidget(pages_, 1);
 
   connect(history_, &QTableView::clicked, this, [this](const QModelIndex& index) {
     browser_.selection().set_time(index.data(HistoryModel::time_role).toLongLong());
@@ -130,7 +133,7 @@ void ObjectCard::show_nothing(const QString& title, const QString& hint) {
   hint_->setText(hint);
   picture_->hide();
   rows_->hide();
-  history_->setVisible(browser_.selection().object().has_value());
+  pages_->setVisible(browser_.selection().object().has_value());
 }
 
 void ObjectCard::show_object(const BelievedObject& object) {
@@ -172,7 +175,7 @@ void ObjectCard::show_object(const BelievedObject& object) {
                   colors.color(QPalette::Highlight).lightness() > 140 ? Qt::black : Qt::white);
   probability_->setPalette(colors);
   rows_->show();
-  history_->show();
+  pages_->show();
   show_picture();
 }
 

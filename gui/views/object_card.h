@@ -11,6 +11,7 @@ class QTableView;
 namespace loci {
 
 class HistoryModel;
+class ObjectDetailsView;
 
 /// What is known of the chosen object: picture, where, since when, how sure, and its history.
 class ObjectCard : public QWidget {
@@ -24,6 +25,7 @@ class ObjectCard : public QWidget {
   /// Name and value of every line shown, for copying.
   QString text() const;
   QTableView* history() const { return history_; }
+  ObjectDetailsView* pages() const { return pages_; }
 
  private:
   void build_rows();
@@ -41,6 +43,7 @@ class ObjectCard : public QWidget {
   std::vector<std::pair<QString, QLabel*>> values_;
   QProgressBar* probability_;
   QTableView* history_;
+  ObjectDetailsView* pages_;
   int64_t pictured_ = 0;  ///< object in the picture
 };
 

@@ -1,5 +1,6 @@
 #include "gui/views/time_bar.h"
 
+#include <QComboBox>
 #include <QEvent>
 #include <QHBoxLayout>
 #include <QLabel>
@@ -27,7 +28,8 @@ TimeBar::TimeBar(Browser& browser, QWidget* parent)
       zone_(new QLabel(this)),
       scene_(new QLabel(this)),
       happened_(new QLabel(this)),
-      legend_(new QLabel(this)) {
+      legend_(new QLabel(this)),
+      known_(new QComboBox(this)) {
   auto* buttons = new QHBoxLayout;
   buttons->setSpacing(4);
   const auto add = [&](Transport sign, const QString& tip, auto action) {
@@ -49,6 +51,13 @@ TimeBar::TimeBar(Browser& browser, QWidget* parent)
   buttons->addSpacing(6);
   buttons->addWidget(stamp_);
   buttons->addWidget(zone_);
+  known_->setToolTip(
+      "The second clock: what the memory knew of this time, now or before something was added or corrected");
+  known_->setFocusPolicy(Qt::NoFocus);
+  known_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+  known_->setMinimumContentsLength(14);
+  buttons->addSpacing(6);
+  buttons->addWidget(known_);
   buttons->addSpacing(12);
   buttons->addWidget(scene_);
   buttons->addSpacing(12);
@@ -67,6 +76,10 @@ TimeBar::TimeBar(Browser& browser, QWidget* parent)
   timer_.setInterval(kPlayStepMs);
   connect(&timer_, &QTimer::timeout, this, &TimeBar::play_step);
   connect(stamp_, &QLineEdit::returnPressed, this, &TimeBar::take_stamp);
+  connect(known_, QOverload<int>::of(&QComboBox::activated), this, [this](int index) {
+    const QVariant at = known_->itemData(index);
+    browser_.selection().set_known_at(at.isValid() ? std::optional<TimeNs>(at.toLongLong()) : std::nullopt);
+  });
   connect(stamp_, &QLineEdit::editingFinished, this, &TimeBar::refresh);
   connect(&browser_, &Browser::opened, this, [this] {
     const BrowserData* memory = browser_.data();
@@ -78,6 +91,7 @@ TimeBar::TimeBar(Browser& browser, QWidget* parent)
         axis_.set_whole(first, last);
     }
     memory_ = memory == nullptr ? "" : memory->info().path;
+    fill_known();
     refresh();
   });
   connect(&browser_, &Browser::time_changed, this, &TimeBar::refresh);
@@ -143,6 +157,17 @@ void TimeBar::take_stamp() {
       [this](const TimeNs& time) { browser_.selection().set_time(time); });
   track_->setFocus();
   refresh();  // what cannot be read is not taken
+}
+
+void TimeBar::fill_known() {
+  known_->clear();
+  known_->addItem("As known now");
+  if (browser_.data() == nullptr) return;
+  const auto& states = browser_.data()->info().known;
+  for (auto state = states.rbegin(); state != states.rend(); ++state) {
+    known_->addItem(QString::fromStdString(state->before), static_cast<qlonglong>(state->known_at));
+    if (browser_.selection().known_at() == state->known_at) known_->setCurrentIndex(known_->count() - 1);
+  }
 }
 
 QString TimeBar::what_happened() const {

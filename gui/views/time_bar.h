@@ -9,6 +9,7 @@
 #include "gui/transport_icon.h"
 #include "gui/views/time_axis.h"
 
+class QComboBox;
 class QLabel;
 class QLineEdit;
 class QToolButton;
@@ -30,6 +31,8 @@ class TimeBar : public QWidget {
   LaneView* lanes() const { return lanes_; }
   TimeAxis& axis() { return axis_; }
   QLineEdit* stamp() const { return stamp_; }
+  /// The second clock: as known now, or before one of the runs.
+  QComboBox* known() const { return known_; }
   bool plays() const { return timer_.isActive(); }
   /// Starts at the beginning when the end is reached; stops there.
   void toggle_play();
@@ -44,6 +47,7 @@ class TimeBar : public QWidget {
  private:
   void refresh();
   void take_stamp();
+  void fill_known();
   void play_step();
   QString legend() const;
   void paint_buttons();
@@ -59,6 +63,7 @@ class TimeBar : public QWidget {
   QLabel* scene_;
   QLabel* happened_;
   QLabel* legend_;
+  QComboBox* known_;
   std::vector<std::pair<Transport, QToolButton*>> buttons_;
   QTimer timer_;
   std::string memory_;  ///< path of the memory that the axis is of

@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <QVTKOpenGLNativeWidget.h>
-#include <QApplication>
 #include <QStandardPaths>
 #include <QSurfaceFormat>
 
+#include "gui/measure.h"
 #include "gui/theme.h"
 
 int main(int argc, char** argv) {
@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
   QSurfaceFormat::setDefaultFormat(format);
   QStandardPaths::setTestModeEnabled(true);
   testing::InitGoogleTest(&argc, argv);
-  QApplication application(argc, argv);
+  loci::TimedApplication application(argc, argv);
   QApplication::setOrganizationName("loci-test");
   loci::apply_theme(application, loci::ThemeChoice::light, false);
   return RUN_ALL_TESTS();

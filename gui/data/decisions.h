@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "gui/data/browser_data.h"
+
+namespace loci {
+
+class Store;
+struct MemoryIndex;
+
+/// A believed object as an explanation of an observation.
+struct ConsideredObject {
+  int64_t key = 0;     ///< tells apart what has no number yet
+  int64_t object = 0;  ///< 0 = not yet sure to be an object
+  std::string name = {};
+  double probability = 0;    ///< that the observation is it
+  double alike = 0;          ///< by its look, 0 to 1: 0.5 says nothing
+  double near = 0;           ///< by its position, likewise
+  std::string against = {};  ///< why it was not taken; empty = it was
+};
+
+/// What one observation of a scene was taken for.
+struct DecidedObservation {
+  int64_t number = 0;  ///< within the scene
+  int64_t object = 0;  ///< 0 = a false cluster, or not yet sure
+  int64_t key = 0;     ///< of what it was taken for
+  std::string name = {};
+  std::string explanation = {};  ///< stay, move, newview, appear, clutter
+  double probability = 0, appear = 0, clutter = 0;
+  cv::Mat crop = {};  ///< CV_8UC3, BGR; empty = not kept
+  std::vector<ConsideredObject> considered = {};
+};
+
+/// An object that was known and not seen.
+struct UnseenObject {
+  int64_t key = 0, object = 0;
+  std::string name = {};
+  double disappear = 0, missed = 0, hidden = 0;  ///< probabilities
+};
+
+/// Every decision of one scene.
+struct SceneDecisions {
+  SceneEntry scene = {};
+  bool kept = false;  ///< whether the memory has its reasoning
+  std::vector<DecidedObservation> observations = {};
+  std::vector<UnseenObject> unseen = {};
+};
+
+/// Of one scene. Not an error when no reasoning was kept: then the chosen associations are told.
+SceneDecisions read_decisions(const Store& store, const MemoryIndex& index, const SceneEntry& scene);
+
+}  // namespace loci

@@ -1,0 +1,95 @@
+#include "gui/data/object_details.h"
+
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "gui/data/memory_index.h"
+#include "gui/data/pictures.h"
+#include "mapping/base/json.h"
+#include "memory/reasoning/why.h"
+
+namespace loci {
+namespace {
+
+constexpr size_t kLeastBins = 4, kMostBins = 1024;
+constexpr size_t kSightingsLookedAt = 400;
+
+std::string short_type(const std::string& type) {
+  return type.substr(type.rfind('.') + 1);
+}
+
+/// In which of eight directions from the object the camera stood: 0 = east, counter-clockwise.
+int side_of(const SceneEntry& scene, const ObservationRow& seen) {
+  if (!scene.map_from_camera || !seen.position) return -1;
+  const Vector3d towards = scene.map_from_camera->translation() - *seen.position;
+  return static_cast<int>(std::lround(std::atan2(towards.y(), towards.x()) / (M_PI / 4)) + 8) % 8;
+}
+
+std::vector<ObjectPicture> pictures_of(const Store& store, const MemoryIndex& index,
+                                       const std::vector<Sighting>& sightings) {
+  // The map's axes: x is called east, as on a drawing.
+  static constexpr std::array<const char*, 8> kSides = {"from +x", "from +x +y", "from +y", "from −x +y",
+                                                        "from −x", "from −x −y", "from −y", "from +x −y"};
+  std::map<int, const Sighting*> newest;  // by side
+  for (const Sighting& sighting : sightings) {
+    const auto scene = index.number_of_scene.find(sighting.association.scene);
+    if (sighting.observation.crop && scene != index.number_of_scene.end())
+      newest[side_of(index.scenes[scene->second], sighting.observation)] = &sighting;
+  }
+  std::vector<ObjectPicture> pictures;
+  for (const auto& [side, sighting] : newest)
+    pictures.push_back({sighting->time, side < 0 ? "" : kSides[static_cast<size_t>(side)],
+                        read_picture(store, *sighting->observation.crop)});
+  return pictures;
+}
+
+/// Every list of numbers in a feature structure, and who made it.
+void read_structure(const FeatureStructureRow& row, ObjectDetails& details) {
+  const Json json = parse_json(row.json, "feature_structure");
+  for (const Json& structure : json.value("structures", Json::array())) {
+    const Json features = structure.value("features", Json::object());
+    const std::string type = short_type(structure.value("type", std::string()));
+    for (const auto& [name, value] : features.items()) {
+      if (!value.is_array() || value.size() < kLeastBins || value.size() > kMostBins || !value[0].is_number())
+        continue;
+      Histogram histogram{type + ": " + name, {}};
+      for (const Json& bin : value) histogram.bins.push_back(bin.is_number() ? bin.get<double>() : 0);
+      details.histograms.push_back(std::move(histogram));
+    }
+  }
+}
+
+std::string expert_of(const Store& store, const AnnotationRow& row) {
+  if (!row.feature_structure) return row.type == "loci.Label" ? "user" : "";
+  const Json json = parse_json(store.feature_structure(*row.feature_structure).json, "feature_structure");
+  for (const Json& structure : json.value("structures", Json::array()))
+    if (structure.value("type", std::string()) == row.type)
+      return structure.value("features", Json::object()).value("source", std::string());
+  return "";
+}
+
+}  // namespace
+
+ObjectDetails read_details(const Store& store, const MemoryIndex& index, Id object, TimeNs time) {
+  ObjectDetails details;
+  std::vector<Sighting> sightings = store.sightings(object, {time, std::nullopt});
+  if (sightings.empty()) return details;
+  if (sightings.size() > kSightingsLookedAt)
+    sightings.erase(sightings.begin(), sightings.end() - static_cast<ptrdiff_t>(kSightingsLookedAt));
+  details.pictures = pictures_of(store, index, sightings);
+  const Sighting& last = sightings.back();
+  for (const AnnotationRow& row : store.annotations(last.association.scene))
+    if (row.observation == last.observation.id && !row.value.empty())
+      details.annotations.push_back({short_type(row.type), row.value, expert_of(store, row), row.confidence});
+  for (const FeatureStructureRow& row : store.feature_structures(last.association.scene))
+    if (row.observation == last.observation.id) read_structure(row, details);
+  try {
+    details.why = why_object(store, object, {time, std::nullopt}).text;
+  } catch (const Error& error) {  // of scenes without reasoning: it says so
+    details.why = error.what();
+  }
+  return details;
+}
+
+}  // namespace loci

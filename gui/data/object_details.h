@@ -1,0 +1,46 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "mapping/base/time.h"
+#include "memory/store/rows.h"
+
+namespace loci {
+
+class Store;
+struct MemoryIndex;
+
+/// What an expert said of an object.
+struct Annotation {
+  std::string type = {};  ///< without its package: "ColorAnnotation"
+  std::string value = {};
+  std::string expert = {};  ///< the annotator; empty = unknown
+  std::optional<double> confidence = {};
+};
+
+/// Numbers that belong together: a histogram, a descriptor.
+struct Histogram {
+  std::string title = {};
+  std::vector<double> bins = {};
+};
+
+struct ObjectPicture {
+  TimeNs time = 0;
+  std::string side = {};  ///< from where it was looked at: "from the south-east"; empty = unknown
+  cv::Mat picture = {};   ///< CV_8UC3, BGR
+};
+
+/// What the memory has of an object beyond its history.
+struct ObjectDetails {
+  std::vector<ObjectPicture> pictures = {};  ///< the newest from each side
+  std::vector<Annotation> annotations = {};  ///< of its last sight
+  std::vector<Histogram> histograms = {};
+  std::string why = {};  ///< why the memory believes what it does, in words
+};
+
+/// As of a time.
+ObjectDetails read_details(const Store& store, const MemoryIndex& index, Id object, TimeNs time);
+
+}  // namespace loci

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <QWidget>
+
+#include "gui/browser.h"
+
+class QLabel;
+
+namespace loci {
+
+class AssociationLines;
+class DecisionMatrix;
+
+/// Why things in the chosen scene were taken for what they are: lines to the scenes before, and the matrices
+/// of similarity, proximity and identity.
+class IdentityView : public QWidget {
+  Q_OBJECT
+
+ public:
+  explicit IdentityView(Browser& browser, QWidget* parent = nullptr);
+
+  AssociationLines& lines() { return *lines_; }
+  DecisionMatrix& matrix() { return *matrix_; }
+
+ protected:
+  void showEvent(QShowEvent* event) override;
+
+ private:
+  void refresh();
+  void show_decisions(std::vector<SceneDecisions>& scenes);
+
+  Browser& browser_;
+  QLabel* state_;
+  AssociationLines* lines_;
+  DecisionMatrix* matrix_;
+};
+
+}  // namespace loci

@@ -1,0 +1,124 @@
+#include "tests/gui/large_memory.h"
+
+#include <cmath>
+#include <opencv2/core.hpp>
+
+#include "mapping/base/files.h"
+#include "mapping/base/random.h"
+#include "mapping/image/image_io.h"
+#include "mapping/render/render.h"
+#include "mapping/world/urdf.h"
+#include "memory/store/depth_thumbnail.h"
+#include "memory/store/scene_transaction.h"
+
+namespace loci::test {
+namespace {
+
+constexpr int kViewpoints = 12, kMovedPerScene = 10, kThumbnailStep = 4;
+constexpr TimeNs kBetweenScenes = 60 * kSecond;
+
+struct View {
+  Isometry3d map_from_camera;
+  std::string picture, depth;
+};
+
+Isometry3d looking(const Vector3d& from, const Vector3d& at) {
+  const Vector3d z = (at - from).normalized();
+  const Vector3d x = z.cross(Vector3d::UnitZ()).normalized();
+  Isometry3d pose = Isometry3d::Identity();
+  pose.linear().col(0) = x;
+  pose.linear().col(1) = z.cross(x);
+  pose.linear().col(2) = z;
+  pose.translation() = from;
+  return pose;
+}
+
+std::vector<View> views_of(const RenderScene& scene, const PinholeCamera& camera, const Vector3d& middle) {
+  std::vector<View> views;
+  RenderOptions options;
+  options.colors = true;
+  for (int i = 0; i < kViewpoints; ++i) {
+    const double angle = 2 * M_PI * i / kViewpoints;
+    View view;
+    view.map_from_camera = looking(middle + Vector3d(std::cos(angle), std::sin(angle), 1.2),
+                                   middle + Vector3d(3 * std::cos(angle), 3 * std::sin(angle), 0.4));
+    const RenderedView seen = scene.render(camera, view.map_from_camera, options);
+    const auto picture = encode_image(seen.color, ".jpg");
+    view.picture.assign(picture.begin(), picture.end());
+    std::vector<float> depth;
+    for (int y = kThumbnailStep / 2; y < camera.height; y += kThumbnailStep)
+      for (int x = kThumbnailStep / 2; x < camera.width; x += kThumbnailStep)
+        depth.push_back(seen.depth.at<float>(y, x));
+    view.depth = encode_depth_thumbnail(depth);
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+BeliefRow belief_of(Id object, Id scene, const Vector3d& position, Random& random) {
+  BeliefRow row;
+  row.object = object;
+  row.scene = scene;
+  row.status = "seen";
+  row.probability = 0.9;
+  row.position = position;
+  row.size = Vector3d(0.08, 0.08, 0.15);
+  row.hsv = HsvColor{random.uniform(0, 360), 0.7, 0.7};
+  row.fade_s = 3600;
+  row.fade_to = 0.3;
+  return row;
+}
+
+}  // namespace
+
+void write_large_memory(const std::filesystem::path& path, const std::filesystem::path& package,
+                        const std::string& urdf, int objects, int scenes) {
+  const World world = read_urdf(package / urdf);
+  std::filesystem::create_directory_symlink(package, path.parent_path() / package.filename());
+  RenderScene rendered;
+  Warnings warnings;
+  rendered.add(world, {{package.parent_path()}, package}, Isometry3d::Identity(), warnings);
+  const PinholeCamera camera;
+  const Vector3d middle(1.5, 1.5, 0.3);
+  const std::vector<View> views = views_of(rendered, camera, middle);
+  Store store = Store::open_write(path);
+  const Id run = store.begin_run("test", "{}");
+  const Id map = store.add_map(urdf, read_file(package / urdf), "");
+  Random random(1);
+  std::vector<Vector3d> positions;
+  std::vector<Id> ids;
+  for (int i = 0; i < scenes; ++i) {
+    SceneTransaction t(store, run);
+    const View& view = views[static_cast<size_t>(i) % views.size()];
+    SceneRow row;
+    row.time = parse_time("2026-05-01T07:00:00Z") + i * kBetweenScenes;
+    row.map = map;
+    row.camera = SceneCamera{camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, 0.5, 5};
+    row.map_from_camera = view.map_from_camera;
+    row.picture = t.add_blob(view.picture, "image/jpeg");
+    row.depth = t.add_blob(view.depth, kDepthThumbnailMedia);
+    row.depth_width = camera.width / kThumbnailStep;
+    row.depth_height = camera.height / kThumbnailStep;
+    const Id scene = t.add_scene(row);
+    for (int k = 0; k < (i == 0 ? objects : kMovedPerScene); ++k) {
+      const Vector3d offset(random.uniform(-1.5, 1.5), random.uniform(-1.5, 1.5), random.uniform(0, 1));
+      auto index = static_cast<size_t>(k);
+      if (i == 0) {
+        ObjectRow object;
+        object.clock.valid_from = row.time;
+        ids.push_back(t.add_object(object));
+        positions.push_back(middle + offset);
+      } else {
+        index = static_cast<size_t>(i * kMovedPerScene + k) % ids.size();
+        positions[index] += 0.1 * offset;
+      }
+      BeliefRow belief = belief_of(ids[index], scene, positions[index], random);
+      belief.clock.valid_from = row.time;
+      t.add_belief(belief);
+    }
+    t.commit();
+  }
+  store.finish_run(run);
+}
+
+}  // namespace loci::test
