@@ -1,82 +1,72 @@
 #include "gui/edit_history.h"
 
 #include "gui/background.h"
+#include "memory/edits/edits.h"
 
 namespace loci {
-namespace {
-
-QString text_of(const FactEdit& edit) {
-  const QString what = QString::fromStdString(edit.about + ": " + edit.key);
-  return edit.after ? what + " is now '" + QString::fromStdString(*edit.after) + "'"
-                    : what + " is taken back";
-}
-
-}  // namespace
 
 void EditHistory::set_memory(const QString& path) {
   if (path == path_) return;
   path_ = path;
-  edits_.clear();
-  done_ = 0;
+  take({});
+  if (path.isEmpty()) return;
+  in_background<EditState>(
+      this, [file = path.toStdString()] { return edit_state(file); },
+      [this, path](const EditState& state) {
+        if (path == path_ && !busy_) take(state);
+      },
+      [this](const std::exception_ptr& error) { Q_EMIT failed(reason_of(error)); });
+}
+
+void EditHistory::take(const EditState& state) {
+  state_ = state;
   Q_EMIT changed();
 }
 
-void EditHistory::edit(const std::string& about, const std::string& key, const std::string& value) {
+void EditHistory::write(const std::function<Edit(Store&)>& edit, const QString& prefix) {
   if (busy_ || path_.isEmpty()) return;
   busy_ = true;
   Q_EMIT changed();
-  in_background<FactEdit>(
-      this,
-      [path = path_.toStdString(), about, key, value] {
-        FactEdit edit = make_edit(path, about, key, value);
-        apply_edit(path, edit);
-        return edit;
-      },
-      [this, path = path_](const FactEdit& edit) {
+  in_background<EditState>(
+      this, [file = path_.toStdString(), edit] { return apply_edit(file, edit); },
+      [this, path = path_, prefix](const EditState& state) {
         busy_ = false;
-        if (path == path_ && edit.before != edit.after) {
-          edits_.resize(done_);
-          edits_.push_back(edit);
-          done_ = edits_.size();
-        }
-        Q_EMIT changed();
-        Q_EMIT written(text_of(edit));
+        if (path == path_) take(state);
+        Q_EMIT written(prefix + QString::fromStdString(state.done));
       },
       [this](const std::exception_ptr& error) {
         busy_ = false;
         Q_EMIT changed();
         Q_EMIT failed(reason_of(error));
       });
+}
+
+void EditHistory::say(const std::string& about, const std::string& key, const std::string& value) {
+  write([=](Store& store) { return loci::say(store, about, key, value); });
+}
+
+void EditHistory::merge(int64_t one, int64_t other) {
+  write([=](Store& store) { return merge_objects(store, one, other); });
+}
+
+void EditHistory::split(int64_t object, int64_t from) {
+  write([=](Store& store) { return split_object(store, object, from); });
+}
+
+void EditHistory::label(int64_t scene, int64_t observation, const std::string& class_name) {
+  write([=](Store& store) { return label_observation(store, scene, observation, class_name); });
+}
+
+void EditHistory::joint(const std::string& name, const std::string& type) {
+  write([=](Store& store) { return set_joint_type(store, name, type); });
 }
 
 void EditHistory::undo() {
-  if (can_undo()) write(edits_[done_ - 1].reversed(), done_ - 1);
+  if (can_undo()) write([](Store& store) { return loci::undo(store); }, "Undone: ");
 }
 
 void EditHistory::redo() {
-  if (can_redo()) write(edits_[done_], done_ + 1);
-}
-
-void EditHistory::write(const FactEdit& edit, size_t done_then) {
-  busy_ = true;
-  Q_EMIT changed();
-  in_background<FactEdit>(
-      this,
-      [path = path_.toStdString(), edit] {
-        apply_edit(path, edit);
-        return edit;
-      },
-      [this, path = path_, done_then](const FactEdit& written_edit) {
-        busy_ = false;
-        if (path == path_) done_ = done_then;
-        Q_EMIT changed();
-        Q_EMIT written(text_of(written_edit));
-      },
-      [this](const std::exception_ptr& error) {
-        busy_ = false;
-        Q_EMIT changed();
-        Q_EMIT failed(reason_of(error));
-      });
+  if (can_redo()) write([](Store& store) { return loci::redo(store); }, "Redone: ");
 }
 
 }  // namespace loci

@@ -2,40 +2,45 @@
 
 #include <QObject>
 #include <QString>
-#include <vector>
+#include <functional>
+#include <string>
 
 #include "gui/data/memory_edits.h"
 
 namespace loci {
 
-/// What was edited in the open memory, with undo and redo. Writing goes on in the background, one edit at a
-/// time; an edit that fails is told and forgotten.
+/// Corrections of the open memory, with undo and redo, which the memory itself remembers. Writing goes on in
+/// the background, one edit at a time; an edit that fails is told and forgotten.
 class EditHistory : public QObject {
   Q_OBJECT
 
  public:
   using QObject::QObject;
 
-  /// The memory that is edited; forgets the edits of another one.
+  /// The memory that is edited.
   void set_memory(const QString& path);
   /// Makes a value hold; empty = takes it back.
-  void edit(const std::string& about, const std::string& key, const std::string& value);
+  void say(const std::string& about, const std::string& key, const std::string& value);
+  void merge(int64_t one, int64_t other);
+  void split(int64_t object, int64_t from);
+  void label(int64_t scene, int64_t observation, const std::string& class_name);
+  void joint(const std::string& name, const std::string& type);
   void undo();
   void redo();
-  bool can_undo() const { return !busy_ && done_ > 0; }
-  bool can_redo() const { return !busy_ && done_ < edits_.size(); }
+  bool can_undo() const { return !busy_ && state_.can_undo; }
+  bool can_redo() const { return !busy_ && state_.can_redo; }
 
  Q_SIGNALS:
   void changed();                     ///< what can be undone
-  void written(const QString& what);  ///< the memory has changed: "object_3: alias is now 'tea cup'"
+  void written(const QString& what);  ///< the memory has changed: "object_7 is object_3"
   void failed(const QString& message);
 
  private:
-  void write(const FactEdit& edit, size_t done_then);
+  void write(const std::function<Edit(Store&)>& edit, const QString& prefix = {});
+  void take(const EditState& state);
 
   QString path_;
-  std::vector<FactEdit> edits_;
-  size_t done_ = 0;  ///< edits that hold; those behind them can be redone
+  EditState state_;
   bool busy_ = false;
 };
 

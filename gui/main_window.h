@@ -100,7 +100,13 @@ class MainWindow : public QMainWindow {
   void explain_failure(const QString& path, const QString& reason);
   void check_file(const QString& path);
   bool can_edit() const;
+  /// The chosen object, when it can be edited; else says why not.
+  const BelievedObject* edited_object();
   void edit_selected(const QString& title, const std::string& key, const QString& now);
+  void merge_selected();
+  void split_selected();
+  void label_selected();
+  void correct_joint();
   void refresh_title();
   void refresh_recent();
   void remember_file(const QString& path);

@@ -82,6 +82,19 @@ void MainWindow::build_edit_menu() {
              [this, now] { edit_selected("Class", "class", now(&BelievedObject::class_name)); });
   add_action(menu, {"&Owner…", {QKeySequence("Ctrl+Shift+O")}, "Whose the chosen object is"},
              [this, now] { edit_selected("Owner", "owner", now(&BelievedObject::owner)); });
+  menu->addSeparator();
+  add_action(menu, {"Is the &same as…", {QKeySequence("Ctrl+J")}, "The chosen object and another are one"},
+             [this] { merge_selected(); });
+  add_action(menu,
+             {"Is &another from now on",
+              {QKeySequence("Ctrl+Shift+J")},
+              "What is seen of the chosen object from the chosen time on is another one"},
+             [this] { split_selected(); });
+  add_action(menu,
+             {"&Label…", {QKeySequence("Ctrl+B")}, "What the chosen object is in this picture, for training"},
+             [this] { label_selected(); });
+  add_action(menu, {"&Joint…", {}, "Corrects how a part of the map moves: the joint of the chosen place"},
+             [this] { correct_joint(); });
   const auto refresh = [this, undo, redo] {
     undo->setEnabled(edits_.can_undo());
     redo->setEnabled(edits_.can_redo());

@@ -168,17 +168,85 @@ bool MainWindow::can_edit() const {
          QFileInfo(QString::fromStdString(browser_.data()->info().path)).isWritable();
 }
 
-void MainWindow::edit_selected(const QString& title, const std::string& key, const QString& now) {
-  if (!can_edit()) return tell("This file is read-only");
+const BelievedObject* MainWindow::edited_object() {
   const BelievedObject* object = browser_.selected_object();
-  if (object == nullptr) return tell("Choose an object first");
+  if (!can_edit())
+    tell("This file is read-only");
+  else if (object == nullptr)
+    tell("Choose an object first");
+  return can_edit() ? object : nullptr;
+}
+
+void MainWindow::edit_selected(const QString& title, const std::string& key, const QString& now) {
+  const BelievedObject* object = edited_object();
+  if (object == nullptr) return;
   const std::string about = "object_" + std::to_string(object->id);
   bool taken = false;
   const QString name = QString::fromStdString(about);
   const QString value =
       QInputDialog::getText(this, title, QString("%1 of %2 (empty takes it back):").arg(title, name),
                             QLineEdit::Normal, now == name ? QString() : now, &taken);
-  if (taken) edits_.edit(about, key, value.trimmed().toStdString());
+  if (taken) edits_.say(about, key, value.trimmed().toStdString());
+}
+
+void MainWindow::merge_selected() {
+  const BelievedObject* object = edited_object();
+  if (object == nullptr) return;
+  QStringList names;
+  std::vector<int64_t> ids;
+  for (const BelievedObject& other : browser_.belief().objects)
+    if (other.id != object->id) {
+      names << QString("%1 (%2%3)")
+                   .arg(QString::fromStdString(other.name), other.color_name.c_str(),
+                        other.place.empty() ? "" : ", " + QString::fromStdString(other.place));
+      ids.push_back(other.id);
+    }
+  if (names.isEmpty()) return tell("There is no other object at this time");
+  bool taken = false;
+  const QString chosen = QInputDialog::getItem(
+      this, "The same thing", QString("%1 is the same thing as:").arg(QString::fromStdString(object->name)),
+      names, 0, false, &taken);
+  if (taken) edits_.merge(object->id, ids[static_cast<size_t>(names.indexOf(chosen))]);
+}
+
+void MainWindow::split_selected() {
+  if (const BelievedObject* object = edited_object()) edits_.split(object->id, browser_.selection().time());
+}
+
+void MainWindow::label_selected() {
+  const BelievedObject* object = edited_object();
+  const SceneEntry* scene = browser_.scene();
+  const SceneContent* content = browser_.moment().content.get();
+  if (object == nullptr || scene == nullptr || content == nullptr) return;
+  for (const ImageBox& box : content->boxes) {
+    if (box.object != object->id) continue;
+    bool taken = false;
+    const QString label =
+        QInputDialog::getText(this, "Label", "What this is (empty takes it back):", QLineEdit::Normal,
+                              QString::fromStdString(object->class_name), &taken);
+    if (taken) edits_.label(scene->id, box.number, label.trimmed().toStdString());
+    return;
+  }
+  tell("The chosen object is not in this picture");
+}
+
+void MainWindow::correct_joint() {
+  const World* world = browser_.data() == nullptr ? nullptr : browser_.data()->world();
+  if (!can_edit() || world == nullptr)
+    return tell(world == nullptr ? "This memory has no map" : "This file is read-only");
+  QStringList joints;
+  int present = 0;
+  for (const Joint& joint : world->joints) {
+    if (joint.child == browser_.selection().place()) present = joints.size();
+    joints << QString::fromStdString(joint.name);
+  }
+  bool taken = false;
+  const QString joint =
+      QInputDialog::getItem(this, "Joint", "Which joint is wrong:", joints, present, false, &taken);
+  if (!taken) return;
+  const QString type = QInputDialog::getItem(
+      this, "Joint", joint + " is:", {"fixed", "revolute", "continuous", "prismatic"}, 0, false, &taken);
+  if (taken) edits_.joint(joint.toStdString(), type.toStdString());
 }
 
 }  // namespace loci

@@ -1,11 +1,12 @@
 // What people say about objects in the browser: facts of source "user", with undo and redo.
 
+#include <QComboBox>
 #include <QInputDialog>
 #include <QSignalSpy>
 #include <QTimer>
 
 #include "gui/background.h"
-#include "gui/data/memory_edits.h"
+#include "gui/views/time_bar.h"
 #include "mapping/base/error.h"
 #include "memory/questions/facts.h"
 #include "tests/gui/window_fixture.h"
@@ -44,7 +45,7 @@ TEST_F(EditsInWindow, UndoAndRedoRestoreWhatHeldAndLoseNothing) {
   EditHistory& edits = window.edits();
   EXPECT_FALSE(edits.can_undo());
   for (const char* owner : {"Ada", "Grace"}) {
-    edits.edit("object_2", "owner", owner);
+    edits.say("object_2", "owner", owner);
     settle();
   }
   const auto owner = [&] { return facts().empty() ? "" : facts().back().value; };
@@ -61,33 +62,63 @@ TEST_F(EditsInWindow, UndoAndRedoRestoreWhatHeldAndLoseNothing) {
   settle();
   EXPECT_EQ(owner(), "Ada");
   EXPECT_TRUE(edits.can_redo());
-  edits.edit("object_2", "owner", "Alan");
+  edits.say("object_2", "owner", "Alan");
   settle();
   EXPECT_FALSE(edits.can_redo()) << "a new edit ends what could be redone";
   const Store store = Store::open_read(sample_.path);
   EXPECT_EQ(store.runs().size(), 7U) << "one run of the memory, and one for each that was said or taken back";
 }
 
-TEST_F(EditsInWindow, AnAliasIsReplacedAndOthersStay) {
-  const auto say = [&](const char* value) {
-    const FactEdit edit = make_edit(sample_.path, "object_2", "alias", value);
-    apply_edit(sample_.path, edit);
-  };
-  {
-    Store store = Store::open_write(sample_.path);
-    set_fact(store, "object_2", "alias", "box");
-    set_fact(store, "object_2", "alias", "cereal");
+TEST_F(EditsInWindow, AnotherNameReplacesTheFirstInTheWindow) {
+  for (const char* name : {"box", "cereal"}) {
+    window.edits().say("object_2", "alias", name);
+    settle();
+    EXPECT_EQ(window.card().title(), name);
   }
-  say("muesli");
-  std::vector<std::string> names;
-  for (const Fact& fact : facts()) names.push_back(fact.value);
-  EXPECT_EQ(names, (std::vector<std::string>{"box", "muesli"}));
+  press(Qt::Key_Z, Qt::ControlModifier);
+  EXPECT_EQ(window.card().title(), "box");
+}
+
+TEST_F(EditsInWindow, MergedObjectsAreOneInAllViewsAndUndoBringsTheOtherBack) {
+  ASSERT_NE(window.browser().belief().find(3), nullptr);
+  window.edits().merge(1, 3);
+  settle();
+  EXPECT_EQ(window.browser().belief().find(3), nullptr);
+  ASSERT_NE(window.browser().belief().find(1), nullptr);
+  EXPECT_EQ(window.browser().belief().find(1)->presence, Presence::seen)
+      << "the cup that was gone is the tin";
+  EXPECT_EQ(drawn(3), nullptr);
+  press(Qt::Key_Z, Qt::ControlModifier);
+  EXPECT_NE(window.browser().belief().find(3), nullptr);
+  EXPECT_EQ(window.browser().belief().find(1)->presence, Presence::gone);
+}
+
+TEST_F(EditsInWindow, TheSecondClockShowsWhatWasKnownBeforeAnEdit) {
+  window.edits().merge(1, 3);
+  settle();
+  QComboBox* known = window.time_bar().known();
+  ASSERT_GE(known->count(), 2);
+  EXPECT_TRUE(known->itemText(1).contains("object_3 is object_1")) << known->itemText(1).toStdString();
+  selection().set_known_at(known->itemData(1).toLongLong());
+  settle();
+  EXPECT_NE(window.browser().belief().find(3), nullptr) << "then they were two";
+  selection().set_known_at({});
+  settle();
+  EXPECT_EQ(window.browser().belief().find(3), nullptr);
+}
+
+TEST_F(EditsInWindow, FromTheChosenTimeOnItIsAnother) {
+  go_to(sample_.second);
+  press(Qt::Key_J, Qt::ControlModifier | Qt::ShiftModifier);
+  settle();
+  EXPECT_EQ(window.browser().belief().find(4)->place, "table_1");
+  EXPECT_EQ(window.browser().belief().find(2)->place, "counter_1");
 }
 
 TEST_F(EditsInWindow, WhileAnotherProgramWritesTheEditIsRefusedWithTheReason) {
   QSignalSpy failed(&window.browser(), &Browser::failed);
   const Store writer = Store::open_write(sample_.path);
-  window.edits().edit("object_2", "class", "cup");
+  window.edits().say("object_2", "class", "cup");
   settle();
   EXPECT_EQ(failed.count(), 1);
   EXPECT_FALSE(window.edits().can_undo());
