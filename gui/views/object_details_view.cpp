@@ -65,6 +65,7 @@ ObjectDetailsView::ObjectDetailsView(Browser& browser, QWidget* history, QWidget
       why_(new QTextBrowser(this)) {
   setDocumentMode(true);
   setUsesScrollButtons(false);
+  setMinimumHeight(5 * fontMetrics().height());  // the pages scroll
   pictures_->setViewMode(QListView::IconMode);
   pictures_->setResizeMode(QListView::Adjust);
   pictures_->setMovement(QListView::Static);

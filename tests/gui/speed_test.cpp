@@ -8,6 +8,7 @@
 #include "gui/data/memory_data.h"
 #include "gui/main_window.h"
 #include "gui/measure.h"
+#include "gui/scene3d/object_actors.h"
 #include "mapping/base/files.h"
 #include "tests/gui/large_memory.h"
 
