@@ -112,6 +112,7 @@ void write_picture(MainWindow& window, const BrowseOptions& options) {
     QApplication::processEvents();
     finish_background();
   }
+  window.map_view().look_from(MapViewpoint::overview);  // what came first must not decide the view
   const QImage image = options.view == "map" ? window.map_view().picture() : window.screenshot();
   QByteArray bytes;
   QBuffer buffer(&bytes);

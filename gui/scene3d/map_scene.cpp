@@ -37,7 +37,7 @@ void fit(vtkRenderer& renderer, const Eigen::AlignedBox3d& box, const Vector3d& 
   const Vector3d right = forward.cross(Vector3d::UnitZ()).normalized();
   const Vector3d above = right.cross(forward);
   const double tan_v = std::tan(kFieldOfViewDeg * M_PI / 360);
-  const int* size = renderer.GetSize();
+  const int* size = renderer.GetRenderWindow()->GetSize();  // the renderer's own is that of the last picture
   const double aspect = size[1] > 0 && size[0] > 0 ? static_cast<double>(size[0]) / size[1] : 4.0 / 3;
   double distance = 0.1;
   for (int i = 0; i < 8; ++i) {
@@ -52,7 +52,6 @@ void fit(vtkRenderer& renderer, const Eigen::AlignedBox3d& box, const Vector3d& 
   camera->SetFocalPoint(middle.data());
   camera->SetPosition(eye.data());
   camera->SetViewUp(above.data());
-  renderer.ResetCameraClippingRange();
 }
 
 void add_light(vtkRenderer& renderer, double x, double y, double strength) {
@@ -88,6 +87,8 @@ struct MapScene::Impl {
     auto* self = static_cast<Impl*>(client);
     const double* eye = self->renderer->GetActiveCamera()->GetPosition();
     self->world.cut_away({eye[0], eye[1], eye[2]});
+    self->renderer
+        ->ResetCameraClippingRange();  // by what is drawn now, not by what was there at the first look
     self->objects.lay_out_labels();
   }
 

@@ -233,7 +233,6 @@ QImage MapView::picture() {
   QImage image;
   scene_->set_moving(false);
   if (egl_) {
-    egl_->window()->SetSize(width(), height());
     egl_->window()->Render();
     image = pixels_of(egl_->window());
   } else {
@@ -258,6 +257,7 @@ void MapView::paintEvent(QPaintEvent*) {
 
 void MapView::resizeEvent(QResizeEvent* event) {
   QWidget::resizeEvent(event);
+  if (egl_) egl_->window()->SetSize(width(), height());
   redraw();
 }
 

@@ -15,7 +15,7 @@
 namespace loci {
 namespace {
 
-constexpr int kPictureSide = 84;
+constexpr int kPictureSide = 64;
 
 QLabel* selectable_label(QWidget* parent) {
   auto* label = new QLabel(parent);
@@ -86,7 +86,7 @@ void ObjectCard::build_rows() {
   auto* form = new QFormLayout(rows_);
   form->setContentsMargins(0, 0, 0, 0);
   form->setHorizontalSpacing(12);
-  form->setVerticalSpacing(3);
+  form->setVerticalSpacing(2);
   form->setLabelAlignment(Qt::AlignLeft);
   for (const char* name : {"Place", "State", "Last seen", "Colour", "Size", "Position"}) {
     auto* value = selectable_label(rows_);

@@ -56,6 +56,7 @@ TimeBar::TimeBar(Browser& browser, QWidget* parent)
   known_->setFocusPolicy(Qt::NoFocus);
   known_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
   known_->setMinimumContentsLength(14);
+  known_->setMinimumWidth(fontMetrics().horizontalAdvance("As known") + 24);  // narrow windows cut it off
   buttons->addSpacing(6);
   buttons->addWidget(known_);
   buttons->addSpacing(12);
