@@ -1,10 +1,8 @@
 #include <fnmatch.h>
 
 #include <algorithm>
-#include <atomic>
 #include <exception>
 #include <functional>
-#include <thread>
 
 #include "mapping/base/parallel.h"
 #include "perception/pipeline/flow.h"
@@ -18,17 +16,6 @@ struct Task {
   std::vector<cas::FeatureStructure> hidden = {};
 };
 
-/// Runs all of them, on up to `threads` threads; which runs where decides nothing.
-void run_all(const std::vector<std::function<void()>>& jobs, int threads) {
-  std::atomic<size_t> next = 0;
-  const auto work = [&] {
-    for (size_t i = next++; i < jobs.size(); i = next++) jobs[i]();
-  };
-  std::vector<std::jthread> workers;
-  for (int i = 1; i < threads; ++i) workers.emplace_back(work);
-  work();
-}
-
 /// Does every task as if the others did not exist, and brings the results together in the order of the tasks.
 /// So they are the same on any number of threads.
 void run_side_by_side(const std::vector<Task>& tasks, cas::Cas& cas, Context& context) {
@@ -41,22 +28,20 @@ void run_side_by_side(const std::vector<Task>& tasks, cas::Cas& cas, Context& co
   const int cores = thread_count(context.threads);
   const int threads = std::min(cores, static_cast<int>(tasks.size()));
   std::vector<Side> sides(tasks.size());
-  std::vector<std::function<void()>> jobs;
   for (size_t i = 0; i < tasks.size(); ++i) {
     // The first may work at home: the others have copies.
     if (i > 0 || !tasks[i].hidden.empty()) sides[i].cas = cas.branch();
     for (const cas::FeatureStructure& each : tasks[i].hidden) sides[i].cas->hide(each);
-    jobs.emplace_back([&, i] {
-      Context own{context.resources, sides[i].warnings, std::max(1, cores / threads), {}};
-      own.alone = context.alone && threads == 1;
-      try {
-        tasks[i].work(sides[i].cas ? *sides[i].cas : cas, own);
-      } catch (...) {
-        sides[i].failure = std::current_exception();
-      }
-    });
   }
-  run_all(jobs, threads);
+  parallel_each(tasks.size(), threads, [&](size_t i) {
+    Context own{context.resources, sides[i].warnings, std::max(1, cores / threads), {}};
+    own.alone = context.alone && threads == 1;
+    try {
+      tasks[i].work(sides[i].cas ? *sides[i].cas : cas, own);
+    } catch (...) {
+      sides[i].failure = std::current_exception();
+    }
+  });
   for (const Side& side : sides)
     for (const std::string& text : side.warnings.texts()) context.warnings.add(text);
   for (const Side& side : sides)
