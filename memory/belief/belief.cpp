@@ -42,7 +42,11 @@ BeliefUpdate Step::run() {
   for (size_t o = 0; o < believed; ++o) state_.objects[o].alternatives = alternatives[o];
   for (size_t k = 0; k < scene_.observations.size(); ++k)
     if (!partner_of_observation_[k]) meet(k);
-  for (ProtoObject& leftover : leftovers_) state_.objects.push_back(std::move(leftover));
+  for (ProtoObject& leftover : leftovers_) {
+    leftover.key =
+        state_.next_key++;  // Only now: objects stand in the order of their keys, as they are stored.
+    state_.objects.push_back(std::move(leftover));
+  }
   if (apart_) learn_arrivals();
   if (scene_.seconds_to_next && *scene_.seconds_to_next >= options_.snapshot_gap_s) confirm_unrefuted();
   state_.attention_s = attention_;

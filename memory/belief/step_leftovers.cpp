@@ -45,7 +45,6 @@ void Step::leave_behind(size_t o, size_t k) {
   const double here = other * whether_there(o).probability();
   if (here < kSmallestLeftover) return;
   ProtoObject& leftover = leftovers_.emplace_back(object);
-  leftover.key = state_.next_key++;
   leftover.id = 0;
   leftover.status = Status::tentative;
   leftover.leftover_of = object.key;
