@@ -24,7 +24,7 @@ Pipeline read_pipeline(const Arguments& arguments, const AnnotatorRegistry& regi
   YAML::Node document;
   document["reader"] = "MemoryReader";
   for (const std::string& step : arguments.with)
-    document["flow"].push_back(Config::parse("step: " + step, "--with").node("step"));
+    document["flow"].push_back(Config::parse("step:\n- " + step, "--with").node("step")[0]);
   return Pipeline::parse(Config::parse("", "--with").over(document, ""), registry);
 }
 
