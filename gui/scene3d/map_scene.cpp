@@ -87,8 +87,8 @@ struct MapScene::Impl {
     auto* self = static_cast<Impl*>(client);
     const double* eye = self->renderer->GetActiveCamera()->GetPosition();
     self->world.cut_away({eye[0], eye[1], eye[2]});
-    self->renderer
-        ->ResetCameraClippingRange();  // by what is drawn now, not by what was there at the first look
+    // By what is drawn now, not by what was there at the first look: the same scene gives the same picture.
+    self->renderer->ResetCameraClippingRange();
     self->objects.lay_out_labels();
   }
 

@@ -116,8 +116,8 @@ TEST_F(Walk, CanItBeAskedInWords) {
 }
 
 TEST_F(Walk, HowIsItGivenAName) {
-  window.open(
-      QString::fromStdString(sample_.path.string()));  // as a person does; it is followed from then on
+  // As a person does; it is followed from then on.
+  window.open(QString::fromStdString(sample_.path.string()));
   settle();
   click_object(2);
   ++clicks_;
