@@ -7,6 +7,7 @@
 #include "mapping/base/random.h"
 #include "mapping/image/image_io.h"
 #include "mapping/render/render.h"
+#include "mapping/simulation/scenario.h"
 #include "mapping/world/urdf.h"
 #include "memory/store/depth_thumbnail.h"
 #include "memory/store/scene_transaction.h"
@@ -22,17 +23,6 @@ struct View {
   std::string picture, depth;
 };
 
-Isometry3d looking(const Vector3d& from, const Vector3d& at) {
-  const Vector3d z = (at - from).normalized();
-  const Vector3d x = z.cross(Vector3d::UnitZ()).normalized();
-  Isometry3d pose = Isometry3d::Identity();
-  pose.linear().col(0) = x;
-  pose.linear().col(1) = z.cross(x);
-  pose.linear().col(2) = z;
-  pose.translation() = from;
-  return pose;
-}
-
 std::vector<View> views_of(const RenderScene& scene, const PinholeCamera& camera, const Vector3d& middle) {
   std::vector<View> views;
   RenderOptions options;
@@ -40,8 +30,8 @@ std::vector<View> views_of(const RenderScene& scene, const PinholeCamera& camera
   for (int i = 0; i < kViewpoints; ++i) {
     const double angle = 2 * M_PI * i / kViewpoints;
     View view;
-    view.map_from_camera = looking(middle + Vector3d(std::cos(angle), std::sin(angle), 1.2),
-                                   middle + Vector3d(3 * std::cos(angle), 3 * std::sin(angle), 0.4));
+    view.map_from_camera = looking_at(middle + Vector3d(std::cos(angle), std::sin(angle), 1.2),
+                                      middle + Vector3d(3 * std::cos(angle), 3 * std::sin(angle), 0.4));
     const RenderedView seen = scene.render(camera, view.map_from_camera, options);
     const auto picture = encode_image(seen.color, ".jpg");
     view.picture.assign(picture.begin(), picture.end());

@@ -6,6 +6,7 @@
 #include "mapping/base/files.h"
 #include "mapping/image/image_io.h"
 #include "mapping/render/render.h"
+#include "mapping/simulation/scenario.h"
 #include "mapping/world/urdf.h"
 #include "memory/store/depth_thumbnail.h"
 #include "memory/store/scene_transaction.h"
@@ -23,17 +24,6 @@ struct Thing {
   const char* color;
   cv::Scalar bgr;
 };
-
-Isometry3d looking(const Vector3d& from, const Vector3d& at) {
-  const Vector3d z = (at - from).normalized();
-  const Vector3d x = z.cross(Vector3d::UnitZ()).normalized();
-  Isometry3d pose = Isometry3d::Identity();
-  pose.linear().col(0) = x;
-  pose.linear().col(1) = z.cross(x);
-  pose.linear().col(2) = z;
-  pose.translation() = from;
-  return pose;
-}
 
 TriangleMesh box_mesh(const Thing& thing) {
   Warnings warnings;
@@ -193,8 +183,8 @@ SampleMemory write_sample_memory(const std::filesystem::path& path) {
   SampleMemory sample{path, parse_time("2026-05-01T07:00:00Z"), parse_time("2026-05-01T07:30:00Z"),
                       parse_time("2026-05-01T08:00:00Z")};
   Writer writer(path);
-  const Isometry3d at_counter = looking({1.7, 1.4, 1.5}, {1.75, 2.65, 0.9});
-  const Isometry3d at_table = looking({2.0, 1.7, 1.5}, {2.0, 0.62, 0.74});
+  const Isometry3d at_counter = looking_at({1.7, 1.4, 1.5}, {1.75, 2.65, 0.9});
+  const Isometry3d at_table = looking_at({2.0, 1.7, 1.5}, {2.0, 0.62, 0.74});
   Thing cup{0, {1.5, 2.5, 0.95}, {0.09, 0.12, 0.10}, {4, 0.85, 0.8}, "red", {30, 35, 205}};
   Thing box{0, {1.9, 2.55, 1.00}, {0.10, 0.06, 0.20}, {215, 0.75, 0.75}, "blue", {190, 105, 48}};
   Thing tin{0, {2.2, 2.5, 0.95}, {0.07, 0.07, 0.11}, {110, 0.7, 0.6}, "green", {45, 150, 60}};
