@@ -13,6 +13,8 @@ namespace loci {
 struct FlatOptions {
   double table_m = 0.002;
   double object_m = 0.008;
+  double thin_m = 0.0035;
+  double step_m = 0.003;
   double max_height_m = 0.03;
   double noise_m = 0.0008;
   double background_m = 0.2;
@@ -71,7 +73,9 @@ cv::Mat seen_by_color(const cv::Mat& picture, const RgbdCamera& camera, const Fl
 /// Flat things in two stages: what is certainly surface (below table_m) and certainly object (above object_m)
 /// trains histograms of hue and saturation, anew for every picture, so that the light may change; every pixel
 /// of the colour picture, which may be the larger one, is then decided by its colour and its height together.
-/// `color`: CV_8UC3 of camera.color's size.
+/// What is left is searched once more for things that are too thin to be certain (above thin_m, over the
+/// plane as it bends as a whole): these must rise over what is next to them by step_m along their whole
+/// border, see rises_all_around(). `color`: CV_8UC3 of camera.color's size.
 std::vector<FlatObject> find_flat_objects(const cv::Mat& depth, const cv::Mat& color,
                                           const RgbdCamera& camera, const FlatSurface& surface,
                                           const FlatOptions& options);

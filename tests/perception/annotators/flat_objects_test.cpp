@@ -5,6 +5,7 @@
 
 #include "mapping/base/random.h"
 #include "perception/annotators/hypotheses/flat_object_extractor.h"
+#include "perception/annotators/hypotheses/thin_objects.h"
 
 namespace loci {
 namespace {
@@ -105,6 +106,75 @@ TEST(FlatObjects, AnEmptyTableHasNoneWhateverItsColours) {
       find_flat_objects(workspace.depth(false, Random(1)), workspace.color(0.3, Random(2)), workspace.camera,
                         workspace.surface, FlatOptions());
   EXPECT_TRUE(found.empty());
+}
+
+TEST(FlatObjects, AThinThingIsFoundByTheStepAlongItsBorder) {
+  Workspace workspace;
+  workspace.height = 0.005;
+  const std::vector<FlatObject> found =
+      find_flat_objects(workspace.depth(true, Random(1)), workspace.color(0.3, Random(2)), workspace.camera,
+                        workspace.surface, FlatOptions());
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_GT(workspace.overlap(found[0]), 0.7);
+}
+
+TEST(FlatObjects, WhatIsOnlyPaintedOnTheTableIsNone) {
+  Workspace workspace;
+  workspace.height = 0;
+  for (uint64_t seed = 1; seed < 4; ++seed)
+    EXPECT_TRUE(find_flat_objects(workspace.depth(true, Random(seed)),
+                                  workspace.color(0.3, Random(10 + seed)), workspace.camera,
+                                  workspace.surface, FlatOptions())
+                    .empty());
+}
+
+TEST(FlatObjects, WithoutThinThingsOnlyTheCertainOnesAreFound) {
+  Workspace workspace;
+  workspace.height = 0.005;
+  FlatOptions options;
+  options.thin_m = 0;
+  EXPECT_TRUE(find_flat_objects(workspace.depth(true, Random(1)), workspace.color(0.3, Random(2)),
+                                workspace.camera, workspace.surface, options)
+                  .empty());
+}
+
+/// A piece of 40 × 40 pixels, `rise` higher than what is left of it and below, `right` higher than what is
+/// right of it and above, on a surface that slopes.
+bool rises(float rise, float right, double step) {
+  cv::Mat heights(120, 120, CV_32F);
+  std::vector<int> pixels;
+  for (int v = 0; v < 120; ++v)
+    for (int u = 0; u < 120; ++u) {
+      const bool own = u >= 40 && u < 80 && v >= 40 && v < 80;
+      heights.at<float>(v, u) = 1e-4f * static_cast<float>(u) + (own                 ? rise
+                                                                 : u >= 80 || v < 40 ? rise - right
+                                                                                     : 0);
+      if (own) pixels.push_back(v * 120 + u);
+    }
+  return rises_all_around(heights, pixels, cv::Mat(120, 120, CV_8U, cv::Scalar(255)), step);
+}
+
+TEST(ThinObjects, RiseAlongTheirWholeBorderOnASlopingSurface) {
+  EXPECT_TRUE(rises(0.005f, 0.005f, 0.003));
+  EXPECT_FALSE(rises(0.002f, 0.002f, 0.003));
+  EXPECT_FALSE(rises(0.005f, 0.0f, 0.003));  // The corner of a board.
+  EXPECT_FALSE(rises_all_around(cv::Mat::zeros(10, 10, CV_32F), {}, cv::Mat::zeros(10, 10, CV_8U), 0.003));
+}
+
+TEST(ThinObjects, TheSurfaceBendsAsAWholeAndNotForAThing) {
+  const PinholeCamera camera;
+  const Vector3d normal = -Vector3d::UnitZ();
+  cv::Mat heights(camera.height, camera.width, CV_32F);
+  for (int v = 0; v < heights.rows; ++v)
+    for (int u = 0; u < heights.cols; ++u) {
+      const double x = (u - camera.cx) / camera.fx;
+      const bool thing = u >= 200 && u < 400 && v >= 150 && v < 300;
+      heights.at<float>(v, u) = static_cast<float>(0.004 - 0.01 * x * x + (thing ? 0.005 : 0));
+    }
+  const cv::Mat leveled = over_bent_surface(heights, camera, normal, -1.0);
+  EXPECT_NEAR(leveled.at<float>(50, 50), 0, 0.001);
+  EXPECT_NEAR(leveled.at<float>(400, 320), 0, 0.001);
+  EXPECT_NEAR(leveled.at<float>(220, 300), 0.005, 0.001);
 }
 
 TEST(FlatObjects, WhatStandsHigherIsNotFlat) {
