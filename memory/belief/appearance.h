@@ -32,6 +32,19 @@ class Appearance {
   bool colorless_;
 };
 
+/// What was learned to add to a comparison's table: log-likelihood ratios at the middles of some distances.
+struct Correction {
+  static constexpr size_t kBins = 12;
+  std::array<double, kBins> values{};
+
+  double at(double distance) const;
+};
+/// By kind, in the order of comparisons(); the second is for two things without colour.
+using Corrections = std::array<std::array<Correction, 2>, kComparisons>;
+
+/// Log-likelihood ratio before anything was learned.
+double prior_log_ratio(const Comparison& comparison, double distance, bool colorless);
+
 /// What comparing two looks gave, in the order of comparisons().
 struct Contrast {
   struct Part {
@@ -39,12 +52,14 @@ struct Contrast {
     double log_ratio = 0;
   };
   std::array<Part, kComparisons> parts;
+  bool colorless = false;    ///< both are
   size_t count = 0;          ///< of parts that are comparable
   double log_ratio = 0;      ///< combined evidence
   double log_closeness = 0;  ///< mean over the parts
 };
 
 /// compare() of similarity.h, without its copies.
-Contrast contrast(const Appearance& a, const Appearance& b, bool partial, double weight);
+Contrast contrast(const Appearance& a, const Appearance& b, bool partial, double weight,
+                  const Corrections& corrections = {});
 
 }  // namespace loci::belief

@@ -31,6 +31,7 @@ BeliefUpdate Step::run() {
   pair_up();
   reclaim_leftovers();
   report_distributions();
+  if (apart_) learn_likeness();
   const std::vector<std::vector<Alternative>> alternatives = mixed_alternatives();
   const size_t believed = state_.objects.size();
   for (size_t o = 0; o < believed; ++o) {

@@ -60,12 +60,14 @@ struct ObjectOutcome {
 struct PairEvidence {
   struct Distances {
     std::string kind;
-    PairTable distance;  ///< NaN = not comparable
+    PairTable distance;   ///< NaN = not comparable
+    PairTable log_ratio;  ///< what it tells; 0 = not comparable
   };
   std::vector<Distances> distances;
   PairTable offset;     ///< between the centres, metres
   PairTable closeness;  ///< the dissertation's similarity in [0,1]; NaN = nothing to compare
   PairTable log_similar, log_proximity;
+  Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> colorless;  ///< neither has colour
   PairTable log_size;  ///< the part of log_similar that is about size; 0 = not comparable
 };
 

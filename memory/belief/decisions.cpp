@@ -27,8 +27,10 @@ Candidate candidate_of(const BeliefUpdate& update, Eigen::Index o, Eigen::Index 
   candidate.stay_prior = static_cast<float>(update.problem.stay_prior(o, k));
   candidate.move_prior = static_cast<float>(update.problem.move_prior(o, k));
   candidate.newview_prior = static_cast<float>(update.problem.newview_prior(o, k));
-  for (const PairEvidence::Distances& d : update.evidence.distances)
+  for (const PairEvidence::Distances& d : update.evidence.distances) {
     candidate.distances.push_back(static_cast<float>(d.distance(o, k)));
+    candidate.log_ratios.push_back(static_cast<float>(d.log_ratio(o, k)));
+  }
   return candidate;
 }
 
@@ -103,25 +105,41 @@ Decisions decisions_of(const BeliefUpdate& update) {
   return decisions;
 }
 
+std::vector<float> Decisions::log_ratios() const {
+  std::vector<float> all;
+  for (const ObservationDecision& observation : observations)
+    for (const Candidate& candidate : observation.candidates)
+      all.insert(all.end(), candidate.log_ratios.begin(), candidate.log_ratios.end());
+  return all;
+}
+
+void Decisions::set_log_ratios(const std::vector<float>& all) {
+  auto next = all.begin();
+  for (ObservationDecision& observation : observations) {
+    for (Candidate& candidate : observation.candidates) {
+      candidate.log_ratios.clear();
+      for (size_t i = 0; i < candidate.distances.size(); ++i) {
+        const Comparison* comparison = find_comparison(kinds.at(i));
+        candidate.log_ratios.push_back(
+            next != all.end()       ? *next++
+            : comparison == nullptr ? 0.0F
+                                    : static_cast<float>(log_ratio(*comparison, candidate.distances[i])));
+      }
+    }
+  }
+}
+
 std::string objection(const Decisions& decisions, size_t observation, const Candidate& candidate) {
   for (size_t k = 0; k < decisions.observations.size(); ++k)
     if (k != observation && decisions.observations[k].key == candidate.key)
       return fmt::format("one thing is in one place: it is taken for observation {} ({:.0f} %)", k,
                          100 * decisions.observations[k].probability);
-  const Comparison* worst = nullptr;
-  double against = -1, distance = 0;
-  for (size_t i = 0; i < decisions.kinds.size() && i < candidate.distances.size(); ++i) {
-    const Comparison* comparison = find_comparison(decisions.kinds[i]);
-    if (comparison == nullptr || !std::isfinite(candidate.distances[i])) continue;
-    const double ratio = log_ratio(*comparison, candidate.distances[i]);
-    if (ratio >= against) continue;
-    against = ratio;
-    distance = candidate.distances[i];
-    worst = comparison;
-  }
-  if (worst != nullptr)
-    return fmt::format("its {} differs too much (distance {:.2f}, evidence {:+.1f})", worst->kind, distance,
-                       against);
+  std::optional<size_t> worst;
+  for (size_t i = 0; i < candidate.log_ratios.size(); ++i)
+    if (candidate.log_ratios[i] < (worst ? candidate.log_ratios[*worst] : -1.0F)) worst = i;
+  if (worst)
+    return fmt::format("its {} differs too much (distance {:.2f}, evidence {:+.1f})", decisions.kinds[*worst],
+                       candidate.distances[*worst], candidate.log_ratios[*worst]);
   if (candidate.proximity < 0 && candidate.move_prior < candidate.stay_prior - 1)
     return fmt::format("it stood elsewhere (evidence {:+.1f}) and was probably not moved (prior {:+.1f})",
                        candidate.proximity, candidate.move_prior);

@@ -11,6 +11,7 @@ struct Candidate {
   float similar = 0, proximity = 0;       ///< log-likelihood ratios, same object against unrelated
   float stay_prior = 0, move_prior = 0, newview_prior = 0;  ///< log weights before the evidence
   std::vector<float> distances;                             ///< per Decisions::kinds; NaN = not comparable
+  std::vector<float> log_ratios;  ///< what these told; apart from the rest (Decisions::log_ratios)
 
   double probability() const { return double(stay) + move + newview; }
 
@@ -60,6 +61,11 @@ struct Decisions {
   std::vector<ObservationDecision> observations;  ///< in the order of the scene
   std::vector<ObjectDecision> unseen;  ///< objects that were not seen though their place was in view in part
   float gate_bound = 0;                ///< largest error of a probability
+
+  /// Those of all candidates, in order, as they are kept beside the other fields.
+  std::vector<float> log_ratios() const;
+  /// Puts them back. Without any: what distances tell before anything was learned, as the first versions had.
+  void set_log_ratios(const std::vector<float>& all);
 
   template <class Archive>
   void archive(Archive& fields) {

@@ -29,13 +29,14 @@ class Bag {
 
   /// Likeness to the mixture of the looks, weighted by how often each was seen; the parts are those of the
   /// look that is most alike.
-  Contrast compare(const Appearance& seen, bool partial, const BeliefOptions& options) {
+  Contrast compare(const Appearance& seen, bool partial, const Corrections& corrections,
+                   const BeliefOptions& options) {
     Contrast best;
     ratios_.clear();
     double weights = 0, largest = -std::numeric_limits<double>::infinity();
     for (const Entry& look : looks_) {
       const Contrast one =
-          contrast(look.appearance, seen, look.partial || partial, options.appearance_weight);
+          contrast(look.appearance, seen, look.partial || partial, options.appearance_weight, corrections);
       if (one.count == 0) continue;
       ratios_.push_back(one.log_ratio + look.log_weight);
       weights += look.weight;
@@ -175,9 +176,11 @@ PairEvidence pair_evidence(const BeliefState& state, const std::vector<Expectati
   evidence.log_proximity.setZero(rows, columns);
   evidence.log_size.setZero(rows, columns);
   evidence.offset.setZero(rows, columns);
+  evidence.colorless.setConstant(rows, columns, false);
   evidence.closeness.setConstant(rows, columns, std::numeric_limits<double>::quiet_NaN());
   for (const Comparison& comparison : comparisons())
-    evidence.distances.push_back({comparison.kind, evidence.closeness});
+    evidence.distances.push_back({comparison.kind, evidence.closeness, evidence.log_size});
+  const Corrections corrections = state.calibration.corrections();
   std::vector<Appearance> appearances;
   std::vector<Observation> shapes;
   for (const Observation& observation : scene.observations) {
@@ -195,11 +198,13 @@ PairEvidence pair_evidence(const BeliefState& state, const std::vector<Expectati
       if (!object.sized) believed.size = observation.box.size;
       if (!observation.sized) observation.box.size = believed.size;
       if (!snapshot && is_piece(e, observation.box)) observation.partial = true;
-      const Contrast alike = bag.compare(appearances[size_t(k)], observation.partial, options);
+      const Contrast alike = bag.compare(appearances[size_t(k)], observation.partial, corrections, options);
+      evidence.colorless(o, k) = alike.colorless;
       evidence.log_similar(o, k) = std::clamp(alike.log_ratio, -kLargestEvidence, kLargestEvidence);
       if (alike.count > 0) evidence.closeness(o, k) = std::exp(alike.log_closeness);
       for (size_t i = 0; i < kComparisons; ++i) {
         evidence.distances[i].distance(o, k) = alike.parts[i].distance;
+        evidence.distances[i].log_ratio(o, k) = alike.parts[i].log_ratio;
         if (comparisons()[i].whole_only) evidence.log_size(o, k) += alike.parts[i].log_ratio;
       }
       evidence.offset(o, k) = (observation.box.centre - believed.centre).norm();

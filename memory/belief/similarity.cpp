@@ -175,18 +175,19 @@ Appearance::Appearance(const std::vector<Descriptor>& descriptors) : colorless_(
   }
 }
 
-Contrast contrast(const Appearance& a, const Appearance& b, bool partial, double weight) {
+Contrast contrast(const Appearance& a, const Appearance& b, bool partial, double weight,
+                  const Corrections& corrections) {
   static const double least_closeness = std::log(1e-12);  // where gaussian_closeness() ends
   Contrast result;
-  const bool colorless = a.colorless() && b.colorless();
+  result.colorless = a.colorless() && b.colorless();
   for (size_t i = 0; i < kComparisons; ++i) {
     const Comparison& comparison = comparisons()[i];
     const Appearance::Feature &of_a = a.features()[i], &of_b = b.features()[i];
     if (!comparable(of_a, of_b) || (partial && comparison.whole_only)) continue;
     const double distance = distance_of(comparison, of_a, of_b);
     if (!std::isfinite(distance)) continue;
-    double ratio = log_ratio(comparison, distance);
-    if (colorless && comparison.of_color && ratio > 0) ratio *= 0.5;
+    const double ratio = prior_log_ratio(comparison, distance, result.colorless) +
+                         corrections[i][result.colorless].at(distance);
     result.parts[i] = {distance, ratio};
     ++result.count;
     result.log_ratio += weight * ratio;

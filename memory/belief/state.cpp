@@ -9,12 +9,19 @@
 namespace loci::belief {
 namespace {
 
-/// Cannot begin a CBOR map, as which the first version wrote beliefs.
-constexpr std::string_view kMagic = "belief 4\n";
-constexpr std::string_view kMagic3 = "belief 3\n";  ///< without leftovers; returns not by age
-constexpr std::string_view kMagic2 = "belief 2\n";  ///< nor what was learned about view points
+/// Cannot begin a CBOR map, as which the first version wrote beliefs. The digit is the version: 2 had nothing
+/// about view points, 3 no leftovers and returns not by age, 4 no calibration.
+constexpr std::string_view kMagic = "belief 5\n";
+constexpr int kVersion = 5;
 
-struct EarlierObject {
+/// 1 where no version is told.
+int version_of(const std::string& bytes) {
+  const size_t digit = kMagic.size() - 2;
+  if (bytes.size() < kMagic.size() || bytes.compare(0, digit, kMagic, 0, digit) != 0) return 1;
+  return bytes[digit] - '0';
+}
+
+struct ObjectBefore4 {
   ProtoObject object;
 
   template <class Archive>
@@ -23,12 +30,16 @@ struct EarlierObject {
   }
 };
 
-BeliefState state_before_4(ArchiveReader& reader, int version) {
+BeliefState state_before_5(ArchiveReader& reader, int version) {
   BeliefState state;
-  std::vector<EarlierObject> objects;
-  reader(objects);
-  for (EarlierObject& earlier : objects) state.objects.push_back(std::move(earlier.object));
-  state.archive_rest_before_4(reader, version);
+  if (version < 4) {
+    std::vector<ObjectBefore4> objects;
+    reader(objects);
+    for (ObjectBefore4& earlier : objects) state.objects.push_back(std::move(earlier.object));
+  } else {
+    reader(state.objects);
+  }
+  state.archive_rest_before_5(reader, version);
   return state;
 }
 
@@ -72,17 +83,15 @@ std::string to_bytes(const BeliefState& state) {
 
 BeliefState belief_state_from_bytes(const std::string& bytes) {
   try {
-    const int version = bytes.starts_with(kMagic)    ? 4
-                        : bytes.starts_with(kMagic3) ? 3
-                        : bytes.starts_with(kMagic2) ? 2
-                                                     : 1;
+    const int version = version_of(bytes);
     if (version == 1) return belief_state_of_version_1(bytes);
+    if (version < 1 || version > kVersion) throw Error("another version of loci wrote it");
     BeliefState state;
     ArchiveReader reader(std::string_view(bytes).substr(kMagic.size()));
-    if (version == 4)
+    if (version == kVersion)
       reader(state);
     else
-      state = state_before_4(reader, version);
+      state = state_before_5(reader, version);
     if (!reader.at_end()) throw Error("there are bytes after the end");
     return state;
   } catch (const nlohmann::json::exception& e) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "memory/belief/calibration.h"
 #include "memory/belief/habits.h"
 #include "memory/belief/observation.h"
 #include "memory/belief/options.h"
@@ -116,7 +117,8 @@ struct BeliefState {
   int64_t next_key = 1;
   int64_t next_id = 1;
   Habits habits;
-  Factor view_noise;  ///< variance of where things seem to stand from elsewhere, against the options'
+  Calibration calibration;  ///< what likeness tells
+  Factor view_noise;        ///< variance of where things seem to stand from elsewhere, against the options'
 
   const ProtoObject* find(int64_t id) const;
 
@@ -128,13 +130,13 @@ struct BeliefState {
   /// All but the objects, which checkpoints keep one by one.
   template <class Archive>
   void archive_rest(Archive& fields) {
-    fields(last_scene, attention_s, next_key, next_id, habits, view_noise);
+    fields(last_scene, attention_s, next_key, next_id, habits, view_noise, calibration);
   }
-  /// The fields that the second and the third version had.
+  /// The fields that the versions from the second to the fourth had.
   template <class Archive>
-  void archive_rest_before_4(Archive& fields, int version) {
+  void archive_rest_before_5(Archive& fields, int version) {
     fields(last_scene, attention_s, next_key, next_id);
-    habits.archive_before_4(fields);
+    version < 4 ? habits.archive_before_4(fields) : habits.archive(fields);
     if (version >= 3) fields(view_noise);
   }
 };

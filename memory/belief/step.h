@@ -77,6 +77,8 @@ class Step {
   /// What surely stayed and is found whole both times shows how well poses and visible parts agree. Where it
   /// moved a little after all it must not count in full.
   void learn_view_noise(size_t o, size_t k);
+  /// How alike looks at one thing are, and looks at different ones.
+  void learn_likeness();
   void learn_from_absence(ProtoObject& object);
   /// Whether what was new is found again shows how often what is new is a false cluster.
   void learn_doubt(ProtoObject& object, double if_false, double if_real);

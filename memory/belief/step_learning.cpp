@@ -7,6 +7,14 @@
 #include "memory/belief/step.h"
 
 namespace loci::belief {
+namespace {
+
+/// So probable must it be which object something is before its looks teach.
+constexpr double kSure = 0.9;
+/// Looks at one thing repeat each other.
+constexpr double kLikenessWeight = 0.5;
+
+}  // namespace
 
 void Step::learn_from_sighting(size_t o, size_t k) {
   ProtoObject& object = state_.objects[o];
@@ -27,7 +35,7 @@ void Step::learn_from_sighting(size_t o, size_t k) {
 }
 
 void Step::learn_view_noise(size_t o, size_t k) {
-  constexpr double kWeight = 0.25, kSure = 0.9, kFarthest = 4;
+  constexpr double kWeight = 0.25, kFarthest = 4;
   const ProtoObject& object = state_.objects[o];
   const Observation& observation = scene_.observations[k];
   const bool whole = !object.partial && !observation.partial && object.sized && observation.sized;
@@ -38,6 +46,33 @@ void Step::learn_view_noise(size_t o, size_t k) {
   const Vector3d offset = observation.box.centre - expected_[o].box.centre;
   const double found = offset.head<2>().squaredNorm() / 2 / expected;
   state_.view_noise.count(kWeight * std::min(found, kFarthest * learned), kWeight);
+}
+
+void Step::learn_likeness() {
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> sure;
+  std::vector<Eigen::Index> told;  // tentative objects may be doubles of others
+  for (size_t o = 0; o < partner_of_object_.size(); ++o) {
+    if (state_.objects[o].id == 0) continue;
+    told.push_back(static_cast<Eigen::Index>(o));
+    const std::optional<size_t> k = partner_of_object_[o];
+    if (k && update_.observations[*k].probability >= kSure) sure.emplace_back(o, *k);
+  }
+  const std::vector<Comparison>& known = comparisons();
+  for (const PairEvidence::Distances& evidence : update_.evidence.distances) {
+    const auto kind =
+        static_cast<size_t>(std::ranges::find(known, evidence.kind, &Comparison::kind) - known.begin());
+    Calibration::Counts* counts[] = {&state_.calibration.of(kind, false), &state_.calibration.of(kind, true)};
+    for (const auto& [partner, k] : sure) {
+      for (const Eigen::Index o : told) {
+        const double distance = evidence.distance(o, k);
+        if (!std::isfinite(distance)) continue;
+        // As much about what differs as about what is the same.
+        const double weight = o == partner ? kLikenessWeight : kLikenessWeight / double(told.size());
+        counts[update_.evidence.colorless(o, k)]->count(o == partner, distance, weight);
+      }
+    }
+    for (Calibration::Counts* of_kind : counts) of_kind->fade();
+  }
 }
 
 void Step::learn_from_absence(ProtoObject& object) {

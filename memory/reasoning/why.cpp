@@ -34,12 +34,9 @@ struct Evidence {
 
 std::vector<Evidence> evidence_of(const belief::Decisions& decisions, const belief::Candidate& candidate) {
   std::vector<Evidence> list;
-  for (size_t i = 0; i < candidate.distances.size() && i < decisions.kinds.size(); ++i) {
-    const belief::Comparison* comparison = belief::find_comparison(decisions.kinds[i]);
-    if (comparison == nullptr || !std::isfinite(candidate.distances[i])) continue;
-    list.push_back(
-        {comparison->kind, candidate.distances[i], belief::log_ratio(*comparison, candidate.distances[i])});
-  }
+  for (size_t i = 0; i < candidate.log_ratios.size(); ++i)
+    if (std::isfinite(candidate.distances[i]))
+      list.push_back({decisions.kinds[i], candidate.distances[i], candidate.log_ratios[i]});
   return list;
 }
 

@@ -13,7 +13,7 @@ namespace {
 constexpr const char* kCheckpoint = "belief";
 constexpr const char* kObjects = "belief/";  ///< and the object's key, so that names sort like the objects
 constexpr uint8_t kVersion = 2;              ///< of an object; 1 had no leftovers
-constexpr uint8_t kRestVersion = 3;          ///< of all but the objects; 1 had no view_noise
+constexpr uint8_t kRestVersion = 4;          ///< of all but the objects; one less than the belief's
 /// The first files kept a belief with every scene: a blob, named by an annotation of this type.
 constexpr const char* kEarlierType = "loci.memory.CarriedBelief";
 
@@ -47,7 +47,7 @@ std::pair<belief::ArchiveReader, uint8_t> reader_of(const Store::Checkpoint& che
 
 void read_rest(const Store::Checkpoint& checkpoint, const Store& store, belief::BeliefState& state) {
   auto [reader, version] = reader_of(checkpoint, kRestVersion, store);
-  version < 3 ? state.archive_rest_before_4(reader, version + 1) : state.archive_rest(reader);
+  version < kRestVersion ? state.archive_rest_before_5(reader, version + 1) : state.archive_rest(reader);
 }
 
 belief::ProtoObject read_object(const Store::Checkpoint& checkpoint, const Store& store) {

@@ -5,7 +5,7 @@
 namespace loci {
 namespace {
 
-constexpr uint8_t kVersion = 2;  ///< 1 had no matrices
+constexpr uint8_t kVersion = 3;  ///< 1 had no matrices, 2 no log ratios
 
 }  // namespace
 
@@ -14,7 +14,7 @@ void save_reasoning(SceneTransaction& transaction, Id scene, const belief::Scene
   belief::ArchiveWriter writer;
   writer(kVersion, evidence.time, evidence.seconds_to_next, evidence.view.has_camera, evidence.view.observed,
          evidence.view.near_m, evidence.view.far_m, evidence.observations, evidence.places, decisions,
-         matrices);
+         matrices, decisions.log_ratios());
   transaction.set_reasoning(scene, writer.take());
 }
 
@@ -32,6 +32,9 @@ std::optional<SceneReasoning> load_reasoning(const Store& store, Id scene) {
          evidence.view.near_m, evidence.view.far_m, evidence.observations, evidence.places,
          reasoning.decisions);
   if (version >= 2) reader(reasoning.matrices);
+  std::vector<float> log_ratios;
+  if (version >= 3) reader(log_ratios);
+  reasoning.decisions.set_log_ratios(log_ratios);
   return reasoning;
 }
 

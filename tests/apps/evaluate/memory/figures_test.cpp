@@ -54,5 +54,17 @@ TEST_F(MemoryAtSize, KnowsTheThingsOfTheHomeAndWritesLittleForWhatDoesNotChange)
   EXPECT_LT(beliefs, figures.observations) << "a tenth of one row per object and scene";
 }
 
+TEST_F(MemoryAtSize, LearnsHowMuchLooksVaryAndTellsFalseDetectionsFromThings) {
+  MemoryOptions options;
+  options.observations = 8000;
+  options.readers = 0;
+  options.questions = 10;
+  options.home.clutter = 0.1;
+  const IdentityFigures identity = measure(options, folder, silent).identity;
+  EXPECT_GT(identity.f1(), 0.985);
+  const auto& ghosts = identity.events[static_cast<size_t>(TrueEvent::ghost)];
+  EXPECT_LT(ghosts.confused, ghosts.all / 5) << "few are taken for a known thing that moved";
+}
+
 }  // namespace
 }  // namespace loci::memory_experiment
