@@ -22,6 +22,9 @@ int main(int argc, char** argv) {
   program.add(loci::lifecycle_command());
   program.add(loci::next_look_command());
   program.add(loci::like_command());
+  program.add(loci::about_command());
+  program.add(loci::room_command());
+  program.add(loci::opens_command());
   program.add(loci::ask_command());
   program.add(loci::fact_command());
   program.add(loci::taxonomy_command());

@@ -16,7 +16,7 @@ Command missing_command() {
             };
             auto arguments = std::make_shared<Arguments>();
             arguments->memory.declare(app);
-            app.add_option("place", arguments->place, "The place, e.g. table_1")->required();
+            app.add_option("place", arguments->place, "The place, e.g. table_1 [every place]");
             app.add_option("--for", arguments->occasion,
                            "Only its hours: breakfast, lunch, tea, dinner [any]");
             return [arguments](Session& session) {

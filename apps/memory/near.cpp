@@ -4,28 +4,29 @@
 namespace loci {
 
 Command near_command() {
-  return {
-      "near",
-      "What is within a radius of a point, object or place",
-      {"loci-memory near red --radius 0.4 -m demo-output/memory.loci",
-       "loci-memory near 2.0,1.0,0.8 --radius 1 -m demo-output/memory.loci --json"},
-      [](CLI::App& app) {
-        struct Arguments {
-          MemoryArguments memory;
-          std::vector<std::string> subject;
-          double radius = NearQuestion{}.radius_m;
-        };
-        auto arguments = std::make_shared<Arguments>();
-        arguments->memory.declare(app);
-        app.add_option("around", arguments->subject, "x,y or x,y,z in the map, an object, or a place")
-            ->required();
-        app.add_option("--radius", arguments->radius, "Metres between centres")->capture_default_str();
-        return [arguments](Session& session) {
-          const Store store = Store::open_read(arguments->memory.memory);
-          const AsOf as_of = arguments->memory.as_of(store);
-          answer_question(session, store, NearQuestion{joined(arguments->subject), arguments->radius, as_of});
-        };
-      }};
+  return {"near",
+          "What is within a radius of a point, object or place",
+          {"loci-memory near red --radius 0.4 -m demo-output/memory.loci",
+           "loci-memory near 2.0,1.0,0.8 --radius 1 -m demo-output/memory.loci --json"},
+          [](CLI::App& app) {
+            struct Arguments {
+              MemoryArguments memory;
+              std::vector<std::string> subject;
+              std::string radius;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            arguments->memory.declare(app);
+            app.add_option("around", arguments->subject, "x,y or x,y,z in the map, an object, or a place")
+                ->required();
+            app.add_option("--radius", arguments->radius, "Between centres: metres, or \"50 cm\" [0.5]");
+            return [arguments](Session& session) {
+              const Store store = Store::open_read(arguments->memory.memory);
+              const AsOf as_of = arguments->memory.as_of(store);
+              NearQuestion question{.subject = joined(arguments->subject), .as_of = as_of};
+              if (!arguments->radius.empty()) question.radius_m = read_length(arguments->radius);
+              answer_question(session, store, question);
+            };
+          }};
 }
 
 }  // namespace loci

@@ -12,6 +12,7 @@
 #include "mapping/base/options.h"
 #include "mapping/registration/registration.h"
 #include "memory/exchange/observation_image.h"
+#include "memory/questions/words.h"
 
 namespace loci {
 namespace {
@@ -93,32 +94,6 @@ std::string side_of(const Vector3d& from_centre, double front_yaw) {
   static const char* const names[] = {"front", "right", "back", "left"};  // to the left, seen from above
   const double turn = std::atan2(from_centre.y(), from_centre.x()) - front_yaw;
   return names[(static_cast<int>(std::lround(turn / (std::numbers::pi / 2))) % 4 + 4) % 4];
-}
-
-std::vector<ObjectEvidence> evidence_of(const Store& store, const std::vector<Sighting>& sightings) {
-  std::map<std::pair<std::string, std::string>, size_t> said;
-  std::map<std::string, size_t> of_type;
-  for (const Sighting& sighting : sightings) {
-    std::set<std::pair<std::string, std::string>> now;
-    std::set<std::string> types;
-    for (const AnnotationRow& row : store.annotations(sighting.observation.scene))
-      // Where it is says nothing about what it is.
-      if (row.observation == sighting.observation.id && !row.value.empty() &&
-          row.type.find("Location") == std::string::npos && row.type.find("Geometry") == std::string::npos) {
-        now.insert({row.type, row.value});
-        types.insert(row.type);
-      }
-    for (const auto& one : now) ++said[one];
-    for (const auto& type : types) ++of_type[type];
-  }
-  std::vector<ObjectEvidence> evidence;
-  for (const auto& [what, count] : said)
-    evidence.push_back({what.first, what.second, count,
-                        static_cast<double>(count) / static_cast<double>(of_type[what.first])});
-  std::ranges::stable_sort(evidence, [](const ObjectEvidence& a, const ObjectEvidence& b) {
-    return a.type != b.type ? a.type < b.type : a.sightings > b.sightings;
-  });
-  return evidence;
 }
 
 /// In the frame of its stay's centre.
@@ -241,11 +216,7 @@ Json ObjectModel::report() const {
                              {"points", view.points},
                              {"registered", view.registered},
                              {"placed", view.placed}});
-  for (const ObjectEvidence& one : evidence)
-    json["evidence"].push_back({{"type", one.type},
-                                {"value", one.value},
-                                {"sightings", one.sightings},
-                                {"agreement", one.agreement}});
+  for (const ObjectEvidence& one : evidence) json["evidence"].push_back(to_json(one));
   return json;
 }
 

@@ -7,6 +7,7 @@
 #include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
 #include "mapping/sensor/scan.h"
+#include "memory/questions/about.h"
 #include "memory/store/store.h"
 
 namespace loci {
@@ -31,13 +32,6 @@ struct ObjectView {
   size_t points = 0;
   bool registered = false;  ///< a chain of trusted alignments leads to the first view
   std::string placed;       ///< in words: how it got its pose
-};
-
-/// What annotators of one type say about an object.
-struct ObjectEvidence {
-  std::string type, value;
-  size_t sightings = 0;  ///< that say so
-  double agreement = 0;  ///< part of the sightings of which this type says anything
 };
 
 /// What the observations of an object add up to (§10.1). The frame is that of the first view: z up, origin

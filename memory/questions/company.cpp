@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -199,6 +201,31 @@ std::vector<std::pair<std::string, double>> occasions_of(const Snapshot& snapsho
 
 }  // namespace
 
+double read_length(const std::string& text) {
+  static const std::map<std::string, double> units = {{"", 1},
+                                                      {"m", 1},
+                                                      {"metre", 1},
+                                                      {"metres", 1},
+                                                      {"meter", 1},
+                                                      {"meters", 1},
+                                                      {"cm", 0.01},
+                                                      {"centimetre", 0.01},
+                                                      {"centimetres", 0.01},
+                                                      {"centimeter", 0.01},
+                                                      {"centimeters", 0.01},
+                                                      {"mm", 0.001},
+                                                      {"millimetres", 0.001},
+                                                      {"millimeters", 0.001}};
+  double value = 0;
+  const auto [rest, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  std::string unit(rest, text.data() + text.size());
+  unit.erase(0, unit.find_first_not_of(' '));
+  const auto factor = units.find(unit);
+  if (failure != std::errc() || factor == units.end() || !std::isfinite(value) || value <= 0)
+    throw Error(fmt::format("'{}' is no length", text), {}, "for example 0.5, \"0.5 m\" or \"50 cm\"");
+  return value * factor->second;
+}
+
 NearAnswer ask(const Store& store, const NearQuestion& question) {
   if (!(question.radius_m > 0) || !std::isfinite(question.radius_m))
     throw Error(fmt::format("a radius of {} m is none", question.radius_m), {}, "give metres above 0");
@@ -246,7 +273,8 @@ MissingAnswer ask(const Store& store, const MissingQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
   MissingAnswer answer{.asked = question.place, .occasion = question.occasion};
   const ScenesOfObjects all = scenes_of_objects(snapshot, snapshot.find_objects(""));
-  for (const PlaceRow& place : snapshot.find_places(question.place))
+  for (const PlaceRow& place :
+       question.place.empty() ? snapshot.places() : snapshot.find_places(question.place))
     answer.places.push_back(missing_at(snapshot, all, place, occasion));
   return answer;
 }

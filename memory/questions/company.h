@@ -6,6 +6,9 @@ namespace loci {
 
 // What is with what: near by, in the same scenes, in the same arrangement.
 
+/// Metres of "0.5", "0.5 m", "50 cm" or "300 mm". Error for anything else and for what is not above 0.
+double read_length(const std::string& text);
+
 /// What is within a radius of a point or thing?
 struct NearQuestion {
   std::string subject = {};  ///< "1.2,0.4" or "1.2,0.4,0.9" (map frame, metres), an object or a place
@@ -54,7 +57,7 @@ TogetherAnswer ask(const Store& store, const TogetherQuestion& question);
 /// What is missing from the arrangement at a place? What was there in most visits in which something of what
 /// is there now was there too.
 struct MissingQuestion {
-  std::string place = {};
+  std::string place = {};     ///< empty = every place
   std::string occasion = {};  ///< only visits at these hours: breakfast, lunch, tea, dinner; empty = any
   AsOf as_of = {};
 };

@@ -333,6 +333,36 @@ std::vector<Id> Snapshot::there_now(Id place) const {
   return found;
 }
 
+std::string Snapshot::hint_for(const std::vector<std::string>& words, size_t unknown) const {
+  const auto some_of = [](const std::vector<std::string>& names) {
+    constexpr size_t kMost = 12;
+    const auto end = names.begin() + static_cast<std::ptrdiff_t>(std::min(kMost, names.size()));
+    return fmt::format("{}{}", fmt::join(names.begin(), end, ", "), names.size() > kMost ? ", ..." : "");
+  };
+  // "red cup", where no cup is known: what is red may be meant.
+  std::vector<std::string> known_words, meant;
+  std::vector<Id> objects;
+  for (size_t i = 0; i < words.size(); ++i) {
+    if (words[i] == "on" || words[i] == "in") break;
+    const std::vector<Id> matching = i == unknown ? std::vector<Id>() : find_by_word(words[i]);
+    if (matching.empty()) continue;
+    std::vector<Id> both;
+    std::set_intersection(objects.begin(), objects.end(), matching.begin(), matching.end(),
+                          std::back_inserter(both));
+    objects = known_words.empty() ? matching : both;
+    known_words.push_back(words[i]);
+  }
+  for (const Id object : objects) meant.push_back(object_name(object));
+  if (!meant.empty()) return fmt::format("{}: {}", fmt::join(known_words, " "), some_of(meant));
+  const std::vector<std::string> names = known_names();
+  if (const std::string hint = did_you_mean(words[unknown], names); !hint.empty()) return hint;
+  if (names.empty()) return "this memory knows no objects";
+  std::vector<std::string> told;  // what somebody would say comes first
+  std::copy_if(names.begin(), names.end(), std::back_inserter(told),
+               [](const std::string& name) { return !object_id(name); });
+  return "known: " + some_of(told.empty() ? names : told);
+}
+
 std::vector<Id> Snapshot::find_objects(const std::string& subject) const {
   std::vector<std::string> words = words_of(subject);
   std::erase_if(words, [](const std::string& word) { return kFillers.contains(word); });
@@ -366,15 +396,8 @@ std::vector<Id> Snapshot::find_objects(const std::string& subject) const {
         if (is_place)
           throw UnknownName(UnknownName::Kind::object, fmt::format("nothing is known to be at {}", words[i]),
                             where, "");
-        const std::vector<std::string> names = known_names();
-        const std::string hint = did_you_mean(words[i], names);
-        std::vector<std::string> some(
-            names.begin(), names.begin() + static_cast<std::ptrdiff_t>(std::min<size_t>(12, names.size())));
         throw UnknownName(UnknownName::Kind::object, fmt::format("nothing is known as '{}'", words[i]), where,
-                          !hint.empty()  ? hint
-                          : some.empty() ? "this memory knows no objects"
-                                         : fmt::format("known: {}{}", fmt::join(some, ", "),
-                                                       names.size() > some.size() ? ", ..." : ""));
+                          hint_for(words, i));
       }
     }
     std::vector<Id> both;

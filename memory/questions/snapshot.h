@@ -62,6 +62,8 @@ class Snapshot {
   std::vector<Id> there_now(Id place) const;
   std::vector<Id> find_by_word(const std::string& word) const;
   std::vector<std::string> known_names() const;
+  /// What may be meant instead where words[unknown] means nothing.
+  std::string hint_for(const std::vector<std::string>& words, size_t unknown) const;
 
   const Store& store_;
   Store::Moment moment_;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <set>
 
+#include "mapping/base/error.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci {
@@ -57,6 +58,13 @@ TaskQuestion task_question(const CommandLine& command, const AsOf& as_of) {
   return question;
 }
 
+NearQuestion near_question(const CommandLine& command, const AsOf& as_of) {
+  NearQuestion question{.subject = command.joined_words(), .as_of = as_of};
+  if (const std::string radius = command.option("radius"); !radius.empty())
+    question.radius_m = read_length(radius);
+  return question;
+}
+
 /// Puts what is meant in place of "it" and "this drawer".
 class Reference {
  public:
@@ -65,6 +73,7 @@ class Reference {
   /// What the last sentence was about.
   void remember(const CommandLine& command) {
     if (const std::string subject = subject_of(command); !subject.empty()) last_subject_ = subject;
+    if (const auto places = places_of(command); !places.empty()) last_place_ = places.front();
   }
 
   void resolve(CommandLine& command, std::vector<std::string>& notes) {
@@ -72,6 +81,8 @@ class Reference {
       if (kPronouns.contains(*text)) replace_pronoun(*text, notes);
       if (text->starts_with("this ") || text->starts_with("that ")) replace_pointed_at(*text, notes);
     }
+    if (command.verb == "was" && command.words.size() == 3 && command.words[2] == "there")
+      replace_there(command, notes);
   }
 
   /// Says what a place was taken for that nobody has called so.
@@ -95,7 +106,7 @@ class Reference {
     if (command.verb == "where" || command.verb == "history" || command.verb == "objects" ||
         command.verb == "usual" || command.verb == "was" || command.verb == "near" ||
         command.verb == "together" || command.verb == "lifecycle" || command.verb == "next-look" ||
-        command.verb == "like")
+        command.verb == "like" || command.verb == "about")
       return command.words.empty() ? "" : command.words[0];
     return command.verb == "task" && command.words.size() > 1 &&
                    (command.words[0] == "bring" || command.words[0] == "stow")
@@ -144,6 +155,23 @@ class Reference {
     text = object_name(latest->object);
   }
 
+  /// "there" is the place that was spoken of last, else where the thing was seen last.
+  void replace_there(CommandLine& command, std::vector<std::string>& notes) const {
+    std::string place = last_place_;
+    if (place.empty()) try {
+        const auto objects = snapshot_.find_objects(command.words[0]);
+        if (const auto ref = snapshot_.place_ref(snapshot_.belief(objects.front())->place)) place = ref->name;
+      } catch (const UnknownName&) {
+        return;  // the answer will say so
+      }
+    if (place.empty()) {
+      command.words.resize(1);  // anywhere
+      return;
+    }
+    notes.push_back(fmt::format("'there' is taken as {}", place));
+    command.words[2] = place;
+  }
+
   /// "this drawer" is the drawer that was looked at last.
   void replace_pointed_at(std::string& text, std::vector<std::string>& notes) const {
     const std::string name = text.substr(5);
@@ -170,7 +198,7 @@ class Reference {
   }
 
   Snapshot snapshot_;
-  std::string last_subject_;
+  std::string last_subject_, last_place_;
 };
 
 WhyNot why_not(const Store& store, const CommandLine& command, const AsOf& as_of, const UnknownName& error) {
@@ -264,7 +292,7 @@ AnyAnswer run_question(const Store& store, const CommandLine& command, const AsO
          return ask(store, KeptQuestion{words, as_of});
        }},
       {"task", [&] { return ask(store, task_question(command, as_of)); }},
-      {"near", [&] { return ask(store, NearQuestion{.subject = words, .as_of = as_of}); }},
+      {"near", [&] { return ask(store, near_question(command, as_of)); }},
       {"together",
        [&] {
          return ask(store, TogetherQuestion{words, command.option("with"), as_of});
@@ -280,6 +308,15 @@ AnyAnswer run_question(const Store& store, const CommandLine& command, const AsO
        }},
       {"next-look", [&] { return ask(store, NextLookQuestion{.subject = words, .as_of = as_of}); }},
       {"like", [&] { return ask(store, LikeQuestion{.subject = words, .as_of = as_of}); }},
+      {"about", [&] { return ask(store, AboutQuestion{.subject = words, .as_of = as_of}); }},
+      {"room",
+       [&] {
+         return ask(store, RoomQuestion{words, as_of});
+       }},
+      {"opens",
+       [&] {
+         return ask(store, OpensQuestion{words, as_of});
+       }},
   };
   const auto found = runs.find(command.verb);
   if (found == runs.end()) throw Error(fmt::format("'{}' is no question", command.verb));

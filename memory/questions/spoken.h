@@ -2,10 +2,12 @@
 
 #include <variant>
 
+#include "memory/questions/about.h"
 #include "memory/questions/company.h"
 #include "memory/questions/habits.h"
 #include "memory/questions/journeys.h"
 #include "memory/questions/likeness.h"
+#include "memory/questions/room.h"
 #include "memory/questions/sentence.h"
 #include "memory/questions/tasks.h"
 
@@ -14,7 +16,8 @@ namespace loci {
 using AnyAnswer =
     std::variant<WhereAnswer, HistoryAnswer, ContentsAnswer, WasAnswer, ChangesAnswer, ObjectsAnswer,
                  ScenesAnswer, TimelineAnswer, UsualAnswer, KeptAnswer, TaskAnswer, NearAnswer,
-                 TogetherAnswer, MissingAnswer, KindAnswer, LifecycleAnswer, NextLookAnswer, LikeAnswer>;
+                 TogetherAnswer, MissingAnswer, KindAnswer, LifecycleAnswer, NextLookAnswer, LikeAnswer,
+                 AboutAnswer, RoomAnswer, OpensAnswer>;
 
 /// Why there is no answer.
 struct WhyNot {

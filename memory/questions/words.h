@@ -28,6 +28,9 @@ std::string to_text(const KindAnswer& answer, const TimeWriter& times);
 std::string to_text(const LifecycleAnswer& answer, const TimeWriter& times);
 std::string to_text(const NextLookAnswer& answer, const TimeWriter& times);
 std::string to_text(const LikeAnswer& answer, const TimeWriter& times);
+std::string to_text(const AboutAnswer& answer, const TimeWriter& times);
+std::string to_text(const RoomAnswer& answer, const TimeWriter& times);
+std::string to_text(const OpensAnswer& answer, const TimeWriter& times);
 std::string to_text(const AnyAnswer& answer, const TimeWriter& times);
 std::string to_text(const SpokenAnswer& answer, const TimeWriter& times);
 
@@ -50,6 +53,10 @@ Json to_json(const KindAnswer& answer);
 Json to_json(const LifecycleAnswer& answer);
 Json to_json(const NextLookAnswer& answer);
 Json to_json(const LikeAnswer& answer);
+Json to_json(const AboutAnswer& answer);
+Json to_json(const RoomAnswer& answer);
+Json to_json(const OpensAnswer& answer);
+Json to_json(const ObjectEvidence& evidence);
 Json to_json(const AnyAnswer& answer);
 Json to_json(const SpokenAnswer& answer);
 

@@ -62,6 +62,27 @@ TEST(Sentences, QuestionsAboutOneObject) {
       {"Where does the pot belong?", "usual pot"},
       {"Where is the pot usually?", "usual pot"},
       {"Do we have milk?", "where milk"},
+      {"Where have you seen the red cup last?", "where 'red cup'"},
+      {"What did the cup do today?", "history cup --between today today"},
+      {"Was it there at all between nine and ten?", "was it on there --between nine ten"},
+      {"Who owns the red cup?", "about 'red cup'"},
+      {"What colour is object_3?", "about object_3"},
+      {"How big is the bowl?", "about bowl"},
+      {"Which things are blue?", "objects blue"},
+      {"Show me everything green", "objects green"},
+      {"What is within 50 cm of the cup?", "near cup --radius '50 cm'"},
+  });
+}
+
+TEST(Sentences, QuestionsAboutTheRoom) {
+  expect_commands({
+      {"What does this room consist of?", "room"},
+      {"What opens?", "opens"},
+      {"Is the fridge open?", "opens fridge"},
+      {"Was the fridge opened today?", "changes --between today today --place fridge"},
+      {"When was drawer_1 last opened?", "opens drawer_1"},
+      {"Which drawers are open?", "opens drawers"},
+      {"Which things are missing?", "missing"},
   });
 }
 
@@ -122,6 +143,7 @@ TEST(Sentences, Tasks) {
       {"Lay the table", "task set table"},
       {"Clear the table", "task clean table"},
       {"Tidy up!", "task clean"},
+      {"Put away everything perishable into the fridge", "task stow 'everything perishable' --to fridge"},
   });
 }
 

@@ -69,6 +69,21 @@ TEST_F(Spoken, ContentsKnowWhetherThereIsAny) {
   EXPECT_EQ(verdict("Is there a red thing in the drawer?"), Verdict::not_observed);
 }
 
+TEST_F(Spoken, ThereIsThePlaceThatWasSpokenOfElseWhereTheThingIs) {
+  const auto place = [&](const SpokenAnswer& answer) { return std::get<WasAnswer>(*answer.answer).place; };
+  EXPECT_EQ(place(say("Was the red thing there between nine and ten?")), "counter_1");
+  const auto answers =
+      ask(*store_,
+          SpokenQuestion{{"What is on the table?", "Was the red thing there between eight and nine?"}, {}});
+  EXPECT_EQ(place(answers[1]), "table");
+  EXPECT_EQ(std::get<WasAnswer>(*answers[1].answer).verdict, Verdict::yes);
+}
+
+TEST_F(Spoken, OfWordsThatAreHalfKnownTheKnownHalfIsHelp) {
+  EXPECT_THAT(say("Where is the red teapot?").why_not->text, HasSubstr("(red: object_1)"));
+  EXPECT_EQ(say("Where is the teapot?").why_not->text.find("object_"), std::string::npos);
+}
+
 TEST_F(Spoken, UsualPlacesCountTheSightings) {
   const auto usual = std::get<UsualAnswer>(*say("Where is the red thing usually?").answer);
   const auto& places = usual.objects.at(0).places;

@@ -1,0 +1,203 @@
+#include "memory/questions/room.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "mapping/base/json.h"
+#include "mapping/world/kinematics.h"
+#include "mapping/world/semantic_map.h"
+#include "mapping/world/urdf.h"
+#include "memory/questions/snapshot.h"
+
+namespace loci {
+namespace {
+
+/// The map that held at the asked time, as it is stored.
+struct StoredMap {
+  std::string name;
+  World world;
+  SemanticMap semantic;
+};
+
+std::optional<StoredMap> map_of(const Store& store, const AsOf& as_of) {
+  const std::vector<MapRow> maps = store.maps();
+  if (maps.empty()) return std::nullopt;
+  const std::optional<SceneRow> latest = store.latest_scene(as_of);
+  const auto used = std::find_if(maps.begin(), maps.end(),
+                                 [&](const MapRow& row) { return latest && latest->map == row.id; });
+  const MapRow& row = used == maps.end() ? maps.back() : *used;
+  StoredMap map{row.name, parse_urdf(store.blob(row.urdf).bytes, row.name), {}};
+  if (row.sidecar)
+    map.semantic = semantic_map_from_json(parse_json(store.blob(*row.sidecar).bytes, row.name), row.name);
+  return map;
+}
+
+/// By the sidecar, else by the beginning of its name: "drawer" of "drawer_3_front".
+std::string class_of(const StoredMap& map, const std::string& link) {
+  const auto found = map.semantic.links.find(link);
+  return found != map.semantic.links.end() ? found->second.class_name : link.substr(0, link.find('_'));
+}
+
+/// Pieces of a drawer or door are not told one by one.
+bool is_piece(const StoredMap& map, const Link& link) {
+  static const std::set<std::string> pieces = {"drawer_bottom", "drawer_side", "handle", "knob"};
+  if (link.visuals.empty() || pieces.contains(class_of(map, link.name))) return true;
+  const Joint* joint = map.world.parent_joint(link.name);
+  const bool fixed = joint == nullptr || joint->type == JointType::fixed;
+  const Joint* above = joint == nullptr ? nullptr : map.world.parent_joint(joint->parent);
+  return fixed && above != nullptr && above->type != JointType::fixed;
+}
+
+/// The joint that moves a link: its own or that of a link which carries it; nullptr = none does.
+const Joint* moving_joint(const World& world, const std::string& link) {
+  const Joint* joint = world.parent_joint(link);
+  while (joint != nullptr && joint->type == JointType::fixed) joint = world.parent_joint(joint->parent);
+  return joint;
+}
+
+std::map<std::string, PartMotion> motions_of(const Store& store, const Snapshot& snapshot,
+                                             const World& world) {
+  std::map<std::string, PartMotion> motions;
+  for (const Joint& joint : world.joints)
+    if (joint.type != JointType::fixed)
+      motions[joint.name] = {.joint = joint.name,
+                             .type = joint.type,
+                             .lower = joint.limits ? joint.limits->lower : 0,
+                             .upper = joint.limits ? joint.limits->upper : 0};
+  const std::optional<SceneRow> latest = store.latest_scene(snapshot.as_of());
+  if (latest)
+    for (const auto& [name, position] : latest->joints)
+      if (const auto found = motions.find(name); found != motions.end()) {
+        found->second.position = position;
+        found->second.seen = snapshot.scene_ref(*latest);
+      }
+  for (const EventRow& event : store.events(snapshot.as_of())) {
+    if (event.kind != "joint_changed" || !event.joint) continue;
+    const auto found = motions.find(*event.joint);
+    if (found == motions.end()) continue;
+    const bool opened =
+        std::abs(event.joint_position.value_or(0)) > std::abs(event.from_joint_position.value_or(0));
+    (opened ? found->second.opened : found->second.closed) = snapshot.change(event);
+  }
+  return motions;
+}
+
+void add_place(const Snapshot& snapshot, const PlaceRow& place, RoomPart& part) {
+  part.place = PlaceRef{place.id, place.name, place.container};
+  part.height = place.height;
+  for (const FactRow& fact : snapshot.facts())
+    if (fact.place == place.id && fact.key == "alias" && fact.value) part.aliases.push_back(*fact.value);
+  for (const Id object : snapshot.store().objects_at(place.id, snapshot.as_of())) {
+    const BeliefRow* row = snapshot.belief(object);
+    if (row != nullptr && row->place == place.id && row->status != "gone" && row->probability >= 0.5)
+      ++part.objects;
+  }
+  if (const auto look = snapshot.store().last_look(place.id, snapshot.as_of()))
+    part.last_look = snapshot.scene_ref(look->scene);
+}
+
+std::vector<RoomPart> parts_of_map(const Store& store, const Snapshot& snapshot, const StoredMap& map) {
+  const auto motions = motions_of(store, snapshot, map.world);
+  const std::vector<Isometry3d> poses = root_from_links(map.world, {});
+  std::vector<RoomPart> parts;
+  std::set<std::string> joints;  // that have their part
+  for (size_t i = 0; i < map.world.links.size(); ++i) {
+    const Link& link = map.world.links[i];
+    if (is_piece(map, link)) continue;
+    RoomPart part{
+        .name = link.name, .class_name = class_of(map, link.name), .position = poses[i].translation()};
+    if (const auto known = map.semantic.links.find(link.name); known != map.semantic.links.end()) {
+      part.aliases = known->second.aliases;
+      if (!known->second.appliance.empty()) part.aliases.push_back(known->second.appliance);
+    }
+    const Joint* joint = moving_joint(map.world, link.name);
+    if (joint != nullptr && joints.insert(joint->name).second) part.motion = motions.at(joint->name);
+    for (const PlaceRow& place : snapshot.places())
+      if (place.name == link.name || (joint != nullptr && place.joint == joint->name))
+        add_place(snapshot, place, part);
+    parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+std::vector<RoomPart> all_parts(const Store& store, const Snapshot& snapshot,
+                                const std::optional<StoredMap>& map) {
+  std::vector<RoomPart> parts;
+  if (map) parts = parts_of_map(store, snapshot, *map);
+  for (const PlaceRow& place : snapshot.places()) {
+    if (std::any_of(parts.begin(), parts.end(),
+                    [&](const RoomPart& part) { return part.place && part.place->id == place.id; }))
+      continue;
+    parts.push_back({.name = place.name, .class_name = place.class_name, .position = centre_of(place)});
+    add_place(snapshot, place, parts.back());
+  }
+  std::sort(parts.begin(), parts.end(), [](const RoomPart& a, const RoomPart& b) { return a.name < b.name; });
+  return parts;
+}
+
+/// "the kitchen drawers" → "drawer" of a class drawer; "drawer 1" → the beginning of drawer_1_front.
+std::vector<RoomPart> parts_called(const std::vector<RoomPart>& parts, const std::string& asked) {
+  std::string name = asked;
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::string joined = name;
+  std::replace(joined.begin(), joined.end(), ' ', '_');
+  std::vector<RoomPart> found;
+  const auto take = [&](auto matches) {
+    if (found.empty()) std::copy_if(parts.begin(), parts.end(), std::back_inserter(found), matches);
+  };
+  take([&](const RoomPart& part) {
+    return part.name == joined || (part.place && part.place->name == joined);
+  });
+  take([&](const RoomPart& part) {
+    return std::find(part.aliases.begin(), part.aliases.end(), name) != part.aliases.end();
+  });
+  take([&](const RoomPart& part) { return part.name.starts_with(joined + "_"); });
+  take([&](const RoomPart& part) { return part.class_name == joined || part.class_name + "s" == joined; });
+  if (const size_t space = name.find(' '); found.empty() && space != std::string::npos)
+    return parts_called(parts, name.substr(space + 1));
+  return found;
+}
+
+std::vector<RoomPart> asked_parts(const Store& store, std::vector<RoomPart> parts, const std::string& asked) {
+  static const std::set<std::string> everything = {"", "room", "kitchen", "everything", "all", "anything"};
+  if (everything.contains(asked)) return parts;
+  std::vector<RoomPart> found = parts_called(parts, asked);
+  if (!found.empty()) return found;
+  std::vector<std::string> names;
+  for (const RoomPart& part : parts) names.push_back(part.name);
+  const std::string hint = did_you_mean(asked, names);
+  throw UnknownName(UnknownName::Kind::place, fmt::format("no part of the room is called '{}'", asked),
+                    {store.path().string(), 0, {}},
+                    !hint.empty() ? hint : fmt::format("known: {}", fmt::join(names, ", ")));
+}
+
+}  // namespace
+
+bool PartMotion::open() const {
+  const double way = std::max(std::abs(lower), std::abs(upper));
+  return position && std::abs(*position) > 0.05 * way;
+}
+
+RoomAnswer ask(const Store& store, const RoomQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  const std::optional<StoredMap> map = map_of(store, question.as_of);
+  RoomAnswer answer{.asked = question.part, .map = map ? map->name : ""};
+  answer.parts = asked_parts(store, all_parts(store, snapshot, map), question.part);
+  for (const RoomPart& part : answer.parts) ++answer.classes[part.class_name];
+  return answer;
+}
+
+OpensAnswer ask(const Store& store, const OpensQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  std::vector<RoomPart> parts = all_parts(store, snapshot, map_of(store, question.as_of));
+  OpensAnswer answer{.asked = question.part, .parts = asked_parts(store, std::move(parts), question.part)};
+  std::erase_if(answer.parts, [](const RoomPart& part) { return !part.motion; });
+  return answer;
+}
+
+}  // namespace loci
