@@ -248,6 +248,11 @@ INSERT INTO stay
 INSERT INTO term_text (term_text) VALUES ('rebuild');
 )sql";
 
+const char* const kMigrationTo1004 = R"sql(
+CREATE INDEX scene_mark_time ON scene_mark (time);
+CREATE INDEX reasoning_scene ON reasoning (scene);
+)sql";
+
 const char* const kViewsOf1000 = R"sql(
 CREATE TEMP VIEW annotation_said AS
   SELECT id, scene, observation, type, value, confidence, feature_structure FROM annotation

@@ -6,7 +6,7 @@ namespace loci {
 inline constexpr int kMemoryApplicationId = 0x6c6f6369;
 /// user_version = 1000 · major + minor. A newer minor version can be read, a newer major one cannot.
 inline constexpr int kMemoryMajor = 1;
-inline constexpr int kMemoryMinor = 3;
+inline constexpr int kMemoryMinor = 4;
 inline constexpr int kMemoryVersion = 1000 * kMemoryMajor + kMemoryMinor;
 
 /// memory/store/schema.sql.
@@ -18,6 +18,8 @@ extern const char* const kMigrationTo1001;
 extern const char* const kMigrationTo1002;
 /// Leads a memory of version 1.2 to 1.3; then what is derived is to be derived anew.
 extern const char* const kMigrationTo1003;
+/// Leads a memory of version 1.3 to 1.4: two indexes.
+extern const char* const kMigrationTo1004;
 /// Makes what is derived from other rows anew: stays, visits, words of objects, marks of scenes and
 /// sightings, full text.
 extern const char* const kDerivation;

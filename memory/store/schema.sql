@@ -101,6 +101,7 @@ CREATE TABLE scene_mark (
   time INTEGER NOT NULL,
   scene INTEGER NOT NULL REFERENCES scene
 ) STRICT;
+CREATE INDEX scene_mark_time ON scene_mark (time);
 
 -- One thing that was seen in one scene (a cluster), before asking which object it is.
 CREATE TABLE observation (
@@ -371,6 +372,7 @@ CREATE TABLE reasoning (
   encoding INTEGER NOT NULL CHECK (encoding IN (0, 1)),
   content BLOB NOT NULL
 ) STRICT;
+CREATE INDEX reasoning_scene ON reasoning (scene);  -- counts them without reading them
 
 -- What was forgotten on request: an object, or everything of a time. Nothing else is left of it.
 CREATE TABLE forgotten (

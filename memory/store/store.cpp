@@ -88,15 +88,15 @@ struct Migration {
   const char* sql;
 };
 /// In order. The schema file is always that of the newest version.
-const std::array<Migration, 3> kMigrations{
-    {{1001, kMigrationTo1001}, {1002, kMigrationTo1002}, {1003, kMigrationTo1003}}};
+const std::array<Migration, 4> kMigrations{
+    {{1001, kMigrationTo1001}, {1002, kMigrationTo1002}, {1003, kMigrationTo1003}, {1004, kMigrationTo1004}}};
 
 void migrate(SQLite::Database& database, int version) {
   if (version >= kMemoryVersion) return;
   SQLite::Transaction all(database, SQLite::TransactionBehavior::IMMEDIATE);
   for (const Migration& migration : kMigrations)
     if (migration.version > version) database.exec(migration.sql);
-  database.exec(kDerivation);
+  if (version < 1003) database.exec(kDerivation);
   database.exec(fmt::format("PRAGMA user_version = {}", kMemoryVersion));
   all.commit();
 }

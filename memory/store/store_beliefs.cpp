@@ -114,7 +114,8 @@ int64_t scenes_until(Store::Implementation& store, std::optional<TimeNs> time) {
   int64_t count = 0;
   std::string after;
   std::vector<SqlValue> rest = values;
-  store.query("SELECT number, time, scene FROM scene_mark WHERE 1" + until + " ORDER BY number DESC LIMIT 1",
+  store.query("SELECT number, time, scene FROM scene_mark WHERE 1" + until +
+                  " ORDER BY time DESC, number DESC LIMIT 1",
               values, [&](const SqlRow& row) {
                 count = row.integer("number");
                 rest.push_back(sql(row.integer("time")));
