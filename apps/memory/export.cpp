@@ -9,6 +9,9 @@
 #include "mapping/base/json.h"
 #include "mapping/exchange/ply.h"
 #include "mapping/image/image_io.h"
+#include "mapping/recording/recording.h"
+#include "memory/annotators/memory_session.h"
+#include "memory/exchange/dataset.h"
 #include "memory/exchange/observation_image.h"
 #include "memory/exchange/owl_individuals.h"
 
@@ -75,13 +78,41 @@ int64_t export_clouds(const Store& store, const fs::path& folder, Progress& prog
   return written;
 }
 
+/// Finds the frames of a memory's scenes in the recording that it was made from.
+std::function<std::optional<RgbdFrame>(const SceneRow&)> frames_of(const Store& store,
+                                                                   const std::string& path) {
+  const std::shared_ptr<Recording> recording = open_recording(path);
+  const std::optional<RecordingRow> known = store.recording(fingerprint_of(*recording));
+  if (!known)
+    throw Error("the memory was not made from this recording", {path, 0, {}},
+                "loci-memory stat lists what it was made from");
+  std::map<int64_t, size_t> position;
+  for (size_t i = 0; i < recording->size(); ++i) position[recording->index_of(i)] = i;
+  return [recording, position, id = known->id](const SceneRow& scene) -> std::optional<RgbdFrame> {
+    if (scene.recording != id || !scene.frame_index) return std::nullopt;
+    const auto found = position.find(*scene.frame_index);
+    return found == position.end() ? std::nullopt : std::optional(recording->frame(found->second));
+  };
+}
+
 struct Arguments {
   std::string memory, folder;
   bool labels = false, clouds = false, owl = false;
+  std::string dataset, recording;
+  bool by_object = false;
 };
+
+void write_dataset(const Arguments& arguments, const Store& store, Session& session) {
+  DatasetOptions options;
+  options.by_object = arguments.by_object;
+  if (!arguments.recording.empty()) options.frame_of = frames_of(store, arguments.recording);
+  const DatasetResult result = export_dataset(store, arguments.dataset, options, session.progress());
+  session.answer("Dataset " + arguments.dataset + ": " + result.summary(), result.report());
+}
 
 void export_memory(const Arguments& arguments, Session& session) {
   const Store store = Store::open_read(arguments.memory);
+  if (!arguments.dataset.empty()) return write_dataset(arguments, store, session);
   const fs::path folder = arguments.folder;
   make_folder(folder);
   Json rows = Json::object();
@@ -112,18 +143,33 @@ Command export_command() {
       "OWL",
       {"loci-memory export -m demo-output/memory.loci -o demo-output/memory-export",
        "loci-memory export -m demo-output/memory.loci -o demo-output/memory-export --labels --clouds --owl "
-       "--json"},
+       "--json",
+       "loci-memory export -m demo-output/memory.loci --dataset demo-output/dataset --by-object "
+       "--recording demo-output/day"},
       [](CLI::App& app) {
         auto arguments = std::make_shared<Arguments>();
         app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
-        app.add_option("-o,--output", arguments->folder, "Folder for the files")->required();
+        auto* output = app.add_option("-o,--output", arguments->folder, "Folder for the files");
         app.add_flag("--labels", arguments->labels,
                      "labels/scene_N.png: the number of the object per pixel of the depth image, 16 bits");
         app.add_flag("--clouds", arguments->clouds,
                      "clouds/object_N_scene_M.ply: the surface of each sighting, as far as depth is kept");
         app.add_flag("--owl", arguments->owl,
                      "individuals.owl: objects and their stays with time, as KnowRob names them");
-        return [arguments](Session& session) { export_memory(*arguments, session); };
+        auto* dataset =
+            app.add_option("--dataset", arguments->dataset,
+                           "Instead: a folder to train from (loci-perceive train), with what each "
+                           "thing is: by labels of people first");
+        dataset->excludes(output);
+        app.add_option("--recording", arguments->recording,
+                       "Of the dataset: the recording that the memory was made from, for its full depth")
+            ->needs(dataset);
+        app.add_flag("--by-object", arguments->by_object, "Of the dataset: each object is a class of its own")
+            ->needs(dataset);
+        return [arguments, output, dataset](Session& session) {
+          if (output->empty() && dataset->empty()) throw Error("-o or --dataset is required");
+          export_memory(*arguments, session);
+        };
       }};
 }
 

@@ -16,6 +16,17 @@ struct Arguments {
   ClassifierOptions options;
 };
 
+/// Leaves out classes of which too few things were found to learn from some and to be judged by others; how
+/// many of each.
+std::map<std::string, size_t> leave_out_small_classes(std::vector<LabelledThing>& things, int folds) {
+  constexpr size_t kFewest = 4;
+  std::map<std::string, size_t> count;
+  for (const LabelledThing& thing : things) ++count[thing.label];
+  std::erase_if(count, [&](const auto& of) { return of.second >= std::max(kFewest, size_t(folds)); });
+  std::erase_if(things, [&](const LabelledThing& thing) { return count.contains(thing.label); });
+  return count;
+}
+
 void train(Arguments& given, Session& session) {
   table_of(given.options).validate();
   std::vector<ExpertSpec> experts;
@@ -28,6 +39,8 @@ void train(Arguments& given, Session& session) {
   std::vector<LabelledThing> things;
   for (const LabelledSurface& each : surfaces.found)
     things.push_back({each.label, feature_set(features, each.surface)});
+  for (const auto& [name, count] : leave_out_small_classes(things, given.folds))
+    session.warnings().add(fmt::format("'{}' is left out: too few were found ({})", name, count));
   PartialProgress learning(session.progress(), 0.7, 1);
   const Ensemble model =
       Ensemble::train(things, experts, given.folds, Random(given.seed), session.flags().threads, learning);

@@ -62,7 +62,7 @@ class RecordingWriter {
   /// Depth is stored in millimetres as 16-bit PNG; colour, if there is any, as PNG. Frames come in order of
   /// time.
   void add(const RgbdFrame& frame);
-  /// A further file of the recording, e.g. truth.jsonl.
+  /// A further file of the recording, e.g. truth.jsonl; folders in its name are made.
   void add_file(const std::string& name, std::string_view bytes);
   void finish();
 

@@ -84,7 +84,9 @@ void RecordingWriter::add(const RgbdFrame& frame) {
 }
 
 void RecordingWriter::add_file(const std::string& name, std::string_view bytes) {
-  write_file_atomically(partial_ / name, bytes);
+  const fs::path file = partial_ / name;
+  make_folder(file.parent_path());
+  write_file_atomically(file, bytes);
 }
 
 void RecordingWriter::finish() {

@@ -108,6 +108,32 @@ TEST_F(PerceiveIntoMemory, InterruptLeavesWholeScenesAndExits130) {
   EXPECT_EQ(memory_dump(folder / "whole.loci"), memory_dump(folder / "stopped.loci"));
 }
 
+TEST_F(PerceiveIntoMemory, WhatItSawIsADatasetToTrainFrom) {
+  ASSERT_EQ(loci::test::run(command("day.loci")).exit_code, 0);
+  const auto memory = [&](const std::string& rest) {
+    return loci::test::run(std::string(LOCI_BIN_DIR) + "/loci-memory " + rest + " --quiet -m " +
+                           (folder / "day.loci").string());
+  };
+  const std::string dataset = (folder / "dataset").string();
+  for (const char* fact : {"object_3 class pot", "object_4 class mug", "object_5 class mug"})
+    ASSERT_EQ(memory(std::string("fact set ") + fact).exit_code, 0);
+  ASSERT_EQ(memory("edit label 1 0 cereal").exit_code, 0);
+  const Outcome written =
+      memory("export --dataset " + dataset + " --recording " + recording.string() + " --json");
+  ASSERT_EQ(written.exit_code, 0) << written.error;
+  const Json classes = parse_json(written.out, "stdout").at("classes");
+  EXPECT_EQ(classes.at("cereal"), 1) << "what people label is one picture";
+  EXPECT_GT(classes.at("mug").get<int>(), 10);
+  const std::string model = (folder / "things.model").string();
+  const Outcome trained = loci::test::run(std::string(LOCI_BIN_DIR) + "/loci-perceive train " + dataset +
+                                          " -o " + model + " --folds 2 --expert VFH:svm --json --quiet");
+  ASSERT_EQ(trained.exit_code, 0) << trained.error;
+  const Json accuracies = parse_json(trained.out, "stdout").at("accuracies");
+  EXPECT_EQ(accuracies.size(), 2U) << "one cereal is too few";
+  EXPECT_GT(accuracies.at("mug").get<double>(), 0.8);
+  EXPECT_TRUE(std::filesystem::exists(model));
+}
+
 TEST(EvaluateChanges, TellsMostOfWhatHappenedOnARealTable) {
   LOCI_NEEDS_SHARED("data/osd_changes");
   const std::string recording = shared("data/osd_changes");

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "mapping/base/error.h"
+#include "mapping/base/json_fwd.h"
+#include "mapping/base/progress.h"
+#include "mapping/sensor/frame.h"
+#include "memory/store/store.h"
+
+namespace loci {
+
+struct DatasetOptions {
+  bool by_object = false;  ///< each object is a class of its own: to recognise it again
+  /// The frame that a scene was made from, for its full depth and colour; unset = what the memory keeps.
+  std::function<std::optional<RgbdFrame>(const SceneRow&)> frame_of = {};
+};
+
+struct DatasetResult {
+  size_t scenes = 0, things = 0;
+  size_t left_out = 0;                    ///< scenes without depth, masks or pose, or of another camera
+  std::map<std::string, size_t> classes;  ///< things of each; "" = nobody says what they are
+
+  std::string summary() const;
+  Json report() const;
+};
+
+/// What an observation is and who says so ("label", "fact", "annotators" or ""): labels of people first, then
+/// the class that people gave its object, then what annotators say of the object most of all.
+struct SaidClass {
+  std::string name, by;
+};
+SaidClass class_of(const Store& store, const ObservationRow& observation, Id object);
+
+/// Writes what the memory saw as a folder to train from: a recording of its scenes (frame index = scene), a
+/// label picture beside each depth picture, objects.csv (what each label is), and crops/CLASS with picture
+/// and mask of each thing. `loci-perceive train` reads it. Depth is that of the thumbnails unless frames are
+/// given. Error when nothing of the memory can be labelled.
+DatasetResult export_dataset(const Store& store, const std::filesystem::path& folder,
+                             const DatasetOptions& options, Progress& progress);
+
+}  // namespace loci
