@@ -2,7 +2,9 @@
 
 #include <QVTKOpenGLNativeWidget.h>
 #include <QBuffer>
+#include <QOffscreenSurface>
 #include <QOpenGLContext>
+#include <QOpenGLFunctions>
 #include <QSurfaceFormat>
 #include <cstdio>
 #include <map>
@@ -45,11 +47,26 @@ MapBackend picture_backend(bool has_screen) {
   }
 }
 
-/// A widget without an OpenGL context stays blank and says nothing.
-void require_opengl() {
+/// How a window draws: by the graphics card, or in memory where there is only software for it. Error when
+/// there is no OpenGL: a widget would stay blank and say nothing.
+MapBackend window_backend() {
   QOpenGLContext context;
   if (!context.create())
     throw Error("no OpenGL context can be made on this display", {}, "install libgl1-mesa-dri");
+  QOffscreenSurface surface;
+  surface.create();
+  if (!context.makeCurrent(&surface)) return MapBackend::widget;
+  const auto* name = reinterpret_cast<const char*>(context.functions()->glGetString(GL_RENDERER));
+  const QString renderer = name == nullptr ? QString() : QString(name).toLower();
+  context.doneCurrent();
+  if (!renderer.contains("llvmpipe") && !renderer.contains("softpipe") && !renderer.contains("swrast"))
+    return MapBackend::widget;
+  try {
+    const EglWindow probe(16, 16);
+    return MapBackend::memory;
+  } catch (const Error&) {
+    return MapBackend::widget;
+  }
 }
 
 /// Qt remarks on what a bare machine lacks and nothing here uses; stderr is for our own line.
@@ -133,8 +150,9 @@ int take_picture(const BrowseOptions& options, std::unique_ptr<BrowserData> data
   return 0;
 }
 
-int measure(TimedApplication& application, const BrowseOptions& options) {
+int measure(TimedApplication& application, const BrowseOptions& options, MapBackend backend) {
   WindowOptions window_options;
+  window_options.backend = backend;
   window_options.remember = false;
   MainWindow window(opener(), window_options);
   window.resize(parse_size(options.size));
@@ -142,8 +160,10 @@ int measure(TimedApplication& application, const BrowseOptions& options) {
   return 0;
 }
 
-int show_window(const BrowseOptions& options) {
-  MainWindow window(opener());
+int show_window(const BrowseOptions& options, MapBackend backend) {
+  WindowOptions window_options;
+  window_options.backend = backend;
+  MainWindow window(opener(), window_options);
   window.show();
   if (!options.file.empty())
     window.open(QString::fromStdString(options.file), [&window, &options] {
@@ -184,10 +204,10 @@ int run_browser(const BrowseOptions& options, const std::string& program) {
   TimedApplication application(count, arguments.data());
   QApplication::setOrganizationName("loci");
   QApplication::setApplicationName(QString::fromStdString(program));
-  if (backend == MapBackend::widget) require_opengl();
+  if (backend == MapBackend::widget) backend = window_backend();
   apply_theme(application, options.theme, options.has_desktop);
-  if (options.measure_s > 0) return measure(application, options);
-  return picture ? take_picture(options, std::move(data), backend) : show_window(options);
+  if (options.measure_s > 0) return measure(application, options, backend);
+  return picture ? take_picture(options, std::move(data), backend) : show_window(options, backend);
 }
 
 }  // namespace loci

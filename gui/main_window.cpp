@@ -15,6 +15,7 @@
 #include "gui/views/log_view.h"
 #include "gui/views/object_card.h"
 #include "gui/views/objects_tree.h"
+#include "gui/views/page.h"
 #include "gui/views/question_bar.h"
 #include "gui/views/scene_image.h"
 #include "gui/views/statistics_view.h"
@@ -76,6 +77,8 @@ QDockWidget* MainWindow::add_dock(const QString& title, const QString& name, QWi
   dock->setObjectName(name);
   dock->setWidget(widget);
   addDockWidget(area, dock);
+  if (auto* page = dynamic_cast<Page*>(widget))
+    connect(dock, &QDockWidget::visibilityChanged, page, &Page::set_looked_at);
   return dock;
 }
 

@@ -7,6 +7,7 @@
 #include <QEventLoop>
 #include <QTimer>
 #include <algorithm>
+#include <ctime>
 #include <optional>
 #include <vector>
 
@@ -25,6 +26,7 @@ using Clock = std::chrono::steady_clock;
 int drawing_depth = 0;
 Clock::time_point drawing_since;
 double drawn_ms = 0;
+std::string task_name;
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -33,6 +35,11 @@ double ms_since(Clock::time_point start) {
 bool draws(QEvent::Type type) {
   return type == QEvent::Paint || type == QEvent::UpdateRequest || type == QEvent::Expose ||
          type == QEvent::UpdateLater;
+}
+
+/// Of all threads of this program.
+double cpu_ms() {
+  return static_cast<double>(std::clock()) * 1000 / CLOCKS_PER_SEC;
 }
 
 void run_for(double ms) {
@@ -66,6 +73,7 @@ void scrub(MainWindow& window, double seconds, WindowFigures& figures) {
     const auto at = static_cast<size_t>(part * static_cast<double>(scenes.size() - 1));
     window.browser().selection().set_time(scenes[at].time);
   });
+  const double cpu_before = cpu_ms();
   clock.start();
   since_frame.start();
   mouse.start(kMouseMs);
@@ -74,6 +82,7 @@ void scrub(MainWindow& window, double seconds, WindowFigures& figures) {
   QObject::disconnect(connection);
   if (intervals.empty()) return;
   figures.frames = intervals.size();
+  figures.frame_cpu_ms = (cpu_ms() - cpu_before) / static_cast<double>(intervals.size());
   figures.frames_per_s = static_cast<double>(intervals.size()) / seconds;
   std::sort(intervals.begin(), intervals.end());
   figures.frame_median_ms = intervals[intervals.size() / 2];
@@ -90,21 +99,31 @@ DrawingScope::~DrawingScope() {
   if (--drawing_depth == 0) drawn_ms += ms_since(drawing_since);
 }
 
+void name_task(const std::string& what) {
+  task_name = what;
+}
+
 bool TimedApplication::notify(QObject* receiver, QEvent* event) {
   std::optional<DrawingScope> drawing;
   if (draws(event->type())) drawing.emplace();
   const auto start = Clock::now();
   const double drawn_before = drawn_ms;
-  ++depth_;
+  // The receiver may be gone afterwards.
+  const char* receiver_class = receiver->metaObject()->className();
+  const QEvent::Type type = event->type();
+  if (depth_++ == 0) task_name.clear();
   const bool result = QApplication::notify(receiver, event);
-  --depth_;
   drawing.reset();
-  if (depth_ == 0) longest_ms_ = std::max(longest_ms_, ms_since(start) - (drawn_ms - drawn_before));
+  if (--depth_ > 0) return result;
+  const double ms = ms_since(start) - (drawn_ms - drawn_before);
+  if (ms > longest_.ms)
+    longest_ = {ms, task_name.empty() ? fmt::format("{}, event {}", receiver_class, static_cast<int>(type))
+                                      : task_name};
   return result;
 }
 
-double TimedApplication::take_longest_task_ms() {
-  return std::exchange(longest_ms_, 0);
+LongestTask TimedApplication::take_longest_task() {
+  return std::exchange(longest_, {});
 }
 
 WindowFigures measure_window(TimedApplication& application, MainWindow& window, const std::string& file,
@@ -112,7 +131,7 @@ WindowFigures measure_window(TimedApplication& application, MainWindow& window, 
   WindowFigures figures;
   window.show();
   run_for(300);
-  application.take_longest_task_ms();
+  application.take_longest_task();
   QElapsedTimer clock;
   clock.start();
   bool opened = false;
@@ -122,10 +141,10 @@ WindowFigures measure_window(TimedApplication& application, MainWindow& window, 
   while (window.browser().moment().belief.time == 0) run_for(2);
   figures.open_s = static_cast<double>(clock.elapsed()) / 1000;
   settle(window);
-  figures.open_task_ms = application.take_longest_task_ms();
+  figures.open_task = application.take_longest_task();
   scrub(window, seconds, figures);
   settle(window);
-  figures.scrub_task_ms = application.take_longest_task_ms();
+  figures.scrub_task = application.take_longest_task();
   const auto objects = window.browser().belief().objects;
   for (int i = 0; i < kObjects && !objects.empty(); ++i) {
     window.browser().selection().select_object(
@@ -139,19 +158,22 @@ WindowFigures measure_window(TimedApplication& application, MainWindow& window, 
   settle(window);
   finish_background();
   run_for(100);
-  figures.select_task_ms = application.take_longest_task_ms();
+  figures.select_task = application.take_longest_task();
   return figures;
 }
 
 std::string text_of(const WindowFigures& figures) {
+  const auto task = [](const LongestTask& longest) {
+    return fmt::format("{:.0f} ms ({})", longest.ms, longest.what);
+  };
   return fmt::format(
       "opened: first moment shown after {:.2f} s\n"
-      "scrubbing: {:.1f} frames per second ({} frames), {:.0f} ms from one to the next (95 %: {:.0f} ms)\n"
-      "longest task of the window's thread but drawing: opening {:.0f} ms, scrubbing {:.0f} ms, choosing "
-      "objects and "
-      "docks {:.0f} ms\n",
+      "scrubbing: {:.1f} frames per second ({} frames), {:.0f} ms from one to the next (95 %: {:.0f} ms), "
+      "{:.0f} ms of processor time each\n"
+      "longest task of the window's thread but drawing: opening {}, scrubbing {}, choosing objects and "
+      "docks {}\n",
       figures.open_s, figures.frames_per_s, figures.frames, figures.frame_median_ms, figures.frame_p95_ms,
-      figures.open_task_ms, figures.scrub_task_ms, figures.select_task_ms);
+      figures.frame_cpu_ms, task(figures.open_task), task(figures.scrub_task), task(figures.select_task));
 }
 
 }  // namespace loci

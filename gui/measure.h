@@ -17,6 +17,15 @@ class DrawingScope {
   DrawingScope& operator=(const DrawingScope&) = delete;
 };
 
+/// What kept the thread of the windows busy for longest, drawing left out.
+struct LongestTask {
+  double ms = 0;
+  std::string what = {};  ///< the last name given by name_task(), else the receiver's class and its event
+};
+
+/// Says what the thread of the windows is doing, for whoever asks what takes long.
+void name_task(const std::string& what);
+
 /// An application that knows how long its thread was ever busy with one thing, drawing left out.
 class TimedApplication : public QApplication {
  public:
@@ -24,11 +33,11 @@ class TimedApplication : public QApplication {
 
   bool notify(QObject* receiver, QEvent* event) override;
   /// Since the last call of this.
-  double take_longest_task_ms();
+  LongestTask take_longest_task();
 
  private:
   int depth_ = 0;
-  double longest_ms_ = 0;
+  LongestTask longest_;
 };
 
 /// What a person waits for.
@@ -37,7 +46,9 @@ struct WindowFigures {
   double frames_per_s = 0;  ///< while the time is scrubbed
   double frame_median_ms = 0, frame_p95_ms = 0;  ///< from one new moment on the screen to the next
   size_t frames = 0;
-  double open_task_ms = 0, scrub_task_ms = 0, select_task_ms = 0;  ///< longest that the window did not answer
+  double frame_cpu_ms =
+      0;  ///< processor time of all threads per frame, which does not depend on other programs
+  LongestTask open_task, scrub_task, select_task;  ///< for which the window did not answer
 };
 
 /// Opens a memory in a window, drags the time from its beginning to its end for some seconds as a mouse would

@@ -5,6 +5,7 @@
 #include <QPointer>
 
 #include "gui/background.h"
+#include "gui/measure.h"
 
 namespace loci {
 namespace {
@@ -76,6 +77,7 @@ void MemoryLoader::load(const QString& path, std::function<Result(Progress&)> re
       },
       [this, path, state, again, stop = stop_](Result& memory) {
         if (*stop) return;
+        name_task("taking the memory");
         finish();
         last_state_ = state;
         if (path == followed_) {

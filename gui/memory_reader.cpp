@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "gui/background.h"
+#include "gui/measure.h"
 
 namespace loci {
 
@@ -112,6 +113,7 @@ void MemoryReader::finish(const Job& job, const std::function<void()>& deliver, 
     if (asked == shared_->last_asked.end() || asked->second != job.number) return;
     shared_->last_asked.erase(asked);
   }
+  name_task("showing the " + job.what);
   if (!problem.isEmpty())
     Q_EMIT failed(problem);
   else if (!job.alive.isNull())

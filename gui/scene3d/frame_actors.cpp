@@ -21,6 +21,7 @@ vtkSmartPointer<vtkActor> empty_actor(vtkRenderer* renderer) {
   auto actor = vtkSmartPointer<vtkActor>::New();
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->SetInputData(vtkNew<vtkPolyData>());
+  mapper->SetStatic(1);
   // What was measured on a surface of the map is drawn before it, not through it.
   mapper->SetResolveCoincidentTopologyToPolygonOffset();
   mapper->SetRelativeCoincidentTopologyPointOffsetParameter(-30);
@@ -45,10 +46,13 @@ FrameActors::FrameActors(vtkRenderer* renderer)
 void FrameActors::clear() {
   set_cloud({});
   has_camera_ = false;
+  camera_box_ = {};
   frustum_->SetVisibility(false);
 }
 
 void FrameActors::set_cloud(const ColoredCloud& cloud) {
+  cloud_box_ = {};
+  for (const Eigen::Vector3f& point : cloud.points) cloud_box_.extend(point.cast<double>());
   vtkNew<vtkPoints> points;
   points->SetNumberOfPoints(static_cast<vtkIdType>(cloud.points.size()));
   vtkNew<vtkUnsignedCharArray> colors;
@@ -78,9 +82,12 @@ void FrameActors::set_camera(const PinholeCamera& camera, const Isometry3d& map_
   points->InsertNextPoint(map_from_camera.translation().data());
   const std::array<Vector2d, 4> corners = {Vector2d(0, 0), Vector2d(camera.width, 0),
                                            Vector2d(camera.width, camera.height), Vector2d(0, camera.height)};
-  for (const Vector2d& corner : corners)
-    points->InsertNextPoint(
-        (map_from_camera * camera.unproject(corner.x(), corner.y(), range)).eval().data());
+  camera_box_ = Eigen::AlignedBox3d(map_from_camera.translation());
+  for (const Vector2d& corner : corners) {
+    const Vector3d point = map_from_camera * camera.unproject(corner.x(), corner.y(), range);
+    points->InsertNextPoint(point.data());
+    camera_box_.extend(point);
+  }
   vtkNew<vtkCellArray> lines;
   for (vtkIdType i = 0; i < 4; ++i) {
     const std::array<vtkIdType, 3> side = {0, 1 + i, 1 + (i + 1) % 4};

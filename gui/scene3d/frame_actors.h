@@ -28,11 +28,14 @@ class FrameActors {
   void set_point_size(double size);
   double point_size() const { return point_size_; }
   size_t point_count() const { return point_count_; }
+  /// Around points and camera, map frame; empty when there are none.
+  Eigen::AlignedBox3d bounds() const { return cloud_box_.merged(camera_box_); }
 
  private:
   vtkSmartPointer<vtkActor> cloud_, frustum_;
   double point_size_ = 2;
   size_t point_count_ = 0;
+  Eigen::AlignedBox3d cloud_box_, camera_box_;
   bool cloud_visible_ = true, camera_visible_ = true, has_camera_ = false;
 };
 

@@ -1,97 +1,84 @@
 #include "gui/scene3d/label_layer.h"
 
-#include <vtkCoordinate.h>
+#include <vtkCamera.h>
+#include <vtkCellArray.h>
+#include <vtkFloatArray.h>
+#include <vtkMatrix4x4.h>
 #include <vtkNew.h>
-#include <vtkStdString.h>
-#include <vtkTextProperty.h>
-#include <vtkTextRenderer.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataMapper2D.h>
+#include <vtkRenderWindow.h>
 
 #include <algorithm>
 #include <array>
-#include <map>
+#include <cmath>
+#include <optional>
 #include <utility>
 
 namespace loci {
 namespace {
 
-constexpr int kFontSize = 13;
-constexpr int kGap = 7;  // pixels between the anchor and the text
-constexpr int kScreenDpi = 72;
+constexpr int kGap = 7;              // pixels between the anchor and the text
 constexpr size_t kMostLabels = 300;  // more would cover each other
 
 struct Rectangle {
-  double left, bottom, right, top;
+  int left, bottom, right, top;
   bool overlaps(const Rectangle& other) const {
     return left < other.right && other.left < right && bottom < other.top && other.bottom < top;
   }
 };
 
-vtkSmartPointer<vtkBillboardTextActor3D> actor_of(const LabelLayer::Label& label, const SceneColors& colors) {
-  auto actor = vtkSmartPointer<vtkBillboardTextActor3D>::New();
-  // Spaces are the padding of the background.
-  actor->SetInput((" " + label.text + " ").c_str());
-  actor->SetPosition(label.anchor.x(), label.anchor.y(), label.anchor.z());
-  actor->SetDisplayOffset(0, kGap);
-  actor->PickableOff();
-  vtkTextProperty* text = actor->GetTextProperty();
-  text->SetFontFamilyToArial();
-  text->SetFontSize(kFontSize);
-  text->SetBold(label.emphasised);
-  text->SetJustificationToCentered();
-  text->SetVerticalJustificationToBottom();
-  text->SetColor(label.emphasised ? colors.label_back[0] : colors.label_text[0],
-                 label.emphasised ? colors.label_back[1] : colors.label_text[1],
-                 label.emphasised ? colors.label_back[2] : colors.label_text[2]);
-  const SceneColor& back = label.emphasised ? colors.accent : colors.label_back;
-  text->SetBackgroundColor(back[0], back[1], back[2]);
-  text->SetBackgroundOpacity(label.emphasised ? 0.95 : 0.72);
-  return actor;
-}
+/// Map frame to pixels of a window.
+class Projection {
+ public:
+  Projection(vtkRenderer& renderer, int width, int height) : width_(width), height_(height) {
+    const auto* matrix = renderer.GetActiveCamera()->GetCompositeProjectionTransformMatrix(
+        static_cast<double>(width) / std::max(1, height), -1, 1);
+    for (int row = 0; row < 4; ++row)
+      for (int column = 0; column < 4; ++column) matrix_(row, column) = matrix->GetElement(row, column);
+  }
+  /// Unset behind the eye.
+  std::optional<Vector2d> pixel(const Vector3d& point) const {
+    const Eigen::Vector4d clip = matrix_ * point.homogeneous();
+    if (clip.w() <= 0) return std::nullopt;
+    return Vector2d((clip.x() / clip.w() + 1) / 2 * width_, (clip.y() / clip.w() + 1) / 2 * height_);
+  }
+
+ private:
+  int width_, height_;
+  Eigen::Matrix4d matrix_;
+};
 
 }  // namespace
+
+LabelLayer::LabelLayer(vtkRenderer* renderer)
+    : renderer_(renderer),
+      actor_(vtkSmartPointer<vtkTexturedActor2D>::New()),
+      texture_(vtkSmartPointer<vtkTexture>::New()) {
+  vtkNew<vtkPolyDataMapper2D> mapper;
+  mapper->SetInputData(vtkNew<vtkPolyData>());
+  actor_->SetMapper(mapper);
+  actor_->PickableOff();
+  texture_->InterpolateOff();  // a pixel of the picture is one of the window
+  texture_->RepeatOff();
+  actor_->SetTexture(texture_);
+  renderer_->AddActor2D(actor_);
+}
 
 void LabelLayer::set(std::vector<Label> labels, const SceneColors& colors) {
   std::stable_sort(labels.begin(), labels.end(),
                    [](const Label& a, const Label& b) { return a.importance > b.importance; });
   if (labels.size() > kMostLabels) labels.resize(kMostLabels);
-  // A text is drawn into a texture: what says the same as before keeps it.
-  std::multimap<std::pair<std::string, bool>, Item> before;
-  const bool same_colors = colors.label_text == colors_.label_text &&
-                           colors.label_back == colors_.label_back && colors.accent == colors_.accent;
-  for (Item& item : items_)
-    if (same_colors)
-      before.emplace(std::pair(item.label.text, item.label.emphasised), std::move(item));
-    else
-      renderer_->RemoveActor(item.actor);
+  atlas_.set_colors(colors);
+  atlas_.trim();
   items_.clear();
-  colors_ = colors;
   for (Label& label : labels) {
-    const auto known = before.find({label.text, label.emphasised});
-    if (known == before.end()) {
-      items_.push_back(make(std::move(label)));
-      continue;
-    }
-    items_.push_back(std::move(known->second));
-    before.erase(known);
-    items_.back().label = std::move(label);
-    const Vector3d& anchor = items_.back().label.anchor;
-    items_.back().actor->SetPosition(anchor.x(), anchor.y(), anchor.z());
+    Item item;
+    item.label = std::move(label);
+    items_.push_back(std::move(item));
   }
-  for (const auto& [key, item] : before) renderer_->RemoveActor(item.actor);
-}
-
-LabelLayer::Item LabelLayer::make(Label label) {
-  Item item;
-  item.label = std::move(label);
-  item.actor = actor_of(item.label, colors_);
-  std::array<int, 4> box = {0, 0, 0, 0};
-  if (auto* measure = vtkTextRenderer::GetInstance())
-    measure->GetBoundingBox(item.actor->GetTextProperty(), vtkStdString(item.actor->GetInput()), box.data(),
-                            kScreenDpi);
-  item.width = box[1] - box[0] + 1;
-  item.height = box[3] - box[2] + 1;
-  renderer_->AddActor(item.actor);
-  return item;
 }
 
 void LabelLayer::set_visible(bool visible) {
@@ -99,35 +86,67 @@ void LabelLayer::set_visible(bool visible) {
 }
 
 void LabelLayer::lay_out() {
+  const int* size = renderer_->GetRenderWindow()->GetSize();
+  const Projection projection(*renderer_, size[0], size[1]);
   std::vector<Rectangle> taken;
-  vtkNew<vtkCoordinate> coordinate;
-  coordinate->SetCoordinateSystemToWorld();
   for (Item& item : items_) {
-    item.actor->SetVisibility(false);
-    if (!visible_) continue;
-    coordinate->SetValue(item.label.anchor.x(), item.label.anchor.y(), item.label.anchor.z());
-    const double* at = coordinate->GetComputedDoubleDisplayValue(renderer_);
-    const int aside = item.width / 2 + kGap;
+    item.shown = false;
+    const auto at = visible_ ? projection.pixel(item.label.anchor) : std::nullopt;
+    if (!at) continue;
+    item.area = atlas_.area(item.label.text, item.label.emphasised);
+    if (item.area.width == 0) continue;
+    const int x = static_cast<int>(std::lround(at->x())), y = static_cast<int>(std::lround(at->y()));
+    const int width = item.area.width, height = item.area.height;
     // Above the thing; where that is taken, beside it; else it goes without a name.
-    for (const auto& [dx, dy] :
-         {std::pair(0, kGap), std::pair(aside, -item.height), std::pair(-aside, -item.height)}) {
-      const Rectangle place = {at[0] + dx - item.width / 2.0, at[1] + dy, at[0] + dx + item.width / 2.0,
-                               at[1] + dy + item.height};
+    for (const auto& [left, bottom] : {std::pair(x - width / 2, y + kGap), std::pair(x + kGap, y - height),
+                                       std::pair(x - kGap - width, y - height)}) {
+      const Rectangle place = {left, bottom, left + width, bottom + height};
       if (std::any_of(taken.begin(), taken.end(),
                       [&](const Rectangle& other) { return place.overlaps(other); }))
         continue;
-      item.actor->SetDisplayOffset(dx, dy);
-      item.actor->SetVisibility(true);
+      item.shown = true;
+      item.left = left;
+      item.bottom = bottom;
       taken.push_back(place);
       break;
     }
   }
+  draw();
+}
+
+void LabelLayer::draw() {
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkFloatArray> in_atlas;
+  in_atlas->SetNumberOfComponents(2);
+  vtkNew<vtkCellArray> quads;
+  const auto add_corner = [&](const Item& item, int x, int y) {
+    points->InsertNextPoint(item.left + x, item.bottom + y, 0);
+    in_atlas->InsertNextTuple2(static_cast<double>(item.area.left + x) / atlas_.width(),
+                               static_cast<double>(item.area.bottom + y) / atlas_.height());
+  };
+  for (const Item& item : items_) {
+    if (!item.shown) continue;
+    const vtkIdType first = points->GetNumberOfPoints();
+    add_corner(item, 0, 0);
+    add_corner(item, item.area.width, 0);
+    add_corner(item, item.area.width, item.area.height);
+    add_corner(item, 0, item.area.height);
+    const std::array<vtkIdType, 4> corners = {first, first + 1, first + 2, first + 3};
+    quads->InsertNextCell(4, corners.data());
+  }
+  actor_->SetVisibility(points->GetNumberOfPoints() > 0);
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points);
+  data->SetPolys(quads);
+  data->GetPointData()->SetTCoords(in_atlas);
+  static_cast<vtkPolyDataMapper2D*>(actor_->GetMapper())->SetInputData(data);
+  texture_->SetInputData(atlas_.picture());
 }
 
 std::vector<std::string> LabelLayer::shown() const {
   std::vector<std::string> texts;
   for (const Item& item : items_)
-    if (item.actor->GetVisibility() != 0) texts.push_back(item.label.text);
+    if (item.shown) texts.push_back(item.label.text);
   return texts;
 }
 

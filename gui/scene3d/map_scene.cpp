@@ -4,12 +4,14 @@
 #include <vtkCallbackCommand.h>
 #include <vtkCamera.h>
 #include <vtkCellPicker.h>
+#include <vtkCullerCollection.h>
 #include <vtkLight.h>
 #include <vtkNew.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -86,10 +88,32 @@ struct MapScene::Impl {
   static void before_render(vtkObject*, unsigned long, void* client, void*) {
     auto* self = static_cast<Impl*>(client);
     const double* eye = self->renderer->GetActiveCamera()->GetPosition();
-    self->world.cut_away({eye[0], eye[1], eye[2]});
-    // By what is drawn now, not by what was there at the first look: the same scene gives the same picture.
-    self->renderer->ResetCameraClippingRange();
-    self->objects.lay_out_labels();
+    self->reset_clipping_range();
+    self->world.arrange({eye[0], eye[1], eye[2]}, self->view_planes());
+    self->objects.arrange({eye[0], eye[1], eye[2]});
+  }
+
+  /// By what is there now, not by what was there at the first look: the same scene gives the same picture.
+  /// VTK would ask every actor for its size.
+  void reset_clipping_range() {
+    Eigen::AlignedBox3d all = frame.bounds();
+    if (const auto room = world.bounds()) all.extend(*room);
+    if (const auto things = objects.bounds()) all.extend(*things);
+    if (all.isEmpty()) return;
+    const std::array<double, 6> bounds = {all.min().x(), all.max().x(), all.min().y(),
+                                          all.max().y(), all.min().z(), all.max().z()};
+    renderer->ResetCameraClippingRange(bounds.data());
+  }
+
+  /// What bounds the view.
+  std::vector<Eigen::Vector4d> view_planes() const {
+    const int* size = renderer->GetRenderWindow()->GetSize();
+    std::array<double, 24> numbers = {};
+    renderer->GetActiveCamera()->GetFrustumPlanes(static_cast<double>(size[0]) / std::max(1, size[1]),
+                                                  numbers.data());
+    std::vector<Eigen::Vector4d> planes;
+    for (size_t i = 0; i < numbers.size(); i += 4) planes.emplace_back(numbers.data() + i);
+    return planes;
   }
 
   /// What is worth looking at first: the objects with some room around them, else the whole map.
@@ -113,6 +137,8 @@ MapScene::MapScene(vtkRenderWindow* window) : impl_(std::make_unique<Impl>()) {
   impl_->overlay->InteractiveOff();
   impl_->overlay->SetActiveCamera(impl_->renderer->GetActiveCamera());
   window->AddRenderer(impl_->overlay);
+  for (vtkRenderer* renderer : {impl_->renderer.Get(), impl_->overlay.Get()})
+    renderer->GetCullers()->RemoveAllItems();  // a few actors: to cull them costs more than to draw them
   impl_->renderer->UseFXAAOn();
   impl_->renderer->GradientBackgroundOn();
   impl_->renderer->AutomaticLightCreationOff();
@@ -139,6 +165,7 @@ void MapScene::set_world(const World& world, const PreparedWorld& prepared) {
   impl_->joint_names.clear();
   for (const Joint& joint : world.joints) impl_->joint_names.push_back(joint.name);
   impl_->world.set_visible(layer(MapLayer::map));
+  impl_->objects.draw_last();
 }
 
 void MapScene::clear_world() {
@@ -147,6 +174,7 @@ void MapScene::clear_world() {
 
 void MapScene::add_place(const std::string& name, const std::vector<Vector2d>& outline, double height) {
   impl_->world.add_outline(name, outline, height, impl_->colors);
+  impl_->objects.draw_last();
 }
 
 void MapScene::set_joints(const JointState& state, Warnings& warnings) {

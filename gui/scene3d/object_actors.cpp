@@ -105,6 +105,7 @@ class Boxes {
 vtkSmartPointer<vtkActor> layer_actor(vtkRenderer& renderer, bool lines) {
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->SetInputData(vtkNew<vtkPolyData>());
+  mapper->SetStatic(1);
   auto actor = vtkSmartPointer<vtkActor>::New();
   actor->SetMapper(mapper);
   actor->GetProperty()->SetAmbient(0.42);
@@ -131,7 +132,10 @@ ObjectActors::ObjectActors(vtkRenderer* renderer, vtkRenderer* overlay)
     : renderer_(renderer), labels_(overlay) {
   solid_.actor = layer_actor(*renderer_, false);
   ghosts_.actor = layer_actor(*renderer_, false);
-  ghosts_.actor->ForceTranslucentOn();
+  // VTK's pass for what is translucent costs more than all else under software rendering. Sorted, and without
+  // their backs, boxes need none: they are blended as they are drawn.
+  ghosts_.actor->ForceOpaqueOn();
+  ghosts_.actor->GetProperty()->BackfaceCullingOn();
   edges_.actor = layer_actor(*renderer_, true);
   edges_.actor->GetProperty()->SetLineWidth(1.5F);
   selected_edges_.actor = layer_actor(*renderer_, true);
@@ -148,24 +152,42 @@ void ObjectActors::select(std::optional<int64_t> id, const SceneColors& colors) 
 }
 
 void ObjectActors::rebuild(const SceneColors& colors) {
-  Boxes solid, ghosts, edges, selected_edges;
+  Boxes solid, edges, selected_edges;
   std::vector<LabelLayer::Label> labels;
   for (Layer* layer : {&solid_, &ghosts_, &edges_, &selected_edges_}) layer->objects.clear();
   for (size_t i = 0; i < objects_.size(); ++i) {
     const MapObject& object = objects_[i];
     const bool selected = selected_ == object.id;
-    (object.ghost ? ghosts : solid).add_faces(object);
+    if (!object.ghost) solid.add_faces(object);
     (object.ghost ? ghosts_ : solid_).objects.push_back(i);
     (selected ? selected_edges : edges).add_edges(object, edge_color(object, selected, colors));
     (selected ? selected_edges_ : edges_).objects.push_back(i);
     labels.push_back(label_of(object, selected));
   }
   solid.show_as(*solid_.actor, false);
-  ghosts.show_as(*ghosts_.actor, false);
   edges.show_as(*edges_.actor, true);
   selected_edges.show_as(*selected_edges_.actor, true);
+  ghosts_due_ = true;
   labels_.set(labels, colors);
   set_visible(visible_);
+}
+
+void ObjectActors::arrange(const Vector3d& eye) {
+  labels_.lay_out();
+  if (!ghosts_due_ && eye == eye_) return;
+  eye_ = eye;
+  ghosts_due_ = false;
+  const auto distance = [&](size_t i) { return (objects_[i].map_from_object.translation() - eye).norm(); };
+  std::stable_sort(ghosts_.objects.begin(), ghosts_.objects.end(),
+                   [&](size_t a, size_t b) { return distance(a) > distance(b); });
+  Boxes boxes;
+  for (const size_t i : ghosts_.objects) boxes.add_faces(objects_[i]);
+  boxes.show_as(*ghosts_.actor, false);
+}
+
+void ObjectActors::draw_last() {
+  renderer_->RemoveActor(ghosts_.actor);
+  renderer_->AddActor(ghosts_.actor);
 }
 
 void ObjectActors::set_visible(bool visible) {

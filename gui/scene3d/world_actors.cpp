@@ -17,8 +17,12 @@ namespace {
 vtkSmartPointer<vtkActor> actor_of(vtkPolyData* data) {
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->SetInputData(data);
+  mapper->SetStatic(1);  // nothing upstream to be asked for news at every frame
   auto actor = vtkSmartPointer<vtkActor>::New();
   actor->SetMapper(mapper);
+  // What one can see through is blended as it is drawn, last: VTK's pass for it costs more than all else
+  // under software rendering.
+  actor->ForceOpaqueOn();
   return actor;
 }
 
@@ -55,6 +59,15 @@ Eigen::AlignedBox3d moved(const Eigen::AlignedBox3d& box, const Isometry3d& pose
   return result;
 }
 
+/// Whether any of a box may be within all planes.
+bool touches(const Eigen::AlignedBox3d& box, const std::vector<Eigen::Vector4d>& planes) {
+  return std::all_of(planes.begin(), planes.end(), [&](const Eigen::Vector4d& plane) {
+    const Vector3d normal = plane.head<3>();
+    const Vector3d innermost = (normal.array() > 0).select(box.max(), box.min());
+    return normal.dot(innermost) + plane.w() >= 0;
+  });
+}
+
 bool is_shell(const std::string& link) {
   return link.starts_with("wall") || link.starts_with("ceiling");
 }
@@ -68,6 +81,7 @@ void WorldActors::clear() {
   }
   links_.clear();
   world_ = {};
+  take_boxes();
 }
 
 void WorldActors::add_outline(const std::string& name, const std::vector<Vector2d>& outline, double height,
@@ -82,6 +96,7 @@ void WorldActors::add_outline(const std::string& name, const std::vector<Vector2
   renderer_->AddActor(actors.surface);
   renderer_->AddActor(actors.edges);
   links_.push_back(std::move(actors));
+  take_boxes();
   set_colors(colors);
   set_color(*links_.back().surface->GetProperty(), colors.accent);
   links_.back().surface->GetProperty()->SetOpacity(0.10);
@@ -93,7 +108,10 @@ PreparedWorld prepare_world(const World& world, const MeshSearch& search, const 
   Warnings warnings;
   for (const Link& link : world.links) {
     const auto parts = parts_of(link, search, colors, warnings);
-    prepared.links.push_back({link.name, surface_of(parts), sharp_edges_of(parts), box_of(parts)});
+    const bool see_through =
+        std::any_of(parts.begin(), parts.end(), [](const MeshPart& part) { return part.color[3] < 1; });
+    prepared.links.push_back(
+        {link.name, surface_of(parts), sharp_edges_of(parts), box_of(parts), see_through});
   }
   prepared.warnings = warnings.texts();
   return prepared;
@@ -102,6 +120,7 @@ PreparedWorld prepare_world(const World& world, const MeshSearch& search, const 
 void WorldActors::set(const World& world, const PreparedWorld& prepared, const SceneColors& colors) {
   clear();
   world_ = world;
+  std::vector<vtkActor*> see_through;
   for (const PreparedWorld::Part& part : prepared.links) {
     LinkActors actors;
     actors.name = part.link;
@@ -110,10 +129,14 @@ void WorldActors::set(const World& world, const PreparedWorld& prepared, const S
     actors.surface = actor_of(part.surface);
     actors.edges = actor_of(part.edges);
     actors.edges->PickableOff();
-    renderer_->AddActor(actors.surface);
+    if (part.see_through)
+      see_through.push_back(actors.surface);
+    else
+      renderer_->AddActor(actors.surface);
     renderer_->AddActor(actors.edges);
     links_.push_back(std::move(actors));
   }
+  for (vtkActor* actor : see_through) renderer_->AddActor(actor);
   set_colors(colors);
   set_joints({});
   set_visible(visible_);
@@ -128,6 +151,7 @@ void WorldActors::set_joints(const JointState& state) {
     links_[i].surface->SetUserMatrix(matrix);
     links_[i].edges->SetUserMatrix(matrix);
   }
+  take_boxes();
 }
 
 void WorldActors::set_colors(const SceneColors& colors) {
@@ -157,19 +181,30 @@ void WorldActors::select(const std::string& selected, const SceneColors& colors)
   }
 }
 
-void WorldActors::cut_away(const Vector3d& eye) {
-  const auto all = bounds();
-  if (!visible_ || !all) return;
-  const Vector3d middle = all->center();
+void WorldActors::take_boxes() {
+  all_ = {};
   for (LinkActors& link : links_) {
-    if (!link.shell || link.box.isEmpty()) continue;
-    Eigen::Index thin = 0;
-    link.box.sizes().minCoeff(&thin);
-    const Vector3d normal = link.map_from_link.linear().col(thin);
-    const Vector3d centre = link.map_from_link * link.box.center();
-    const bool between = normal.dot(eye - centre) * normal.dot(middle - centre) < 0;
-    link.surface->SetVisibility(!between);
-    link.edges->SetVisibility(!between);
+    link.map_box = link.box.isEmpty() ? link.box : moved(link.box, link.map_from_link);
+    if (!link.box.isEmpty()) all_.extend(link.map_box);
+  }
+}
+
+bool WorldActors::hides_the_room(const LinkActors& link, const Vector3d& eye) const {
+  if (!link.shell) return false;
+  Eigen::Index thin = 0;
+  link.box.sizes().minCoeff(&thin);
+  const Vector3d normal = link.map_from_link.linear().col(thin);
+  const Vector3d centre = link.map_from_link * link.box.center();
+  return normal.dot(eye - centre) * normal.dot(all_.center() - centre) < 0;
+}
+
+void WorldActors::arrange(const Vector3d& eye, const std::vector<Eigen::Vector4d>& planes) {
+  if (!visible_) return;
+  for (LinkActors& link : links_) {
+    if (link.box.isEmpty()) continue;
+    const bool shown = touches(link.map_box, planes) && !hides_the_room(link, eye);
+    link.surface->SetVisibility(shown);
+    link.edges->SetVisibility(shown);
   }
 }
 
@@ -180,15 +215,12 @@ const std::string* WorldActors::link_of(const vtkActor* actor) const {
 }
 
 std::optional<Eigen::AlignedBox3d> WorldActors::bounds() const {
-  Eigen::AlignedBox3d all;
-  for (const LinkActors& link : links_)
-    if (!link.box.isEmpty()) all.extend(moved(link.box, link.map_from_link));
-  return all.isEmpty() ? std::nullopt : std::optional(all);
+  return all_.isEmpty() ? std::nullopt : std::optional(all_);
 }
 
 std::optional<Eigen::AlignedBox3d> WorldActors::bounds_of(const std::string& name) const {
   for (const LinkActors& link : links_)
-    if (link.name == name && !link.box.isEmpty()) return moved(link.box, link.map_from_link);
+    if (link.name == name && !link.box.isEmpty()) return link.map_box;
   return std::nullopt;
 }
 

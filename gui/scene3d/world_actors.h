@@ -21,7 +21,8 @@ struct PreparedWorld {
   struct Part {
     std::string link;
     vtkSmartPointer<vtkPolyData> surface, edges;
-    Eigen::AlignedBox3d box;  ///< in the link's frame
+    Eigen::AlignedBox3d box;   ///< in the link's frame
+    bool see_through = false;  ///< any of it
   };
   std::vector<Part> links;  ///< as in the world
   std::vector<std::string> warnings;
@@ -46,8 +47,9 @@ class WorldActors {
   /// Emphasises a link and what hangs on it ("" = none).
   void select(const std::string& link, const SceneColors& colors);
 
-  /// Walls and ceilings that stand between the eye and the middle of the world are left out.
-  void cut_away(const Vector3d& eye);
+  /// Shows what is worth drawing: neither what is out of view nor walls and ceilings that stand between the
+  /// eye and the middle of the world. `planes` bound the view, inwards: normal and distance.
+  void arrange(const Vector3d& eye, const std::vector<Eigen::Vector4d>& planes);
 
   /// The link an actor draws; nullptr for another actor.
   const std::string* link_of(const vtkActor* actor) const;
@@ -61,13 +63,18 @@ class WorldActors {
     std::string name;
     vtkSmartPointer<vtkActor> surface, edges;
     Isometry3d map_from_link = Isometry3d::Identity();
-    Eigen::AlignedBox3d box;  ///< in the link's frame
-    bool shell = false;       ///< wall or ceiling
+    Eigen::AlignedBox3d box;      ///< in the link's frame
+    Eigen::AlignedBox3d map_box;  ///< around that, in the map frame
+    bool shell = false;           ///< wall or ceiling
   };
+
+  void take_boxes();
+  bool hides_the_room(const LinkActors& link, const Vector3d& eye) const;
 
   vtkRenderer* renderer_;
   World world_;
   std::vector<LinkActors> links_;
+  Eigen::AlignedBox3d all_;  ///< around all links
   bool visible_ = true;
 };
 

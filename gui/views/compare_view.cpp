@@ -4,40 +4,28 @@
 #include <QHeaderView>
 #include <QLabel>
 #include <QLineEdit>
-#include <QTableWidget>
+#include <QTableView>
 #include <QToolButton>
 #include <QVBoxLayout>
 
+#include "gui/models/differences_model.h"
 #include "gui/text.h"
-#include "gui/theme.h"
 
 namespace loci {
 namespace {
 
-enum Column { what_column, name_column, then_column, now_column, column_count };
-
-QColor color_of(const Theme& theme, Difference::Kind kind) {
-  switch (kind) {
-    case Difference::Kind::appeared:
-      return theme.of_event("appeared");
-    case Difference::Kind::moved:
-      return theme.of_event("moved");
-    case Difference::Kind::gone:
-      return theme.of_event("gone");
-    case Difference::Kind::joint:
-      return theme.of_event("joint_changed");
-  }
-  return theme.text;
-}
+constexpr int kRowsMeasured = 20;  // for the width of a column
 
 }  // namespace
 
 CompareView::CompareView(Browser& browser, QWidget* parent)
-    : QWidget(parent),
+    : Page(parent),
       browser_(browser),
       stamp_(new QLineEdit(this)),
       state_(new QLabel(this)),
-      table_(new QTableWidget(0, column_count, this)) {
+      model_(new DifferencesModel(this)),
+      table_(new QTableView(this)) {
+  table_->setModel(model_);
   stamp_->setToolTip("The time to compare the chosen one with: 2026-05-01 08:30, 08:30, yesterday 9:00");
   auto* pin = new QToolButton(this);
   pin->setText("Chosen time");
@@ -51,7 +39,9 @@ CompareView::CompareView(Browser& browser, QWidget* parent)
   table_->horizontalHeader()->setDefaultAlignment(Qt::AlignLeft | Qt::AlignVCenter);
   table_->horizontalHeader()->setHighlightSections(false);
   table_->horizontalHeader()->setSectionResizeMode(QHeaderView::Stretch);
-  table_->horizontalHeader()->setSectionResizeMode(what_column, QHeaderView::ResizeToContents);
+  table_->horizontalHeader()->setResizeContentsPrecision(kRowsMeasured);
+  table_->horizontalHeader()->setSectionResizeMode(DifferencesModel::what_column,
+                                                   QHeaderView::ResizeToContents);
   state_->setWordWrap(true);
   auto* head = new QHBoxLayout;
   head->addWidget(new QLabel("Compare with", this));
@@ -64,8 +54,8 @@ CompareView::CompareView(Browser& browser, QWidget* parent)
   layout->addWidget(table_, 1);
   connect(pin, &QToolButton::clicked, this, [this] { set_other(browser_.selection().time()); });
   connect(stamp_, &QLineEdit::returnPressed, this, &CompareView::take_stamp);
-  connect(table_, &QTableWidget::cellClicked, this, [this](int row, int) {
-    if (const int64_t object = differences_[static_cast<size_t>(row)].object; object != 0)
+  connect(table_, &QTableView::clicked, this, [this](const QModelIndex& index) {
+    if (const int64_t object = shown()[static_cast<size_t>(index.row())].object; object != 0)
       browser_.selection().select_object(object);
   });
   connect(&browser_, &Browser::opened, this, &CompareView::forget);
@@ -95,20 +85,14 @@ void CompareView::take_stamp() {
       [this](const TimeNs& time) { set_other(time); });
 }
 
-void CompareView::showEvent(QShowEvent* event) {
-  QWidget::showEvent(event);
-  refresh();
-}
-
 void CompareView::refresh() {
-  if (!isVisible()) return;
-  differences_.clear();
+  if (!is_looked_at()) return;
   const BrowserData* memory = browser_.data();
   setEnabled(memory != nullptr);
   if (memory == nullptr) {
     state_->setText("Open a memory to compare two of its times.");
     stamp_->clear();
-    return fill();
+    return model_->set({}, "Then", "Now");
   }
   stamp_->setText(time_text(other_, memory->info().zone_minutes));
   stamp_->setCursorPosition(0);
@@ -119,42 +103,15 @@ void CompareView::refresh() {
 }
 
 void CompareView::show_differences(const BelievedScene& then) {
-  differences_ = differences(then, browser_.belief());
+  const int zone = browser_.data()->info().zone_minutes;
+  const auto head = [zone](TimeNs time) { return "At " + time_text(time, zone).mid(11, 8); };
+  model_->set(differences(then, browser_.belief()), head(other_), head(browser_.selection().time()));
   if (other_ == browser_.selection().time())
     state_->setText("This is the chosen time: choose another one below.");
-  else if (differences_.empty())
+  else if (shown().empty())
     state_->setText("Nothing differs.");
   else
-    state_->setText(
-        QString("%1 difference%2").arg(differences_.size()).arg(differences_.size() == 1 ? "" : "s"));
-  fill();
-}
-
-void CompareView::fill() {
-  const Theme theme = Theme::of(palette());
-  const BrowserData* memory = browser_.data();
-  const int zone = memory == nullptr ? 0 : memory->info().zone_minutes;
-  const auto head = [&](TimeNs time) { return "At " + time_text(time, zone).mid(11, 8); };
-  const bool known = memory != nullptr;
-  table_->setHorizontalHeaderLabels(
-      {"", "What", known ? head(other_) : "Then", known ? head(browser_.selection().time()) : "Now"});
-  table_->setRowCount(static_cast<int>(differences_.size()));
-  for (int row = 0; row < table_->rowCount(); ++row) {
-    const Difference& difference = differences_[static_cast<size_t>(row)];
-    const auto put = [&](int column, const QString& text) {
-      auto* item = new QTableWidgetItem(text);
-      item->setToolTip(text);
-      table_->setItem(row, column, item);
-      return item;
-    };
-    QString what = difference_name(difference.kind);
-    if (difference.kind == Difference::Kind::moved && difference.then == difference.now)
-      what += QString(" %1 cm").arg(difference.distance * 100, 0, 'f', 0);
-    put(what_column, what)->setForeground(color_of(theme, difference.kind));
-    put(name_column, QString::fromStdString(difference.name));
-    put(then_column, difference.then.empty() ? QString("–") : QString::fromStdString(difference.then));
-    put(now_column, difference.now.empty() ? QString("–") : QString::fromStdString(difference.now));
-  }
+    state_->setText(QString("%1 difference%2").arg(shown().size()).arg(shown().size() == 1 ? "" : "s"));
 }
 
 }  // namespace loci

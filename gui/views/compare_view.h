@@ -1,20 +1,20 @@
 #pragma once
 
-#include <QWidget>
 #include <vector>
 
 #include "gui/browser.h"
-#include "gui/data/differences.h"
+#include "gui/models/differences_model.h"
+#include "gui/views/page.h"
 
 class QLabel;
 class QLineEdit;
-class QTableWidget;
+class QTableView;
 
 namespace loci {
 
 /// Two times of the memory side by side: what appeared, moved and is gone between another time and the chosen
 /// one. A click on a line chooses its object.
-class CompareView : public QWidget {
+class CompareView : public Page {
   Q_OBJECT
 
  public:
@@ -24,26 +24,25 @@ class CompareView : public QWidget {
   void set_other(TimeNs time);
   TimeNs other() const { return other_; }
   QLineEdit* stamp() const { return stamp_; }
-  QTableWidget* table() const { return table_; }
-  const std::vector<Difference>& shown() const { return differences_; }
+  QTableView* table() const { return table_; }
+  const std::vector<Difference>& shown() const { return model_->differences(); }
 
  protected:
-  void showEvent(QShowEvent* event) override;
+  void look() override { refresh(); }
 
  private:
   void forget();
   void refresh();
   void take_stamp();
   void show_differences(const BelievedScene& then);
-  void fill();
 
   Browser& browser_;
   QLineEdit* stamp_;
   QLabel* state_;
-  QTableWidget* table_;
+  DifferencesModel* model_;
+  QTableView* table_;
   TimeNs other_ = 0;
   std::string memory_;  ///< path of the memory that `other_` is a time of
-  std::vector<Difference> differences_;
 };
 
 }  // namespace loci

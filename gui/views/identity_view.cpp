@@ -14,7 +14,7 @@ constexpr size_t kScenes = 5;
 }
 
 IdentityView::IdentityView(Browser& browser, QWidget* parent)
-    : QWidget(parent),
+    : Page(parent),
       browser_(browser),
       state_(new QLabel(this)),
       lines_(new AssociationLines),
@@ -46,13 +46,8 @@ IdentityView::IdentityView(Browser& browser, QWidget* parent)
   refresh();
 }
 
-void IdentityView::showEvent(QShowEvent* event) {
-  QWidget::showEvent(event);
-  refresh();
-}
-
 void IdentityView::refresh() {
-  if (!isVisible()) return;
+  if (!is_looked_at()) return;
   const SceneEntry* scene = browser_.scene();
   if (scene == nullptr) {
     std::vector<SceneDecisions> none;

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <QWidget>
-
 #include "gui/browser.h"
+#include "gui/views/page.h"
 
 class QLabel;
 
@@ -13,7 +12,7 @@ class DecisionMatrix;
 
 /// Why things in the chosen scene were taken for what they are: lines to the scenes before, and the matrices
 /// of similarity, proximity and identity.
-class IdentityView : public QWidget {
+class IdentityView : public Page {
   Q_OBJECT
 
  public:
@@ -23,7 +22,7 @@ class IdentityView : public QWidget {
   DecisionMatrix& matrix() { return *matrix_; }
 
  protected:
-  void showEvent(QShowEvent* event) override;
+  void look() override { refresh(); }
 
  private:
   void refresh();

@@ -17,7 +17,7 @@ constexpr int kDetailLines = 5;
 }
 
 LogView::LogView(Browser& browser, QWidget* parent)
-    : QWidget(parent),
+    : Page(parent),
       browser_(browser),
       model_(new LogModel(browser, this)),
       table_(new QTableView(this)),
@@ -58,11 +58,10 @@ LogView::LogView(Browser& browser, QWidget* parent)
 void LogView::forget() {
   loaded_ = false;
   model_->set_memory_log({});
-  if (isVisible()) load();
+  if (is_looked_at()) load();
 }
 
-void LogView::showEvent(QShowEvent* event) {
-  QWidget::showEvent(event);
+void LogView::look() {
   if (!loaded_) load();
 }
 

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <QWidget>
-
 #include "gui/browser.h"
+#include "gui/views/page.h"
 
 class QPlainTextEdit;
 class QTableView;
@@ -14,7 +13,7 @@ class LogModel;
 
 /// What went wrong, and which runs wrote which scenes; a click on a scene goes to its time. The details of a
 /// line stand below and can be copied.
-class LogView : public QWidget {
+class LogView : public Page {
   Q_OBJECT
 
  public:
@@ -26,7 +25,7 @@ class LogView : public QWidget {
   void copy_details();
 
  protected:
-  void showEvent(QShowEvent* event) override;
+  void look() override;
 
  private:
   void forget();

@@ -1,19 +1,9 @@
 #include "gui/views/map_view.h"
 
-#include <QVTKOpenGLNativeWidget.h>
-#include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkNew.h>
-#include <vtkRenderWindowInteractor.h>
-#include <vtkUnsignedCharArray.h>
 #include <QEvent>
-#include <QPainter>
 #include <QVBoxLayout>
 
-#include <cstring>
-#include <utility>
-
-#include "gui/measure.h"
-#include "gui/scene3d/egl_window.h"
 #include "gui/scene3d/frame_actors.h"
 #include "gui/scene3d/object_actors.h"
 #include "gui/scene3d/orbit_style.h"
@@ -25,17 +15,6 @@ namespace {
 
 /// After this the time is no longer being scrubbed and the picture may take longer.
 constexpr int kStillMs = 300;
-
-QImage pixels_of(vtkRenderWindow* window) {
-  const int* size = window->GetSize();
-  vtkNew<vtkUnsignedCharArray> pixels;
-  window->GetPixelData(0, 0, size[0] - 1, size[1] - 1, 0, pixels);
-  QImage image(size[0], size[1], QImage::Format_RGB888);
-  for (int y = 0; y < size[1]; ++y)
-    std::memcpy(image.scanLine(size[1] - 1 - y), pixels->GetPointer(static_cast<vtkIdType>(y) * size[0] * 3),
-                static_cast<size_t>(size[0]) * 3);
-  return image;
-}
 
 /// A picture of one colour is what a context without drawing gives; even an empty scene has a gradient.
 bool is_blank(const QImage& image) {
@@ -68,14 +47,15 @@ MapObject map_object_of(const BelievedObject& object) {
 
 }  // namespace
 
-MapView::MapView(Browser& browser, MapBackend backend, QWidget* parent) : QWidget(parent), browser_(browser) {
+MapView::MapView(Browser& browser, MapBackend backend, QWidget* parent)
+    : QWidget(parent), browser_(browser), canvas_(MapCanvas::make(backend, this)) {
   setMinimumSize(240, 180);
-  if (backend == MapBackend::widget) {
-    make_widget();
-  } else {
-    egl_ = std::make_unique<EglWindow>(sizeHint().width(), sizeHint().height());
-    scene_ = std::make_unique<MapScene>(egl_->window());
-  }
+  auto* layout = new QVBoxLayout(this);
+  layout->setContentsMargins(0, 0, 0, 0);
+  layout->addWidget(canvas_);
+  connect(canvas_, &MapCanvas::drawn, this, &MapView::drawn);
+  scene_ = std::make_unique<MapScene>(canvas_->window());
+  take_mouse();
   scene_->set_colors(Theme::of(palette()).scene());
   connect(&browser_, &Browser::opened, this, &MapView::show_memory);
   connect(&browser_, &Browser::belief_changed, this, &MapView::show_belief);
@@ -92,20 +72,15 @@ MapView::MapView(Browser& browser, MapBackend backend, QWidget* parent) : QWidge
 
 MapView::~MapView() = default;
 
-void MapView::make_widget() {
-  widget_ = new QVTKOpenGLNativeWidget(this);
-  vtkNew<vtkGenericOpenGLRenderWindow> window;
-  window->SetMultiSamples(0);
-  widget_->setRenderWindow(window);
-  scene_ = std::make_unique<MapScene>(window);
+void MapView::take_mouse() {
   vtkNew<OrbitStyle> style;
   style->on_click = [this](int x, int y) { clicked(x, y); };
-  style->on_motion = [this](bool moving) { scene_->set_moving(moving); };
+  style->on_motion = [this](bool moving) {
+    scene_->set_moving(moving);
+    if (!moving) redraw();
+  };
   style->on_ctrl_wheel = [this](int steps) { change_point_size(steps); };
-  window->GetInteractor()->SetInteractorStyle(style);
-  auto* layout = new QVBoxLayout(this);
-  layout->setContentsMargins(0, 0, 0, 0);
-  layout->addWidget(widget_);
+  canvas_->set_style(style);
 }
 
 void MapView::show_memory() {
@@ -215,50 +190,16 @@ void MapView::change_point_size(int steps) {
   redraw();
 }
 
-/// However much changes at once, it is drawn once.
 void MapView::redraw() {
-  if (widget_ == nullptr) return update();
-  if (!isVisible() || std::exchange(redraw_due_, true)) return;
-  QTimer::singleShot(0, this, [this] {
-    redraw_due_ = false;
-    {
-      const DrawingScope drawing;
-      widget_->renderWindow()->Render();
-    }
-    Q_EMIT drawn();
-  });
+  canvas_->redraw();
 }
 
 QImage MapView::picture() {
-  QImage image;
   scene_->set_moving(false);
-  if (egl_) {
-    egl_->window()->Render();
-    image = pixels_of(egl_->window());
-  } else {
-    widget_->renderWindow()->Render();
-    image = widget_->grab().toImage();
-  }
+  const QImage image = canvas_->picture();
   if (image.isNull() || is_blank(image))
     throw Error("the 3D view stayed blank: OpenGL did not draw", {}, "check the graphics driver");
   return image;
-}
-
-void MapView::paintEvent(QPaintEvent*) {
-  if (!egl_) return;
-  QPainter painter(this);
-  try {
-    painter.drawImage(rect(), picture());
-    Q_EMIT drawn();
-  } catch (const Error& error) {  // No exception may pass Qt's event loop.
-    painter.drawText(rect(), Qt::AlignCenter | Qt::TextWordWrap, QString::fromUtf8(error.what()));
-  }
-}
-
-void MapView::resizeEvent(QResizeEvent* event) {
-  QWidget::resizeEvent(event);
-  if (egl_) egl_->window()->SetSize(width(), height());
-  redraw();
 }
 
 void MapView::changeEvent(QEvent* event) {

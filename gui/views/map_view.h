@@ -7,19 +7,11 @@
 
 #include "gui/browser.h"
 #include "gui/scene3d/map_scene.h"
-
-class QVTKOpenGLNativeWidget;
+#include "gui/views/map_canvas.h"
 
 namespace loci {
 
-class EglWindow;
 struct PreparedWorld;
-
-/// How the 3D view gets its pixels.
-enum class MapBackend {
-  widget,  ///< an OpenGL widget on a screen
-  memory   ///< drawn through EGL without any screen; for pictures
-};
 
 /// The 3D view: map, objects at their believed place, cloud and camera of the chosen scene.
 class MapView : public QWidget {
@@ -31,6 +23,7 @@ class MapView : public QWidget {
   ~MapView() override;
 
   MapScene& scene() { return *scene_; }
+  MapCanvas& canvas() { return *canvas_; }
   /// What is on the screen. Error when the picture is blank: nothing was drawn.
   QImage picture();
   void frame_selection();
@@ -44,12 +37,10 @@ class MapView : public QWidget {
   void drawn();
 
  protected:
-  void paintEvent(QPaintEvent* event) override;
-  void resizeEvent(QResizeEvent* event) override;
   void changeEvent(QEvent* event) override;
 
  private:
-  void make_widget();
+  void take_mouse();
   void show_memory();
   void take_world(const PreparedWorld& world);
   void show_belief();
@@ -61,15 +52,13 @@ class MapView : public QWidget {
   void redraw();
 
   Browser& browser_;
-  std::unique_ptr<EglWindow> egl_;
-  QVTKOpenGLNativeWidget* widget_ = nullptr;
+  MapCanvas* canvas_;
   std::unique_ptr<MapScene> scene_;
   std::string memory_;            ///< path of the memory that is drawn
   const World* world_ = nullptr;  ///< its map, drawn or being prepared
   bool waits_for_world_ = false;
   bool first_look_ = true;  ///< the eye has not been placed yet
-  bool redraw_due_ = false;
-  QTimer still_;  ///< since the last change of time
+  QTimer still_;            ///< since the last change of time
 };
 
 }  // namespace loci

@@ -29,7 +29,7 @@ class Stoppable : public Progress {
 }  // namespace
 
 StatisticsView::StatisticsView(Browser& browser, QWidget* parent)
-    : QWidget(parent), browser_(browser), state_(new QLabel(this)), area_(new QScrollArea(this)) {
+    : Page(parent), browser_(browser), state_(new QLabel(this)), area_(new QScrollArea(this)) {
   area_->setWidgetResizable(true);
   area_->setFrameShape(QFrame::NoFrame);
   area_->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
@@ -62,11 +62,10 @@ void StatisticsView::forget() {
   if (stop_) *stop_ = true;
   stop_.reset();
   show_charts({});
-  if (isVisible()) count();
+  if (is_looked_at()) count();
 }
 
-void StatisticsView::showEvent(QShowEvent* event) {
-  QWidget::showEvent(event);
+void StatisticsView::look() {
   if (charts_.empty() && !stop_) count();
 }
 

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <QWidget>
 #include <atomic>
 #include <memory>
 #include <vector>
 
 #include "gui/browser.h"
 #include "gui/data/memory_statistics.h"
+#include "gui/views/page.h"
 
 class QLabel;
 class QScrollArea;
@@ -17,7 +17,7 @@ namespace loci {
 class BarChart;
 
 /// Numbers about the whole memory as bar charts; counted in the background when they are first looked at.
-class StatisticsView : public QWidget {
+class StatisticsView : public Page {
   Q_OBJECT
 
  public:
@@ -30,7 +30,7 @@ class StatisticsView : public QWidget {
   void save_csv(const QString& path) const;
 
  protected:
-  void showEvent(QShowEvent* event) override;
+  void look() override;
 
  private:
   void forget();

@@ -4,6 +4,7 @@
 #include <QDropEvent>
 #include <QLineEdit>
 #include <QMimeData>
+#include <QMouseEvent>
 #include <QSignalSpy>
 #include <QTableView>
 #include <QTest>
@@ -61,9 +62,38 @@ TEST_F(BrowserWindow, ClickInTheMapSelectsWhatIsThere) {
   choose(2);
   window.map().frame_selection();
   selection().clear();
-  QWidget* canvas = window.map().findChild<QWidget*>();
+  QWidget* canvas = window.map().childAt(window.map().rect().center());
   click(canvas, canvas->rect().center());
   EXPECT_EQ(selection().object(), 2);
+}
+
+/// As on a machine without a graphics card.
+class WindowDrawnInMemory : public BrowserWindow {
+ protected:
+  WindowDrawnInMemory() : BrowserWindow(MapBackend::memory) {}
+};
+
+TEST_F(WindowDrawnInMemory, TheMapTakesClicksAndDrags) {
+  go_to(sample_.first);
+  choose(2);
+  window.map().frame_selection();
+  selection().clear();
+  settle();
+  QWidget* canvas = &window.map().canvas();
+  const QImage before = canvas->grab().toImage();
+  const QPoint middle = canvas->rect().center(), aside = middle + QPoint(60, 0);
+  click(canvas, middle);
+  EXPECT_EQ(selection().object(), 2);
+  selection().clear();
+  settle();
+  QTest::mousePress(canvas, Qt::LeftButton, Qt::NoModifier, middle);
+  QMouseEvent drag(QEvent::MouseMove, aside, canvas->mapToGlobal(aside), Qt::LeftButton, Qt::LeftButton,
+                   Qt::NoModifier);
+  QApplication::sendEvent(canvas, &drag);
+  QTest::mouseRelease(canvas, Qt::LeftButton, Qt::NoModifier, aside);
+  settle();
+  EXPECT_FALSE(selection().object().has_value()) << "a drag chooses nothing";
+  EXPECT_NE(canvas->grab().toImage(), before) << "it was turned";
 }
 
 TEST_F(BrowserWindow, TheSliderChangesWhatIsBelieved) {

@@ -1,7 +1,7 @@
 // Two times side by side.
 
 #include <QLineEdit>
-#include <QTableWidget>
+#include <QTableView>
 
 #include "gui/data/differences.h"
 #include "gui/views/compare_view.h"
@@ -51,11 +51,13 @@ class CompareInWindow : public test::BrowserWindow {
     window.show_dock("compare");
     settle();
   }
-  QString cell(int row, int column) { return window.compare().table()->item(row, column)->text(); }
+  QString cell(int row, int column) {
+    return window.compare().table()->model()->index(row, column).data().toString();
+  }
 };
 
 TEST_F(CompareInWindow, TheBeginningIsComparedWithTheChosenTime) {
-  ASSERT_EQ(window.compare().table()->rowCount(), 3);
+  ASSERT_EQ(window.compare().table()->model()->rowCount(), 3);
   EXPECT_EQ(cell(0, 0) + " " + cell(0, 1) + " " + cell(0, 3), "appeared object_3 counter_1");
   EXPECT_EQ(cell(1, 0) + " " + cell(1, 1) + " " + cell(1, 2) + " " + cell(1, 3),
             "moved object_2 counter_1 table_1");

@@ -26,7 +26,7 @@ TEST(WindowSpeed, TheApartmentWithTwoHundredObjectsCanBeScrubbed) {
   ASSERT_NE(application, nullptr);
   MainWindow window(
       [](const std::string& path, Progress& progress) { return open_memory_data(path, progress); },
-      {MapBackend::widget, false});
+      {MapBackend::memory, false});
   window.resize(1280, 800);
   const WindowFigures figures = measure_window(*application, window, (folder / "large.loci").string(), 5);
   std::fputs(text_of(figures).c_str(), stdout);

@@ -6,7 +6,6 @@
 #include <QListWidget>
 #include <QTabBar>
 #include <QTableView>
-#include <QTableWidget>
 #include <QTextBrowser>
 #include <QTimer>
 
@@ -91,7 +90,7 @@ TEST_F(Walk, WhenAndFromWhereWasItMoved) {
 
 TEST_F(Walk, WhatHasChangedSinceTheBeginning) {
   click_tab("Compare");
-  EXPECT_EQ(window.compare().table()->rowCount(), 3);
+  EXPECT_EQ(window.compare().table()->model()->rowCount(), 3);
 }
 
 TEST_F(Walk, WhatDoesItLookLikeFromOtherSides) {

@@ -31,9 +31,9 @@ class BrowserWindow : public testing::Test {
         std::filesystem::temp_directory_path() / ("loci_gui_test_" + std::to_string(getpid()));
   };
 
-  BrowserWindow()
+  explicit BrowserWindow(MapBackend backend = MapBackend::widget)
       : window([](const std::string& path, Progress& progress) { return open_memory_data(path, progress); },
-               {MapBackend::widget, false}) {
+               {backend, false}) {
     window.show_data(open_memory_data(sample_.path));
     window.show();
     EXPECT_TRUE(QTest::qWaitForWindowExposed(&window));
