@@ -13,12 +13,14 @@ find_package(SQLiteCpp REQUIRED)
 find_package(embree 3 REQUIRED)
 find_package(octomap REQUIRED)
 find_package(Ceres 2.1 REQUIRED)
+find_package(Protobuf REQUIRED)
 
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(tinyxml2 REQUIRED IMPORTED_TARGET tinyxml2)
 pkg_check_modules(zbar REQUIRED IMPORTED_TARGET zbar)
 pkg_check_modules(tesseract REQUIRED IMPORTED_TARGET tesseract)
 pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
+pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib)
 
 # ROS 1 bags. The library's own CMake and pkg-config files ask for all of catkin; these libraries are what it takes.
 add_library(rosbag_storage INTERFACE)

@@ -13,6 +13,8 @@ Command list_command();
 Command read_command();
 Command recognise_command();
 Command run_command();
+Command search_command();
+Command serve_command();
 Command surface_command();
 Command train_command();
 Command types_command();

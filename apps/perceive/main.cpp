@@ -12,6 +12,8 @@ int main(int argc, char** argv) {
   program.add(loci::index_command());
   program.add(loci::read_command());
   program.add(loci::recognise_command());
+  program.add(loci::search_command());
+  program.add(loci::serve_command());
   program.add(loci::surface_command());
   program.add(loci::train_command());
   return program.run(argc, argv);

@@ -6,6 +6,7 @@
 #include "perception/annotators/description/location_annotator.h"
 #include "perception/annotators/description/recognition_annotators.h"
 #include "perception/annotators/description/shape_annotators.h"
+#include "perception/annotators/description/visual_search.h"
 #include "perception/annotators/hypotheses/asserted_volumes.h"
 #include "perception/annotators/hypotheses/flat_object_extractor.h"
 #include "perception/annotators/hypotheses/known_structure_filter.h"
@@ -31,6 +32,7 @@ void add_annotators(AnnotatorRegistry& registry) {
   registry.add<TextAnnotator>();
   registry.add<PclFeatureAnnotator>();
   registry.add<FeatureClassifier>();
+  registry.add<VisualSearch>();
 }
 
 const std::string& default_pipeline() {

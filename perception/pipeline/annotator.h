@@ -22,6 +22,8 @@ struct AnnotatorDescriptor {
   std::vector<std::string> makes;         ///< adds
   std::vector<std::string> uses = {};     ///< reads when it is there; "*" = everything
   std::vector<std::string> changes = {};  ///< writes to, although others made it
+  /// Whether it cannot start without options: a model, an index, a server. --for takes it when it is given.
+  bool needs_options = false;
 };
 
 /// What an annotator has at hand besides the CAS.

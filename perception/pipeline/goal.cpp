@@ -140,10 +140,14 @@ GoalPlan plan_goal(const std::vector<GoalTerm>& goal, const Json& base, const Js
       if (const auto before = prerequisites(name, made, registry))
         options.push_back(consider(term, name, *before, statistics));
     }
-    // One that was given with its options comes before those that may lack what they need to start.
+    // One that was given with its options comes first, those that lack what they need to start come last.
+    const auto rank = [&](const GoalChoice& choice) {
+      if (configured.contains(choice.annotator)) return 0;
+      return registry.make(choice.annotator)->descriptor().needs_options ? 2 : 1;
+    };
     std::stable_sort(options.begin(), options.end(), [&](const GoalChoice& one, const GoalChoice& two) {
-      const bool a = configured.contains(one.annotator), b = configured.contains(two.annotator);
-      return a != b ? a : one.gain / one.seconds > two.gain / two.seconds;
+      const int a = rank(one), b = rank(two);
+      return a != b ? a < b : one.gain / one.seconds > two.gain / two.seconds;
     });
     for (size_t i = 0; i < options.size(); ++i) {
       if (i == 0)

@@ -41,6 +41,8 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {{"fmt/", "f
                                                                      {"zstd.h", "zstd"},
                                                                      {"zbar.h", "ZBar"},
                                                                      {"tesseract/", "Tesseract"},
+                                                                     {"google/protobuf/", "protobuf"},
+                                                                     {"httplib.h", "cpp-httplib"},
                                                                      {"rosbag/", "librosbag-storage"},
                                                                      {"ros/", "librosbag-storage"},
                                                                      {"CLI/", "CLI11"},

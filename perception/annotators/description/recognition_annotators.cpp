@@ -30,10 +30,12 @@ std::string category_of(const Product& product) {
 }  // namespace
 
 AnnotatorDescriptor ProductAnnotator::descriptor() const {
-  return {"ProductRecognition",
-          "Recognises products of a catalogue by their pictures.",
-          {"Cluster", "StandaloneImageROI"},
-          {"ProductAnnotation", "ClassificationAnnotation"}};
+  AnnotatorDescriptor descriptor{"ProductRecognition",
+                                 "Recognises products of a catalogue by their pictures.",
+                                 {"Cluster", "StandaloneImageROI"},
+                                 {"ProductAnnotation", "ClassificationAnnotation"}};
+  descriptor.needs_options = true;
+  return descriptor;
 }
 
 void ProductAnnotator::declare(OptionTable& table) {

@@ -74,11 +74,13 @@ void PclFeatureAnnotator::process(cas::Cas& cas, Context& /*context*/) {
 }
 
 AnnotatorDescriptor FeatureClassifier::descriptor() const {
-  return {"FeatureClassifier",
-          "Classifies objects by descriptors of their shape with a trained model.",
-          {"Cluster", "ReferenceClusterPoints", "view:cloud", "view:normals"},
-          {"ClassificationAnnotation"},
-          {"PclFeatureAnnotation"}};
+  AnnotatorDescriptor descriptor{"FeatureClassifier",
+                                 "Classifies objects by descriptors of their shape with a trained model.",
+                                 {"Cluster", "ReferenceClusterPoints", "view:cloud", "view:normals"},
+                                 {"ClassificationAnnotation"},
+                                 {"PclFeatureAnnotation"}};
+  descriptor.needs_options = true;
+  return descriptor;
 }
 
 void FeatureClassifier::declare(OptionTable& table) {

@@ -1,0 +1,193 @@
+#include "perception/search/search_client.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+#include <thread>
+
+#include "mapping/base/files.h"
+#include "mapping/base/hash.h"
+#include "mapping/base/stopwatch.h"
+#include "mapping/image/image_io.h"
+#include "perception/recognition/perceptual_hash.h"
+#include "perception/search/protocol.h"
+
+namespace loci {
+namespace {
+
+constexpr int kColorCells = 4;
+constexpr double kBytesPerMegabyte = 1e6;
+
+/// The server cannot do it now, or what it says makes no sense: the next attempt may do better.
+class TryAgain : public Error {
+ public:
+  using Error::Error;
+};
+
+/// A line of text from a server, if it is one.
+std::string line_of(const std::string& body) {
+  const std::string line = body.substr(0, std::min<size_t>(body.find('\n'), 200));
+  const bool readable = std::all_of(line.begin(), line.end(), [](char c) { return c >= ' ' && c <= '~'; });
+  return readable && !line.empty() ? ": " + line : "";
+}
+
+cv::Rect scaled(const cv::Rect& region, double scale_x, double scale_y, const cv::Size& size) {
+  if (region.empty()) return {};
+  const cv::Point low(cvRound(region.x * scale_x), cvRound(region.y * scale_y));
+  const cv::Point high(cvRound(region.br().x * scale_x), cvRound(region.br().y * scale_y));
+  return cv::Rect(low, high) & cv::Rect({}, size);
+}
+
+void scale_regions(SearchAnswer& answer, double scale_x, double scale_y, const cv::Size& size) {
+  for (SearchResult& result : answer.results) {
+    result.region = scaled(result.region, scale_x, scale_y, size);
+    for (SearchWord& word : result.words) {
+      word.region = scaled(word.region, scale_x, scale_y, size);
+      for (cv::Rect& character : word.characters) character = scaled(character, scale_x, scale_y, size);
+    }
+  }
+}
+
+}  // namespace
+
+void SearchOptions::declare(OptionTable& table) {
+  table.text("server", server, "Address of the server (`loci-perceive serve` answers there).");
+  table.number("timeout_s", timeout_s, "s", "Longest wait for an answer.", 0.01, 3600);
+  table.integer("retry", retry, "", "How often a server that is away, busy or confused is asked again.", 0,
+                100);
+  table.number("pause_s", pause_s, "s", "Wait before it is asked again; doubles each time.", 0, 60);
+  table.integer("side_px", side_px, "px", "Pictures whose longer side is longer are sent smaller.", 32,
+                10000);
+  table.text("language", language, "Of the answers.");
+  table.text("country", country, "For the answers.");
+  table.integer(
+      "alike_bits", alike_bits, "",
+      "Pictures whose perceptual hashes differ in so many bits of 64 are not sent again; -1 = each is sent.",
+      -1, 64);
+  table.number("alike_color", alike_color, "", "Unless their colours differ by more (CIE Lab, on average).",
+               0, 200);
+  table.integer("remembered", remembered, "", "Answers that are remembered for that.", 1, 1000000);
+  table.number("most_mb", most_mb, "MB", "Larger answers are refused.", 0.001, 1000);
+  table.text("unknown", unknown,
+             "Folder for answers with fields that the protocol does not name, and a list of these.");
+}
+
+SearchCache::SearchCache(int alike_bits, double alike_color, size_t most)
+    : alike_bits_(alike_bits), alike_color_(alike_color), most_(most) {}
+
+SearchCache::Look SearchCache::look_at(const cv::Mat& image) {
+  Look look;
+  look.hash = perceptual_hash(image);
+  cv::Mat small;
+  cv::resize(image, small, {kColorCells, kColorCells}, 0, 0, cv::INTER_AREA);
+  small.convertTo(small, CV_32F, 1.0 / 255);
+  cv::cvtColor(small, look.colors, cv::COLOR_BGR2Lab);
+  return look;
+}
+
+bool SearchCache::find(const Look& look, SearchAnswer& answer) const {
+  const std::lock_guard lock(mutex_);
+  int best = alike_bits_;
+  bool found = false;
+  for (const auto& [known, its_answer] : entries_) {
+    const int bits = hash_distance(look.hash, known.hash);
+    if (bits > best || (found && bits == best)) continue;
+    const cv::Scalar difference = cv::mean(cv::abs(look.colors - known.colors));
+    if (difference[0] + difference[1] + difference[2] > alike_color_) continue;
+    best = bits;
+    found = true;
+    answer = its_answer;
+  }
+  return found;
+}
+
+void SearchCache::remember(const Look& look, const SearchAnswer& answer) {
+  const std::lock_guard lock(mutex_);
+  entries_.emplace_front(look, answer);
+  if (entries_.size() > most_) entries_.pop_back();
+}
+
+SearchClient::SearchClient(const SearchOptions& options)
+    : options_(options),
+      address_(HttpAddress::parse(options.server)),
+      cache_(options.alike_bits, options.alike_color, static_cast<size_t>(options.remembered)) {}
+
+SearchClient::Outcome SearchClient::search(const cv::Mat& image) {
+  if (image.empty() || image.type() != CV_8UC3) throw Error("a visual search is asked for colour pictures");
+  const Stopwatch watch;
+  Outcome outcome;
+  const SearchCache::Look look = SearchCache::look_at(image);
+  // Remembered regions are parts of one, as alike pictures may differ in size.
+  constexpr int kUnit = 1 << 20;
+  const cv::Size unit(kUnit, kUnit);
+  const double per_column = static_cast<double>(image.cols) / kUnit,
+               per_row = static_cast<double>(image.rows) / kUnit;
+  outcome.remembered = cache_.find(look, outcome.answer);
+  if (outcome.remembered) {
+    scale_regions(outcome.answer, per_column, per_row, image.size());
+  } else {
+    outcome.answer = ask(image, outcome.attempts);
+    SearchAnswer relative = outcome.answer;
+    scale_regions(relative, 1 / per_column, 1 / per_row, unit);
+    cache_.remember(look, relative);
+  }
+  outcome.seconds = watch.seconds();
+  return outcome;
+}
+
+SearchAnswer SearchClient::ask(const cv::Mat& image, int& attempts) const {
+  cv::Mat picture = image;
+  const double scale = static_cast<double>(options_.side_px) / std::max(image.cols, image.rows);
+  if (scale < 1)
+    cv::resize(image, picture,
+               {std::max(1, cvRound(image.cols * scale)), std::max(1, cvRound(image.rows * scale))}, 0, 0,
+               cv::INTER_AREA);
+  const std::vector<unsigned char> jpeg = encode_image(picture, ".jpg");
+  const std::string request = encode({{jpeg.begin(), jpeg.end()}, options_.language, options_.country, true});
+  double pause_s = options_.pause_s;
+  for (int left = options_.retry;; --left) {
+    ++attempts;
+    try {
+      SearchAnswer answer = try_once(request);
+      scale_regions(answer, static_cast<double>(image.cols) / picture.cols,
+                    static_cast<double>(image.rows) / picture.rows, image.size());
+      return answer;
+    } catch (const ServerAway&) {
+      if (left <= 0) throw;
+    } catch (const TryAgain&) {
+      if (left <= 0) throw;
+    }
+    std::this_thread::sleep_for(std::chrono::duration<double>(pause_s));
+    pause_s *= 2;
+  }
+}
+
+SearchAnswer SearchClient::try_once(const std::string& request) const {
+  const HttpAnswer reply = http_post(address_, request, options_.timeout_s,
+                                     static_cast<size_t>(options_.most_mb * kBytesPerMegabyte));
+  const std::string says =
+      fmt::format("{} answered {}{}", options_.server, reply.status, line_of(reply.body));
+  if (reply.status >= 500 || reply.status == 429) throw TryAgain(says);
+  if (reply.status != 200) throw Error(says);
+  SearchAnswer answer;
+  try {
+    answer = decode_response(reply.body);
+  } catch (const Error& error) {
+    throw TryAgain(options_.server + ": " + error.what());
+  }
+  keep_unknown(answer, reply.body);
+  return answer;
+}
+
+void SearchClient::keep_unknown(const SearchAnswer& answer, const std::string& bytes) const {
+  if (options_.unknown.empty() || answer.unknown.empty()) return;
+  make_folder(options_.unknown);
+  const std::filesystem::path stem =
+      std::filesystem::path(options_.unknown) / content_hash(bytes).substr(0, 16);
+  write_file_atomically(stem.string() + ".bin", bytes);
+  write_file_atomically(stem.string() + ".txt", fmt::format("{}\n", fmt::join(answer.unknown, "\n")));
+}
+
+}  // namespace loci
