@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 namespace loci {
 namespace {
@@ -12,14 +13,15 @@ constexpr float kMostByHeight = 3;
 
 /// Shares of the pixels per bin of saturation (rows) and hue (columns), blurred so that the noise of the
 /// colours does not matter.
-cv::Mat histogram_of(const cv::Mat& hsv, const cv::Mat& mask, int bins) {
+cv::Mat histogram_of(const cv::Mat& bin_of, const cv::Mat& mask, int bins) {
   cv::Mat histogram = cv::Mat::zeros(bins, bins, CV_32F);
-  for (int v = 0; v < hsv.rows; ++v)
-    for (int u = 0; u < hsv.cols; ++u) {
-      if (!mask.at<unsigned char>(v, u)) continue;
-      const cv::Vec3b& pixel = hsv.at<cv::Vec3b>(v, u);
-      histogram.at<float>(pixel[1] * bins / 256, pixel[0] * bins / 256) += 1;
-    }
+  auto* count = histogram.ptr<float>();
+  for (int v = 0; v < bin_of.rows; ++v) {
+    const auto* bin = bin_of.ptr<uint16_t>(v);
+    const auto* in = mask.ptr<unsigned char>(v);
+    for (int u = 0; u < bin_of.cols; ++u)
+      if (in[u]) count[bin[u]] += 1;
+  }
   // Hue is a circle.
   cv::Mat wrapped;
   cv::copyMakeBorder(histogram, wrapped, 0, 0, 3, 3, cv::BORDER_WRAP);
@@ -30,23 +32,33 @@ cv::Mat histogram_of(const cv::Mat& hsv, const cv::Mat& mask, int bins) {
 
 }  // namespace
 
-cv::Mat color_log_odds(const cv::Mat& color, const FlatSeeds& seeds, int bins) {
+cv::Mat color_bins(const cv::Mat& color, int bins) {
   cv::Mat hsv;
   cv::GaussianBlur(color, hsv, {3, 3}, 0);
   cv::cvtColor(hsv, hsv, cv::COLOR_BGR2HSV_FULL);
-  const cv::Mat table = histogram_of(hsv, seeds.table, bins);
-  const cv::Mat object = histogram_of(hsv, seeds.object, bins);
+  cv::Mat bin_of(color.size(), CV_16U);
+  for (int v = 0; v < color.rows; ++v) {
+    const auto* pixel = hsv.ptr<cv::Vec3b>(v);
+    auto* bin = bin_of.ptr<uint16_t>(v);
+    for (int u = 0; u < color.cols; ++u)
+      bin[u] = static_cast<uint16_t>(pixel[u][1] * bins / 256 * bins + pixel[u][0] * bins / 256);
+  }
+  return bin_of;
+}
+
+cv::Mat color_log_odds(const cv::Mat& bin_of, const FlatSeeds& seeds, int bins) {
+  const cv::Mat table = histogram_of(bin_of, seeds.table, bins);
+  const cv::Mat object = histogram_of(bin_of, seeds.object, bins);
   // A colour that neither class has shown says nothing.
   const float unseen = 0.1f / static_cast<float>(bins * bins);
-  cv::Mat odds(color.size(), CV_32F);
+  std::vector<float> odds_of(static_cast<size_t>(bins * bins));
+  for (size_t i = 0; i < odds_of.size(); ++i) {
+    const float ratio = (object.ptr<float>()[i] + unseen) / (table.ptr<float>()[i] + unseen);
+    odds_of[i] = std::clamp(std::log(ratio), -kMostByColor, kMostByColor);
+  }
+  cv::Mat odds(bin_of.size(), CV_32F);
   for (int v = 0; v < odds.rows; ++v)
-    for (int u = 0; u < odds.cols; ++u) {
-      const cv::Vec3b& pixel = hsv.at<cv::Vec3b>(v, u);
-      const int row = pixel[1] * bins / 256;
-      const int column = pixel[0] * bins / 256;
-      const float ratio = (object.at<float>(row, column) + unseen) / (table.at<float>(row, column) + unseen);
-      odds.at<float>(v, u) = std::clamp(std::log(ratio), -kMostByColor, kMostByColor);
-    }
+    for (int u = 0; u < odds.cols; ++u) odds.ptr<float>(v)[u] = odds_of[bin_of.ptr<uint16_t>(v)[u]];
   return odds;
 }
 
@@ -57,8 +69,8 @@ cv::Mat height_log_odds(const cv::Mat& heights, double table_m, double object_m,
   cv::Mat odds(heights.size(), CV_32F);
   for (int v = 0; v < odds.rows; ++v)
     for (int u = 0; u < odds.cols; ++u) {
-      const float height = heights.at<float>(v, u);
-      odds.at<float>(v, u) =
+      const float height = heights.ptr<float>(v)[u];
+      odds.ptr<float>(v)[u] =
           std::isnan(height) ? 0 : std::clamp(slope * (height - middle), -kMostByHeight, kMostByHeight);
     }
   return odds;

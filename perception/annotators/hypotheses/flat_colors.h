@@ -10,9 +10,12 @@ struct FlatSeeds {
   cv::Mat object;
 };
 
+/// Bin of each pixel of a picture (CV_8UC3): saturation · bins + hue; CV_16U.
+cv::Mat color_bins(const cv::Mat& color, int bins);
+
 /// How much more likely a pixel's hue and saturation are among the object seeds than among the table seeds,
-/// as a logarithm (histogram back-projection of both classes); CV_32F, within ±4.
-cv::Mat color_log_odds(const cv::Mat& color, const FlatSeeds& seeds, int bins);
+/// as a logarithm (histogram back-projection of both classes); CV_32F, within ±4. `bin_of`: color_bins().
+cv::Mat color_log_odds(const cv::Mat& bin_of, const FlatSeeds& seeds, int bins);
 
 /// The same for a height, whose error has the standard deviation `noise` (metres): surfaces are below
 /// `table_m`, objects above `object_m`. Within ±3, and 0 where there is none.

@@ -6,8 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/base/error.h"
-#include "mapping/base/quantile.h"
-#include "perception/annotators/hypotheses/flat_colors.h"
+#include "perception/annotators/hypotheses/flat_search.h"
 #include "perception/annotators/hypotheses/support_planes.h"
 #include "perception/annotators/hypotheses/thin_objects.h"
 #include "perception/annotators/hypotheses/uneven_surface.h"
@@ -16,21 +15,6 @@ namespace loci {
 namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-
-/// Standard deviation of single pixels' heights, from neighbours on the same surface.
-double pixel_noise(const cv::Mat& heights) {
-  constexpr float kStep = 0.02f;  // What differs by more is an edge.
-  double sum = 0;
-  int count = 0;
-  for (int v = 0; v < heights.rows; v += 2)
-    for (int u = 1; u < heights.cols; u += 2) {
-      const float d = heights.at<float>(v, u) - heights.at<float>(v, u - 1);
-      if (!(std::abs(d) < kStep)) continue;
-      sum += static_cast<double>(d * d);
-      ++count;
-    }
-  return count == 0 ? 0 : std::sqrt(sum / count / 2);
-}
 
 /// Box filter over what there is.
 cv::Mat smoothed(const cv::Mat& heights, int width) {
@@ -52,62 +36,61 @@ int width_against(double noise, const FlatOptions& options) {
   return std::clamp(width | 1, 1, 11);
 }
 
-/// What the plane's normal and depth make of one pixel of the colour picture, m².
-double pixel_area(const RgbdCamera& camera, const FlatSurface& surface, const cv::Point& pixel) {
-  const Vector3d ray = camera.depth_from_color.linear() * camera.color.unproject(pixel.x, pixel.y, 1);
-  const double slope = std::abs(surface.normal.dot(ray));
-  const Vector3d& eye = camera.depth_from_color.translation();
-  const double z = std::abs(surface.offset - surface.normal.dot(eye)) / std::max(1e-6, slope);
-  return z * z / (camera.color.fx * camera.color.fy) / std::max(0.05, slope);
-}
-
-/// The objects' depth pixels: those that fall into an object's mask in the colour picture.
-void assign_depth_pixels(const cv::Mat& depth, const cv::Mat& heights, const RgbdCamera& camera,
-                         const cv::Mat& object_of_color, std::vector<FlatObject>& objects) {
-  const Isometry3d color_from_depth = camera.depth_from_color.inverse();
-  std::vector<std::vector<float>> over(objects.size());
-  for (int v = 0; v < depth.rows; ++v)
-    for (int u = 0; u < depth.cols; ++u) {
-      if (std::isnan(heights.at<float>(v, u))) continue;
-      const Vector3d p =
-          color_from_depth * camera.depth.unproject(u, v, static_cast<double>(depth.at<float>(v, u)));
-      if (p.z() <= 0) continue;
-      const Vector2d at = camera.color.project(p);
-      if (!camera.color.contains(at)) continue;
-      const int object = object_of_color.at<int>(static_cast<int>(std::lround(at.y())),
-                                                 static_cast<int>(std::lround(at.x())));
-      if (object < 0) continue;
-      objects[static_cast<size_t>(object)].pixels.push_back(v * depth.cols + u);
-      over[static_cast<size_t>(object)].push_back(heights.at<float>(v, u));
-    }
-  for (size_t i = 0; i < objects.size(); ++i)
-    if (!over[i].empty()) objects[i].height = static_cast<double>(median(over[i]));
-}
-
 /// Heights of single pixels over the plane, or over the empty surface where that is known.
 cv::Mat raw_heights(const cv::Mat& depth, const PinholeCamera& camera, const FlatSurface& surface,
                     const FlatOptions& options) {
   const bool calibrated = !surface.empty_depth.empty();
-  cv::Mat heights(depth.size(), CV_32F, cv::Scalar(static_cast<double>(kNone)));
-  for (int v = 0; v < depth.rows; ++v)
+  cv::Mat heights(depth.size(), CV_32F);
+  const double per_column = surface.normal.x() / camera.fx;
+  const double most = 2 * options.max_height_m;
+  for (int v = 0; v < depth.rows; ++v) {
+    const double start = surface.normal.dot(camera.unproject(0, v, 1));
+    const auto* z = depth.ptr<float>(v);
+    const auto* inside = surface.inside.ptr<unsigned char>(v);
+    const auto* empty = calibrated ? surface.empty_depth.ptr<float>(v) : nullptr;
+    auto* height_of = heights.ptr<float>(v);
     for (int u = 0; u < depth.cols; ++u) {
-      const float z = depth.at<float>(v, u);
-      if (!(z > 0) || !surface.inside.at<unsigned char>(v, u)) continue;
-      const double slope = surface.normal.dot(camera.unproject(u, v, 1));
-      const double ground =
-          calibrated ? slope * static_cast<double>(surface.empty_depth.at<float>(v, u)) : surface.offset;
-      const double height = slope * static_cast<double>(z) - ground;
+      const double slope = start + per_column * u;
+      const double ground = calibrated ? slope * static_cast<double>(empty[u]) : surface.offset;
+      const double height = slope * static_cast<double>(z[u]) - ground;
       // What is much too high or too low would only spoil its neighbours.
-      if (std::abs(height) < 2 * options.max_height_m) heights.at<float>(v, u) = static_cast<float>(height);
+      const bool near = z[u] > 0 && inside[u] != 0 && std::abs(height) < most;
+      height_of[u] = near ? static_cast<float>(height) : kNone;
     }
+  }
   return heights;
 }
 
-cv::Mat leveled(const cv::Mat& smooth, const PinholeCamera& camera, const FlatSurface& surface,
+/// Heights over the surface as it bends as a whole, and over what it really is like.
+struct Leveled {
+  cv::Mat bent, uneven;
+};
+
+/// Whether most of it lies where the surface is expected.
+bool level(const cv::Mat& heights, double tolerance) {
+  size_t within = 0;
+  size_t all = 0;
+  for (int v = 0; v < heights.rows; v += 2)
+    for (int u = 0; u < heights.cols; u += 2) {
+      const float height = heights.at<float>(v, u);
+      if (std::isnan(height)) continue;
+      ++all;
+      within += std::abs(height) < static_cast<float>(tolerance) ? 1 : 0;
+    }
+  return 2 * within > all;
+}
+
+Leveled leveled(const cv::Mat& smooth, const PinholeCamera& camera, const FlatSurface& surface,
                 const FlatOptions& options) {
-  if (!surface.empty_depth.empty() || options.background_m == 0) return smooth;
-  return over_uneven_surface(smooth, camera, surface.normal, surface.offset, options.background_m,
-                             (options.table_m + options.object_m) / 2);
+  if (!surface.empty_depth.empty() || options.background_m == 0) return {smooth, smooth};
+  Leveled heights;
+  heights.bent = over_bent_surface(smooth, camera, surface.normal, surface.offset);
+  // The envelope costs time and takes what is wide for surface.
+  heights.uneven = level(heights.bent, 0.5 * options.table_m)
+                       ? heights.bent
+                       : over_uneven_surface(smooth, camera, surface.normal, surface.offset,
+                                             options.background_m, (options.table_m + options.object_m) / 2);
+  return heights;
 }
 
 /// A step in height that the sensor tells from steps of its disparity, metres: one and a half of them.
@@ -121,91 +104,31 @@ double least_step(const cv::Mat& depth, const PinholeCamera& camera, const FlatS
                   kNoises * slope * depth_noise(static_cast<double>(depth.ptr<float>()[middle])));
 }
 
-/// Two stages over one picture and what of it is left.
-class Search {
- public:
-  Search(const cv::Mat& depth, const cv::Mat& color, const RgbdCamera& camera, const FlatSurface& surface,
-         const FlatOptions& options)
-      : depth_(depth),
-        color_(color),
-        camera_(camera),
-        surface_(surface),
-        options_(options),
-        open_(surface.inside.clone()) {}
+/// The part of a frame that shows a surface.
+struct SurfacePart {
+  cv::Rect depth_box, color_box;
+  cv::Mat depth, color;
+  RgbdCamera camera;
+  FlatSurface surface;
 
-  /// Things of which at least a quarter is higher than `object_m`, with the pixels of both pictures.
-  std::vector<FlatObject> find(const cv::Mat& over_depth, double object_m) const;
-  /// What was found, and what is next to it, is not looked at again.
-  void leave_out(const std::vector<FlatObject>& objects);
-  /// Depth pixels that are looked at.
-  const cv::Mat& open_ground() const { return open_; }
+  SurfacePart(const cv::Mat& whole_depth, const cv::Mat& whole_color, const RgbdCamera& whole_camera,
+              const FlatSurface& whole)
+      : depth_box(cv::boundingRect(whole.inside)),
+        color_box(box_in_color(depth_box, whole_camera, whole.normal, whole.offset)),
+        depth(whole_depth(depth_box)),
+        color(whole_color(color_box)),
+        camera{cropped(whole_camera.depth, depth_box), cropped(whole_camera.color, color_box),
+               whole_camera.depth_from_color},
+        surface{whole.normal, whole.offset, whole.inside(depth_box),
+                whole.empty_depth.empty() ? cv::Mat() : whole.empty_depth(depth_box)} {}
 
- private:
-  const cv::Mat& depth_;
-  const cv::Mat& color_;
-  const RgbdCamera& camera_;
-  const FlatSurface& surface_;
-  const FlatOptions& options_;
-  cv::Mat open_;
-};
-
-void Search::leave_out(const std::vector<FlatObject>& objects) {
-  if (objects.empty()) return;
-  cv::Mat taken = cv::Mat::zeros(open_.size(), CV_8U);
-  for (const FlatObject& object : objects)
-    for (const int pixel : object.pixels) taken.ptr<unsigned char>()[pixel] = 255;
-  cv::dilate(taken, taken, cv::Mat::ones(7, 7, CV_8U));
-  open_.setTo(0, taken);
-}
-
-std::vector<FlatObject> Search::find(const cv::Mat& over_depth, double object_m) const {
-  const double nothing = std::numeric_limits<double>::quiet_NaN();
-  const cv::Mat heights = seen_by_color(over_depth, camera_, surface_, nothing);
-  const cv::Mat inside = seen_by_color(open_, camera_, surface_, 0);
-  const cv::Mat low = heights < options_.table_m;
-  const cv::Mat high = heights > object_m;
-  const cv::Mat too_high = heights > options_.max_height_m;
-  const FlatSeeds seeds = {low & inside, high & inside & ~too_high};
-  if (cv::countNonZero(seeds.object) < 20) return {};
-  const double noise = std::max(0.0015, 2 * std::min(options_.noise_m, pixel_noise(over_depth)));
-  cv::Mat odds = color_log_odds(color_, seeds, options_.bins) +
-                 height_log_odds(heights, options_.table_m, object_m, noise);
-  cv::boxFilter(odds, odds, CV_32F, {3, 3});
-  const cv::Moments moments = cv::moments(seeds.object, true);
-  const cv::Point centre(static_cast<int>(moments.m10 / moments.m00),
-                         static_cast<int>(moments.m01 / moments.m00));
-  const double area = pixel_area(camera_, surface_, centre);
-  const int reach = static_cast<int>(options_.reach_m / std::sqrt(area));
-  cv::Mat near;
-  cv::dilate(seeds.object, near,
-             cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * reach + 1, 2 * reach + 1}));
-  cv::Mat mask = (odds > 0) & near & inside & ~too_high;
-  const cv::Mat round = cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5});
-  cv::morphologyEx(mask, mask, cv::MORPH_OPEN, round);
-  cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, round);
-
-  cv::Mat labels;
-  cv::Mat boxes;
-  cv::Mat centres;
-  const int count = cv::connectedComponentsWithStats(mask, labels, boxes, centres, 8);
-  std::vector<FlatObject> objects;
-  cv::Mat object_of(labels.size(), CV_32S, cv::Scalar(-1));
-  for (int label = 1; label < count; ++label) {
-    const cv::Rect box(boxes.at<int>(label, cv::CC_STAT_LEFT), boxes.at<int>(label, cv::CC_STAT_TOP),
-                       boxes.at<int>(label, cv::CC_STAT_WIDTH), boxes.at<int>(label, cv::CC_STAT_HEIGHT));
-    const cv::Mat own = labels(box) == label;
-    const int pixels = boxes.at<int>(label, cv::CC_STAT_AREA);
-    // Colour may carry an object on, but most of it has to be there.
-    if (4 * cv::countNonZero(own & seeds.object(box)) < pixels) continue;
-    const double scale = pixel_area(camera_, surface_, (box.tl() + box.br()) / 2);
-    if (pixels * scale < options_.min_area_m2) continue;
-    if (std::max(box.width, box.height) * std::sqrt(scale) > options_.max_extent_m) continue;
-    object_of(box).setTo(static_cast<double>(objects.size()), own);
-    objects.push_back({box, own, {}, 0});
+  /// What was found in the part, in the whole frame.
+  void to_whole(FlatObject& object, int whole_columns) const {
+    object.box += color_box.tl();
+    for (int& pixel : object.pixels)
+      pixel = (pixel / depth.cols + depth_box.y) * whole_columns + pixel % depth.cols + depth_box.x;
   }
-  assign_depth_pixels(depth_, over_depth, camera_, object_of, objects);
-  return objects;
-}
+};
 
 }  // namespace
 
@@ -256,47 +179,34 @@ cv::Mat SurfaceCalibration::mean() const {
 cv::Mat heights_over_surface(const cv::Mat& depth, const PinholeCamera& camera, const FlatSurface& surface,
                              const FlatOptions& options) {
   const cv::Mat heights = raw_heights(depth, camera, surface, options);
-  return leveled(smoothed(heights, width_against(pixel_noise(heights), options)), camera, surface, options);
+  return leveled(smoothed(heights, width_against(pixel_noise(heights), options)), camera, surface, options)
+      .uneven;
 }
 
 cv::Mat seen_by_color(const cv::Mat& picture, const RgbdCamera& camera, const FlatSurface& surface,
                       double outside) {
-  cv::Mat columns(camera.color.height, camera.color.width, CV_32F);
-  cv::Mat rows(columns.size(), CV_32F);
-  const Vector3d& eye = camera.depth_from_color.translation();
-  const double up = surface.offset - surface.normal.dot(eye);
-  for (int v = 0; v < columns.rows; ++v)
-    for (int u = 0; u < columns.cols; ++u) {
-      const Vector3d ray = camera.depth_from_color.linear() * camera.color.unproject(u, v, 1);
-      const Vector3d p = eye + up / surface.normal.dot(ray) * ray;
-      const Vector2d at = p.z() > 0 ? camera.depth.project(p) : Vector2d(-10, -10);
-      columns.at<float>(v, u) = static_cast<float>(at.x());
-      rows.at<float>(v, u) = static_cast<float>(at.y());
-    }
-  cv::Mat result;
-  cv::remap(picture, result, columns, rows, cv::INTER_NEAREST, cv::BORDER_CONSTANT, cv::Scalar(outside));
-  return result;
+  return PlaneRegistration(camera, surface.normal, surface.offset).seen_by_color(picture, outside);
 }
 
 std::vector<FlatObject> find_flat_objects(const cv::Mat& depth, const cv::Mat& color,
                                           const RgbdCamera& camera, const FlatSurface& surface,
                                           const FlatOptions& options) {
-  const cv::Mat raw = raw_heights(depth, camera.depth, surface, options);
-  const double noise = pixel_noise(raw);
-  const cv::Mat smooth = smoothed(raw, width_against(noise, options));
-  Search search{depth, color, camera, surface, options};
-  std::vector<FlatObject> objects =
-      search.find(leveled(smooth, camera.depth, surface, options), options.object_m);
-  if (options.thin_m == 0) return objects;
-  search.leave_out(objects);
-  const bool calibrated = !surface.empty_depth.empty();
-  const cv::Mat bent =
-      calibrated ? smooth : over_bent_surface(smooth, camera.depth, surface.normal, surface.offset);
-  for (FlatObject& thin : search.find(bent, options.thin_m))
-    if (!thin.pixels.empty() &&
-        rises_all_around(raw, thin.pixels, search.open_ground(),
-                         least_step(depth, camera.depth, surface, thin.pixels, options)))
-      objects.push_back(std::move(thin));
+  const SurfacePart part(depth, color, camera, surface);
+  if (part.depth_box.empty() || part.color_box.empty()) return {};
+  const cv::Mat raw = raw_heights(part.depth, part.camera.depth, part.surface, options);
+  const cv::Mat smooth = smoothed(raw, width_against(pixel_noise(raw), options));
+  FlatSearch search(part.depth, part.color, part.camera, part.surface, options);
+  const Leveled heights = leveled(smooth, part.camera.depth, part.surface, options);
+  std::vector<FlatObject> objects = search.find(heights.uneven, options.object_m);
+  if (options.thin_m > 0) {
+    search.leave_out(objects);
+    for (FlatObject& thin : search.find(heights.bent, options.thin_m))
+      if (!thin.pixels.empty() &&
+          rises_all_around(raw, thin.pixels, search.open_ground(),
+                           least_step(part.depth, part.camera.depth, surface, thin.pixels, options)))
+        objects.push_back(std::move(thin));
+  }
+  for (FlatObject& object : objects) part.to_whole(object, depth.cols);
   return objects;
 }
 

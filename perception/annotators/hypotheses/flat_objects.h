@@ -60,8 +60,9 @@ class SurfaceCalibration {
 };
 
 /// Heights over the surface (CV_32F, metres, depth picture, NaN = none), smoothed over as many pixels as
-/// bring the noise of this picture below noise_m. Without calibration the lower envelope of the picture's own
-/// heights, wider than background_m, is taken for the surface.
+/// bring the noise of this picture below noise_m. Without calibration the surface is what most
+/// pixels show, bent as a whole; where that does not explain it, the lower envelope of the picture's own
+/// heights, wider than background_m.
 cv::Mat heights_over_surface(const cv::Mat& depth, const PinholeCamera& camera, const FlatSurface& surface,
                              const FlatOptions& options);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <utility>
 
 #include "mapping/base/quantile.h"
 
@@ -14,20 +15,39 @@ namespace {
 using Vector6f = Eigen::Matrix<float, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-/// The polynomial's terms at a pixel, of its place on the plane.
+/// Where on the plane a pixel looks.
 class Terms {
  public:
+  /// A row of the picture: both coordinates are quotients of what grows evenly along it.
+  struct Row {
+    float x_start, x_step, y_start, y_step, slope_start, slope_step;
+
+    std::pair<float, float> at(int u) const {
+      const auto column = static_cast<float>(u);
+      const float inverse = 1 / (slope_start + slope_step * column);
+      return {(x_start + x_step * column) * inverse, (y_start + y_step * column) * inverse};
+    }
+  };
+
   Terms(const PinholeCamera& camera, const Vector3d& normal, double offset)
       : camera_(camera),
         normal_(normal),
-        offset_(offset),
-        x_(normal.unitOrthogonal()),
-        y_(normal.cross(x_)) {}
+        x_(offset * normal.unitOrthogonal()),
+        y_(offset * normal.cross(normal.unitOrthogonal())) {}
 
+  Row row(int v) const {
+    const Vector3d ray = camera_.unproject(0, v, 1);
+    const auto part = [&](const Vector3d& axis) {
+      return std::pair(static_cast<float>(axis.dot(ray)), static_cast<float>(axis.x() / camera_.fx));
+    };
+    const auto [x_start, x_step] = part(x_);
+    const auto [y_start, y_step] = part(y_);
+    const auto [slope_start, slope_step] = part(normal_);
+    return {x_start, x_step, y_start, y_step, slope_start, slope_step};
+  }
+  /// The polynomial's terms at a pixel.
   Vector6f at(int u, int v) const {
-    const Vector3d ray = camera_.unproject(u, v, 1);
-    const Vector3d p = offset_ / normal_.dot(ray) * ray;
-    const auto x = static_cast<float>(x_.dot(p)), y = static_cast<float>(y_.dot(p));
+    const auto [x, y] = row(v).at(u);
     Vector6f terms;
     terms << 1, x, y, x * x, x * y, y * y;
     return terms;
@@ -36,8 +56,7 @@ class Terms {
  private:
   const PinholeCamera& camera_;
   Vector3d normal_;
-  double offset_;
-  Vector3d x_, y_;
+  Vector3d x_, y_;  ///< axes of the plane, times its offset
 };
 
 struct Sample {
@@ -117,10 +136,17 @@ cv::Mat over_bent_surface(const cv::Mat& heights, const PinholeCamera& camera, c
       if (const float height = heights.at<float>(v, u); !std::isnan(height))
         samples.push_back({terms.at(u, v), height});
   const Vector6f bend = fitted(samples);
-  cv::Mat result = heights.clone();
-  for (int v = 0; v < heights.rows; ++v)
-    for (int u = 0; u < heights.cols; ++u)
-      if (float& height = result.at<float>(v, u); !std::isnan(height)) height -= bend.dot(terms.at(u, v));
+  cv::Mat result(heights.size(), CV_32F);
+  for (int v = 0; v < heights.rows; ++v) {
+    const auto* height = heights.ptr<float>(v);
+    auto* over = result.ptr<float>(v);
+    const Terms::Row row = terms.row(v);
+    for (int u = 0; u < heights.cols; ++u) {
+      const auto [x, y] = row.at(u);
+      over[u] =
+          height[u] - (bend[0] + (bend[1] + bend[3] * x + bend[4] * y) * x + (bend[2] + bend[5] * y) * y);
+    }
+  }
   return result;
 }
 
