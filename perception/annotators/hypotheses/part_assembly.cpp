@@ -1,5 +1,6 @@
 #include "perception/annotators/hypotheses/part_assembly.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -49,8 +50,8 @@ class Assembly {
     }
     for (size_t i = 0; i < pieces_.size(); ++i)
       if (alive(i)) measure(pieces_[i]);
-    while (join_cavity() || join_contained() || join_appendage() || join_neck() || join_lid() ||
-           join_hidden()) {
+    while (join_hollow() || join_cavity() || join_contained() || join_appendage() || join_neck() ||
+           join_lid() || join_hidden()) {
     }
   }
 
@@ -220,6 +221,59 @@ class Assembly {
     return static_cast<double>((high - low) / std::max(1e-6f, inner.right - inner.left));
   }
 
+  /// Pieces of the inside of a round vessel, which concave edges part where it is narrow.
+  bool join_hollow() {
+    for (const auto& [pair, count] : contacts_) {
+      const auto first = static_cast<size_t>(pair[0]);
+      const auto second = static_cast<size_t>(pair[1]);
+      const Piece& a = pieces_[first];
+      const Piece& b = pieces_[second];
+      if (a.area < options_.splinter_m2 || b.area < options_.splinter_m2) continue;
+      if (std::abs(a.top - b.top) > static_cast<float>(options_.slack_m)) continue;
+      if (!around_one_axis(a, b, true)) continue;
+      join(first, second);
+      return true;
+    }
+    return false;
+  }
+
+  /// Whether the walls of two pieces stand around one upright axis, as a bowl's do: those of `a` face it,
+  /// those of `b`, too, or away from it. Walls of boxes that meet in a corner are flat and face past each
+  /// other.
+  bool around_one_axis(const Piece& a, const Piece& b, bool b_faces_it) const {
+    constexpr float kLeastSlope = 0.2f;  // What lies level faces nowhere.
+    constexpr float kLeastSpread = 0.05f;
+    std::vector<Vector2f> places;
+    std::vector<Vector2f> facing;
+    Eigen::Matrix2f across = Eigen::Matrix2f::Zero();
+    Vector2f sum = Vector2f::Zero();
+    for (const Piece* piece : {&a, &b})
+      for (const int i : piece->points) {
+        const Vector2f normal = cloud_.normals[static_cast<size_t>(i)].head<2>();
+        if (!(normal.norm() > kLeastSlope)) continue;
+        facing.push_back((piece == &b && !b_faces_it ? -1 : 1) * normal.normalized());
+        places.push_back(cloud_.points[static_cast<size_t>(i)].head<2>());
+        const Eigen::Matrix2f beside =
+            Eigen::Matrix2f::Identity() - facing.back() * facing.back().transpose();
+        across += beside;
+        sum += beside * places.back();
+      }
+    if (2 * places.size() < a.points.size() + b.points.size()) return false;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2f> solver(across);
+    if (solver.eigenvalues()[0] < kLeastSpread * solver.eigenvalues()[1]) return false;
+    const Vector2f axis = across.ldlt().solve(sum);
+    std::vector<float> past;
+    std::vector<float> ahead;
+    for (size_t i = 0; i < places.size(); ++i) {
+      const Vector2f to = axis - places[i];
+      ahead.push_back(facing[i].dot(to));
+      past.push_back(std::abs(facing[i].x() * to.y() - facing[i].y() * to.x()));
+    }
+    const float radius = median(ahead);
+    return quantile(ahead, 0.1) > 0 &&
+           median(past) < std::min(0.25f * radius, static_cast<float>(options_.slack_m));
+  }
+
   /// The inside of a vessel with the wall before it.
   bool join_cavity() {
     const auto slack = static_cast<float>(options_.slack_m);
@@ -231,8 +285,8 @@ class Assembly {
         const Piece& b = pieces_[outer];
         if (outer == inner || !alive(outer) || b.facing_out < 0 || b.area < options_.splinter_m2) continue;
         const float width = std::max(0.1f, (b.right - b.left) * b.distance);
-        if (std::abs(a.top - b.top) > slack || a.distance < b.distance || a.distance > b.distance + width)
-          continue;
+        if (std::abs(a.top - b.top) > slack || a.distance < b.distance) continue;
+        if (a.distance > b.distance + width && !around_one_axis(a, b, false)) continue;
         if (share_between(a, b) < options_.within) continue;
         if (best == pieces_.size() || b.distance > pieces_[best].distance) best = outer;
       }

@@ -134,6 +134,22 @@ TEST(Clusters, ABottleKeepsItsNeckAndCap) {
   }
 }
 
+TEST(Clusters, ABowlOfWhichABottleHidesASideIsOneThing) {
+  struct Case {
+    double aside, radius_low, radius_high;
+  };
+  for (const auto& [aside, low, high] : {Case{0.03, 0.035, 0.06}, Case{0.03, 0.05, 0.06},
+                                         Case{-0.03, 0.02, 0.075}, Case{-0.075, 0.05, 0.075}}) {
+    SyntheticTable table;
+    table.camera = {640, 480, 585, 585, 320, 240};
+    table.rounds = {{{{aside, -0.12, 0}, 0.22, 0.03, 0.03}}};
+    table.bowls = {{{0, 0.02, 0}, 0.06, low, high}};
+    const Found found = find(table, 0.1, table.up());
+    EXPECT_EQ(found.clusters.size(), 2U) << aside << " " << low << " " << high;
+    for (int label = 1; label <= 2; ++label) EXPECT_GT(best_overlap(found, label), 0.7) << aside;
+  }
+}
+
 TEST(Clusters, ASmallBoxInTheMiddleOfALargerOneIsAThingOfItsOwn) {
   SyntheticTable table;
   table.boxes = {{{0, 0, 0.06}, {0.14, 0.10, 0.12}}, {{0, 0, 0.145}, {0.045, 0.045, 0.05}}};
