@@ -17,7 +17,7 @@ struct MemoryReader::Shared {
   Data data;
   std::deque<Job> jobs;                                                ///< not begun
   std::map<std::pair<const void*, std::string>, uint64_t> last_asked;  ///< that has not been told
-  uint64_t asked = 0;
+  uint64_t asked = 0, taken_back = 0;  ///< numbers up to the second are not told any more
   bool runs = false;
 };
 
@@ -43,6 +43,7 @@ void MemoryReader::cancel() {
     const std::lock_guard lock(shared_->mutex);
     shared_->jobs.clear();
     shared_->last_asked.clear();
+    shared_->taken_back = shared_->asked;
   }
   Q_EMIT waiting_changed();
 }
@@ -110,8 +111,10 @@ void MemoryReader::finish(const Job& job, const std::function<void()>& deliver, 
   {
     const std::lock_guard lock(shared_->mutex);
     const auto asked = shared_->last_asked.find({job.owner, job.what});
-    if (asked == shared_->last_asked.end() || asked->second != job.number) return;
-    shared_->last_asked.erase(asked);
+    if (asked == shared_->last_asked.end() || job.number <= shared_->taken_back) return;
+    const bool is_last = asked->second == job.number;
+    if (!is_last && job.overtaken == Overtaken::dropped) return;
+    if (is_last) shared_->last_asked.erase(asked);
   }
   name_task("showing the " + job.what);
   if (!problem.isEmpty())

@@ -19,6 +19,12 @@ enum class Urgency {
   rest        ///< lanes, thumbnails
 };
 
+/// What becomes of a reading that has begun when the same is asked for again.
+enum class Overtaken {
+  dropped,  ///< only the last one is told
+  told  ///< each is told that has begun: something moves while a slider is dragged, however slow the memory
+};
+
 /// Reads for the views from the open memory, one thing after the other, in a thread of its own: nothing waits
 /// in the thread of the windows. Who asks again for the same thing takes back what was asked before.
 class MemoryReader : public QObject {
@@ -37,8 +43,10 @@ class MemoryReader : public QObject {
   /// failed(). Does nothing when no memory is open.
   template <class Result>
   void read(QObject* owner, const std::string& what, Urgency urgency,
-            std::function<Result(const BrowserData&)> work, std::function<void(Result&)> done) {
-    add({owner, owner, what, urgency, 0, [work = std::move(work), done = std::move(done)](const Data& data) {
+            std::function<Result(const BrowserData&)> work, std::function<void(Result&)> done,
+            Overtaken overtaken = Overtaken::dropped) {
+    add({owner, owner, what, urgency, overtaken, 0,
+         [work = std::move(work), done = std::move(done)](const Data& data) {
            auto result = std::make_shared<Result>(work(*data));
            return std::function<void()>([result, done] { done(*result); });
          }});
@@ -59,6 +67,7 @@ class MemoryReader : public QObject {
     const void* owner = nullptr;
     std::string what = {};
     Urgency urgency = Urgency::rest;
+    Overtaken overtaken = Overtaken::dropped;
     uint64_t number = 0;
     std::function<std::function<void()>(const Data&)> work = {};
   };

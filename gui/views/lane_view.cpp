@@ -69,7 +69,7 @@ LaneView::LaneView(Browser& browser, TimeAxis& axis, QWidget* parent)
   viewport()->setAutoFillBackground(false);
   connect(&browser_, &Browser::opened, this, &LaneView::reload);
   connect(&browser_, &Browser::selected, this, &LaneView::follow_selection);
-  connect(&browser_, &Browser::time_changed, this, &LaneView::refresh);
+  connect(&browser_, &Browser::time_changed, viewport(), QOverload<>::of(&QWidget::update));
   connect(&axis_, &TimeAxis::changed, this, &LaneView::refresh);
   reload();
 }
@@ -112,7 +112,12 @@ void LaneView::show_lanes(const BelievedScene& belief) {
   follow_selection();
 }
 
+void LaneView::scrollContentsBy(int, int) {
+  refresh();
+}
+
 void LaneView::refresh() {
+  backdrop_.forget();
   viewport()->update();
 }
 
@@ -243,6 +248,14 @@ void LaneView::paintEvent(QPaintEvent*) {
   QPainter painter(viewport());
   painter.setRenderHint(QPainter::Antialiasing);
   if (browser_.data() == nullptr || lanes_.empty()) return;
+  backdrop_.paint(*viewport(), painter, [this](QPainter& inside) { paint_lanes(inside); });
+  const double now = axis_.x_of(browser_.selection().time(), viewport()->width());
+  if (now < TimeAxis::kLeft - 1 || now > viewport()->width() - TimeAxis::kRight + 1) return;
+  painter.setPen(QPen(Theme::of(palette()).accent, 2));
+  painter.drawLine(QPointF(now, 0), QPointF(now, std::min(viewport()->height(), top_of(lanes_.size()))));
+}
+
+void LaneView::paint_lanes(QPainter& painter) {
   forget_hidden();
   std::vector<double> scene_x;
   scene_x.reserve(browser_.data()->scenes().size());
@@ -251,10 +264,6 @@ void LaneView::paintEvent(QPaintEvent*) {
   for (size_t i = 0; i < lanes_.size(); ++i)
     if (const int top = top_of(i); top > -kRow && top < viewport()->height())
       paint_lane(painter, lanes_[i], top, scene_x);
-  const double now = axis_.x_of(browser_.selection().time(), viewport()->width());
-  if (now < TimeAxis::kLeft - 1 || now > viewport()->width() - TimeAxis::kRight + 1) return;
-  painter.setPen(QPen(Theme::of(palette()).accent, 2));
-  painter.drawLine(QPointF(now, 0), QPointF(now, std::min(viewport()->height(), top_of(lanes_.size()))));
 }
 
 void LaneView::paint_lane(QPainter& painter, const Lane& lane, int top, const std::vector<double>& scene_x) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gui/browser.h"
+#include "gui/views/backdrop.h"
 #include "gui/views/time_axis.h"
 
 namespace loci {
@@ -34,6 +35,7 @@ class LaneView : public QAbstractScrollArea {
  protected:
   void paintEvent(QPaintEvent* event) override;
   void resizeEvent(QResizeEvent* event) override;
+  void scrollContentsBy(int dx, int dy) override;
   void mousePressEvent(QMouseEvent* event) override;
   void mouseMoveEvent(QMouseEvent* event) override;
   void wheelEvent(QWheelEvent* event) override;
@@ -55,10 +57,12 @@ class LaneView : public QAbstractScrollArea {
   /// What was asked for and has been scrolled away is not read any more.
   void forget_hidden();
   bool goes_on_from(const BrowserData& memory) const;
+  void paint_lanes(QPainter& painter);
   void paint_lane(QPainter& painter, const Lane& lane, int top, const std::vector<double>& scene_x);
   void paint_looks(QPainter& painter, const Lane& lane, double top, const std::vector<double>& scene_x);
 
   Browser& browser_;
+  Backdrop backdrop_;  ///< all but the chosen time
   TimeAxis& axis_;
   std::vector<Lane> lanes_;
   std::map<int64_t, std::vector<const EventEntry*>> events_;  ///< by object

@@ -55,7 +55,7 @@ TimeTrack::TimeTrack(Browser& browser, TimeAxis& axis, QWidget* parent)
   connect(&browser_, &Browser::opened, this, &TimeTrack::refresh);
   connect(&browser_, &Browser::selected, this, &TimeTrack::refresh);
   connect(&browser_, &Browser::time_changed, this, [this] { update(); });
-  connect(&axis_, &TimeAxis::changed, this, [this] { update(); });
+  connect(&axis_, &TimeAxis::changed, this, &TimeTrack::redraw);
   refresh();
 }
 
@@ -67,10 +67,15 @@ void TimeTrack::refresh() {
         [id = *object](const BrowserData& memory) { return memory.observations(id); },
         [this](std::vector<TimeNs>& times) {
           observations_ = std::move(times);
-          update();
+          redraw();
         });
   else
     browser_.reader().forget(this, "observations");
+  redraw();
+}
+
+void TimeTrack::redraw() {
+  backdrop_.forget();
   update();
 }
 
@@ -130,6 +135,11 @@ bool TimeTrack::event(QEvent* event) {
 void TimeTrack::paintEvent(QPaintEvent*) {
   QPainter painter(this);
   painter.setRenderHint(QPainter::Antialiasing);
+  backdrop_.paint(*this, painter, [this](QPainter& inside) { paint_backdrop(inside); });
+  if (browser_.data() != nullptr && !browser_.data()->scenes().empty()) paint_handle(painter);
+}
+
+void TimeTrack::paint_backdrop(QPainter& painter) const {
   const Theme theme = Theme::of(palette());
   painter.setPen(QPen(theme.grid, 2));
   painter.drawLine(QPointF(TimeAxis::kLeft, kAxisY), QPointF(width() - TimeAxis::kRight, kAxisY));
@@ -139,7 +149,6 @@ void TimeTrack::paintEvent(QPaintEvent*) {
   if (browser_.data() == nullptr || browser_.data()->scenes().empty()) return;
   paint_axis(painter);
   paint_events(painter);
-  paint_handle(painter);
 }
 
 void TimeTrack::paint_axis(QPainter& painter) const {

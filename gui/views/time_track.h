@@ -3,6 +3,7 @@
 #include <QWidget>
 
 #include "gui/browser.h"
+#include "gui/views/backdrop.h"
 #include "gui/views/time_axis.h"
 
 namespace loci {
@@ -31,6 +32,9 @@ class TimeTrack : public QWidget {
  private:
   void refresh();
   void drag(double x);
+  /// What does not depend on the chosen time.
+  void paint_backdrop(QPainter& painter) const;
+  void redraw();
   void paint_axis(QPainter& painter) const;
   void paint_events(QPainter& painter) const;
   void paint_handle(QPainter& painter) const;
@@ -39,6 +43,7 @@ class TimeTrack : public QWidget {
   bool shows(double x) const;
 
   TimeAxis& axis_;
+  Backdrop backdrop_;
   std::vector<TimeNs> observations_;  ///< of the chosen object
   double dragged_from_ = 0;
 };

@@ -9,14 +9,26 @@
 
 namespace loci {
 
+namespace {
+
+/// As the view object_known, which looks through all objects for each of them.
+constexpr const char* kObjectsKnown =
+    "SELECT a.id, a.valid_from, a.valid_to, a.known_from, coalesce(a.known_to, later.since) AS known_to, "
+    "a.supersedes, a.run, a.source FROM object a LEFT JOIN (SELECT supersedes AS id, min(known_from) AS "
+    "since "
+    "FROM object WHERE supersedes IS NOT NULL GROUP BY supersedes) later ON later.id = a.id";
+
+}  // namespace
+
 std::vector<ObjectRow> Store::objects(const AsOf& as_of) const {
   std::vector<SqlValue> values;
   const std::string known = known_condition(as_of, values), valid = valid_condition(as_of, values, false);
-  return all<ObjectRow>(*implementation_,
-                        fmt::format("SELECT * FROM object_known WHERE {} AND {} ORDER BY id", known, valid),
-                        values, [](const SqlRow& row) {
-                          return ObjectRow{row.integer("id"), row.clock()};
-                        });
+  return all<ObjectRow>(
+      *implementation_,
+      fmt::format("SELECT * FROM ({}) WHERE {} AND {} ORDER BY id", kObjectsKnown, known, valid), values,
+      [](const SqlRow& row) {
+        return ObjectRow{row.integer("id"), row.clock()};
+      });
 }
 
 std::vector<BeliefRow> Store::belief_history(Id object, const AsOf& as_of,
