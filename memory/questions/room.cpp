@@ -183,6 +183,12 @@ bool PartMotion::open() const {
   return position && std::abs(*position) > 0.05 * way;
 }
 
+std::string part_without_place(const Store& store, const std::string& name, const AsOf& as_of) {
+  const Snapshot snapshot(store, as_of);
+  const std::vector<RoomPart> parts = parts_called(all_parts(store, snapshot, map_of(store, as_of)), name);
+  return parts.size() == 1 && !parts[0].place ? parts[0].name : "";
+}
+
 RoomAnswer ask(const Store& store, const RoomQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
   const std::optional<StoredMap> map = map_of(store, question.as_of);

@@ -54,6 +54,9 @@ struct OpensAnswer {
   std::vector<RoomPart> parts = {};
 };
 
+/// The part of the map that is called so although it is no place where things were looked for; "" = none.
+std::string part_without_place(const Store& store, const std::string& name, const AsOf& as_of);
+
 // A part that nobody knows is an UnknownName with the nearest names.
 RoomAnswer ask(const Store& store, const RoomQuestion& question);
 OpensAnswer ask(const Store& store, const OpensQuestion& question);

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "mapping/base/error.h"
+#include "memory/questions/room.h"
 
 namespace loci {
 namespace {
@@ -250,7 +251,10 @@ std::vector<PlaceRow> Snapshot::find_places(const std::string& asked) const {
   if (!found.empty()) return found;
   std::vector<std::string> names;
   for (const PlaceRow& place : places_) names.push_back(place.name);
-  const std::string hint = did_you_mean(asked, names);
+  const std::string part = part_without_place(store_, asked, as_of_);
+  const std::string hint = part.empty()
+                               ? did_you_mean(asked, names)
+                               : fmt::format("{} is called so, but nobody has looked what is in it", part);
   throw UnknownName(UnknownName::Kind::place, fmt::format("no place is called '{}'", asked),
                     {store_.path().string(), 0, {}},
                     !hint.empty()   ? hint

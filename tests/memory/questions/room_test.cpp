@@ -104,6 +104,15 @@ TEST_F(Room, PartsAreCalledByNameClassOrAppliance) {
   EXPECT_THROW(called("oven"), UnknownName);
 }
 
+TEST_F(Room, APartThatNobodyLookedIntoIsNoPlaceAndItsNameIsTold) {
+  try {
+    Snapshot(*store_, {}).find_places("fridge");
+    FAIL();
+  } catch (const UnknownName& error) {
+    EXPECT_THAT(error.hint(), HasSubstr("door_1 is called so"));
+  }
+}
+
 class RoomWithoutMap : public testing_support::DayFixture {};
 
 TEST_F(RoomWithoutMap, ConsistsOfThePlacesThatWereFound) {
