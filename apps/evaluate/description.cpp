@@ -1,5 +1,7 @@
 #include "apps/evaluate/commands.h"
 #include "apps/evaluate/description/products.h"
+#include "apps/evaluate/description/reading.h"
+#include "apps/evaluate/description/service.h"
 #include "apps/evaluate/description/shapes.h"
 #include "mapping/base/json.h"
 
@@ -12,6 +14,8 @@ struct Arguments {
   std::string catalogue;
   ProductsOptions products;
   RecognitionOptions recognition;
+  std::string codes;
+  bool service = false;
   bool shapes = false;
   std::vector<std::string> folders;
   ShapesOptions shape_options;
@@ -21,16 +25,29 @@ void run(Arguments& given, Session& session) {
   table_of(given.products).validate();
   table_of(given.recognition).validate();
   table_of(given.shape_options).validate();
-  if (given.catalogue.empty() && !given.shapes)
-    throw Error("there is nothing to measure", {}, "give --catalogue DIR or --shapes");
+  if (given.catalogue.empty() && given.codes.empty() && !given.shapes)
+    throw Error("there is nothing to measure", {}, "give --catalogue DIR, --codes DIR or --shapes");
+  if (given.service && given.catalogue.empty())
+    throw Error("--service needs a catalogue", {}, "give --catalogue DIR");
   std::string text;
   Json json = Json::object();
-  if (!given.catalogue.empty()) {
+  if (given.service) {
+    const ServiceResult result =
+        evaluate_service(given.catalogue, given.codes, given.products.every, session.flags().threads,
+                         session.progress(), session.warnings());
+    text += result.text();
+    json["service"] = result.to_json();
+  } else if (!given.catalogue.empty()) {
     const ProductsResult result =
         evaluate_products(given.catalogue, given.products, given.recognition, session.flags().threads,
                           session.progress(), session.warnings());
     text += result.text();
     json["products"] = result.to_json();
+  }
+  if (!given.codes.empty() && !given.service) {
+    const ReadingResult result = evaluate_reading(given.codes, given.catalogue, session.progress());
+    text += result.text();
+    json["reading"] = result.to_json();
   }
   if (given.shapes) {
     const ShapesResult result = evaluate_shapes(given.folders, given.shape_options, session.flags().threads,
@@ -46,13 +63,19 @@ void run(Arguments& given, Session& session) {
 Command description_command() {
   return {
       "description",
-      "Classes of shape from simulated clusters; products recognised in pictures, against brute-force SIFT",
+      "Classes of shape, products beside brute-force SIFT, codes and words, and our visual search",
       {"loci-evaluate description --catalogue tests/data/products",
+       "loci-evaluate description --catalogue tests/data/products --service",
        "loci-evaluate description --shapes --train-scenes 10 --test-scenes 3 --folds 2 --json"},
       [](CLI::App& app) {
         auto given = std::make_shared<Arguments>();
         app.add_option("--catalogue", given->catalogue,
                        "Catalogue of products with labels.csv: pictures and what they show");
+        app.add_option(
+            "--codes", given->codes,
+            "Folder with images and expected.csv (file, symbology, text): codes and printed numbers");
+        app.add_flag("--service", given->service,
+                     "Asks a visual-search server over the catalogue about its pictures (and the codes)");
         app.add_flag("--shapes", given->shapes, "Measures classes of shape, trained on simulated clusters");
         app.add_option("DIRS", given->folders,
                        "Recordings with FRAME_label.png and scenes.csv (category: boxes, cylindric objects) "

@@ -133,6 +133,12 @@ std::string value_of(const types::Annotation& annotation) {
   if (const auto product = types::try_as<types::ProductAnnotation>(structure)) return product->name.get();
   if (const auto code = types::try_as<types::BarcodeAnnotation>(structure)) return code->code.get();
   if (const auto text = types::try_as<types::TextAnnotation>(structure)) return text->text.get();
+  if (const auto logo = types::try_as<types::LogoAnnotation>(structure)) return logo->brand.get();
+  if (const auto landmark = types::try_as<types::LandmarkAnnotation>(structure)) return landmark->name.get();
+  if (const auto similar = types::try_as<types::SimilarImageAnnotation>(structure))
+    return similar->name.get();
+  if (const auto said = types::try_as<types::UserSubmittedAnnotation>(structure)) return said->name.get();
+  if (const auto result = types::try_as<types::VisualSearchAnnotation>(structure)) return result->title.get();
   if (const auto geometry = types::try_as<types::GeometryAnnotation>(structure)) return geometry->place.get();
   return first_word(structure);
 }

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <opencv2/imgproc.hpp>
 
 #include "mapping/render/render.h"
 #include "mapping/sensor/kinect.h"
@@ -69,11 +70,11 @@ Primitive lying(double radius, double length) {
   return primitive;
 }
 
-/// A tin, cup, pot or bowl.
+/// A tin, cup, pot or bowl. Nothing flat: it is at most four times as wide as high.
 Primitive standing(Random& draw) {
-  const double top = draw.uniform(0.03, 0.095);
+  const double top = draw.uniform() < 0.65 ? draw.uniform(0.03, 0.095) : draw.uniform(0.07, 0.13);
   const double height = draw.uniform() < 0.5 ? draw.uniform(0.05, 0.12) : draw.uniform(0.6, 3) * 2 * top;
-  const double bounded = std::clamp(height, 0.05, 0.24);
+  const double bounded = std::clamp(height, std::max(0.05, top / 2), 0.24);
   const double taper = draw.uniform() < 0.5 ? 1 : draw.uniform(0.45, 1);
   const double bottom = taper * top;
   const double wall = draw.uniform(0.003, 0.006);
@@ -110,9 +111,14 @@ Primitive standing(Random& draw) {
 }
 
 Primitive cylinder(Random& draw) {
-  if (draw.uniform() < 0.2) {
+  const double kind = draw.uniform();
+  if (kind < 0.15) {
     const double radius = draw.uniform(0.03, 0.06);
     return lying(radius, draw.uniform(2.4, 5) * radius);
+  }
+  if (kind < 0.3) {  // A low tin on its edge.
+    const double radius = draw.uniform(0.05, 0.12);
+    return lying(radius, draw.uniform(0.5, 1.6) * radius);
   }
   return standing(draw);
 }
@@ -150,6 +156,36 @@ Primitive primitive_of(size_t kind, Random& draw) {
     default:
       return sphere(draw);
   }
+}
+
+/// What a Kinect's correlation window does to the disparity, as measured on the tables of real pictures: each
+/// value is that of the surface around it, which rounds edges and corners, and its error is shared by
+/// neighbours (their correlation falls linearly to nothing at 8 pixels).
+cv::Mat seen_through_window(const cv::Mat& depth, double focal_times_baseline, Random draw) {
+  constexpr int kHalf = 4;           // pixels
+  constexpr float kSameSurface = 1;  // px of disparity
+  constexpr double kSigma = 0.07;    // px, after the window
+  cv::Mat disparity = focal_times_baseline / depth, noise(depth.size(), CV_32F), result(depth.size(), CV_32F);
+  for (float& value : cv::Mat_<float>(noise))
+    value = static_cast<float>(draw.normal(kSigma * (2 * kHalf + 1)));
+  cv::blur(noise, noise, {2 * kHalf + 1, 2 * kHalf + 1});
+  for (int v = 0; v < depth.rows; ++v) {
+    for (int u = 0; u < depth.cols; ++u) {
+      const float own = disparity.at<float>(v, u);
+      float sum = 0, count = 0;
+      for (int y = std::max(0, v - kHalf); y <= std::min(depth.rows - 1, v + kHalf); ++y) {
+        const float* row = disparity.ptr<float>(y);
+        for (int x = std::max(0, u - kHalf); x <= std::min(depth.cols - 1, u + kHalf); ++x)
+          if (std::abs(row[x] - own) < kSameSurface) {
+            sum += row[x];
+            ++count;
+          }
+      }
+      const float seen = sum / count + noise.at<float>(v, u);  // NaN stays NaN.
+      result.at<float>(v, u) = static_cast<float>(focal_times_baseline) / seen;
+    }
+  }
+  return result;
 }
 
 struct Picture {
@@ -198,8 +234,14 @@ class PrimitiveScenes : public Recording {
     RenderOptions options;
     options.normals = true;
     const RenderedView view = scene.render(frame.camera.depth, *frame.map_from_camera, options);
-    frame.depth =
-        measured_by_kinect(view.depth, view.normal, frame.camera.depth, KinectModel(), draw.fork(0));
+    // Half of the pictures have the simulation's own noise, which differs from pixel to pixel.
+    KinectModel sensor;
+    cv::Mat depth = view.depth;
+    if (draw.uniform() < 0.5) {
+      depth = seen_through_window(depth, frame.camera.depth.fx * sensor.baseline_m, draw.fork(1));
+      sensor.disparity_sigma_px = 0;
+    }
+    frame.depth = measured_by_kinect(depth, view.normal, frame.camera.depth, sensor, draw.fork(0));
     picture.labels = cv::Mat::zeros(frame.depth.size(), CV_16U);
     for (int v = 0; v < frame.depth.rows; ++v)
       for (int u = 0; u < frame.depth.cols; ++u)

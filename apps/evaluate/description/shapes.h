@@ -15,7 +15,8 @@ struct ShapesOptions {
   int test_scenes = 80;
   int folds = 5;
   int seed = 0;
-  std::vector<std::string> experts = {"VFH:svm", "CVFH:svm", "ESF:svm", "PFH:svm", "PFH:knn", "SHOT:svm"};
+  std::vector<std::string> experts = {"VFH:svm", "CVFH:svm", "ESF:svm",
+                                      "PFH:svm", "SHOT:svm", "GaussImage:svm"};
 
   void declare(OptionTable& table);
 };
