@@ -58,8 +58,10 @@ class RowBand {
       if (!may_be_seen(reach, box)) continue;
       place_vertices(&surface.x[cluster->first_vertex], &surface.y[cluster->first_vertex],
                      &surface.z[cluster->first_vertex], cluster->vertices, projection_, vertices_);
-      if (draw_cluster(surface, *cluster, reach.low.z() > options_.near_m, placed.number))
-        tiles_.changed(box);
+      const bool before = reach.low.z() > options_.near_m;
+      // Its corners say more closely where it is than its box did.
+      if (before && options_.occlusion_culling && corners_hidden(cluster->vertices, box)) continue;
+      if (draw_cluster(surface, *cluster, before, placed.number)) tiles_.changed(box);
     }
   }
 
@@ -82,6 +84,22 @@ class RowBand {
                             row_begin_, row_end_ - 1);
     return !box.empty() &&
            !(options_.occlusion_culling && tiles_.hidden(box, static_cast<float>(w0 * (1 + 1e-12))));
+  }
+
+  /// Whether everything between the placed corners, all before the near plane, is outside the band or hidden;
+  /// `box` is set to the pixels that they can cover otherwise.
+  bool corners_hidden(uint32_t count, PixelBox& box) {
+    PixelReach reach = vertices_.reach[0];
+    double w_high = vertices_.w[0];
+    for (uint32_t i = 1; i < count; ++i) {
+      reach = vertices_.reach[i] < reach ? vertices_.reach[i] : reach;
+      w_high = std::max(w_high, vertices_.w[i]);
+    }
+    reach = reach > most_ ? reach : most_;
+    const PixelBox exact{reach[0], -reach[1], reach[2], -reach[3]};
+    if (exact.empty() || tiles_.hidden(exact, static_cast<float>(w_high))) return true;
+    box = exact;
+    return false;
   }
 
   /// Whether a box that crosses the near plane may reach into the band's frustum.

@@ -5,6 +5,8 @@
 #include <limits>
 #include <optional>
 
+#include "mapping/render/vectorised.h"
+
 namespace loci::render_detail {
 
 using Eigen::Vector3d;
@@ -12,6 +14,10 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr int kSmallWidth = 8;  ///< triangles at most this wide are tested pixel by pixel
+constexpr int kLanes = 4;       ///< pixels of a row at a time
+
+using Lanes [[gnu::vector_size(kLanes * sizeof(double))]] = double;
+using Mask [[gnu::vector_size(kLanes * sizeof(int64_t))]] = int64_t;
 
 }  // namespace
 
@@ -67,23 +73,26 @@ inline bool TriangleFill::write(const Plane& plane, double row_w, int u, float* 
   return true;
 }
 
-bool TriangleFill::fill_small(const Edge* e, double determinant, const PlacedTriangle& triangle,
-                              const PixelBox& box) {
+inline bool TriangleFill::fill_small(const Edge* e, double determinant, const PlacedTriangle& triangle,
+                                     const PixelBox& box) {
   // Most small triangles cover no pixel's centre: what only those need that do is found out when one does.
   std::optional<Plane> plane;
   bool written = false;
+  const Lanes steps = {0, 1, 2, 3};
   for (int row = box.v_first; row <= box.v_last; ++row) {
     const double v = row - camera_.cy;
     const double r0 = e[0].b * v + e[0].c, r1 = e[1].b * v + e[1].c, r2 = e[2].b * v + e[2].c;
     float* inverse_depth = raster_.inverse_depth.data() + static_cast<ptrdiff_t>(row) * camera_.width;
     uint64_t* id = raster_.id.data() + static_cast<ptrdiff_t>(row) * camera_.width;
-    for (int column = box.u_first; column <= box.u_last; ++column) {
-      const double u = column - camera_.cx;
-      const bool inside =
+    for (int column = box.u_first; column <= box.u_last; column += kLanes) {
+      const Lanes u = column + steps - camera_.cx;
+      const Mask inside =
           (e[0].a * u + r0 > e[0].limit) & (e[1].a * u + r1 > e[1].limit) & (e[2].a * u + r2 > e[2].limit);
-      if (!inside) continue;
+      if ((inside[0] | inside[1] | inside[2] | inside[3]) == 0) continue;
       if (!plane) plane.emplace(e, 1 / determinant, triangle);
-      written |= write(*plane, plane->b * v + plane->c, column, inverse_depth, id);
+      const double row_w = plane->b * v + plane->c;
+      for (int i = 0; i < kLanes && column + i <= box.u_last; ++i)
+        if (inside[i]) written |= write(*plane, row_w, column + i, inverse_depth, id);
     }
   }
   return written;
@@ -91,7 +100,7 @@ bool TriangleFill::fill_small(const Edge* e, double determinant, const PlacedTri
 
 /// Narrows [first, last] to the pixels of a row that are inside an edge. The division only guesses; the
 /// edge function, which rounding leaves monotonic, decides.
-void TriangleFill::narrow(const Edge& edge, double row_value, int& first, int& last) const {
+inline void TriangleFill::narrow(const Edge& edge, double row_value, int& first, int& last) const {
   const auto inside = [&](int u) { return edge.a * (u - camera_.cx) + row_value > edge.limit; };
   if (edge.a == 0) {
     if (!(row_value > edge.limit)) last = first - 1;
@@ -111,7 +120,7 @@ void TriangleFill::narrow(const Edge& edge, double row_value, int& first, int& l
   }
 }
 
-bool TriangleFill::fill_spans(const Edge* edges, const Plane& plane, const PixelBox& box) {
+inline bool TriangleFill::fill_spans(const Edge* edges, const Plane& plane, const PixelBox& box) {
   bool written = false;
   for (int row = box.v_first; row <= box.v_last; ++row) {
     const double v = row - camera_.cy;
@@ -125,6 +134,7 @@ bool TriangleFill::fill_spans(const Edge* edges, const Plane& plane, const Pixel
   return written;
 }
 
+LOCI_VECTORISED
 bool TriangleFill::fill(const PlacedTriangle& triangle, const PixelBox& box) {
   const Vector3d &p0 = triangle.corners[0], &p1 = triangle.corners[1], &p2 = triangle.corners[2];
   const double determinant = p0.dot(p1.cross(p2));

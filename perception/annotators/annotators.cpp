@@ -42,6 +42,7 @@ flow:
   - NormalEstimator          # smoothed depth, cloud, normals
   - KnownStructureFilter     # what the map explains goes (does nothing without a map)
   - PlaneClusterExtractor    # supports, and one cluster per object
+  - FlatObjectExtractor      # what is too low to be told from its support by height alone
   - PlaceNaming              # without a map: plane_1, plane_2, ... stay the same surfaces
   - ColorHistogram
   - ColorName

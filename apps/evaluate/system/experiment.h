@@ -20,7 +20,7 @@ struct SystemOptions {
   bool words = true;  ///< read barcodes and printed words
   int threads = 0;
   std::filesystem::path map = "apps/samples/kitchen_l.urdf";
-  std::filesystem::path pipeline = {};  ///< YAML; empty = the default one with flat things, and words
+  std::filesystem::path pipeline = {};  ///< YAML; empty = the default one, and words
 
   void declare(OptionTable& table);
 };

@@ -62,8 +62,8 @@ Throughput measure_throughput(const std::shared_ptr<Recording>& recording,
   add_annotators(registry);
   // Names that stay are the memory's business.
   Pipeline pipeline = Pipeline::parse(
-      "flow: [NormalEstimator, KnownStructureFilter, PlaneClusterExtractor, ColorHistogram, ColorName, "
-      "GeometryAnnotator, LocationAnnotator]\n",
+      "flow: [NormalEstimator, KnownStructureFilter, PlaneClusterExtractor, FlatObjectExtractor, "
+      "ColorHistogram, ColorName, GeometryAnnotator, LocationAnnotator]\n",
       "the tabletop pipeline", registry);
   Resources resources;
   resources.put(std::shared_ptr<Recording>(std::make_shared<Again>(*recording, frames)));

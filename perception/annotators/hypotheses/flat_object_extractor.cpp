@@ -105,7 +105,7 @@ void FlatObjectExtractor::start(Context& /*context*/) {
 void FlatObjectExtractor::process(cas::Cas& cas, Context& /*context*/) {
   const types::SceneCas scene(cas);
   if (!scene.scene().map_from_camera.is_set() || !scene.has(types::SceneCas::kColor)) {
-    scene.log(kName, "warning", "flat things need a pose and a colour picture");
+    scene.log(kName, "info", "flat things need a pose and a colour picture");
     return;
   }
   const Isometry3d pose = map_from_camera(scene.scene());
