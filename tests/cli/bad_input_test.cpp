@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "mapping/base/files.h"
+#include "mapping/image/image_io.h"
 #include "tests/cli/command.h"
 
 namespace loci::test {
@@ -14,6 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
+using namespace std::string_literals;
 
 void expect_refused(const std::string& command, const std::vector<std::string>& parts) {
   const Outcome outcome = run(command);
@@ -107,6 +109,19 @@ TEST_F(BadInput, TruncatedPicture) {
     if (entry.path().string().find("depth") != std::string::npos && entry.path().extension() == ".png")
       fs::resize_file(entry.path(), fs::file_size(entry.path()) / 2);
   expect_refused("loci-perceive run " + rec.string() + " -m " + path("m.loci"), {".png"});
+}
+
+TEST_F(BadInput, AnEmptyDepthPictureIsSaidAndTheRestIsSeen) {
+  const fs::path rec = recording();
+  for (const auto& entry : fs::recursive_directory_iterator(rec))
+    if (entry.path().string().find("000001_depth") != std::string::npos)
+      write_image(entry.path(), cv::Mat::zeros(480, 640, CV_16U));
+  for (const std::string& map : {std::string(), " --map " LOCI_SOURCE_DIR "/apps/samples/kitchen.urdf"s}) {
+    const Outcome outcome = run("loci-perceive run " + rec.string() + map);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+    EXPECT_THAT(outcome.error, HasSubstr("frame 1: the depth picture is empty")) << map;
+    EXPECT_THAT(outcome.out, HasSubstr("2 frames"));
+  }
 }
 
 TEST_F(BadInput, NanPose) {

@@ -39,6 +39,11 @@ void set_joints(const types::Scene& scene, const JointState& joints) {
   state.positions.set(positions);
 }
 
+/// Depth is positive where something was measured.
+bool measures_anything(const cv::Mat& depth) {
+  return cv::countNonZero(depth > 0) > 0;
+}
+
 }  // namespace
 
 AnnotatorDescriptor RecordingReader::descriptor() const {
@@ -80,6 +85,11 @@ void RecordingReader::read_next(cas::Cas& cas, Context& context) {
   const RecordingInfo& info = recording_->info();
   const types::SceneCas facade(cas);
   const types::Scene scene = facade.create_scene();
+  if (!measures_anything(frame.depth)) {
+    facade.log("RecordingReader", "warning", "the depth picture is empty");
+    context.warnings.add("frame " + std::to_string(frame.index) +
+                         ": the depth picture is empty; nothing is found there, nor missed");
+  }
   scene.timestamp.set(frame.time_ns);
   scene.time_assumed.set(info.time_assumed);
   scene.frame_index.set(frame.index);
