@@ -91,7 +91,7 @@ Command index_command() {
           [](CLI::App& app) {
             auto given = std::make_shared<IndexArguments>();
             app.add_option("CATALOGUE", given->catalogue,
-                           "Folder with catalogue.csv, or pictures named after products")
+                           "Folder with catalogue.csv, saved web pages, or pictures named after products")
                 ->required();
             app.add_option("-o,--out", given->out, "The index")->required();
             return [given](Session& session) { make_index(*given, session); };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
 #include <span>
 #include <string>
@@ -40,16 +41,26 @@ struct LabelledVectors {
 };
 
 /// Scores one feature vector. Vectors are scaled to sum 1 before they are learned or scored: descriptors are
-/// histograms, and the number of points does not count.
+/// histograms, and the number of points does not count. With the distance "Mahalanobis" they are whitened
+/// then: the squared Euclidean distance of what comes out is the Mahalanobis distance by the covariance
+/// within the classes, in which correlations count the less, the fewer examples there are for its size.
 class Classifier {
  public:
   virtual ~Classifier() = default;
   /// One score per class, from 0 to 1, that sum to 1: shares of votes, not probabilities yet (see Ensemble).
   std::vector<double> scores(const FeatureVector& vector) const;
-  virtual Json to_json() const = 0;
+  Json to_json() const;
 
  protected:
   virtual std::vector<double> scores_of_scaled(const FeatureVector& vector) const = 0;
+  virtual Json kind_to_json() const = 0;
+
+ private:
+  friend std::unique_ptr<Classifier> train_classifier(const LabelledVectors& data,
+                                                      const ClassifierOptions& options, const Random& random);
+  friend std::unique_ptr<Classifier> classifier_from_json(const Json& json);
+
+  Eigen::MatrixXf whitening_;  ///< empty: vectors stay as they are
 };
 
 /// Trains one of

@@ -21,7 +21,7 @@ class Forest : public Classifier {
  public:
   Forest(std::vector<Tree> trees, size_t classes) : trees_(std::move(trees)), classes_(classes) {}
 
-  Json to_json() const override {
+  Json kind_to_json() const override {
     Json json = {{"method", "forest"}, {"classes", classes_}, {"trees", Json::array()}};
     for (const Tree& tree : trees_) {
       Json nodes = Json::array();

@@ -11,7 +11,7 @@ class Neighbours : public Classifier {
   Neighbours(LabelledVectors data, size_t k, FeatureDistance distance)
       : data_(std::move(data)), k_(std::min(k, data_.vectors.size())), distance_(distance) {}
 
-  Json to_json() const override {
+  Json kind_to_json() const override {
     return {{"method", "knn"},
             {"distance", name_of(distance_)},
             {"k", k_},

@@ -21,7 +21,7 @@ class SupportVectors : public Classifier {
                  FeatureDistance distance)
       : vectors_(std::move(vectors)), machines_(std::move(machines)), scale_(scale), distance_(distance) {}
 
-  Json to_json() const override {
+  Json kind_to_json() const override {
     Json json = {{"method", "svm"},
                  {"distance", name_of(distance_)},
                  {"scale", scale_},

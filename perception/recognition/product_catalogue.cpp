@@ -8,6 +8,7 @@
 #include "mapping/base/csv.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "perception/recognition/product_pages.h"
 
 namespace loci {
 namespace {
@@ -52,19 +53,12 @@ std::string trimmed(const std::string& text) {
   return text.substr(first, text.find_last_not_of(" \t\r\n.;") - first + 1);
 }
 
-void add(Properties& properties, const std::string& key, const std::string& value) {
-  const std::string name = normalised_key(key);
-  const bool known = std::any_of(properties.begin(), properties.end(),
-                                 [&](const auto& property) { return property.first == name; });
-  if (!name.empty() && !trimmed(value).empty() && !known) properties.emplace_back(name, trimmed(value));
-}
-
 /// Lines and sentences of the form "Some key: its value".
 void add_pairs(const std::string& text, Properties& properties) {
   static const std::regex pair(
       R"((?:^|[\n.;]\s*)([A-Z][A-Za-z ()/-]{1,40}):\s*([^\n;]*?)(?=\.\s|[\n;]|\.?$))");
   for (std::sregex_iterator it(text.begin(), text.end(), pair), end; it != end; ++it)
-    add(properties, (*it)[1], (*it)[2]);
+    add_property(properties, (*it)[1], (*it)[2]);
 }
 
 void add_amounts(const std::string& text, Properties& properties) {
@@ -73,8 +67,10 @@ void add_amounts(const std::string& text, Properties& properties) {
   static const std::regex weight(R"((?:^|[^\w.,])(\d+(?:[.,]\d+)?)\s?(mg|g|kg|grams?|kilograms?|oz|lbs?)\b)",
                                  std::regex::icase);
   std::smatch found;
-  if (std::regex_search(text, found, volume)) add(properties, "volume", found.str(1) + " " + lower(found[2]));
-  if (std::regex_search(text, found, weight)) add(properties, "weight", found.str(1) + " " + lower(found[2]));
+  if (std::regex_search(text, found, volume))
+    add_property(properties, "volume", found.str(1) + " " + lower(found[2]));
+  if (std::regex_search(text, found, weight))
+    add_property(properties, "weight", found.str(1) + " " + lower(found[2]));
 }
 
 void add_storage(const std::string& text, Properties& properties) {
@@ -82,8 +78,8 @@ void add_storage(const std::string& text, Properties& properties) {
       cold(R"(refrigerat|fridge|chilled|keep cool|keep cold|\+?\d ?°c)");
   const std::string words = lower(text);
   const auto put = [&](const char* storage, const char* perishable) {
-    add(properties, "storage", storage);
-    add(properties, "perishable", perishable);
+    add_property(properties, "storage", storage);
+    add_property(properties, "perishable", perishable);
   };
   // What keeps in a warm room keeps in a cold one, too: texts that name both mean the first.
   if (std::regex_search(words, warm)) return put("room temperature", "no");
@@ -95,7 +91,7 @@ void add_ingredients(const std::string& text, Properties& properties) {
   static const std::regex made(R"(\b(?:made|pressed|blend|mixed) (?:of|from|on|with) ([^.!\n]{3,120}))",
                                std::regex::icase);
   std::smatch found;
-  if (std::regex_search(text, found, made)) add(properties, "ingredients", found[1]);
+  if (std::regex_search(text, found, made)) add_property(properties, "ingredients", found[1]);
 }
 
 Product product_of_row(const CsvTable& table, size_t row, size_t image, size_t name, const fs::path& folder) {
@@ -104,11 +100,11 @@ Product product_of_row(const CsvTable& table, size_t row, size_t image, size_t n
   product.name = table.cell(row, name);
   for (size_t column = 0; column < table.header().size(); ++column)
     if (column != image && column != name)
-      add(product.properties, table.header()[column], table.cell(row, column));
+      add_property(product.properties, table.header()[column], table.cell(row, column));
   const int description = table.column("description");
   if (description >= 0)
     for (const auto& [key, value] : properties_of_text(table.cell(row, static_cast<size_t>(description))))
-      add(product.properties, key, value);
+      add_property(product.properties, key, value);
   return product;
 }
 
@@ -142,14 +138,14 @@ Properties properties_beside(const fs::path& picture) {
     if (!object.is_object())
       throw Error("a product's file holds an object of keys and values", {json.string(), 0, {}});
     for (const auto& [key, value] : object.items())
-      add(properties, key, value.is_string() ? value.get<std::string>() : value.dump());
+      add_property(properties, key, value.is_string() ? value.get<std::string>() : value.dump());
   }
-  if (fs::exists(text.replace_extension(".txt"))) add(properties, "description", read_file(text));
+  if (fs::exists(text.replace_extension(".txt"))) add_property(properties, "description", read_file(text));
   const auto description = std::find_if(properties.begin(), properties.end(),
                                         [](const auto& property) { return property.first == "description"; });
   if (description == properties.end()) return properties;
   const std::string words = description->second;
-  for (const auto& [key, value] : properties_of_text(words)) add(properties, key, value);
+  for (const auto& [key, value] : properties_of_text(words)) add_property(properties, key, value);
   return properties;
 }
 
@@ -186,6 +182,13 @@ std::string normalised_key(const std::string& key) {
   return known == known_keys().end() ? name : known->second;
 }
 
+void add_property(Properties& properties, const std::string& key, const std::string& value) {
+  const std::string name = normalised_key(key);
+  const bool known = std::any_of(properties.begin(), properties.end(),
+                                 [&](const auto& property) { return property.first == name; });
+  if (!name.empty() && !trimmed(value).empty() && !known) properties.emplace_back(name, trimmed(value));
+}
+
 Properties properties_of_text(const std::string& text) {
   Properties properties;
   add_pairs(text, properties);
@@ -199,10 +202,12 @@ std::vector<Product> read_catalogue(const fs::path& folder) {
   if (!fs::is_directory(folder))
     throw Error("there is no such catalogue", {folder.string(), 0, {}}, "give a folder of pictures");
   const fs::path table = folder / "catalogue.csv";
-  std::vector<Product> products = fs::exists(table) ? read_table(table) : read_pictures(folder);
+  std::vector<Product> products = fs::exists(table)           ? read_table(table)
+                                  : has_product_pages(folder) ? read_product_pages(folder)
+                                                              : read_pictures(folder);
   if (products.empty())
     throw Error("the catalogue has no products", {folder.string(), 0, {}},
-                "it holds a catalogue.csv, or pictures named after what they show");
+                "it holds a catalogue.csv, saved web pages, or pictures named after what they show");
   return products;
 }
 

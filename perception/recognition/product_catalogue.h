@@ -17,6 +17,9 @@ using Properties = std::vector<std::pair<std::string, std::string>>;
 /// manufacturer.
 std::string normalised_key(const std::string& key);
 
+/// Adds a property by its normalised key, unless there is one already or the value is empty.
+void add_property(Properties& properties, const std::string& key, const std::string& value);
+
 /// What a description says: lines and sentences like "Weight: 500 g" as they are; else an amount ("1.5 l") as
 /// volume or weight, how it is stored ("refrigerator", "room temperature") as storage and perishable, "made
 /// of …" as ingredients.
@@ -29,10 +32,10 @@ struct Product {
 };
 
 /// Reads a catalogue: a folder with catalogue.csv (a column image; name, class_name, product or title;
-/// description; all others become properties), or, without one, a folder of pictures named after what they
-/// show, each perhaps with its description beside it in a file of the same name (.txt: text; .json: an object
-/// of keys and values). A product may have several pictures: those of the same name, or NAME_1.jpg,
-/// NAME_2.jpg. Error when there is no picture at all.
+/// description; all others become properties), or of saved web pages (read_product_pages()), or of pictures
+/// named after what they show, each perhaps with its description beside it in a file of the same name (.txt:
+/// text; .json: an object of keys and values). A product may have several pictures: those of the same name,
+/// or NAME_1.jpg, NAME_2.jpg. Error when there is no picture at all.
 std::vector<Product> read_catalogue(const std::filesystem::path& folder);
 
 }  // namespace loci

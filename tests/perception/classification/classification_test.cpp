@@ -154,6 +154,46 @@ TEST(Classifier, each_kind_learns_a_ring_around_a_disc) {
   }
 }
 
+/// Classes differ by little in the second value, and everything by much in the first.
+LabelledVectors stretched(size_t count, uint64_t seed) {
+  Random draw(seed);
+  LabelledVectors data{{}, {}, 2};
+  for (size_t i = 0; i < count; ++i) {
+    const size_t label = i % 2;
+    const double first = draw.uniform(0.2, 0.6);
+    const double second = 0.1 + 0.004 * static_cast<double>(label) + draw.normal(0.001);
+    data.vectors.push_back(
+        {static_cast<float>(first), static_cast<float>(second), static_cast<float>(1 - first - second)});
+    data.labels.push_back(label);
+  }
+  return data;
+}
+
+int right_of(const Classifier& classifier, const LabelledVectors& tests) {
+  int right = 0;
+  for (size_t i = 0; i < tests.vectors.size(); ++i)
+    right += classifier.scores(tests.vectors[i]).at(tests.labels[i]) > 0.5;
+  return right;
+}
+
+TEST(Classifier, mahalanobis_weighs_directions_by_how_much_classes_spread_in_them) {
+  for (const char* method : {"knn", "svm"}) {
+    ClassifierOptions options;
+    options.method = method;
+    options.k = 5;
+    options.distance = "L2";
+    const LabelledVectors data = stretched(100, 1), tests = stretched(100, 2);
+    const int plain = right_of(*train_classifier(data, options, Random(1)), tests);
+    options.distance = "Mahalanobis";
+    const auto classifier = train_classifier(data, options, Random(1));
+    EXPECT_GE(right_of(*classifier, tests), 95) << method;
+    EXPECT_LT(plain, 90) << method;
+    const auto again = classifier_from_json(classifier->to_json());
+    for (const FeatureVector& vector : tests.vectors)
+      EXPECT_EQ(again->scores(vector), classifier->scores(vector));
+  }
+}
+
 TEST(SoftmaxRegression, finds_the_shares_behind_the_labels) {
   // Without information the answer is how often each class is.
   const std::vector<size_t> labels = {0, 0, 0, 1};
