@@ -12,6 +12,7 @@
 #include "perception/annotators/hypotheses/known_structure_filter.h"
 #include "perception/annotators/hypotheses/normal_estimator.h"
 #include "perception/annotators/hypotheses/plane_cluster_extractor.h"
+#include "perception/annotators/hypotheses/transparent_extractor.h"
 #include "perception/annotators/io/recording_reader.h"
 
 namespace loci {
@@ -22,6 +23,7 @@ void add_annotators(AnnotatorRegistry& registry) {
   registry.add<KnownStructureFilter>();
   registry.add<PlaneClusterExtractor>();
   registry.add<FlatObjectExtractor>();
+  registry.add<TransparentExtractor>();
   registry.add<AssertedVolumes>();
   registry.add<ColorHistogramAnnotator>();
   registry.add<ColorNameAnnotator>();

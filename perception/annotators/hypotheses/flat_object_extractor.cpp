@@ -4,9 +4,9 @@
 
 #include <cmath>
 #include <limits>
-#include <opencv2/imgproc.hpp>
 
 #include "mapping/image/image_io.h"
+#include "perception/annotators/hypotheses/support_pixels.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
@@ -16,35 +16,7 @@ namespace {
 
 constexpr const char* kName = "FlatObjectExtractor";
 constexpr double kUnitsPerMetre = 10000;
-
-/// Pixels of the depth picture within the outline of a support, but for what is a cluster already.
-cv::Mat pixels_over(const types::PlanarSupport& support, const Isometry3d& camera_from_map,
-                    const PinholeCamera& camera, const cv::Mat& taken) {
-  std::vector<cv::Point> corners;
-  for (const Vector3d& corner : types::points_from_values(support.outline.get())) {
-    const Vector3d p = camera_from_map * corner;
-    if (p.z() < 0.1) continue;  // Beside or behind the camera.
-    const Vector2d at = camera.project(p);
-    corners.emplace_back(static_cast<int>(std::lround(std::clamp(at.x(), -1e4, 1e4))),
-                         static_cast<int>(std::lround(std::clamp(at.y(), -1e4, 1e4))));
-  }
-  cv::Mat inside(camera.height, camera.width, CV_8U, cv::Scalar(0));
-  if (corners.size() < 3) return inside;
-  std::vector<cv::Point> hull;
-  cv::convexHull(corners, hull);
-  cv::fillConvexPoly(inside, hull, cv::Scalar(255));
-  return inside & ~taken;
-}
-
-/// The clusters' pixels and those next to them, which show a bit of both.
-cv::Mat pixels_of_clusters(const types::SceneCas& scene, const cv::Size& size) {
-  constexpr int kMargin = 5;
-  cv::Mat taken = cv::Mat::zeros(size, CV_8U);
-  for (const types::Cluster& cluster : scene.clusters())
-    for (const int32_t index : cluster_indices(cluster)) taken.ptr<unsigned char>()[index] = 255;
-  cv::dilate(taken, taken, cv::Mat::ones(2 * kMargin + 1, 2 * kMargin + 1, CV_8U));
-  return taken;
-}
+constexpr int kMargin = 5;  ///< pixels beside a cluster show a bit of both
 
 void add_cluster(const FlatObject& object, const types::PlanarSupport& support, const types::SceneCas& scene,
                  const Isometry3d& pose) {
@@ -115,14 +87,14 @@ void FlatObjectExtractor::process(cas::Cas& cas, Context& /*context*/) {
   if (!empty_depth_.empty() && empty_depth_.size() != depth.size())
     throw Error("the empty surface is not as large as the depth picture", {calibration_, 0, {}},
                 "make it from a recording of the same camera");
-  cv::Mat taken = pixels_of_clusters(scene, depth.size());
+  cv::Mat taken = pixels_of_clusters(scene, depth.size(), kMargin);
   size_t found = 0;
   for (const types::PlanarSupport& support : scene.supports()) {
     FlatSurface surface;
     const auto normal = types::from<Vector3d>(support.normal.get());
     surface.normal = pose.linear().transpose() * normal;
     surface.offset = support.offset.get() - normal.dot(pose.translation());
-    surface.inside = pixels_over(support, pose.inverse(), camera.depth, taken);
+    surface.inside = pixels_over(support, pose.inverse(), camera.depth) & ~taken;
     surface.empty_depth = empty_depth_;
     for (const FlatObject& object : find_flat_objects(depth, color, camera, surface, options_)) {
       if (object.pixels.empty()) continue;

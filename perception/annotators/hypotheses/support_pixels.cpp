@@ -1,0 +1,37 @@
+#include "perception/annotators/hypotheses/support_pixels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "perception/annotators/scene_data.h"
+
+namespace loci {
+
+cv::Mat pixels_over(const types::PlanarSupport& support, const Isometry3d& camera_from_map,
+                    const PinholeCamera& camera) {
+  std::vector<cv::Point> corners;
+  for (const Vector3d& corner : types::points_from_values(support.outline.get())) {
+    const Vector3d p = camera_from_map * corner;
+    if (p.z() < 0.1) continue;  // Beside or behind the camera.
+    const Vector2d at = camera.project(p);
+    corners.emplace_back(static_cast<int>(std::lround(std::clamp(at.x(), -1e4, 1e4))),
+                         static_cast<int>(std::lround(std::clamp(at.y(), -1e4, 1e4))));
+  }
+  cv::Mat inside(camera.height, camera.width, CV_8U, cv::Scalar(0));
+  if (corners.size() < 3) return inside;
+  std::vector<cv::Point> hull;
+  cv::convexHull(corners, hull);
+  cv::fillConvexPoly(inside, hull, cv::Scalar(255));
+  return inside;
+}
+
+cv::Mat pixels_of_clusters(const types::SceneCas& scene, const cv::Size& size, int margin) {
+  cv::Mat taken = cv::Mat::zeros(size, CV_8U);
+  for (const types::Cluster& cluster : scene.clusters())
+    for (const int32_t index : cluster_indices(cluster)) taken.ptr<unsigned char>()[index] = 255;
+  if (margin > 0) cv::dilate(taken, taken, cv::Mat::ones(2 * margin + 1, 2 * margin + 1, CV_8U));
+  return taken;
+}
+
+}  // namespace loci
