@@ -18,6 +18,7 @@
 #include "gui/views/page.h"
 #include "gui/views/question_bar.h"
 #include "gui/views/scene_image.h"
+#include "gui/views/scene_view.h"
 #include "gui/views/statistics_view.h"
 #include "gui/views/time_bar.h"
 #include "gui/views/time_track.h"
@@ -84,15 +85,19 @@ QDockWidget* MainWindow::add_dock(const QString& title, const QString& name, QWi
 
 void MainWindow::build_docks() {
   tree_ = new ObjectsTree(browser_, this);
-  image_ = new SceneImage(browser_, this);
+  picture_ = new SceneView(browser_, this);
   card_ = new ObjectCard(browser_, this);
   time_ = new TimeBar(browser_, this);
   setCorner(Qt::BottomLeftCorner, Qt::BottomDockWidgetArea);
   setCorner(Qt::BottomRightCorner, Qt::BottomDockWidgetArea);
   add_dock("Places and objects", "objects", tree_, Qt::LeftDockWidgetArea);
-  image_dock_ = add_dock("Scene", "scene", image_, Qt::RightDockWidgetArea);
+  image_dock_ = add_dock("Scene", "scene", picture_, Qt::RightDockWidgetArea);
   fill_corner();
   add_dock("Time", "time", time_, Qt::BottomDockWidgetArea);
+}
+
+SceneImage& MainWindow::image() {
+  return picture_->image();
 }
 
 void MainWindow::build_questions() {
@@ -144,7 +149,7 @@ void MainWindow::default_layout() {
   const auto dock = [this](const char* name) { return findChild<QDockWidget*>(name); };
   resizeDocks({dock("objects"), dock("scene")}, {300, 360}, Qt::Horizontal);
   resizeDocks({dock("scene"), dock("selection")}, {230, 330}, Qt::Vertical);
-  resizeDocks({dock("time")}, {220}, Qt::Vertical);
+  resizeDocks({dock("time")}, {200}, Qt::Vertical);
 }
 
 void MainWindow::refresh_title() {

@@ -24,6 +24,7 @@ class CompareView;
 class IdentityView;
 class LogView;
 class SceneImage;
+class SceneView;
 class StatisticsView;
 class TimeBar;
 
@@ -51,7 +52,8 @@ class MainWindow : public QMainWindow {
   Browser& browser() { return browser_; }
   MapView& map() { return *map_; }
   ObjectsTree& tree() { return *tree_; }
-  SceneImage& image() { return *image_; }
+  SceneImage& image();
+  SceneView& picture() { return *picture_; }
   TimeBar& time_bar() { return *time_; }
   ObjectCard& card() { return *card_; }
   QuestionBar& question_bar() { return *questions_; }
@@ -86,6 +88,16 @@ class MainWindow : public QMainWindow {
   void build_docks();
   void build_questions();
   void build_file_menu();
+  void build_export_menu(QMenu* file);
+  /// Asks for a file and writes it in the background.
+  void export_to(const QString& name, const QString& filter,
+                 const std::function<std::string(const std::string& path)>& content);
+  void export_table();
+  void export_pictures();
+  void export_scene();
+  void export_cloud();
+  void export_map();
+  void export_report();
   void build_edit_menu();
   void build_loading();
   void show_reading();
@@ -122,7 +134,7 @@ class MainWindow : public QMainWindow {
   Browser browser_;
   MapView* map_;
   ObjectsTree* tree_ = nullptr;
-  SceneImage* image_ = nullptr;
+  SceneView* picture_ = nullptr;
   TimeBar* time_ = nullptr;
   ObjectCard* card_ = nullptr;
   QuestionBar* questions_ = nullptr;

@@ -57,6 +57,7 @@ void MainWindow::build_file_menu() {
   add_action(menu, {"&Check this file", {}, "Reads the whole memory and says whether it is sound"}, [this] {
     if (browser_.data() != nullptr) check_file(QString::fromStdString(browser_.data()->info().path));
   });
+  build_export_menu(menu);
   menu->addSeparator();
   add_action(menu, {"&Save picture…", {QKeySequence("Ctrl+P")}, "Save this window as a picture"},
              [this] { save_picture(); });
@@ -150,7 +151,7 @@ void MainWindow::build_select_menu() {
                        {"&Frame", {QKeySequence("F")}, "Move the eye so that the selection fills the view"},
                        [this] { map_->frame_selection(); });
   add_action(menu, {"&Clear", {QKeySequence("Esc")}, "Nothing chosen, nothing searched"}, [this] {
-    tree_->search()->clear();
+    tree_->show_all();
     browser_.selection().clear();
   });
   add_action(menu, {"Co&py", {QKeySequence("Ctrl+Shift+C")}, "Copy what the card says"},
@@ -177,7 +178,7 @@ void MainWindow::build_view_menu() {
          << layer("Camera", "K", "Where the chosen scene was looked at from", MapLayer::camera) << nullptr;
   menu->addSeparator();
   tools_ << add_check(menu, {"Depth picture", {QKeySequence("D")}, "Depth instead of colour"}, false,
-                      [this](bool on) { image_->show_depth(on); });
+                      [this](bool on) { image().show_depth(on); });
   add_action(menu, {"Larger points", {QKeySequence("+")}, ""}, [this] { map_->change_point_size(1); });
   add_action(menu, {"Smaller points", {QKeySequence("-")}, ""}, [this] { map_->change_point_size(-1); });
   menu->addSeparator();

@@ -37,6 +37,13 @@ bool draws(QEvent::Type type) {
          type == QEvent::UpdateLater;
 }
 
+/// Of this thread.
+double thread_cpu_ms() {
+  timespec now = {};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) / 1e6;
+}
+
 /// Of all threads of this program.
 double cpu_ms() {
   return static_cast<double>(std::clock()) * 1000 / CLOCKS_PER_SEC;
@@ -107,7 +114,7 @@ bool TimedApplication::notify(QObject* receiver, QEvent* event) {
   std::optional<DrawingScope> drawing;
   if (draws(event->type())) drawing.emplace();
   const auto start = Clock::now();
-  const double drawn_before = drawn_ms;
+  const double drawn_before = drawn_ms, cpu_before = thread_cpu_ms();
   // The receiver may be gone afterwards.
   const char* receiver_class = receiver->metaObject()->className();
   const QEvent::Type type = event->type();
@@ -117,8 +124,9 @@ bool TimedApplication::notify(QObject* receiver, QEvent* event) {
   if (--depth_ > 0) return result;
   const double ms = ms_since(start) - (drawn_ms - drawn_before);
   if (ms > longest_.ms)
-    longest_ = {ms, task_name.empty() ? fmt::format("{}, event {}", receiver_class, static_cast<int>(type))
-                                      : task_name};
+    longest_ = {
+        ms, std::min(ms, thread_cpu_ms() - cpu_before),
+        task_name.empty() ? fmt::format("{}, event {}", receiver_class, static_cast<int>(type)) : task_name};
   return result;
 }
 
@@ -164,7 +172,7 @@ WindowFigures measure_window(TimedApplication& application, MainWindow& window, 
 
 std::string text_of(const WindowFigures& figures) {
   const auto task = [](const LongestTask& longest) {
-    return fmt::format("{:.0f} ms ({})", longest.ms, longest.what);
+    return fmt::format("{:.0f} ms, {:.0f} of them computing ({})", longest.ms, longest.cpu_ms, longest.what);
   };
   return fmt::format(
       "opened: first moment shown after {:.2f} s\n"

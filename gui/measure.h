@@ -20,6 +20,7 @@ class DrawingScope {
 /// What kept the thread of the windows busy for longest, drawing left out.
 struct LongestTask {
   double ms = 0;
+  double cpu_ms = 0;      ///< of it, processor time: without what other programs took
   std::string what = {};  ///< the last name given by name_task(), else the receiver's class and its event
 };
 

@@ -62,6 +62,13 @@ QPixmap swatch(const std::array<uint8_t, 3>& rgb, int side) {
   return pixmap;
 }
 
+QPixmap centred(const QPixmap& picture, int side) {
+  QPixmap square(side, side);
+  square.fill(Qt::transparent);
+  QPainter(&square).drawPixmap((side - picture.width()) / 2, (side - picture.height()) / 2, picture);
+  return square;
+}
+
 QImage image_of(const cv::Mat& bgr) {
   if (bgr.empty()) return {};
   return QImage(bgr.data, bgr.cols, bgr.rows, static_cast<int>(bgr.step), QImage::Format_BGR888).copy();

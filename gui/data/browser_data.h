@@ -134,6 +134,7 @@ struct MemoryInfo {
 
 struct SceneDecisions;
 struct ObjectDetails;
+struct PictureNote;
 
 /// What the browser shows, as plain values. The views know no database; tests may give them any memory.
 /// What stands before "Reading" is at hand; what stands after it takes time, may be called from any thread
@@ -167,6 +168,8 @@ class BrowserData {
   virtual std::vector<SceneDecisions> decisions(int64_t scene, size_t count) const = 0;
   virtual ObjectDetails details(int64_t object, TimeNs time) const = 0;
   virtual SceneContent scene(int64_t id) const = 0;
+  /// What annotators found in parts of a scene's picture.
+  virtual std::vector<PictureNote> notes(int64_t scene) const = 0;
   virtual std::vector<HistoryEntry> history(int64_t object) const = 0;
   /// Times at which the object was observed.
   virtual std::vector<TimeNs> observations(int64_t object) const = 0;

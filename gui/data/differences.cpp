@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <tuple>
 
 namespace loci {
 namespace {
@@ -87,6 +89,33 @@ std::vector<Difference> differences(const BelievedScene& then, const BelievedSce
     return std::pair(a.kind, a.object) < std::pair(b.kind, b.object);
   });
   return all;
+}
+
+BelievedScene renumbered(BelievedScene other, const BelievedScene& here, double within) {
+  struct Pair {
+    double distance;
+    size_t there;
+    int64_t here;
+  };
+  std::vector<Pair> pairs;
+  for (size_t i = 0; i < other.objects.size(); ++i)
+    for (const BelievedObject& object : here.objects) {
+      const BelievedObject& candidate = other.objects[i];
+      if (!candidate.map_from_object || !object.map_from_object || candidate.color_name != object.color_name)
+        continue;
+      const double distance =
+          (candidate.map_from_object->translation() - object.map_from_object->translation()).norm();
+      if (distance <= within) pairs.push_back({distance, i, object.id});
+    }
+  std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
+    return std::tie(a.distance, a.there, a.here) < std::tie(b.distance, b.there, b.here);
+  });
+  for (size_t i = 0; i < other.objects.size(); ++i) other.objects[i].id = -1 - static_cast<int64_t>(i);
+  std::set<int64_t> taken;
+  for (const Pair& pair : pairs)
+    if (other.objects[pair.there].id < 0 && taken.insert(pair.here).second)
+      other.objects[pair.there].id = pair.here;
+  return other;
 }
 
 }  // namespace loci

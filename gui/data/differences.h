@@ -25,4 +25,9 @@ const char* difference_name(Difference::Kind kind);
 std::vector<Difference> differences(const BelievedScene& then, const BelievedScene& now,
                                     double least_move = 0.05);
 
+/// Another memory's belief with the numbers of the same things here: of the nearest thing of the same colour
+/// within `within` metres. What has none here gets a number below 0. Two memories number things as they met
+/// them.
+BelievedScene renumbered(BelievedScene other, const BelievedScene& here, double within = 0.3);
+
 }  // namespace loci

@@ -10,6 +10,7 @@
 #include "gui/data/decisions.h"
 #include "gui/data/memory_index.h"
 #include "gui/data/object_details.h"
+#include "gui/data/picture_notes.h"
 #include "gui/data/pictures.h"
 #include "memory/questions/people_time.h"
 #include "memory/questions/snapshot.h"
@@ -79,6 +80,10 @@ class MemoryData : public BrowserData {
     return read_details(store_, index_, object, time);
   }
   SceneContent scene(int64_t id) const override;
+  std::vector<PictureNote> notes(int64_t scene) const override {
+    const std::lock_guard lock(mutex_);
+    return picture_notes(store_, scene);
+  }
   std::vector<HistoryEntry> history(int64_t object) const override;
   std::vector<TimeNs> observations(int64_t object) const override;
   std::vector<Look> looks_for_object(int64_t object, size_t first_scene) const override;

@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "gui/data/annotator_times.h"
 #include "memory/questions/answers.h"
 
 namespace loci {
@@ -20,6 +21,17 @@ LogEntry entry_of(const RunRow& run, size_t scenes) {
   entry.text = fmt::format("{} scene{}, {}", scenes, scenes == 1 ? "" : "s", took);
   entry.details = fmt::format("run {}: {} {}\nstarted {}\n{}\nconfiguration {}", run.id, run.program,
                               run.version, format_time(run.started), entry.text, run.configuration);
+  return entry;
+}
+
+LogEntry entry_of(const AnnotatorTimes& times) {
+  LogEntry entry{.what = times.name, .is_problem = times.failures > 0};
+  entry.text = fmt::format("{:.1f} ms per scene, {} scene{}", times.ms_per_scene(), times.scenes,
+                           times.scenes == 1 ? "" : "s");
+  if (times.failures > 0) entry.text += fmt::format(", {} failed", times.failures);
+  entry.details = fmt::format(
+      "annotator {}\n{}\n{:.3f} s in all\nfailed {} times, {} of them for time; tried again {} times",
+      times.name, entry.text, times.seconds, times.failures, times.timeouts, times.retries);
   return entry;
 }
 
@@ -47,6 +59,7 @@ std::vector<LogEntry> memory_log(const std::filesystem::path& path) {
   std::map<Id, std::vector<SceneRow>> scenes;
   for (SceneRow& scene : store.scenes()) scenes[scene.run].push_back(std::move(scene));
   std::vector<LogEntry> entries;
+  for (const AnnotatorTimes& times : annotator_times(path)) entries.push_back(entry_of(times));
   for (const RunRow& run : store.runs()) {
     entries.push_back(entry_of(run, scenes[run.id].size()));
     for (const SceneRow& scene : scenes[run.id]) entries.push_back(entry_of(scene, summaries[scene.id]));

@@ -9,9 +9,10 @@
 
 namespace loci {
 
-/// A line of the log: a run that wrote to the memory, a scene, or something that went wrong.
+/// A line of the log: an annotator with its times over all runs, a run that wrote to the memory, a scene, or
+/// something that went wrong.
 struct LogEntry {
-  TimeNs time = 0;  ///< when the run was started, the scene was seen, or it went wrong
+  TimeNs time = 0;  ///< when the run was started, the scene was seen, or it went wrong; 0 = over all runs
   std::string what = {};
   std::string text = {};
   std::string details = {};          ///< all that is known, in lines
@@ -19,7 +20,8 @@ struct LogEntry {
   std::optional<TimeNs> scene = {};  ///< the scene's time, which can be gone to
 };
 
-/// Runs in order, each with its scenes below it. Error when the file cannot be read.
+/// Annotators, the slowest first; then runs in order, each with its scenes below it. Error when the file
+/// cannot be read.
 std::vector<LogEntry> memory_log(const std::filesystem::path& path);
 
 }  // namespace loci

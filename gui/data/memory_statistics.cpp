@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <set>
 
+#include "gui/data/annotator_times.h"
 #include "mapping/base/csv.h"
 #include "memory/questions/people_time.h"
 #include "memory/store/store.h"
@@ -78,7 +80,12 @@ std::vector<Chart> memory_statistics(const std::filesystem::path& path, Progress
     progress.check(static_cast<double>(i) / static_cast<double>(scenes.size()), "counting");
     counter.add(scenes[i]);
   }
-  return counter.charts();
+  std::vector<Chart> charts = counter.charts();
+  Chart times{"Time per annotator", "ms per scene", {}};
+  for (const AnnotatorTimes& annotator : annotator_times(path))
+    times.bars.emplace_back(annotator.name, std::round(annotator.ms_per_scene() * 100) / 100);
+  if (!times.bars.empty()) charts.push_back(std::move(times));
+  return charts;
 }
 
 std::string statistics_csv(const std::vector<Chart>& charts) {

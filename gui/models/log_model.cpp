@@ -50,12 +50,13 @@ QVariant LogModel::data(const QModelIndex& index, int role) const {
   if (role != Qt::DisplayRole) return {};
   switch (index.column()) {
     case time_column: {
+      if (entry.time == 0) return "all runs";
       // The date of a scene is only told where it differs from the chosen one.
       const int zone = browser_.data() == nullptr ? 0 : browser_.data()->info().zone_minutes;
       const QString text = time_text(entry.time, zone);
       const bool same_day =
           entry.scene && text.left(10) == time_text(browser_.selection().time(), zone).left(10);
-      return same_day ? text.mid(11, 8) : text.left(16);
+      return same_day ? text.mid(11, 8) : text.mid(5, 11);
     }
     case what_column:
       return QString::fromStdString(entry.scene ? "  " + entry.what : entry.what);

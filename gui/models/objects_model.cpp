@@ -12,14 +12,21 @@
 namespace loci {
 namespace {
 
-constexpr int kSwatchSide = 14;
+constexpr int kSwatchSide = 14, kPictureSide = 24;
+constexpr int kRowHeight = kPictureSide + 2;
 /// Internal id of groups; an object's index carries its group's row.
 constexpr quintptr kGroupId = static_cast<quintptr>(-1);
 
 }  // namespace
 
 ObjectsModel::ObjectsModel(Browser& browser, QObject* parent)
-    : QAbstractItemModel(parent), browser_(browser) {
+    : QAbstractItemModel(parent),
+      browser_(browser),
+      thumbnails_(new Thumbnails(browser, kPictureSide, this)) {
+  connect(thumbnails_, &Thumbnails::read, this, [this](qlonglong object) {
+    const QModelIndex index = index_of_object(object);
+    if (index.isValid()) Q_EMIT dataChanged(index, index, {Qt::DecorationRole});
+  });
   connect(&browser_, &Browser::belief_changed, this, &ObjectsModel::refresh);
   refresh();
 }
@@ -101,6 +108,8 @@ QVariant ObjectsModel::data(const QModelIndex& index, int role) const {
 
 QVariant ObjectsModel::group_data(const Group& group, int column, int role) const {
   switch (role) {
+    case Qt::SizeHintRole:
+      return QSize(0, kRowHeight);
     case Qt::DisplayRole:
       return column == name_column ? QString("%1  (%2)").arg(group.title).arg(group.objects.size())
                                    : QVariant();
@@ -131,8 +140,12 @@ QVariant ObjectsModel::object_data(const BelievedObject& object, int column, int
                                     : percent_text(object.probability);
     case Qt::TextAlignmentRole:
       return column == probability_column ? QVariant(Qt::AlignRight | Qt::AlignVCenter) : QVariant();
-    case Qt::DecorationRole:
-      return column == name_column ? QVariant(swatch(object.rgb, kSwatchSide)) : QVariant();
+    case Qt::DecorationRole: {
+      if (column != name_column) return {};
+      const QPixmap picture = thumbnails_->of(object.id);
+      return picture.isNull() ? centred(swatch(object.rgb, kSwatchSide), kPictureSide)
+                              : centred(picture, kPictureSide);
+    }
     case Qt::ForegroundRole:
       if (column == state_column) return theme.of_presence(object.presence);
       return object.presence == Presence::seen ? QVariant() : QVariant(theme.muted);
@@ -143,6 +156,16 @@ QVariant ObjectsModel::object_data(const BelievedObject& object, int column, int
           .arg(size_text(object.size));
     case object_role:
       return static_cast<qlonglong>(object.id);
+    case class_role:
+      return QString::fromStdString(object.class_name);
+    case color_role:
+      return QString::fromStdString(object.color_name);
+    case state_role:
+      return QString(presence_name(object.presence));
+    case hour_role:
+      return object.last_seen && browser_.data() != nullptr
+                 ? time_text(*object.last_seen, browser_.data()->info().zone_minutes).mid(11, 2) + ":00"
+                 : QString();
     case filter_role:
       return QString::fromStdString(object.name + " " + object.class_name + " " + object.color_name + " " +
                                     object.place + " " + presence_name(object.presence));

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gui/browser.h"
+#include "gui/models/thumbnails.h"
 
 namespace loci {
 
@@ -19,7 +20,11 @@ class ObjectsModel : public QAbstractItemModel {
     object_role = Qt::UserRole,  ///< int64 id, invalid for a group
     place_role,                  ///< QString, of groups that are places
     group_role,                  ///< QString, of every group: stable over time
-    filter_role                  ///< all words that a search looks in
+    filter_role,                 ///< all words that a search looks in
+    class_role,                  ///< of objects, what they can be chosen by
+    color_role,
+    state_role,
+    hour_role  ///< of the day at which it was seen last: "08:00"
   };
 
   explicit ObjectsModel(Browser& browser, QObject* parent = nullptr);
@@ -48,6 +53,7 @@ class ObjectsModel : public QAbstractItemModel {
   QVariant object_data(const BelievedObject& object, int column, int role) const;
 
   Browser& browser_;
+  Thumbnails* thumbnails_;
   std::vector<Group> groups_;
 };
 

@@ -144,14 +144,21 @@ ObjectActors::ObjectActors(vtkRenderer* renderer, vtkRenderer* overlay)
 
 void ObjectActors::set(std::vector<MapObject> objects, const SceneColors& colors) {
   objects_ = std::move(objects);
-  rebuild(colors);
+  set_colors(colors);
 }
 
 void ObjectActors::select(std::optional<int64_t> id, const SceneColors& colors) {
-  if (std::exchange(selected_, id) != id) rebuild(colors);
+  if (std::exchange(selected_, id) != id) set_colors(colors);
 }
 
-void ObjectActors::rebuild(const SceneColors& colors) {
+/// However much changes at once, it is made once, and only when it is drawn.
+void ObjectActors::set_colors(const SceneColors& colors) {
+  colors_ = colors;
+  due_ = true;
+}
+
+void ObjectActors::rebuild() {
+  due_ = false;
   Boxes solid, edges, selected_edges;
   std::vector<LabelLayer::Label> labels;
   for (Layer* layer : {&solid_, &ghosts_, &edges_, &selected_edges_}) layer->objects.clear();
@@ -160,7 +167,7 @@ void ObjectActors::rebuild(const SceneColors& colors) {
     const bool selected = selected_ == object.id;
     if (!object.ghost) solid.add_faces(object);
     (object.ghost ? ghosts_ : solid_).objects.push_back(i);
-    (selected ? selected_edges : edges).add_edges(object, edge_color(object, selected, colors));
+    (selected ? selected_edges : edges).add_edges(object, edge_color(object, selected, colors_));
     (selected ? selected_edges_ : edges_).objects.push_back(i);
     labels.push_back(label_of(object, selected));
   }
@@ -168,11 +175,12 @@ void ObjectActors::rebuild(const SceneColors& colors) {
   edges.show_as(*edges_.actor, true);
   selected_edges.show_as(*selected_edges_.actor, true);
   ghosts_due_ = true;
-  labels_.set(labels, colors);
+  labels_.set(labels, colors_);
   set_visible(visible_);
 }
 
 void ObjectActors::arrange(const Vector3d& eye) {
+  if (due_) rebuild();
   labels_.lay_out();
   if (!ghosts_due_ && eye == eye_) return;
   eye_ = eye;

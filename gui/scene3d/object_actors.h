@@ -37,12 +37,13 @@ class ObjectActors {
 
   void set(std::vector<MapObject> objects, const SceneColors& colors);
   void select(std::optional<int64_t> id, const SceneColors& colors);
-  void set_colors(const SceneColors& colors) { rebuild(colors); }
+  void set_colors(const SceneColors& colors);
   /// Ghosts are blended with what was drawn before them: again the last after other actors were added.
   void draw_last();
   void set_visible(bool visible);
   void set_labels_visible(bool visible) { labels_.set_visible(visible && visible_); }
-  /// Translucent boxes from the farthest to the nearest; labels where there is room for them.
+  /// For the next picture: what has changed since the last one, translucent boxes from the farthest to the
+  /// nearest, labels where there is room for them.
   void arrange(const Vector3d& eye);
   const LabelLayer& labels() const { return labels_; }
 
@@ -59,13 +60,14 @@ class ObjectActors {
     vtkSmartPointer<vtkActor> actor;
     std::vector<size_t> objects;  ///< index of each box
   };
-  void rebuild(const SceneColors& colors);
+  void rebuild();
 
   vtkRenderer* renderer_;
   LabelLayer labels_;
   std::vector<MapObject> objects_;
   Vector3d eye_ = Vector3d::Zero();  ///< that the ghosts are sorted for
-  bool ghosts_due_ = false;
+  SceneColors colors_;
+  bool due_ = false, ghosts_due_ = false;
   Layer solid_, ghosts_, edges_, selected_edges_;
   std::optional<int64_t> selected_;
   bool visible_ = true;

@@ -1,5 +1,8 @@
 #include "gui/views/compare_view.h"
 
+#include <QComboBox>
+#include <QFileDialog>
+#include <QFileInfo>
 #include <QHBoxLayout>
 #include <QHeaderView>
 #include <QLabel>
@@ -8,6 +11,8 @@
 #include <QToolButton>
 #include <QVBoxLayout>
 
+#include "gui/background.h"
+#include "gui/data/memory_data.h"
 #include "gui/models/differences_model.h"
 #include "gui/text.h"
 
@@ -22,6 +27,7 @@ CompareView::CompareView(Browser& browser, QWidget* parent)
     : Page(parent),
       browser_(browser),
       stamp_(new QLineEdit(this)),
+      source_(new QComboBox(this)),
       state_(new QLabel(this)),
       model_(new DifferencesModel(this)),
       table_(new QTableView(this)) {
@@ -49,13 +55,20 @@ CompareView::CompareView(Browser& browser, QWidget* parent)
   head->addWidget(pin);
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(8, 6, 8, 6);
+  source_->setToolTip(
+      "What the other time is taken from: this memory, what it knew before something was added, corrected or "
+      "reasoned again, or another memory (loci-memory changes, was --known-at)");
+  source_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+  source_->setMinimumContentsLength(14);
+  connect(source_, QOverload<int>::of(&QComboBox::activated), this, &CompareView::take_source);
   layout->addLayout(head);
+  layout->addWidget(source_);
   layout->addWidget(state_);
   layout->addWidget(table_, 1);
   connect(pin, &QToolButton::clicked, this, [this] { set_other(browser_.selection().time()); });
   connect(stamp_, &QLineEdit::returnPressed, this, &CompareView::take_stamp);
   connect(table_, &QTableView::clicked, this, [this](const QModelIndex& index) {
-    if (const int64_t object = shown()[static_cast<size_t>(index.row())].object; object != 0)
+    if (const int64_t object = shown()[static_cast<size_t>(index.row())].object; object > 0)
       browser_.selection().select_object(object);
   });
   connect(&browser_, &Browser::opened, this, &CompareView::forget);
@@ -66,9 +79,61 @@ CompareView::CompareView(Browser& browser, QWidget* parent)
 void CompareView::forget() {
   const BrowserData* memory = browser_.data();
   const std::string path = memory == nullptr ? "" : memory->info().path;
+  fill_sources();
   if (path == memory_) return;  // it has grown: the time stays
   memory_ = path;
+  known_at_.reset();
+  another_.reset();
+  fill_sources();
   set_other(memory == nullptr || memory->scenes().empty() ? 0 : memory->scenes().front().time);
+}
+
+void CompareView::fill_sources() {
+  source_->clear();
+  source_->addItem("This memory, as known now");
+  if (browser_.data() != nullptr)
+    for (const KnownState& state : browser_.data()->info().known) {
+      source_->addItem("This memory, as known " + QString::fromStdString(state.before),
+                       static_cast<qlonglong>(state.known_at));
+      if (known_at_ == state.known_at) source_->setCurrentIndex(source_->count() - 1);
+    }
+  if (another_ != nullptr) {
+    source_->addItem(QFileInfo(QString::fromStdString(another_->info().path)).fileName());
+    source_->setCurrentIndex(source_->count() - 1);
+  }
+  source_->addItem("Another memory…");
+}
+
+void CompareView::take_source(int index) {
+  if (index == source_->count() - 1) return ask_for_memory();
+  if (another_ != nullptr && index == source_->count() - 2) return;
+  another_.reset();
+  const QVariant known_at = source_->itemData(index);
+  known_at_ = known_at.isValid() ? std::optional<TimeNs>(known_at.toLongLong()) : std::nullopt;
+  // Two reasonings are compared at one time.
+  if (known_at_) other_ = browser_.selection().time();
+  fill_sources();
+  refresh();
+}
+
+void CompareView::ask_for_memory() {
+  const QString path =
+      QFileDialog::getOpenFileName(this, "Compare with a memory", {}, "Memories (*.loci);;All files (*)");
+  fill_sources();
+  if (!path.isEmpty()) compare_with(path);
+}
+
+void CompareView::compare_with(const QString& path) {
+  in_background<std::shared_ptr<const BrowserData>>(
+      this,
+      [path = path.toStdString()]() -> std::shared_ptr<const BrowserData> { return open_memory_data(path); },
+      [this](const std::shared_ptr<const BrowserData>& memory) {
+        another_ = memory;
+        known_at_.reset();
+        fill_sources();
+        set_other(memory->scenes().empty() ? 0 : memory->scenes().back().time);
+      },
+      [this](const std::exception_ptr& error) { Q_EMIT browser_.failed(reason_of(error)); });
 }
 
 void CompareView::set_other(TimeNs time) {
@@ -81,7 +146,9 @@ void CompareView::take_stamp() {
   refresh();  // what cannot be read is not taken
   browser_.reader().read<TimeNs>(
       this, "stamp", Urgency::moment,
-      [text = typed](const BrowserData& memory) { return memory.time_of(text); },
+      [text = typed, another = another_](const BrowserData& memory) {
+        return (another ? *another : memory).time_of(text);
+      },
       [this](const TimeNs& time) { set_other(time); });
 }
 
@@ -96,17 +163,25 @@ void CompareView::refresh() {
   }
   stamp_->setText(time_text(other_, memory->info().zone_minutes));
   stamp_->setCursorPosition(0);
+  read_other();
+}
+
+void CompareView::read_other() {
   browser_.reader().read<BelievedScene>(
       this, "other", Urgency::moment,
-      [time = other_](const BrowserData& source) { return source.belief_at(time); },
-      [this](const BelievedScene& then) { show_differences(then); });
+      [time = other_, known_at = known_at_, another = another_](const BrowserData& source) {
+        return another ? another->belief_at(time) : source.belief_at(time, known_at);
+      },
+      [this](const BelievedScene& then) {
+        show_differences(another_ ? renumbered(then, browser_.belief()) : then);
+      });
 }
 
 void CompareView::show_differences(const BelievedScene& then) {
   const int zone = browser_.data()->info().zone_minutes;
   const auto head = [zone](TimeNs time) { return "At " + time_text(time, zone).mid(11, 8); };
   model_->set(differences(then, browser_.belief()), head(other_), head(browser_.selection().time()));
-  if (other_ == browser_.selection().time())
+  if (other_ == browser_.selection().time() && !known_at_ && !another_)
     state_->setText("This is the chosen time: choose another one below.");
   else if (shown().empty())
     state_->setText("Nothing differs.");

@@ -7,13 +7,14 @@
 #include "gui/views/page.h"
 
 class QLabel;
+class QComboBox;
 class QLineEdit;
 class QTableView;
 
 namespace loci {
 
-/// Two times of the memory side by side: what appeared, moved and is gone between another time and the chosen
-/// one. A click on a line chooses its object.
+/// Two beliefs side by side: what appeared, moved and is gone between another time, what was known earlier of
+/// a time, or another memory, and what is believed at the chosen time. A click on a line chooses its object.
 class CompareView : public Page {
   Q_OBJECT
 
@@ -22,6 +23,9 @@ class CompareView : public Page {
 
   /// The time that the chosen one is compared with.
   void set_other(TimeNs time);
+  /// Another memory's end instead of a time of this one.
+  void compare_with(const QString& path);
+  QComboBox* source() const { return source_; }
   TimeNs other() const { return other_; }
   QLineEdit* stamp() const { return stamp_; }
   QTableView* table() const { return table_; }
@@ -32,17 +36,24 @@ class CompareView : public Page {
 
  private:
   void forget();
+  void fill_sources();
+  void take_source(int index);
+  void ask_for_memory();
+  void read_other();
   void refresh();
   void take_stamp();
   void show_differences(const BelievedScene& then);
 
   Browser& browser_;
   QLineEdit* stamp_;
+  QComboBox* source_;
   QLabel* state_;
   DifferencesModel* model_;
   QTableView* table_;
   TimeNs other_ = 0;
-  std::string memory_;  ///< path of the memory that `other_` is a time of
+  std::optional<TimeNs> known_at_;              ///< as which the other time is believed; unset = as known now
+  std::shared_ptr<const BrowserData> another_;  ///< memory that the other time is of; null = the open one
+  std::string memory_;                          ///< path of the memory that `other_` is a time of
 };
 
 }  // namespace loci

@@ -1,32 +1,52 @@
 #include "gui/views/objects_tree.h"
 
+#include <QComboBox>
+#include <QGridLayout>
 #include <QHeaderView>
+#include <QLabel>
 #include <QLineEdit>
-#include <QSortFilterProxyModel>
 #include <QTreeView>
 #include <QVBoxLayout>
+#include <functional>
+#include <utility>
 
+#include "gui/models/objects_filter.h"
 #include "gui/models/objects_model.h"
 
 namespace loci {
+namespace {
+
+/// Asks what can be chosen when it is opened.
+class FilterBox : public QComboBox {
+ public:
+  FilterBox(std::function<void()> fill, QWidget* parent) : QComboBox(parent), fill_(std::move(fill)) {}
+  void showPopup() override {
+    fill_();
+    QComboBox::showPopup();
+  }
+
+ private:
+  std::function<void()> fill_;
+};
+
+}  // namespace
 
 ObjectsTree::ObjectsTree(Browser& browser, QWidget* parent)
     : QWidget(parent),
       browser_(browser),
       model_(new ObjectsModel(browser, this)),
-      filtered_(new QSortFilterProxyModel(this)),
+      filtered_(new ObjectsFilter(this)),
       search_(new QLineEdit(this)),
+      count_(new QLabel(this)),
       view_(new QTreeView(this)) {
   filtered_->setSourceModel(model_);
-  filtered_->setRecursiveFilteringEnabled(true);
-  filtered_->setFilterRole(ObjectsModel::filter_role);
-  filtered_->setFilterCaseSensitivity(Qt::CaseInsensitive);
   search_->setPlaceholderText("Search name, colour, place, state");
   search_->setClearButtonEnabled(true);
   search_->setToolTip("Shows only what contains this text (Ctrl+F)");
   view_->setModel(filtered_);
   view_->setUniformRowHeights(true);
   view_->setIndentation(14);
+  view_->setIconSize({24, 24});
   view_->setAlternatingRowColors(false);
   view_->setEditTriggers(QAbstractItemView::NoEditTriggers);
   view_->header()->setStretchLastSection(false);
@@ -37,14 +57,22 @@ ObjectsTree::ObjectsTree(Browser& browser, QWidget* parent)
   layout->setContentsMargins(6, 6, 6, 6);
   layout->setSpacing(6);
   layout->addWidget(search_);
+  auto* filters = new QGridLayout;
+  filters->setSpacing(4);
+  add_filter(ObjectsFilter::class_field, "Any class", "Only things of this class", filters);
+  add_filter(ObjectsFilter::color_field, "Any colour", "Only things of this colour", filters);
+  add_filter(ObjectsFilter::state_field, "Any state", "Only what is seen, remembered, hidden, missed or gone",
+             filters);
+  add_filter(ObjectsFilter::hour_field, "Any hour", "Only what was seen last in this hour of the day",
+             filters);
+  layout->addLayout(filters);
   layout->addWidget(view_);
+  layout->addWidget(count_);
 
   connect(search_, &QLineEdit::textChanged, this, [this](const QString& text) {
     following_ = true;  // The view moves on to a row that stays; nobody chose it.
-    filtered_->setFilterFixedString(text);
-    for (int row = 0; row < filtered_->rowCount(); ++row) view_->setFirstColumnSpanned(row, {}, true);
-    view_->expandAll();
-    follow_selection();
+    filtered_->search(text);
+    show_filtered();
   });
   connect(view_, &QTreeView::collapsed, this, [this](const QModelIndex& index) {
     closed_.insert(index.data(ObjectsModel::group_role).toString());
@@ -55,11 +83,65 @@ ObjectsTree::ObjectsTree(Browser& browser, QWidget* parent)
   connect(filtered_, &QAbstractItemModel::modelReset, this, [this] {
     restore_open_groups();
     follow_selection();
+    count();
   });
   connect(view_->selectionModel(), &QItemSelectionModel::selectionChanged, this,
           &ObjectsTree::tell_selection);
   connect(&browser_, &Browser::selected, this, &ObjectsTree::follow_selection);
   restore_open_groups();
+}
+
+void ObjectsTree::add_filter(int field, const QString& all, const QString& tip, QLayout* layout) {
+  auto* box = new FilterBox([this, field] { fill_filter(field); }, this);
+  box->addItem(all);
+  box->setToolTip(tip);
+  box->setFocusPolicy(Qt::NoFocus);
+  box->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+  box->setMinimumContentsLength(8);
+  filters_[field] = box;
+  static_cast<QGridLayout*>(layout)->addWidget(box, field / 2, field % 2);
+  connect(box, QOverload<int>::of(&QComboBox::activated), this, [this, box, field](int index) {
+    following_ = true;
+    filtered_->want(static_cast<ObjectsFilter::Field>(field), index == 0 ? QString() : box->currentText());
+    show_filtered();
+  });
+}
+
+/// What is chosen stays, even when nothing is of it at this time.
+void ObjectsTree::fill_filter(int field) {
+  QComboBox* box = filters_.at(field);
+  QStringList values = filtered_->values(static_cast<ObjectsFilter::Field>(field));
+  const QString chosen = box->currentIndex() > 0 ? box->currentText() : QString();
+  if (!chosen.isEmpty() && !values.contains(chosen)) values << chosen;
+  values.prepend(box->itemText(0));
+  box->clear();
+  box->addItems(values);
+  box->setCurrentIndex(chosen.isEmpty() ? 0 : values.indexOf(chosen));
+}
+
+void ObjectsTree::count() {
+  int shown = 0, all = 0;
+  for (int row = 0; row < filtered_->rowCount(); ++row)
+    shown += filtered_->rowCount(filtered_->index(row, 0));
+  for (int row = 0; row < model_->rowCount(); ++row) all += model_->rowCount(model_->index(row, 0));
+  count_->setText(shown == all ? QString("%1 object%2").arg(all).arg(all == 1 ? "" : "s")
+                               : QString("%1 of %2 objects").arg(shown).arg(all));
+}
+
+void ObjectsTree::show_filtered() {
+  for (int row = 0; row < filtered_->rowCount(); ++row) view_->setFirstColumnSpanned(row, {}, true);
+  view_->expandAll();
+  follow_selection();
+  count();
+}
+
+void ObjectsTree::show_all() {
+  search_->clear();
+  for (const auto& [field, box] : filters_) {
+    box->setCurrentIndex(0);
+    filtered_->want(static_cast<ObjectsFilter::Field>(field), {});
+  }
+  show_filtered();
 }
 
 void ObjectsTree::restore_open_groups() {

@@ -1,15 +1,20 @@
 #pragma once
 
 #include <QWidget>
+#include <map>
 #include <set>
 
 #include "gui/browser.h"
 
 class QLineEdit;
-class QSortFilterProxyModel;
+class QComboBox;
+class QLabel;
+class QLayout;
 class QTreeView;
 
 namespace loci {
+
+class ObjectsFilter;
 
 class ObjectsModel;
 
@@ -22,6 +27,9 @@ class ObjectsTree : public QWidget {
 
   QTreeView* view() const { return view_; }
   QLineEdit* search() const { return search_; }
+  QComboBox* filter(int field) const { return filters_.at(field); }
+  /// Nothing searched, nothing left out.
+  void show_all();
   ObjectsModel* model() const { return model_; }
   /// Where an object is in the view's (filtered) model; invalid when it is not shown.
   QModelIndex shown_index_of_object(int64_t object) const;
@@ -30,11 +38,17 @@ class ObjectsTree : public QWidget {
   void follow_selection();
   void tell_selection();
   void restore_open_groups();
+  void show_filtered();
+  void add_filter(int field, const QString& all, const QString& tip, QLayout* layout);
+  void fill_filter(int field);
+  void count();
 
   Browser& browser_;
   ObjectsModel* model_;
-  QSortFilterProxyModel* filtered_;
+  ObjectsFilter* filtered_;
   QLineEdit* search_;
+  std::map<int, QComboBox*> filters_;  ///< by ObjectsFilter::Field
+  QLabel* count_;
   QTreeView* view_;
   std::set<QString> closed_;  ///< groups that a person folded
   bool following_ = false;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gui/data/pixel_values.h"
 #include "gui/text.h"
 #include "gui/theme.h"
 
@@ -129,6 +130,19 @@ void SceneImage::paintEvent(QPaintEvent*) {
     if (box.object != selected) paint_box(painter, box);
   for (const ImageBox& box : boxes())
     if (box.object == selected) paint_box(painter, box);
+  paint_notes(painter);
+  paint_names(painter);
+  paint_values(painter);
+}
+
+void SceneImage::paint_values(QPainter& painter) const {
+  if (values_.isEmpty()) return;
+  painter.setFont(scaled_font(font(), 0.88));
+  const QSizeF size = painter.fontMetrics().size(Qt::TextSingleLine, values_) + QSize(10, 4);
+  const QRectF area(QPointF(0, height() - size.height()), size);
+  painter.fillRect(area, QColor(0, 0, 0, 190));
+  painter.setPen(Qt::white);
+  painter.drawText(area, Qt::AlignCenter, values_);
 }
 
 void SceneImage::paint_box(QPainter& painter, const ImageBox& box) const {
@@ -142,22 +156,96 @@ void SceneImage::paint_box(QPainter& painter, const ImageBox& box) const {
   painter.drawRoundedRect(area, 2, 2);
   painter.setPen(QPen(color, selected ? 2.5 : 1.3));
   painter.drawRoundedRect(area, 2, 2);
-  if (box.name.empty()) return;
+}
 
-  QFont font = scaled_font(this->font(), 0.88);
-  font.setBold(selected);
-  painter.setFont(font);
-  const QString name = QString::fromStdString(box.name);
-  const QSizeF size = QFontMetricsF(font).size(Qt::TextSingleLine, name) + QSizeF(8, 2);
+QRectF SceneImage::on_widget(const PictureNote& note) const {
+  if (depth_ || !content_ || content_->camera.color.width <= 0) return {};
+  const QRectF area = picture_area();
+  const double sx = area.width() / content_->camera.color.width;
+  const double sy = area.height() / content_->camera.color.height;
+  return QRectF(area.left() + note.region.x * sx, area.top() + note.region.y * sy, note.region.width * sx,
+                note.region.height * sy)
+      .intersected(area);
+}
+
+void SceneImage::paint_notes(QPainter& painter) const {
+  const Theme theme = Theme::of(palette());
+  painter.setBrush(Qt::NoBrush);
+  for (size_t i = 0; i < notes_.size(); ++i) {
+    painter.setPen(
+        QPen(marked_ == i ? theme.accent : QColor(255, 214, 90), marked_ == i ? 3 : 1.5, Qt::DashLine));
+    painter.drawRect(on_widget(notes_[i]));
+  }
+}
+
+void SceneImage::paint_names(QPainter& painter) const {
+  const Theme theme = Theme::of(palette());
   const QRectF all = picture_area();
-  QRectF label(QPointF(area.left(), area.top() - size.height() - 1), size);
-  label.moveLeft(std::clamp(label.left(), all.left(), std::max(all.left(), all.right() - size.width())));
-  if (label.top() < all.top()) label.moveTop(area.bottom() + 1);
-  painter.setPen(Qt::NoPen);
-  painter.setBrush(selected ? theme.accent : QColor(0, 0, 0, 165));
-  painter.drawRoundedRect(label, 3, 3);
-  painter.setPen(Qt::white);
-  painter.drawText(label, Qt::AlignCenter, name);
+  const auto selected = browser_.selection().object();
+  std::vector<const ImageBox*> order;  // the chosen one first: it gets the best place
+  for (const ImageBox& box : boxes())
+    if (!box.name.empty() && !on_widget(box).isEmpty())
+      order.insert(box.object == selected ? order.begin() : order.end(), &box);
+  std::vector<QRectF> taken;
+  for (const ImageBox* box : order) {
+    const QRectF area = on_widget(*box);
+    QFont font = scaled_font(this->font(), 0.88);
+    font.setBold(box->object == selected);
+    const QString name = QString::fromStdString(box->name);
+    const QSizeF size = QFontMetricsF(font).size(Qt::TextSingleLine, name) + QSizeF(8, 2);
+    const double left = std::clamp(area.left(), all.left(), std::max(all.left(), all.right() - size.width()));
+    // Above the box, below it, in it, or not at all.
+    for (const double top : {area.top() - size.height() - 1, area.bottom() + 1, area.top() + 2}) {
+      const QRectF label(QPointF(left, top), size);
+      if (label.top() < all.top() || label.bottom() > all.bottom() ||
+          std::any_of(taken.begin(), taken.end(),
+                      [&](const QRectF& other) { return other.intersects(label); }))
+        continue;
+      taken.push_back(label);
+      painter.setFont(font);
+      painter.setPen(Qt::NoPen);
+      painter.setBrush(box->object == selected ? theme.accent : QColor(0, 0, 0, 165));
+      painter.drawRoundedRect(label, 3, 3);
+      painter.setPen(Qt::white);
+      painter.drawText(label, Qt::AlignCenter, name);
+      break;
+    }
+  }
+}
+
+void SceneImage::set_notes(std::vector<PictureNote> notes) {
+  notes_ = std::move(notes);
+  marked_.reset();
+  update();
+}
+
+void SceneImage::mark(std::optional<size_t> note) {
+  marked_ = note;
+  update();
+}
+
+QString SceneImage::values_at(const QPointF& point) const {
+  const QRectF area = picture_area();
+  if (!content_ || picture_.isNull() || !area.contains(point)) return {};
+  const PinholeCamera& camera = depth_ ? content_->camera.depth : content_->camera.color;
+  const Vector2d pixel((point.x() - area.left()) / area.width() * camera.width,
+                       (point.y() - area.top()) / area.height() * camera.height);
+  const PixelValues values = depth_ ? values_at_depth(*content_, pixel) : values_at_color(*content_, pixel);
+  QStringList parts = {QString("%1, %2").arg(std::floor(pixel.x())).arg(std::floor(pixel.y()))};
+  parts << (values.depth ? QString("%1 m").arg(*values.depth, 0, 'f', 3) : QString("no depth"));
+  if (values.color)
+    parts << QString("rgb %1 %2 %3").arg((*values.color)[0]).arg((*values.color)[1]).arg((*values.color)[2]);
+  if (values.position)
+    parts << QString("map %1, %2, %3")
+                 .arg(values.position->x(), 0, 'f', 2)
+                 .arg(values.position->y(), 0, 'f', 2)
+                 .arg(values.position->z(), 0, 'f', 2);
+  return parts.join(" · ");
+}
+
+void SceneImage::leaveEvent(QEvent*) {
+  values_.clear();
+  update();
 }
 
 void SceneImage::mousePressEvent(QMouseEvent* event) {
@@ -171,6 +259,8 @@ void SceneImage::mousePressEvent(QMouseEvent* event) {
 void SceneImage::mouseMoveEvent(QMouseEvent* event) {
   const ImageBox* box = box_at(event->localPos());
   setCursor(box != nullptr ? Qt::PointingHandCursor : Qt::ArrowCursor);
+  values_ = values_at(event->localPos());
+  update();
 }
 
 }  // namespace loci

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "gui/browser.h"
+#include "gui/data/picture_notes.h"
 
 namespace loci {
 
@@ -21,8 +22,14 @@ class SceneImage : public QWidget {
   QSize sizeHint() const override { return {380, 285}; }
   /// Where an object's box is on the widget; unset when it is not in this picture.
   std::optional<QRectF> box_of(int64_t object) const;
+  /// What was found in parts of the picture, drawn as dashed boxes; one of them may be marked.
+  void set_notes(std::vector<PictureNote> notes);
+  void mark(std::optional<size_t> note);
+  /// What is measured at a point of the widget, as one line; empty outside the picture.
+  QString values_at(const QPointF& point) const;
 
  protected:
+  void leaveEvent(QEvent* event) override;
   void paintEvent(QPaintEvent* event) override;
   void mousePressEvent(QMouseEvent* event) override;
   void mouseMoveEvent(QMouseEvent* event) override;
@@ -34,13 +41,21 @@ class SceneImage : public QWidget {
   QRectF picture_area() const;
   QRectF on_widget(const ImageBox& box) const;
   const ImageBox* box_at(const QPointF& point) const;
+  QRectF on_widget(const PictureNote& note) const;
   void paint_box(QPainter& painter, const ImageBox& box) const;
+  void paint_values(QPainter& painter) const;
+  void paint_notes(QPainter& painter) const;
+  /// Names where there is room for them, beside their boxes; the chosen one always.
+  void paint_names(QPainter& painter) const;
   QString empty_text() const;
 
   Browser& browser_;
   std::shared_ptr<const SceneContent> content_;  ///< null = none
   QImage picture_;
   bool depth_ = false;
+  QString values_;  ///< under the cursor
+  std::vector<PictureNote> notes_;
+  std::optional<size_t> marked_;
 };
 
 }  // namespace loci

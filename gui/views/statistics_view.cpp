@@ -1,5 +1,6 @@
 #include "gui/views/statistics_view.h"
 
+#include <QAction>
 #include <QBuffer>
 #include <QFileDialog>
 #include <QHBoxLayout>
@@ -25,6 +26,14 @@ class Stoppable : public Progress {
  private:
   std::shared_ptr<std::atomic<bool>> stop_;
 };
+
+std::string png_of(QWidget& widget) {
+  QByteArray bytes;
+  QBuffer buffer(&bytes);
+  buffer.open(QIODevice::WriteOnly);
+  if (!widget.grab().save(&buffer, "PNG")) throw Error("the picture could not be encoded", {});
+  return {bytes.constData(), static_cast<size_t>(bytes.size())};
+}
 
 }  // namespace
 
@@ -96,6 +105,7 @@ void StatisticsView::show_charts(const std::vector<Chart>& charts) {
   layout->setSpacing(10);
   for (const Chart& chart : charts_) {
     bars_.push_back(new BarChart(chart, page));
+    offer_saving(bars_.back(), chart);
     layout->addWidget(bars_.back());
   }
   layout->addStretch();
@@ -104,13 +114,30 @@ void StatisticsView::show_charts(const std::vector<Chart>& charts) {
   for (QToolButton* button : savers_) button->setEnabled(!charts_.empty());
 }
 
+/// Each chart alone, from its menu.
+void StatisticsView::offer_saving(BarChart* bars, const Chart& chart) {
+  bars->setContextMenuPolicy(Qt::ActionsContextMenu);
+  bars->setToolTip("The right button saves this chart alone");
+  const QString name = QString::fromStdString(chart.title).toLower().replace(' ', '_');
+  const auto add = [&](const QString& text, const QString& ending, const QString& filter, auto content) {
+    auto* action = new QAction(text, bars);
+    connect(action, &QAction::triggered, this, [this, name, ending, filter, content] {
+      const QString path = QFileDialog::getSaveFileName(this, "Save chart", name + ending, filter);
+      if (path.isEmpty()) return;
+      try {
+        write_file_atomically(path.toStdString(), content());
+      } catch (const Error& error) {
+        Q_EMIT browser_.failed(QString::fromUtf8(error.what()));
+      }
+    });
+    bars->addAction(action);
+  };
+  add("Save this chart as PNG…", ".png", "Pictures (*.png)", [bars] { return png_of(*bars); });
+  add("Save this chart as CSV…", ".csv", "Tables (*.csv)", [chart] { return statistics_csv({chart}); });
+}
+
 void StatisticsView::save_png(const QString& path) const {
-  QByteArray bytes;
-  QBuffer buffer(&bytes);
-  buffer.open(QIODevice::WriteOnly);
-  if (!area_->widget()->grab().save(&buffer, "PNG"))
-    throw Error("the picture could not be encoded", {path.toStdString(), 0, {}});
-  write_file_atomically(path.toStdString(), {bytes.constData(), static_cast<size_t>(bytes.size())});
+  write_file_atomically(path.toStdString(), png_of(*area_->widget()));
 }
 
 void StatisticsView::save_csv(const QString& path) const {

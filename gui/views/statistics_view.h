@@ -36,6 +36,7 @@ class StatisticsView : public Page {
   void forget();
   void count();
   void show_charts(const std::vector<Chart>& charts);
+  void offer_saving(BarChart* bars, const Chart& chart);
   void ask_and_save(const QString& name, const QString& filter,
                     void (StatisticsView::*save)(const QString&) const);
 

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include "gui/data/browser_data.h"
+#include "gui/scene3d/colored_cloud.h"
+
+namespace loci {
+
+// What is on the screen, as files.
+
+/// What is believed at a time, a row per object: object, name, class, colour, place, state, probability,
+/// centre (m, map frame), size (m), last seen.
+std::string believed_csv(const BelievedScene& belief);
+/// The same as JSON, with the time and the joints.
+std::string believed_json(const BelievedScene& belief);
+/// Binary PLY, map frame.
+std::string cloud_ply(const ColoredCloud& cloud);
+
+}  // namespace loci

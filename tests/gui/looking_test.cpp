@@ -1,0 +1,170 @@
+// What one looks at and by what it is chosen: values under the cursor, what annotators found in pictures,
+// filters, files.
+
+#include <QComboBox>
+#include <QTreeWidget>
+#include <cstdlib>
+
+#include "gui/data/annotator_times.h"
+#include "gui/data/differences.h"
+#include "gui/data/exports.h"
+#include "gui/data/pixel_values.h"
+#include "gui/models/objects_filter.h"
+#include "gui/models/objects_model.h"
+#include "gui/views/compare_view.h"
+#include "gui/views/scene_image.h"
+#include "gui/views/scene_view.h"
+#include "mapping/base/json.h"
+#include "tests/gui/window_fixture.h"
+
+namespace loci {
+namespace {
+
+/// A wall two metres before both cameras, which stand side by side.
+SceneContent wall() {
+  SceneContent content;
+  content.camera.depth = {640, 480, 500, 500, 320, 240};
+  content.camera.color = {1280, 960, 1000, 1000, 640, 480};
+  content.camera.depth_from_color = Isometry3d(Eigen::Translation3d(0.05, 0, 0));
+  content.depth = cv::Mat(120, 160, CV_32F, cv::Scalar(2));
+  content.color = cv::Mat(960, 1280, CV_8UC3, cv::Scalar(10, 20, 30));
+  content.map_from_camera = Isometry3d(Eigen::Translation3d(1, 0, 0));
+  return content;
+}
+
+TEST(PixelValues, OfADepthPixelAreItsPointInTheMap) {
+  const PixelValues values = values_at_depth(wall(), {320, 240});
+  ASSERT_TRUE(values.depth && values.position && values.color);
+  EXPECT_NEAR(*values.depth, 2, 1e-6);
+  EXPECT_NEAR((*values.position - Vector3d(1, 0, 2)).norm(), 0, 1e-6);
+  EXPECT_EQ((*values.color)[0], 30);
+}
+
+TEST(PixelValues, OfAColourPixelTakeTheCamerasOffsetIntoAccount) {
+  const PixelValues values = values_at_color(wall(), {640, 480});
+  ASSERT_TRUE(values.position.has_value());
+  EXPECT_NEAR((*values.position - Vector3d(1.05, 0, 2)).norm(), 0, 1e-6);
+  EXPECT_FALSE(values_at_color(wall(), {-500, 480}).position.has_value());
+}
+
+TEST(PictureNotes, AreWhatHasARegionInThePicture) {
+  const auto notes = notes_in(R"({"structures": [
+    {"id": "#1", "type": "loci.annotation.LogoAnnotation",
+     "features": {"name": "Milka", "source": "VisualSearch", "roi": "#2"}},
+    {"id": "#2", "type": "loci.cv.Rect", "features": {"x": 4, "y": 5, "width": 60, "height": 30}},
+    {"id": "#3", "type": "loci.annotation.BarcodeAnnotation", "features": {"code": "40017",
+     "roi": {"id": "#4", "type": "loci.cv.Rect", "features": {"x": 1, "y": 2, "width": 3, "height": 4}}}},
+    {"id": "#5", "type": "loci.annotation.ColorAnnotation", "features": {"text": "red"}}]})");
+  ASSERT_EQ(notes.size(), 2U);
+  EXPECT_EQ(notes[0].text, "Milka");
+  EXPECT_EQ(notes[0].expert, "VisualSearch");
+  EXPECT_EQ(notes[0].region, cv::Rect2d(4, 5, 60, 30));
+  EXPECT_EQ(notes[1].type, "BarcodeAnnotation");
+  EXPECT_EQ(notes[1].region.width, 3);
+}
+
+TEST(AnotherMemory, IsRenumberedByPlaceAndColour) {
+  const auto thing = [](int64_t id, double x, const char* color) {
+    BelievedObject object;
+    object.id = id;
+    object.color_name = color;
+    object.map_from_object = Isometry3d(Eigen::Translation3d(x, 0, 0));
+    return object;
+  };
+  const BelievedScene here{0, {thing(1, 0, "red"), thing(2, 1, "blue")}, {}};
+  const BelievedScene there{0, {thing(7, 1.1, "blue"), thing(8, 0.1, "blue"), thing(9, 0.2, "red")}, {}};
+  const BelievedScene same = renumbered(there, here);
+  EXPECT_EQ(same.objects[0].id, 2);
+  EXPECT_LT(same.objects[1].id, 0);
+  EXPECT_EQ(same.objects[2].id, 1);
+}
+
+using test::BrowserWindow;
+
+TEST_F(BrowserWindow, ValuesUnderTheCursorAreTold) {
+  go_to(sample_.first);
+  const auto box = window.image().box_of(2);
+  ASSERT_TRUE(box.has_value());
+  EXPECT_TRUE(window.image().values_at(box->center()).contains(" m · rgb"))
+      << window.image().values_at(box->center()).toStdString();
+  EXPECT_TRUE(window.image().values_at(box->center()).contains("map"));
+  EXPECT_TRUE(window.image().values_at(QPointF(-5, -5)).isEmpty());
+}
+
+TEST_F(BrowserWindow, WhatWasFoundInThePictureStandsBesideIt) {
+  EXPECT_TRUE(window.picture().notes()->isHidden()) << "nothing was found: no empty tree";
+  PictureNote note{"LogoAnnotation", "Milka", "VisualSearch", -1, {100, 100, 200, 100}};
+  window.picture().show_notes({note});
+  const QTreeWidget* tree = window.picture().notes();
+  ASSERT_EQ(tree->topLevelItemCount(), 1);
+  EXPECT_EQ(tree->topLevelItem(0)->text(0), "Logo");
+  EXPECT_EQ(tree->topLevelItem(0)->child(0)->text(0), "Milka");
+  const QImage before = window.image().grab().toImage();
+  window.picture().notes()->setCurrentItem(tree->topLevelItem(0)->child(0));
+  EXPECT_NE(window.image().grab().toImage(), before) << "its box is marked";
+}
+
+TEST_F(BrowserWindow, TheTreeShowsOnlyWhatIsOfTheChosenColour) {
+  go_to(sample_.first);
+  const std::string color = window.browser().belief().find(1)->color_name;
+  QComboBox* box = window.tree().filter(ObjectsFilter::color_field);
+  box->showPopup();
+  box->hidePopup();
+  const int index = box->findText(QString::fromStdString(color));
+  ASSERT_GT(index, 0) << color;
+  box->setCurrentIndex(index);
+  Q_EMIT box->activated(index);
+  settle();
+  EXPECT_TRUE(window.tree().shown_index_of_object(1).isValid());
+  for (const BelievedObject& object : window.browser().belief().objects)
+    EXPECT_EQ(window.tree().shown_index_of_object(object.id).isValid(), object.color_name == color);
+  QApplication::setActiveWindow(&window);
+  press(Qt::Key_Escape);
+  EXPECT_TRUE(window.tree().shown_index_of_object(2).isValid()) << "Esc shows all again";
+}
+
+TEST_F(BrowserWindow, ThumbnailsStandInTheTreeOnceTheyAreRead) {
+  const auto side = [this] {
+    const QModelIndex index = window.tree().model()->index_of_object(2);
+    return index.data(Qt::DecorationRole).value<QPixmap>().width();
+  };
+  side();
+  settle();
+  EXPECT_GT(side(), 14) << "a picture, larger than the swatch of its colour";
+}
+
+TEST_F(BrowserWindow, AMemoryComparedWithItselfHasNoDifferences) {
+  window.show_dock("compare");
+  settle();
+  ASSERT_FALSE(window.compare().shown().empty()) << "two times differ";
+  window.compare().compare_with(QString::fromStdString(sample_.path.string()));
+  settle();
+  EXPECT_TRUE(window.compare().shown().empty());
+  EXPECT_EQ(window.compare().source()->currentText(), "sample.loci");
+}
+
+TEST_F(BrowserWindow, WhatIsBelievedCanBeWrittenAsATable) {
+  const std::string csv = believed_csv(window.browser().belief());
+  EXPECT_NE(csv.find("object_2,"), std::string::npos);
+  const Json json = parse_json(believed_json(window.browser().belief()), "test");
+  EXPECT_EQ(json["objects"].size(), window.browser().belief().objects.size());
+  const std::string ply = cloud_ply(*window.browser().moment().cloud);
+  EXPECT_NE(ply.find("element vertex " + std::to_string(window.browser().moment().cloud->points.size())),
+            std::string::npos);
+}
+
+TEST_F(BrowserWindow, AnnotatorsAreListedByTheirTimes) {
+  write_json(folder_.path / "sample.statistics.json",
+             Json{{"version", 1},
+                  {"annotators",
+                   {{"Fast", {{"scenes", 10}, {"seconds", 0.01}}},
+                    {"Slow", {{"scenes", 10}, {"seconds", 1.0}, {"failures", 2}}}}}});
+  const auto times = annotator_times(sample_.path);
+  ASSERT_EQ(times.size(), 2U);
+  EXPECT_EQ(times[0].name, "Slow");
+  EXPECT_NEAR(times[0].ms_per_scene(), 100, 1e-9);
+  EXPECT_EQ(times[0].failures, 2);
+}
+
+}  // namespace
+}  // namespace loci
