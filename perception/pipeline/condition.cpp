@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <functional>
 #include <optional>
@@ -38,6 +39,17 @@ bool compares(const T& value, const std::string& comparison, const T& literal) {
   return value >= literal;
 }
 
+std::string lowered(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+/// As other values, and `~`: whether the literal is a part of the text, in any case.
+bool text_compares(const std::string& text, const std::string& comparison, const std::string& literal) {
+  if (comparison == "~") return lowered(text).find(lowered(literal)) != std::string::npos;
+  return compares(text, comparison, literal);
+}
+
 bool is_word(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.';
 }
@@ -67,7 +79,7 @@ bool value_fits(const cas::FeatureStructure& owner, cas::Feature feature, const 
   if (range.kind() == cas::Kind::kBoolean)
     return compares(owner.get<bool>(feature), comparison, std::get<bool>(literal));
   if (range.kind() == cas::Kind::kString)
-    return compares(owner.text(feature), comparison, std::get<std::string>(literal));
+    return text_compares(owner.text(feature), comparison, std::get<std::string>(literal));
   if (cas::is_floating(range.kind()))
     return compares(owner.get<double>(feature), comparison, std::get<double>(literal));
   if (cas::is_integer(range.kind()))
@@ -77,7 +89,7 @@ bool value_fits(const cas::FeatureStructure& owner, cas::Feature feature, const 
     return compares(static_cast<double>(array.array_size()), comparison, std::get<double>(literal));
   const cas::Buffer<std::string> texts = array.elements<std::string>();
   const auto fits = [&](const std::string& text) {
-    return compares(text, comparison, std::get<std::string>(literal));
+    return text_compares(text, comparison, std::get<std::string>(literal));
   };
   return comparison == "!=" ? std::all_of(texts.begin(), texts.end(), fits)
                             : std::any_of(texts.begin(), texts.end(), fits);
@@ -173,7 +185,7 @@ class Condition::Parser {
     node->type = fmt::format("{}", fmt::join(parts.begin(), type + 1, "."));
     node->path.assign(type + 1, parts.end());
     next();
-    static const std::vector<std::string> kComparisons = {"==", "!=", "<", "<=", ">", ">="};
+    static const std::vector<std::string> kComparisons = {"==", "!=", "<", "<=", ">", ">=", "~"};
     if (quoted_ || std::find(kComparisons.begin(), kComparisons.end(), token_) == kComparisons.end())
       return node;
     if (node->path.empty()) fail("'and', 'or' or the end: a type alone is not compared");
@@ -275,6 +287,8 @@ void Condition::check(const cas::TypeSystem& types) const {
         throw Error(fmt::format("'{}' is compared with {}, not with {}", feature.name(),
                                 kNames[static_cast<size_t>(*kind)], kNames[node.literal.index()]),
                     place_);
+      if (node.comparison == "~" && *kind != Comparable::kText)
+        throw Error(fmt::format("'{}' is no text that '~' could look into", feature.name()), place_);
     }
   };
   visit(*root_);

@@ -16,10 +16,11 @@ namespace loci {
 ///     BarcodeAnnotation or (TextAnnotation.confidence >= 0.8)
 ///
 /// A type alone asks whether the cluster has one. `Type.feature` (and on, over references) is compared with a
-/// number, true, false or a text; of a list of texts any may fit, a list of structures stands for their
-/// number. `Cluster` is the cluster, `Scene` the scene, `PlanarSupport` what the cluster stands on, any other
-/// type an annotation or hypothesis of the cluster (its subtypes too), of which any may fit. "Annotation" at
-/// the end of a type's name may be left out. A feature that is not set fits nothing but `!=`.
+/// number, true, false or a text (`~ 'milk'`: contains it, in any case); of a list of texts any may fit, a
+/// list of structures stands for their number. `Cluster` is the cluster, `Scene` the scene, `PlanarSupport`
+/// what the cluster stands on, any other type an annotation or hypothesis of the cluster (its subtypes too),
+/// of which any may fit. "Annotation" at the end of a type's name may be left out. A feature that is not set
+/// fits nothing but `!=`.
 class Condition {
  public:
   /// Throws Error that says what was expected.

@@ -31,8 +31,8 @@ const std::map<std::string, KeyMeaning>& meanings() {
       {"class", {{"ClassificationAnnotation"}, "ClassificationAnnotation.label == '{}'"}},
       {"color", {{"ColorAnnotation"}, "ColorAnnotation.names == '{}'"}},
       {"on", {{"TFLocationAnnotation"}, "TFLocationAnnotation.frame_id == '{}'"}},
-      {"product", {{"ProductAnnotation"}, "ProductAnnotation.name == '{}'"}},
-      {"text", {{"TextAnnotation"}, "TextAnnotation.text == '{}'"}},
+      {"product", {{"ProductAnnotation"}, "ProductAnnotation.name ~ '{}'"}},
+      {"text", {{"TextAnnotation"}, "TextAnnotation.text ~ '{}'"}},
   };
   return all;
 }
@@ -133,6 +133,8 @@ GoalPlan plan_goal(const std::vector<GoalTerm>& goal, const Json& base, const Js
     std::vector<GoalChoice> options;
     for (const std::string& name : registry.annotators()) {
       const AnnotatorDescriptor descriptor = registry.make(name)->descriptor();
+      // Who finds things says something of what it found itself, and not of what is asked about.
+      if (std::ranges::find(descriptor.makes, "Cluster") != descriptor.makes.end()) continue;
       const bool answers = std::any_of(term.products.begin(), term.products.end(), [&](const auto& product) {
         return std::find(descriptor.makes.begin(), descriptor.makes.end(), product) != descriptor.makes.end();
       });

@@ -54,6 +54,14 @@ TEST_F(ConditionTest, ComparesNumbersTextsAndFlags) {
   EXPECT_TRUE(holds("Scene.clusters == 1"));
 }
 
+TEST_F(ConditionTest, ATextMayContainAnother) {
+  EXPECT_TRUE(holds("ColorAnnotation.names ~ 'WHIT'"));
+  EXPECT_FALSE(holds("ColorAnnotation.names ~ 'whitest'"));
+  EXPECT_FALSE(holds("BarcodeAnnotation.code ~ ''"));
+  EXPECT_THAT(refusal("GeometryAnnotation.height ~ 1"), HasSubstr("no text that '~'"));
+  EXPECT_THAT(refusal("ColorAnnotation.names ~ 1"), HasSubstr("compared with a text"));
+}
+
 TEST_F(ConditionTest, ATypeAloneAsksWhetherThereIsOne) {
   EXPECT_TRUE(holds("ColorAnnotation"));
   EXPECT_FALSE(holds("BarcodeAnnotation"));

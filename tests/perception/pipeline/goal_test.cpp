@@ -53,6 +53,19 @@ TEST(Goal, TakesTheMostGainPerTimeAndSaysWhy) {
   EXPECT_THAT(plan_text(made), HasSubstr("with Features"));
 }
 
+TEST(Goal, WhoFindsThingsIsNotAskedAboutWhatOthersFound) {
+  AnnotatorRegistry registry = experts();
+  add_scripted(registry, {"Glasses", "", {"Scene"}, {"Cluster", "ClassificationAnnotation"}});
+  const GoalPlan made =
+      plan_goal(parse_goal("class=mug"), Json::array({"Finder"}), Json::object(), registry, {}, std::nullopt);
+  EXPECT_THAT(taken(made), ElementsAre("Classes"));
+}
+
+TEST(Goal, AWordOfATextOrAProductIsEnough) {
+  EXPECT_EQ(parse_goal("text=milk")[0].condition, "TextAnnotation.text ~ 'milk'");
+  EXPECT_EQ(parse_goal("product=tea")[0].condition, "ProductAnnotation.name ~ 'tea'");
+}
+
 TEST(Goal, AsksLaterExpertsOnlyAboutWhatFitsSoFar) {
   const Json flow = plan("class=mug color=red").pipeline["flow"];
   ASSERT_EQ(flow.size(), 3U);
