@@ -147,7 +147,7 @@ void MainWindow::show_dock(const std::string& name) {
 void MainWindow::default_layout() {
   if (!default_state_.isEmpty()) restoreState(default_state_);
   const auto dock = [this](const char* name) { return findChild<QDockWidget*>(name); };
-  resizeDocks({dock("objects"), dock("scene")}, {300, 360}, Qt::Horizontal);
+  resizeDocks({dock("objects"), dock("scene")}, {318, 360}, Qt::Horizontal);
   resizeDocks({dock("scene"), dock("selection")}, {230, 330}, Qt::Vertical);
   resizeDocks({dock("time")}, {200}, Qt::Vertical);
 }

@@ -26,7 +26,7 @@ LogEntry entry_of(const RunRow& run, size_t scenes) {
 
 LogEntry entry_of(const AnnotatorTimes& times) {
   LogEntry entry{.what = times.name, .is_problem = times.failures > 0};
-  entry.text = fmt::format("{:.1f} ms per scene, {} scene{}", times.ms_per_scene(), times.scenes,
+  entry.text = fmt::format("{:.1f} ms/scene, {} scene{}", times.ms_per_scene(), times.scenes,
                            times.scenes == 1 ? "" : "s");
   if (times.failures > 0) entry.text += fmt::format(", {} failed", times.failures);
   entry.details = fmt::format(

@@ -12,7 +12,7 @@
 namespace loci {
 namespace {
 
-constexpr int kSwatchSide = 14, kPictureSide = 24;
+constexpr int kSwatchSide = 14, kPictureSide = 20;
 constexpr int kRowHeight = kPictureSide + 2;
 /// Internal id of groups; an object's index carries its group's row.
 constexpr quintptr kGroupId = static_cast<quintptr>(-1);

@@ -92,14 +92,18 @@ void LabelLayer::lay_out() {
   for (Item& item : items_) {
     item.shown = false;
     const auto at = visible_ ? projection.pixel(item.label.anchor) : std::nullopt;
-    if (!at) continue;
+    if (!at || at->x() < 0 || at->y() < 0 || at->x() > size[0] || at->y() > size[1]) continue;
     item.area = atlas_.area(item.label.text, item.label.emphasised);
     if (item.area.width == 0) continue;
     const int x = static_cast<int>(std::lround(at->x())), y = static_cast<int>(std::lround(at->y()));
     const int width = item.area.width, height = item.area.height;
     // Above the thing; where that is taken, beside it; else it goes without a name.
-    for (const auto& [left, bottom] : {std::pair(x - width / 2, y + kGap), std::pair(x + kGap, y - height),
-                                       std::pair(x - kGap - width, y - height)}) {
+    for (const auto& [wanted_left, wanted_bottom] :
+         {std::pair(x - width / 2, y + kGap), std::pair(x + kGap, y - height),
+          std::pair(x - kGap - width, y - height)}) {
+      // Nothing is cut off at the window's sides.
+      const int left = std::clamp(wanted_left, 0, std::max(0, size[0] - width));
+      const int bottom = std::clamp(wanted_bottom, 0, std::max(0, size[1] - height));
       const Rectangle place = {left, bottom, left + width, bottom + height};
       if (std::any_of(taken.begin(), taken.end(),
                       [&](const Rectangle& other) { return place.overlaps(other); }))

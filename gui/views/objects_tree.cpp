@@ -45,8 +45,8 @@ ObjectsTree::ObjectsTree(Browser& browser, QWidget* parent)
   search_->setToolTip("Shows only what contains this text (Ctrl+F)");
   view_->setModel(filtered_);
   view_->setUniformRowHeights(true);
-  view_->setIndentation(14);
-  view_->setIconSize({24, 24});
+  view_->setIndentation(12);
+  view_->setIconSize({20, 20});
   view_->setAlternatingRowColors(false);
   view_->setEditTriggers(QAbstractItemView::NoEditTriggers);
   view_->header()->setStretchLastSection(false);
