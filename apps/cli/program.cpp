@@ -107,7 +107,7 @@ Session::~Session() = default;
 void Session::answer(const std::string& text, const Json& json) {
   progress_ = std::make_unique<TerminalProgress>(true);  // Clears the bar before the answer is printed.
   if (flags_.json)
-    fmt::print("{}\n", json.dump(2));
+    fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));  // e.g. names of files
   else
     fmt::print("{}{}", text, text.ends_with('\n') || text.empty() ? "" : "\n");
 }

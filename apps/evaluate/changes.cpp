@@ -1,14 +1,8 @@
 #include "apps/evaluate/changes/comparison.h"
+#include "apps/evaluate/changes/remember.h"
 #include "apps/evaluate/commands.h"
 #include "apps/evaluate/temporary_folder.h"
-#include "mapping/base/config.h"
-#include "mapping/base/files.h"
 #include "mapping/base/json.h"
-#include "memory/annotators/memory_annotators.h"
-#include "memory/annotators/memory_session.h"
-#include "perception/annotators/annotators.h"
-#include "perception/annotators/hypotheses/known_map.h"
-#include "perception/types/types.h"
 
 namespace loci {
 namespace {
@@ -20,48 +14,19 @@ struct Arguments {
   std::string pipeline;
 };
 
-void perceive(const Arguments& arguments, const std::shared_ptr<Recording>& recording,
-              const std::filesystem::path& memory, Session& session) {
-  AnnotatorRegistry registry;
-  add_annotators(registry);
-  add_memory_annotators(registry);
-  Pipeline pipeline = arguments.pipeline.empty()
-                          ? Pipeline::parse(default_pipeline(), "the default pipeline", registry)
-                          : Pipeline::parse(Config::read(arguments.pipeline), registry);
-  pipeline.add("IdentityResolution", registry);
-  pipeline.add_writer("MemoryWriter", registry);
-  Resources resources;
-  resources.put(recording);
-  if (!arguments.map.empty()) {
-    const auto map = KnownMap::load(arguments.map, {}, session.warnings());
-    resources.put(map);
-    resources.put(std::make_shared<World>(map->world));
-  }
-  MemorySessionOptions options;
-  options.memory = memory;
-  options.program = "loci-evaluate changes";
-  options.configuration = pipeline.to_json();
-  options.map = arguments.map;
-  resources.put(std::make_shared<MemorySession>(options, *recording));
-  Context context{resources, session.warnings(), session.flags().threads, {}};
-  run_with_memory(pipeline, context, types::type_system(), session.progress());
-}
-
 void run(const Arguments& arguments, Session& session) {
   const std::shared_ptr<Recording> recording = open_recording(arguments.folder);
-  std::vector<int64_t> frames;
-  for (size_t i = 0; i < recording->size(); ++i) frames.push_back(recording->index_of(i));
-  const changes::Truth truth = changes::read_truth(arguments.folder, frames);
   const TemporaryFolder folder("changes");
-  const std::filesystem::path memory =
+  changes::RememberOptions options;
+  options.memory =
       arguments.memory.empty() ? folder.path() / "memory.loci" : std::filesystem::path(arguments.memory);
-  perceive(arguments, recording, memory, session);
-  const Store store = Store::open_read(memory);
-  const changes::Moments moments = changes::read_moments(store);
-  const std::vector<changes::Comparison> methods = {
-      changes::compare("loci", truth, moments, changes::memory_story(store, moments)),
-      changes::compare("greedy", truth, moments, changes::greedy_story(moments)),
-      changes::compare("nearest", truth, moments, changes::nearest_story(moments))};
+  options.map = arguments.map;
+  options.pipeline = arguments.pipeline;
+  options.program = "loci-evaluate changes";
+  options.threads = session.flags().threads;
+  changes::remember(recording, options, session.progress(), session.warnings());
+  const std::vector<changes::Comparison> methods =
+      changes::compare_all(arguments.folder, *recording, Store::open_read(options.memory));
   session.answer(changes::text(methods, session.flags().verbose), changes::to_json(methods));
 }
 

@@ -6,6 +6,7 @@ namespace loci {
 
 Command articulation_command();
 Command changes_command();
+Command days_command();
 Command mapping_command();
 Command description_command();
 Command filter_command();

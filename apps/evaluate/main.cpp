@@ -4,6 +4,7 @@ int main(int argc, char** argv) {
   loci::Program program("loci-evaluate", "Measures every claim against its peers.");
   program.add(loci::articulation_command());
   program.add(loci::changes_command());
+  program.add(loci::days_command());
   program.add(loci::description_command());
   program.add(loci::filter_command());
   program.add(loci::mapping_command());

@@ -27,6 +27,7 @@ Command like_command();
 Command about_command();
 Command room_command();
 Command opens_command();
+Command catalogue_command();
 Command ask_command();
 Command fact_command();
 Command taxonomy_command();

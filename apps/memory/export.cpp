@@ -11,6 +11,7 @@
 #include "mapping/image/image_io.h"
 #include "mapping/recording/recording.h"
 #include "memory/annotators/memory_session.h"
+#include "memory/exchange/belief_states.h"
 #include "memory/exchange/dataset.h"
 #include "memory/exchange/observation_image.h"
 #include "memory/exchange/owl_individuals.h"
@@ -78,6 +79,18 @@ int64_t export_clouds(const Store& store, const fs::path& folder, Progress& prog
   return written;
 }
 
+/// The state of the world as it was believed to be after each scene; how many.
+int64_t export_beliefs(const Store& store, const fs::path& file, Progress& progress) {
+  AtomicFile lines(file);
+  int64_t written = 0;
+  for_each_belief_state(store, progress, [&](const Json& state) {
+    lines.write(state.dump() + "\n");
+    ++written;
+  });
+  lines.commit();
+  return written;
+}
+
 /// Finds the frames of a memory's scenes in the recording that it was made from.
 std::function<std::optional<RgbdFrame>(const SceneRow&)> frames_of(const Store& store,
                                                                    const std::string& path) {
@@ -97,7 +110,7 @@ std::function<std::optional<RgbdFrame>(const SceneRow&)> frames_of(const Store& 
 
 struct Arguments {
   std::string memory, folder;
-  bool labels = false, clouds = false, owl = false;
+  bool labels = false, clouds = false, owl = false, beliefs = false;
   std::string dataset, recording;
   bool by_object = false;
 };
@@ -125,6 +138,7 @@ void export_memory(const Arguments& arguments, Session& session) {
     tell(view, export_view(store, view, folder));
   if (arguments.labels) tell("labels", export_labels(store, folder / "labels", session.progress()));
   if (arguments.clouds) tell("clouds", export_clouds(store, folder / "clouds", session.progress()));
+  if (arguments.beliefs) tell("beliefs", export_beliefs(store, folder / "beliefs.jsonl", session.progress()));
   if (arguments.owl) {
     write_file_atomically(folder / "individuals.owl",
                           owl_individuals(store, fs::path(arguments.memory).stem().string()));
@@ -143,6 +157,7 @@ Command export_command() {
       "OWL",
       {"loci-memory export -m demo-output/memory.loci -o demo-output/memory-export",
        "loci-memory export -m demo-output/memory.loci -o demo-output/memory-export --labels --clouds --owl "
+       "--beliefs "
        "--json",
        "loci-memory export -m demo-output/memory.loci --dataset demo-output/dataset --by-object "
        "--recording demo-output/day"},
@@ -156,6 +171,9 @@ Command export_command() {
                      "clouds/object_N_scene_M.ply: the surface of each sighting, as far as depth is kept");
         app.add_flag("--owl", arguments->owl,
                      "individuals.owl: objects and their stays with time, as KnowRob names them");
+        app.add_flag("--beliefs", arguments->beliefs,
+                     "beliefs.jsonl: per scene what was believed: clusters now and before, known and "
+                     "persisting objects, relations, identities, tracking");
         auto* dataset =
             app.add_option("--dataset", arguments->dataset,
                            "Instead: a folder to train from (loci-perceive train), with what each "

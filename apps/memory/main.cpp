@@ -40,6 +40,6 @@ int main(int argc, char** argv) {
   program.add(loci::report_command());
   program.add(loci::why_command());
   program.add(loci::reason_command());
-  program.add_planned("catalogue", "Object knowledge in and out");
+  program.add(loci::catalogue_command());
   return program.run(argc, argv);
 }

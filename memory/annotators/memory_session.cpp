@@ -7,6 +7,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "mapping/world/semantic_map.h"
+#include "memory/catalogue/catalogue.h"
 
 namespace loci {
 namespace {
@@ -90,6 +91,7 @@ MemoryRunResult run_with_memory(Pipeline& pipeline, Context& context,
   }
   result.pipeline = pipeline.run(context, types, progress, done);
   session.store_.finish_run(session.run_);
+  apply_catalogues(session.store_);
   session.reader_ = nullptr;
   return result;
 }

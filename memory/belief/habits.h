@@ -62,6 +62,13 @@ class Habits {
   /// A place was looked at and `found` new things were on it.
   void learn_arrivals(const std::string& place, double found, const BeliefOptions& options);
 
+  /// What was learned of kinds of things.
+  const std::map<std::string, Factor>& kinds() const { return by_kind_; }
+  /// Counts what was learned of a kind elsewhere as if it had happened here.
+  void take_kind(const std::string& kind, const Factor& elsewhere) {
+    by_kind_[kind].count(elsewhere.found, elsewhere.expected);
+  }
+
   /// Drops what was learned of kinds but these, down to their names.
   void keep_kinds(const std::set<std::string>& kinds) {
     std::erase_if(by_kind_, [&](const auto& of_kind) { return !kinds.contains(of_kind.first); });

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "mapping/base/json.h"
+#include "mapping/base/utf8.h"
 #include "memory/edits/edit_runs.h"
 #include "memory/questions/facts.h"
 #include "memory/store/edit_rows.h"
@@ -220,6 +221,7 @@ std::string label_of(const Store& store, Id scene, Id observation) {
 }
 
 Edit label_observation(Store& store, Id scene, int64_t number, const std::string& class_name) {
+  require_utf8(class_name);
   for (const ObservationRow& row : store.observations(scene)) {
     if (row.number != number) continue;
     const std::string before = label_of(store, scene, row.id);

@@ -174,27 +174,12 @@ class Dataset {
   DatasetResult result_;
 };
 
-/// What annotators say of an object most of all, by their confidence.
-std::string class_by_annotators(const Store& store, Id object) {
-  std::map<std::string, double> said;
-  for (const Sighting& sighting : store.sightings(object))
-    for (const AnnotationRow& row : store.annotations(sighting.observation.scene))
-      if (row.observation == sighting.observation.id &&
-          row.type == "loci.annotation.ClassificationAnnotation")
-        said[row.value] += row.confidence.value_or(0.5);
-  const auto most = std::ranges::max_element(said, {}, &std::pair<const std::string, double>::second);
-  return most == said.end() ? std::string() : most->first;
-}
-
 }  // namespace
 
 SaidClass class_of(const Store& store, const ObservationRow& observation, Id object) {
   const std::string label = label_of(store, observation.scene, observation.id);
   if (!label.empty()) return {label, "label"};
-  for (const FactRow& fact : store.facts())
-    if (fact.object == object && fact.key == "class" && fact.value) return {*fact.value, "fact"};
-  const std::string name = class_by_annotators(store, object);
-  return {name, name.empty() ? "" : "annotators"};
+  return class_of(store, object);
 }
 
 DatasetResult export_dataset(const Store& store, const fs::path& folder, const DatasetOptions& options,

@@ -9,6 +9,7 @@
 #include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
 #include "mapping/sensor/frame.h"
+#include "memory/catalogue/said_class.h"
 #include "memory/store/store.h"
 
 namespace loci {
@@ -28,11 +29,7 @@ struct DatasetResult {
   Json report() const;
 };
 
-/// What an observation is and who says so ("label", "fact", "annotators" or ""): labels of people first, then
-/// the class that people gave its object, then what annotators say of the object most of all.
-struct SaidClass {
-  std::string name, by;
-};
+/// What an observation is: labels of people first, then what is said of its object.
 SaidClass class_of(const Store& store, const ObservationRow& observation, Id object);
 
 /// Writes what the memory saw as a folder to train from: a recording of its scenes (frame index = scene), a

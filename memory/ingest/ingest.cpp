@@ -8,6 +8,7 @@
 #include "mapping/base/hash.h"
 #include "mapping/base/json.h"
 #include "mapping/world/semantic_map.h"
+#include "memory/catalogue/catalogue.h"
 #include "memory/ingest/line_reader.h"
 #include "memory/ingest/noise.h"
 #include "memory/ingest/scene_of_detections.h"
@@ -215,6 +216,7 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
   if (result.bad > kNamedLines)
     warnings.add(fmt::format("{} more bad lines", result.bad - kNamedLines), {file.string(), 0, {}});
   store.finish_run(run);
+  apply_catalogues(store);
   return result;
 }
 

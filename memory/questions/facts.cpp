@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "mapping/base/json.h"
+#include "mapping/base/utf8.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci {
@@ -40,7 +41,7 @@ FactsAnswer facts_of(const Snapshot& snapshot, const std::optional<About>& about
                             : place    ? place->name
                                        : "",
                             row.key, row.value.value_or(""), row.clock.valid_from, row.clock.known_from,
-                            row.clock.source});
+                            row.clock.source, row.probability});
   }
   return answer;
 }
@@ -75,6 +76,8 @@ FactsAnswer ask(const Store& store, const FactsQuestion& question) {
 FactsAnswer set_fact(Store& store, const std::string& about, const std::string& key,
                      const std::string& value) {
   if (key.empty() || value.empty()) throw Error("a fact needs a key and a value", {}, "fact set X owner Ada");
+  require_utf8(key);
+  require_utf8(value);
   const Snapshot snapshot(store, {});
   const About one = find_one(snapshot, about);
   const FactsAnswer before = facts_of(snapshot, one, key);
@@ -117,19 +120,22 @@ std::string to_text(const FactsAnswer& answer) {
   if (answer.facts.empty()) return "No such fact is known.\n";
   std::string text;
   for (const Fact& fact : answer.facts)
-    text += fmt::format("{} {} {} (says {})\n", fact.about, fact.key, fact.value, fact.source);
+    text += fmt::format("{} {} {} (says {}{})\n", fact.about, fact.key, fact.value, fact.source,
+                        fact.probability ? fmt::format(", {:.0f} %", 100 * *fact.probability) : "");
   return text;
 }
 
 Json to_json(const FactsAnswer& answer) {
   Json json = {{"facts", Json::array()}};
-  for (const Fact& fact : answer.facts)
+  for (const Fact& fact : answer.facts) {
     json["facts"].push_back({{"about", fact.about},
                              {"key", fact.key},
                              {"value", fact.value},
                              {"valid_from", format_time(fact.valid_from)},
                              {"known_from", format_time(fact.known_from)},
                              {"source", fact.source}});
+    if (fact.probability) json["facts"].back()["probability"] = *fact.probability;
+  }
   return json;
 }
 

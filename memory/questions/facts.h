@@ -16,7 +16,8 @@ struct Fact {
   std::string value = {};
   TimeNs valid_from = 0;
   TimeNs known_from = 0;
-  std::string source = {};  ///< "user", "perceive", ...
+  std::string source = {};  ///< "user", "perceive", "catalogue", ...
+  std::optional<double> probability = {};
 };
 struct FactsQuestion {
   std::string about = {};  ///< object or place in words; empty = all

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "mapping/base/json.h"
+#include "memory/belief/trackers.h"
 #include "memory/reasoning/pair_matrices.h"
 #include "memory/recorder/scene_reasoning.h"
 
@@ -127,6 +128,31 @@ Why explain(const belief::ObjectDecision& d) {
   return why;
 }
 
+/// What the simple trackers would have said (memory/belief/trackers.h).
+Why explain_votes(const SceneReasoning& reasoning) {
+  const belief::SceneMatrices& kept = reasoning.matrices;
+  const auto name = [&](const std::optional<int64_t>& key) {
+    const auto column = key ? std::ranges::find(kept.keys, *key) : kept.keys.end();
+    if (column == kept.keys.end()) return std::string("-");
+    return name_of(kept.objects[static_cast<size_t>(column - kept.keys.begin())], *key);
+  };
+  Why why;
+  why.json = Json::array();
+  const std::vector<belief::TrackerVotes> voted = belief::votes(kept);
+  for (size_t k = 0; k < voted.size(); ++k) {
+    why.text += fmt::format("trackers of observation {}:", k);
+    Json one = Json::object();
+    for (size_t t = 0; t < belief::kTrackers.size(); ++t) {
+      why.text += fmt::format(" {} {},", belief::kTrackers[t], name(voted[k].key[t]));
+      one[belief::kTrackers[t]] = voted[k].key[t] ? Json(name(voted[k].key[t])) : Json();
+    }
+    why.text += voted[k].settled ? " all agree\n" : " not settled\n";
+    one["settled"] = voted[k].settled.has_value();
+    why.json.push_back(std::move(one));
+  }
+  return why;
+}
+
 std::string heading(const SceneRow& scene) {
   return fmt::format("scene {} at {}: ", scene.id, format_time(scene.time));
 }
@@ -201,6 +227,9 @@ Why why_scene(const Store& store, Id id) {
     why.text += one.text;
     why.json["unseen"].push_back(one.json);
   }
+  const Why trackers = explain_votes(*reasoning);
+  why.text += trackers.text;
+  why.json["trackers"] = trackers.json;
   if (const std::optional<PairMatrices> matrices = pair_matrices(store, id)) {
     why.text += to_text(*matrices);
     why.json["matrices"] = to_json(*matrices);

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "memory/identity/matchings.h"
-
 #include "mapping/base/json.h"
+#include "memory/identity/matchings.h"
+#include "memory/recorder/scene_reasoning.h"
 
 namespace loci::changes {
 namespace {
@@ -263,6 +263,24 @@ Comparison compare(const std::string& method, const Truth& truth, const Moments&
   return comparison;
 }
 
+void Comparison::add(const Comparison& other) {
+  method = other.method;
+  transitions.insert(transitions.end(), other.transitions.begin(), other.transitions.end());
+  visible += other.visible;
+  found += other.found;
+  attributed += other.attributed;
+  agreed += other.agreed;
+  switches += other.switches;
+  pairs += other.pairs;
+  false_gone += other.false_gone;
+  returned += other.returned;
+  recognised += other.recognised;
+  phantoms += other.phantoms;
+  arbiter.observations += other.arbiter.observations;
+  arbiter.settled += other.arbiter.settled;
+  arbiter.as_model += other.arbiter.as_model;
+}
+
 size_t Comparison::certain() const {
   return static_cast<size_t>(
       std::ranges::count_if(transitions, [](const JudgedTransition& t) { return t.counts(); }));
@@ -291,6 +309,21 @@ size_t Comparison::count(const std::string& kind, const std::string& said) const
 double Comparison::identity_f1() const {
   const size_t sum = visible + attributed;
   return sum == 0 ? 1.0 : 2 * double(agreed) / double(sum);
+}
+
+std::vector<Comparison> compare_all(const std::filesystem::path& folder, const Recording& recording,
+                                    const Store& memory) {
+  std::vector<int64_t> frames;
+  for (size_t i = 0; i < recording.size(); ++i) frames.push_back(recording.index_of(i));
+  const Truth truth = read_truth(folder, frames);
+  const Moments moments = read_moments(memory);
+  std::vector<Comparison> methods = {compare("loci", truth, moments, memory_story(memory, moments)),
+                                     compare("greedy", truth, moments, greedy_story(moments)),
+                                     compare("nearest", truth, moments, nearest_story(moments))};
+  for (const SceneRow& scene : memory.scenes())
+    if (const std::optional<SceneReasoning> reasoning = load_reasoning(memory, scene.id))
+      methods.front().arbiter.add(reasoning->matrices, reasoning->decisions);
+  return methods;
 }
 
 }  // namespace loci::changes

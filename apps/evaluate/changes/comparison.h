@@ -6,6 +6,8 @@
 #include "apps/evaluate/changes/story.h"
 #include "apps/evaluate/changes/truth.h"
 #include "mapping/base/json_fwd.h"
+#include "mapping/recording/recording.h"
+#include "memory/belief/trackers.h"
 
 namespace loci::changes {
 
@@ -39,7 +41,10 @@ struct Comparison {
   size_t false_gone = 0;  ///< said to be gone while it stood where it had been seen
   size_t returned = 0, recognised = 0;  ///< came back after having been removed: recognised as the same
   size_t phantoms = 0;                  ///< objects that never were a true thing
+  belief::ArbiterCount arbiter;         ///< of a memory: what simple trackers would have settled
 
+  /// Counts those of another recording, too.
+  void add(const Comparison& other);
   size_t certain() const;
   size_t right() const;
   size_t count(const std::string& kind) const;
@@ -50,6 +55,10 @@ struct Comparison {
 };
 
 Comparison compare(const std::string& method, const Truth& truth, const Moments& moments, const Story& story);
+
+/// What a memory of a recording says (first), and greedy and nearest of the same observations.
+std::vector<Comparison> compare_all(const std::filesystem::path& folder, const Recording& recording,
+                                    const Store& memory);
 
 /// The methods beside each other, the first being the one that is looked at in detail.
 std::string text(const std::vector<Comparison>& methods, bool verbose);

@@ -93,7 +93,11 @@ Json figures_of(const Comparison& comparison) {
           {"false_disappearances", comparison.false_gone},
           {"returned", comparison.returned},
           {"recognised", comparison.recognised},
-          {"phantoms", comparison.phantoms}};
+          {"phantoms", comparison.phantoms},
+          {"arbiter",
+           {{"observations", comparison.arbiter.observations},
+            {"settled", comparison.arbiter.settled},
+            {"as_model", comparison.arbiter.as_model}}}};
 }
 
 }  // namespace
@@ -101,7 +105,12 @@ Json figures_of(const Comparison& comparison) {
 std::string text(const std::vector<Comparison>& methods, bool verbose) {
   const Comparison& first = methods.front();
   std::string out = figures(methods);
-  out += fmt::format("found: {} of {} visible things\n\n", first.found, first.visible);
+  out += fmt::format("found: {} of {} visible things\n", first.found, first.visible);
+  const belief::ArbiterCount& arbiter = first.arbiter;
+  if (arbiter.observations > 0)
+    out += fmt::format("simple trackers would settle {} of {} observations, {} as the model does\n",
+                       arbiter.settled, arbiter.observations, arbiter.as_model);
+  out += "\n";
   out += what_was_said(first);
   return verbose ? out + one_by_one(first) : out;
 }

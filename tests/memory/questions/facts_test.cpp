@@ -120,5 +120,11 @@ TEST_F(Facts, ATaxonomyThatContradictsItselfIsRefused) {
                   .contains("milk"));
 }
 
+TEST_F(Facts, NamesThatAreNoUtf8AreRefused) {
+  Store store = open(1);
+  EXPECT_THROW(set_fact(store, "object_1", "alias", "caf\xe9"), Error);
+  EXPECT_NO_THROW(set_fact(store, "object_1", "alias", "caf\xc3\xa9"));
+}
+
 }  // namespace
 }  // namespace loci

@@ -1,0 +1,246 @@
+#include "apps/evaluate/changes/random_day.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "mapping/base/error.h"
+#include "mapping/base/pose.h"
+#include "mapping/base/random.h"
+
+namespace loci::changes {
+namespace {
+
+struct View {
+  Vector3d from, at;
+};
+
+/// Something to put things on: metres from the middle of its top, and the places from where one sees it.
+struct Support {
+  std::string link;
+  double x, y;  ///< half of what is used
+  std::vector<View> views;
+};
+
+struct Model {
+  const char* name;
+  double radius;     ///< metres, of the space it needs
+  const char* more;  ///< of the scenario's object
+};
+constexpr Model kModels[] = {
+    {"mug", 0.06, ""},
+    {"bowl", 0.09, ", accent: [0.9, 0.9, 0.9]"},
+    {"plate", 0.13, ""},
+    {"box", 0.10, ", size: [0.16, 0.07, 0.22]"},
+    {"box", 0.08, ", size: [0.13, 0.06, 0.1], accent: [0.9, 0.85, 0.6], pattern: band"},
+    {"bottle", 0.05, ", accent: [0.2, 0.2, 0.3]"},
+    {"can", 0.05, ""},
+    {"jar", 0.055, ", accent: [0.9, 0.86, 0.7]"},
+    {"pot", 0.14, ""},
+    {"apple", 0.045, ""},
+    {"banana", 0.10, ""}};
+constexpr const char* kColors[] = {"[0.86, 0.86, 0.84]", "[0.8, 0.14, 0.12]",  "[0.2, 0.45, 0.8]",
+                                   "[0.93, 0.66, 0.12]", "[0.16, 0.45, 0.24]", "[0.45, 0.08, 0.22]",
+                                   "[0.62, 0.64, 0.68]", "[0.55, 0.75, 0.2]",  "[0.15, 0.15, 0.16]",
+                                   "[0.7, 0.5, 0.35]"};
+constexpr size_t kScenes = 18, kThings = 13, kAtFirst = 11;
+constexpr int kCupLeaves = 5, kCupReturns = 11;  ///< scenes before which the middle cup is moved
+
+}  // namespace
+
+struct DayWorld {
+  std::vector<Support> supports;  ///< the row of cups stands on the first
+};
+
+const DayWorld& day_world(const std::string& name) {
+  static const std::map<std::string, DayWorld> worlds = {
+      {"kitchen",
+       {{{"counter_1",
+          1.0,
+          0.18,
+          {{{1.0, 1.45, 1.5}, {1.0, 2.65, 0.88}}, {{2.1, 1.45, 1.5}, {2.1, 2.65, 0.88}}}},
+         {"table_1",
+          0.48,
+          0.28,
+          {{{2.0, 1.7, 1.45}, {2.0, 0.62, 0.74}},
+           {{1.5, 1.55, 1.5}, {1.95, 0.62, 0.74}},
+           {{2.5, 1.6, 1.4}, {2.05, 0.62, 0.74}}}}}}},
+      {"kitchen_l",
+       {{{"counter_2", 0.2, 0.75, {{{5.1, 1.25, 1.6}, {5.1, 0.3, 0.9}}, {{4.6, 1.2, 1.5}, {5.0, 0.3, 0.9}}}},
+         {"island_1",
+          0.3,
+          0.6,
+          {{{1.95, 1.3, 1.6}, {1.95, 2.9, 0.92}},
+           {{2.95, 3.1, 1.6}, {1.95, 3.1, 0.92}},
+           {{1.1, 3.1, 1.6}, {1.95, 3.1, 0.92}}}},
+         {"table_1",
+          0.48,
+          0.28,
+          {{{5.25, 0.95, 1.6}, {5.25, 1.9, 0.74}}, {{4.3, 1.5, 1.6}, {5.2, 1.9, 0.74}}}}}}}};
+  const auto found = worlds.find(name);
+  if (found == worlds.end())
+    throw Error("no days are simulated in '" + name + "'", {}, "take kitchen or kitchen_l");
+  return found->second;
+}
+
+namespace {
+
+/// Makes up the day, scene by scene.
+class Day {
+ public:
+  Day(const DayWorld& world, uint64_t seed) : world_(world), random_(seed) {
+    for (size_t i = 0; i < kThings; ++i) {
+      const Model& model = kModels[random_.index(std::size(kModels))];
+      things_.push_back(
+          {fmt::format("{}_{}", model.name, i), model, kColors[random_.index(std::size(kColors))], {}});
+    }
+    const char* color = kColors[random_.index(std::size(kColors))];
+    for (int i = 0; i < 3; ++i) things_.push_back({fmt::format("cup_{}", i), kModels[0], color, {}});
+  }
+
+  std::string write(const std::filesystem::path& urdf) {
+    std::string text =
+        fmt::format("world: {}\ncamera: kinect\nframe_interval_s: 1\nobjects:\n", urdf.string());
+    for (const Thing& thing : things_)
+      text += fmt::format("  {}: {{model: {}, color: {}{}}}\n", thing.name, thing.model.name, thing.color,
+                          thing.model.more);
+    text += "scenes:\n";
+    int minute = 7 * 60;
+    for (size_t scene = 0; scene < kScenes; ++scene) {
+      text += fmt::format("  - time: \"2026-05-03T{:02}:{:02}:00Z\"\n    views:\n", minute / 60, minute % 60);
+      for (const View& view : views(scene == 0))
+        text += fmt::format("      - {{from: [{:.3f}], at: [{:.3f}]}}\n", fmt::join(view.from, ", "),
+                            fmt::join(view.at, ", "));
+      const std::vector<std::string> actions = actions_before(static_cast<int>(scene));
+      if (!actions.empty()) text += fmt::format("    do:\n      - {}\n", fmt::join(actions, "\n      - "));
+      constexpr int kPauses[] = {5, 10, 20, 40, 60};
+      minute += kPauses[random_.index(std::size(kPauses))];
+    }
+    return text;
+  }
+
+ private:
+  struct Spot {
+    size_t support = 0;
+    double x = 0, y = 0;
+  };
+  struct Thing {
+    std::string name;
+    Model model;
+    const char* color;
+    std::optional<Spot> at;
+  };
+
+  bool is_free(const Spot& spot, const Thing& thing) const {
+    return std::ranges::all_of(things_, [&](const Thing& other) {
+      return &other == &thing || !other.at || other.at->support != spot.support ||
+             std::hypot(other.at->x - spot.x, other.at->y - spot.y) >
+                 thing.model.radius + other.model.radius + 0.02;
+    });
+  }
+
+  std::optional<Spot> free_spot(size_t support, const Thing& thing, const std::optional<Spot>& near = {}) {
+    const Support& on = world_.supports[support];
+    for (int i = 0; i < 300; ++i) {
+      const Spot spot{support, near ? near->x + random_.normal(0.1) : random_.uniform(-on.x, on.x),
+                      near ? near->y + random_.normal(0.1) : random_.uniform(-on.y, on.y)};
+      if (std::abs(spot.x) <= on.x && std::abs(spot.y) <= on.y && is_free(spot, thing)) return spot;
+    }
+    return std::nullopt;
+  }
+
+  std::string put(Thing& thing, const std::optional<Spot>& spot) {
+    if (!spot) return {};
+    thing.at = spot;
+    return fmt::format("{{place: {}, on: {}, at: [{:.3f}, {:.3f}], yaw_deg: {}}}", thing.name,
+                       world_.supports[spot->support].link, spot->x, spot->y,
+                       static_cast<int>(random_.index(360)) - 180);
+  }
+
+  std::string put_anywhere(Thing& thing) {
+    return put(thing, free_spot(random_.index(world_.supports.size()), thing));
+  }
+
+  /// Three in a row along the longer side of the first support.
+  std::optional<Spot> in_row(int number) const {
+    const Support& on = world_.supports[0];
+    const double along = 0.14 * (number - 1);
+    return on.x > on.y ? Spot{0, along, 0} : Spot{0, 0, along};
+  }
+
+  std::vector<std::string> actions_before(int scene) {
+    std::vector<std::string> actions;
+    Thing* cups = &things_[kThings];
+    if (scene == 0) {
+      for (int i = 0; i < 3; ++i) actions.push_back(put(cups[i], in_row(i)));
+      for (size_t i = 0; i < kAtFirst; ++i) actions.push_back(put_anywhere(things_[i]));
+    } else if (scene == kCupLeaves) {
+      actions.push_back(put(cups[1], free_spot(world_.supports.size() - 1, cups[1])));
+    } else if (scene == kCupReturns) {
+      const std::optional<Spot> old = in_row(1);
+      if (is_free(*old, cups[1])) actions.push_back(put(cups[1], old));
+    } else {
+      constexpr int kHowMany[] = {0, 0, 1, 1, 2, 3};
+      for (int left = kHowMany[random_.index(std::size(kHowMany))]; left > 0; --left)
+        actions.push_back(something());
+    }
+    std::erase(actions, "");
+    return actions;
+  }
+
+  /// One thing that happens to one of the things, the cups aside.
+  std::string something() {
+    std::vector<Thing*> here, away;
+    for (size_t i = 0; i < kThings; ++i) (things_[i].at ? here : away).push_back(&things_[i]);
+    const double what = random_.uniform();
+    if (what >= 0.85 || here.size() <= 5)
+      return away.empty() ? std::string() : put_anywhere(*away[random_.index(away.size())]);
+    Thing& thing = *here[random_.index(here.size())];
+    if (what < 0.5) return put_anywhere(thing);
+    if (what < 0.65) return put(thing, free_spot(thing.at->support, thing, thing.at));
+    if (what < 0.72) {
+      constexpr int kTurns_deg[] = {60, 90, 120, 180};
+      return fmt::format("{{turn: {}, yaw_deg: {}}}", thing.name,
+                         kTurns_deg[random_.index(std::size(kTurns_deg))]);
+    }
+    thing.at.reset();
+    return fmt::format("{{remove: {}}}", thing.name);
+  }
+
+  /// From somewhere near a known place; at first everything is looked at.
+  std::vector<View> views(bool all) {
+    std::vector<View> list;
+    const size_t most = random_.index(3) == 0 ? 2 : 1, begin = random_.index(world_.supports.size());
+    for (size_t i = 0; i < (all ? world_.supports.size() : most); ++i) {
+      const Support& support = world_.supports[(begin + i) % world_.supports.size()];
+      const size_t one = random_.index(support.views.size());
+      for (size_t v = 0; v < support.views.size(); ++v) {
+        if (v != one && !(all && support.views.size() == 2)) continue;
+        View view = support.views[v];
+        for (int axis = 0; axis < 3; ++axis) {
+          view.from[axis] += random_.uniform(-0.12, 0.12);
+          view.at[axis] += random_.uniform(-0.06, 0.06);
+        }
+        list.push_back(view);
+      }
+    }
+    return list;
+  }
+
+  const DayWorld& world_;
+  Random random_;
+  std::vector<Thing> things_;
+};
+
+}  // namespace
+
+std::string random_day(const DayWorld& world, const std::filesystem::path& urdf, uint64_t seed) {
+  return Day(world, seed).write(urdf);
+}
+
+}  // namespace loci::changes

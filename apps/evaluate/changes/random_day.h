@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace loci::changes {
+
+/// A sample kitchen in which random days can be: where things stand and from where one looks at them.
+struct DayWorld;
+/// "kitchen" or "kitchen_l" (of apps/samples). Error for others.
+const DayWorld& day_world(const std::string& name);
+
+/// A day as a scenario (YAML) for `loci-simulate record`: 18 scenes over some ten hours in which 11 to 16
+/// things, three equal cups in a row among them, are put elsewhere, pushed, turned, taken away and brought.
+/// The middle cup goes away and comes back. Same seed, same day.
+std::string random_day(const DayWorld& world, const std::filesystem::path& urdf, uint64_t seed);
+
+}  // namespace loci::changes

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "mapping/base/error.h"
+#include "mapping/base/progress.h"
+#include "mapping/recording/recording.h"
+
+namespace loci::changes {
+
+struct RememberOptions {
+  std::filesystem::path memory;    ///< to be made
+  std::filesystem::path map;       ///< URDF; empty = none
+  std::filesystem::path pipeline;  ///< YAML; empty = the default one
+  std::string program;
+  int threads = 0;
+};
+
+/// Perceives a recording into a memory, as `loci-perceive run` does.
+void remember(const std::shared_ptr<Recording>& recording, const RememberOptions& options, Progress& progress,
+              Warnings& warnings);
+
+}  // namespace loci::changes

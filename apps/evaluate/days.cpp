@@ -1,0 +1,91 @@
+#include <fmt/format.h>
+
+#include "apps/evaluate/changes/comparison.h"
+#include "apps/evaluate/changes/random_day.h"
+#include "apps/evaluate/changes/remember.h"
+#include "apps/evaluate/commands.h"
+#include "apps/evaluate/temporary_folder.h"
+#include "mapping/base/files.h"
+#include "mapping/base/json.h"
+#include "mapping/simulation/record.h"
+
+namespace loci {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  int runs = 2;
+  uint64_t seed = 1;
+  std::string samples = "apps/samples", keep;
+};
+
+/// One day in one of the kitchens, told by us and by the simpler ways.
+std::vector<changes::Comparison> one_day(const Arguments& arguments, int run, const fs::path& folder,
+                                         Progress& progress, Session& session) {
+  const std::string kitchen = run % 2 == 0 ? "kitchen" : "kitchen_l";
+  const fs::path urdf = fs::absolute(fs::path(arguments.samples) / (kitchen + ".urdf"));
+  const fs::path day = folder / fmt::format("day_{}", run + 1), scenario = day.string() + ".yaml";
+  const uint64_t seed = arguments.seed + static_cast<uint64_t>(run);
+  write_file_atomically(scenario, changes::random_day(changes::day_world(kitchen), urdf, seed));
+  RecordOptions record_options;
+  record_options.seed = static_cast<int>(seed);
+  record_options.threads = session.flags().threads;
+  PartialProgress recording_it(progress, 0, 0.6), remembering(progress, 0.6, 1);
+  record(read_scenario(scenario), day, record_options, recording_it, session.warnings());
+  const std::shared_ptr<Recording> recording = open_recording(day);
+  changes::RememberOptions options;
+  options.memory = day.string() + ".loci";
+  options.map = urdf;
+  options.program = "loci-evaluate days";
+  options.threads = session.flags().threads;
+  fs::remove(options.memory);
+  changes::remember(recording, options, remembering, session.warnings());
+  return changes::compare_all(day, *recording, Store::open_read(options.memory));
+}
+
+void run(const Arguments& arguments, Session& session) {
+  const TemporaryFolder temporary("days");
+  const fs::path folder = arguments.keep.empty() ? temporary.path() : fs::path(arguments.keep);
+  make_folder(folder);
+  std::vector<changes::Comparison> all;
+  std::string text;
+  Json days = Json::array();
+  for (int i = 0; i < arguments.runs; ++i) {
+    PartialProgress progress(session.progress(), double(i) / arguments.runs, double(i + 1) / arguments.runs);
+    const std::vector<changes::Comparison> day = one_day(arguments, i, folder, progress, session);
+    text += fmt::format("day {}: {} of {} right; identity F1 {:.3f}, {:.3f}, {:.3f}\n", i + 1, day[0].right(),
+                        day[0].certain(), day[0].identity_f1(), day[1].identity_f1(), day[2].identity_f1());
+    days.push_back(
+        {{"right", day[0].right()}, {"certain", day[0].certain()}, {"identity_f1", day[0].identity_f1()}});
+    all.resize(day.size());
+    for (size_t method = 0; method < day.size(); ++method) all[method].add(day[method]);
+  }
+  Json json = changes::to_json(all);
+  json.erase("transitions");
+  json["days"] = days;
+  session.answer(text + "\n" + changes::text(all, false), json);
+}
+
+}  // namespace
+
+Command days_command() {
+  return {"days",
+          "Random simulated days: what the memory says happened and who is who, beside simpler ways",
+          {"loci-evaluate days --runs 1", "loci-evaluate days --runs 1 --seed 4 --json"},
+          [](CLI::App& app) {
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("--runs", arguments->runs, "How many days, in the two sample kitchens by turns")
+                ->check(CLI::Range(1, 1000))
+                ->capture_default_str();
+            app.add_option("--seed", arguments->seed, "Of the first day; the others have the following ones")
+                ->capture_default_str();
+            app.add_option("--samples", arguments->samples, "Folder of kitchen.urdf and kitchen_l.urdf")
+                ->capture_default_str();
+            app.add_option("-o,--output", arguments->keep,
+                           "Keep scenarios, recordings and memories in this folder");
+            return [arguments](Session& session) { run(*arguments, session); };
+          }};
+}
+
+}  // namespace loci

@@ -1,0 +1,174 @@
+#include "memory/catalogue/catalogue.h"
+
+#include <cmath>
+#include <set>
+
+#include "mapping/base/files.h"
+#include "mapping/base/hash.h"
+#include "mapping/base/json.h"
+#include "memory/catalogue/looks.h"
+#include "memory/catalogue/said_class.h"
+#include "memory/recorder/carried_belief.h"
+
+namespace loci {
+namespace {
+
+constexpr const char* kFormat = "loci-catalogue";
+constexpr int kVersion = 1;
+
+std::string home_of(const Store& store) {
+  const std::vector<RecordingRow> recordings = store.recordings();
+  if (!recordings.empty()) return content_hash("recording " + recordings.front().fingerprint).substr(0, 16);
+  const std::vector<SceneRow> scenes = store.scenes();
+  if (scenes.empty()) return {};
+  return content_hash("scene " + std::to_string(scenes.front().time)).substr(0, 16);
+}
+
+/// Values of an object's annotations of one type, each once.
+std::vector<std::string> said_of(const Store& store, Id object, const std::string& type) {
+  std::set<std::string> values;
+  for (const Sighting& sighting : store.sightings(object))
+    for (const AnnotationRow& row : store.annotations(sighting.observation.scene))
+      if (row.observation == sighting.observation.id && row.type == type && !row.value.empty())
+        values.insert(row.value);
+  return {values.begin(), values.end()};
+}
+
+float rounded(float value) {
+  return std::round(value * 1e4F) / 1e4F;
+}
+
+Json look_json(const std::vector<belief::Descriptor>& look) {
+  Json json = Json::array();
+  for (const belief::Descriptor& d : look) {
+    std::vector<float> values = d.values;
+    for (float& value : values) value = rounded(value);
+    json.push_back({{"kind", d.kind}, {"values", values}});
+    if (!d.names.empty()) json.back()["names"] = d.names;
+  }
+  return json;
+}
+
+std::vector<belief::Descriptor> look_from(const Json& json) {
+  std::vector<belief::Descriptor> look;
+  for (const Json& one : json) {
+    belief::Descriptor d{one.at("kind"), one.at("values"), {}};
+    if (one.contains("names")) d.names = one.at("names").get<std::vector<std::string>>();
+    if (!d.names.empty() && d.names.size() != d.values.size())
+      throw Error("a look has not as many names as values");
+    look.push_back(std::move(d));
+  }
+  return look;
+}
+
+Json entry_json(const CatalogueEntry& entry) {
+  Json json = {{"name", entry.name}, {"sightings", entry.sightings}};
+  if (!entry.class_name.empty()) json["class"] = entry.class_name;
+  Json facts = Json::array();
+  for (const auto& [key, value] : entry.facts) facts.push_back({{"key", key}, {"value", value}});
+  if (!facts.empty()) json["facts"] = facts;
+  if (!entry.color.empty()) json["color"] = entry.color;
+  if (entry.size) json["size_m"] = {entry.size->x(), entry.size->y(), entry.size->z()};
+  if (!entry.texts.empty()) json["texts"] = entry.texts;
+  if (!entry.products.empty()) json["products"] = entry.products;
+  json["looks"] = Json::array();
+  for (const auto& look : entry.looks) json["looks"].push_back(look_json(look));
+  return json;
+}
+
+CatalogueEntry entry_from(const Json& json) {
+  CatalogueEntry entry;
+  entry.name = json.at("name");
+  entry.class_name = json.value("class", "");
+  entry.sightings = json.value("sightings", size_t{0});
+  for (const Json& fact : json.value("facts", Json::array()))
+    entry.facts.emplace_back(fact.at("key"), fact.at("value"));
+  entry.color = json.value("color", "");
+  if (json.contains("size_m")) {
+    const auto size = json.at("size_m").get<std::array<double, 3>>();
+    entry.size = Vector3d(size[0], size[1], size[2]);
+  }
+  entry.texts = json.value("texts", std::vector<std::string>());
+  entry.products = json.value("products", std::vector<std::string>());
+  for (const Json& look : json.value("looks", Json::array())) entry.looks.push_back(look_from(look));
+  return entry;
+}
+
+}  // namespace
+
+Catalogue catalogue_of(const Store& store) {
+  Catalogue catalogue;
+  catalogue.home = home_of(store);
+  catalogue.handling = load_belief(store).habits.kinds();
+  LooksOfObjects looks(store);
+  std::map<Id, std::string> place_class;
+  for (const PlaceRow& place : store.places()) place_class[place.id] = place.class_name;
+  for (const BeliefRow& belief : store.beliefs()) {
+    CatalogueEntry entry;
+    entry.name = object_name(belief.object);
+    const SaidClass said = class_of(store, belief.object);
+    // What another home said of it is that home's to tell.
+    if (said.by != "catalogue") entry.class_name = said.name;
+    for (const FactRow& fact : store.facts())
+      if (fact.object == belief.object && fact.value && fact.key != "class" && fact.key != "state" &&
+          fact.clock.source != "catalogue")
+        entry.facts.emplace_back(fact.key, *fact.value);
+    entry.color = belief.color.value_or("");
+    entry.size = belief.size;
+    entry.texts = said_of(store, belief.object, "loci.annotation.TextAnnotation");
+    entry.products = said_of(store, belief.object, "loci.annotation.ProductAnnotation");
+    entry.looks = looks.of(belief.object);
+    for (const Sighting& sighting : store.sightings(belief.object)) {
+      ++entry.sightings;
+      if (!entry.class_name.empty() && sighting.observation.place)
+        catalogue.kept_on[entry.class_name][place_class[*sighting.observation.place]] += 1;
+    }
+    catalogue.entries.push_back(std::move(entry));
+  }
+  for (auto& [name, places] : catalogue.kept_on) {
+    double all = 0;
+    for (const auto& [place, count] : places) all += count;
+    for (auto& [place, count] : places) count = std::round(1000 * count / all) / 1000;
+  }
+  return catalogue;
+}
+
+Json to_json(const Catalogue& catalogue) {
+  Json json = {
+      {"format", kFormat}, {"version", kVersion}, {"home", catalogue.home}, {"things", Json::array()}};
+  for (const CatalogueEntry& entry : catalogue.entries) json["things"].push_back(entry_json(entry));
+  json["habits"] = Json::object();
+  for (const auto& [name, factor] : catalogue.handling)
+    json["habits"][name]["handled"] = {{"found", factor.found}, {"expected", factor.expected}};
+  for (const auto& [name, places] : catalogue.kept_on) json["habits"][name]["kept_on"] = places;
+  return json;
+}
+
+Catalogue catalogue_from(const Json& json, const std::string& file) {
+  if (!json.is_object() || json.value("format", "") != kFormat)
+    throw Error("this is no catalogue", {file, 0, {}}, "loci-memory catalogue export writes one");
+  if (json.value("version", 0) != kVersion)
+    throw Error("this catalogue was written by another version of loci", {file, 0, {}});
+  try {
+    Catalogue catalogue;
+    catalogue.home = json.at("home");
+    for (const Json& entry : json.at("things")) catalogue.entries.push_back(entry_from(entry));
+    const Json of_classes = json.value("habits", Json::object());
+    for (const auto& [name, habits] : of_classes.items()) {
+      if (habits.contains("handled"))
+        catalogue.handling[name] = {habits.at("handled").at("found"), habits.at("handled").at("expected")};
+      if (habits.contains("kept_on"))
+        for (const auto& [place, share] : habits.at("kept_on").items())
+          catalogue.kept_on[name][place] = share;
+    }
+    return catalogue;
+  } catch (const nlohmann::json::exception& e) {
+    throw Error(std::string("this catalogue cannot be read: ") + e.what(), {file, 0, {}});
+  }
+}
+
+Catalogue read_home_catalogue(const std::filesystem::path& file) {
+  return catalogue_from(parse_json(read_file(file), file.string()), file.string());
+}
+
+}  // namespace loci
