@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <future>
 
 #include "perception/recognition/barcode_reader.h"
 
@@ -103,9 +104,12 @@ SearchService::SearchService(ProductIndex index, const ServiceOptions& options)
 
 std::vector<SearchResult> SearchService::look(const cv::Mat& image, int threads,
                                               const std::string& pictures) const {
+  // Reading takes as long as everything else.
+  auto reading =
+      std::async(threads == 1 ? std::launch::deferred : std::launch::async, [&] { return read_text(image); });
   std::vector<SearchResult> results = look_for_products(image, threads, pictures);
   for (SearchResult& result : look_for_codes(image, pictures)) results.push_back(std::move(result));
-  if (auto text = read_text(image)) results.push_back(std::move(*text));
+  if (auto text = reading.get()) results.push_back(std::move(*text));
   return results;
 }
 

@@ -25,7 +25,7 @@ struct Asked {
   std::string file;  ///< for people
   fs::path path;
   std::string truth;
-  std::set<std::string> relevant;
+  std::set<std::string> relevant;  ///< empty: nobody says what it is called
 };
 
 std::vector<Asked> pictures_of(const fs::path& folder, const std::vector<Product>& catalogue, int every) {
@@ -58,7 +58,7 @@ void add_codes(const fs::path& folder, int every, std::vector<Asked>& asked) {
   for (size_t row = 0; row < table.rows(); row += static_cast<size_t>(every)) {
     const std::string& file = table.cell(row, table.require_column("file"));
     const std::string& text = table.cell(row, table.require_column("text"));
-    asked.push_back({fs::path(file).stem().string(), folder / "images" / file, text, folded_words(text)});
+    asked.push_back({fs::path(file).stem().string(), folder / "images" / file, text, {}});
   }
 }
 
@@ -69,6 +69,8 @@ std::string category_of(const SearchResult& result) {
 void count(const Asked& asked, const SearchAnswer& answer, ServiceResult& result) {
   result.results += static_cast<int>(answer.results.size());
   for (const SearchResult& each : answer.results) ++result.categories[category_of(each)];
+  if (asked.relevant.empty()) return;
+  ++result.named;
   const std::vector<RankedWord> terms = terms_of(answer);
   const auto is_relevant = [&](const RankedWord& term) { return asked.relevant.contains(folded(term.word)); };
   ++result.relevant.at(static_cast<size_t>(std::count_if(terms.begin(), terms.end(), is_relevant)));
@@ -158,9 +160,9 @@ std::string ServiceResult::text() const {
   }
   text += "  relevant terms among five (Table 5.5)\n";
   for (size_t i = 0; i < relevant.size(); ++i)
-    text +=
-        fmt::format("    {}{:>8}{:>8.1f} %\n", i, relevant[i], share(static_cast<size_t>(relevant[i]), all));
-  text += fmt::format("    the most frequent one is relevant in {} of {}\n", first_relevant, pictures);
+    text += fmt::format("    {}{:>8}{:>8.1f} %\n", i, relevant[i],
+                        share(static_cast<size_t>(relevant[i]), static_cast<size_t>(named)));
+  text += fmt::format("    the most frequent one is relevant in {} of {}\n", first_relevant, named);
   text += "  time of a request (Table 5.6)\n";
   double before = 0;
   for (const double step : kSteps_s) {
@@ -188,6 +190,7 @@ Json ServiceResult::to_json() const {
   Json json = {{"pictures", pictures},
                {"results", results},
                {"categories", categories},
+               {"named", named},
                {"relevant", relevant},
                {"first_relevant", first_relevant},
                {"seconds", seconds},

@@ -20,7 +20,8 @@ struct ServiceResult {
     std::vector<std::pair<std::string, int>> terms;
   };
   std::vector<Example> examples;  ///< Table 5.4
-  std::array<int, 6> relevant{};  ///< Table 5.5: pictures by how many of the five terms are relevant
+  int named = 0;                  ///< pictures of which it is known what they are called
+  std::array<int, 6> relevant{};  ///< Table 5.5: these by how many of the five terms are relevant
   int first_relevant = 0;         ///< pictures whose most frequent term is
   std::vector<double> seconds;    ///< Table 5.6, of each request, ascending
   int alike_asked = 0, alike_remembered = 0, alike_wrong = 0;  ///< the cache, over all pairs of pictures
