@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Arguments {
-  int runs = 2;
+  int runs = 2, scenes = changes::kScenesOfADay;
   uint64_t seed = 1;
   std::string samples = "apps/samples", keep;
 };
@@ -27,7 +27,8 @@ std::vector<changes::Comparison> one_day(const Arguments& arguments, int run, co
   const fs::path urdf = fs::absolute(fs::path(arguments.samples) / (kitchen + ".urdf"));
   const fs::path day = folder / fmt::format("day_{}", run + 1), scenario = day.string() + ".yaml";
   const uint64_t seed = arguments.seed + static_cast<uint64_t>(run);
-  write_file_atomically(scenario, changes::random_day(changes::day_world(kitchen), urdf, seed));
+  write_file_atomically(scenario,
+                        changes::random_day(changes::day_world(kitchen), urdf, seed, arguments.scenes));
   RecordOptions record_options;
   record_options.seed = static_cast<int>(seed);
   record_options.threads = session.flags().threads;
@@ -70,22 +71,26 @@ void run(const Arguments& arguments, Session& session) {
 }  // namespace
 
 Command days_command() {
-  return {"days",
-          "Random simulated days: what the memory says happened and who is who, beside simpler ways",
-          {"loci-evaluate days --runs 1", "loci-evaluate days --runs 1 --seed 4 --json"},
-          [](CLI::App& app) {
-            auto arguments = std::make_shared<Arguments>();
-            app.add_option("--runs", arguments->runs, "How many days, in the two sample kitchens by turns")
-                ->check(CLI::Range(1, 1000))
-                ->capture_default_str();
-            app.add_option("--seed", arguments->seed, "Of the first day; the others have the following ones")
-                ->capture_default_str();
-            app.add_option("--samples", arguments->samples, "Folder of kitchen.urdf and kitchen_l.urdf")
-                ->capture_default_str();
-            app.add_option("-o,--output", arguments->keep,
-                           "Keep scenarios, recordings and memories in this folder");
-            return [arguments](Session& session) { run(*arguments, session); };
-          }};
+  return {
+      "days",
+      "Random simulated days: what the memory says happened and who is who, beside simpler ways",
+      {"loci-evaluate days --runs 1 --scenes 4", "loci-evaluate days --runs 1 --scenes 3 --seed 4 --json"},
+      [](CLI::App& app) {
+        auto arguments = std::make_shared<Arguments>();
+        app.add_option("--runs", arguments->runs, "How many days, in the two sample kitchens by turns")
+            ->check(CLI::Range(1, 1000))
+            ->capture_default_str();
+        app.add_option("--scenes", arguments->scenes, "Of each day; the middle cup is back after 12")
+            ->check(CLI::Range(1, 100))
+            ->capture_default_str();
+        app.add_option("--seed", arguments->seed, "Of the first day; the others have the following ones")
+            ->capture_default_str();
+        app.add_option("--samples", arguments->samples, "Folder of kitchen.urdf and kitchen_l.urdf")
+            ->capture_default_str();
+        app.add_option("-o,--output", arguments->keep,
+                       "Keep scenarios, recordings and memories in this folder");
+        return [arguments](Session& session) { run(*arguments, session); };
+      }};
 }
 
 }  // namespace loci

@@ -48,7 +48,7 @@ constexpr const char* kColors[] = {"[0.86, 0.86, 0.84]", "[0.8, 0.14, 0.12]",  "
                                    "[0.93, 0.66, 0.12]", "[0.16, 0.45, 0.24]", "[0.45, 0.08, 0.22]",
                                    "[0.62, 0.64, 0.68]", "[0.55, 0.75, 0.2]",  "[0.15, 0.15, 0.16]",
                                    "[0.7, 0.5, 0.35]"};
-constexpr size_t kScenes = 18, kThings = 13, kAtFirst = 11;
+constexpr size_t kThings = 13, kAtFirst = 11;
 constexpr int kCupLeaves = 5, kCupReturns = 11;  ///< scenes before which the middle cup is moved
 
 }  // namespace
@@ -103,7 +103,7 @@ class Day {
     for (int i = 0; i < 3; ++i) things_.push_back({fmt::format("cup_{}", i), kModels[0], color, {}});
   }
 
-  std::string write(const std::filesystem::path& urdf) {
+  std::string write(const std::filesystem::path& urdf, int scenes) {
     std::string text =
         fmt::format("world: {}\ncamera: kinect\nframe_interval_s: 1\nobjects:\n", urdf.string());
     for (const Thing& thing : things_)
@@ -111,12 +111,12 @@ class Day {
                           thing.model.more);
     text += "scenes:\n";
     int minute = 7 * 60;
-    for (size_t scene = 0; scene < kScenes; ++scene) {
+    for (int scene = 0; scene < scenes; ++scene) {
       text += fmt::format("  - time: \"2026-05-03T{:02}:{:02}:00Z\"\n    views:\n", minute / 60, minute % 60);
       for (const View& view : views(scene == 0))
         text += fmt::format("      - {{from: [{:.3f}], at: [{:.3f}]}}\n", fmt::join(view.from, ", "),
                             fmt::join(view.at, ", "));
-      const std::vector<std::string> actions = actions_before(static_cast<int>(scene));
+      const std::vector<std::string> actions = actions_before(scene);
       if (!actions.empty()) text += fmt::format("    do:\n      - {}\n", fmt::join(actions, "\n      - "));
       constexpr int kPauses[] = {5, 10, 20, 40, 60};
       minute += kPauses[random_.index(std::size(kPauses))];
@@ -239,8 +239,8 @@ class Day {
 
 }  // namespace
 
-std::string random_day(const DayWorld& world, const std::filesystem::path& urdf, uint64_t seed) {
-  return Day(world, seed).write(urdf);
+std::string random_day(const DayWorld& world, const std::filesystem::path& urdf, uint64_t seed, int scenes) {
+  return Day(world, seed).write(urdf, scenes);
 }
 
 }  // namespace loci::changes

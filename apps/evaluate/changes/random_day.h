@@ -11,9 +11,12 @@ struct DayWorld;
 /// "kitchen" or "kitchen_l" (of apps/samples). Error for others.
 const DayWorld& day_world(const std::string& name);
 
-/// A day as a scenario (YAML) for `loci-simulate record`: 18 scenes over some ten hours in which 11 to 16
+inline constexpr int kScenesOfADay = 18;
+
+/// A day as a scenario (YAML) for `loci-simulate record`: scenes over some ten hours in which 11 to 16
 /// things, three equal cups in a row among them, are put elsewhere, pushed, turned, taken away and brought.
-/// The middle cup goes away and comes back. Same seed, same day.
-std::string random_day(const DayWorld& world, const std::filesystem::path& urdf, uint64_t seed);
+/// The middle cup goes away (before the 6th scene) and comes back (before the 12th). Same seed, same day.
+std::string random_day(const DayWorld& world, const std::filesystem::path& urdf, uint64_t seed,
+                       int scenes = kScenesOfADay);
 
 }  // namespace loci::changes
