@@ -140,12 +140,6 @@ void Program::add(Command command) {
   runs_.emplace_back(sub, command.declare(*sub));
 }
 
-void Program::add_planned(const std::string& name, const std::string& description) {
-  CLI::App* sub = app_.add_subcommand(name, description + " (not built yet)");
-  sub->allow_extras();
-  planned_.push_back(name);
-}
-
 std::vector<std::string> Program::commands() const {
   std::vector<std::string> names;
   for (const CLI::App* sub : app_.get_subcommands([](const CLI::App*) { return true; }))
@@ -168,11 +162,6 @@ int Program::run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     const int code = app_.exit(error);
     return code == 0 ? 0 : 2;
-  }
-  for (const std::string& planned : planned_) {
-    if (!app_.got_subcommand(planned)) continue;
-    fmt::print(stderr, "{} {}: not built yet\n", name_, planned);
-    return 3;
   }
   for (const auto& [sub, command] : runs_) {
     if (!sub->parsed()) continue;

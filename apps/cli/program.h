@@ -55,15 +55,12 @@ struct Command {
   std::function<std::function<void(Session&)>(CLI::App&)> declare;
 };
 
-/// A program of subcommands. Exit codes: 0 done, 1 error (one line on stderr), 2 usage, 3 planned but not
-/// built, 130 interrupted.
+/// A program of subcommands. Exit codes: 0 done, 1 error (one line on stderr), 2 usage, 130 interrupted.
 class Program {
  public:
   Program(std::string name, std::string description);
 
   void add(Command command);
-  /// A command of the design that is not built yet: listed, says so, exits 3.
-  void add_planned(const std::string& name, const std::string& description);
   int run(int argc, char** argv);
 
  private:
@@ -73,7 +70,6 @@ class Program {
   CLI::App app_;
   CommonFlags flags_;
   std::vector<std::pair<CLI::App*, std::function<void(Session&)>>> runs_;
-  std::vector<std::string> planned_;
 };
 
 /// Declares the options of a stage as --kebab-case flags on a command.

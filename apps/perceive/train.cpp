@@ -16,13 +16,11 @@ struct Arguments {
   ClassifierOptions options;
 };
 
-/// Leaves out classes of which too few things were found to learn from some and to be judged by others; how
-/// many of each.
+/// Leaves out classes of which too few things were found for each fold to judge one; how many of each.
 std::map<std::string, size_t> leave_out_small_classes(std::vector<LabelledThing>& things, int folds) {
-  constexpr size_t kFewest = 4;
   std::map<std::string, size_t> count;
   for (const LabelledThing& thing : things) ++count[thing.label];
-  std::erase_if(count, [&](const auto& of) { return of.second >= std::max(kFewest, size_t(folds)); });
+  std::erase_if(count, [&](const auto& of) { return of.second >= size_t(folds); });
   std::erase_if(things, [&](const LabelledThing& thing) { return count.contains(thing.label); });
   return count;
 }

@@ -78,11 +78,5 @@ TEST(Commands, SuggestTheNearestForAnUnknownOne) {
   EXPECT_THAT(outcome.error, testing::HasSubstr("did you mean 'check'?"));
 }
 
-TEST(Commands, ThatArePlannedSayThatTheyAreNotBuilt) {
-  const Outcome outcome = run("loci-memory catalogue");
-  EXPECT_EQ(outcome.exit_code, 3);
-  EXPECT_THAT(outcome.error, testing::HasSubstr("not built yet"));
-}
-
 }  // namespace
 }  // namespace loci::test
