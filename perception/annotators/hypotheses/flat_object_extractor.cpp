@@ -88,6 +88,7 @@ void FlatObjectExtractor::process(cas::Cas& cas, Context& /*context*/) {
     throw Error("the empty surface is not as large as the depth picture", {calibration_, 0, {}},
                 "make it from a recording of the same camera");
   cv::Mat taken = pixels_of_clusters(scene, depth.size(), kMargin);
+  const cv::Mat map_depth = scene.has(kMapDepthView) ? types::view_image(scene, kMapDepthView) : cv::Mat();
   size_t found = 0;
   for (const types::PlanarSupport& support : scene.supports()) {
     FlatSurface surface;
@@ -95,6 +96,8 @@ void FlatObjectExtractor::process(cas::Cas& cas, Context& /*context*/) {
     surface.normal = pose.linear().transpose() * normal;
     surface.offset = support.offset.get() - normal.dot(pose.translation());
     surface.inside = pixels_over(support, pose.inverse(), camera.depth) & ~taken;
+    if (!map_depth.empty())
+      leave_out_what_the_map_hides(map_depth, surface.normal, surface.offset, camera.depth, surface.inside);
     surface.empty_depth = empty_depth_;
     for (const FlatObject& object : find_flat_objects(depth, color, camera, surface, options_)) {
       if (object.pixels.empty()) continue;

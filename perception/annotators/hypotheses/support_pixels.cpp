@@ -26,6 +26,19 @@ cv::Mat pixels_over(const types::PlanarSupport& support, const Isometry3d& camer
   return inside;
 }
 
+void leave_out_what_the_map_hides(const cv::Mat& map_depth, const Vector3d& normal, double offset,
+                                  const PinholeCamera& camera, cv::Mat& inside) {
+  constexpr double kOver_m = 0.01;  // a surface is not over itself
+  for (int v = 0; v < inside.rows; ++v) {
+    const auto* depth = map_depth.ptr<float>(v);
+    auto* pixel = inside.ptr<unsigned char>(v);
+    for (int u = 0; u < inside.cols; ++u)
+      if (pixel[u] != 0 &&
+          normal.dot(camera.unproject(u, v, static_cast<double>(depth[u]))) - offset > kOver_m)
+        pixel[u] = 0;
+  }
+}
+
 cv::Mat pixels_of_clusters(const types::SceneCas& scene, const cv::Size& size, int margin) {
   cv::Mat taken = cv::Mat::zeros(size, CV_8U);
   for (const types::Cluster& cluster : scene.clusters())

@@ -5,6 +5,7 @@
 
 #include "mapping/base/random.h"
 #include "perception/annotators/hypotheses/flat_object_extractor.h"
+#include "perception/annotators/hypotheses/support_pixels.h"
 #include "perception/annotators/hypotheses/thin_objects.h"
 
 namespace loci {
@@ -184,6 +185,17 @@ TEST(FlatObjects, WhatStandsHigherIsNotFlat) {
       find_flat_objects(workspace.depth(true, Random(1)), workspace.color(0, Random(2)), workspace.camera,
                         workspace.surface, FlatOptions());
   for (const FlatObject& object : found) EXPECT_LT(workspace.overlap(object), 0.2);
+}
+
+TEST(FlatObjects, AreNotLookedForWhereTheMapHidesTheSupport) {
+  const PinholeCamera camera{4, 1, 100, 100, 1.5, 0};
+  const Vector3d up(0, 0, -1);  // the camera looks straight down on a surface 1 m below
+  cv::Mat inside(1, 4, CV_8U, cv::Scalar(255));
+  const float nothing = std::numeric_limits<float>::quiet_NaN();
+  const cv::Mat map_depth = (cv::Mat_<float>(1, 4) << 1.0F, 0.95F, 1.3F, nothing);
+  leave_out_what_the_map_hides(map_depth, up, -1.0, camera, inside);
+  EXPECT_EQ(cv::countNonZero(inside), 3);
+  EXPECT_EQ(inside.at<unsigned char>(0, 1), 0);
 }
 
 TEST(SurfaceCalibration, IsTheMeanAndKnowsWhatItNeverSaw) {
