@@ -6,10 +6,10 @@
 #include <map>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
-#include <tuple>
 
 #include "mapping/base/quantile.h"
 #include "perception/annotators/hypotheses/disjoint_sets.h"
+#include "perception/annotators/hypotheses/part_piece.h"
 #include "perception/annotators/hypotheses/upright_outline.h"
 
 namespace loci {
@@ -20,20 +20,6 @@ using Eigen::Vector3f;
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
-/// One or several parts that are taken for one thing so far.
-struct Piece {
-  std::vector<int> points;
-  double area = 0;   ///< m², as seen
-  double noise = 1;  ///< of the depth relative to that at 1 m
-  float bottom = 0;
-  float top = 0;
-  std::vector<cv::Point2f> footprint;  ///< convex, completed by reflection
-  float distance = 0;                  ///< of the mean from the viewpoint, in the plane
-  float bearing = 0;                   ///< of the mean as seen from there, radians
-  float left = 0, right = 0;           ///< angles between which it is seen, from the bearing
-  float facing_out = 0;                ///< see set_hollowness()
-};
-
 class Assembly {
  public:
   Assembly(const ConvexParts& parts, const PlaneCloud& cloud, const AssemblyOptions& options)
@@ -42,14 +28,14 @@ class Assembly {
     for (size_t i = 0; i < parts.part_of_point.size(); ++i)
       pieces_[static_cast<size_t>(parts.part_of_point[i])].points.push_back(static_cast<int>(i));
     for (const auto& [pair, count] : parts.contacts) contacts_[pair] = count;
-    for (Piece& piece : pieces_) set_area(piece);
+    for (Piece& piece : pieces_) set_area(piece, cloud_);
   }
 
   void run() {
     while (join_splinter()) {
     }
     for (size_t i = 0; i < pieces_.size(); ++i)
-      if (alive(i)) measure(pieces_[i]);
+      if (alive(i)) measure(pieces_[i], cloud_);
     while (join_hollow() || join_cavity() || join_contained() || join_appendage() || join_neck() ||
            join_lid() || join_hidden()) {
     }
@@ -59,72 +45,6 @@ class Assembly {
 
  private:
   bool alive(size_t i) { return sets_.find(i) == i; }
-
-  /// What joining splinters goes by.
-  void set_area(Piece& piece) const {
-    piece.area = 0;
-    for (const int i : piece.points) piece.area += static_cast<double>(cloud_.areas[static_cast<size_t>(i)]);
-    // What a pixel covers grows with the square of the distance, and so does the noise.
-    const double focal_squared = cloud_.camera.fx * cloud_.camera.fy;
-    piece.noise = std::max(1.0, piece.area / static_cast<double>(piece.points.size()) * focal_squared);
-  }
-
-  void measure(Piece& piece) const {
-    std::vector<float> heights;
-    heights.reserve(piece.points.size());
-    for (const int i : piece.points) heights.push_back(cloud_.points[static_cast<size_t>(i)].z());
-    std::tie(piece.bottom, piece.top) = quantiles(heights, 0.02, 0.98);
-    set_footprint(piece);
-  }
-
-  /// Convex hull of the points and of their reflection about the middle of the line between the outermost
-  /// points to the left and to the right as the camera sees them.
-  void set_footprint(Piece& piece) const {
-    const size_t stride = std::max<size_t>(1, piece.points.size() / 2000);
-    std::vector<std::pair<float, Vector2f>> seen;
-    Vector2f mean = Vector2f::Zero();
-    for (size_t k = 0; k < piece.points.size(); k += stride) {
-      const Vector2f p = cloud_.points[static_cast<size_t>(piece.points[k])].head<2>();
-      seen.emplace_back(0.0f, p);
-      mean += p;
-    }
-    mean /= static_cast<float>(seen.size());
-    piece.distance = (mean - cloud_.viewpoint).norm();
-    const Vector2f ahead = (mean - cloud_.viewpoint).normalized();
-    for (auto& [angle, p] : seen) {
-      const Vector2f to = p - cloud_.viewpoint;
-      angle = std::atan2(ahead.x() * to.y() - ahead.y() * to.x(), ahead.dot(to));
-    }
-    std::sort(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    const size_t tail = seen.size() / 50;
-    const Vector2f middle = 0.5f * (seen[tail].second + seen[seen.size() - 1 - tail].second);
-    std::vector<cv::Point2f> both;
-    for (size_t k = tail; k < seen.size() - tail; ++k) {
-      const Vector2f p = seen[k].second;
-      const Vector2f q = 2.0f * middle - p;
-      both.emplace_back(p.x(), p.y());
-      both.emplace_back(q.x(), q.y());
-    }
-    cv::convexHull(both, piece.footprint);
-    piece.left = seen[tail].first;
-    piece.right = seen[seen.size() - 1 - tail].first;
-    piece.bearing = std::atan2(ahead.y(), ahead.x());
-    set_hollowness(piece, mean);
-  }
-
-  /// Whether the walls of a piece face its middle (-1) or away from it (1).
-  void set_hollowness(Piece& piece, const Vector2f& mean) const {
-    float facing = 0;
-    float all = 0;
-    for (const int i : piece.points) {
-      const Vector2f normal = cloud_.normals[static_cast<size_t>(i)].head<2>();
-      const Vector2f out = cloud_.points[static_cast<size_t>(i)].head<2>() - mean;
-      if (!normal.allFinite()) continue;
-      facing += normal.dot(out);
-      all += normal.norm() * out.norm();
-    }
-    piece.facing_out = all > 0 ? facing / all : 0;
-  }
 
   /// Which share of a piece's points lies within an outline.
   double share_within(const Piece& inner, const std::vector<cv::Point2f>& outline, double slack) const {
@@ -147,7 +67,7 @@ class Assembly {
     pieces_[keep].points.insert(pieces_[keep].points.end(), pieces_[gone].points.begin(),
                                 pieces_[gone].points.end());
     pieces_[gone].points.clear();
-    set_area(pieces_[keep]);
+    set_area(pieces_[keep], cloud_);
     std::map<std::array<int, 2>, int> contacts;
     for (const auto& [pair, count] : contacts_) {
       const int first = piece_of(pair[0]);
@@ -159,7 +79,7 @@ class Assembly {
 
   void join(size_t a, size_t b) {
     merge(a, b);
-    measure(pieces_[std::min(a, b)]);
+    measure(pieces_[std::min(a, b)], cloud_);
   }
 
   int contact(size_t a, size_t b) const {
