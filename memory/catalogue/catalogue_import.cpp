@@ -101,16 +101,13 @@ void match(const Catalogue& catalogue, const std::vector<Id>& objects, const std
 /// Adds, changes and takes back facts until the memory says what is wanted.
 void settle(Store& store, Facts wanted, CatalogueResult& result) {
   std::vector<FactRow> rows;
-  for (const FactRow& fact : store.facts()) {
-    if (!fact.object || !fact.value) continue;
-    if (fact.clock.source != kSource) {  // what people say comes first
+  const std::vector<FactRow> facts = store.facts();
+  for (const FactRow& fact : facts)  // what people say comes first
+    if (fact.object && fact.value && fact.clock.source != kSource)
       std::erase_if(wanted, [&](const auto& one) {
         return std::get<0>(one.first) == *fact.object && std::get<1>(one.first) == fact.key;
       });
-      continue;
-    }
-  }
-  for (const FactRow& fact : store.facts()) {
+  for (const FactRow& fact : facts) {
     if (!fact.object || !fact.value || fact.clock.source != kSource) continue;
     const auto found = wanted.find({*fact.object, fact.key, *fact.value});
     FactRow row{.object = fact.object, .key = fact.key};

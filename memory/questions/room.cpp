@@ -23,10 +23,11 @@ struct StoredMap {
   SemanticMap semantic;
 };
 
-std::optional<StoredMap> map_of(const Store& store, const AsOf& as_of) {
+std::optional<StoredMap> map_of(const Snapshot& snapshot) {
+  const Store& store = snapshot.store();
   const std::vector<MapRow> maps = store.maps();
   if (maps.empty()) return std::nullopt;
-  const std::optional<SceneRow> latest = store.latest_scene(as_of);
+  const std::optional<SceneRow> latest = store.latest_scene(snapshot.as_of());
   const auto used = std::find_if(maps.begin(), maps.end(),
                                  [&](const MapRow& row) { return latest && latest->map == row.id; });
   const MapRow& row = used == maps.end() ? maps.back() : *used;
@@ -59,49 +60,21 @@ const Joint* moving_joint(const World& world, const std::string& link) {
   return joint;
 }
 
-std::map<std::string, PartMotion> motions_of(const Store& store, const Snapshot& snapshot,
-                                             const World& world) {
-  std::map<std::string, PartMotion> motions;
-  for (const Joint& joint : world.joints)
-    if (joint.type != JointType::fixed)
-      motions[joint.name] = {.joint = joint.name,
-                             .type = joint.type,
-                             .lower = joint.limits ? joint.limits->lower : 0,
-                             .upper = joint.limits ? joint.limits->upper : 0};
-  const std::optional<SceneRow> latest = store.latest_scene(snapshot.as_of());
-  if (latest)
-    for (const auto& [name, position] : latest->joints)
-      if (const auto found = motions.find(name); found != motions.end()) {
-        found->second.position = position;
-        found->second.seen = snapshot.scene_ref(*latest);
-      }
-  for (const EventRow& event : store.events(snapshot.as_of())) {
-    if (event.kind != "joint_changed" || !event.joint) continue;
-    const auto found = motions.find(*event.joint);
-    if (found == motions.end()) continue;
-    const bool opened =
-        std::abs(event.joint_position.value_or(0)) > std::abs(event.from_joint_position.value_or(0));
-    (opened ? found->second.opened : found->second.closed) = snapshot.change(event);
-  }
-  return motions;
+PartMotion motion_of(const Joint& joint) {
+  return {.joint = joint.name,
+          .type = joint.type,
+          .lower = joint.limits ? joint.limits->lower : 0,
+          .upper = joint.limits ? joint.limits->upper : 0};
 }
 
-void add_place(const Snapshot& snapshot, const PlaceRow& place, RoomPart& part) {
+void set_place(const Snapshot& snapshot, const PlaceRow& place, RoomPart& part) {
   part.place = PlaceRef{place.id, place.name, place.container};
   part.height = place.height;
   for (const FactRow& fact : snapshot.facts())
     if (fact.place == place.id && fact.key == "alias" && fact.value) part.aliases.push_back(*fact.value);
-  for (const Id object : snapshot.store().objects_at(place.id, snapshot.as_of())) {
-    const BeliefRow* row = snapshot.belief(object);
-    if (row != nullptr && row->place == place.id && row->status != "gone" && row->probability >= 0.5)
-      ++part.objects;
-  }
-  if (const auto look = snapshot.store().last_look(place.id, snapshot.as_of()))
-    part.last_look = snapshot.scene_ref(look->scene);
 }
 
-std::vector<RoomPart> parts_of_map(const Store& store, const Snapshot& snapshot, const StoredMap& map) {
-  const auto motions = motions_of(store, snapshot, map.world);
+std::vector<RoomPart> parts_of_map(const Snapshot& snapshot, const StoredMap& map) {
   const std::vector<Isometry3d> poses = root_from_links(map.world, {});
   std::vector<RoomPart> parts;
   std::set<std::string> joints;  // that have their part
@@ -115,25 +88,25 @@ std::vector<RoomPart> parts_of_map(const Store& store, const Snapshot& snapshot,
       if (!known->second.appliance.empty()) part.aliases.push_back(known->second.appliance);
     }
     const Joint* joint = moving_joint(map.world, link.name);
-    if (joint != nullptr && joints.insert(joint->name).second) part.motion = motions.at(joint->name);
+    if (joint != nullptr && joints.insert(joint->name).second) part.motion = motion_of(*joint);
     for (const PlaceRow& place : snapshot.places())
       if (place.name == link.name || (joint != nullptr && place.joint == joint->name))
-        add_place(snapshot, place, part);
+        set_place(snapshot, place, part);
     parts.push_back(std::move(part));
   }
   return parts;
 }
 
-std::vector<RoomPart> all_parts(const Store& store, const Snapshot& snapshot,
-                                const std::optional<StoredMap>& map) {
+/// What they are, without what was seen of them.
+std::vector<RoomPart> all_parts(const Snapshot& snapshot, const std::optional<StoredMap>& map) {
   std::vector<RoomPart> parts;
-  if (map) parts = parts_of_map(store, snapshot, *map);
+  if (map) parts = parts_of_map(snapshot, *map);
   for (const PlaceRow& place : snapshot.places()) {
     if (std::any_of(parts.begin(), parts.end(),
                     [&](const RoomPart& part) { return part.place && part.place->id == place.id; }))
       continue;
     parts.push_back({.name = place.name, .class_name = place.class_name, .position = centre_of(place)});
-    add_place(snapshot, place, parts.back());
+    set_place(snapshot, place, parts.back());
   }
   std::sort(parts.begin(), parts.end(), [](const RoomPart& a, const RoomPart& b) { return a.name < b.name; });
   return parts;
@@ -163,7 +136,45 @@ std::vector<RoomPart> parts_called(const std::vector<RoomPart>& parts, const std
   return found;
 }
 
-std::vector<RoomPart> asked_parts(const Store& store, std::vector<RoomPart> parts, const std::string& asked) {
+/// How joints stood when they were seen last, and when they changed.
+void add_motions(const Snapshot& snapshot, std::vector<RoomPart>& parts) {
+  std::map<std::string, PartMotion*> motions;
+  for (RoomPart& part : parts)
+    if (part.motion) motions[part.motion->joint] = &*part.motion;
+  if (motions.empty()) return;
+  const Store& store = snapshot.store();
+  if (const std::optional<SceneRow> latest = store.latest_scene(snapshot.as_of()))
+    for (const auto& [name, position] : latest->joints)
+      if (const auto found = motions.find(name); found != motions.end()) {
+        found->second->position = position;
+        found->second->seen = snapshot.scene_ref(*latest);
+      }
+  for (const EventRow& event : store.events(snapshot.as_of())) {
+    const auto found =
+        event.kind == "joint_changed" && event.joint ? motions.find(*event.joint) : motions.end();
+    if (found == motions.end()) continue;
+    const bool opened =
+        std::abs(event.joint_position.value_or(0)) > std::abs(event.from_joint_position.value_or(0));
+    (opened ? found->second->opened : found->second->closed) = snapshot.change(event);
+  }
+}
+
+/// What is there, and when somebody looked.
+void add_contents(const Snapshot& snapshot, std::vector<RoomPart>& parts) {
+  for (RoomPart& part : parts) {
+    if (!part.place) continue;
+    for (const Id object : snapshot.store().objects_at(part.place->id, snapshot.as_of())) {
+      const BeliefRow* row = snapshot.belief(object);
+      if (row != nullptr && row->place == part.place->id && row->status != "gone" && row->probability >= 0.5)
+        ++part.objects;
+    }
+    if (const auto look = snapshot.store().last_look(part.place->id, snapshot.as_of()))
+      part.last_look = snapshot.scene_ref(look->scene);
+  }
+}
+
+std::vector<RoomPart> asked_parts(const Snapshot& snapshot, std::vector<RoomPart> parts,
+                                  const std::string& asked) {
   static const std::set<std::string> everything = {"", "room", "kitchen", "everything", "all", "anything"};
   if (everything.contains(asked)) return parts;
   std::vector<RoomPart> found = parts_called(parts, asked);
@@ -172,7 +183,7 @@ std::vector<RoomPart> asked_parts(const Store& store, std::vector<RoomPart> part
   for (const RoomPart& part : parts) names.push_back(part.name);
   const std::string hint = did_you_mean(asked, names);
   throw UnknownName(UnknownName::Kind::place, fmt::format("no part of the room is called '{}'", asked),
-                    {store.path().string(), 0, {}},
+                    {snapshot.store().path().string(), 0, {}},
                     !hint.empty() ? hint : fmt::format("known: {}", fmt::join(names, ", ")));
 }
 
@@ -183,26 +194,29 @@ bool PartMotion::open() const {
   return position && std::abs(*position) > 0.05 * way;
 }
 
-std::string part_without_place(const Store& store, const std::string& name, const AsOf& as_of) {
-  const Snapshot snapshot(store, as_of);
-  const std::vector<RoomPart> parts = parts_called(all_parts(store, snapshot, map_of(store, as_of)), name);
+std::string part_without_place(const Snapshot& snapshot, const std::string& name) {
+  const std::vector<RoomPart> parts = parts_called(all_parts(snapshot, map_of(snapshot)), name);
   return parts.size() == 1 && !parts[0].place ? parts[0].name : "";
 }
 
 RoomAnswer ask(const Store& store, const RoomQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
-  const std::optional<StoredMap> map = map_of(store, question.as_of);
+  const std::optional<StoredMap> map = map_of(snapshot);
   RoomAnswer answer{.asked = question.part, .map = map ? map->name : ""};
-  answer.parts = asked_parts(store, all_parts(store, snapshot, map), question.part);
+  answer.parts = asked_parts(snapshot, all_parts(snapshot, map), question.part);
+  add_motions(snapshot, answer.parts);
+  add_contents(snapshot, answer.parts);
   for (const RoomPart& part : answer.parts) ++answer.classes[part.class_name];
   return answer;
 }
 
 OpensAnswer ask(const Store& store, const OpensQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
-  std::vector<RoomPart> parts = all_parts(store, snapshot, map_of(store, question.as_of));
-  OpensAnswer answer{.asked = question.part, .parts = asked_parts(store, std::move(parts), question.part)};
+  OpensAnswer answer{.asked = question.part,
+                     .parts = asked_parts(snapshot, all_parts(snapshot, map_of(snapshot)), question.part)};
   std::erase_if(answer.parts, [](const RoomPart& part) { return !part.motion; });
+  add_motions(snapshot, answer.parts);
+  add_contents(snapshot, answer.parts);
   return answer;
 }
 

@@ -9,6 +9,8 @@ namespace loci {
 
 // What the room consists of and what opens: the map's links, what scenes saw of them, and what stands there.
 
+class Snapshot;
+
 /// How a part moves, and how it stands.
 struct PartMotion {
   std::string joint = {};
@@ -55,7 +57,7 @@ struct OpensAnswer {
 };
 
 /// The part of the map that is called so although it is no place where things were looked for; "" = none.
-std::string part_without_place(const Store& store, const std::string& name, const AsOf& as_of);
+std::string part_without_place(const Snapshot& snapshot, const std::string& name);
 
 // A part that nobody knows is an UnknownName with the nearest names.
 RoomAnswer ask(const Store& store, const RoomQuestion& question);

@@ -251,7 +251,7 @@ std::vector<PlaceRow> Snapshot::find_places(const std::string& asked) const {
   if (!found.empty()) return found;
   std::vector<std::string> names;
   for (const PlaceRow& place : places_) names.push_back(place.name);
-  const std::string part = part_without_place(store_, asked, as_of_);
+  const std::string part = part_without_place(*this, asked);
   const std::string hint = part.empty()
                                ? did_you_mean(asked, names)
                                : fmt::format("{} is called so, but nobody has looked what is in it", part);

@@ -155,15 +155,20 @@ class Reference {
     text = object_name(latest->object);
   }
 
+  /// Where the first of the things that are meant is believed to be; "" = unknown.
+  std::string place_of(const std::string& subject) const {
+    try {
+      const Id object = snapshot_.find_objects(subject).front();
+      const auto place = snapshot_.place_ref(snapshot_.belief(object)->place);
+      return place ? place->name : "";
+    } catch (const UnknownName&) {
+      return "";  // the answer will say so
+    }
+  }
+
   /// "there" is the place that was spoken of last, else where the thing was seen last.
   void replace_there(CommandLine& command, std::vector<std::string>& notes) const {
-    std::string place = last_place_;
-    if (place.empty()) try {
-        const auto objects = snapshot_.find_objects(command.words[0]);
-        if (const auto ref = snapshot_.place_ref(snapshot_.belief(objects.front())->place)) place = ref->name;
-      } catch (const UnknownName&) {
-        return;  // the answer will say so
-      }
+    const std::string place = last_place_.empty() ? place_of(command.words[0]) : last_place_;
     if (place.empty()) {
       command.words.resize(1);  // anywhere
       return;

@@ -4,8 +4,11 @@
 
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "mapping/image/image_io.h"
+#include "perception/annotators/hypotheses/cluster_parts.h"
+#include "perception/annotators/hypotheses/object_clusters.h"
 #include "perception/annotators/hypotheses/support_pixels.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/camera.h"
@@ -20,32 +23,11 @@ constexpr int kMargin = 5;  ///< pixels beside a cluster show a bit of both
 
 void add_cluster(const FlatObject& object, const types::PlanarSupport& support, const types::SceneCas& scene,
                  const Isometry3d& pose) {
-  cas::Cas& cas = scene.cas();
-  const auto cluster = types::Cluster::create(cas);
-  const auto reference = types::ReferenceClusterPoints::create(cas);
-  reference.source.set(kName);
-  reference.cloud.set(scene.cloud());
-  reference.indices.get_or_create().indices.set(object.pixels);
-  cluster.hypotheses.push_back(reference);
-  const auto roi = types::StandaloneImageROI::create(cas);
-  roi.source.set(kName);
-  roi.roi.set(types::to(cas, object.box));
-  roi.mask.set(types::to(cas, object.mask));
-  roi.image.set(
-      types::to(cas, cv::Mat(types::view_image(scene, types::SceneCas::kColor)(object.box).clone())));
-  cluster.hypotheses.push_back(roi);
-  const cv::Mat points = cloud_points(scene);
-  Vector3d sum = Vector3d::Zero();
-  bool at_border = false;
-  for (const int pixel : object.pixels) {
-    const cv::Vec3f& p = points.ptr<cv::Vec3f>()[pixel];
-    sum += Vector3d(static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2]));
-    const int column = pixel % points.cols;
-    const int row = pixel / points.cols;
-    at_border |= column < 4 || row < 4 || column >= points.cols - 12 || row >= points.rows - 4;
-  }
-  cluster.centroid.set(types::to(cas, Vector3d(pose * (sum / static_cast<double>(object.pixels.size())))));
-  cluster.at_image_border.set(at_border);
+  const auto cluster = types::Cluster::create(scene.cas());
+  set_points(cluster, kName, object.pixels, scene, pose);
+  add_picture(cluster, kName, {object.box, object.mask}, scene);
+  const cv::Size picture = cloud_points(scene).size();
+  cluster.at_image_border.set(is_at_image_border(box_of(object.pixels, picture), picture));
   cluster.at_support_border.set(false);
   cluster.partly_hidden.set(false);
   cluster.support.set(support);
@@ -92,9 +74,7 @@ void FlatObjectExtractor::process(cas::Cas& cas, Context& /*context*/) {
   size_t found = 0;
   for (const types::PlanarSupport& support : scene.supports()) {
     FlatSurface surface;
-    const auto normal = types::from<Vector3d>(support.normal.get());
-    surface.normal = pose.linear().transpose() * normal;
-    surface.offset = support.offset.get() - normal.dot(pose.translation());
+    std::tie(surface.normal, surface.offset) = plane_in_camera(support, pose);
     surface.inside = pixels_over(support, pose.inverse(), camera.depth) & ~taken;
     if (!map_depth.empty())
       leave_out_what_the_map_hides(map_depth, surface.normal, surface.offset, camera.depth, surface.inside);

@@ -10,6 +10,26 @@
 #include "mapping/base/quantile.h"
 
 namespace loci {
+
+cv::Rect box_of(const std::vector<int>& pixels, const cv::Size& picture) {
+  int left = picture.width;
+  int right = 0;
+  int top = picture.height;
+  int bottom = 0;
+  for (const int pixel : pixels) {
+    left = std::min(left, pixel % picture.width);
+    right = std::max(right, pixel % picture.width);
+    top = std::min(top, pixel / picture.width);
+    bottom = std::max(bottom, pixel / picture.width);
+  }
+  return {left, top, right - left + 1, bottom - top + 1};
+}
+
+bool is_at_image_border(const cv::Rect& box, const cv::Size& picture) {
+  constexpr int kBorder = 4;  // Kinects leave the outermost columns empty.
+  return box.x < kBorder || box.y < kBorder || box.x + box.width > picture.width - kBorder - 8 ||
+         box.y + box.height > picture.height - kBorder;
+}
 namespace {
 
 using Eigen::Vector2f;
@@ -247,21 +267,8 @@ class ClusterMaker {
   }
 
   void set_box(ObjectCluster& cluster) const {
-    const int cols = points_.cols;
-    int left = cols;
-    int right = 0;
-    int top = points_.rows;
-    int bottom = 0;
-    for (const int pixel : cluster.pixels) {
-      left = std::min(left, pixel % cols);
-      right = std::max(right, pixel % cols);
-      top = std::min(top, pixel / cols);
-      bottom = std::max(bottom, pixel / cols);
-    }
-    cluster.box = {left, top, right - left + 1, bottom - top + 1};
-    constexpr int kBorder = 4;  // Kinects leave the outermost columns empty.
-    cluster.at_image_border =
-        left < kBorder || top < kBorder || right >= cols - kBorder - 8 || bottom >= points_.rows - kBorder;
+    cluster.box = box_of(cluster.pixels, points_.size());
+    cluster.at_image_border = is_at_image_border(cluster.box, points_.size());
   }
 
   /// Whether along a good part of its outline something nearer begins.

@@ -28,6 +28,11 @@ struct ClusterOptions {
   void declare(OptionTable& table);
 };
 
+/// The box around pixels (row · width + column) of a depth picture.
+cv::Rect box_of(const std::vector<int>& pixels, const cv::Size& picture);
+/// Whether the edge of the depth picture, or what a Kinect leaves empty there, cuts it off.
+bool is_at_image_border(const cv::Rect& box, const cv::Size& picture);
+
 /// One thing on a support, as the pixels of the depth picture that show it.
 struct ObjectCluster {
   int support = 0;                   ///< index into the supports

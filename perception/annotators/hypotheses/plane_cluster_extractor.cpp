@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/base/quantile.h"
-#include "perception/annotators/hypotheses/color_region.h"
+#include "perception/annotators/hypotheses/cluster_parts.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
@@ -133,31 +133,13 @@ types::Cluster make_cluster(const ObjectCluster& found, const types::SceneCas& s
                             const Isometry3d& pose) {
   cas::Cas& cas = scene.cas();
   const auto cluster = types::Cluster::create(cas);
-  const auto reference = types::ReferenceClusterPoints::create(cas);
-  reference.source.set(kName);
-  reference.cloud.set(scene.cloud());
-  reference.indices.get_or_create().indices.set(
-      std::vector<int32_t>(found.pixels.begin(), found.pixels.end()));
-  cluster.hypotheses.push_back(reference);
-  Vector3d sum = Vector3d::Zero();
-  for (const int pixel : found.pixels) {
-    const cv::Vec3f& p = points.ptr<cv::Vec3f>()[pixel];
-    sum += Vector3d(static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2]));
-  }
-  cluster.centroid.set(types::to(cas, Vector3d(pose * (sum / static_cast<double>(found.pixels.size())))));
+  set_points(cluster, kName, found.pixels, scene, pose);
   cluster.at_image_border.set(found.at_image_border);
   cluster.at_support_border.set(found.at_region_border);
   cluster.partly_hidden.set(found.partly_hidden);
   if (!scene.has(types::SceneCas::kColor)) return cluster;
   const cv::Mat color = types::view_image(scene, types::SceneCas::kColor);
-  const ColorRegion region = color_region(points, found.pixels, types::cameras(scene), color.size());
-  if (region.box.empty()) return cluster;
-  const auto roi = types::StandaloneImageROI::create(cas);
-  roi.source.set(kName);
-  roi.roi.set(types::to(cas, region.box));
-  roi.mask.set(types::to(cas, region.mask));
-  roi.image.set(types::to(cas, cv::Mat(color(region.box).clone())));
-  cluster.hypotheses.push_back(roi);
+  add_picture(cluster, kName, color_region(points, found.pixels, types::cameras(scene), color.size()), scene);
   return cluster;
 }
 

@@ -8,6 +8,11 @@
 
 namespace loci {
 
+std::pair<Vector3d, double> plane_in_camera(const types::PlanarSupport& support, const Isometry3d& pose) {
+  const auto normal = types::from<Vector3d>(support.normal.get());
+  return {pose.linear().transpose() * normal, support.offset.get() - normal.dot(pose.translation())};
+}
+
 cv::Mat pixels_over(const types::PlanarSupport& support, const Isometry3d& camera_from_map,
                     const PinholeCamera& camera) {
   std::vector<cv::Point> corners;

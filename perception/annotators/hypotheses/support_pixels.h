@@ -1,11 +1,16 @@
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <utility>
 
 #include "mapping/sensor/camera.h"
 #include "perception/types/scene_cas.h"
 
 namespace loci {
+
+/// Normal n (unit, up) and offset of a support's plane in the camera's frame, n · p = offset, metres. `pose`
+/// = map_from_camera.
+std::pair<Vector3d, double> plane_in_camera(const types::PlanarSupport& support, const Isometry3d& pose);
 
 /// Pixels of the depth picture within the outline of a support, CV_8U, 255 = inside.
 cv::Mat pixels_over(const types::PlanarSupport& support, const Isometry3d& camera_from_map,

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "perception/annotators/hypotheses/color_region.h"
+#include "perception/annotators/hypotheses/cluster_parts.h"
 #include "perception/annotators/hypotheses/support_pixels.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/camera.h"
@@ -22,10 +22,9 @@ Isometry3d map_from_box(const TransparentCandidate& candidate, const Vector3d& f
 }
 
 /// The hole in the colour picture, as if it were as far away as the foot.
-void add_picture(const TransparentCandidate& candidate, const types::Cluster& cluster,
-                 const types::SceneCas& scene, const RgbdCamera& camera) {
+void picture_candidate(const TransparentCandidate& candidate, const types::Cluster& cluster,
+                       const types::SceneCas& scene, const RgbdCamera& camera) {
   if (!scene.has(types::SceneCas::kColor)) return;
-  cas::Cas& cas = scene.cas();
   const cv::Mat color = types::view_image(scene, types::SceneCas::kColor);
   cv::Mat points(camera.depth.height, camera.depth.width, CV_32FC3);
   for (const int pixel : candidate.pixels) {
@@ -33,14 +32,7 @@ void add_picture(const TransparentCandidate& candidate, const types::Cluster& cl
     points.ptr<cv::Vec3f>()[pixel] = {static_cast<float>(p.x()), static_cast<float>(p.y()),
                                       static_cast<float>(p.z())};
   }
-  const ColorRegion region = color_region(points, candidate.pixels, camera, color.size());
-  if (region.box.empty()) return;
-  const auto roi = types::StandaloneImageROI::create(cas);
-  roi.source.set(kName);
-  roi.roi.set(types::to(cas, region.box));
-  roi.mask.set(types::to(cas, region.mask));
-  roi.image.set(types::to(cas, cv::Mat(color(region.box).clone())));
-  cluster.hypotheses.push_back(roi);
+  add_picture(cluster, kName, color_region(points, candidate.pixels, camera, color.size()), scene);
 }
 
 void add_cluster(const TransparentCandidate& candidate, const types::PlanarSupport& support,
@@ -50,7 +42,7 @@ void add_cluster(const TransparentCandidate& candidate, const types::PlanarSuppo
   const Isometry3d map_from_object = map_from_box(candidate, pose * candidate.foot, map_from_support);
   const Vector3d size(candidate.width, candidate.width, candidate.height);
   const auto cluster = types::Cluster::create(cas);
-  add_picture(candidate, cluster, scene, camera);
+  picture_candidate(candidate, cluster, scene, camera);
   const auto box = types::TFLinkBBoxROI::create(cas);
   box.source.set(kName);
   box.tf_frame.set(scene.scene().map_from_camera.get().frame_id.get());
@@ -104,10 +96,8 @@ void TransparentExtractor::process(cas::Cas& cas, Context& /*context*/) {
   cv::Mat taken = pixels_of_clusters(scene, depth.size(), kMargin);
   size_t found = 0;
   for (const types::PlanarSupport& support : scene.supports()) {
-    const auto normal = types::from<Vector3d>(support.normal.get());
-    const HoleSurface surface = {pose.linear().transpose() * normal,
-                                 support.offset.get() - normal.dot(pose.translation()),
-                                 pixels_over(support, pose.inverse(), camera.depth), taken};
+    const auto [normal, offset] = plane_in_camera(support, pose);
+    const HoleSurface surface = {normal, offset, pixels_over(support, pose.inverse(), camera.depth), taken};
     for (const TransparentCandidate& candidate : find_transparent(depth, camera.depth, surface, options_)) {
       add_cluster(candidate, support, scene, pose, camera);
       // Of two supports that overlap in the picture one has it.

@@ -13,6 +13,7 @@
 #include "perception/conversions/opencv.h"
 #include "perception/pipeline/flow.h"
 #include "perception/search/protocol.h"
+#include "tests/perception/search/local_server.h"
 
 namespace loci {
 namespace {
@@ -23,27 +24,17 @@ using testing::HasSubstr;
 /// A server that answers every picture with the same results.
 class Server {
  public:
-  explicit Server(const std::vector<SearchResult>& results, int status = 200) {
-    server_.Post("/", [this, body = encode(results), status](const auto&, httplib::Response& response) {
-      ++requests;
-      response.status = status;
-      response.set_content(body, "application/x-protobuf");
-    });
-    port_ = server_.bind_to_any_port("127.0.0.1");
-    thread_ = std::thread([this] { server_.listen_after_bind(); });
-    while (!server_.is_running()) std::this_thread::yield();
-  }
-  ~Server() {
-    server_.stop();
-    thread_.join();
-  }
-  std::string url() const { return "http://127.0.0.1:" + std::to_string(port_); }
+  explicit Server(const std::vector<SearchResult>& results, int status = 200)
+      : server_([this, body = encode(results), status](const auto&, httplib::Response& response) {
+          ++requests;
+          response.status = status;
+          response.set_content(body, "application/x-protobuf");
+        }) {}
+  std::string url() const { return server_.url(); }
   std::atomic<int> requests = 0;
 
  private:
-  httplib::Server server_;
-  int port_ = 0;
-  std::thread thread_;
+  testing_support::LocalServer server_;
 };
 
 cv::Mat picture(int seed) {

@@ -12,6 +12,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/stopwatch.h"
 #include "perception/search/protocol.h"
+#include "tests/perception/search/local_server.h"
 #include "tests/perception/search/wire.h"
 
 namespace loci {
@@ -20,28 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-/// A server at a free port of this machine.
-class Server {
- public:
-  using Handler = httplib::Server::Handler;
-  explicit Server(Handler handler) {
-    server_.Post("/", std::move(handler));
-    port_ = server_.bind_to_any_port("127.0.0.1");
-    thread_ = std::thread([this] { server_.listen_after_bind(); });
-    while (!server_.is_running()) std::this_thread::yield();
-  }
-  ~Server() {
-    server_.stop();
-    thread_.join();
-  }
-  std::string url() const { return "http://127.0.0.1:" + std::to_string(port_); }
-
- private:
-  httplib::Server server_;
-  int port_ = 0;
-  std::thread thread_;
-};
+using Server = testing_support::LocalServer;
 
 /// Takes one connection after the other, says something that is no HTTP (or nothing), and waits.
 class RawServer {
