@@ -39,4 +39,10 @@ StatisticsTable StatisticsTarget::read(const std::string& memory) const {
   return from.empty() ? StatisticsTable() : read_statistics(from);
 }
 
+StatisticsTable StatisticsTarget::read_named(const std::string& memory) const {
+  for (const std::string& named : {memory, file})
+    if (!named.empty() && !std::filesystem::exists(named)) throw Error("no such file", {named, 0, {}});
+  return read(memory);
+}
+
 }  // namespace loci

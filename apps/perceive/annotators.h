@@ -31,7 +31,10 @@ struct StatisticsTarget {
   void declare(CLI::App& app);
   /// The file, or the one beside `memory`; empty when there is neither.
   std::filesystem::path path(const std::string& memory) const;
+  /// Empty when there are none yet.
   StatisticsTable read(const std::string& memory) const;
+  /// Likewise, but what is named must be there: Error, "no such file".
+  StatisticsTable read_named(const std::string& memory) const;
 };
 
 }  // namespace loci

@@ -32,7 +32,7 @@ void answer(Declarer& declarer, const StatisticsTable& statistics, Session& sess
 
 void describe_named(const Arguments& arguments, Session& session) {
   const AnnotatorRegistry registry = arguments.plugins.load().registry;
-  const StatisticsTable statistics = arguments.statistics.read(arguments.memory);
+  const StatisticsTable statistics = arguments.statistics.read_named(arguments.memory);
   const std::string& name = arguments.name;
   if (name == "pipeline") {
     session.answer(default_pipeline(),

@@ -22,7 +22,7 @@ Json entry(Declarer& declarer) {
 
 void list(const Arguments& arguments, Session& session) {
   const AnnotatorRegistry registry = arguments.plugins.load().registry;
-  const StatisticsTable statistics = arguments.statistics.read(arguments.memory);
+  const StatisticsTable statistics = arguments.statistics.read_named(arguments.memory);
   Json json = {{"readers", Json::array()}, {"annotators", Json::array()}};
   std::string text;
   for (const std::string& name : registry.readers()) {

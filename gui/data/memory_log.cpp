@@ -4,8 +4,8 @@
 
 #include <map>
 
-#include "gui/data/annotator_times.h"
 #include "memory/questions/answers.h"
+#include "memory/report/annotator_times.h"
 
 namespace loci {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <QWidget>
 
-#include "gui/data/memory_statistics.h"
+#include "memory/report/memory_statistics.h"
 
 namespace loci {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "gui/browser.h"
-#include "gui/data/memory_statistics.h"
 #include "gui/views/page.h"
+#include "memory/report/memory_statistics.h"
 
 class QLabel;
 class QScrollArea;

@@ -8,6 +8,7 @@
 #include "mapping/base/hash.h"
 #include "mapping/base/json.h"
 #include "mapping/world/semantic_map.h"
+#include "mapping/world/urdf.h"
 #include "memory/catalogue/catalogue.h"
 #include "memory/ingest/line_reader.h"
 #include "memory/ingest/noise.h"
@@ -169,6 +170,7 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
   const Preview ahead = preview(file, options.strict, progress);
   std::vector<PlaceRow> places;
   if (!options.map.empty()) {
+    read_urdf(options.map);  // says so when it is none
     places = places_of_map(options.map);
     if (places.empty()) warnings.add("the map names no places", {options.map.string(), 0, {}});
   }

@@ -29,6 +29,9 @@ Taxonomy Taxonomy::read(const std::filesystem::path& path) {
                                 entry.get<Words>("properties", {})};
     entry.finish();
   }
+  if (taxonomy.concepts_.empty())
+    throw Error("names no kinds of things", {path.string(), 0, {}},
+                "write NAME: {synonyms: [...], is: [...]} per kind");
   taxonomy.check(path.string());
   return taxonomy;
 }

@@ -94,6 +94,8 @@ TEST_F(BadInput, MissingFile) {
   expect_refused("loci-memory objects -m " + path("none.loci"), {"none.loci"});
   expect_refused("loci-simulate record " + path("none.yaml") + " -o " + path("out"), {"none.yaml"});
   expect_refused("loci-memory resolve " + path("none.json"), {"none.json"});
+  expect_refused("loci-perceive list -m " + path("none.loci"), {"none.loci", "no such file"});
+  expect_refused("loci-perceive describe ColorName -m " + path("none.loci"), {"none.loci", "no such file"});
 }
 
 TEST_F(BadInput, EmptyFolder) {
@@ -188,6 +190,29 @@ TEST_F(BadInput, DatabasesThatAreNone) {
   write("new.loci", bytes);
   expect_refused("loci-memory objects -m " + path("new.loci"), {"new.loci", "9"});
   EXPECT_EQ(run("loci-memory verify -m " + path("m.loci")).exit_code, 0);
+}
+
+TEST_F(BadInput, MapsThatAreNoneLeaveNoMemoryBehind) {
+  const std::string map = write("map.urdf", "no robot");
+  expect_refused("loci-memory ingest " LOCI_SOURCE_DIR "/apps/samples/detections.jsonl -m " + path("i.loci") +
+                     " --map " + map,
+                 {"map.urdf"});
+  expect_refused("loci-perceive run " + recording() + " -m " + path("r.loci") + " --map " + map,
+                 {"map.urdf"});
+  EXPECT_FALSE(fs::exists(path("i.loci")) || fs::exists(path("r.loci")));
+}
+
+TEST_F(BadInput, ATaxonomyThatNamesNothingDoesNotReplaceTheOldOne) {
+  const std::string memory = path("m.loci");
+  ASSERT_EQ(run("loci-memory ingest " LOCI_SOURCE_DIR "/apps/samples/detections.jsonl --quiet -m " + memory)
+                .exit_code,
+            0);
+  ASSERT_EQ(
+      run("loci-memory taxonomy load " LOCI_SOURCE_DIR "/apps/samples/household.yaml -m " + memory).exit_code,
+      0);
+  const std::string known = run("loci-memory taxonomy list -m " + memory).out;
+  expect_refused("loci-memory taxonomy load " + write("empty.yaml", "") + " -m " + memory, {"empty.yaml"});
+  EXPECT_EQ(run("loci-memory taxonomy list -m " + memory).out, known);
 }
 
 TEST_F(BadInput, MalformedVectors) {

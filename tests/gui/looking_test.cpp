@@ -5,7 +5,6 @@
 #include <QTreeWidget>
 #include <cstdlib>
 
-#include "gui/data/annotator_times.h"
 #include "gui/data/differences.h"
 #include "gui/data/exports.h"
 #include "gui/data/pixel_values.h"
@@ -15,6 +14,7 @@
 #include "gui/views/scene_image.h"
 #include "gui/views/scene_view.h"
 #include "mapping/base/json.h"
+#include "memory/report/annotator_times.h"
 #include "tests/gui/window_fixture.h"
 
 namespace loci {

@@ -110,12 +110,13 @@ std::optional<SupportSurface> surface_of(const KnownMap& map, const Link& link,
 std::shared_ptr<KnownMap> KnownMap::load(const std::filesystem::path& urdf,
                                          const std::vector<std::filesystem::path>& package_paths,
                                          Warnings& warnings) {
+  World world = read_urdf(urdf);
   SemanticMap semantics;
   if (const auto sidecar = sidecar_path(urdf); std::filesystem::exists(sidecar))
     semantics = read_semantic_map(sidecar);
   else
     warnings.add("the map has no sidecar " + sidecar.string() + ": classes are taken from the links' names");
-  auto map = make(read_urdf(urdf), std::move(semantics), {package_paths, urdf.parent_path()}, warnings);
+  auto map = make(std::move(world), std::move(semantics), {package_paths, urdf.parent_path()}, warnings);
   map->path = urdf;
   return map;
 }

@@ -1,4 +1,4 @@
-#include "gui/data/memory_statistics.h"
+#include "memory/report/memory_statistics.h"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,9 @@
 #include <map>
 #include <set>
 
-#include "gui/data/annotator_times.h"
 #include "mapping/base/csv.h"
 #include "memory/questions/people_time.h"
+#include "memory/report/annotator_times.h"
 #include "memory/store/store.h"
 
 namespace loci {

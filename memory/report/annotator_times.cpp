@@ -1,4 +1,4 @@
-#include "gui/data/annotator_times.h"
+#include "memory/report/annotator_times.h"
 
 #include <algorithm>
 
