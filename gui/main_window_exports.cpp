@@ -104,7 +104,8 @@ void MainWindow::export_map() {
 
 void MainWindow::export_report() {
   export_to("memory.html", "Pages (*.html)", [path = browser_.data()->info().path](const std::string&) {
-    return memory_report(Store::open_read(path));
+    NoProgress progress;
+    return memory_report(Store::open_read(path), std::nullopt, {}, progress);
   });
 }
 

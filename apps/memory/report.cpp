@@ -13,6 +13,7 @@ Command report_command() {
           [](CLI::App& app) {
             struct Arguments {
               std::string memory, output, append_to;
+              ReportOptions options;
             };
             auto arguments = std::make_shared<Arguments>();
             app.add_option("-m,--memory", arguments->memory, "The memory")->required();
@@ -21,13 +22,20 @@ Command report_command() {
                 app.add_option("--append-to", arguments->append_to,
                                "A page of loci-map's report, to which the memory's sections are added");
             append->excludes(output);
+            app.add_option("--objects", arguments->options.objects, "So many objects at most get a card")
+                ->capture_default_str();
+            app.add_option("--scenes", arguments->options.scenes,
+                           "So many scenes at most, the last ones, in timeline, decisions and log")
+                ->capture_default_str()
+                ->check(CLI::PositiveNumber);
             return [arguments](Session& session) {
               const bool append_to_page = !arguments->append_to.empty();
               const std::string target = append_to_page ? arguments->append_to : arguments->output;
               if (target.empty()) throw Error("nowhere to write to", {}, "give -o FILE or --append-to PAGE");
               std::optional<std::string> page;
               if (append_to_page) page = read_file(target);
-              write_file_atomically(target, memory_report(Store::open_read(arguments->memory), page));
+              write_file_atomically(target, memory_report(Store::open_read(arguments->memory), page,
+                                                          arguments->options, session.progress()));
               session.answer("report " + target, Json{{"report", target}});
             };
           }};

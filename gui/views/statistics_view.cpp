@@ -14,6 +14,7 @@
 #include "gui/views/bar_chart.h"
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
+#include "memory/store/store.h"
 
 namespace loci {
 namespace {
@@ -86,7 +87,7 @@ void StatisticsView::count() {
       this,
       [path = browser_.data()->info().path, stop = stop_] {
         Stoppable progress(stop);
-        return memory_statistics(path, progress);
+        return memory_statistics(Store::open_read(path), progress);
       },
       [this, stop = stop_](const std::vector<Chart>& charts) {
         if (!*stop) show_charts(charts);

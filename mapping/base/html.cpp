@@ -17,7 +17,31 @@ h1 { font-size: 1.6rem; margin: 0 0 .5rem; } h2 { font-size: 1.2rem; margin: 2re
 table { border-collapse: collapse; display: block; overflow-x: auto; }
 th, td { border-bottom: 1px solid var(--line); padding: .25rem .7rem; text-align: left; vertical-align: top; }
 td.number { text-align: right; font-variant-numeric: tabular-nums; }
-img, svg { max-width: 100%; height: auto; } pre { white-space: pre-wrap; } p.faint { color: var(--faint); }
+img, svg { max-width: 100%; height: auto; } pre { white-space: pre-wrap; } .faint { color: var(--faint); }
+.cards { display: grid; grid-template-columns: repeat(auto-fill, minmax(22rem, 1fr)); gap: 1rem; align-items: start; }
+.card, figure { border: 1px solid var(--line); border-radius: .5rem; padding: .75rem; margin: 0; min-width: 0; }
+.card th, .card td { padding: .2rem .4rem; } td.number { white-space: nowrap; }
+.card h3 { margin: 0; font-size: 1rem; } .card img { height: 5rem; margin-right: .5rem; }
+figcaption { font-weight: 600; margin-bottom: .5rem; } .bars td:last-child { width: 10rem; }
+.bar { height: .7rem; min-width: 1px; background: #48c; border-radius: 2px; }
+details { margin: .25rem 0; } summary { cursor: pointer; }
+input.search { position: sticky; top: .5rem; width: 100%; padding: .5rem; font: inherit; box-sizing: border-box; z-index: 1; }
+@media print { input.search { display: none; } .card, figure, tr, pre { break-inside: avoid; } }
+)";
+// Words that are searched for must all be in what stays. Without scripts the page is whole, but for the
+// field.
+constexpr std::string_view kScript = R"(
+const field = document.createElement('input');
+field.type = 'search'; field.className = 'search'; field.placeholder = 'Search this page: object_3, red, table_1 …';
+document.querySelector('h1').after(field);
+field.addEventListener('input', () => {
+  const words = field.value.toLowerCase().split(/\s+/).filter(Boolean);
+  for (const part of document.querySelectorAll('.card, section > details, section > table tr:has(td), section > pre')) {
+    const text = part.textContent.toLowerCase();
+    part.hidden = !words.every(word => text.includes(word));
+  }
+});
+addEventListener('beforeprint', () => document.querySelectorAll('details').forEach(part => part.open = true));
 )";
 constexpr std::string_view kEnd = "</main>";
 
@@ -95,8 +119,12 @@ std::string html_page(std::string_view title, std::string_view sections) {
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
       "content=\"width=device-width, "
       "initial-scale=1\">\n<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n"
-      "<main>\n<h1>{0}</h1>\n{2}{3}\n</body>\n</html>\n",
-      html_escape(title), kStyle, sections, kEnd);
+      "<main>\n<h1>{0}</h1>\n{2}{3}\n<script>{4}</script>\n</body>\n</html>\n",
+      html_escape(title), kStyle, sections, kEnd, kScript);
+}
+
+bool is_html_page(const std::string& text) {
+  return text.starts_with("<!doctype html>") && text.find(kEnd) != std::string::npos;
 }
 
 std::string html_with_section(const std::string& page, std::string_view id, const std::string& section) {

@@ -23,8 +23,11 @@ std::string html_image(std::span<const unsigned char> bytes, std::string_view mi
 /// A section with a heading; `body` is HTML.
 std::string html_section(std::string_view id, std::string_view heading, std::string_view body);
 
-/// A whole page that needs no other file: style inside, no scripts. `sections` is HTML made by html_section.
+/// A whole page that needs no other file: style inside, and a script of some lines that adds a field to
+/// search in it (cards, rows and details without the words are hidden). `sections` is HTML made by
+/// html_section. For print everything is opened and the field is gone.
 std::string html_page(std::string_view title, std::string_view sections);
+bool is_html_page(const std::string& text);
 
 /// The page with a section put in the place of the one with the same id, or else at its end. For pages made
 /// by html_page: a report that grows.

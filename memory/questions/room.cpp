@@ -194,6 +194,12 @@ bool PartMotion::open() const {
   return position && std::abs(*position) > 0.05 * way;
 }
 
+std::optional<World> world_of(const Snapshot& snapshot) {
+  std::optional<StoredMap> map = map_of(snapshot);
+  if (!map) return std::nullopt;
+  return std::move(map->world);
+}
+
 std::string part_without_place(const Snapshot& snapshot, const std::string& name) {
   const std::vector<RoomPart> parts = parts_called(all_parts(snapshot, map_of(snapshot)), name);
   return parts.size() == 1 && !parts[0].place ? parts[0].name : "";

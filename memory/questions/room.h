@@ -11,6 +11,9 @@ namespace loci {
 
 class Snapshot;
 
+/// The map that the last scene was seen with; unset without one.
+std::optional<World> world_of(const Snapshot& snapshot);
+
 /// How a part moves, and how it stands.
 struct PartMotion {
   std::string joint = {};

@@ -269,7 +269,8 @@ std::string to_text(const WasAnswer& answer, const TimeWriter& times) {
   std::vector<std::string> lines;
   const std::string where =
       answer.place.empty() ? "seen anywhere" : (answer.container ? "in " : "on ") + answer.place;
-  const std::string span = times.span_text(answer.from, answer.to);
+  const std::string first = times.text(answer.from), last = times.text(answer.to);
+  const std::string span = first == last ? "at " + first : fmt::format("between {} and {}", first, last);
   if (answer.objects.size() > 1) {
     const char* head = answer.verdict == Verdict::yes  ? "Yes, one of them was."
                        : answer.verdict == Verdict::no ? "No, none of them was."

@@ -3,15 +3,23 @@
 #include <optional>
 #include <string>
 
+#include "mapping/base/progress.h"
 #include "memory/store/store.h"
 
 namespace loci {
 
-/// A self-contained page about a memory: what is where, a card per object with its picture and history, what
-/// happened scene by scene, and questions with their answers.
-///
-/// `page`, when given, is a page made by the map's report (or an earlier one of this): the memory's sections
-/// are added to it, or take the place of those that it has.
-std::string memory_report(const Store& store, const std::optional<std::string>& page = {});
+/// How much of a long memory the page shows; what is left out is said on it.
+struct ReportOptions {
+  size_t objects = 100;  ///< with a card: those that were seen most often
+  size_t scenes = 200;   ///< in timeline, decisions and log: the last ones
+};
+
+/// A page about a memory in one file (light and dark, printable, with a search field): questions and their
+/// answers, the plan with every object's trace, the time line, a card per object, statistics, identity
+/// decisions with how sure they are, the log of each scene and what annotators took. `page` is a page of
+/// html_page() to which the sections are added; a section that it has already is replaced. Error when it is
+/// no such page.
+std::string memory_report(const Store& store, const std::optional<std::string>& page,
+                          const ReportOptions& options, Progress& progress);
 
 }  // namespace loci

@@ -18,6 +18,17 @@ namespace {
 
 constexpr int kHours = 24;
 constexpr int kConfidenceBins = 10;
+constexpr double kFlat_m = 0.03;  ///< things up to this height are flat: plates, books, cutlery
+constexpr int64_t kPointsPerBin = 1000, kPointBins = 13;
+
+/// How many scenes hold how many things, from none to the most.
+std::vector<std::pair<std::string, double>> per_scene(const std::map<int, double>& scenes) {
+  std::vector<std::pair<std::string, double>> bars;
+  const int most = scenes.empty() ? -1 : scenes.rbegin()->first;
+  for (int things = 0; things <= most; ++things)
+    bars.emplace_back(fmt::format("{}", things), scenes.contains(things) ? scenes.at(things) : 0);
+  return bars;
+}
 
 /// Counts scene after scene.
 class Counter {
@@ -29,10 +40,18 @@ class Counter {
   void add(const SceneRow& scene) {
     const auto hour = static_cast<size_t>(local_hour(scene.time, zone_));
     std::map<Id, std::optional<Id>> place_of;
+    int flat = 0, high = 0;
     for (const ObservationRow& observation : store_.observations(scene.id)) {
       ++observations_;
       place_of[observation.id] = observation.place;
+      if (observation.size) ++(observation.size->z() <= kFlat_m ? flat : high);
+      if (observation.points)
+        ++points_[static_cast<size_t>(
+            std::clamp<int64_t>((*observation.points - 1) / kPointsPerBin, 0, kPointBins - 1))];
     }
+    ++flat_[flat];
+    ++high_[high];
+    ++all_[static_cast<int>(place_of.size())];
     for (const AnnotationRow& annotation : store_.annotations(scene.id)) ++annotations_[annotation.type];
     for (const AssociationRow& association : store_.associations(scene.id)) {
       if (!association.chosen || !association.observation || !association.object) continue;
@@ -56,15 +75,34 @@ class Counter {
     Chart sure{"How sure identities are", "observations", {}};
     for (size_t bin = 0; bin < kConfidenceBins; ++bin)
       sure.bars.emplace_back(fmt::format("{}–{} %", bin * 10, bin * 10 + 10), confidence_[bin]);
-    return {types, hours, places, sure};
+    return {types,
+            {"Things per scene", "scenes", per_scene(all_)},
+            {fmt::format("Flat things per scene (up to {:.0f} cm high)", 100 * kFlat_m), "scenes",
+             per_scene(flat_)},
+            {"Higher things per scene", "scenes", per_scene(high_)},
+            sizes(),
+            hours,
+            places,
+            sure};
   }
 
  private:
+  Chart sizes() const {
+    Chart chart{"Sizes of observations in points", "observations", {}};
+    for (int64_t bin = 0; bin < kPointBins; ++bin)
+      chart.bars.emplace_back(bin + 1 < kPointBins ? fmt::format("≤ {}", (bin + 1) * kPointsPerBin)
+                                                   : fmt::format("> {}", bin * kPointsPerBin),
+                              points_[static_cast<size_t>(bin)]);
+    return chart;
+  }
+
   const Store& store_;
   int zone_;
   std::map<Id, std::string> places_;
   double observations_ = 0;
   std::map<std::string, double> annotations_;
+  std::map<int, double> flat_, high_, all_;  ///< scenes, by how many things they hold
+  std::array<double, kPointBins> points_ = {};
   std::array<std::set<Id>, kHours> by_hour_;
   std::map<std::string, std::set<Id>> by_place_;
   std::array<double, kConfidenceBins> confidence_ = {};
@@ -72,8 +110,7 @@ class Counter {
 
 }  // namespace
 
-std::vector<Chart> memory_statistics(const std::filesystem::path& path, Progress& progress) {
-  const Store store = Store::open_read(path);
+std::vector<Chart> memory_statistics(const Store& store, Progress& progress) {
   const auto scenes = store.scenes();
   Counter counter(store);
   for (size_t i = 0; i < scenes.size(); ++i) {
@@ -82,7 +119,7 @@ std::vector<Chart> memory_statistics(const std::filesystem::path& path, Progress
   }
   std::vector<Chart> charts = counter.charts();
   Chart times{"Time per annotator", "ms per scene", {}};
-  for (const AnnotatorTimes& annotator : annotator_times(path))
+  for (const AnnotatorTimes& annotator : annotator_times(store.path()))
     times.bars.emplace_back(annotator.name, std::round(annotator.ms_per_scene() * 100) / 100);
   if (!times.bars.empty()) charts.push_back(std::move(times));
   return charts;

@@ -23,6 +23,10 @@ class MemoryReport : public testing_support::TemporaryFolder {
     store_.reset();
     TemporaryFolder::TearDown();
   }
+  std::string report(const std::optional<std::string>& page = {}, const ReportOptions& options = {}) const {
+    NoProgress progress;
+    return memory_report(*store_, page, options, progress);
+  }
   std::optional<Store> store_;
 };
 
@@ -33,20 +37,47 @@ size_t count(const std::string& text, const std::string& part) {
 }
 
 TEST_F(MemoryReport, NamesEveryObjectAndWhatHappened) {
-  const std::string page = memory_report(*store_);
+  const std::string page = report();
   for (const char* part :
        {"object_1", "object_2", "object_3", "object_4", "table_1", "counter_1", "drawer_1"})
     EXPECT_THAT(page, HasSubstr(part));
   EXPECT_THAT(page, HasSubstr("$ loci-memory on counter_1"));
-  EXPECT_THAT(page, Not(HasSubstr("<script")));
+}
+
+TEST_F(MemoryReport, HasEverySection) {
+  const std::string page = report();
+  for (const char* id : {"questions", "plan", "timeline", "objects", "statistics", "decisions", "log"})
+    EXPECT_EQ(count(page, std::string("<section id=\"") + id + "\">"), 1U) << id;
+  EXPECT_THAT(page, HasSubstr(">counter_1</title>"));  // the plan
+  EXPECT_EQ(count(page, "<details><summary>scene "), 6U);
+  EXPECT_THAT(page, HasSubstr("Things per scene"));
+  EXPECT_EQ(count(page, "<article class=\"card\""), 4U);
+}
+
+TEST_F(MemoryReport, NeedsNoOtherFile) {
+  const std::string page = report();
+  for (const char* from : {"src=\"http", "href=\"http", "url(", "@import"})
+    EXPECT_THAT(page, Not(HasSubstr(from)));
+}
+
+TEST_F(MemoryReport, SaysWhatItLeavesOut) {
+  const std::string page = report({}, {.objects = 2, .scenes = 3});
+  EXPECT_EQ(count(page, "<article class=\"card\""), 2U);
+  EXPECT_EQ(count(page, "<details><summary>scene "), 3U);
+  EXPECT_THAT(page, HasSubstr("Of 4 objects the 2 that were seen most often"));
+  EXPECT_THAT(page, HasSubstr("Of 6 scenes the last 3"));
+}
+
+TEST_F(MemoryReport, IsRefusedOnAPageOfSomethingElse) {
+  EXPECT_THROW(report("<p>my letters</p>"), Error);
 }
 
 TEST_F(MemoryReport, GrowsAPageWithoutLosingItsSectionsOrDoublingItsOwn) {
   const std::string map_page = html_page("Map", html_section("top-view", "Top view", "<p>of the room</p>"));
-  const std::string once = memory_report(*store_, map_page);
+  const std::string once = report(map_page);
   EXPECT_THAT(once, HasSubstr("of the room"));
   EXPECT_EQ(count(once, "Questions and answers"), 1U);
-  EXPECT_EQ(memory_report(*store_, once), once);
+  EXPECT_EQ(report(once), once);
 }
 
 }  // namespace

@@ -1,0 +1,55 @@
+#include "memory/report/report_data.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace loci {
+namespace {
+
+/// Those that were seen most often, in order of their number.
+std::vector<ObjectState> seen_most(std::vector<ObjectState> objects, size_t most) {
+  std::stable_sort(objects.begin(), objects.end(),
+                   [](const ObjectState& a, const ObjectState& b) { return a.sightings > b.sightings; });
+  if (objects.size() > most) objects.resize(most);
+  std::sort(objects.begin(), objects.end(),
+            [](const ObjectState& a, const ObjectState& b) { return a.object.id < b.object.id; });
+  return objects;
+}
+
+}  // namespace
+
+ReportData::ReportData(const Store& memory, const ReportOptions& options, Progress& progress)
+    : store(memory), times(memory) {
+  std::vector<ObjectState> all = ask(store, ObjectsQuestion{}).objects;
+  objects = all.size();
+  const std::vector<ObjectState> chosen = seen_most(std::move(all), options.objects);
+  for (size_t i = 0; i < chosen.size(); ++i) {
+    progress.check(static_cast<double>(i) / static_cast<double>(chosen.size()), "reading histories");
+    HistoryAnswer answer = ask(store, HistoryQuestion{.subject = chosen[i].object.name});
+    for (ObjectHistory& history : answer.objects) histories.push_back(std::move(history));
+  }
+  scenes = store.scenes();
+  scenes_in_all = scenes.size();
+  if (scenes.size() > options.scenes)
+    scenes.erase(scenes.begin(), scenes.end() - static_cast<std::ptrdiff_t>(options.scenes));
+}
+
+std::string ReportData::objects_left_out() const {
+  if (histories.size() >= objects) return "";
+  return fmt::format("<p class=\"faint\">Of {} objects the {} that were seen most often.</p>\n", objects,
+                     histories.size());
+}
+
+std::string ReportData::scenes_left_out() const {
+  if (scenes.size() >= scenes_in_all) return "";
+  return fmt::format("<p class=\"faint\">Of {} scenes the last {}.</p>\n", scenes_in_all, scenes.size());
+}
+
+std::string object_css(Id object) {
+  constexpr double kGoldenAngle = 137.508;  // neighbours in number are far apart in hue
+  return fmt::format("hsl({:.0f} 65% 45%)", std::fmod(static_cast<double>(object) * kGoldenAngle, 360));
+}
+
+}  // namespace loci
