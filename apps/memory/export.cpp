@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
 #include "mapping/base/csv.h"
@@ -15,6 +17,7 @@
 #include "memory/exchange/dataset.h"
 #include "memory/exchange/observation_image.h"
 #include "memory/exchange/owl_individuals.h"
+#include "memory/store/scene_kinds.h"
 
 namespace loci {
 namespace {
@@ -53,6 +56,24 @@ int64_t export_labels(const Store& store, const fs::path& folder, Progress& prog
     const cv::Mat labels = label_picture(store, scenes[i]);
     if (labels.empty()) continue;
     write_image(folder / fmt::format("scene_{:06}.png", scenes[i].id), labels);
+    ++written;
+  }
+  return written;
+}
+
+/// An 8-bit PNG per scene, what each pixel of its depth thumbnail is; how many.
+int64_t export_kinds(const Store& store, const fs::path& folder, Progress& progress) {
+  make_folder(folder);
+  const std::vector<SceneRow> scenes = store.scenes();
+  int64_t written = 0;
+  for (size_t i = 0; i < scenes.size(); ++i) {
+    progress.check(double(i) / double(scenes.size()), "kinds of pixels");
+    const std::optional<SceneKinds> kinds = scene_kinds(store, scenes[i]);
+    if (!kinds) continue;
+    cv::Mat picture(kinds->height, kinds->width, CV_8U);
+    std::ranges::transform(kinds->pixels, picture.ptr<uint8_t>(),
+                           [](SceneKind kind) { return static_cast<uint8_t>(kind); });
+    write_image(folder / fmt::format("scene_{:06}.png", scenes[i].id), picture);
     ++written;
   }
   return written;
@@ -110,7 +131,7 @@ std::function<std::optional<RgbdFrame>(const SceneRow&)> frames_of(const Store& 
 
 struct Arguments {
   std::string memory, folder;
-  bool labels = false, clouds = false, owl = false, beliefs = false;
+  bool labels = false, kinds = false, clouds = false, owl = false, beliefs = false;
   std::string dataset, recording;
   bool by_object = false;
 };
@@ -134,8 +155,9 @@ void export_memory(const Arguments& arguments, Session& session) {
     rows[what] = count;
     text += fmt::format(" {} {},", count, what);
   };
-  for (const char* view : {"objects", "sightings", "events", "scenes", "looks", "facts"})
+  for (const char* view : {"objects", "sightings", "events", "scenes", "looks", "log", "facts"})
     tell(view, export_view(store, view, folder));
+  if (arguments.kinds) tell("kinds", export_kinds(store, folder / "kinds", session.progress()));
   if (arguments.labels) tell("labels", export_labels(store, folder / "labels", session.progress()));
   if (arguments.clouds) tell("clouds", export_clouds(store, folder / "clouds", session.progress()));
   if (arguments.beliefs) tell("beliefs", export_beliefs(store, folder / "beliefs.jsonl", session.progress()));
@@ -153,10 +175,12 @@ void export_memory(const Arguments& arguments, Session& session) {
 Command export_command() {
   return {
       "export",
-      "Objects, sightings, events, looks, facts and scenes as JSON Lines and CSV; label pictures, clouds, "
+      "Objects, sightings, events, looks, facts, scenes and logs as JSON Lines and CSV; label pictures, "
+      "clouds, "
       "OWL",
       {"loci-memory export -m demo-output/memory.loci -o demo-output/memory-export",
-       "loci-memory export -m demo-output/memory.loci -o demo-output/memory-export --labels --clouds --owl "
+       "loci-memory export -m demo-output/memory.loci -o demo-output/memory-export --labels --kinds --clouds "
+       "--owl "
        "--beliefs "
        "--json",
        "loci-memory export -m demo-output/memory.loci --dataset demo-output/dataset --by-object "
@@ -167,6 +191,10 @@ Command export_command() {
         auto* output = app.add_option("-o,--output", arguments->folder, "Folder for the files");
         app.add_flag("--labels", arguments->labels,
                      "labels/scene_N.png: the number of the object per pixel of the depth image, 16 bits");
+        app.add_flag(
+            "--kinds", arguments->kinds,
+            "kinds/scene_N.png: what each pixel of the depth thumbnail is: 0 not measured, 1 known from "
+            "the map, 2 irrelevant, 3 of interest");
         app.add_flag("--clouds", arguments->clouds,
                      "clouds/object_N_scene_M.ply: the surface of each sighting, as far as depth is kept");
         app.add_flag("--owl", arguments->owl,

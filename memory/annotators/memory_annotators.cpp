@@ -2,6 +2,7 @@
 
 #include "mapping/base/json.h"
 #include "memory/annotators/belief_annotations.h"
+#include "memory/annotators/kept_of_cas.h"
 #include "memory/annotators/memory_session.h"
 #include "memory/annotators/remembered.h"
 #include "memory/annotators/scene_of_cas.h"
@@ -79,18 +80,27 @@ AnnotatorDescriptor MemoryWriter::descriptor() const {
           {"*"}};
 }
 
+void MemoryWriter::declare(OptionTable& table) {
+  table.flag(
+      "clouds", clouds_,
+      "Keeps the points of each cluster, for annotators that are asked later and for models of objects.");
+}
+
 void MemoryWriter::process(cas::Cas& cas, Context& context) {
   const types::SceneCas scene(cas);
   if (!has_pose(scene)) return;
   MemorySession& session = session_of(context, "MemoryWriter");
   if (!session.pending || session.pending->cas != &cas) {
-    session.recorder().record(record_of(scene, context, session));
+    SceneRecord record = record_of(scene, context, session);
+    add_what_is_kept(scene, clouds_, record);
+    session.recorder().record(record);
     return;
   }
   MemorySession::Pending pending = std::move(*session.pending);
   session.pending.reset();
   pending.record.structures.push_back(scene.scene().similarities.get());
   pending.record.structures.push_back(scene.scene().distances.get());
+  add_what_is_kept(scene, clouds_, pending.record);
   session.recorder().record(pending.record, std::move(pending.resolved));
 }
 

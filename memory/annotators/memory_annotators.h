@@ -33,8 +33,12 @@ class IdentityResolution : public Annotator {
 class MemoryWriter : public Annotator {
  public:
   AnnotatorDescriptor descriptor() const override;
+  void declare(OptionTable& table) override;
   void process(cas::Cas& cas, Context& context) override;
   void finish(Context& context) override;
+
+ private:
+  bool clouds_ = true;
 };
 
 void add_memory_annotators(AnnotatorRegistry& registry);

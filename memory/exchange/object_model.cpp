@@ -145,7 +145,7 @@ ObjectModel model_of(const Store& store, Id object, const ObjectModelOptions& op
   model.evidence = evidence_of(store, sightings);
   const std::vector<Candidate> candidates = candidates_of(sightings);
   const std::map<size_t, Vector3d> centres = centres_of(candidates);
-  model.cloud.sensor = "depth thumbnails";
+  model.cloud.sensor = "remembered depth";
   for (const Candidate& candidate :
        chosen_of(store, candidates, centres, static_cast<size_t>(options.views))) {
     const SceneRow scene = store.scene(candidate.sighting.observation.scene);

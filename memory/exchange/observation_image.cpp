@@ -5,6 +5,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/image/image_io.h"
+#include "memory/store/cluster_points.h"
 #include "memory/store/depth_thumbnail.h"
 
 namespace loci {
@@ -48,16 +49,15 @@ cv::Mat label_picture(const Store& store, const SceneRow& scene, const AsOf& as_
   return labels;
 }
 
-std::optional<Scan> cloud_of(const Store& store, const SceneRow& scene, const ObservationRow& observation) {
+namespace {
+
+/// The points of the depth thumbnail under the mask, and their pixels in the depth image.
+ClusterPoints coarse_points(const Store& store, const SceneRow& scene, const ObservationRow& observation) {
+  ClusterPoints cluster;
   const std::optional<DepthThumbnail> depth = DepthThumbnail::of(store, scene);
-  if (!depth) return std::nullopt;
-  const cv::Mat mask = mask_of(store, scene, observation);
-  if (mask.empty()) return std::nullopt;
-  const cv::Mat picture = scene.picture ? picture_in(store, *scene.picture) : cv::Mat();
+  const cv::Mat mask = depth ? mask_of(store, scene, observation) : cv::Mat();
+  if (mask.empty()) return cluster;
   const SceneCamera& camera = *scene.camera;
-  Scan cloud;
-  cloud.name = "scene_" + std::to_string(scene.id);
-  cloud.origins = {scene.map_from_camera->translation().cast<float>()};
   for (int y = 0; y < depth->height(); ++y)
     for (int x = 0; x < depth->width(); ++x) {
       const double z = static_cast<double>(depth->depth()[static_cast<size_t>(y * depth->width() + x)]);
@@ -67,18 +67,38 @@ std::optional<Scan> cloud_of(const Store& store, const SceneRow& scene, const Ob
       const int column = std::min(mask.cols - 1, static_cast<int>(std::lround(u))),
                 row = std::min(mask.rows - 1, static_cast<int>(std::lround(v)));
       if (!(z > 0) || mask.at<uint8_t>(row, column) == 0) continue;
-      const Vector3d in_camera((u - camera.cx) / camera.fx * z, (v - camera.cy) / camera.fy * z, z);
-      ScanPoint point{.position = (*scene.map_from_camera * in_camera).cast<float>()};
-      if (picture.type() == CV_8UC3) {
-        const auto& color =
-            picture.at<cv::Vec3b>(row * picture.rows / mask.rows, column * picture.cols / mask.cols);
-        point.b = color[0];
-        point.g = color[1];
-        point.r = color[2];
-      }
-      cloud.points.push_back(point);
+      cluster.pixels.push_back(row * mask.cols + column);
+      cluster.points.push_back(
+          Vector3d((u - camera.cx) / camera.fx * z, (v - camera.cy) / camera.fy * z, z).cast<float>());
     }
-  if (cloud.points.empty()) return std::nullopt;
+  return cluster;
+}
+
+}  // namespace
+
+std::optional<Scan> cloud_of(const Store& store, const SceneRow& scene, const ObservationRow& observation) {
+  if (!scene.camera || !scene.map_from_camera) return std::nullopt;
+  std::optional<ClusterPoints> cluster = cluster_points(store, scene, observation);
+  if (!cluster) cluster = coarse_points(store, scene, observation);
+  if (cluster->points.empty()) return std::nullopt;
+  const cv::Mat picture = scene.picture ? picture_in(store, *scene.picture) : cv::Mat();
+  const Eigen::Isometry3f map_from_camera = scene.map_from_camera->cast<float>();
+  Scan cloud;
+  cloud.name = "scene_" + std::to_string(scene.id);
+  cloud.origins = {map_from_camera.translation()};
+  for (size_t i = 0; i < cluster->points.size(); ++i) {
+    ScanPoint point{.position = map_from_camera * cluster->points[i]};
+    if (picture.type() == CV_8UC3) {
+      const int row = cluster->pixels[i] / scene.camera->width,
+                column = cluster->pixels[i] % scene.camera->width;
+      const auto& color = picture.at<cv::Vec3b>(row * picture.rows / scene.camera->height,
+                                                column * picture.cols / scene.camera->width);
+      point.b = color[0];
+      point.g = color[1];
+      point.r = color[2];
+    }
+    cloud.points.push_back(point);
+  }
   return cloud;
 }
 

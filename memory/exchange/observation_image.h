@@ -17,9 +17,10 @@ cv::Mat mask_of(const Store& store, const SceneRow& scene, const ObservationRow&
 /// above 65535.
 cv::Mat label_picture(const Store& store, const SceneRow& scene, const AsOf& as_of = {});
 
-/// The surface of an observation as far as the memory has it: the pixels of the depth thumbnail under its
-/// mask, map frame, coloured by the scene's picture where that is kept (taken to be registered with the
-/// depth). One origin, the camera. Unset when depth, mask, camera or pose are missing, or no pixel is left.
+/// The surface of an observation as far as the memory has it: its points, where they are kept, else the
+/// pixels of the depth thumbnail under its mask; map frame, coloured by the scene's picture where that is
+/// kept (taken to be registered with the depth). One origin, the camera. Unset when depth, mask, camera or
+/// pose are missing, or no pixel is left.
 std::optional<Scan> cloud_of(const Store& store, const SceneRow& scene, const ObservationRow& observation);
 
 }  // namespace loci

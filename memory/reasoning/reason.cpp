@@ -10,6 +10,8 @@
 #include "memory/recorder/recorder.h"
 #include "memory/recorder/scene_reasoning.h"
 #include "memory/store/depth_thumbnail.h"
+#include "memory/store/scene_kinds.h"
+#include "memory/store/scratch_memory.h"
 
 namespace loci {
 namespace {
@@ -105,6 +107,12 @@ SceneRecord record_of(const Store& from, const SceneRow& row, const SceneReasoni
   read_view(from, row, record.view);
   record.row.depth.reset();
   record.row.picture.reset();
+  record.row.kinds.reset();
+  if (const std::optional<SceneKinds> kinds = scene_kinds(from, row))
+    record.kinds = cv::Mat(kinds->height, kinds->width, CV_8U,
+                           const_cast<SceneKind*>(kinds->pixels.data()))
+                       .clone();  // only read
+  record.log = from.log(row.id);
   record.picture = blob_of(from, row.picture);
   record.seconds_to_next = reasoning.evidence.seconds_to_next;
   record.place_poses = reasoning.evidence.places;
@@ -116,8 +124,10 @@ SceneRecord record_of(const Store& from, const SceneRow& row, const SceneReasoni
     copy.row.place.reset();
     copy.crop = blob_of(from, observation.crop);
     copy.mask = blob_of(from, observation.mask);
+    copy.cloud = blob_of(from, observation.cloud);
     copy.row.crop.reset();
     copy.row.mask.reset();
+    copy.row.cloud.reset();
     if (row.camera && row.depth)
       draw_label(observation, copy.mask, step_of(row), static_cast<int>(record.observations.size()),
                  record.view.labels);
@@ -133,6 +143,32 @@ SceneRecord record_of(const Store& from, const SceneRow& row, const SceneReasoni
     list.push_back({annotation.type, annotation.value, annotation.confidence, {}});
   }
   return record;
+}
+
+/// reason() into a file that nobody else knows yet.
+void reason_into(const Store& from, const std::vector<SceneRow>& scenes, const std::filesystem::path& other,
+                 const belief::BeliefOptions& options, const WriteOptions& write, Progress& progress,
+                 ReasonResult& result) {
+  Store to = Store::open_write(other, write);
+  const Numbers numbers = copy_sources(from, to);
+  const Id run = to.begin_run("loci-memory reason", Json{{"from", from.path().filename().string()}}.dump());
+  std::vector<PlaceRow> places = from.places();
+  for (PlaceRow& place : places) place.map = translated(numbers.maps, place.map);
+  copy_place_facts(from, places, to, run);
+  Recorder recorder(to, run, options);
+  for (const SceneRow& scene : scenes) {
+    progress.check(double(result.scenes + result.skipped) / double(scenes.size()), "reasoning anew");
+    const std::optional<SceneReasoning> reasoning = load_reasoning(from, scene.id);
+    if (!reasoning) {
+      ++result.skipped;
+      continue;
+    }
+    if (!result.from) result.from = scene.time;
+    const RecordedScene recorded = recorder.record(record_of(from, scene, *reasoning, places, numbers));
+    ++result.scenes;
+    result.observations += recorded.observations.size();
+  }
+  to.finish_run(run);
 }
 
 std::map<std::pair<TimeNs, std::optional<int64_t>>, SceneRow> by_moment(const Store& store) {
@@ -176,39 +212,34 @@ std::string told(Id object) {
 
 std::string ReasonResult::summary() const {
   std::string text = fmt::format("{} scenes with {} observations reasoned anew", scenes, observations);
-  if (skipped > 0) text += fmt::format("; {} scenes left out, of which no evidence was kept", skipped);
+  if (skipped > let_go)
+    text += fmt::format("; {} scenes left out, of which no evidence was kept", skipped - let_go);
+  if (let_go > 0 && from)
+    text += fmt::format("; from {} on: the evidence of {} scenes was let go", format_time(*from), let_go);
   return text;
 }
 
 Json ReasonResult::report() const {
-  return {{"scenes", scenes}, {"observations", observations}, {"skipped", skipped}};
+  return {{"scenes", scenes},
+          {"observations", observations},
+          {"skipped", skipped},
+          {"let_go", let_go},
+          {"from", from ? Json(format_time(*from)) : Json()}};
 }
 
 ReasonResult reason(const Store& from, const std::filesystem::path& other,
                     const belief::BeliefOptions& options, const WriteOptions& write, Progress& progress) {
   if (std::filesystem::exists(other))
     throw Error("there is a file already", {other.string(), 0, {}}, "name a new memory with -o");
-  Store to = Store::open_write(other, write);
-  const Numbers numbers = copy_sources(from, to);
-  const Id run = to.begin_run("loci-memory reason", Json{{"from", from.path().filename().string()}}.dump());
-  std::vector<PlaceRow> places = from.places();
-  for (PlaceRow& place : places) place.map = translated(numbers.maps, place.map);
-  copy_place_facts(from, places, to, run);
-  Recorder recorder(to, run, options);
-  ReasonResult result;
   const std::vector<SceneRow> scenes = from.scenes();
-  for (const SceneRow& scene : scenes) {
-    progress.check(double(result.scenes + result.skipped) / double(scenes.size()), "reasoning anew");
-    const std::optional<SceneReasoning> reasoning = load_reasoning(from, scene.id);
-    if (!reasoning) {
-      ++result.skipped;
-      continue;
-    }
-    const RecordedScene recorded = recorder.record(record_of(from, scene, *reasoning, places, numbers));
-    ++result.scenes;
-    result.observations += recorded.observations.size();
-  }
-  to.finish_run(run);
+  ReasonResult result;
+  for (const SceneRow& scene : scenes) result.let_go += from.reasoning_let_go(scene.id) ? 1 : 0;
+  if (result.let_go > 0 && result.let_go == scenes.size())
+    throw Error("the evidence of all scenes was let go: nothing can be reasoned about anew",
+                {from.path().string(), 0, {}}, "loci-memory retain --reasoning was told how long it is kept");
+  const ScratchMemory made(other.string() + ".partial");
+  reason_into(from, scenes, made.path(), options, write, progress, result);
+  made.move_to(other);
   return result;
 }
 

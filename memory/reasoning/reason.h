@@ -12,7 +12,9 @@ namespace loci {
 
 struct ReasonResult {
   size_t scenes = 0, observations = 0;
-  size_t skipped = 0;  ///< scenes of which no evidence was kept
+  size_t skipped = 0;  ///< scenes of which no evidence was kept, those that were let go among them
+  size_t let_go = 0;   ///< scenes whose evidence was let go by a rule of retention
+  std::optional<TimeNs> from = {};  ///< of the first scene that was reasoned about
 
   std::string summary() const;
   Json report() const;
@@ -20,8 +22,9 @@ struct ReasonResult {
 
 /// Runs the identity reasoning again over everything that a memory observed, into a new memory. Depth is that
 /// of the thumbnails. Observations, pictures, searchable annotations, places and what is said of them come
-/// along; feature structures and facts about objects, whose numbers change, stay behind. Error when `other`
-/// exists.
+/// along; feature structures and facts about objects, whose numbers change, stay behind. Where evidence was
+/// let go it begins with what is left, which the result says. Error when `other` exists, or when no evidence
+/// is left; `other` is there as a whole or not at all.
 ReasonResult reason(const Store& from, const std::filesystem::path& other,
                     const belief::BeliefOptions& options, const WriteOptions& write, Progress& progress);
 

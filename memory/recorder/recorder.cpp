@@ -11,6 +11,7 @@
 #include "memory/recorder/scene_reasoning.h"
 #include "memory/store/depth_thumbnail.h"
 #include "memory/store/feature_structures.h"
+#include "memory/store/scene_kinds.h"
 
 namespace loci {
 namespace {
@@ -84,9 +85,17 @@ class Recorder::Writing {
       row.depth = transaction_.add_blob(small.bytes, kDepthThumbnailMedia);
       row.depth_width = small.width;
       row.depth_height = small.height;
+      if (record_.kinds.size() == record_.view.depth.size())
+        row.kinds = transaction_.add_blob(kind_sample(record_.kinds), kSceneKindsMedia);
     }
     row.picture = blob(record_.picture);
     result_.scene = transaction_.add_scene(row);
+    for (size_t i = 0; i < record_.log.size(); ++i) {
+      LogRow line = record_.log[i];
+      line.scene = result_.scene;
+      line.number = static_cast<int64_t>(i);
+      transaction_.add_log(line);
+    }
   }
 
   void add_places() {
@@ -111,6 +120,7 @@ class Recorder::Writing {
       row.place = place(observation.evidence.place);
       row.crop = blob(observation.crop);
       row.mask = blob(observation.mask);
+      row.cloud = blob(observation.cloud);
       const Id id = transaction_.add_observation(row);
       result_.observations.push_back(id);
       if (id != evidence_.observations[i].id) another_writer("observation", id, evidence_.observations[i].id);

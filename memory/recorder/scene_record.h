@@ -29,6 +29,7 @@ struct ObservationRecord {
   ObservationRow row;            ///< without id, scene, place, crop and mask, which the recorder fills in
   BlobRecord crop;
   BlobRecord mask;
+  BlobRecord cloud;  ///< encode_cluster_depth() of the pixels of the mask
   std::vector<AnnotationRecord> annotations;
   std::vector<cas::FeatureStructure> structures;  ///< further feature structures to keep with it
 };
@@ -45,6 +46,8 @@ struct SceneRecord {
   std::vector<ObservationRecord> observations;
   std::vector<AnnotationRecord> annotations;      ///< about the scene as a whole
   std::vector<cas::FeatureStructure> structures;  ///< of the scene
+  cv::Mat kinds;            ///< CV_8U, SceneKind per pixel of view.depth; empty = not known
+  std::vector<LogRow> log;  ///< without scene and number, which the recorder fills in
 };
 
 }  // namespace loci

@@ -149,7 +149,25 @@ Id Store::Implementation::insert(const char* table, const SqlColumns& columns) {
   int index = 0;
   for (const auto& [name, value] : columns) bind_value(*slot, ++index, value);
   slot->exec();
+  ++added[table];
   return database->getLastInsertRowid();
+}
+
+void Store::Implementation::keep_counts() {
+  // As in kCounting; an empty memory has no counts yet.
+  constexpr const char* kCounted[] = {
+      "scene",  "observation", "annotation",        "blob",      "association", "event",
+      "belief", "visibility",  "feature_structure", "scene_log", "reasoning"};
+  for (const char* table : kCounted) {
+    const auto found = added.find(table);
+    if (found == added.end()) continue;
+    SQLite::Statement& count = statement(
+        "INSERT INTO row_count (name, rows) VALUES (?, ?) ON CONFLICT DO UPDATE SET rows = rows + "
+        "excluded.rows");
+    bind_values(count, {std::string_view(table), sql(found->second)});
+    count.exec();
+  }
+  added.clear();
 }
 
 void Store::Implementation::need_writable() const {

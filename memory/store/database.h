@@ -93,8 +93,9 @@ struct Store::Implementation {
     std::pair<TimeNs, Id> last = {};
     std::optional<Id> place = {};
   };
-  std::optional<Seen> scenes;              ///< when known
-  std::unordered_map<Id, Seen> sightings;  ///< of some of the objects
+  std::optional<Seen> scenes;                           ///< when known
+  std::unordered_map<Id, Seen> sightings;               ///< of some of the objects
+  std::unordered_map<std::string_view, int64_t> added;  ///< rows by table that row_count does not have yet
   bool in_scene = false;
   int moments = 0;  ///< that are being held
 
@@ -127,6 +128,8 @@ struct Store::Implementation {
   /// After a scene, or a sighting, was added.
   void mark_scene(Id scene, TimeNs time);
   void mark_sighting(Id object, Id observation, TimeNs time, Id scene);
+  /// Before a commit: what was added goes into row_count.
+  void keep_counts();
   /// What was read of the tables is to be read anew.
   void forget_cached();
 };
@@ -163,11 +166,14 @@ auto Store::Implementation::transaction(Body body) -> decltype(body()) {
   return guarded([&] {
     if (in_scene) return body();
     SQLite::Transaction all(*database, SQLite::TransactionBehavior::IMMEDIATE);
+    added.clear();
     if constexpr (std::is_void_v<decltype(body())>) {
       body();
+      keep_counts();
       all.commit();
     } else {
       auto result = body();
+      keep_counts();
       all.commit();
       return result;
     }

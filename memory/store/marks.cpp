@@ -34,6 +34,7 @@ void Store::Implementation::run(const char* text, const std::vector<SqlValue>& v
 }
 
 void Store::Implementation::forget_cached() {
+  added.clear();
   terms.clear();
   scenes.reset();
   sightings.clear();

@@ -10,6 +10,7 @@
 #include "memory/store/copy.h"
 #include "memory/store/database.h"
 #include "memory/store/schema.h"
+#include "memory/store/scratch_memory.h"
 
 namespace loci {
 namespace {
@@ -34,10 +35,15 @@ const std::vector<Joined>& joined_tables() {
       {"place", {{"map", "map"}, {"run", "run"}}, {"name"}},
       {"recording", {}, {"fingerprint"}},
       {"scene",
-       {{"recording", "recording"}, {"map", "map"}, {"depth", "blob"}, {"picture", "blob"}, {"run", "run"}},
+       {{"recording", "recording"},
+        {"map", "map"},
+        {"depth", "blob"},
+        {"picture", "blob"},
+        {"kinds", "blob"},
+        {"run", "run"}},
        {}},
       {"observation",
-       {{"scene", "scene"}, {"place", "place"}, {"crop", "blob"}, {"mask", "blob"}},
+       {{"scene", "scene"}, {"place", "place"}, {"crop", "blob"}, {"mask", "blob"}, {"cloud", "blob"}},
        {"scene", "number"}},
       {"term", {}, {"value", "type"}},
       {"feature_structure",
@@ -95,22 +101,6 @@ void copy_as_of_now(const fs::path& from, const fs::path& to) {
   { Store::open_write(to); }
 }
 
-/// Removes its files when it goes out of scope.
-class Scratch {
- public:
-  explicit Scratch(fs::path path) : path_(std::move(path)) {}
-  ~Scratch() {
-    std::error_code ignored;
-    for (const char* end : {"", "-wal", "-shm", ".lock"}) fs::remove(path_.string() + end, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
 class Merger {
  public:
   Merger(SQLite::Database& database, const fs::path& first, const fs::path& second,
@@ -134,9 +124,13 @@ class Merger {
     database_.exec(
         "INSERT OR IGNORE INTO main.reasoning (scene, encoding, content) SELECT s.new, o.encoding, o.content "
         "FROM other.reasoning o JOIN temp.of_scene s ON s.old = o.scene");
+    database_.exec(
+        "INSERT OR IGNORE INTO main.scene_log SELECT s.new, o.number, o.annotator, o.level, o.text, "
+        "o.milliseconds FROM other.scene_log o JOIN temp.of_scene s ON s.old = o.scene");
     // The belief of one of them is not that of both: what goes on begins from what is believed now.
     if (result_.scenes > 0) database_.exec("DELETE FROM main.checkpoint");
     database_.exec(kDerivation);
+    database_.exec(kCounting);
     return std::move(result_);
   }
 
@@ -388,7 +382,7 @@ MergeResult merge(const fs::path& first, const fs::path& second, const fs::path&
                   const std::optional<FrameChange>& frame, Progress& progress) {
   if (fs::exists(output))
     throw Error("there is a file already", {output.string(), 0, {}}, "name a new memory with -o");
-  const Scratch other(output.string() + ".second"), joined(output.string() + ".partial");
+  const ScratchMemory other(output.string() + ".second"), joined(output.string() + ".partial");
   copy_as_of_now(first, joined.path());
   copy_as_of_now(second, other.path());
   MergeResult result;
@@ -405,7 +399,7 @@ MergeResult merge(const fs::path& first, const fs::path& second, const fs::path&
     throw_database_error(error, output);
   }
   { Store::open_write(joined.path()); }
-  fs::rename(joined.path(), output);
+  joined.move_to(output);
   return result;
 }
 

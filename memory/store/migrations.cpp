@@ -253,6 +253,49 @@ CREATE INDEX scene_mark_time ON scene_mark (time);
 CREATE INDEX reasoning_scene ON reasoning (scene);
 )sql";
 
+const char* const kMigrationTo1005 = R"sql(
+ALTER TABLE scene ADD COLUMN kinds INTEGER REFERENCES blob;
+ALTER TABLE observation ADD COLUMN cloud INTEGER REFERENCES blob;
+CREATE TABLE scene_log (
+  scene INTEGER NOT NULL REFERENCES scene,
+  number INTEGER NOT NULL,         -- of the line, from 0
+  annotator TEXT NOT NULL,
+  level TEXT NOT NULL,             -- debug, info, warning, error
+  text TEXT,                       -- NULL = nothing but that it is done
+  milliseconds REAL,               -- that it took; NULL = not measured
+  PRIMARY KEY (scene, number)
+) STRICT, WITHOUT ROWID;
+CREATE TABLE row_count (
+  name TEXT PRIMARY KEY,           -- of the table
+  rows INTEGER NOT NULL
+) STRICT, WITHOUT ROWID;
+CREATE VIEW v_log AS
+  SELECT s.id AS scene, strftime('%Y-%m-%dT%H:%M:%SZ', s.time / 1000000000, 'unixepoch') AS time, l.annotator, l.level,
+    l.text, l.milliseconds
+  FROM scene_log l JOIN scene s ON s.id = l.scene;
+)sql";
+
+const char* const kCounting = R"sql(
+DELETE FROM row_count;
+INSERT INTO row_count (name, rows)
+  SELECT 'scene', count(*) FROM scene UNION ALL SELECT 'observation', count(*) FROM observation
+  UNION ALL SELECT 'annotation', count(*) FROM annotation UNION ALL SELECT 'blob', count(*) FROM blob
+  UNION ALL SELECT 'feature_structure', count(*) FROM feature_structure
+  UNION ALL SELECT 'association', count(*) FROM association UNION ALL SELECT 'event', count(*) FROM event
+  UNION ALL SELECT 'belief', count(*) FROM belief UNION ALL SELECT 'visibility', count(*) FROM visibility
+  UNION ALL SELECT 'scene_log', count(*) FROM scene_log UNION ALL SELECT 'reasoning', count(*) FROM reasoning;
+)sql";
+
+const char* const kDropUnusedBlobs = R"sql(
+DELETE FROM blob WHERE id NOT IN (
+  SELECT urdf FROM map UNION SELECT sidecar FROM map WHERE sidecar IS NOT NULL
+  UNION SELECT depth FROM scene WHERE depth IS NOT NULL UNION SELECT picture FROM scene WHERE picture IS NOT NULL
+  UNION SELECT kinds FROM scene WHERE kinds IS NOT NULL
+  UNION SELECT crop FROM observation WHERE crop IS NOT NULL UNION SELECT mask FROM observation WHERE mask IS NOT NULL
+  UNION SELECT cloud FROM observation WHERE cloud IS NOT NULL
+  UNION SELECT content FROM type_system UNION SELECT blob FROM feature_structure_blob);
+)sql";
+
 const char* const kViewsOf1000 = R"sql(
 CREATE TEMP VIEW annotation_said AS
   SELECT id, scene, observation, type, value, confidence, feature_structure FROM annotation
@@ -266,6 +309,14 @@ CREATE TEMP VIEW belief_known AS SELECT *, NULL AS fade_s, NULL AS fade_to FROM 
 const char* const kViewsOf1002 = R"sql(
 CREATE TEMP VIEW visibility AS
   SELECT v.*, s.time AS valid_from FROM main.visibility v JOIN main.scene s ON s.id = v.scene;
+)sql";
+
+const char* const kViewsOf1004 = R"sql(
+CREATE TEMP VIEW scene AS SELECT *, NULL AS kinds FROM main.scene;
+CREATE TEMP VIEW observation AS SELECT *, NULL AS cloud FROM main.observation;
+CREATE TEMP VIEW scene_log AS
+  SELECT NULL AS scene, NULL AS number, NULL AS annotator, NULL AS level, NULL AS text, NULL AS milliseconds WHERE 0;
+CREATE TEMP VIEW row_count AS SELECT NULL AS name, NULL AS rows WHERE 0;
 )sql";
 
 }  // namespace loci

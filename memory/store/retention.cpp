@@ -5,6 +5,7 @@
 
 #include "mapping/base/json.h"
 #include "memory/store/database.h"
+#include "memory/store/schema.h"
 
 namespace loci {
 namespace {
@@ -24,7 +25,7 @@ Json json_of(const std::optional<double>& seconds) {
 }  // namespace
 
 RetentionResult retain(const fs::path& memory, const RetentionRules& rules) {
-  if (!rules.pictures_s && !rules.crops_s)
+  if (!rules.pictures_s && !rules.crops_s && !rules.reasoning_s)
     throw Error("nothing to let go of is named", {memory.string(), 0, {}}, "give an age");
   if (rules.pictures_s && rules.crops_s && *rules.crops_s < *rules.pictures_s)
     throw Error("crops would go before the pictures that they are of", {memory.string(), 0, {}},
@@ -45,9 +46,17 @@ RetentionResult retain(const fs::path& memory, const RetentionRules& rules) {
     if (rules.pictures_s)
       result.scenes_without_pictures = change(
           database,
-          "UPDATE scene SET picture = NULL, depth = NULL, depth_width = NULL, depth_height = NULL WHERE "
-          "time < ? AND (picture IS NOT NULL OR depth IS NOT NULL)",
+          "UPDATE scene SET picture = NULL, depth = NULL, depth_width = NULL, depth_height = NULL, kinds = "
+          "NULL WHERE time < ? AND (picture IS NOT NULL OR depth IS NOT NULL)",
           before(*rules.pictures_s));
+    // A cloud goes with the pictures, or with the mask that says where its points are.
+    for (const std::optional<double>& age : {rules.pictures_s, rules.crops_s})
+      if (age)
+        result.observations_without_points +=
+            change(database,
+                   "UPDATE observation SET cloud = NULL WHERE cloud IS NOT NULL AND scene IN (SELECT id FROM "
+                   "scene WHERE time < ?)",
+                   before(*age));
     if (rules.crops_s) {
       result.observations_without_crops = change(
           database,
@@ -72,15 +81,16 @@ RetentionResult retain(const fs::path& memory, const RetentionRules& rules) {
           "DELETE FROM feature_structure_blob WHERE feature_structure IN (SELECT id FROM temp.gone);"
           "DELETE FROM feature_structure WHERE id IN (SELECT id FROM temp.gone); DROP TABLE temp.gone");
     }
-    database.exec(
-        "DELETE FROM blob WHERE id NOT IN (SELECT urdf FROM map UNION SELECT sidecar FROM map WHERE sidecar "
-        "IS NOT "
-        "NULL UNION SELECT depth FROM scene WHERE depth IS NOT NULL UNION SELECT picture FROM scene WHERE "
-        "picture "
-        "IS NOT NULL UNION SELECT crop FROM observation WHERE crop IS NOT NULL UNION SELECT mask FROM "
-        "observation "
-        "WHERE mask IS NOT NULL UNION SELECT content FROM type_system UNION SELECT blob FROM "
-        "feature_structure_blob)");
+    if (rules.reasoning_s) {
+      // The row stays and is empty, so that it is known that it was let go.
+      result.scenes_without_reasoning =
+          change(database,
+                 "UPDATE reasoning SET encoding = 0, content = x'' WHERE length(content) > 0 AND scene IN "
+                 "(SELECT id FROM scene WHERE time < ?)",
+                 before(*rules.reasoning_s));
+    }
+    database.exec(kDropUnusedBlobs);
+    database.exec(kCounting);
     all.commit();
     database.exec("VACUUM");
     database.exec("PRAGMA wal_checkpoint(TRUNCATE)");
@@ -91,8 +101,11 @@ RetentionResult retain(const fs::path& memory, const RetentionRules& rules) {
   store.finish_run(store.begin_run("loci-memory retain",
                                    Json{{"pictures_s", json_of(rules.pictures_s)},
                                         {"crops_s", json_of(rules.crops_s)},
+                                        {"reasoning_s", json_of(rules.reasoning_s)},
                                         {"scenes_without_pictures", result.scenes_without_pictures},
                                         {"observations_without_crops", result.observations_without_crops},
+                                        {"observations_without_points", result.observations_without_points},
+                                        {"scenes_without_reasoning", result.scenes_without_reasoning},
                                         {"arrays", result.arrays}}
                                        .dump()));
   return result;

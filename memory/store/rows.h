@@ -76,6 +76,7 @@ struct SceneRow {
   int depth_width = 0, depth_height = 0;
   std::optional<Id> picture = {};  ///< blob: JPEG or PNG
   std::map<std::string, double> joints = {};
+  std::optional<Id> kinds = {};  ///< blob: what the pixels of the thumbnail are, see SceneKinds
   TimeNs known_from = 0;
   Id run = 0;
 };
@@ -101,6 +102,17 @@ struct ObservationRow {
   std::optional<Id> mask = {};                 ///< blob
   std::optional<std::array<int, 4>> roi = {};  ///< x, y, width, height in the depth image
   std::optional<std::string> sentence = {};    ///< where it is, in words
+  std::optional<Id> cloud = {};                ///< blob: its points, see ClusterPoints
+};
+
+/// A line of the log of a scene.
+struct LogRow {
+  Id scene = 0;
+  int64_t number = 0;  ///< within the scene, from 0
+  std::string annotator = {};
+  std::string level = "info";
+  std::string text = {};  ///< empty = nothing but that it is done
+  std::optional<double> milliseconds = {};
 };
 
 struct AnnotationRow {

@@ -21,6 +21,7 @@ SceneTransaction::SceneTransaction(Store& store, Id run)
   store_.need_writable();
   store_.guarded([&] { store_.database->exec("BEGIN IMMEDIATE"); });
   store_.in_scene = true;
+  store_.added.clear();
 }
 
 SceneTransaction::~SceneTransaction() {
@@ -32,7 +33,10 @@ SceneTransaction::~SceneTransaction() {
 }
 
 void SceneTransaction::commit() {
-  store_.guarded([&] { store_.database->exec("COMMIT"); });
+  store_.guarded([&] {
+    store_.keep_counts();
+    store_.database->exec("COMMIT");
+  });
   store_.in_scene = false;
   open_ = false;
 }
@@ -64,6 +68,7 @@ Id SceneTransaction::add_scene(const SceneRow& row) {
                         {"depth_height", row.depth ? sql(row.depth_height) : SqlValue()},
                         {"picture", sql(row.picture)},
                         {"joints", sql(joints)},
+                        {"kinds", sql(row.kinds)},
                         {"known_from", sql(known_)},
                         {"run", sql(run_)}};
   add_pose(columns, "", row.map_from_camera);
@@ -83,9 +88,10 @@ Id SceneTransaction::add_blob(std::string_view bytes, const std::string& media) 
 }
 
 Id SceneTransaction::add_observation(const ObservationRow& row) {
-  SqlColumns columns = {{"scene", sql(row.scene)}, {"number", sql(row.number)},    {"place", sql(row.place)},
-                        {"color", sql(row.color)}, {"points", sql(row.points)},    {"crop", sql(row.crop)},
-                        {"mask", sql(row.mask)},   {"sentence", sql(row.sentence)}};
+  SqlColumns columns = {
+      {"scene", sql(row.scene)}, {"number", sql(row.number)},     {"place", sql(row.place)},
+      {"color", sql(row.color)}, {"points", sql(row.points)},     {"crop", sql(row.crop)},
+      {"mask", sql(row.mask)},   {"sentence", sql(row.sentence)}, {"cloud", sql(row.cloud)}};
   const char* const roi[] = {"roi_x", "roi_y", "roi_width", "roi_height"};
   for (size_t i = 0; i < 4; ++i) columns.emplace_back(roi[i], row.roi ? sql((*row.roi)[i]) : SqlValue());
   add_vector(columns, "", row.position);
@@ -112,6 +118,17 @@ Id SceneTransaction::add_annotation(const AnnotationRow& row) {
                                         {"term", sql(term)},
                                         {"confidence", sql(row.confidence)},
                                         {"feature_structure", sql(row.feature_structure)}});
+  });
+}
+
+void SceneTransaction::add_log(const LogRow& row) {
+  store_.guarded([&] {
+    store_.insert("scene_log", {{"scene", sql(row.scene)},
+                                {"number", sql(row.number)},
+                                {"annotator", sql(row.annotator)},
+                                {"level", sql(row.level)},
+                                {"text", row.text.empty() ? SqlValue() : sql(row.text)},
+                                {"milliseconds", sql(row.milliseconds)}});
   });
 }
 
@@ -247,6 +264,7 @@ void SceneTransaction::set_reasoning(Id scene, std::string_view bytes) {
         store_.statement("INSERT INTO reasoning (scene, encoding, content) VALUES (?, ?, ?)");
     bind_values(statement, {sql(scene), sql(encoded.encoding), BytesView{encoded.bytes}});
     statement.exec();
+    ++store_.added["reasoning"];
   });
 }
 

@@ -25,6 +25,7 @@ class SceneTransaction {
   Id add_blob(std::string_view bytes, const std::string& media);
   Id add_observation(const ObservationRow& row);
   Id add_annotation(const AnnotationRow& row);
+  void add_log(const LogRow& row);
   /// The type system of this text, added when it is new.
   Id add_type_system(std::string_view text);
   Id add_feature_structure(const FeatureStructureRow& row);

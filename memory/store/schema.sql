@@ -35,7 +35,7 @@ CREATE TABLE run (
 CREATE TABLE blob (
   id INTEGER PRIMARY KEY,
   hash TEXT NOT NULL UNIQUE,       -- SHA-256 of the original bytes, hexadecimal
-  media TEXT NOT NULL,             -- "image/jpeg", "image/png", "depth/uint16-mm", "application/octet-stream"
+  media TEXT NOT NULL,             -- "image/jpeg", "image/png", "depth/uint16-mm", "depth/uint16-mm-delta", "pixels/kind", ...
   size INTEGER NOT NULL,           -- original bytes
   encoding INTEGER NOT NULL CHECK (encoding IN (0, 1)),  -- 0 = as is, 1 = zstd
   content BLOB NOT NULL
@@ -92,6 +92,8 @@ CREATE TABLE scene (
   joints TEXT,                     -- JSON {joint: position}
   known_from INTEGER NOT NULL,
   run INTEGER NOT NULL REFERENCES run,
+  kinds INTEGER REFERENCES blob,   -- what the pixels of the thumbnail are, a byte each: 0 = not measured, 1 = the map
+                                   -- explains it, 2 = in no region of interest, 3 = of interest; NULL = no map
   UNIQUE (recording, frame_index)
 ) STRICT;
 CREATE INDEX scene_time ON scene (time);
@@ -102,6 +104,17 @@ CREATE TABLE scene_mark (
   scene INTEGER NOT NULL REFERENCES scene
 ) STRICT;
 CREATE INDEX scene_mark_time ON scene_mark (time);
+
+-- What annotators did in a scene: how long each took, and what else they noted (joints, obstacles, failures).
+CREATE TABLE scene_log (
+  scene INTEGER NOT NULL REFERENCES scene,
+  number INTEGER NOT NULL,         -- of the line, from 0
+  annotator TEXT NOT NULL,
+  level TEXT NOT NULL,             -- debug, info, warning, error
+  text TEXT,                       -- NULL = nothing but that it is done
+  milliseconds REAL,               -- that it took; NULL = not measured
+  PRIMARY KEY (scene, number)
+) STRICT, WITHOUT ROWID;
 
 -- One thing that was seen in one scene (a cluster), before asking which object it is.
 CREATE TABLE observation (
@@ -119,6 +132,8 @@ CREATE TABLE observation (
   mask INTEGER REFERENCES blob,    -- PNG, 8 bit, of the depth image's region of interest
   roi_x INTEGER, roi_y INTEGER, roi_width INTEGER, roi_height INTEGER,  -- pixels in the depth image
   sentence TEXT,                   -- where it is, in words
+  cloud INTEGER REFERENCES blob,   -- z-depth of each pixel of the mask, row by row, millimetres, 0 = none: its change d
+                                   -- from the one before as 2d, or -2d - 1 below 0; all low bytes, then all high ones
   UNIQUE (scene, number)
 ) STRICT;
 CREATE INDEX observation_place ON observation (place);
@@ -370,9 +385,15 @@ CREATE TABLE checkpoint (
 CREATE TABLE reasoning (
   scene INTEGER PRIMARY KEY REFERENCES scene,
   encoding INTEGER NOT NULL CHECK (encoding IN (0, 1)),
-  content BLOB NOT NULL
+  content BLOB NOT NULL            -- empty = let go by a rule of retention
 ) STRICT;
 CREATE INDEX reasoning_scene ON reasoning (scene);  -- counts them without reading them
+
+-- How many rows a table has: derived, so that rows need not be counted. Tables without a row here are small.
+CREATE TABLE row_count (
+  name TEXT PRIMARY KEY,           -- of the table
+  rows INTEGER NOT NULL
+) STRICT, WITHOUT ROWID;
 
 -- What was forgotten on request: an object, or everything of a time. Nothing else is left of it.
 CREATE TABLE forgotten (
@@ -480,6 +501,12 @@ CREATE VIEW v_looks AS
   SELECT p.name AS place, s.id AS scene, strftime('%Y-%m-%dT%H:%M:%SZ', s.time / 1000000000, 'unixepoch') AS time,
     v.fraction, v.status
   FROM visibility v JOIN place p ON p.id = v.place JOIN scene s ON s.id = v.scene;
+
+-- What annotators did in each scene, and how long they took.
+CREATE VIEW v_log AS
+  SELECT s.id AS scene, strftime('%Y-%m-%dT%H:%M:%SZ', s.time / 1000000000, 'unixepoch') AS time, l.annotator, l.level,
+    l.text, l.milliseconds
+  FROM scene_log l JOIN scene s ON s.id = l.scene;
 
 -- What people and programs say, as known now.
 CREATE VIEW v_facts AS

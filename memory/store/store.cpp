@@ -88,8 +88,11 @@ struct Migration {
   const char* sql;
 };
 /// In order. The schema file is always that of the newest version.
-const std::array<Migration, 4> kMigrations{
-    {{1001, kMigrationTo1001}, {1002, kMigrationTo1002}, {1003, kMigrationTo1003}, {1004, kMigrationTo1004}}};
+const std::array<Migration, 5> kMigrations{{{1001, kMigrationTo1001},
+                                            {1002, kMigrationTo1002},
+                                            {1003, kMigrationTo1003},
+                                            {1004, kMigrationTo1004},
+                                            {1005, kMigrationTo1005}}};
 
 void migrate(SQLite::Database& database, int version) {
   if (version >= kMemoryVersion) return;
@@ -97,6 +100,7 @@ void migrate(SQLite::Database& database, int version) {
   for (const Migration& migration : kMigrations)
     if (migration.version > version) database.exec(migration.sql);
   if (version < 1003) database.exec(kDerivation);
+  database.exec(kCounting);
   database.exec(fmt::format("PRAGMA user_version = {}", kMemoryVersion));
   all.commit();
 }
@@ -191,6 +195,7 @@ Store Store::open_read(const fs::path& path) {
     check_version(database, path, implementation->version);
     if (implementation->version < 1001) database.exec(kViewsOf1000);
     if (implementation->version < 1003) database.exec(kViewsOf1002);
+    if (implementation->version < 1005) database.exec(kViewsOf1004);
     if (can_write(path)) database.exec("PRAGMA query_only = ON");
   });
   return Store(std::move(implementation));

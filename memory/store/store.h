@@ -129,6 +129,8 @@ class Store {
   Id last_observation() const;  ///< the highest number given; 0 = none
   Id last_object() const;       ///< likewise
   std::vector<AnnotationRow> annotations(Id scene) const;
+  /// What annotators did in a scene and how long each took, in the order in which they were done.
+  std::vector<LogRow> log(Id scene) const;
 
   std::vector<ObjectRow> objects(const AsOf& as_of = {}) const;
   /// The belief that holds per object as of the last scene (see `belief` in the schema), in order of object;
@@ -190,8 +192,10 @@ class Store {
   /// Facts that hold at `at`; those taken back are left out.
   std::vector<FactRow> facts(const AsOf& as_of = {}) const;
 
-  /// What SceneTransaction::set_reasoning kept with a scene.
+  /// What SceneTransaction::set_reasoning kept with a scene; unset = never kept, forgotten, or let go.
   std::optional<std::string> reasoning(Id scene) const;
+  /// Whether it was let go by a rule of retention.
+  bool reasoning_let_go(Id scene) const;
   /// What SceneTransaction::set_checkpoint kept, and after which scene.
   struct Checkpoint {
     std::optional<Id> scene = {};

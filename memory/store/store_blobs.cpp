@@ -10,7 +10,13 @@ std::optional<std::string> Store::reasoning(Id scene) const {
                                {sql(scene)}, [&](const SqlRow& row) {
                                  return decode_bytes(row.bytes("content"), row.integer("encoding"), -1, path);
                                });
-  return rows.empty() ? std::nullopt : std::optional(std::move(rows[0]));
+  return rows.empty() || rows[0].empty() ? std::nullopt : std::optional(std::move(rows[0]));
+}
+
+bool Store::reasoning_let_go(Id scene) const {
+  return !all<bool>(*implementation_, "SELECT 1 FROM reasoning WHERE scene = ? AND length(content) = 0",
+                    {sql(scene)}, [](const SqlRow&) { return true; })
+              .empty();
 }
 
 std::optional<Store::Checkpoint> Store::checkpoint(const std::string& name) const {

@@ -3,6 +3,7 @@
 
 #include "memory/store/depth_thumbnail.h"
 #include "memory/store/reading.h"
+#include "memory/store/scene_kinds.h"
 #include "memory/store/schema.h"
 
 namespace loci {
@@ -31,7 +32,8 @@ DELETE FROM annotation WHERE scene IN (SELECT id FROM temp.gone_picture);
 DELETE FROM feature_structure_blob WHERE feature_structure IN (SELECT id FROM feature_structure
   WHERE scene IN (SELECT id FROM temp.gone_picture));
 DELETE FROM feature_structure WHERE scene IN (SELECT id FROM temp.gone_picture);
-UPDATE scene SET depth = NULL, depth_width = NULL, depth_height = NULL, joints = NULL, x = NULL, y = NULL, z = NULL,
+DELETE FROM scene_log WHERE scene IN (SELECT id FROM temp.gone_picture);
+UPDATE scene SET depth = NULL, depth_width = NULL, depth_height = NULL, kinds = NULL, joints = NULL, x = NULL, y = NULL, z = NULL,
   qx = NULL, qy = NULL, qz = NULL, qw = NULL WHERE id IN (SELECT id FROM temp.gone_picture);
 )sql";
 
@@ -52,13 +54,9 @@ DELETE FROM feature_structure_blob WHERE feature_structure IN (SELECT id FROM fe
   WHERE observation IN (SELECT id FROM temp.gone_observation));
 DELETE FROM feature_structure WHERE observation IN (SELECT id FROM temp.gone_observation);
 DELETE FROM observation WHERE id IN (SELECT id FROM temp.gone_observation);
+UPDATE scene_log SET text = NULL WHERE scene IN (SELECT id FROM temp.gone_picture);
 UPDATE scene SET picture = NULL WHERE id IN (SELECT id FROM temp.gone_picture);
 DELETE FROM term WHERE id NOT IN (SELECT term FROM annotation);
-DELETE FROM blob WHERE id NOT IN (
-  SELECT urdf FROM map UNION SELECT sidecar FROM map WHERE sidecar IS NOT NULL
-  UNION SELECT depth FROM scene WHERE depth IS NOT NULL UNION SELECT picture FROM scene WHERE picture IS NOT NULL
-  UNION SELECT crop FROM observation WHERE crop IS NOT NULL UNION SELECT mask FROM observation WHERE mask IS NOT NULL
-  UNION SELECT content FROM type_system UNION SELECT blob FROM feature_structure_blob);
 )sql";
 
 /// Statements one after the other, each with as many of the values as it names.
@@ -73,24 +71,28 @@ void run_all(SQLite::Database& database, const char* text, const std::vector<Sql
   }
 }
 
-/// What was seen of an object leaves the depth thumbnails: its region of interest with a pixel around it.
-/// Where no region is known, all of the thumbnail.
-void cut_out_of_depth(Store::Implementation& store) {
-  struct Cut {
-    Id scene = 0, depth = 0;
-    int64_t width = 0, height = 0;
-    std::optional<std::array<double, 4>> sides;  ///< left, top, right, bottom in pixels of the thumbnail
-  };
+/// Where what was seen of an object lies in a scene's thumbnail.
+struct Cut {
+  Id scene = 0;
+  int64_t width = 0, height = 0;
+  std::optional<std::array<double, 4>> sides;  ///< left, top, right, bottom in pixels of the thumbnail
+
+  bool holds(int64_t x, int64_t y) const {
+    const auto& [left, top, right, bottom] = *sides;
+    const auto u = static_cast<double>(x), v = static_cast<double>(y);
+    return u >= left && u <= right && v >= top && v <= bottom;
+  }
+};
+
+/// Its region of interest with a pixel around it.
+std::vector<Cut> cuts_of(Store::Implementation& store) {
   std::vector<Cut> cuts;
   store.query(
-      "SELECT o.scene, s.depth, s.depth_width, s.depth_height, s.camera_width, s.camera_height, o.roi_x, "
-      "o.roi_y, "
+      "SELECT o.scene, s.depth_width, s.depth_height, s.camera_width, s.camera_height, o.roi_x, o.roi_y, "
       "o.roi_width, o.roi_height FROM temp.gone_observation g JOIN observation o ON o.id = g.id JOIN scene s "
-      "ON s.id = "
-      "o.scene WHERE s.depth IS NOT NULL ORDER BY o.id",
+      "ON s.id = o.scene WHERE s.depth IS NOT NULL ORDER BY o.id",
       {}, [&](const SqlRow& row) {
-        Cut cut{row.integer("scene"), row.integer("depth"), row.integer("depth_width"),
-                row.integer("depth_height"), std::nullopt};
+        Cut cut{row.integer("scene"), row.integer("depth_width"), row.integer("depth_height"), std::nullopt};
         if (!row.is_null("roi_x") && !row.is_null("camera_width")) {
           const double across = double(cut.width) / row.real("camera_width"),
                        down = double(cut.height) / row.real("camera_height");
@@ -100,31 +102,43 @@ void cut_out_of_depth(Store::Implementation& store) {
         }
         cuts.push_back(cut);
       });
-  for (const Cut& cut : cuts) {
-    std::optional<Id> depth;
-    if (cut.sides) {
-      std::string bytes;
-      store.query(
-          "SELECT b.encoding, b.content, b.size FROM scene s JOIN blob b ON b.id = s.depth WHERE s.id = ?",
-          {sql(cut.scene)}, [&](const SqlRow& row) {
-            bytes =
-                decode_bytes(row.bytes("content"), row.integer("encoding"), row.integer("size"), store.path);
-          });
-      const auto& [left, top, right, bottom] = *cut.sides;
-      for (int64_t y = 0; y < cut.height; ++y)
-        for (int64_t x = 0; x < cut.width; ++x) {
-          const auto at = static_cast<size_t>(2 * (y * cut.width + x));
-          const auto u = static_cast<double>(x), v = static_cast<double>(y);
-          if (u >= left && u <= right && v >= top && v <= bottom && at + 1 < bytes.size())
-            bytes[at] = bytes[at + 1] = 0;
-        }
-      depth = store.add_blob(bytes, kDepthThumbnailMedia);
-    }
-    store.run(
-        "UPDATE scene SET depth = ?1, depth_width = iif(?1 IS NULL, NULL, depth_width), depth_height = "
-        "iif(?1 IS "
-        "NULL, NULL, depth_height) WHERE id = ?2",
-        {sql(depth), sql(cut.scene)});
+  return cuts;
+}
+
+/// Sets to 0 what a cut holds of a picture of a scene (a column of that table) with so many bytes per pixel.
+void cut_out(Store::Implementation& store, const Cut& cut, const std::string& column, const char* media,
+             int64_t pixel_bytes) {
+  std::optional<Id> left;
+  if (cut.sides) {
+    std::string bytes;
+    store.query(fmt::format("SELECT b.encoding, b.content, b.size FROM scene s JOIN blob b ON b.id = s.{} "
+                            "WHERE s.id = ?",
+                            column),
+                {sql(cut.scene)}, [&](const SqlRow& row) {
+                  bytes = decode_bytes(row.bytes("content"), row.integer("encoding"), row.integer("size"),
+                                       store.path);
+                });
+    if (bytes.empty()) return;
+    for (int64_t y = 0; y < cut.height; ++y)
+      for (int64_t x = 0; x < cut.width; ++x) {
+        const auto at = static_cast<size_t>(pixel_bytes * (y * cut.width + x));
+        const auto size = static_cast<size_t>(pixel_bytes);
+        if (cut.holds(x, y) && at + size <= bytes.size()) bytes.replace(at, size, size, '\0');
+      }
+    left = store.add_blob(bytes, media);
+  }
+  store.run(fmt::format("UPDATE scene SET {} = ?1 WHERE id = ?2", column).c_str(),
+            {sql(left), sql(cut.scene)});
+}
+
+/// What was seen of an object leaves the depth thumbnails, and what their pixels are. Where no region is
+/// known, all of the thumbnail.
+void cut_out_of_depth(Store::Implementation& store) {
+  for (const Cut& cut : cuts_of(store)) {
+    cut_out(store, cut, "depth", kDepthThumbnailMedia, 2);
+    cut_out(store, cut, "kinds", kSceneKindsMedia, 1);
+    if (!cut.sides)
+      store.run("UPDATE scene SET depth_width = NULL, depth_height = NULL WHERE id = ?", {sql(cut.scene)});
   }
   store.statements.clear();
 }
@@ -164,7 +178,9 @@ ForgetResult Store::forget(const ForgetRequest& request, Id run) {
         run_all(database, kOfInterval, {sql(*request.from), sql(*request.to)});
       }
       run_all(database, kOfBoth, {});
+      database.exec(kDropUnusedBlobs);
       database.exec(kDerivation);
+      database.exec(kCounting);
       result.objects = count(database, "temp.gone_object");
       result.observations = count(database, "temp.gone_observation");
       result.scenes = count(database, "temp.gone_picture");

@@ -136,6 +136,18 @@ std::vector<AnnotationRow> Store::annotations(Id scene) const {
                             });
 }
 
+std::vector<LogRow> Store::log(Id scene) const {
+  return all<LogRow>(*implementation_, "SELECT * FROM scene_log WHERE scene = ? ORDER BY number",
+                     {sql(scene)}, [](const SqlRow& row) {
+                       return LogRow{row.integer("scene"),
+                                     row.integer("number"),
+                                     row.text("annotator"),
+                                     row.text("level"),
+                                     row.optional_text("text").value_or(std::string()),
+                                     row.optional_real("milliseconds")};
+                     });
+}
+
 std::vector<VisibilityRow> Store::visibility(Id scene) const {
   return all<VisibilityRow>(*implementation_, "SELECT * FROM visibility WHERE scene = ? ORDER BY id",
                             {sql(scene)}, visibility_row);

@@ -89,6 +89,7 @@ SceneRow scene_row(const SqlRow& row) {
     const Json joints = parse_json(*text, "scene.joints");
     for (const auto& [joint, position] : joints.items()) result.joints[joint] = position.get<double>();
   }
+  result.kinds = row.optional_integer("kinds");
   result.known_from = row.integer("known_from");
   result.run = row.integer("run");
   return result;
@@ -112,6 +113,7 @@ ObservationRow observation_row(const SqlRow& row) {
     result.roi = {static_cast<int>(row.integer("roi_x")), static_cast<int>(row.integer("roi_y")),
                   static_cast<int>(row.integer("roi_width")), static_cast<int>(row.integer("roi_height"))};
   result.sentence = row.optional_text("sentence");
+  result.cloud = row.optional_integer("cloud");
   return result;
 }
 

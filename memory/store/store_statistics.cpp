@@ -26,8 +26,15 @@ std::vector<Store::TableSize> Store::statistics(bool with_bytes) const {
     const std::map<std::string, std::string> owner = owners(s);
     std::map<std::string, TableSize> sizes;
     for (const auto& [name, table] : owner) sizes[table].table = table;
-    for (auto& [table, size] : sizes)
-      size.rows = s.database->execAndGet(fmt::format("SELECT count(*) FROM {}", table)).getInt64();
+    std::map<std::string, int64_t> counted;
+    s.query("SELECT name, rows FROM row_count", {},
+            [&](const SqlRow& row) { counted[row.text("name")] = row.integer("rows"); });
+    for (auto& [table, size] : sizes) {
+      const auto known = counted.find(table);
+      size.rows = known != counted.end()
+                      ? known->second
+                      : s.database->execAndGet(fmt::format("SELECT count(*) FROM {}", table)).getInt64();
+    }
     if (with_bytes) {
       s.query("SELECT name, pgsize FROM dbstat WHERE aggregate = 1", {}, [&](const SqlRow& row) {
         const auto found = owner.find(row.text("name"));

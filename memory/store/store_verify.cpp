@@ -46,6 +46,12 @@ constexpr Rule kRules[] = {
      1001},
     {"scene {} has a depth thumbnail without its size",
      "SELECT id FROM scene WHERE depth IS NOT NULL AND (depth_width IS NULL OR depth_height IS NULL)"},
+    {"scene {} says what other pixels are than those of its depth thumbnail",
+     "SELECT s.id FROM scene s JOIN blob b ON b.id = s.kinds WHERE s.depth IS NULL OR b.size <> "
+     "s.depth_width * s.depth_height",
+     1005},
+    {"observation {} has points without a mask that says where they are",
+     "SELECT id FROM observation WHERE cloud IS NOT NULL AND (mask IS NULL OR roi_x IS NULL)", 1005},
 };
 
 /// About what can be made anew from other rows.
@@ -110,10 +116,24 @@ constexpr Rule kDerivedRules[] = {
      1002},
 };
 
+/// Only those that are counted.
+void check_counts(Store::Implementation& store, std::vector<std::string>& problems) {
+  std::vector<std::pair<std::string, int64_t>> counts;
+  store.query("SELECT name, rows FROM row_count ORDER BY name", {},
+              [&](const SqlRow& row) { counts.emplace_back(row.text("name"), row.integer("rows")); });
+  for (const auto& [name, rows] : counts) {
+    const int64_t found =
+        store.database->execAndGet(fmt::format("SELECT count(*) FROM \"{}\"", name)).getInt64();
+    if (found != rows)
+      problems.push_back(fmt::format("{} has {} rows, not the {} counted", name, found, rows));
+  }
+}
+
 constexpr const char* kTables[] = {"run",         "recording",   "map",        "place",
                                    "scene",       "observation", "annotation", "feature_structure",
                                    "type_system", "blob",        "object",     "association",
-                                   "event",       "belief",      "visibility", "fact"};
+                                   "event",       "belief",      "visibility", "fact",
+                                   "scene_log"};
 
 void check_integrity(Store::Implementation& store, VerifyReport& report) {
   store.query("PRAGMA integrity_check", {}, [&](const SqlRow& row) {
@@ -176,6 +196,7 @@ VerifyReport Store::verify(Progress& progress) const {
     check_feature_structures(s, report);
     for (const Rule& rule : kRules) check_rule(s, rule, report.problems);
     for (const Rule& rule : kDerivedRules) check_rule(s, rule, report.derived_problems);
+    check_counts(s, report.derived_problems);
     report.problems.insert(report.problems.end(), report.derived_problems.begin(),
                            report.derived_problems.end());
     for (const char* table : kTables)
@@ -191,6 +212,7 @@ void Store::derive() {
   s.forget_cached();
   s.transaction([&] {
     s.database->exec(kDerivation);
+    s.database->exec(kCounting);
     return 0;
   });
 }

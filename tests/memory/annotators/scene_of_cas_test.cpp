@@ -4,6 +4,8 @@
 
 #include <limits>
 
+#include "memory/annotators/kept_of_cas.h"
+#include "memory/store/cluster_points.h"
 #include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
 #include "perception/types/geometry.h"
@@ -55,7 +57,28 @@ TEST(SceneOfCas, ReadsWhatTheAnnotatorsSaid) {
   cluster.annotations.push_back(color);
   facade.add_cluster(cluster);
 
-  const SceneRecord record = scene_record(facade, nullptr);
+  cv::Mat structure(480, 640, CV_8U, cv::Scalar(1));
+  structure(cv::Rect(310, 230, 20, 20)) = 3;
+  types::set_view_image(facade, "structure", structure);
+  facade.log("NormalEstimator", "info", "done", 12.5);
+  facade.log("KnownStructureFilter", "info", "drawer_1_joint stands at 0.300");
+
+  SceneRecord record = scene_record(facade, nullptr);
+  add_what_is_kept(facade, true, record);
+  EXPECT_EQ(record.kinds.at<uint8_t>(240, 320), 3);
+  ASSERT_EQ(record.log.size(), 2U);
+  EXPECT_EQ(record.log[0].annotator, "NormalEstimator");
+  EXPECT_EQ(record.log[0].text, "") << "its time says that it is done";
+  EXPECT_EQ(record.log[0].milliseconds, 12.5);
+  EXPECT_EQ(record.log[1].text, "drawer_1_joint stands at 0.300");
+  EXPECT_FALSE(record.log[1].milliseconds.has_value());
+  const std::vector<float> cloud = decode_cluster_depth(record.observations.at(0).cloud.bytes);
+  ASSERT_EQ(cloud.size(), 400U);
+  EXPECT_FLOAT_EQ(cloud[0], 1);
+  EXPECT_EQ(cloud[10 * 20 + 10], 0) << "not measured";
+  SceneRecord without = scene_record(facade, nullptr);
+  add_what_is_kept(facade, false, without);
+  EXPECT_TRUE(without.observations.at(0).cloud.bytes.empty());
   EXPECT_EQ(record.row.time, 7 * kSecond);
   EXPECT_EQ(record.row.frame_index, 3);
   ASSERT_EQ(record.places.size(), 1U);

@@ -1,5 +1,5 @@
 // Memories that earlier versions of the format made, and what the programs of that time answered: 1.0 (forty
-// scenes of nine things on three tables, ingested), 1.1 to 1.3 (apps/samples/detections.jsonl, ingested).
+// scenes of nine things on three tables, ingested), 1.1 to 1.4 (apps/samples/detections.jsonl, ingested).
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -115,7 +115,8 @@ TEST_P(EarlierFormat, IsForgottenForGood) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, EarlierFormat,
-                         ::testing::Values(Earlier{0, 4}, Earlier{1, 1}, Earlier{2, 1}, Earlier{3, 1}),
+                         ::testing::Values(Earlier{0, 4}, Earlier{1, 1}, Earlier{2, 1}, Earlier{3, 1},
+                                           Earlier{4, 1}),
                          [](const auto& tested) { return "1_" + std::to_string(tested.param.minor); });
 
 }  // namespace

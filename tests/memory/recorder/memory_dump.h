@@ -7,8 +7,8 @@
 
 namespace loci {
 
-/// Everything in a memory as text, except when it became known and by which run: two memories that were told
-/// the same have the same dump. How R*Tree and full text lie inside is left out.
+/// Everything in a memory as text, except when it became known, by which run and how long it took: two
+/// memories that were told the same have the same dump. How R*Tree and full text lie inside is left out.
 inline std::string memory_dump(const std::filesystem::path& path) {
   const SQLite::Database database(path.string(), SQLite::OPEN_READONLY);
   std::string dump;
@@ -23,7 +23,8 @@ inline std::string memory_dump(const std::filesystem::path& path) {
     while (rows.executeStep()) {
       for (int i = 0; i < rows.getColumnCount(); ++i) {
         const std::string column = rows.getColumnName(i);
-        if (column == "known_from" || column == "known_to" || column == "run") continue;
+        if (column == "known_from" || column == "known_to" || column == "run" || column == "milliseconds")
+          continue;
         dump += rows.getColumn(i).isNull() ? std::string("NULL") : rows.getColumn(i).getString();
         dump += '|';
       }
