@@ -25,6 +25,20 @@ std::string observation_text(const ObservationRow& observation) {
   return text;
 }
 
+/// What annotators did and noted, with their times.
+std::string annotators_table(const Store& store, Id scene) {
+  std::vector<std::vector<std::string>> rows;
+  for (const LogRow& line : store.log(scene)) {
+    if (rows.empty() || rows.back()[0] != line.annotator) rows.push_back({line.annotator, "", ""});
+    std::vector<std::string>& row = rows.back();
+    if (line.milliseconds) row[1] = fmt::format("{:.1f}", *line.milliseconds);
+    if (line.text.empty()) continue;
+    row[2] +=
+        (row[2].empty() ? "" : "; ") + (line.level == "info" ? line.text : line.level + ": " + line.text);
+  }
+  return rows.empty() ? "" : html_table({"annotator", "ms", "noted"}, rows);
+}
+
 std::string scene_log(const ReportData& data, const SceneRow& scene, const SceneSummary& summary) {
   std::map<Id, AssociationRow> taken_for;
   for (const AssociationRow& row : data.store.associations(scene.id))
@@ -33,7 +47,8 @@ std::string scene_log(const ReportData& data, const SceneRow& scene, const Scene
   for (const AnnotationRow& row : data.store.annotations(scene.id))
     if (row.observation && !row.value.empty()) {
       std::string& text = said[*row.observation];
-      text += fmt::format("{}{} {}", text.empty() ? "" : "; ", row.type, row.value);
+      const std::string type = row.type.substr(row.type.rfind('.') + 1);
+      text += fmt::format("{}{} {}", text.empty() ? "" : "; ", type, row.value);
     }
   std::vector<std::vector<std::string>> rows;
   for (const ObservationRow& observation : data.store.observations(scene.id)) {
@@ -49,9 +64,10 @@ std::string scene_log(const ReportData& data, const SceneRow& scene, const Scene
       "scene {} at {}: {} observation{}{}{}", scene.id, data.times.text(scene.time), rows.size(),
       rows.size() == 1 ? "" : "s", summary.scene.frame ? fmt::format(", frame {}", *summary.scene.frame) : "",
       summary.has_pose ? "" : ", no pose");
-  return fmt::format("<details><summary>{}</summary><p>{}</p>{}</details>\n", html_escape(head),
+  return fmt::format("<details><summary>{}</summary><p>{}</p>{}{}</details>\n", html_escape(head),
                      html_escape(looked.empty() ? "looked at no place" : "looked at " + looked),
-                     html_table({"", "object", "sure", "because", "looks", "where", "annotators say"}, rows));
+                     html_table({"", "object", "sure", "because", "looks", "where", "annotators say"}, rows),
+                     annotators_table(data.store, scene.id));
 }
 
 }  // namespace
