@@ -1,5 +1,7 @@
 #include "memory/annotators/belief_annotations.h"
 
+#include <algorithm>
+#include <cctype>
 #include <map>
 
 #include "memory/store/store.h"
@@ -9,6 +11,7 @@ namespace loci {
 namespace {
 
 constexpr const char* kSource = "IdentityResolution";
+constexpr const char* kArbiter = "Arbiter";
 
 /// Name of a believed object; tentative ones have no number that is told.
 std::string name_of(const belief::ObjectOutcome& outcome) {
@@ -26,6 +29,34 @@ void fill(const types::PairMatrix& matrix, const ResolvedScene& resolved, const 
   matrix.row_ids.set(rows);
   matrix.col_ids.set(columns);
   matrix.values.set(values);
+}
+
+/// Of one of belief::kTrackers: "PositionTracker".
+std::string tracker_id(size_t tracker) {
+  std::string name = std::string(belief::kTrackers.at(tracker)) + "Tracker";
+  name.front() = static_cast<char>(std::toupper(name.front()));
+  return name;
+}
+
+void track(cas::Cas& cas, const types::Cluster& cluster, int64_t object, const std::string& who) {
+  if (object == 0) return;
+  const auto tracking = types::TrackingAnnotation::create(cas);
+  tracking.source.set(kSource);
+  tracking.annotator_id.set(who);
+  tracking.tracking_id.set(object);
+  cluster.annotations.push_back(tracking);
+}
+
+/// What the simple trackers and their arbiter say beside it; what is not told yet has no number.
+void add_votes(cas::Cas& cas, const types::Cluster& cluster, const belief::TrackerVotes& votes,
+               const belief::BeliefUpdate& update) {
+  const auto vote = [&](const std::optional<int64_t>& key, const std::string& who) {
+    if (!key) return;
+    const auto found = std::ranges::find(update.objects, *key, &belief::ObjectOutcome::key);
+    if (found != update.objects.end()) track(cas, cluster, found->object, who);
+  };
+  for (size_t t = 0; t < belief::kTrackers.size(); ++t) vote(votes.key[t], tracker_id(t));
+  vote(votes.settled, kArbiter);
 }
 
 void add_matrices(const types::SceneCas& cas, const ResolvedScene& resolved) {
@@ -95,6 +126,15 @@ types::AssociationDistribution distribution(const types::SceneCas& cas, const Re
 
 }  // namespace
 
+std::vector<cas::FeatureStructure> tracker_votes(const types::Cluster& cluster) {
+  std::vector<cas::FeatureStructure> votes;
+  for (const types::Annotation& annotation : cluster.annotations)
+    if (const auto tracking = types::try_as<types::TrackingAnnotation>(annotation))
+      if (tracking->source.get() == kSource && tracking->annotator_id.get() != kSource)
+        votes.push_back(*tracking);
+  return votes;
+}
+
 void annotate_belief(const types::SceneCas& cas, const ResolvedScene& resolved) {
   const std::vector<types::Cluster> clusters = cas.clusters();
   const auto belief = types::BeliefStateInstance::create(cas.cas());
@@ -102,13 +142,8 @@ void annotate_belief(const types::SceneCas& cas, const ResolvedScene& resolved) 
   belief.scene.set(cas.scene());
   for (size_t k = 0; k < clusters.size(); ++k) {
     belief.current_clusters.push_back(clusters[k]);
-    const belief::ObservationOutcome& outcome = resolved.update.observations[k];
-    if (outcome.object == 0) continue;
-    const auto tracking = types::TrackingAnnotation::create(cas.cas());
-    tracking.source.set(kSource);
-    tracking.annotator_id.set(kSource);
-    tracking.tracking_id.set(outcome.object);
-    clusters[k].annotations.push_back(tracking);
+    track(cas.cas(), clusters[k], resolved.update.observations[k].object, kSource);
+    add_votes(cas.cas(), clusters[k], resolved.update.evidence.votes[k], resolved.update);
   }
   std::map<int64_t, types::Object> objects;
   for (const belief::ProtoObject& object : resolved.after.objects) {

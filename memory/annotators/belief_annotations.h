@@ -5,8 +5,13 @@
 
 namespace loci {
 
-/// Writes what was resolved into the CAS: a TrackingAnnotation per cluster that is a known object, the
-/// matrices of similarities and distances, and the BeliefStateInstance (§3.2.5, §6.1.2).
+/// Writes what was resolved into the CAS: per cluster that is a known object a TrackingAnnotation, further
+/// ones for what each simple tracker takes it for (annotator_id: PositionTracker, ShapeTracker, ColorTracker)
+/// and, where it settled it, the Arbiter; the matrices of similarities and distances, and the
+/// BeliefStateInstance (§3.2.5, §6.1.2).
 void annotate_belief(const types::SceneCas& cas, const ResolvedScene& resolved);
+
+/// What the trackers and the arbiter said about a cluster, to be kept with it; who it is is kept anyhow.
+std::vector<cas::FeatureStructure> tracker_votes(const types::Cluster& cluster);
 
 }  // namespace loci

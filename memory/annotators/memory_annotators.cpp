@@ -101,6 +101,10 @@ void MemoryWriter::process(cas::Cas& cas, Context& context) {
   pending.record.structures.push_back(scene.scene().similarities.get());
   pending.record.structures.push_back(scene.scene().distances.get());
   add_what_is_kept(scene, clouds_, pending.record);
+  const std::vector<types::Cluster> clusters = scene.clusters();
+  for (size_t k = 0; k < clusters.size(); ++k)
+    for (const cas::FeatureStructure& vote : tracker_votes(clusters[k]))
+      pending.record.observations[k].structures.push_back(vote);
   session.recorder().record(pending.record, std::move(pending.resolved));
 }
 

@@ -7,6 +7,7 @@
 #include "memory/belief/options.h"
 #include "memory/belief/similarity.h"
 #include "memory/belief/state.h"
+#include "memory/belief/trackers.h"
 #include "memory/identity/solution.h"
 
 namespace loci::belief {
@@ -56,7 +57,7 @@ struct ObjectOutcome {
 };
 
 /// Evidence between believed objects (rows, in the order of BeliefUpdate::objects) and observations
-/// (columns).
+/// (columns). What is settled is not compared with what is out of view: it has no distances to that.
 struct PairEvidence {
   struct Distances {
     std::string kind;
@@ -68,7 +69,9 @@ struct PairEvidence {
   PairTable closeness;  ///< the dissertation's similarity in [0,1]; NaN = nothing to compare
   PairTable log_similar, log_proximity;
   Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> colorless;  ///< neither has colour
-  PairTable log_size;  ///< the part of log_similar that is about size; 0 = not comparable
+  PairTable log_size;               ///< the part of log_similar that is about size; 0 = not comparable
+  std::vector<TrackerVotes> votes;  ///< per observation
+  std::vector<std::optional<size_t>> settled;  ///< row of the object that an observation is without question
 };
 
 /// An object that became certain enough to be told: its number, and its earlier sightings.

@@ -9,7 +9,7 @@ namespace loci::belief {
 namespace {
 
 constexpr double kSmallestProbability = 0.01;
-constexpr size_t kFewest = 2;  ///< of the best candidates are kept, however improbable
+constexpr size_t kFewest = 2;  ///< of the best candidates are kept, however improbable; 1 if it was settled
 
 Candidate candidate_of(const BeliefUpdate& update, Eigen::Index o, Eigen::Index k) {
   Candidate candidate;
@@ -55,7 +55,8 @@ ObservationDecision observation_decision(const BeliefUpdate& update, Eigen::Inde
   std::vector<std::pair<double, Eigen::Index>> order;
   for (Eigen::Index o = 0; o < update.evidence.log_similar.rows(); ++o)
     order.emplace_back(-weight(update, o, k), o);
-  const size_t few = std::min(order.size(), kFewest);
+  const bool settled = update.evidence.settled[static_cast<size_t>(k)].has_value();
+  const size_t few = std::min(order.size(), settled ? 1 : kFewest);
   std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(few), order.end());
   for (size_t i = 0; i < order.size(); ++i) {
     const int64_t key = update.objects[static_cast<size_t>(order[i].second)].key;

@@ -5,70 +5,13 @@
 #include <limits>
 #include <numbers>
 
-#include "memory/belief/appearance.h"
 #include "memory/belief/proximity.h"
 
 namespace loci::belief {
 namespace {
 
-constexpr double kLargestEvidence = 30;
-
 Eigen::Index index(size_t i) {
   return static_cast<Eigen::Index>(i);
-}
-
-/// The looks of an object, ready to be compared with what is seen.
-class Bag {
- public:
-  explicit Bag(const ProtoObject& object) {
-    for (const Look& look : object.looks) {
-      const double weight = 1 + std::log(look.weight);
-      looks_.push_back({Appearance(look.descriptors), look.partial, weight, std::log(weight)});
-    }
-  }
-
-  /// Likeness to the mixture of the looks, weighted by how often each was seen; the parts are those of the
-  /// look that is most alike.
-  Contrast compare(const Appearance& seen, bool partial, const Corrections& corrections,
-                   const BeliefOptions& options) {
-    Contrast best;
-    ratios_.clear();
-    double weights = 0, largest = -std::numeric_limits<double>::infinity();
-    for (const Entry& look : looks_) {
-      const Contrast one =
-          contrast(look.appearance, seen, look.partial || partial, options.appearance_weight, corrections);
-      if (one.count == 0) continue;
-      ratios_.push_back(one.log_ratio + look.log_weight);
-      weights += look.weight;
-      largest = std::max(largest, ratios_.back());
-      if (best.count == 0 || one.log_ratio > best.log_ratio) best = one;
-    }
-    if (ratios_.empty()) return best;
-    double sum = 0;
-    for (const double ratio : ratios_) sum += std::exp(ratio - largest);
-    best.log_ratio = largest + std::log(sum / weights);
-    return best;
-  }
-
- private:
-  struct Entry {
-    Appearance appearance;
-    bool partial;
-    double weight, log_weight;
-  };
-  std::vector<Entry> looks_;
-  std::vector<double> ratios_;
-};
-
-/// What is compared about an observation, without what it looks like.
-Observation shape_of(const Observation& observation) {
-  Observation shape;
-  shape.box = observation.box;
-  shape.sized = observation.sized;
-  shape.sigma_m = observation.sigma_m;
-  shape.range = observation.range;
-  shape.partial = observation.partial;
-  return shape;
 }
 
 /// The different places of a scene's observations.
@@ -167,58 +110,24 @@ bool is_piece(const Expectation& believed, const AxisBox& seen) {
   return seen.volume() < 0.5 * believed.box.volume() && covered_share(believed, seen) > 0.6;
 }
 
-PairEvidence pair_evidence(const BeliefState& state, const std::vector<Expectation>& expected,
-                           const Scene& scene, const BeliefOptions& options) {
-  const Eigen::Index rows = index(state.objects.size()), columns = index(scene.observations.size());
-  const bool snapshot = is_snapshot(state, scene, options);
-  PairEvidence evidence;
-  evidence.log_similar.setZero(rows, columns);
-  evidence.log_proximity.setZero(rows, columns);
-  evidence.log_size.setZero(rows, columns);
-  evidence.offset.setZero(rows, columns);
-  evidence.colorless.setConstant(rows, columns, false);
-  evidence.closeness.setConstant(rows, columns, std::numeric_limits<double>::quiet_NaN());
-  for (const Comparison& comparison : comparisons())
-    evidence.distances.push_back({comparison.kind, evidence.closeness, evidence.log_size});
-  const Corrections corrections = state.calibration.corrections();
-  std::vector<Appearance> appearances;
-  std::vector<Observation> shapes;
-  for (const Observation& observation : scene.observations) {
-    appearances.emplace_back(observation.descriptors);
-    shapes.push_back(shape_of(observation));
-  }
-  for (Eigen::Index o = 0; o < rows; ++o) {
-    const ProtoObject& object = state.objects[size_t(o)];
-    const Expectation& e = expected[size_t(o)];
-    Bag bag(object);
-    for (Eigen::Index k = 0; k < columns; ++k) {
-      Observation observation = shapes[size_t(k)];
-      // Missing evidence is missing: where one size is unknown, they agree.
-      AxisBox believed = e.box;
-      if (!object.sized) believed.size = observation.box.size;
-      if (!observation.sized) observation.box.size = believed.size;
-      if (!snapshot && is_piece(e, observation.box)) observation.partial = true;
-      const Contrast alike = bag.compare(appearances[size_t(k)], observation.partial, corrections, options);
-      evidence.colorless(o, k) = alike.colorless;
-      evidence.log_similar(o, k) = std::clamp(alike.log_ratio, -kLargestEvidence, kLargestEvidence);
-      if (alike.count > 0) evidence.closeness(o, k) = std::exp(alike.log_closeness);
-      for (size_t i = 0; i < kComparisons; ++i) {
-        evidence.distances[i].distance(o, k) = alike.parts[i].distance;
-        evidence.distances[i].log_ratio(o, k) = alike.parts[i].log_ratio;
-        if (comparisons()[i].whole_only) evidence.log_size(o, k) += alike.parts[i].log_ratio;
-      }
-      evidence.offset(o, k) = (observation.box.centre - believed.centre).norm();
-      const double variance = e.variance + observation_variance(observation, options);
-      const double extent_variance = variance + e.view_variance * (1 / view_noise(state) - 1);
-      evidence.log_proximity(o, k) =
-          std::clamp(log_proximity(believed, variance, extent_variance, object.partial, observation, options),
-                     -kLargestEvidence, kLargestEvidence);
+namespace {
+
+/// What is settled is an explanation of its own beside which nothing else is considered for either of the
+/// two: how probable it is, against something new or false in place of what is not found, remains the
+/// model's to say.
+void settle(LogOddsProblem& problem, const std::vector<std::optional<size_t>>& settled) {
+  for (size_t k = 0; k < settled.size(); ++k) {
+    if (!settled[k]) continue;
+    for (PairTable* table : {&problem.log_similar, &problem.log_proximity}) {
+      const double kept = (*table)(index(*settled[k]), index(k));
+      table->row(index(*settled[k])).setConstant(kNever);
+      table->col(index(k)).setConstant(kNever);
+      (*table)(index(*settled[k]), index(k)) = kept;
     }
   }
-  std::erase_if(evidence.distances,
-                [](const PairEvidence::Distances& d) { return d.distance.array().isNaN().all(); });
-  return evidence;
 }
+
+}  // namespace
 
 LogOddsProblem identity_problem(const BeliefState& state, const std::vector<Expectation>& expected,
                                 const Scene& scene, const PairEvidence& evidence,
@@ -229,6 +138,7 @@ LogOddsProblem identity_problem(const BeliefState& state, const std::vector<Expe
   LogOddsProblem problem;
   problem.log_similar = evidence.log_similar;
   problem.log_proximity = evidence.log_proximity;
+  settle(problem, evidence.settled);
   for (PairTable* table : {&problem.stay_prior, &problem.move_prior, &problem.newview_prior})
     table->setZero(index(m), index(n));
   const SeenPlaces places(scene.observations);

@@ -40,6 +40,10 @@ void BeliefOptions::declare(OptionTable& table) {
   table.number("appearance_weight", appearance_weight, "",
                "Annotations of one object depend on each other: their evidence is multiplied by this.", 0.05,
                1);
+  table.flag(
+      "settle", settle,
+      "What trackers of position, shape and colour agree on, and nothing else is near to, is settled before "
+      "the model.");
   table.number(
       "snapshot_gap_s", snapshot_gap_s, "s",
       "Scenes farther apart than this cannot confirm each other: what they show is believed at once.", 0,

@@ -31,6 +31,7 @@ struct BeliefOptions {
   double repeat_clutter = 0.3;
   double empty_if_there = 0.003;
   double appearance_weight = 0.8;
+  bool settle = true;
 
   // What is told to others.
   double snapshot_gap_s = 5;

@@ -1,24 +1,25 @@
 #include "memory/belief/trackers.h"
 
-#include <algorithm>
-#include <limits>
+#include <span>
 
 namespace loci::belief {
 namespace {
 
-constexpr double kFar = std::numeric_limits<double>::infinity();
+/// Beyond this a tracker proposes nothing.
+constexpr std::array<double, kTrackers.size()> kFarthest{0.1, 0.25, 0.6};
+/// So much farther, and twice as far, must be what else there is to settle.
+constexpr double kMargin = 0.05;
+static_assert(2 * kFarthest[0] + kMargin <= kTrackersReach + 1e-9);
 
-/// Distances of one tracker, observations × objects; kFar = not comparable.
-struct Distances {
+/// Distances of one tracker.
+struct Table {
   size_t rows, columns;
-  std::vector<double> values;
-  double farthest;  ///< nothing beyond is proposed
-  double margin;    ///< so much farther, and twice as far, must be what else there is to settle
+  std::span<const double> values;
 
   double at(size_t k, size_t o) const { return values[k * columns + o]; }
 
   /// The object that is nearest to an observation while the observation is nearest to it.
-  std::optional<size_t> mutual(size_t k) const {
+  std::optional<size_t> mutual(size_t k, double farthest) const {
     size_t best = 0;
     for (size_t o = 1; o < columns; ++o)
       if (at(k, o) < at(k, best)) best = o;
@@ -29,7 +30,7 @@ struct Distances {
   }
 
   bool nothing_else_near(size_t k, size_t o) const {
-    const double least = 2 * at(k, o) + margin;
+    const double least = 2 * at(k, o) + kMargin;
     for (size_t other = 0; other < columns; ++other)
       if (other != o && at(k, other) < least) return false;
     for (size_t other = 0; other < rows; ++other)
@@ -38,55 +39,23 @@ struct Distances {
   }
 };
 
-Distances positions(const SceneMatrices& matrices) {
-  Distances result{matrices.rows, matrices.keys.size(), {}, 0.1, 0.05};
-  for (const uint16_t offset : matrices.offsets)
-    result.values.push_back(offset == SceneMatrices::kNone16 ? kFar : 0.001 * offset);
-  return result;
-}
-
-/// Of the first of these kinds that the scene has.
-Distances looks(const SceneMatrices& matrices, std::initializer_list<const char*> kinds, double farthest) {
-  Distances result{matrices.rows, matrices.keys.size(), {}, farthest, 0.05};
-  for (const char* kind : kinds) {
-    const auto found = std::ranges::find(matrices.kinds, kind);
-    if (found == matrices.kinds.end()) continue;
-    for (const uint8_t distance : matrices.distances[static_cast<size_t>(found - matrices.kinds.begin())])
-      result.values.push_back(distance == SceneMatrices::kNone8 ? kFar
-                                                                : distance * SceneMatrices::kDistanceStep);
-    return result;
-  }
-  result.values.assign(result.rows * result.columns, kFar);
-  return result;
-}
-
 }  // namespace
 
-std::vector<TrackerVotes> votes(const SceneMatrices& matrices) {
-  const std::array<Distances, kTrackers.size()> trackers{
-      positions(matrices), looks(matrices, {"extents"}, 0.25),
-      looks(matrices, {"color_histogram", "mean_color"}, 0.6)};
-  std::vector<TrackerVotes> all(matrices.rows);
+std::vector<TrackerVotes> votes(const TrackerDistances& distances) {
+  const auto table = [&](size_t t) {
+    return Table{distances.observations, distances.keys.size(), distances.of[t]};
+  };
+  std::vector<TrackerVotes> all(distances.observations);
   for (size_t k = 0; k < all.size(); ++k) {
-    bool agree = true;
-    for (size_t t = 0; t < trackers.size(); ++t) {
-      const std::optional<size_t> o = trackers[t].mutual(k);
-      if (o) all[k].key[t] = matrices.keys[*o];
-      agree = agree && o && all[k].key[t] == all[k].key[0];
+    std::array<std::optional<size_t>, kTrackers.size()> proposed;
+    for (size_t t = 0; t < kTrackers.size(); ++t) {
+      proposed[t] = table(t).mutual(k, kFarthest[t]);
+      if (proposed[t]) all[k].key[t] = distances.keys[*proposed[t]];
     }
-    if (agree && trackers[0].nothing_else_near(k, *trackers[0].mutual(k))) all[k].settled = all[k].key[0];
+    const bool agree = proposed[0] && proposed[1] == proposed[0] && proposed[2] == proposed[0];
+    if (agree && table(0).nothing_else_near(k, *proposed[0])) all[k].settled = all[k].key[0];
   }
   return all;
-}
-
-void ArbiterCount::add(const SceneMatrices& matrices, const Decisions& decisions) {
-  const std::vector<TrackerVotes> voted = votes(matrices);
-  for (size_t k = 0; k < std::min(voted.size(), decisions.observations.size()); ++k) {
-    ++observations;
-    if (!voted[k].settled) continue;
-    ++settled;
-    as_model += voted[k].settled == decisions.observations[k].key ? 1 : 0;
-  }
 }
 
 }  // namespace loci::belief

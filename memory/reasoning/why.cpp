@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "mapping/base/json.h"
-#include "memory/belief/trackers.h"
+#include "memory/belief/kept_votes.h"
 #include "memory/reasoning/pair_matrices.h"
 #include "memory/recorder/scene_reasoning.h"
 
@@ -128,7 +128,7 @@ Why explain(const belief::ObjectDecision& d) {
   return why;
 }
 
-/// What the simple trackers would have said (memory/belief/trackers.h).
+/// What the simple trackers would have said (memory/belief/kept_votes.h).
 Why explain_votes(const SceneReasoning& reasoning) {
   const belief::SceneMatrices& kept = reasoning.matrices;
   const auto name = [&](const std::optional<int64_t>& key) {

@@ -278,7 +278,7 @@ void Comparison::add(const Comparison& other) {
   phantoms += other.phantoms;
   arbiter.observations += other.arbiter.observations;
   arbiter.settled += other.arbiter.settled;
-  arbiter.as_model += other.arbiter.as_model;
+  arbiter.as_decided += other.arbiter.as_decided;
 }
 
 size_t Comparison::certain() const {

@@ -97,7 +97,7 @@ Json figures_of(const Comparison& comparison) {
           {"arbiter",
            {{"observations", comparison.arbiter.observations},
             {"settled", comparison.arbiter.settled},
-            {"as_model", comparison.arbiter.as_model}}}};
+            {"as_decided", comparison.arbiter.as_decided}}}};
 }
 
 }  // namespace
@@ -108,8 +108,8 @@ std::string text(const std::vector<Comparison>& methods, bool verbose) {
   out += fmt::format("found: {} of {} visible things\n", first.found, first.visible);
   const belief::ArbiterCount& arbiter = first.arbiter;
   if (arbiter.observations > 0)
-    out += fmt::format("simple trackers would settle {} of {} observations, {} as the model does\n",
-                       arbiter.settled, arbiter.observations, arbiter.as_model);
+    out += fmt::format("simple trackers settle {} of {} observations, {} as was decided\n", arbiter.settled,
+                       arbiter.observations, arbiter.as_decided);
   out += "\n";
   out += what_was_said(first);
   return verbose ? out + one_by_one(first) : out;

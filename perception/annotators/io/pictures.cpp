@@ -37,8 +37,11 @@ cv::Mat label_image(const types::SceneCas& scene, const std::vector<int>& number
 std::vector<int> tracked_numbers(const types::SceneCas& scene) {
   std::vector<int> numbers;
   for (const types::Cluster& cluster : scene.clusters()) {
-    const auto tracking = cluster.annotations.first<types::TrackingAnnotation>();
-    numbers.push_back(tracking ? static_cast<int>(tracking.tracking_id.get()) : 0);
+    int& number = numbers.emplace_back(0);
+    for (const types::Annotation& annotation : cluster.annotations)
+      if (const auto tracking = types::try_as<types::TrackingAnnotation>(annotation))
+        if (tracking->annotator_id.get() == tracking->source.get())  // others are votes of simple trackers
+          number = static_cast<int>(tracking->tracking_id.get());
   }
   return numbers;
 }

@@ -262,6 +262,43 @@ TEST_F(Belief, WhatLiesInADrawerMovesWithIt) {
   EXPECT_NEAR(box_in_map(*state.find(1), half_open.places).centre.y(), 0.2, 0.005);
 }
 
+TEST_F(Belief, WhatAllTrackersAgreeOnIsSettledAsTheModelWouldHave) {
+  kitchen.things = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
+  BeliefOptions model_alone;
+  model_alone.settle = false;
+  BeliefState other = state;
+  const auto both = [&](double seconds) {
+    const Scene scene = kitchen.scene(seconds);
+    return std::pair(advance(state, scene), advance(other, scene, model_alone));
+  };
+  both(0);
+  const auto [arbiter, model] = both(600);
+  EXPECT_THAT(arbiter.evidence.settled, ElementsAre(0U, 1U));
+  EXPECT_THAT(model.evidence.settled, ElementsAre(std::nullopt, std::nullopt));
+  for (size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(arbiter.observations[k].object, model.observations[k].object);
+    EXPECT_NEAR(arbiter.observations[k].probability, model.observations[k].probability, 0.01);
+  }
+  kitchen.thing("mug").centre = at(-0.3, 0.1);
+  EXPECT_THAT(both(1200).first.evidence.settled, ElementsAre(std::nullopt, 1U))
+      << "the model says what moved";
+}
+
+TEST_F(Belief, WhatIsSettledIsNotComparedWithWhatIsOutOfView) {
+  kitchen.things = {{"mug", at(0, 0)}};
+  look(0);
+  const Isometry3d here = kitchen.map_from_camera;
+  kitchen.map_from_camera = SyntheticKitchen::look_from({9, -1.0, 1.4}, {9, 0, 0.72});
+  kitchen.things.push_back({"box", at(9, 0), {0.2, 0.1, 0.1}, kBlue});
+  look(600);
+  kitchen.map_from_camera = here;
+  const BeliefUpdate update = look(1200);
+  ASSERT_EQ(update.evidence.settled.size(), 1U);
+  EXPECT_EQ(update.evidence.settled[0], 0U);
+  EXPECT_FALSE(std::isnan(update.evidence.distances[0].distance(0, 0)));
+  EXPECT_TRUE(std::isnan(update.evidence.distances[0].distance(1, 0)));
+}
+
 TEST_F(Belief, DistributionsSumToOne) {
   kitchen.things = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
   look(0);

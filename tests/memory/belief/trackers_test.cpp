@@ -1,4 +1,4 @@
-#include "memory/belief/trackers.h"
+#include "memory/belief/kept_votes.h"
 
 #include <gtest/gtest.h>
 
