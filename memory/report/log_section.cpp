@@ -40,9 +40,7 @@ std::string annotators_table(const Store& store, Id scene) {
 }
 
 std::string scene_log(const ReportData& data, const SceneRow& scene, const SceneSummary& summary) {
-  std::map<Id, AssociationRow> taken_for;
-  for (const AssociationRow& row : data.store.associations(scene.id))
-    if (row.chosen && row.observation) taken_for[*row.observation] = row;
+  std::map<Id, TakenFor> taken = taken_for(data.store, scene.id);
   std::map<Id, std::string> said;
   for (const AnnotationRow& row : data.store.annotations(scene.id))
     if (row.observation && !row.value.empty()) {
@@ -52,9 +50,9 @@ std::string scene_log(const ReportData& data, const SceneRow& scene, const Scene
     }
   std::vector<std::vector<std::string>> rows;
   for (const ObservationRow& observation : data.store.observations(scene.id)) {
-    const AssociationRow& row = taken_for[observation.id];
+    const auto& [row, probability, instead] = taken[observation.id];
     rows.push_back({fmt::format("{}", observation.number), row.object ? object_name(*row.object) : "none",
-                    fmt::format("{:.0f} %", 100 * row.probability), row.explanation,
+                    fmt::format("{:.0f} %", 100 * probability), row.explanation,
                     observation_text(observation), observation.sentence.value_or(""), said[observation.id]});
   }
   std::string looked;

@@ -55,7 +55,7 @@ std::string stays_of(const ReportData& data, const ObjectHistory& history) {
   }
   const std::string before =
       first > 0 ? fmt::format("<p class=\"faint\">{} earlier stays are left out.</p>", first) : "";
-  return before + html_table({"when", "where", "seen", "least sure"}, rows);
+  return before + html_table({"when", "where", "seen"}, rows);
 }
 
 std::string said_of(const ReportData& data, const ObjectHistory& history) {

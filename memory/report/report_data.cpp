@@ -47,6 +47,28 @@ std::string ReportData::scenes_left_out() const {
   return fmt::format("<p class=\"faint\">Of {} scenes the last {}.</p>\n", scenes_in_all, scenes.size());
 }
 
+std::map<Id, TakenFor> taken_for(const Store& store, Id scene) {
+  const std::vector<AssociationRow> considered = store.associations(scene);
+  std::map<Id, TakenFor> result;
+  for (const AssociationRow& row : considered)
+    if (row.chosen && row.observation) result[*row.observation].chosen = row;
+  std::map<Id, std::map<std::optional<Id>, double>> others;
+  for (const AssociationRow& row : considered) {
+    if (!row.observation || !result.contains(*row.observation)) continue;
+    TakenFor& taken = result.at(*row.observation);
+    if (row.object == taken.chosen.object)
+      taken.probability += row.probability;
+    else
+      others[*row.observation][row.object] += row.probability;
+  }
+  for (const auto& [observation, objects] : others)
+    for (const auto& [object, probability] : objects)
+      if (std::string& text = result.at(observation).instead; probability >= 0.01)
+        text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ",
+                            object ? object_name(*object) : "a false cluster", 100 * probability);
+  return result;
+}
+
 std::string object_css(Id object) {
   constexpr double kGoldenAngle = 137.508;  // neighbours in number are far apart in hue
   return fmt::format("hsl({:.0f} 65% 45%)", std::fmod(static_cast<double>(object) * kGoldenAngle, 360));
