@@ -237,9 +237,9 @@ ReasonResult reason(const Store& from, const std::filesystem::path& other,
   if (result.let_go > 0 && result.let_go == scenes.size())
     throw Error("the evidence of all scenes was let go: nothing can be reasoned about anew",
                 {from.path().string(), 0, {}}, "loci-memory retain --reasoning was told how long it is kept");
-  const ScratchMemory made(other.string() + ".partial");
-  reason_into(from, scenes, made.path(), options, write, progress, result);
-  made.move_to(other);
+  make_as_a_whole(other, [&](const std::filesystem::path& made) {
+    reason_into(from, scenes, made, options, write, progress, result);
+  });
   return result;
 }
 

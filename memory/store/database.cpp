@@ -12,16 +12,18 @@
 
 namespace loci {
 
-void add_vector(SqlColumns& columns, const std::string& prefix, const std::optional<Vector3d>& value) {
+void add_vector(SqlColumns& columns, const char* prefix, const std::optional<Vector3d>& value) {
   const char* const names[] = {"x", "y", "z"};
-  for (int i = 0; i < 3; ++i) columns.emplace_back(prefix + names[i], value ? sql((*value)[i]) : SqlValue());
+  for (int i = 0; i < 3; ++i)
+    columns.emplace_back(SqlName(prefix, names[i]), value ? sql((*value)[i]) : SqlValue());
 }
 
-void add_pose(SqlColumns& columns, const std::string& prefix, const std::optional<Isometry3d>& pose) {
+void add_pose(SqlColumns& columns, const char* prefix, const std::optional<Isometry3d>& pose) {
   const char* const names[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
   std::array<double, 7> values{};
   if (pose) values = values_from_pose(*pose);
-  for (size_t i = 0; i < 7; ++i) columns.emplace_back(prefix + names[i], pose ? sql(values[i]) : SqlValue());
+  for (size_t i = 0; i < 7; ++i)
+    columns.emplace_back(SqlName(prefix, names[i]), pose ? sql(values[i]) : SqlValue());
 }
 
 void add_color(SqlColumns& columns, const std::optional<HsvColor>& color) {
@@ -40,34 +42,46 @@ void add_clock(SqlColumns& columns, const Bitemporal& clock) {
   columns.emplace_back("source", sql(clock.source));
 }
 
-std::string SqlRow::bytes(const std::string& name) const {
+SQLite::Column SqlRow::column(std::string_view name) const {
+  const int count = statement_.getColumnCount();
+  for (int tried = 0; tried < count; ++tried, ++next_) {
+    if (next_ >= count) next_ = 0;
+    if (name == statement_.getColumnName(next_)) return statement_.getColumn(next_);
+  }
+  return statement_.getColumn(std::string(name).c_str());  // which says that there is none
+}
+
+std::string SqlRow::bytes(std::string_view name) const {
   const SQLite::Column value = column(name);
   return {static_cast<const char*>(value.getBlob()), static_cast<size_t>(value.getBytes())};
 }
 
-std::optional<int64_t> SqlRow::optional_integer(const std::string& name) const {
+std::optional<int64_t> SqlRow::optional_integer(std::string_view name) const {
   return is_null(name) ? std::nullopt : std::optional(integer(name));
 }
 
-std::optional<double> SqlRow::optional_real(const std::string& name) const {
+std::optional<double> SqlRow::optional_real(std::string_view name) const {
   return is_null(name) ? std::nullopt : std::optional(real(name));
 }
 
-std::optional<std::string> SqlRow::optional_text(const std::string& name) const {
+std::optional<std::string> SqlRow::optional_text(std::string_view name) const {
   return is_null(name) ? std::nullopt : std::optional(text(name));
 }
 
-std::optional<Vector3d> SqlRow::vector(const std::string& prefix) const {
-  if (is_null(prefix + "x") || is_null(prefix + "y") || is_null(prefix + "z")) return std::nullopt;
-  return Vector3d(real(prefix + "x"), real(prefix + "y"), real(prefix + "z"));
+std::optional<Vector3d> SqlRow::vector(std::string_view prefix) const {
+  if (is_null(std::string(prefix) + "x") || is_null(std::string(prefix) + "y") ||
+      is_null(std::string(prefix) + "z"))
+    return std::nullopt;
+  return Vector3d(real(std::string(prefix) + "x"), real(std::string(prefix) + "y"),
+                  real(std::string(prefix) + "z"));
 }
 
-std::optional<Isometry3d> SqlRow::pose(const std::string& prefix) const {
+std::optional<Isometry3d> SqlRow::pose(std::string_view prefix) const {
   const char* const names[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
   std::array<double, 7> values{};
   for (size_t i = 0; i < 7; ++i) {
-    if (is_null(prefix + names[i])) return std::nullopt;
-    values[i] = real(prefix + names[i]);
+    if (is_null(std::string(prefix) + names[i])) return std::nullopt;
+    values[i] = real(std::string(prefix) + names[i]);
   }
   return pose_from_values(values);
 }
@@ -98,7 +112,9 @@ void bind_value(SQLite::Statement& statement, int index, const SqlValue& value) 
     void operator()(double number) const { statement.bind(index, number); }
     void operator()(std::string_view text) const { statement.bind(index, std::string(text)); }
     void operator()(BytesView view) const {
-      statement.bind(index, static_cast<const void*>(view.bytes.data()), static_cast<int>(view.bytes.size()));
+      // The bytes outlive the execution, and large ones are not copied for it.
+      statement.bindNoCopy(index, static_cast<const void*>(view.bytes.data()),
+                           static_cast<int>(view.bytes.size()));
     }
   };
   std::visit(Binder{statement, index}, value);
@@ -117,6 +133,9 @@ void throw_database_error(const SQLite::Exception& error, const std::filesystem:
       throw Error("the memory is damaged or truncated", place, "restore it from a copy");
     case SQLITE_FULL:
       throw Error("the disk is full", place, "what was committed before is kept; make room and resume");
+    case SQLITE_IOERR:  // a limit of the file's size, a quota, a broken disk
+      throw Error("the disk does not take or give what it should (" + std::string(error.what()) + ")", place,
+                  "what was committed before is kept; make room and resume");
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       throw Error("another program is using this memory", place, "wait until it has finished");
@@ -139,7 +158,7 @@ Id Store::Implementation::insert(const char* table, const SqlColumns& columns) {
   if (!slot) {
     std::string names, marks;
     for (const auto& [name, value] : columns) {
-      names += (names.empty() ? "" : ", ") + std::string(name);
+      names += (names.empty() ? "" : ", ") + std::string(name.prefix) + name.name;
       marks += marks.empty() ? "?" : ", ?";
     }
     slot = std::make_unique<SQLite::Statement>(
@@ -151,6 +170,19 @@ Id Store::Implementation::insert(const char* table, const SqlColumns& columns) {
   slot->exec();
   ++added[table];
   return database->getLastInsertRowid();
+}
+
+void Store::Implementation::add_object_term(Id object, Id term, TimeNs time) {
+  constexpr size_t kMostKept = 20000;
+  if (called.size() > kMostKept) called.clear();
+  const auto [known, is_new] = called.try_emplace({object, term}, time);
+  if (!is_new && known->second <= time) return;
+  known->second = time;
+  SQLite::Statement& add = statement(
+      "INSERT INTO object_term (term, object, since) VALUES (?, ?, ?) ON CONFLICT DO UPDATE SET since = "
+      "excluded.since WHERE excluded.since < since");
+  bind_values(add, {sql(term), sql(object), sql(time)});
+  add.exec();
 }
 
 void Store::Implementation::keep_counts() {
@@ -168,6 +200,7 @@ void Store::Implementation::keep_counts() {
     count.exec();
   }
   added.clear();
+  just_seen.clear();
 }
 
 void Store::Implementation::need_writable() const {

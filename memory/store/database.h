@@ -5,6 +5,7 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 
 #include <initializer_list>
+#include <map>
 #include <memory>
 #include <unordered_map>
 #include <utility>
@@ -42,12 +43,19 @@ SqlValue sql(const std::optional<T>& value) {
   return value ? sql(*value) : SqlValue();
 }
 
-using SqlColumns = std::vector<std::pair<std::string, SqlValue>>;
+/// Two parts, so that no text is made for each row.
+struct SqlName {
+  const char* prefix = "";
+  const char* name = "";
+  SqlName(const char* whole) : name(whole) {}
+  SqlName(const char* first, const char* second) : prefix(first), name(second) {}
+};
+using SqlColumns = std::vector<std::pair<SqlName, SqlValue>>;
 
 /// Adds `PREFIXx`, `PREFIXy`, `PREFIXz`; NULL when unset.
-void add_vector(SqlColumns& columns, const std::string& prefix, const std::optional<Vector3d>& value);
+void add_vector(SqlColumns& columns, const char* prefix, const std::optional<Vector3d>& value);
 /// Adds the seven columns of a pose.
-void add_pose(SqlColumns& columns, const std::string& prefix, const std::optional<Isometry3d>& pose);
+void add_pose(SqlColumns& columns, const char* prefix, const std::optional<Isometry3d>& pose);
 void add_color(SqlColumns& columns, const std::optional<HsvColor>& color);
 void add_clock(SqlColumns& columns, const Bitemporal& clock);
 void add_clock(SqlColumns& columns, Bitemporal&& clock) = delete;  // Its source is kept as a view.
@@ -57,22 +65,23 @@ class SqlRow {
  public:
   explicit SqlRow(SQLite::Statement& statement) : statement_(statement) {}
 
-  bool is_null(const std::string& name) const { return column(name).isNull(); }
-  int64_t integer(const std::string& name) const { return column(name).getInt64(); }
-  double real(const std::string& name) const { return column(name).getDouble(); }
-  std::string text(const std::string& name) const { return column(name).getString(); }
-  std::string bytes(const std::string& name) const;
-  std::optional<int64_t> optional_integer(const std::string& name) const;
-  std::optional<double> optional_real(const std::string& name) const;
-  std::optional<std::string> optional_text(const std::string& name) const;
-  std::optional<Vector3d> vector(const std::string& prefix) const;
-  std::optional<Isometry3d> pose(const std::string& prefix) const;
+  bool is_null(std::string_view name) const { return column(name).isNull(); }
+  int64_t integer(std::string_view name) const { return column(name).getInt64(); }
+  double real(std::string_view name) const { return column(name).getDouble(); }
+  std::string text(std::string_view name) const { return column(name).getString(); }
+  std::string bytes(std::string_view name) const;
+  std::optional<int64_t> optional_integer(std::string_view name) const;
+  std::optional<double> optional_real(std::string_view name) const;
+  std::optional<std::string> optional_text(std::string_view name) const;
+  std::optional<Vector3d> vector(std::string_view prefix) const;
+  std::optional<Isometry3d> pose(std::string_view prefix) const;
   std::optional<HsvColor> color() const;
   Bitemporal clock() const;
 
  private:
-  SQLite::Column column(const std::string& name) const { return statement_.getColumn(name.c_str()); }
+  SQLite::Column column(std::string_view name) const;
   SQLite::Statement& statement_;
+  mutable int next_ = 0;  ///< columns are mostly asked for in their order
 };
 
 /// A memory that is open: the database, its prepared statements, and the writer's lock.
@@ -93,6 +102,14 @@ struct Store::Implementation {
     std::pair<TimeNs, Id> last = {};
     std::optional<Id> place = {};
   };
+  /// What the transaction added: place and terms of each observation, and whether an object was seen as it.
+  struct Fresh {
+    Id place = 0;
+    std::vector<Id> terms = {};
+    bool associated = false;
+  };
+  std::unordered_map<Id, Fresh> just_seen;
+  std::map<std::pair<Id, Id>, TimeNs> called;           ///< some of object_term: object and term, since when
   std::optional<Seen> scenes;                           ///< when known
   std::unordered_map<Id, Seen> sightings;               ///< of some of the objects
   std::unordered_map<std::string_view, int64_t> added;  ///< rows by table that row_count does not have yet
@@ -125,6 +142,8 @@ struct Store::Implementation {
   Id add_term(const std::string& type, const std::string& value);
   /// Ends the object's last stay and begins the one that this belief tells of.
   void add_stay(Id belief, const BeliefRow& row, TimeNs from);
+  /// The object was called so at that time.
+  void add_object_term(Id object, Id term, TimeNs time);
   /// After a scene, or a sighting, was added.
   void mark_scene(Id scene, TimeNs time);
   void mark_sighting(Id object, Id observation, TimeNs time, Id scene);

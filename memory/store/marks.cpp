@@ -35,6 +35,8 @@ void Store::Implementation::run(const char* text, const std::vector<SqlValue>& v
 
 void Store::Implementation::forget_cached() {
   added.clear();
+  just_seen.clear();
+  called.clear();
   terms.clear();
   scenes.reset();
   sightings.clear();
@@ -66,15 +68,18 @@ void Store::Implementation::mark_scene(Id scene, TimeNs time) {
 void Store::Implementation::mark_sighting(Id object, Id observation, TimeNs time, Id scene) {
   const std::pair<TimeNs, Id> now{time, scene};
   Id place = 0;
-  query("SELECT place FROM observation WHERE id = ?", {sql(observation)},
-        [&](const SqlRow& row) { place = row.optional_integer("place").value_or(0); });
-  const auto [slot, fresh] = sightings.try_emplace(object);
+  if (const auto now_seen = just_seen.find(observation); now_seen != just_seen.end())
+    place = now_seen->second.place;
+  else
+    query("SELECT place FROM observation WHERE id = ?", {sql(observation)},
+          [&](const SqlRow& row) { place = row.optional_integer("place").value_or(0); });
+  const auto [slot, unknown] = sightings.try_emplace(object);
   Seen& seen = slot->second;
   const auto read_last_place = [&] {
     query("SELECT place FROM visit WHERE object = ? ORDER BY valid_from DESC, scene DESC LIMIT 1",
           {sql(object)}, [&](const SqlRow& row) { seen.place = row.integer("place"); });
   };
-  if (fresh) {  // with this one
+  if (unknown) {  // with this one
     query(
         "SELECT count(*) AS number FROM association WHERE object = ? AND chosen = 1 AND observation IS NOT "
         "NULL "

@@ -382,24 +382,25 @@ MergeResult merge(const fs::path& first, const fs::path& second, const fs::path&
                   const std::optional<FrameChange>& frame, Progress& progress) {
   if (fs::exists(output))
     throw Error("there is a file already", {output.string(), 0, {}}, "name a new memory with -o");
-  const ScratchMemory other(output.string() + ".second"), joined(output.string() + ".partial");
-  copy_as_of_now(first, joined.path());
-  copy_as_of_now(second, other.path());
+  const ScratchMemory other(output.string() + ".second");
   MergeResult result;
-  try {
-    SQLite::Database database(joined.path().string(), SQLite::OPEN_READWRITE);
-    SQLite::Statement attach(database, "ATTACH ? AS other");
-    attach.bind(1, other.path().string());
-    attach.exec();
-    SQLite::Transaction all(database, SQLite::TransactionBehavior::IMMEDIATE);
-    result = Merger(database, first, second, frame).run(progress);
-    all.commit();
-    database.exec("PRAGMA wal_checkpoint(TRUNCATE)");
-  } catch (const SQLite::Exception& error) {
-    throw_database_error(error, output);
-  }
-  { Store::open_write(joined.path()); }
-  joined.move_to(output);
+  make_as_a_whole(output, [&](const fs::path& joined) {
+    copy_as_of_now(first, joined);
+    copy_as_of_now(second, other.path());
+    try {
+      SQLite::Database database(joined.string(), SQLite::OPEN_READWRITE);
+      SQLite::Statement attach(database, "ATTACH ? AS other");
+      attach.bind(1, other.path().string());
+      attach.exec();
+      SQLite::Transaction all(database, SQLite::TransactionBehavior::IMMEDIATE);
+      result = Merger(database, first, second, frame).run(progress);
+      all.commit();
+      database.exec("PRAGMA wal_checkpoint(TRUNCATE)");
+    } catch (const SQLite::Exception& error) {
+      throw_database_error(error, joined);
+    }
+    { Store::open_write(joined); }
+  });
   return result;
 }
 

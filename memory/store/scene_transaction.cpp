@@ -22,6 +22,7 @@ SceneTransaction::SceneTransaction(Store& store, Id run)
   store_.guarded([&] { store_.database->exec("BEGIN IMMEDIATE"); });
   store_.in_scene = true;
   store_.added.clear();
+  store_.just_seen.clear();
 }
 
 SceneTransaction::~SceneTransaction() {
@@ -98,21 +99,26 @@ Id SceneTransaction::add_observation(const ObservationRow& row) {
   add_pose(columns, "box_", row.map_from_box);
   add_vector(columns, "size_", row.size);
   add_color(columns, row.hsv);
-  return store_.guarded([&] { return store_.insert("observation", columns); });
+  return store_.guarded([&] {
+    const Id id = store_.insert("observation", columns);
+    store_.just_seen[id].place = row.place.value_or(0);
+    return id;
+  });
 }
 
 Id SceneTransaction::add_annotation(const AnnotationRow& row) {
   return store_.guarded([&] {
     const Id term = store_.add_term(row.type, row.value);
-    if (row.observation) {  // said later than it was decided what it is
-      SQLite::Statement& called = store_.statement(
-          "INSERT INTO object_term (term, object, since) SELECT ?1, object, valid_from FROM association "
-          "WHERE "
-          "observation = ?2 AND chosen = 1 AND probability > 0 AND object IS NOT NULL "
-          "ON CONFLICT DO UPDATE SET since = excluded.since WHERE excluded.since < since");
-      bind_values(called, {sql(term), sql(*row.observation)});
-      called.exec();
-    }
+    const auto fresh = row.observation ? store_.just_seen.find(*row.observation) : store_.just_seen.end();
+    if (fresh != store_.just_seen.end()) fresh->second.terms.push_back(term);
+    if (row.observation && (fresh == store_.just_seen.end() || fresh->second.associated))
+      // Said later than it was decided what it is.
+      store_.query(
+          "SELECT object, valid_from FROM association WHERE observation = ? AND chosen = 1 AND probability > "
+          "0 AND object IS NOT NULL",
+          {sql(*row.observation)}, [&](const SqlRow& association) {
+            store_.add_object_term(association.integer("object"), term, association.integer("valid_from"));
+          });
     return store_.insert("annotation", {{"scene", sql(row.scene)},
                                         {"observation", sql(row.observation)},
                                         {"term", sql(term)},
@@ -183,13 +189,16 @@ Id SceneTransaction::add_association(const AssociationRow& row) {
   add_clock(columns, clock);
   return store_.guarded([&] {
     if (row.chosen && row.object && row.observation && row.probability > 0) {
-      SQLite::Statement& called = store_.statement(
-          "INSERT INTO object_term (term, object, since) SELECT term, ?1, ?4 FROM annotation WHERE scene = "
-          "?2 "
-          "AND observation = ?3 ON CONFLICT DO UPDATE SET since = excluded.since WHERE excluded.since < "
-          "since");
-      bind_values(called, {sql(*row.object), sql(row.scene), sql(*row.observation), sql(clock.valid_from)});
-      called.exec();
+      const auto fresh = store_.just_seen.find(*row.observation);
+      if (fresh != store_.just_seen.end()) {
+        fresh->second.associated = true;
+        for (const Id term : fresh->second.terms) store_.add_object_term(*row.object, term, clock.valid_from);
+      } else {
+        store_.query("SELECT term FROM annotation WHERE scene = ? AND observation = ?",
+                     {sql(row.scene), sql(*row.observation)}, [&](const SqlRow& annotation) {
+                       store_.add_object_term(*row.object, annotation.integer("term"), clock.valid_from);
+                     });
+      }
       const Id id = store_.insert("association", columns);
       store_.mark_sighting(*row.object, *row.observation, clock.valid_from, row.scene);
       return id;

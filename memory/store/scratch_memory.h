@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <system_error>
 
+#include "mapping/base/error.h"
+
 namespace loci {
 
 /// A memory in the making, with its log and lock: removed when it goes out of scope, unless it was moved to
@@ -27,5 +29,20 @@ class ScratchMemory {
 
   std::filesystem::path path_;
 };
+
+/// Makes a memory as a whole or not at all: `make` fills it under another name, which is then its own. What
+/// goes wrong with that file is told of the memory that was asked for.
+template <class Make>
+void make_as_a_whole(const std::filesystem::path& memory, Make make) {
+  const ScratchMemory scratch(memory.string() + ".partial");
+  try {
+    make(scratch.path());
+    scratch.move_to(memory);
+  } catch (const Error& error) {
+    if (error.place().file != scratch.path().string()) throw;
+    throw Error(error.message(), {memory.string(), 0, {}},
+                "nothing is left of it; make room, or write it elsewhere");
+  }
+}
 
 }  // namespace loci

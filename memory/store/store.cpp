@@ -190,6 +190,8 @@ Store Store::open_read(const fs::path& path) {
     implementation->database = open_database_to_read(path);
     SQLite::Database& database = *implementation->database;
     configure(database);
+    // Questions go to and fro in all of a long history.
+    database.exec("PRAGMA cache_size = -64000");
     if (is_blank(database)) throw Error("is empty, no memory of loci", place_of(path), "give a *.loci file");
     implementation->version = static_cast<int>(pragma(database, "user_version"));
     check_version(database, path, implementation->version);

@@ -32,11 +32,29 @@ std::string sightings_of_object(Store::Implementation& store, const AsOf& as_of,
   return text + range_condition("valid_from", {}, as_of.at, values);
 }
 
+/// The last scene that is asked about, of which no more is needed.
+struct Latest {
+  Id id = 0;
+  TimeNs time = 0;
+};
+
+std::optional<Latest> latest_of(Store::Implementation& store, const AsOf& as_of) {
+  std::vector<SqlValue> values;
+  const std::string range = range_condition("time", {}, as_of.at, values) +
+                            range_condition("known_from", {}, as_of.known_at, values);
+  std::optional<Latest> latest;
+  store.query("SELECT id, time FROM scene WHERE 1" + range + " ORDER BY time DESC, id DESC LIMIT 1", values,
+              [&](const SqlRow& row) {
+                latest = {row.integer("id"), row.integer("time")};
+              });
+  return latest;
+}
+
 /// Carries rows on to the last scene that is asked about.
 class Carrier {
  public:
-  Carrier(Store::Implementation& store, std::optional<SceneRow> latest, const AsOf& as_of)
-      : store_(store), latest_(std::move(latest)), as_of_(as_of) {}
+  Carrier(Store::Implementation& store, const AsOf& as_of)
+      : store_(store), latest_(latest_of(store, as_of)), as_of_(as_of) {}
 
   void carry_on(BeliefRow& row) {
     if (!latest_) return;
@@ -81,7 +99,7 @@ class Carrier {
   }
 
   Store::Implementation& store_;
-  std::optional<SceneRow> latest_;
+  std::optional<Latest> latest_;
   AsOf as_of_;
   TimeNs sighting_time_ = 0;
 };
@@ -172,7 +190,7 @@ double faded(const BeliefRow& row, TimeNs time) {
 std::vector<BeliefRow> Store::beliefs(const AsOf& as_of) const {
   std::vector<BeliefRow> result;
   implementation_->guarded([&] {
-    Carrier carrier(*implementation_, latest_scene(as_of), as_of);
+    Carrier carrier(*implementation_, as_of);
     for (const ObjectRow& object : objects(as_of)) {
       std::optional<BeliefRow> row = last_row(*implementation_, object.id, as_of);
       if (!row) continue;
@@ -186,7 +204,7 @@ std::vector<BeliefRow> Store::beliefs(const AsOf& as_of) const {
 std::optional<BeliefRow> Store::belief(Id object, const AsOf& as_of) const {
   return implementation_->guarded([&] {
     std::optional<BeliefRow> row = last_row(*implementation_, object, as_of);
-    if (row) Carrier(*implementation_, latest_scene(as_of), as_of).carry_on(*row);
+    if (row) Carrier(*implementation_, as_of).carry_on(*row);
     return row;
   });
 }

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
 #include <sstream>
 
 #include "mapping/base/files.h"
@@ -88,6 +89,74 @@ TEST_F(MemoryFileCli, RetainLetsOldPicturesGoAndKeepsTheAnswers) {
   EXPECT_EQ(answer("objects -m " + smaller), before);
   EXPECT_EQ(run("loci-memory verify -m " + smaller).exit_code, 0);
   EXPECT_EQ(run("loci-memory retain --pictures soon -m " + smaller).exit_code, 1);
+}
+
+TEST_F(MemoryFileCli, RetainLetsReasonsGoAndWhyAndReasonSaySo) {
+  const std::string memory = folder_ + "/detections.loci", smaller = folder_ + "/smaller.loci";
+  ASSERT_EQ(run("loci-memory ingest apps/samples/detections.jsonl -m " + memory).exit_code, 0);
+  EXPECT_EQ(run("loci-memory why scene_2 -m " + memory).exit_code, 0);
+  const Json result = answer("retain --reasoning 2h -m " + memory + " -o " + smaller);
+  ASSERT_GT(result["scenes_without_reasoning"], 1);
+  EXPECT_LT(result["bytes_after"], result["bytes_before"]);
+  EXPECT_EQ(answer("objects -m " + smaller), answer("objects -m " + memory));
+  const Outcome why = run("loci-memory why scene_2 -m " + smaller);
+  EXPECT_EQ(why.exit_code, 1);
+  EXPECT_THAT(why.error, HasSubstr("was let go"));
+  EXPECT_EQ(run("loci-memory why scene_12 -m " + smaller).exit_code, 0);
+  const Json anew = answer("reason -m " + smaller + " -o " + folder_ + "/anew.loci");
+  EXPECT_EQ(anew["let_go"], result["scenes_without_reasoning"]);
+  EXPECT_EQ(anew["scenes"], 12 - anew["let_go"].get<int>());
+  EXPECT_TRUE(anew["from"].is_string());
+  EXPECT_EQ(run("loci-memory retain --reasoning 0s -m " + smaller).exit_code, 0);
+  EXPECT_EQ(run("loci-memory verify -m " + smaller).exit_code, 0);
+}
+
+/// Where files cannot become larger than some kilobytes, as on a full disk: each command says so in one line.
+class FullDisk : public MemoryFileCli {
+ protected:
+  static Outcome run_limited(int kilobytes, const std::string& command) {
+    // bash counts in 1,024 bytes. Without the trap the system would end the program.
+    return run("bash -c \"trap '' XFSZ; ulimit -f " + std::to_string(kilobytes) + "; " + command + "\"");
+  }
+  static void expect_one_line(const Outcome& outcome) {
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.out;
+    EXPECT_EQ(lines_of(outcome.error), 1) << outcome.error;
+    EXPECT_THAT(outcome.error, testing::AnyOf(HasSubstr("disk"), HasSubstr("cannot be written")));
+  }
+  /// Names of the files in the test's folder.
+  std::set<std::string> files() const {
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_)) names.insert(entry.path().filename().string());
+    return names;
+  }
+  static int kilobytes_of(const std::string& file) { return static_cast<int>(fs::file_size(file) / 1024); }
+};
+
+TEST_F(FullDisk, WhatMakesAMemoryLeavesNothingBehind) {
+  const std::set<std::string> before = files();
+  const int limit = kilobytes_of(file_) / 2;
+  expect_one_line(run_limited(limit, "loci-memory reason -m " + file_ + " -o " + folder_ + "/anew.loci"));
+  expect_one_line(
+      run_limited(limit, "loci-memory merge " + file_ + " " + file_ + " -o " + folder_ + "/both.loci"));
+  expect_one_line(
+      run_limited(limit, "loci-memory retain --pictures 1h -m " + file_ + " -o " + folder_ + "/less.loci"));
+  EXPECT_EQ(files(), before);
+}
+
+TEST_F(FullDisk, WhatAddsToAMemoryLeavesItSound) {
+  const std::string memory = folder_ + "/detections.loci";
+  ASSERT_EQ(run("head -n 6 apps/samples/detections.jsonl > " + folder_ + "/first.jsonl").exit_code, 0);
+  ASSERT_EQ(run("loci-memory ingest " + folder_ + "/first.jsonl -m " + memory).exit_code, 0);
+  const Json before = answer("objects -m " + memory);
+  ASSERT_EQ(run("loci-memory catalogue export " + folder_ + "/home.json -m " + file_).exit_code, 0);
+  const int limit = 8;  // less than one transaction of any of them
+  expect_one_line(
+      run_limited(limit, "loci-memory ingest apps/samples/detections.jsonl --resume -m " + memory));
+  expect_one_line(run_limited(limit, "loci-memory catalogue import " + folder_ + "/home.json -m " + memory));
+  EXPECT_EQ(answer("objects -m " + memory), before);
+  EXPECT_EQ(run("loci-memory verify -m " + memory).exit_code, 0);
+  EXPECT_EQ(run("loci-memory ingest apps/samples/detections.jsonl --resume -m " + memory).exit_code, 0)
+      << "goes on when there is room";
 }
 
 TEST_F(MemoryFileCli, VerifyRepairsWhatFollowsFromOtherRows) {

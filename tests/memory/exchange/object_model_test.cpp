@@ -9,6 +9,7 @@
 #include "mapping/base/json.h"
 #include "mapping/image/image_io.h"
 #include "memory/exchange/observation_image.h"
+#include "memory/store/cluster_points.h"
 #include "memory/store/depth_thumbnail.h"
 #include "memory/store/scene_transaction.h"
 #include "tests/memory/store/temporary_folder.h"
@@ -73,6 +74,12 @@ class ObjectModelTest : public testing_support::TemporaryFolder {
     ObservationRow row{.scene = id, .number = 0, .position = centre, .points = points, .crop = mask_blob};
     row.mask = mask_blob;
     row.roi = {0, 0, kWidth, kHeight};
+    if (keep_points_) {
+      std::vector<float> kept;
+      for (size_t i = 0; i < depth.size(); ++i)
+        if (mask.data[i] != 0) kept.push_back(depth[i] + kBehind);
+      row.cloud = scene.add_blob(encode_cluster_depth(kept), kClusterDepthMedia);
+    }
     const Id seen = scene.add_observation(row);
     if (!made_) scene.add_object({});
     made_ = true;
@@ -90,7 +97,29 @@ class ObjectModelTest : public testing_support::TemporaryFolder {
   const Vector3d kSize{0.2, 0.12, 0.1};
   TimeNs time_ = kSecond;
   bool made_ = false;
+  bool keep_points_ = false;  ///< of the cluster, told from those of the thumbnail by their depth
+  static constexpr float kBehind = 0.05F;
 };
+
+TEST_F(ObjectModelTest, PointsOfTheClusterComeBeforeTheThumbnail) {
+  keep_points_ = true;
+  {
+    Store store = Store::open_write(file_);
+    add_view(store, store.begin_run("test", "{}"), 30, {1, 2, 0.8}, "tea");
+  }
+  const Store store = Store::open_read(file_);
+  const SceneRow scene = store.scene(1);
+  const std::optional<Scan> cloud = cloud_of(store, scene, store.observation(1));
+  ASSERT_TRUE(cloud.has_value());
+  EXPECT_EQ(cloud->points.size(), static_cast<size_t>(*store.observation(1).points));
+  const auto thumbnail = DepthThumbnail::of(store, scene);
+  for (const ScanPoint& point : cloud->points) {
+    const Vector3d p = scene.map_from_camera->inverse() * point.position.cast<double>();
+    const long u = std::lround(kCamera.fx * p.x() / p.z() + kCamera.cx),
+               v = std::lround(kCamera.fy * p.y() / p.z() + kCamera.cy);
+    ASSERT_NEAR(p.z(), thumbnail->depth()[static_cast<size_t>(v * kWidth + u)] + kBehind, 0.0015);
+  }
+}
 
 TEST_F(ObjectModelTest, ViewsOfOneSpotLieOnTheBoxTogetherAndShowItsSides) {
   {
