@@ -39,7 +39,7 @@ endforeach()
 foreach(package VTK OpenNI OpenNI2 libusb Pcap)
   set(CMAKE_DISABLE_FIND_PACKAGE_${package} ON)
 endforeach()
-find_package(PCL 1.13 QUIET REQUIRED COMPONENTS common kdtree search features filters segmentation sample_consensus registration)
+find_package(PCL 1.13 QUIET REQUIRED COMPONENTS common kdtree search features filters keypoints segmentation sample_consensus registration)
 set(CMAKE_DISABLE_FIND_PACKAGE_VTK OFF)
 
 if(LOCI_GUI)

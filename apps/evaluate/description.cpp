@@ -1,4 +1,6 @@
 #include "apps/evaluate/commands.h"
+#include "apps/evaluate/description/pictures.h"
+#include "apps/evaluate/description/primitives.h"
 #include "apps/evaluate/description/products.h"
 #include "apps/evaluate/description/reading.h"
 #include "apps/evaluate/description/service.h"
@@ -17,6 +19,9 @@ struct Arguments {
   std::string codes;
   bool service = false;
   bool shapes = false;
+  bool primitives = false;
+  std::string pictures;
+  PicturesOptions picture_options;
   std::vector<std::string> folders;
   ShapesOptions shape_options;
 };
@@ -25,8 +30,10 @@ void run(Arguments& given, Session& session) {
   table_of(given.products).validate();
   table_of(given.recognition).validate();
   table_of(given.shape_options).validate();
-  if (given.catalogue.empty() && given.codes.empty() && !given.shapes)
-    throw Error("there is nothing to measure", {}, "give --catalogue DIR, --codes DIR or --shapes");
+  if (given.catalogue.empty() && given.codes.empty() && !given.shapes && !given.primitives &&
+      given.pictures.empty())
+    throw Error("there is nothing to measure", {},
+                "give --catalogue DIR, --codes DIR, --shapes, --pictures DIR or --primitives");
   if (given.service && given.catalogue.empty())
     throw Error("--service needs a catalogue", {}, "give --catalogue DIR");
   std::string text;
@@ -55,6 +62,20 @@ void run(Arguments& given, Session& session) {
     text += result.text();
     json["shapes"] = result.to_json();
   }
+  if (!given.pictures.empty()) {
+    const PicturesResult result =
+        evaluate_pictures(given.pictures, given.picture_options, session.flags().threads, session.progress());
+    text += result.text();
+    json["pictures"] = result.to_json();
+  }
+  if (given.primitives) {
+    const ShapesOptions& options = given.shape_options;
+    const PrimitivesResult result = evaluate_primitives(static_cast<size_t>(options.test_scenes),
+                                                        Random(static_cast<uint64_t>(options.seed)).fork(1),
+                                                        session.progress(), session.warnings());
+    text += result.text();
+    json["primitives"] = result.to_json();
+  }
   session.answer(text, json);
 }
 
@@ -66,6 +87,7 @@ Command description_command() {
       "Classes of shape, products beside brute-force SIFT, codes and words, and our visual search",
       {"loci-evaluate description --catalogue tests/data/products",
        "loci-evaluate description --catalogue tests/data/products --service",
+       "loci-evaluate description --primitives --test-scenes 4",
        "loci-evaluate description --shapes --train-scenes 10 --test-scenes 3 --folds 2 --json"},
       [](CLI::App& app) {
         auto given = std::make_shared<Arguments>();
@@ -77,11 +99,16 @@ Command description_command() {
         app.add_flag("--service", given->service,
                      "Asks a visual-search server over the catalogue about its pictures (and the codes)");
         app.add_flag("--shapes", given->shapes, "Measures classes of shape, trained on simulated clusters");
+        app.add_option("--pictures", given->pictures,
+                       "Folder with labels.csv: experts of pictures learn some and are tested on the others");
+        app.add_flag("--primitives", given->primitives,
+                     "Measures primitive shapes and their numbers in the simulated scenes for tests");
         app.add_option("DIRS", given->folders,
                        "Recordings with FRAME_label.png and scenes.csv (category: boxes, cylindric objects) "
                        "for the classes of shape, too");
         add_options(app, table_of(given->products));
         add_options(app, table_of(given->shape_options));
+        add_options(app, table_of(given->picture_options));
         add_options(app, table_of(given->recognition));
         return [given](Session& session) { run(*given, session); };
       }};

@@ -35,8 +35,10 @@ void train(Arguments& given, Session& session) {
   std::vector<std::string> features;
   for (const ExpertSpec& expert : experts) features.push_back(expert.feature);
   std::vector<LabelledThing> things;
-  for (const LabelledSurface& each : surfaces.found)
-    things.push_back({each.label, feature_set(features, each.surface)});
+  for (const LabelledSurface& each : surfaces.found) {
+    ThingFeatures of = thing_features(features, each.view);
+    things.push_back({each.label, std::move(of.features), std::move(of.local)});
+  }
   for (const auto& [name, count] : leave_out_small_classes(things, given.folds))
     session.warnings().add(fmt::format("'{}' is left out: too few were found ({})", name, count));
   PartialProgress learning(session.progress(), 0.7, 1);

@@ -4,7 +4,9 @@
 #include "perception/annotators/description/color_name.h"
 #include "perception/annotators/description/geometry_annotator.h"
 #include "perception/annotators/description/location_annotator.h"
+#include "perception/annotators/description/primitive_annotator.h"
 #include "perception/annotators/description/recognition_annotators.h"
+#include "perception/annotators/description/relations_annotator.h"
 #include "perception/annotators/description/shape_annotators.h"
 #include "perception/annotators/description/visual_search.h"
 #include "perception/annotators/hypotheses/asserted_volumes.h"
@@ -33,7 +35,12 @@ void add_annotators(AnnotatorRegistry& registry) {
   registry.add<BarcodeAnnotator>();
   registry.add<TextAnnotator>();
   registry.add<PclFeatureAnnotator>();
+  registry.add<PictureFeatureAnnotator>();
   registry.add<FeatureClassifier>();
+  registry.add("PictureClassifier", [] { return std::make_unique<FeatureClassifier>(true); });
+  registry.add<PrimitiveShapeAnnotator>();
+  registry.add<SizeAnnotator>();
+  registry.add<RelationsAnnotator>();
   registry.add<VisualSearch>();
 }
 

@@ -14,6 +14,8 @@ namespace {
 constexpr const char* kKind = "loci classifier";
 constexpr int kVersion = 1;
 constexpr double kRidge = 1e-3;
+constexpr std::string_view kBag = "Bag";
+constexpr size_t kWords = 100;
 
 /// What one expert says of each thing when it has not learned it.
 std::vector<std::vector<double>> scores_out_of_fold(const LabelledVectors& data,
@@ -58,7 +60,54 @@ std::vector<size_t> folds_of(const std::vector<size_t>& labels, size_t classes, 
   return fold;
 }
 
+/// The words of every bag that experts ask for.
+std::map<std::string, Vocabulary> learned_words(const std::vector<LabelledThing>& things,
+                                                const std::vector<ExpertSpec>& experts,
+                                                const Random& random) {
+  std::map<std::string, Vocabulary> vocabularies;
+  for (const ExpertSpec& expert : experts) {
+    const std::string name = local_name_of(expert.feature);
+    if (name.empty() || vocabularies.contains(expert.feature)) continue;
+    std::vector<const LocalFeatures*> examples;
+    for (const LabelledThing& thing : things)
+      if (const auto found = thing.local.find(name); found != thing.local.end())
+        examples.push_back(&found->second);
+    vocabularies.emplace(expert.feature, Vocabulary::learn(examples, kWords, random));
+  }
+  return vocabularies;
+}
+
 }  // namespace
+
+std::vector<std::string> expert_feature_names() {
+  std::vector<std::string> names = shape_feature_names();
+  names.emplace_back("HOG");
+  for (const std::string& name : local_feature_names()) names.push_back(name + std::string(kBag));
+  return names;
+}
+
+std::string local_name_of(const std::string& name) {
+  return name.ends_with(kBag) ? name.substr(0, name.size() - kBag.size()) : std::string();
+}
+
+bool is_of_picture(const std::string& name) {
+  return name == "HOG" || name.starts_with("SIFT") || name.starts_with("ORB");
+}
+
+ThingFeatures thing_features(const std::vector<std::string>& names, const ThingView& view) {
+  ThingFeatures all;
+  for (const std::string& name : names) {
+    if (const std::string local = local_name_of(name); !local.empty()) {
+      LocalFeatures found = local_features(local, view);
+      if (found.count() > 0) all.local[local] = std::move(found);
+      continue;
+    }
+    FeatureVector vector =
+        name == "HOG" ? hog_of(view.picture, view.mask) : shape_feature(name, view.surface);
+    if (!vector.empty()) all.features[name] = std::move(vector);
+  }
+  return all;
+}
 
 FeatureSet feature_set(const std::vector<std::string>& names, const SurfacePoints& surface) {
   FeatureSet set;
@@ -78,7 +127,12 @@ ExpertSpec parse_expert(const std::string& text, const ClassifierOptions& option
   if (expert.feature.empty() || expert.options.method.empty() || std::getline(stream, rest))
     throw Error("\"" + text + "\" is no expert", {},
                 "write DESCRIPTOR:CLASSIFIER[:DISTANCE], such as VFH:knn:L1");
-  shape_feature_signature(expert.feature);
+  const std::vector<std::string> known = expert_feature_names();
+  if (std::find(known.begin(), known.end(), expert.feature) == known.end()) {
+    std::string list;
+    for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
+    throw Error("there is no descriptor " + expert.feature, {}, "there are " + list);
+  }
   table_of(expert.options).validate();
   return expert;
 }
@@ -100,11 +154,13 @@ Eigen::MatrixXd Ensemble::inputs(const std::vector<std::vector<double>>& scores)
   return inputs;
 }
 
-Ensemble Ensemble::train(const std::vector<LabelledThing>& things, const std::vector<ExpertSpec>& experts,
-                         int folds, const Random& random, int threads, Progress& progress) {
+Ensemble Ensemble::train(std::vector<LabelledThing> things, const std::vector<ExpertSpec>& experts, int folds,
+                         const Random& random, int threads, Progress& progress) {
   if (experts.empty()) throw Error("there is no expert to train");
   Ensemble ensemble;
   ensemble.specs_ = experts;
+  ensemble.vocabularies_ = learned_words(things, experts, random.fork(experts.size()));
+  for (LabelledThing& thing : things) ensemble.add_bags(thing.features, thing.local);
   std::set<std::string> names;
   for (const LabelledThing& thing : things)
     if (has_all(thing, experts)) names.insert(thing.label);
@@ -156,7 +212,22 @@ std::vector<std::string> Ensemble::features() const {
   return {names.begin(), names.end()};
 }
 
-Classification Ensemble::classify(const FeatureSet& features) const {
+void Ensemble::add_bags(FeatureSet& features, const LocalFeatureSet& local) const {
+  for (const auto& [name, vocabulary] : vocabularies_) {
+    const auto found = local.find(local_name_of(name));
+    if (features.contains(name) || found == local.end()) continue;
+    if (FeatureVector bag = vocabulary.bag_of(found->second); !bag.empty()) features[name] = std::move(bag);
+  }
+}
+
+bool Ensemble::knows_enough(const FeatureSet& features, const LocalFeatureSet& local) const {
+  return std::all_of(specs_.begin(), specs_.end(), [&](const ExpertSpec& expert) {
+    return features.contains(expert.feature) || local.contains(local_name_of(expert.feature));
+  });
+}
+
+Classification Ensemble::classify(FeatureSet features, const LocalFeatureSet& local) const {
+  add_bags(features, local);
   std::vector<std::vector<double>> scores;
   for (size_t e = 0; e < specs_.size(); ++e) {
     const auto found = features.find(specs_[e].feature);
@@ -174,7 +245,10 @@ void Ensemble::save(const std::filesystem::path& path) const {
   Json experts = Json::array();
   for (size_t e = 0; e < specs_.size(); ++e)
     experts.push_back({{"expert", name_of(specs_[e])}, {"trained", classifiers_[e]->to_json()}});
+  Json vocabularies = Json::object();
+  for (const auto& [name, vocabulary] : vocabularies_) vocabularies[name] = vocabulary.to_json();
   write_json(path, {{"kind", kKind},
+                    {"vocabularies", std::move(vocabularies)},
                     {"version", kVersion},
                     {"classes", classes_},
                     {"accuracies", accuracies_},
@@ -191,6 +265,9 @@ Ensemble Ensemble::load(const std::filesystem::path& path) try {
   Ensemble ensemble;
   ensemble.classes_ = json.at("classes").get<std::vector<std::string>>();
   ensemble.accuracies_ = json.at("accuracies").get<std::vector<double>>();
+  if (json.contains("vocabularies"))
+    for (const auto& [name, words] : json.at("vocabularies").items())
+      ensemble.vocabularies_.emplace(name, Vocabulary::from_json(words));
   for (const Json& each : json.at("experts")) {
     ensemble.specs_.push_back(parse_expert(each.at("expert")));
     ensemble.classifiers_.push_back(classifier_from_json(each.at("trained")));

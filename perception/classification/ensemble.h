@@ -8,6 +8,7 @@
 
 #include "mapping/base/progress.h"
 #include "perception/classification/classifier.h"
+#include "perception/classification/local_features.h"
 #include "perception/classification/shape_features.h"
 #include "perception/classification/softmax_regression.h"
 
@@ -20,9 +21,29 @@ using FeatureSet = std::map<std::string, FeatureVector>;
 /// The descriptors of these names.
 FeatureSet feature_set(const std::vector<std::string>& names, const SurfacePoints& surface);
 
+/// Descriptors of a thing's key points by their names (local_feature_names()).
+using LocalFeatureSet = std::map<std::string, LocalFeatures>;
+
+/// What experts know of a thing. Of bags of words ("SIFTBag") the key points: the words are the ensemble's.
+struct ThingFeatures {
+  FeatureSet features;
+  LocalFeatureSet local;
+};
+
+/// Descriptors that experts may rest on: those of shape, "HOG", and the bags "SIFTBag", "ORBBag", "SHOTBag",
+/// "FPFHBag".
+std::vector<std::string> expert_feature_names();
+/// The descriptors of these names (expert_feature_names()) of what is seen.
+ThingFeatures thing_features(const std::vector<std::string>& names, const ThingView& view);
+/// "SIFT" of "SIFTBag": the descriptors that a bag is of. Empty for what is no bag.
+std::string local_name_of(const std::string& name);
+/// Whether a descriptor is taken of the picture rather than of the surface.
+bool is_of_picture(const std::string& name);
+
 struct LabelledThing {
   std::string label;
   FeatureSet features;
+  LocalFeatureSet local{};
 };
 
 /// A classifier over one descriptor.
@@ -31,8 +52,9 @@ struct ExpertSpec {
   ClassifierOptions options;
 };
 
-/// "VFH:knn:L1", "ESF:svm", "GRSD:forest": descriptor, classifier and, except for forests, distance
-/// (chi-squared unless given). Other options as in `options`. Error that says what is wrong.
+/// "VFH:knn:L1", "SIFTBag:svm", "GRSD:forest": descriptor (expert_feature_names()), classifier and, except
+/// for forests, distance (chi-squared unless given). Other options as in `options`. Error that says what is
+/// wrong.
 ExpertSpec parse_expert(const std::string& text, const ClassifierOptions& options = {});
 std::string name_of(const ExpertSpec& expert);
 
@@ -50,8 +72,8 @@ class Ensemble {
  public:
   /// Things without all the descriptors are passed over. Error when fewer than two classes or fewer things
   /// than `folds` of a class remain. Same seed, same ensemble on any number of threads.
-  static Ensemble train(const std::vector<LabelledThing>& things, const std::vector<ExpertSpec>& experts,
-                        int folds, const Random& random, int threads, Progress& progress);
+  static Ensemble train(std::vector<LabelledThing> things, const std::vector<ExpertSpec>& experts, int folds,
+                        const Random& random, int threads, Progress& progress);
 
   const std::vector<std::string>& classes() const { return classes_; }
   const std::vector<ExpertSpec>& experts() const { return specs_; }
@@ -61,7 +83,11 @@ class Ensemble {
   const std::vector<double>& accuracies() const { return accuracies_; }
 
   /// Error when a descriptor is missing.
-  Classification classify(const FeatureSet& features) const;
+  Classification classify(FeatureSet features, const LocalFeatureSet& local = {}) const;
+  /// Whether nothing is missing for classify().
+  bool knows_enough(const FeatureSet& features, const LocalFeatureSet& local = {}) const;
+  /// The words of bags, by the name of the bag.
+  const std::map<std::string, Vocabulary>& vocabularies() const { return vocabularies_; }
 
   /// JSON; load() gives an ensemble that answers the same, or an Error with the file.
   void save(const std::filesystem::path& path) const;
@@ -70,7 +96,10 @@ class Ensemble {
  private:
   Eigen::MatrixXd inputs(const std::vector<std::vector<double>>& scores) const;
 
+  void add_bags(FeatureSet& features, const LocalFeatureSet& local) const;
+
   std::vector<std::string> classes_;
+  std::map<std::string, Vocabulary> vocabularies_;
   std::vector<ExpertSpec> specs_;
   std::vector<std::unique_ptr<Classifier>> classifiers_;
   SoftmaxRegression fusion_;

@@ -18,15 +18,19 @@ struct FeatureDelegate {
   std::vector<float> (*compute)(const SurfacePoints&);
 };
 
-constexpr std::array<FeatureDelegate, 9> kDelegates = {{{"VFH", "VFHSignature308", vfh},
-                                                        {"CVFH", "CVFHSignature308", cvfh},
-                                                        {"ESF", "ESFSignature640", esf},
-                                                        {"GRSD", "GRSDSignature21", grsd},
-                                                        {"PFH", "PFHSignature125", pfh},
-                                                        {"FPFH", "FPFHSignature33", fpfh},
-                                                        {"SHOT", "SHOT352", shot},
-                                                        {"SpinImage", "SpinImage153", spin_image},
-                                                        {"GaussImage", "GaussImage12", gauss_image}}};
+constexpr std::array<FeatureDelegate, 13> kDelegates = {{{"VFH", "VFHSignature308", vfh},
+                                                         {"CVFH", "CVFHSignature308", cvfh},
+                                                         {"OURCVFH", "OURCVFHSignature308", our_cvfh},
+                                                         {"ESF", "ESFSignature640", esf},
+                                                         {"GRSD", "GRSDSignature21", grsd},
+                                                         {"PFH", "PFHSignature125", pfh},
+                                                         {"FPFH", "FPFHSignature33", fpfh},
+                                                         {"SHOT", "SHOT352", shot},
+                                                         {"USC", "UniqueShapeContext1960", usc},
+                                                         {"GASD", "GASDSignature512", gasd},
+                                                         {"RIFT", "RIFT32", rift},
+                                                         {"SpinImage", "SpinImage153", spin_image},
+                                                         {"GaussImage", "GaussImage12", gauss_image}}};
 
 const FeatureDelegate& delegate(const std::string& name) {
   for (const FeatureDelegate& each : kDelegates)
@@ -37,15 +41,17 @@ const FeatureDelegate& delegate(const std::string& name) {
   throw Error("there is no descriptor " + name, {}, "there are " + known);
 }
 
-/// One point per cell: the mean of those in it, in order of the cells.
-SurfacePoints thinned(const SurfacePoints& surface, float cell_m) {
+}  // namespace
+
+SurfacePoints thinned_surface(const SurfacePoints& surface) {
+  constexpr float kCell = 0.005f;
   std::vector<std::pair<std::array<int, 3>, size_t>> order;
   for (size_t i = 0; i < surface.points.size(); ++i) {
     const Eigen::Vector3f& p = surface.points[i];
     if (!p.allFinite() || !surface.normals[i].allFinite()) continue;
     std::array<int, 3> cell;
     for (size_t axis = 0; axis < 3; ++axis)
-      cell[axis] = static_cast<int>(std::floor(p[static_cast<int>(axis)] / cell_m));
+      cell[axis] = static_cast<int>(std::floor(p[static_cast<int>(axis)] / kCell));
     order.emplace_back(cell, i);
   }
   std::sort(order.begin(), order.end());
@@ -53,21 +59,23 @@ SurfacePoints thinned(const SurfacePoints& surface, float cell_m) {
   for (size_t first = 0; first < order.size();) {
     Eigen::Vector3f point = Eigen::Vector3f::Zero();
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+    float brightness = 0;
     size_t last = first;
     for (; last < order.size() && order[last].first == order[first].first; ++last) {
       point += surface.points[order[last].second];
       normal += surface.normals[order[last].second];
+      if (!surface.brightness.empty()) brightness += surface.brightness[order[last].second];
     }
     if (normal.norm() > 0) {
       thin.points.emplace_back(point / static_cast<float>(last - first));
       thin.normals.emplace_back(normal.normalized());
+      if (!surface.brightness.empty())
+        thin.brightness.push_back(brightness / static_cast<float>(last - first));
     }
     first = last;
   }
   return thin;
 }
-
-}  // namespace
 
 std::vector<std::string> shape_feature_names() {
   std::vector<std::string> names;
@@ -80,11 +88,10 @@ std::string shape_feature_signature(const std::string& name) {
 }
 
 std::vector<float> shape_feature(const std::string& name, const SurfacePoints& surface) {
-  constexpr float kCell = 0.005f;
   constexpr size_t kLeastPoints = 20;
   const FeatureDelegate& wanted = delegate(name);
   if (surface.points.size() != surface.normals.size()) throw Error("points and normals are not as many");
-  const SurfacePoints thin = thinned(surface, kCell);
+  const SurfacePoints thin = thinned_surface(surface);
   if (thin.points.size() < kLeastPoints) return {};
   std::vector<float> values = wanted.compute(thin);
   const bool finite =

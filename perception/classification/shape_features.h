@@ -12,7 +12,12 @@ namespace loci {
 struct SurfacePoints {
   std::vector<Eigen::Vector3f> points;
   std::vector<Eigen::Vector3f> normals;
+  std::vector<float> brightness{};  ///< 0 to 255, as many; empty = not known
 };
+
+/// One point per cell of 5 mm: the mean of those in it that have a normal, in order of the cells. All of them
+/// have as many points and normals.
+SurfacePoints thinned_surface(const SurfacePoints& surface);
 
 /// Names of the descriptors: "VFH", "ESF", "PFH", ...
 std::vector<std::string> shape_feature_names();
@@ -22,9 +27,9 @@ std::string shape_feature_signature(const std::string& name);
 
 /// One vector that describes the whole surface, computed with PCL (but for GaussImage) after the points were
 /// thinned to one for each cell of 5 mm (points without a normal are left out). Descriptors of single points
-/// (FPFH, SHOT, spin images) are averaged over points spread over the surface, those of parts (CVFH) over the
-/// parts; PFH is taken of all pairs of points. The same bytes for the same points. Empty when there are too
-/// few points.
+/// (FPFH, SHOT, USC, RIFT, spin images) are averaged over points spread over the surface, those of parts
+/// (CVFH, OUR-CVFH) over the parts; PFH is taken of all pairs of points. The same bytes for the same points.
+/// Empty when there is no brightness for RIFT, and when there are too few points.
 std::vector<float> shape_feature(const std::string& name, const SurfacePoints& surface);
 
 }  // namespace loci

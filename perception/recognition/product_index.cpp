@@ -42,6 +42,27 @@ double presence_of(double log_false_alarms) {
   return 1 / (1 + std::exp(-(kPresenceOffset + kPresenceSlope * log_false_alarms)));
 }
 
+template <class Value>
+std::vector<Value> reordered(const std::vector<Value>& values, const std::vector<uint32_t>& order) {
+  std::vector<Value> result;
+  result.reserve(order.size());
+  for (const uint32_t number : order) result.push_back(values[number]);
+  return result;
+}
+
+/// Each level that a tree has more asks for as many comparisons again to miss no more neighbours.
+size_t checks_in(size_t features, int checks) {
+  constexpr double kOneLevel = 10000;  // Features for which `checks` are meant: a small catalogue.
+  const double levels = std::log10(static_cast<double>(std::max<size_t>(1, features)) / kOneLevel);
+  return static_cast<size_t>(checks * std::max(1.0, levels));
+}
+
+/// Of a large catalogue more products have votes by chance.
+size_t candidates_of(size_t products, int candidates) {
+  constexpr size_t kShare = 20;
+  return std::max(static_cast<size_t>(candidates), products / kShare);
+}
+
 /// Each name once, by score.
 std::vector<ProductMatch> ranked(std::vector<ProductMatch> matches, const std::vector<Product>& products,
                                  size_t most) {
@@ -69,10 +90,12 @@ void RecognitionOptions::declare(OptionTable& table) {
   table.integer("most_keypoints", most_keypoints, "", "Features of an image, the strongest.", 10, 100000);
   table.integer("neighbours", neighbours, "", "Features of the catalogue that one of the image may vote for.",
                 1, 1000);
-  table.integer("checks", checks, "", "Features of the catalogue that one of the image is compared with.", 10,
-                100000);
-  table.integer("candidates", candidates, "", "Products whose geometry is looked at, those with most votes.",
-                1, 10000);
+  table.integer("checks", checks, "",
+                "Features that one of the image is compared with; in large catalogues more.", 10, 100000);
+  table.integer(
+      "candidates", candidates, "",
+      "Products whose geometry is looked at, those with most votes; in large catalogues a twentieth.", 1,
+      10000);
   table.number("tolerance", tolerance, "", "Largest error of a place, of the image's longer side.", 0.001,
                0.5);
   table.number("least_presence", least_presence, "",
@@ -111,12 +134,20 @@ ProductIndex ProductIndex::build(const std::vector<Product>& catalogue, int thre
   if (index.products_.empty()) throw Error("none of the catalogue's pictures can be read");
   progress.check(0.9, "vocabulary tree");
   index.tree_ = VocabularyTree::build(index.descriptors_, threads);
+  const std::vector<uint32_t> order = index.tree_.order_by_leaves();
+  index.keypoints_ = reordered(index.keypoints_, order);
+  index.descriptors_ = reordered(index.descriptors_, order);
+  index.owners_ = reordered(index.owners_, order);
+  index.count_features();
   return index;
 }
 
-size_t ProductIndex::features_of(size_t product) const {
-  const auto [first, last] = std::ranges::equal_range(owners_, static_cast<uint32_t>(product));
-  return static_cast<size_t>(last - first);
+void ProductIndex::count_features() {
+  counts_.assign(products_.size(), 0);
+  for (const uint32_t owner : owners_) {
+    if (owner >= counts_.size()) throw Error("the index contradicts itself");
+    ++counts_[owner];
+  }
 }
 
 ProductIndex::Ballot ProductIndex::vote(const ImageFeatures& query, const RecognitionOptions& options,
@@ -126,7 +157,7 @@ ProductIndex::Ballot ProductIndex::vote(const ImageFeatures& query, const Recogn
     for (size_t i = begin; i < end; ++i)
       nearest[i] =
           tree_.nearest(query.descriptors[i], descriptors_, static_cast<size_t>(options.neighbours) + 1,
-                        static_cast<size_t>(options.checks));
+                        checks_in(descriptors_.size(), options.checks));
   });
   Ballot ballot{std::vector<double>(products_.size(), 0),
                 std::vector<std::vector<Correspondence>>(products_.size())};
@@ -156,8 +187,8 @@ std::vector<ProductMatch> ProductIndex::recognise(const cv::Mat& image, const Re
     if (ballot.votes[i] > 0) order.push_back(i);
   std::stable_sort(order.begin(), order.end(),
                    [&](size_t a, size_t b) { return ballot.votes[a] > ballot.votes[b]; });
-  if (order.size() > static_cast<size_t>(options.candidates))
-    order.resize(static_cast<size_t>(options.candidates));
+  const size_t looked_at = candidates_of(products_.size(), options.candidates);
+  if (order.size() > looked_at) order.resize(looked_at);
   const cv::Mat chroma = chroma_of(image, kQueryCells);
   const double tolerance_px = options.tolerance * std::max(image.cols, image.rows);
   std::vector<ProductMatch> matches(order.size());
@@ -172,7 +203,7 @@ std::vector<ProductMatch> ProductIndex::recognise(const cv::Mat& image, const Re
       match.presence = presence_of(log_false_alarms(pairs, fit, tolerance_px, image.size(), order.size()));
       match.verified = match.inliers > 0 && match.presence >= options.least_presence;
       match.region = region_of(pairs, fit.inliers, image.size());
-      const double root = std::sqrt(static_cast<double>(features_of(product)) / kManyFeatures);
+      const double root = std::sqrt(static_cast<double>(counts_[product]) / kManyFeatures);
       match.score = kUnknownColor * kVoteShare * ballot.votes[product] / root;
       if (match.inliers == 0) continue;
       const double color =

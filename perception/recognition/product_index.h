@@ -62,15 +62,16 @@ class ProductIndex {
 
  private:
   struct Ballot;
-  size_t features_of(size_t product) const;
+  void count_features();
   Ballot vote(const ImageFeatures& query, const RecognitionOptions& options, int threads) const;
 
   std::vector<Product> products_;
   std::vector<cv::Mat> chroma_;      ///< per product: CV_8UC3 (a, b of Lab, 255 = is coloured), small
   std::vector<cv::Size> sizes_;      ///< of its picture
-  std::vector<Keypoint> keypoints_;  ///< of all products, one after the other
+  std::vector<Keypoint> keypoints_;  ///< of all products, in the order of the tree's leaves
   std::vector<Descriptor> descriptors_;
-  std::vector<uint32_t> owners_;  ///< product of each feature, ascending
+  std::vector<uint32_t> owners_;  ///< product of each feature
+  std::vector<size_t> counts_;    ///< features of each product
   VocabularyTree tree_;
 };
 

@@ -114,6 +114,7 @@ ProductIndex ProductIndex::load(const std::filesystem::path& path) try {
     const std::string_view cells = payload.take(chroma.total() * chroma.elemSize());
     std::memcpy(chroma.data, cells.data(), cells.size());
   }
+  index.count_features();
   return index;
 } catch (const Error& error) {
   if (!error.place().file.empty()) throw;

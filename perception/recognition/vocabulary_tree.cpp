@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <numeric>
 #include <queue>
 
 #include "mapping/base/error.h"
@@ -100,6 +101,12 @@ VocabularyTree VocabularyTree::build(std::span<const Descriptor> descriptors, in
     }
   }
   return tree;
+}
+
+std::vector<uint32_t> VocabularyTree::order_by_leaves() {
+  std::vector<uint32_t> old = numbers_;
+  std::iota(numbers_.begin(), numbers_.end(), 0u);
+  return old;
 }
 
 VocabularyTree VocabularyTree::restore(std::vector<Node> nodes, std::vector<uint32_t> numbers) {

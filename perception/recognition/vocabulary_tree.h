@@ -38,6 +38,9 @@ class VocabularyTree {
   };
   const std::vector<Node>& nodes() const { return nodes_; }
   const std::vector<uint32_t>& numbers() const { return numbers_; }
+  /// The descriptors of each leaf one after the other: what is looked at together then lies together in
+  /// memory. Gives for each new number the old one, by which the caller orders the descriptors.
+  std::vector<uint32_t> order_by_leaves();
   /// From what a file kept; Error when it contradicts itself.
   static VocabularyTree restore(std::vector<Node> nodes, std::vector<uint32_t> numbers);
 

@@ -32,12 +32,32 @@ struct Primitive {
   double top = 0;    ///< height of its flat top
   double room =
       0;  ///< so far from the z axis the top reaches in every direction; 0 = nothing can stand on it
+  PrimitiveShape shape{};
+  bool exact = true;  ///< whether the shape is all that there is
 };
+
+PrimitiveShape box_shape(double x, double y, double z) {
+  PrimitiveShape shape;
+  shape.frame_from_shape.translation().z() = z / 2;
+  shape.size = {x, y, z};
+  return shape;
+}
+
+PrimitiveShape round_shape(double radius_low, double radius_high, double height) {
+  PrimitiveShape shape;
+  shape.kind = radius_low == radius_high ? PrimitiveShape::Kind::cylinder : PrimitiveShape::Kind::cone;
+  shape.frame_from_shape.translation().z() = height / 2;
+  shape.radius_low = radius_low;
+  shape.radius_high = radius_high;
+  const double width = 2 * std::max(radius_low, radius_high);
+  shape.size = {width, width, height};
+  return shape;
+}
 
 Primitive block(double x, double y, double z) {
   ShapeBuilder builder;
   builder.box({-x / 2, -y / 2, 0}, {x / 2, y / 2, z}, kGrey);
-  return {builder.take(), std::hypot(x, y) / 2, z, std::min(x, y) / 2};
+  return {builder.take(), std::hypot(x, y) / 2, z, std::min(x, y) / 2, box_shape(x, y, z)};
 }
 
 Primitive box(Random& draw) {
@@ -63,7 +83,10 @@ void turn_over(TriangleMesh& mesh, double height) {
 Primitive lying(double radius, double length) {
   ShapeBuilder builder;
   builder.lathe({{0, 0}, {radius, 0}, {radius, length}, {0, length}}, grey);
-  Primitive primitive{builder.take(), std::hypot(radius, length / 2), 0, 0};
+  Primitive primitive{builder.take(), std::hypot(radius, length / 2), 0, 0,
+                      round_shape(radius, radius, length)};
+  primitive.shape.frame_from_shape =
+      Eigen::Translation3d(0, 0, radius) * Eigen::AngleAxisd(kPi / 2, Vector3d::UnitY());
   for (auto& vertex : primitive.mesh.vertices)
     vertex = {vertex.z() - static_cast<float>(length / 2), vertex.y(),
               static_cast<float>(radius) - vertex.x()};
@@ -105,8 +128,13 @@ Primitive standing(Random& draw) {
                  {0.005, 0.005, 0.005, 0.005}, Vector3d::UnitY(), kGrey);
     reach += out + 0.005;
   }
-  Primitive primitive{builder.take(), reach, bounded, hollow ? 0 : top};
-  if (hollow && draw.uniform() < 0.4) turn_over(primitive.mesh, bounded);
+  Primitive primitive{
+      builder.take(),       reach, bounded, hollow ? 0 : top, round_shape(bottom, top, bounded),
+      !hollow || taper == 1};
+  if (hollow && draw.uniform() < 0.4) {
+    turn_over(primitive.mesh, bounded);
+    std::swap(primitive.shape.radius_low, primitive.shape.radius_high);
+  }
   return primitive;
 }
 
@@ -129,7 +157,7 @@ Primitive flat(Random& draw) {
   if (draw.uniform() < 0.6) return block(width, width * draw.uniform(1, 1.4), height);
   ShapeBuilder builder;
   builder.lathe({{0, 0}, {width / 2, 0}, {width / 2, height}, {0, height}}, grey);
-  return {builder.take(), width / 2, height, width / 2};
+  return {builder.take(), width / 2, height, width / 2, round_shape(width / 2, width / 2, height)};
 }
 
 Primitive sphere(Random& draw) {
@@ -142,7 +170,9 @@ Primitive sphere(Random& draw) {
   }
   ShapeBuilder builder;
   builder.lathe(profile, grey);
-  return {builder.take(), radius, 0, 0};
+  Primitive primitive{builder.take(), radius, 0, 0, round_shape(radius, radius, 2 * radius)};
+  primitive.shape.kind = PrimitiveShape::Kind::sphere;
+  return primitive;
 }
 
 Primitive primitive_of(size_t kind, Random& draw) {
@@ -188,10 +218,55 @@ cv::Mat seen_through_window(const cv::Mat& depth, double focal_times_baseline, R
   return result;
 }
 
+/// A table before a camera.
+struct Layout {
+  RenderScene scene;
+  Isometry3d map_from_camera;
+  std::vector<PrimitiveTruth> things;  ///< the objects 20, 30, ...
+};
+
+void add_things(Layout& layout, Random& draw) {
+  constexpr size_t kThings = 5;
+  constexpr double kGap = 0.03;
+  std::vector<std::pair<Vector2d, double>> taken;
+  for (int attempt = 0; attempt < 60 && taken.size() < kThings; ++attempt) {
+    const size_t kind = draw.index(kClasses.size());
+    const Primitive primitive = primitive_of(kind, draw);
+    const Vector2d at(draw.uniform(-0.3, 0.3), draw.uniform(-0.25, 0.25));
+    const bool free = std::all_of(taken.begin(), taken.end(), [&](const auto& other) {
+      return (other.first - at).norm() > other.second + primitive.reach + kGap;
+    });
+    const double turn = draw.uniform(0, 2 * kPi);
+    if (!free) continue;
+    taken.emplace_back(at, primitive.reach);
+    const auto put = [&](const Primitive& thing, size_t its_kind, double height, double yaw) {
+      Isometry3d pose(Eigen::Translation3d(at.x(), at.y(), height));
+      pose.rotate(Eigen::AngleAxisd(yaw, Vector3d::UnitZ()));
+      layout.things.push_back({kClasses[its_kind], thing.shape, thing.exact});
+      layout.things.back().shape.frame_from_shape = pose * thing.shape.frame_from_shape;
+      layout.scene.add(fmt::format("thing_{}", layout.things.size()), thing.mesh, pose);
+    };
+    put(primitive, kind, 0, turn);
+    const size_t other_kind = draw.index(kClasses.size() - 1);  // Spheres would roll.
+    const Primitive other = primitive_of(other_kind, draw);
+    if (other.reach < 1.3 * primitive.room) put(other, other_kind, primitive.top, draw.uniform(0, 2 * kPi));
+  }
+}
+
+Layout layout_of(Random& draw) {
+  Layout layout;
+  layout.scene.add("table", block(1.6, 1.2, 0.04).mesh, Isometry3d(Eigen::Translation3d(0, 0, -0.04)));
+  add_things(layout, draw);
+  const double elevation = draw.uniform(25, 65) * kPi / 180, side = draw.uniform(-0.4, 0.4);
+  const Vector3d from(side, -std::cos(elevation), std::sin(elevation));
+  layout.map_from_camera = looking_at(from.normalized() * draw.uniform(0.75, 1.4), Vector3d::Zero());
+  return layout;
+}
+
 struct Picture {
   RgbdFrame frame;
   cv::Mat labels;
-  std::vector<size_t> kinds;  ///< of the objects 20, 30, ...
+  std::vector<PrimitiveTruth> things;  ///< the objects 20, 30, ...
 };
 
 class PrimitiveScenes : public Recording {
@@ -219,21 +294,18 @@ class PrimitiveScenes : public Recording {
  private:
   Picture picture(size_t number) const {
     Random draw = random_.fork(number);
-    RenderScene scene;
-    scene.add("table", block(1.6, 1.2, 0.04).mesh, Isometry3d(Eigen::Translation3d(0, 0, -0.04)));
+    const Layout layout = layout_of(draw);
     Picture picture;
-    add_things(scene, picture.kinds, draw);
-    const double elevation = draw.uniform(25, 65) * kPi / 180, side = draw.uniform(-0.4, 0.4);
-    const Vector3d from(side, -std::cos(elevation), std::sin(elevation));
+    picture.things = layout.things;
     RgbdFrame& frame = picture.frame;
     frame.camera = info_.camera;
     frame.index = static_cast<int64_t>(number);
     frame.name = fmt::format("scene{}", number);
     frame.time_ns = time_of(number);
-    frame.map_from_camera = looking_at(from.normalized() * draw.uniform(0.75, 1.4), Vector3d::Zero());
+    frame.map_from_camera = layout.map_from_camera;
     RenderOptions options;
     options.normals = true;
-    const RenderedView view = scene.render(frame.camera.depth, *frame.map_from_camera, options);
+    const RenderedView view = layout.scene.render(frame.camera.depth, *frame.map_from_camera, options);
     // Half of the pictures have the simulation's own noise, which differs from pixel to pixel.
     KinectModel sensor;
     cv::Mat depth = view.depth;
@@ -250,33 +322,6 @@ class PrimitiveScenes : public Recording {
     return picture;
   }
 
-  static void add_things(RenderScene& scene, std::vector<size_t>& kinds, Random& draw) {
-    constexpr size_t kThings = 5;
-    constexpr double kGap = 0.03;
-    std::vector<std::pair<Vector2d, double>> taken;
-    for (int attempt = 0; attempt < 60 && taken.size() < kThings; ++attempt) {
-      const size_t kind = draw.index(kClasses.size());
-      const Primitive primitive = primitive_of(kind, draw);
-      const Vector2d at(draw.uniform(-0.3, 0.3), draw.uniform(-0.25, 0.25));
-      const bool free = std::all_of(taken.begin(), taken.end(), [&](const auto& other) {
-        return (other.first - at).norm() > other.second + primitive.reach + kGap;
-      });
-      const double turn = draw.uniform(0, 2 * kPi);
-      if (!free) continue;
-      taken.emplace_back(at, primitive.reach);
-      const auto put = [&](const Primitive& thing, size_t its_kind, double height, double yaw) {
-        kinds.push_back(its_kind);
-        Isometry3d pose(Eigen::Translation3d(at.x(), at.y(), height));
-        pose.rotate(Eigen::AngleAxisd(yaw, Vector3d::UnitZ()));
-        scene.add(fmt::format("thing_{}", kinds.size()), thing.mesh, pose);
-      };
-      put(primitive, kind, 0, turn);
-      const size_t other_kind = draw.index(kClasses.size() - 1);  // Spheres would roll.
-      const Primitive other = primitive_of(other_kind, draw);
-      if (other.reach < 1.3 * primitive.room) put(other, other_kind, primitive.top, draw.uniform(0, 2 * kPi));
-    }
-  }
-
   Random random_;
   RecordingInfo info_;
   mutable Picture last_;
@@ -291,11 +336,19 @@ LabelledRecording primitive_scenes(size_t scenes, const Random& random) {
   const PrimitiveScenes* pictures = recording.get();
   labelled.labels = [pictures](const std::string&) { return pictures->last().labels; };
   labelled.class_of = [pictures](const std::string&, int object) {
+    const std::vector<PrimitiveTruth>& things = pictures->last().things;
     const auto number = static_cast<size_t>(object / 10 - 2);
-    return number < pictures->last().kinds.size() ? std::string(kClasses[pictures->last().kinds[number]])
-                                                  : "";
+    return number < things.size() ? things[number].label : std::string();
   };
   return labelled;
+}
+
+std::vector<PrimitiveTruth> primitive_truths(size_t scene, const Random& random) {
+  Random draw = random.fork(scene);
+  Layout layout = layout_of(draw);
+  for (PrimitiveTruth& thing : layout.things)
+    thing.shape.frame_from_shape = layout.map_from_camera.inverse() * thing.shape.frame_from_shape;
+  return layout.things;
 }
 
 }  // namespace loci::description_evaluation

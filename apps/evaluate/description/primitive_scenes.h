@@ -14,4 +14,14 @@ namespace loci::description_evaluation {
 /// numbers.
 LabelledRecording primitive_scenes(size_t scenes, const Random& random);
 
+/// What a scene shows of one thing.
+struct PrimitiveTruth {
+  std::string label;
+  PrimitiveShape shape;  ///< in the camera's frame
+  bool exact = true;     ///< whether these numbers are all that there is to it: no bowl whose wall is bent
+};
+
+/// The things of a scene of the recording that these random numbers make, in the order of their labels.
+std::vector<PrimitiveTruth> primitive_truths(size_t scene, const Random& random);
+
 }  // namespace loci::description_evaluation

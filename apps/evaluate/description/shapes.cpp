@@ -61,8 +61,10 @@ TestSet described(const std::string& name, const LabelledRecording& labelled,
               static_cast<int>(surfaces.objects - surfaces.found.size())};
   for (const LabelledSurface& each : surfaces.found) set.frames.push_back(each.frame);
   parallel_for(surfaces.found.size(), threads, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i)
-      set.things[i] = {surfaces.found[i].label, feature_set(features, surfaces.found[i].surface)};
+    for (size_t i = begin; i < end; ++i) {
+      ThingFeatures of = thing_features(features, surfaces.found[i].view);
+      set.things[i] = {surfaces.found[i].label, std::move(of.features), std::move(of.local)};
+    }
   });
   return set;
 }
@@ -71,19 +73,17 @@ Confusion confusion_of(const Ensemble& model, const TestSet& set) {
   Confusion confusion{model.classes(), {}, 0, set.missed, {}};
   const size_t classes = model.classes().size();
   confusion.counts.assign(classes, std::vector<int>(classes, 0));
-  const std::vector<std::string> needed = model.features();
   int count = 0;
   for (size_t i = 0; i < set.things.size(); ++i) {
     const LabelledThing& thing = set.things[i];
-    const bool complete = std::all_of(needed.begin(), needed.end(),
-                                      [&](const auto& name) { return thing.features.contains(name); });
+    const bool complete = model.knows_enough(thing.features, thing.local);
     const auto truth = std::find(confusion.classes.begin(), confusion.classes.end(), thing.label);
     if (!complete || truth == confusion.classes.end()) {
       ++confusion.missed;
       continue;
     }
     const auto row = static_cast<size_t>(truth - confusion.classes.begin());
-    const Classification result = model.classify(thing.features);
+    const Classification result = model.classify(thing.features, thing.local);
     ++confusion.counts[row][result.best];
     confusion.log_loss -= std::log(std::max(result.probabilities[row], 1e-9));
     if (result.best != row)

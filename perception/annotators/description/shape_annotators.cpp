@@ -1,26 +1,78 @@
 #include "perception/annotators/description/shape_annotators.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <numeric>
 
+#include "mapping/base/quantile.h"
 #include "perception/annotators/scene_data.h"
+#include "perception/conversions/camera.h"
+#include "perception/conversions/opencv.h"
 #include "perception/conversions/pcl.h"
 
 namespace loci {
 namespace {
 
 /// Descriptors that a cluster has already.
-FeatureSet annotated_features(const types::Cluster& cluster) {
-  FeatureSet set;
+ThingFeatures annotated_features(const types::Cluster& cluster) {
+  ThingFeatures all;
+  const auto values_of = [](const auto& annotation) {
+    const auto values = annotation.feature.get();
+    return FeatureVector(values.begin(), values.end());
+  };
   for (const std::string& name : shape_feature_names())
     for (const auto& annotation : cluster.annotations.filter<types::PclFeatureAnnotation>())
-      if (annotation.name.get() == shape_feature_signature(name)) {
-        const auto values = annotation.feature.get();
-        set[name] = FeatureVector(values.begin(), values.end());
-      }
-  return set;
+      if (annotation.name.get() == shape_feature_signature(name)) all.features[name] = values_of(annotation);
+  for (const auto& annotation : cluster.annotations.filter<types::ImageFeatureAnnotation>())
+    if (annotation.name.get() == "HOG") all.features["HOG"] = values_of(annotation);
+  for (const auto& annotation : cluster.annotations.filter<types::LocalFeaturesAnnotation>()) {
+    const auto places = annotation.places.get(), values = annotation.descriptors.get();
+    LocalFeatures local;
+    for (size_t i = 0; i + 2 < places.size(); i += 3)
+      local.places.emplace_back(places[i], places[i + 1], places[i + 2]);
+    if (local.count() == 0) continue;
+    local.values.assign(values.begin(), values.end());
+    local.length = local.values.size() / local.count();
+    all.local[annotation.name.get()] = std::move(local);
+  }
+  return all;
+}
+
+void annotate_local(cas::Cas& cas, const types::Cluster& cluster, const std::string& source,
+                    const std::string& name, const LocalFeatures& local) {
+  if (local.count() == 0) return;
+  std::vector<float> places;
+  for (const Eigen::Vector3f& place : local.places) places.insert(places.end(), place.begin(), place.end());
+  const auto annotation = types::LocalFeaturesAnnotation::create(cas);
+  annotation.source.set(source);
+  annotation.name.set(name);
+  annotation.places.set(places);
+  annotation.descriptors.set(local.values);
+  cluster.annotations.push_back(annotation);
+}
+
+/// Brightness of the colour picture where each point falls on it; empty when the scene has none.
+std::vector<float> brightness_of(const types::SceneCas& scene, const std::vector<Eigen::Vector3f>& points) {
+  if (!scene.has(types::SceneCas::kColor) || !scene.has_camera("color") || !scene.has_camera("depth"))
+    return {};
+  const cv::Mat picture = types::view_image(scene, types::SceneCas::kColor);
+  if (picture.type() != CV_8UC3) return {};
+  const RgbdCamera camera = types::cameras(scene);
+  const Isometry3d color_from_depth = camera.depth_from_color.inverse();
+  std::vector<float> brightness;
+  for (const Eigen::Vector3f& point : points) {
+    const Vector3d in_color = color_from_depth * point.cast<double>();
+    const bool before = in_color.z() > 0;
+    const Vector2d at = before ? camera.color.project(in_color) : Vector2d(-1, -1);
+    const cv::Point pixel(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())));
+    const bool inside = before && cv::Rect({}, picture.size()).contains(pixel);
+    const cv::Vec3b color = inside ? picture.at<cv::Vec3b>(pixel) : cv::Vec3b();
+    brightness.push_back(0.114f * color[0] + 0.587f * color[1] + 0.299f * color[2]);
+  }
+  return brightness;
 }
 
 std::string joined(const Ensemble& model, const std::string& between,
@@ -40,30 +92,72 @@ SurfacePoints cluster_surface(const types::SceneCas& scene, const types::Cluster
     surface.points.emplace_back(points[static_cast<size_t>(index)].getVector3fMap());
     surface.normals.emplace_back(normals[static_cast<size_t>(index)].getNormalVector3fMap());
   }
+  surface.brightness = brightness_of(scene, surface.points);
   return surface;
+}
+
+ThingView cluster_view(const types::SceneCas& scene, const types::Cluster& cluster) {
+  ThingView view;
+  if (scene.has(types::SceneCas::kCloud) && scene.has(types::SceneCas::kNormals))
+    view.surface = cluster_surface(scene, cluster);
+  if (const auto roi = cluster.hypotheses.first<types::StandaloneImageROI>()) {
+    view.picture = types::from<cv::Mat>(roi.image.get());
+    if (roi.mask.is_set()) view.mask = types::from<cv::Mat>(roi.mask.get());
+    if (view.mask.size() != view.picture.size()) view.mask.release();
+  }
+  return view;
+}
+
+Ground cluster_ground(const types::SceneCas& scene, const types::Cluster& cluster) {
+  const Isometry3d map_from_points = map_from_camera(scene.scene());
+  Vector3d normal = Vector3d::UnitZ();
+  double offset = std::numeric_limits<double>::infinity();
+  if (const types::PlanarSupport support = cluster.support.get()) {
+    normal = types::from<Vector3d>(support.normal.get());
+    offset = support.offset.get();
+  } else {
+    for (const Vector3d& point : cluster_points(scene, cluster)) offset = std::min(offset, point.z());
+  }
+  if (const types::Cluster below = cluster.stands_on.get()) {
+    constexpr double kTop = 0.98;
+    std::vector<double> heights;
+    for (const Vector3d& point : cluster_points(scene, below)) heights.push_back(normal.dot(point));
+    if (!heights.empty()) offset = std::max(offset, quantile(heights, kTop));
+  }
+  return {map_from_points.linear().transpose() * normal, offset - normal.dot(map_from_points.translation())};
 }
 
 AnnotatorDescriptor PclFeatureAnnotator::descriptor() const {
   return {"PclFeature",
           "Describes each object's shape with descriptors of PCL.",
           {"Cluster", "ReferenceClusterPoints", "view:cloud", "view:normals"},
-          {"PclFeatureAnnotation"}};
+          {"PclFeatureAnnotation", "LocalFeaturesAnnotation"},
+          {"CameraInfo", "view:color"}};
 }
 
 void PclFeatureAnnotator::declare(OptionTable& table) {
   std::string names;
   for (const std::string& name : shape_feature_names()) names += (names.empty() ? "" : ", ") + name;
   table.texts("features", features_, "Descriptors: " + names + ".");
+  table.texts("keypoints", keypoints_, "Descriptors of key points: SHOT, FPFH.");
 }
 
 void PclFeatureAnnotator::start(Context& /*context*/) {
   for (const std::string& name : features_) shape_feature_signature(name);
+  for (const std::string& name : keypoints_)
+    if (is_of_picture(name))
+      throw Error("PclFeature knows no key points of pictures", {}, "there are SHOT, FPFH");
+    else
+      local_features(name, {});
 }
 
 void PclFeatureAnnotator::process(cas::Cas& cas, Context& /*context*/) {
   const types::SceneCas scene(cas);
   for (const types::Cluster& cluster : scene.clusters()) {
-    for (const auto& [name, vector] : feature_set(features_, cluster_surface(scene, cluster))) {
+    const ThingView view{cluster_surface(scene, cluster), {}, {}};
+    for (const std::string& name : keypoints_)
+      annotate_local(cas, cluster, descriptor().name, name, local_features(name, view));
+    for (const auto& [name, vector] : feature_set(features_, view.surface)) {
       const auto annotation = types::PclFeatureAnnotation::create(cas);
       annotation.source.set(descriptor().name);
       annotation.name.set(shape_feature_signature(name));
@@ -73,12 +167,61 @@ void PclFeatureAnnotator::process(cas::Cas& cas, Context& /*context*/) {
   }
 }
 
+AnnotatorDescriptor PictureFeatureAnnotator::descriptor() const {
+  return {"PictureFeature",
+          "Describes each object's picture: oriented gradients, SIFT and ORB key points.",
+          {"Cluster", "StandaloneImageROI"},
+          {"ImageFeatureAnnotation", "LocalFeaturesAnnotation"}};
+}
+
+void PictureFeatureAnnotator::declare(OptionTable& table) {
+  table.texts("features", features_, "Descriptors: HOG, SIFT, ORB.");
+}
+
+void PictureFeatureAnnotator::start(Context& /*context*/) {
+  for (const std::string& name : features_)
+    if (!is_of_picture(name))
+      throw Error("there is no descriptor " + name + " of pictures", {}, "there are HOG, SIFT, ORB");
+}
+
+void PictureFeatureAnnotator::process(cas::Cas& cas, Context& /*context*/) {
+  const types::SceneCas scene(cas);
+  for (const types::Cluster& cluster : scene.clusters()) {
+    ThingView view = cluster_view(scene, cluster);
+    view.surface = {};
+    for (const std::string& name : features_) {
+      if (name != "HOG") {
+        annotate_local(cas, cluster, descriptor().name, name, local_features(name, view));
+        continue;
+      }
+      const FeatureVector values = hog_of(view.picture, view.mask);
+      if (values.empty()) continue;
+      const auto annotation = types::ImageFeatureAnnotation::create(cas);
+      annotation.source.set(descriptor().name);
+      annotation.name.set(name);
+      annotation.feature.set(values);
+      cluster.annotations.push_back(annotation);
+    }
+  }
+}
+
 AnnotatorDescriptor FeatureClassifier::descriptor() const {
-  AnnotatorDescriptor descriptor{"FeatureClassifier",
-                                 "Classifies objects by descriptors of their shape with a trained model.",
-                                 {"Cluster", "ReferenceClusterPoints", "view:cloud", "view:normals"},
-                                 {"ClassificationAnnotation"},
-                                 {"PclFeatureAnnotation"}};
+  AnnotatorDescriptor descriptor;
+  descriptor.name = pictures_only_ ? "PictureClassifier" : "FeatureClassifier";
+  descriptor.sentence = pictures_only_
+                            ? "Classifies objects by descriptors of their pictures with a trained model."
+                            : "Classifies objects by descriptors of shape and picture with a trained model.";
+  descriptor.needs = {"Cluster", "StandaloneImageROI"};
+  if (!pictures_only_) descriptor.needs = {"Cluster", "ReferenceClusterPoints", "view:cloud", "view:normals"};
+  descriptor.makes = {"ClassificationAnnotation"};
+  descriptor.uses = {"ImageFeatureAnnotation", "LocalFeaturesAnnotation"};
+  if (!pictures_only_)
+    descriptor.uses = {"PclFeatureAnnotation",
+                       "ImageFeatureAnnotation",
+                       "LocalFeaturesAnnotation",
+                       "StandaloneImageROI",
+                       "CameraInfo",
+                       "view:color"};
   descriptor.needs_options = true;
   return descriptor;
 }
@@ -92,21 +235,29 @@ void FeatureClassifier::declare(OptionTable& table) {
 
 void FeatureClassifier::start(Context& /*context*/) {
   if (path_.empty())
-    throw Error("FeatureClassifier has no model", {}, "give `model: FILE`, made by `loci-perceive train`");
+    throw Error(descriptor().name + " has no model", {}, "give `model: FILE`, made by `loci-perceive train`");
   model_ = Ensemble::load(path_);
+  const std::vector<std::string> names = model_->features();
+  const auto other = std::find_if_not(names.begin(), names.end(), is_of_picture);
+  if (pictures_only_ && other != names.end())
+    throw Error("the model needs " + *other + " of clouds", {path_, 0, {}}, "use FeatureClassifier");
 }
 
 void FeatureClassifier::process(cas::Cas& cas, Context& /*context*/) {
   const types::SceneCas scene(cas);
   for (const types::Cluster& cluster : scene.clusters()) {
-    FeatureSet features = annotated_features(cluster);
+    ThingFeatures known = annotated_features(cluster);
     std::vector<std::string> missing = model_->features();
-    std::erase_if(missing, [&](const std::string& name) { return features.contains(name); });
-    if (!missing.empty()) features.merge(feature_set(missing, cluster_surface(scene, cluster)));
-    const std::vector<std::string> needed = model_->features();
-    if (!std::all_of(needed.begin(), needed.end(), [&](const auto& name) { return features.contains(name); }))
-      continue;  // Too few points for a descriptor.
-    const Classification result = model_->classify(features);
+    std::erase_if(missing, [&](const std::string& name) {
+      return known.features.contains(name) || known.local.contains(local_name_of(name));
+    });
+    if (!missing.empty()) {
+      ThingFeatures found = thing_features(missing, cluster_view(scene, cluster));
+      known.features.merge(found.features);
+      known.local.merge(found.local);
+    }
+    if (!model_->knows_enough(known.features, known.local)) continue;  // Too little is seen for a descriptor.
+    const Classification result = model_->classify(known.features, known.local);
     if (result.probabilities[result.best] < least_confidence_) continue;
     const auto annotation = types::ClassificationAnnotation::create(cas);
     annotation.source.set(descriptor().name);

@@ -3,13 +3,22 @@
 #include <optional>
 
 #include "perception/classification/ensemble.h"
+#include "perception/classification/primitive_shape.h"
 #include "perception/pipeline/annotator.h"
 #include "perception/types/scene_cas.h"
 
 namespace loci {
 
-/// What a cluster shows of its surface: points with normals in the camera frame.
+/// What a cluster shows of its surface: points with normals in the camera frame, with the brightness of the
+/// colour picture where there is one.
 SurfacePoints cluster_surface(const types::SceneCas& scene, const types::Cluster& cluster);
+
+/// What it shows: its surface where the scene has a cloud, its picture where it has one.
+ThingView cluster_view(const types::SceneCas& scene, const types::Cluster& cluster);
+
+/// What a cluster's support is in the frame of these points; without one the map's horizontal through its
+/// lowest point.
+Ground cluster_ground(const types::SceneCas& scene, const types::Cluster& cluster);
 
 /// Any of PCL's descriptors of shape for each cluster, through delegates (the
 /// GenericFeatureFromNormalsEstimator of §5.1).
@@ -22,11 +31,11 @@ class PclFeatureAnnotator : public Annotator {
 
  private:
   std::vector<std::string> features_ = {"VFH"};
+  std::vector<std::string> keypoints_;
 };
 
-/// Classifies clusters by their descriptors with a trained model (§5.2). Descriptors that PclFeature has not
-/// made are computed, but not annotated.
-class FeatureClassifier : public Annotator {
+/// Descriptors of each cluster's picture: of all of it, or of its key points.
+class PictureFeatureAnnotator : public Annotator {
  public:
   AnnotatorDescriptor descriptor() const override;
   void declare(OptionTable& table) override;
@@ -34,6 +43,22 @@ class FeatureClassifier : public Annotator {
   void process(cas::Cas& cas, Context& context) override;
 
  private:
+  std::vector<std::string> features_ = {"HOG", "SIFT"};
+};
+
+/// Classifies clusters by their descriptors with a trained model (§5.2). Descriptors that nobody has
+/// annotated are computed, but not annotated.
+class FeatureClassifier : public Annotator {
+ public:
+  /// By pictures alone: no cloud is needed.
+  explicit FeatureClassifier(bool pictures_only = false) : pictures_only_(pictures_only) {}
+  AnnotatorDescriptor descriptor() const override;
+  void declare(OptionTable& table) override;
+  void start(Context& context) override;
+  void process(cas::Cas& cas, Context& context) override;
+
+ private:
+  bool pictures_only_;
   std::string path_;
   std::string kind_ = "shape";
   double least_confidence_ = 0;

@@ -129,7 +129,9 @@ LabelledSurfaces labelled_surfaces(const LabelledRecording& labelled, Progress& 
     for (size_t i = 0; i < clusters.size(); ++i) {
       const int object = object_of(overlaps, static_cast<int>(i) + 1);
       const std::string name = object > 0 ? labelled.class_of(frame, object) : "";
-      if (!name.empty()) surfaces.found.push_back({frame, name, cluster_surface(scene, clusters[i])});
+      if (!name.empty())
+        surfaces.found.push_back(
+            {frame, name, object, cluster_view(scene, clusters[i]), cluster_ground(scene, clusters[i])});
     }
   });
   return surfaces;

@@ -10,7 +10,8 @@
 
 #include "mapping/base/progress.h"
 #include "mapping/recording/recording.h"
-#include "perception/classification/shape_features.h"
+#include "perception/classification/local_features.h"
+#include "perception/classification/primitive_shape.h"
 
 namespace loci {
 
@@ -29,7 +30,9 @@ int64_t scene_number(const std::string& frame_name);
 struct LabelledSurface {
   std::string frame;
   std::string label;
-  SurfacePoints surface;
+  int object = 0;  ///< its label, rounded down to tens
+  ThingView view;
+  Ground ground;  ///< what it stands on, camera frame
 };
 
 /// A recording whose pictures are labelled.

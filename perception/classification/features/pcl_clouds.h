@@ -53,6 +53,22 @@ std::vector<float> mean_of(const Cloud& signatures, const Values& values_of) {
   return mean;
 }
 
+/// An array of each signature that has only finite values, with the point that it was taken at.
+template <class Cloud, class Values>
+LocalFeatures local_of(const PclClouds& clouds, const std::vector<int>& at, const Cloud& signatures,
+                       const Values& values_of) {
+  LocalFeatures features;
+  for (size_t i = 0; i < signatures.size(); ++i) {
+    const auto& values = values_of(signatures[i]);
+    if (!std::all_of(std::begin(values), std::end(values), [](float value) { return std::isfinite(value); }))
+      continue;
+    features.length = static_cast<size_t>(std::end(values) - std::begin(values));
+    features.values.insert(features.values.end(), std::begin(values), std::end(values));
+    features.places.emplace_back((*clouds.points)[static_cast<size_t>(at[i])].getVector3fMap());
+  }
+  return features;
+}
+
 /// Computes signatures and takes the mean of their histograms.
 template <class Signature, class Estimator>
 std::vector<float> mean_histogram(Estimator& estimator) {
@@ -71,5 +87,6 @@ inline pcl::IndicesPtr some_of(const PclClouds& clouds, size_t most) {
 }
 
 constexpr size_t kSpread = 250;  ///< points whose descriptors are averaged
+constexpr size_t kFew = 60;      ///< of those whose descriptors are slow
 
 }  // namespace loci::feature_delegates

@@ -8,6 +8,7 @@
 #include "perception/annotators/description/color_name.h"
 #include "perception/annotators/description/geometry_annotator.h"
 #include "perception/annotators/description/location_annotator.h"
+#include "perception/annotators/description/relations_annotator.h"
 #include "perception/types/types.h"
 
 namespace loci {
@@ -66,6 +67,24 @@ TEST(Location, SaysOnWhatAndHowFarFromWhichEdge) {
   const std::vector<Vector2d> outline = {{-0.6, -0.4}, {0.6, -0.4}, {0.6, 0.4}, {-0.6, 0.4}};
   EXPECT_EQ(edge_phrase({-0.3, 0}, outline), "0.30 m from its left edge");
   EXPECT_EQ(edge_phrase({0, 0.35}, outline), "0.05 m from its back edge");
+}
+
+TEST(Relations, WhatLiesToTheLeftIsLeftOfItAndDiagonalsAreShared) {
+  const Footprint cup{{0, 0}, {0.04, 0.04}, 0}, plate{{0.3, 0}, {0.1, 0.1}, 0.5};
+  const Vector2d away(0, 1);
+  const Arrangement left = arrangement_of(cup, plate, away);
+  EXPECT_GT(left.left_of, 0.95);
+  EXPECT_NEAR(left.gap_m, 0.13, 0.05);
+  EXPECT_EQ(left.over, 0);
+  EXPECT_NEAR(arrangement_of(plate, cup, away).right_of, left.left_of, 1e-9);
+  // From the left side of the table the cup is nearer.
+  EXPECT_GT(arrangement_of(cup, plate, {1, 0}).in_front_of, 0.95);
+  const Arrangement diagonal = arrangement_of(cup, {{0.2, 0.2}, {0.04, 0.04}, 0}, away);
+  EXPECT_NEAR(diagonal.left_of, 0.5, 0.1);
+  EXPECT_NEAR(diagonal.in_front_of, 0.5, 0.1);
+  const Arrangement upon = arrangement_of(cup, {{0.01, 0}, {0.1, 0.1}, 0}, away);
+  EXPECT_NEAR(upon.over, 1, 1e-9);
+  EXPECT_EQ(upon.gap_m, 0);
 }
 
 TEST(Annotators, EveryTypeThatTheyNameExists) {

@@ -1,0 +1,120 @@
+#include "apps/evaluate/description/pictures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "mapping/base/csv.h"
+#include "mapping/base/json.h"
+#include "mapping/base/parallel.h"
+#include "mapping/image/image_io.h"
+#include "perception/classification/ensemble.h"
+
+namespace loci::description_evaluation {
+namespace {
+
+constexpr int kFolds = 2;
+
+std::vector<LabelledThing> described(const std::filesystem::path& folder,
+                                     const std::vector<std::string>& features, int threads) {
+  const CsvTable table = CsvTable::read(folder / "labels.csv");
+  const size_t file = table.require_column("file"), name = table.require_column("class_name");
+  std::vector<LabelledThing> things(table.rows());
+  parallel_for(things.size(), threads, [&](size_t begin, size_t end) {
+    for (size_t row = begin; row < end; ++row) {
+      ThingView view;
+      view.picture = read_color(folder / table.cell(row, file));
+      ThingFeatures of = thing_features(features, view);
+      things[row] = {table.cell(row, name), std::move(of.features), std::move(of.local)};
+    }
+  });
+  return things;
+}
+
+/// Which part each thing belongs to: each class spread evenly; classes of too few things are left out.
+std::vector<int> parts_of(std::vector<LabelledThing>& things, int parts) {
+  std::map<std::string, int> count;
+  for (const LabelledThing& thing : things) ++count[thing.label];
+  std::erase_if(things, [&](const LabelledThing& thing) { return count[thing.label] < kFolds * parts; });
+  std::map<std::string, int> seen;
+  std::vector<int> part;
+  for (const LabelledThing& thing : things) part.push_back(seen[thing.label]++ % parts);
+  return part;
+}
+
+void test(const Ensemble& model, const LabelledThing& thing, PicturesResult::Row& row) {
+  ++row.things;
+  const auto truth = std::find(model.classes().begin(), model.classes().end(), thing.label);
+  if (!model.knows_enough(thing.features, thing.local) || truth == model.classes().end()) return;
+  const Classification result = model.classify(thing.features, thing.local);
+  const auto number = static_cast<size_t>(truth - model.classes().begin());
+  row.right += result.best == number;
+  row.log_loss -= std::log(std::max(result.probabilities[number], 1e-9));
+}
+
+}  // namespace
+
+void PicturesOptions::declare(OptionTable& table) {
+  table.texts("picture_experts", experts, "DESCRIPTOR:CLASSIFIER[:DISTANCE] of each, on pictures.");
+  table.integer("picture_parts", parts, "", "Each part of the pictures is tested once.", 2, 100);
+  table.integer("picture_seed", seed, "", "Seed of the words.", 0, 1 << 30);
+}
+
+PicturesResult evaluate_pictures(const std::filesystem::path& folder, const PicturesOptions& options,
+                                 int threads, Progress& progress) {
+  std::vector<std::vector<ExpertSpec>> groups;
+  std::vector<ExpertSpec> all;
+  std::vector<std::string> features;
+  for (const std::string& text : options.experts) {
+    all.push_back(parse_expert(text));
+    groups.push_back({all.back()});
+    features.push_back(all.back().feature);
+  }
+  groups.push_back(all);
+  progress.check(0, "features");
+  std::vector<LabelledThing> things = described(folder, features, threads);
+  const std::vector<int> part = parts_of(things, options.parts);
+  PicturesResult result;
+  std::set<std::string> classes;
+  for (const LabelledThing& thing : things) classes.insert(thing.label);
+  result.classes = classes.size();
+  const Random random(static_cast<uint64_t>(options.seed));
+  for (size_t g = 0; g < groups.size(); ++g) {
+    PicturesResult::Row& row = result.rows.emplace_back();
+    row.name = g < all.size() ? name_of(all[g]) : "fused";
+    for (int tested = 0; tested < options.parts; ++tested) {
+      progress.check(0.2 + 0.8 * static_cast<double>(g) / static_cast<double>(groups.size()), row.name);
+      std::vector<LabelledThing> examples;
+      for (size_t i = 0; i < things.size(); ++i)
+        if (part[i] != tested) examples.push_back(things[i]);
+      NoProgress none;
+      const Ensemble model = Ensemble::train(std::move(examples), groups[g], kFolds, random, threads, none);
+      for (size_t i = 0; i < things.size(); ++i)
+        if (part[i] == tested) test(model, things[i], row);
+    }
+    row.log_loss /= std::max(1, row.things);
+  }
+  return result;
+}
+
+std::string PicturesResult::text() const {
+  std::string text = fmt::format("pictures: {} of {} classes, each tested by who has not learned it\n",
+                                 rows.empty() ? 0 : rows.front().things, classes);
+  for (const Row& row : rows)
+    text += fmt::format("  {:<28}{:>7.1f} %{:>11.3f} log loss\n", row.name,
+                        100.0 * row.right / std::max(1, row.things), row.log_loss);
+  return text;
+}
+
+Json PicturesResult::to_json() const {
+  Json json = {{"classes", classes}, {"experts", Json::array()}};
+  for (const Row& row : rows)
+    json["experts"].push_back(
+        {{"name", row.name}, {"right", row.right}, {"things", row.things}, {"log_loss", row.log_loss}});
+  return json;
+}
+
+}  // namespace loci::description_evaluation

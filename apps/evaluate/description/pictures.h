@@ -1,0 +1,40 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "mapping/base/json_fwd.h"
+#include "mapping/base/options.h"
+#include "mapping/base/progress.h"
+
+namespace loci::description_evaluation {
+
+struct PicturesOptions {
+  std::vector<std::string> experts = {"SIFTBag:svm", "ORBBag:svm", "HOG:svm"};
+  int parts = 3;
+  int seed = 0;
+
+  void declare(OptionTable& table);
+};
+
+/// Each expert alone, and all fused, on pictures that they have not learned.
+struct PicturesResult {
+  struct Row {
+    std::string name;
+    int right = 0, things = 0;
+    double log_loss = 0;  ///< mean of -log of the true class's probability
+  };
+  size_t classes = 0;
+  std::vector<Row> rows;  ///< the last is the fused one
+
+  std::string text() const;
+  Json to_json() const;
+};
+
+/// Experts of pictures (bags of words of key points, gradients) learn what DIR/labels.csv's pictures show
+/// (columns file, class_name) from all parts but one and are tested on that one, each in its turn.
+PicturesResult evaluate_pictures(const std::filesystem::path& folder, const PicturesOptions& options,
+                                 int threads, Progress& progress);
+
+}  // namespace loci::description_evaluation
