@@ -68,27 +68,36 @@ std::optional<std::string> SqlRow::optional_text(std::string_view name) const {
   return is_null(name) ? std::nullopt : std::optional(text(name));
 }
 
+namespace {
+
+/// Numbers of columns that follow each other; unset when one of them is NULL. Each is looked at once.
+template <size_t N>
+std::optional<std::array<double, N>> numbers_of(const SqlRow& row, std::string_view prefix,
+                                                const std::array<const char*, N>& names) {
+  std::array<double, N> values{};
+  for (size_t i = 0; i < N; ++i) {
+    const std::optional<double> value = row.optional_real(std::string(prefix) + names[i]);
+    if (!value) return std::nullopt;
+    values[i] = *value;
+  }
+  return values;
+}
+
+}  // namespace
+
 std::optional<Vector3d> SqlRow::vector(std::string_view prefix) const {
-  if (is_null(std::string(prefix) + "x") || is_null(std::string(prefix) + "y") ||
-      is_null(std::string(prefix) + "z"))
-    return std::nullopt;
-  return Vector3d(real(std::string(prefix) + "x"), real(std::string(prefix) + "y"),
-                  real(std::string(prefix) + "z"));
+  const auto v = numbers_of<3>(*this, prefix, {"x", "y", "z"});
+  return v ? std::optional(Vector3d((*v)[0], (*v)[1], (*v)[2])) : std::nullopt;
 }
 
 std::optional<Isometry3d> SqlRow::pose(std::string_view prefix) const {
-  const char* const names[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
-  std::array<double, 7> values{};
-  for (size_t i = 0; i < 7; ++i) {
-    if (is_null(std::string(prefix) + names[i])) return std::nullopt;
-    values[i] = real(std::string(prefix) + names[i]);
-  }
-  return pose_from_values(values);
+  const auto values = numbers_of<7>(*this, prefix, {"x", "y", "z", "qx", "qy", "qz", "qw"});
+  return values ? std::optional(pose_from_values(*values)) : std::nullopt;
 }
 
 std::optional<HsvColor> SqlRow::color() const {
-  if (is_null("hue") || is_null("saturation") || is_null("value")) return std::nullopt;
-  return HsvColor{real("hue"), real("saturation"), real("value")};
+  const auto v = numbers_of<3>(*this, "", {"hue", "saturation", "value"});
+  return v ? std::optional(HsvColor{(*v)[0], (*v)[1], (*v)[2]}) : std::nullopt;
 }
 
 Bitemporal SqlRow::clock() const {

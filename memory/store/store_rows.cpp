@@ -68,11 +68,12 @@ SceneRow scene_row(const SqlRow& row) {
   result.frame_index = row.optional_integer("frame_index");
   result.time = row.integer("time");
   result.map = row.optional_integer("map");
-  if (!row.is_null("camera_width") && !row.is_null("fx")) {
-    SceneCamera camera;
-    camera.width = static_cast<int>(row.integer("camera_width"));
-    camera.height = static_cast<int>(row.integer("camera_height"));
-    camera.fx = row.real("fx");
+  // In the order of the columns, which finds them at once.
+  SceneCamera camera;
+  camera.width = static_cast<int>(row.optional_integer("camera_width").value_or(0));
+  camera.height = static_cast<int>(row.optional_integer("camera_height").value_or(0));
+  if (const std::optional<double> fx = row.optional_real("fx"); fx && camera.width > 0) {
+    camera.fx = *fx;
     camera.fy = row.real("fy");
     camera.cx = row.real("cx");
     camera.cy = row.real("cy");
@@ -89,9 +90,9 @@ SceneRow scene_row(const SqlRow& row) {
     const Json joints = parse_json(*text, "scene.joints");
     for (const auto& [joint, position] : joints.items()) result.joints[joint] = position.get<double>();
   }
-  result.kinds = row.optional_integer("kinds");
   result.known_from = row.integer("known_from");
   result.run = row.integer("run");
+  result.kinds = row.optional_integer("kinds");
   return result;
 }
 
