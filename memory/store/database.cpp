@@ -198,7 +198,7 @@ void Store::Implementation::keep_counts() {
   // As in kCounting; an empty memory has no counts yet.
   constexpr const char* kCounted[] = {
       "scene",  "observation", "annotation",        "blob",      "association", "event",
-      "belief", "visibility",  "feature_structure", "scene_log", "reasoning"};
+      "belief", "visibility",  "feature_structure", "scene_log", "reasoning",   "stay"};
   for (const char* table : kCounted) {
     const auto found = added.find(table);
     if (found == added.end()) continue;
@@ -301,6 +301,7 @@ void Store::Implementation::add_stay(Id belief, const BeliefRow& row, TimeNs fro
   };
   const SqlValue x = millimetre(0), y = millimetre(1), z = millimetre(2),
                  place = sql((row.status == "gone" ? -1 : 1) * row.place.value_or(0));
+  ++added["stay"];
   run("INSERT INTO stay VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
       {sql(belief), x, x, y, y, z, z, sql(seconds), sql(until), place, place, sql(row.object)});
 }

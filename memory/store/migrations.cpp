@@ -283,7 +283,8 @@ INSERT INTO row_count (name, rows)
   UNION ALL SELECT 'feature_structure', count(*) FROM feature_structure
   UNION ALL SELECT 'association', count(*) FROM association UNION ALL SELECT 'event', count(*) FROM event
   UNION ALL SELECT 'belief', count(*) FROM belief UNION ALL SELECT 'visibility', count(*) FROM visibility
-  UNION ALL SELECT 'scene_log', count(*) FROM scene_log UNION ALL SELECT 'reasoning', count(*) FROM reasoning;
+  UNION ALL SELECT 'scene_log', count(*) FROM scene_log UNION ALL SELECT 'reasoning', count(*) FROM reasoning
+  UNION ALL SELECT 'stay', count(*) FROM stay;
 )sql";
 
 const char* const kDropUnusedBlobs = R"sql(

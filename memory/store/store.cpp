@@ -235,6 +235,9 @@ Store Store::open_write(const fs::path& path, const WriteOptions& options) {
       // The same pages change with every scene: eight times the usual log carries each over less often.
       database.exec("PRAGMA wal_autocheckpoint = 8000");
       if (blank) create_schema(database, implementation->known_time());
+      // Once: in a new memory, and where not all of these tables were counted yet.
+      if (database.execAndGet("SELECT count(*) FROM row_count WHERE name = 'stay'").getInt64() == 0)
+        database.exec(kCounting);
       database.exec("PRAGMA wal_checkpoint(TRUNCATE)");
       implementation->version = kMemoryVersion;
     });

@@ -56,7 +56,8 @@ class Kept : public testing_support::TemporaryFolder {
          .cloud = scene.add_blob(encode_cluster_depth(depth), kClusterDepthMedia)});
     if (store.last_object() == 0) {
       scene.add_object({});
-      scene.add_belief({.object = 1, .scene = id, .status = "seen", .last_scene = id});
+      scene.add_belief(
+          {.object = 1, .scene = id, .status = "seen", .position = Vector3d(1, 2, 0.8), .last_scene = id});
     }
     scene.add_association({.scene = id,
                            .observation = seen,
@@ -212,7 +213,7 @@ TEST_F(Kept, RowsAreCountedAndAWrongCountIsFound) {
     return int64_t{-1};
   };
   for (const char* table :
-       {"scene", "observation", "association", "blob", "scene_log", "reasoning", "belief"})
+       {"scene", "observation", "association", "blob", "scene_log", "reasoning", "belief", "stay"})
     EXPECT_EQ(rows(table), database.execAndGet(std::string("SELECT count(*) FROM ") + table).getInt64())
         << table;
   EXPECT_EQ(rows("scene"), 4);
