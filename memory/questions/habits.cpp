@@ -1,6 +1,10 @@
 #include "memory/questions/habits.h"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
+#include <set>
+#include <sstream>
 
 #include "memory/questions/people_time.h"
 #include "memory/questions/snapshot.h"
@@ -8,13 +12,64 @@
 namespace loci {
 namespace {
 
-std::vector<UsualPlace> usual_places(const Snapshot& snapshot, Id object) {
+/// Hours and days of the week.
+class During {
+ public:
+  During(const std::string& text, const Store& store) : zone_(store.time_zone_minutes()) {
+    std::istringstream words(text);
+    std::string rest;
+    for (std::string word; words >> word;)
+      if (!take_day(word)) rest += (rest.empty() ? "" : " ") + word;
+    if (rest.empty()) return;
+    const TimeReader times(store);
+    const size_t to = rest.find(" to ");
+    const TimeSpan first = times.read(rest.substr(0, to));
+    const TimeSpan last = to == std::string::npos ? first : times.read(rest.substr(to + 4));
+    if (first.last - first.first >= 23 * 3600 * kSecond)
+      days_.insert(local_weekday(first.first, zone_));  // "today"
+    else
+      hours_ = {local_hour(first.first, zone_), local_hour(last.last, zone_)};
+  }
+
+  bool holds(TimeNs time) const {
+    if (!days_.empty() && !days_.contains(local_weekday(time, zone_))) return false;
+    if (!hours_) return true;
+    const auto [from, to] = *hours_;
+    const int hour = local_hour(time, zone_);
+    return from <= to ? from <= hour && hour <= to : from <= hour || hour <= to;
+  }
+
+ private:
+  bool take_day(std::string word) {
+    static const std::array<std::string, 7> names = {"monday", "tuesday",  "wednesday", "thursday",
+                                                     "friday", "saturday", "sunday"};
+    std::ranges::transform(word, word.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (word.ends_with('s')) word.pop_back();
+    const auto name = std::ranges::find(names, word);
+    if (name != names.end())
+      days_.insert(static_cast<int>(name - names.begin()));
+    else if (word == "weekend")
+      days_.insert({5, 6});
+    else if (word == "weekday")
+      days_.insert({0, 1, 2, 3, 4});
+    else
+      return word == "on" || word == "every" || word == "in";
+    return true;
+  }
+
+  int zone_;
+  std::set<int> days_;  ///< 0 = Monday; empty = any
+  std::optional<std::pair<int, int>> hours_;
+};
+
+std::vector<UsualPlace> usual_places(const Snapshot& snapshot, Id object, const During& during) {
   std::vector<UsualPlace> places;
   const int zone = snapshot.store().time_zone_minutes();
   size_t all = 0;
   for (const Sighting& sighting : snapshot.store().sightings(object, snapshot.as_of())) {
     const auto place = snapshot.place_ref(sighting.observation.place);
-    if (!place) continue;
+    if (!place || !during.holds(sighting.time)) continue;
     ++all;
     auto found = std::find_if(places.begin(), places.end(),
                               [&](const UsualPlace& one) { return one.place.id == place->id; });
@@ -36,9 +91,11 @@ std::vector<UsualPlace> usual_places(const Snapshot& snapshot, Id object) {
 
 UsualAnswer ask(const Store& store, const UsualQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
-  UsualAnswer answer{.asked = question.subject};
+  const During during(question.during, store);
+  UsualAnswer answer{.asked = question.subject, .during = question.during};
   for (const Id object : snapshot.find_objects(question.subject))
-    answer.objects.push_back({snapshot.state(*snapshot.belief(object)), usual_places(snapshot, object)});
+    answer.objects.push_back(
+        {snapshot.state(*snapshot.belief(object)), usual_places(snapshot, object, during)});
   return answer;
 }
 

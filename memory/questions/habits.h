@@ -11,6 +11,9 @@ namespace loci {
 struct UsualQuestion {
   std::string subject = {};
   AsOf as_of = {};
+  /// Only what was seen then: hours ("noon", "morning", "9 to 11"), days of the week ("Mondays", "weekend"),
+  /// or both ("Monday morning"); empty = whenever. Else an Error that shows what can be written.
+  std::string during = {};
 };
 /// A place where an object was seen.
 struct UsualPlace {
@@ -27,6 +30,7 @@ struct UsualObject {
 };
 struct UsualAnswer {
   std::string asked = {};
+  std::string during = {};  ///< as in the question
   std::vector<UsualObject> objects = {};
 };
 

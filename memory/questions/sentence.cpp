@@ -38,6 +38,9 @@ Words sentence_words(const std::string& sentence) {
     while (word.ends_with('.') || word.ends_with(':')) word.pop_back();
     static const std::set<std::string> contracted = {"what's",  "where's", "who's",
                                                      "there's", "it's",    "how's"};
+    static const std::set<std::string> days = {"mondays", "tuesdays",  "wednesdays", "thursdays",
+                                               "fridays", "saturdays", "sundays"};
+    if (days.contains(word)) word.pop_back();
     if (contracted.contains(word)) {
       result.push_back(word.substr(0, word.size() - 2));
       result.emplace_back("is");
@@ -213,6 +216,10 @@ CommandLine fill(const std::string& command, const Slots& slots) {
 }
 
 void add_time(CommandLine& line, Period period, const Span& span) {
+  if (period == Period::during) {
+    line.options["during"] = {span.from == span.to ? span.from : span.from + " to " + span.to};
+    return;
+  }
   if (period == Period::either && !span.moment) line.verb = "history";
   const bool one_moment = period == Period::at || (period == Period::either && span.moment);
   if (one_moment && !span.to.empty())
@@ -276,6 +283,9 @@ std::string CommandLine::option(const std::string& name) const {
 std::optional<CommandLine> understand(const std::string& sentence, const TimeReader& times) {
   Words words = sentence_words(sentence);
   if (words.size() > 60) return std::nullopt;
+  for (size_t i = 0; i + 1 < words.size(); ++i)
+    if (words[i] == "right" && words[i + 1] == "now")
+      words.erase(words.begin() + static_cast<std::ptrdiff_t>(i));
   const std::optional<Span> span = cut_time(words, times);
   static const std::set<std::string> articles = {"the", "a", "an", "please"};
   std::erase_if(words, [&](const std::string& word) { return articles.contains(word); });
@@ -302,7 +312,9 @@ std::optional<CommandLine> understand(const std::string& sentence, const TimeRea
       for (const Words& sequence : form.sequences) {
         Slots slots;
         if (!match(sequence, 0, tried, 0, slots)) continue;
+        const bool open = span && (span->from.empty() || span->to.empty());
         if (span && form.pattern->period == Period::none) continue;
+        if (open && form.pattern->period == Period::during) continue;
         CommandLine line = fill(form.pattern->command, slots);
         if (span) add_time(line, form.pattern->period, *span);
         return line;

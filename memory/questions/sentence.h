@@ -28,6 +28,7 @@ enum class Period {
   at,       ///< one moment: --at
   between,  ///< a while: --between
   either,   ///< a moment stays; over a while the question becomes that of the history
+  during,   ///< hours or days of the week, again and again: --during
 };
 
 /// One form of sentence and the command that it becomes: the grammar is a table of these, read from the top.

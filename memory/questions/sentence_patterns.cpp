@@ -11,14 +11,21 @@ const std::vector<SentencePattern>& sentence_patterns() {
       {"what (belongs|goes) (in|on|into|onto|inside) <P>", "kept {P}"},
       {"what is (usually|normally|mostly) [kept|stored|standing|lying|found] (in|on|inside) <P>", "kept {P}"},
       {"what is kept (in|on|inside) <P>", "kept {P}"},
-      {"where (do|does|should) (we|you|i|they|one) [usually|normally|always] (keep|store|put) <X>",
-       "usual {X}", Period::none, "Where do we keep the cereal?"},
+      {"where (do|does|should) (we|you|i|they|one) [usually|normally|always|mostly] (keep|store|put) <X>",
+       "usual {X}", Period::during, "Where do we keep the cereal?"},
+      {"where (do|can|does) (we|you|i|they|one) (usually|normally|always|mostly|typically) "
+       "(find|see|have|leave) "
+       "<X>",
+       "usual {X}", Period::during},
       {"where (does|do|should|must) <X> (belong|go|live|stand|lie|be|usually stand|usually lie|usually go)",
-       "usual {X}"},
-      {"where is <X> (usually|normally|mostly) [kept|stored|standing|lying|found]", "usual {X}"},
-      {"where is <X> (kept|stored)", "usual {X}"},
-      {"where (is|are) (usually|normally|mostly) <X>", "usual {X}"},
-      {"what is usual place (of|for) <X>", "usual {X}"},
+       "usual {X}", Period::during},
+      {"where (is|are) <X> (usually|normally|mostly|typically) [kept|stored|standing|lying|found]",
+       "usual {X}", Period::during, "Where is the red cup usually in the morning?"},
+      {"where is <X> (kept|stored)", "usual {X}", Period::during},
+      {"where (is|are) (usually|normally|mostly|typically) <X>", "usual {X}", Period::during},
+      {"(which|what|on which|in which) place (is|are) <X> (usually|normally|mostly|typically) [on|in|at]",
+       "usual {X}", Period::during},
+      {"what is usual place (of|for) <X>", "usual {X}", Period::during},
 
       // What is with what.
       {"how often (is|are|was|were|have|do you see|did you see) <X> and <Y> [been] [seen] together",
@@ -28,10 +35,15 @@ const std::vector<SentencePattern>& sentence_patterns() {
       {"(what|which things|which objects) (is|are|was|were) [usually|often|mostly] [seen|used|found] "
        "together with <X>",
        "together {X}", Period::none, "What is used together with the tea cup?"},
+      {"(what|which things|which objects|what things) (is|are|was|were) [usually|often|mostly] "
+       "(seen|used|found|standing) with <X>",
+       "together {X}"},
+      {"(what|which things|which objects) (goes|go|belongs|belong) [together] with <X>", "together {X}"},
       {"(what|which objects|which things) (is|are|lies|stands|lie|stand|was|were) (near|close to|next "
        "to|beside|around) <X>",
        "near {X}", Period::at, "What is near the red cup?"},
-      {"(what|which objects|which things) (is|are|was|were) within <R> (of|from|around) <X>",
+      {"(what|which objects|which things) (is|are|was|were|stands|stand|lies|lie) within <R> "
+       "(of|from|around) <X>",
        "near {X} --radius {R}", Period::at, "What is within 50 cm of the red cup?"},
       {"what is missing (on|in|from|at) <P> for <O>", "missing {P} --for {O}", Period::at,
        "What is missing on the table for breakfast?"},
@@ -41,16 +53,38 @@ const std::vector<SentencePattern>& sentence_patterns() {
       {"is (anything|something) missing", "missing", Period::at},
       {"what kind of (scene|situation|meal|occasion) is (this|that|it)", "kind", Period::at,
        "What kind of scene is this?"},
+      {"(what|which) (meal|occasion|situation) (is|was) (this|that|it)", "kind", Period::at},
       {"what is going on [here]", "kind", Period::at},
       {"[what is] (life cycle|lifecycle) of <X>", "lifecycle {X}", Period::none,
        "What is the life cycle of a plate?"},
       {"(where|which way) (does|do) <X> [usually|normally] (travel|wander|move around)", "lifecycle {X}"},
       {"where (should|shall|can|could|must) (i|we|you|one|robot) look (next|first) for <X>", "next-look {X}",
        Period::at, "Where should I look next for the cereal?"},
+      {"where else (should|shall|can|could|may|might) (<X> be|(i|we|you|one) look for <X>)", "next-look {X}",
+       Period::at},
+      {"is there (anything|something) [else] (similar to|like) <X>", "like {X}", Period::at},
+      {"is there (another|any other) <Y> (similar to|like) <X>", "like {X}", Period::at},
+      {"(what|which objects|which things) (resemble|resembles|is similar to|are similar to|looks similar "
+       "to|look similar to) <X>",
+       "like {X}", Period::at},
+      {"(list|show|show me|find) [all|other] (objects|things|items|everything|anything) (similar "
+       "to|like|that "
+       "look like|that looks like) <X>",
+       "like {X}", Period::at},
       {"(what|which objects|which things) (look|looks|is|are) like <X>", "like {X}", Period::at,
        "What looks like the red cup?"},
 
       // Where has X been, what happened to it.
+      {"when did <X> [last] (leave|reach|get to|come to|arrive on|arrive at|arrive in|go to|disappear from) "
+       "<P>",
+       "changes --object {X} --place {P}", Period::between, "When did the red cup leave the table?"},
+      {"(how long|since when|for how long) (is|are|was|were|has|have) <X> [been] [standing|lying] "
+       "(on|in|inside|at) <P>",
+       "history {X}", Period::between, "How long was the red cup on the table?"},
+      {"how (has|have|did) <X> (travelled|traveled|travel|moved|move|wandered|wander) [around|about] "
+       "[through "
+       "(day|kitchen|flat|house)]",
+       "history {X}", Period::between},
       {"where (has|have) <X> been [before|lately|all day]", "history {X}", Period::between,
        "Where has the red cup been?"},
       {"where else (has|have) <X> been", "history {X}", Period::between},
@@ -69,6 +103,13 @@ const std::vector<SentencePattern>& sentence_patterns() {
       {"when (was|were) <X> (moved|taken|removed)", "changes --object {X}", Period::between},
 
       {"what (did|has) <X> (do|done)", "history {X}", Period::between},
+
+      {"[is there|was there|is|was] (anything|something) (new|different) (on|in|at) <P>",
+       "changes --place {P}", Period::between, "Is there anything new on the counter?"},
+      {"[is there|was there|is|was] (anything|something) (new|different)", "changes", Period::between},
+      {"(what|which things|which objects) (disappeared|vanished|went missing|went|left|has gone|have gone|is "
+       "gone|are gone|has disappeared|have disappeared) [away] from <P>",
+       "changes --place {P}", Period::between},
 
       // What the room consists of, and what opens.
       {"what (does|do) [this|our] (room|kitchen|flat|apartment|house) (consist of|contain|have)", "room",
@@ -97,7 +138,11 @@ const std::vector<SentencePattern>& sentence_patterns() {
       {"when (did|have|has) (you|we|i|anyone|someone|anybody|somebody|robot) last (see|seen|noticed|notice) "
        "<X>",
        "where {X}", Period::at},
+      {"when (was|were) <X> (last seen|seen last|seen|last|ever) (on|in|inside|at) <P>", "was {X} on {P}",
+       Period::between},
       {"when (was|were) <X> (last seen|seen last|seen last time)", "where {X}", Period::at},
+      {"when (was|were) <X> (on|in|inside|at) <P>", "was {X} on {P}", Period::between,
+       "When was the red cup on the table?"},
       {"how long [ago] (is it|was it|did you see|have you not seen) [since you saw] <X>", "where {X}",
        Period::at},
 
@@ -112,6 +157,8 @@ const std::vector<SentencePattern>& sentence_patterns() {
       {"where (did|have|had) (you|we|i|anyone|someone|anybody|somebody) [last] (see|seen|saw|notice|noticed) "
        "<X>",
        "where {X}", Period::either},
+      {"where (is|are|has|have|did) <X> (gone|gone to|got to|go|go to|end up|ended up)", "where {X}",
+       Period::either},
       {"where (is|are|was|were) <X>", "where {X}", Period::either, "Where is the red cup?"},
       {"where (i|we|you) (left|put|placed|lost|can find|could find) <X>", "where {X}", Period::either},
       {"where <X> (is|are|was|were)", "where {X}", Period::either},
@@ -120,6 +167,9 @@ const std::vector<SentencePattern>& sentence_patterns() {
       {"(i|we) (cannot|can not|could not|can't) find <X>", "where {X}", Period::either},
       {"(i|we) [have] (lost|misplaced|miss) <X>", "where {X}", Period::either},
       {"(i am|we are) looking for <X>", "where {X}", Period::either},
+      {"(has|have|did) (anyone|someone|anybody|somebody|you) (seen|see) <X> "
+       "(anywhere|somewhere|lately|recently|around)",
+       "where {X}", Period::either},
       {"(has|have) (anyone|someone|anybody|somebody|you) seen <X>", "where {X}", Period::either},
       {"do you (remember|know) <X>", "where {X}", Period::either},
 
@@ -161,6 +211,7 @@ const std::vector<SentencePattern>& sentence_patterns() {
       {"are <X> [still|now|already] (in|inside) <P>", "in {P} --object {X}", Period::at},
       {"(was|were) <X> [ever|still] there [at all|ever]", "was {X} on there", Period::between,
        "Was it there at all between nine and ten?"},
+      {"(was|were) <X> ever (on|in|inside|at) <P>", "was {X} on {P}", Period::between},
       {"(was|were) there <X> (on|in|inside|at) <P>", "was {X} on {P}", Period::between},
       {"(was|were) <X> (on|in|inside|at) <P>", "was {X} on {P}", Period::between,
        "Was the red cup on the table between nine and ten?"},
@@ -198,6 +249,7 @@ const std::vector<SentencePattern>& sentence_patterns() {
        "in {P} --object {X}", Period::at},
       {"what (do|did) (we|you|i) (have|see|know|find) (on|upon) <P>", "on {P}", Period::at},
       {"what (do|did) (we|you|i) (have|see|know|find) (in|inside) <P>", "in {P}", Period::at},
+      {"what did <P> look like", "on {P}", Period::at},
       {"what (does|did) <P> contain", "in {P}", Period::at},
       {"(list|show|show me|tell me|name) [all|everything|what is] [objects|things|items|contents] (on|upon) "
        "<P>",

@@ -290,7 +290,7 @@ AnyAnswer run_question(const Store& store, const CommandLine& command, const AsO
        }},
       {"usual",
        [&] {
-         return ask(store, UsualQuestion{words, as_of});
+         return ask(store, UsualQuestion{words, as_of, command.option("during")});
        }},
       {"kept",
        [&] {

@@ -77,7 +77,8 @@ class TaskPlanner {
 
   /// Where it was seen most, other than where it is if `elsewhere`.
   std::optional<TaskTarget> usual_target(const ObjectState& object, bool elsewhere) const {
-    const UsualAnswer usual = ask(store_, UsualQuestion{object.object.name, question_.as_of});
+    const UsualAnswer usual =
+        ask(store_, UsualQuestion{.subject = object.object.name, .as_of = question_.as_of});
     size_t all = 0;
     for (const UsualPlace& place : usual.objects.at(0).places) all += place.sightings;
     for (const UsualPlace& place : usual.objects.at(0).places) {

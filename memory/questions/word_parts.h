@@ -21,6 +21,9 @@ std::string percent(double probability);
 std::string state_text(const ObjectState& state, const TimeWriter& times);
 std::string lines_text(const std::vector<std::string>& lines);
 std::string status_text(const std::string& status);
+/// Seen in one look only, and not there when somebody looked again: a false detection perhaps, or another
+/// thing that looked different then.
+bool seen_once(const ObjectState& state);
 /// Columns as wide as they need to be, the last one as it is.
 std::string table_text(const std::vector<std::vector<std::string>>& rows);
 

@@ -85,7 +85,9 @@ std::string state_text(const ObjectState& state, const TimeWriter& times) {
                                : "never seen since";
   const std::string why = evidence_text(state, times);
   if (state.status == "gone")
-    return fmt::format("{} has gone. It was {}, {}{}.", name, spot, seen, why.empty() ? "" : "; " + why);
+    return fmt::format(
+        "{} has gone. It was {}, {}{}{}.", name, spot, seen, why.empty() ? "" : "; " + why,
+        seen_once(state) ? "; it was seen in one look only and may never have been a thing of its own" : "");
   const std::string sure =
       state.probability < 0.995 ? fmt::format(" ({} sure)", percent(state.probability)) : "";
   const char* verb = state.probability >= 0.5 ? "is" : "was, and perhaps still is,";
@@ -98,6 +100,10 @@ std::string lines_text(const std::vector<std::string>& lines) {
 
 std::string status_text(const std::string& status) {
   return status == "out_of_view" ? "out of view" : status;
+}
+
+bool seen_once(const ObjectState& state) {
+  return state.status == "gone" && state.sightings == 1;
 }
 
 std::string table_text(const std::vector<std::vector<std::string>>& rows) {
@@ -330,7 +336,12 @@ std::string to_text(const ObjectsAnswer& answer, const TimeWriter& times) {
          state.place ? place_text(*state.place) : "-", status_text(state.status),
          std::to_string(state.sightings), state.last_seen ? times.text(state.last_seen->time) : "-"});
   }
-  return table_text(rows);
+  const auto once = std::ranges::count_if(answer.objects, seen_once);
+  if (once == 0) return table_text(rows);
+  return table_text(rows) + fmt::format(
+                                "{} of {} were seen in one look only and gone when somebody looked again: "
+                                "perhaps false detections, or others that looked different\n",
+                                once, answer.objects.size());
 }
 
 std::string to_text(const ScenesAnswer& answer, const TimeWriter& times) {

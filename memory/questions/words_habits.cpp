@@ -26,6 +26,10 @@ std::string hours_text(const std::map<int, size_t>& by_hour) {
   return fmt::format("most in the hours from {}", fmt::join(parts, ", "));
 }
 
+std::string during_text(const std::string& during) {
+  return during.empty() ? "" : fmt::format(" ({})", during);
+}
+
 std::string days_text(const std::map<int, size_t>& by_weekday) {
   std::vector<std::string> parts;
   for (const auto& [day, count] : by_weekday)
@@ -40,15 +44,15 @@ std::string to_text(const UsualAnswer& answer, const TimeWriter& times) {
   for (const UsualObject& object : answer.objects) {
     const std::string name = object_text(object.now.object);
     if (object.places.empty()) {
-      lines.push_back(fmt::format("{} was never seen at a place.", name));
+      lines.push_back(fmt::format("{} was never seen at a place{}.", name, during_text(answer.during)));
       continue;
     }
     size_t all = 0;
     for (const UsualPlace& place : object.places) all += place.sightings;
     const UsualPlace& first = object.places[0];
-    lines.push_back(fmt::format("{} is usually {}: seen there in {} of {} scenes ({:.0f} %), {}; {}.", name,
-                                place_text(first.place), first.sightings, all, 100 * first.share,
-                                hours_text(first.by_hour), days_text(first.by_weekday)));
+    lines.push_back(fmt::format("{} is usually {}{}: seen there in {} of {} scenes ({:.0f} %), {}; {}.", name,
+                                place_text(first.place), during_text(answer.during), first.sightings, all,
+                                100 * first.share, hours_text(first.by_hour), days_text(first.by_weekday)));
     for (size_t i = 1; i < object.places.size(); ++i)
       lines.push_back(fmt::format("  also {} in {} ({:.0f} %), last at {}",
                                   place_text(object.places[i].place),
@@ -117,6 +121,7 @@ std::string to_text(const SpokenAnswer& answer, const TimeWriter& times) {
 
 Json to_json(const UsualAnswer& answer) {
   Json json = {{"asked", answer.asked}, {"objects", Json::array()}};
+  if (!answer.during.empty()) json["during"] = answer.during;
   for (const UsualObject& object : answer.objects) {
     Json entry = state_json(object.now);
     entry["places"] = Json::array();

@@ -51,6 +51,7 @@ Json state_json(const ObjectState& state) {
   put(json, "first_seen", state.first_seen, scene_json);
   put(json, "last_seen", state.last_seen, scene_json);
   json["sightings"] = state.sightings;
+  if (seen_once(state)) json["seen_once"] = true;
   json["since_last_seen"] = {{"out_of_view", state.looks_out_of_view},
                              {"hidden", state.looks_hidden},
                              {"missed", state.looks_missed}};

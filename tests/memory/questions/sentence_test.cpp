@@ -38,6 +38,41 @@ TEST(Sentences, TheTwelveOfTheIntroductionAreUnderstood) {
   });
 }
 
+TEST(Sentences, UsualPlacesByHourAndWeekday) {
+  expect_commands({
+      {"Where is the tea cup normally on Mondays?", "usual 'tea cup' --during monday"},
+      {"Which place is the tea cup usually at around noon?", "usual 'tea cup' --during 'around noon'"},
+      {"Where do I usually find the tea cup in the morning?", "usual 'tea cup' --during 'the morning'"},
+      {"Where is the pot usually between nine and ten?", "usual pot --during 'nine to ten'"},
+      {"Where does the tea cup belong?", "usual 'tea cup'"},
+  });
+}
+
+TEST(Sentences, FurtherWaysToAsk) {
+  expect_commands({
+      {"Where's my tea cup gone?", "where 'tea cup'"},
+      {"Have you seen the tea cup anywhere?", "where 'tea cup'"},
+      {"When did the tea cup last leave the table?", "changes --object 'tea cup' --place table"},
+      {"How has the tea cup travelled through the day?", "history 'tea cup'"},
+      {"What goes together with the tea cup?", "together 'tea cup'"},
+      {"Which things are often seen with the tea cup?", "together 'tea cup'"},
+      {"What meal is this?", "kind"},
+      {"Where else could the jam be?", "next-look jam"},
+      {"Is there another cup like this one?", "like 'this one'"},
+      {"Show me things similar to object_4.", "like object_4"},
+      {"How many things are on the table right now?", "on table --at now"},
+      {"What did the table look like at nine?", "on table --at nine"},
+      {"Anything new on the counter since 12:00?", "changes --from 12:00 --place counter"},
+      {"What disappeared from the table this morning?",
+       "changes --between 'this morning' 'this morning' --place table"},
+      {"When was the jam on the table?", "was jam on table"},
+      {"Was the tea cup ever on the shelf?", "was 'tea cup' on shelf"},
+      {"How long was the tea cup on the table?", "history 'tea cup'"},
+      {"Since when is the tea cup in the drawer?", "history 'tea cup'"},
+      {"What stands within 50 cm of object_4?", "near object_4 --radius '50 cm'"},
+  });
+}
+
 TEST(Sentences, QuestionsAboutOneObject) {
   expect_commands({
       {"where is the red cup", "where 'red cup'"},

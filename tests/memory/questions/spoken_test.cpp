@@ -95,6 +95,17 @@ TEST_F(Spoken, UsualPlacesCountTheSightings) {
   EXPECT_NEAR(places[1].share, 1 / 3.0, 1e-12);
 }
 
+TEST_F(Spoken, UsualPlacesCanBeAskedForAnHourOrADayOfTheWeek) {
+  const auto at_nine = std::get<UsualAnswer>(*say("Where is the red thing usually at nine?").answer);
+  for (const UsualPlace& place : at_nine.objects.at(0).places)
+    EXPECT_EQ(place.by_hour, (std::map<int, size_t>{{9, place.sightings}}));
+  EXPECT_FALSE(at_nine.objects.at(0).places.empty());
+  const auto fridays = std::get<UsualAnswer>(*say("Where is the red thing usually on Fridays?").answer);
+  EXPECT_EQ(fridays.objects.at(0).places.size(), 2U);
+  const auto weekend = std::get<UsualAnswer>(*say("Where is the red thing usually on Sundays?").answer);
+  EXPECT_TRUE(weekend.objects.at(0).places.empty());
+}
+
 TEST_F(Spoken, TasksNameObjectsTargetsAndWhatIsMissing) {
   const auto task = [&](const char* sentence) { return std::get<TaskAnswer>(*say(sentence).answer); };
   EXPECT_EQ(task("Bring me my tea cup.").items.at(0).object.object.id, 1);
