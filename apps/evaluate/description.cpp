@@ -5,6 +5,7 @@
 #include "apps/evaluate/description/reading.h"
 #include "apps/evaluate/description/service.h"
 #include "apps/evaluate/description/shapes.h"
+#include "apps/evaluate/description/templates.h"
 #include "mapping/base/json.h"
 
 namespace loci {
@@ -21,6 +22,7 @@ struct Arguments {
   bool shapes = false;
   bool primitives = false;
   std::string pictures;
+  std::string templates;
   PicturesOptions picture_options;
   std::vector<std::string> folders;
   ShapesOptions shape_options;
@@ -31,9 +33,10 @@ void run(Arguments& given, Session& session) {
   table_of(given.recognition).validate();
   table_of(given.shape_options).validate();
   if (given.catalogue.empty() && given.codes.empty() && !given.shapes && !given.primitives &&
-      given.pictures.empty())
-    throw Error("there is nothing to measure", {},
-                "give --catalogue DIR, --codes DIR, --shapes, --pictures DIR or --primitives");
+      given.pictures.empty() && given.templates.empty())
+    throw Error(
+        "there is nothing to measure", {},
+        "give --catalogue DIR, --codes DIR, --shapes, --pictures DIR, --templates DIR or --primitives");
   if (given.service && given.catalogue.empty())
     throw Error("--service needs a catalogue", {}, "give --catalogue DIR");
   std::string text;
@@ -68,6 +71,11 @@ void run(Arguments& given, Session& session) {
     text += result.text();
     json["pictures"] = result.to_json();
   }
+  if (!given.templates.empty()) {
+    const TemplatesResult result = evaluate_templates(given.templates, session.progress());
+    text += result.text();
+    json["templates"] = result.to_json();
+  }
   if (given.primitives) {
     const ShapesOptions& options = given.shape_options;
     const PrimitivesResult result = evaluate_primitives(static_cast<size_t>(options.test_scenes),
@@ -101,6 +109,8 @@ Command description_command() {
         app.add_flag("--shapes", given->shapes, "Measures classes of shape, trained on simulated clusters");
         app.add_option("--pictures", given->pictures,
                        "Folder with labels.csv: experts of pictures learn some and are tested on the others");
+        app.add_option("--templates", given->templates,
+                       "Labelled recording: templates of every other picture are looked for in the others");
         app.add_flag("--primitives", given->primitives,
                      "Measures primitive shapes and their numbers in the simulated scenes for tests");
         app.add_option("DIRS", given->folders,

@@ -4,6 +4,7 @@
 #include "mapping/base/json.h"
 #include "perception/annotators/io/labelled_recording.h"
 #include "perception/classification/ensemble.h"
+#include "perception/recognition/template_detector.h"
 
 namespace loci {
 namespace {
@@ -11,6 +12,7 @@ namespace {
 struct Arguments {
   std::string dataset, out;
   std::vector<std::string> experts = {"VFH:svm", "ESF:svm", "PFH:svm"};
+  bool templates = false;
   int folds = 5;
   uint64_t seed = 0;
   ClassifierOptions options;
@@ -25,7 +27,26 @@ std::map<std::string, size_t> leave_out_small_classes(std::vector<LabelledThing>
   return count;
 }
 
+/// Templates of every labelled view, for the annotator TemplateDetector.
+void train_templates(const Arguments& given, Session& session) {
+  const LabelledRecording labelled = open_labelled_recording(given.dataset);
+  TemplateDetector detector;
+  size_t views = 0;
+  for (size_t i = 0; i < labelled.recording->size(); ++i) {
+    const RgbdFrame frame = labelled.recording->frame(i);
+    session.progress().check(static_cast<double>(i) / static_cast<double>(labelled.recording->size()),
+                             "frame " + frame.name);
+    for (const LabelledPart& part : labelled_parts(labelled, frame.name))
+      views += detector.add(part.label, frame.color, frame.depth, part.mask) > 0 ? 1 : 0;
+  }
+  if (views == 0) throw Error("there is no labelled view with colour and depth", {given.dataset, 0, {}});
+  detector.save(given.out);
+  session.answer(fmt::format("{} templates of {} views in {}\n", detector.templates(), views, given.out),
+                 {{"templates", detector.templates()}, {"views", views}, {"out", given.out}});
+}
+
 void train(Arguments& given, Session& session) {
+  if (given.templates) return train_templates(given, session);
   table_of(given.options).validate();
   std::vector<ExpertSpec> experts;
   for (const std::string& text : given.experts) experts.push_back(parse_expert(text, given.options));
@@ -67,7 +88,8 @@ Command train_command() {
       "Trains a classifier of clusters from labelled pictures",
       {"loci-perceive train tests/data/blocks -o demo-output/blocks.model --folds 2",
        "loci-perceive train tests/data/blocks -o demo-output/blocks.model --folds 2 --expert VFH:knn:L1 "
-       "--k 2 --json"},
+       "--k 2 --json",
+       "loci-perceive train tests/data/blocks -o demo-output/blocks.templates --templates"},
       [](CLI::App& app) {
         auto given = std::make_shared<Arguments>();
         app.add_option("DATASET", given->dataset,
@@ -78,6 +100,8 @@ Command train_command() {
         app.add_option("--expert", given->experts,
                        "DESCRIPTOR:CLASSIFIER[:DISTANCE], several times; they are fused")
             ->capture_default_str();
+        app.add_flag("--templates", given->templates,
+                     "Templates of whole pictures instead, for the annotator TemplateDetector");
         app.add_option("--folds", given->folds, "Parts for cross-validation")
             ->check(CLI::Range(2, 100))
             ->capture_default_str();

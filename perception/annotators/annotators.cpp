@@ -8,6 +8,7 @@
 #include "perception/annotators/description/recognition_annotators.h"
 #include "perception/annotators/description/relations_annotator.h"
 #include "perception/annotators/description/shape_annotators.h"
+#include "perception/annotators/description/template_annotator.h"
 #include "perception/annotators/description/visual_search.h"
 #include "perception/annotators/hypotheses/asserted_volumes.h"
 #include "perception/annotators/hypotheses/flat_object_extractor.h"
@@ -41,6 +42,7 @@ void add_annotators(AnnotatorRegistry& registry) {
   registry.add<PrimitiveShapeAnnotator>();
   registry.add<SizeAnnotator>();
   registry.add<RelationsAnnotator>();
+  registry.add<TemplateAnnotator>();
   registry.add<VisualSearch>();
 }
 

@@ -1,6 +1,7 @@
 #include "perception/annotators/io/labelled_recording.h"
 
 #include <cctype>
+#include <set>
 
 #include "mapping/base/csv.h"
 #include "mapping/base/files.h"
@@ -101,6 +102,18 @@ LabelledRecording open_labelled_recording(const fs::path& folder) {
     return found == classes.end() ? std::string() : found->second;
   };
   return labelled;
+}
+
+std::vector<LabelledPart> labelled_parts(const LabelledRecording& labelled, const std::string& frame) {
+  const cv::Mat labels = labelled.labels(frame);
+  std::set<int> objects;
+  for (const uint16_t label : cv::Mat_<uint16_t>(labels))
+    if (label >= 20) objects.insert(label / 10 * 10);
+  std::vector<LabelledPart> parts;
+  for (const int object : objects)
+    if (const std::string name = labelled.class_of(frame, object); !name.empty())
+      parts.push_back({name, (labels >= object) & (labels < object + 10)});
+  return parts;
 }
 
 LabelledSurfaces labelled_surfaces(const LabelledRecording& labelled, Progress& progress,

@@ -54,6 +54,15 @@ struct LabelledSurfaces {
   size_t objects = 0;                  ///< all
 };
 
+/// An object of a picture whose class is known.
+struct LabelledPart {
+  std::string label;
+  cv::Mat mask;  ///< CV_8U, 255 = the object
+};
+
+/// Those of a frame, in the order of their labels.
+std::vector<LabelledPart> labelled_parts(const LabelledRecording& labelled, const std::string& frame);
+
 /// Runs the tabletop pipeline (without a map) and gives each cluster the class of the object with which it
 /// shares most pixels, at least half of both together.
 LabelledSurfaces labelled_surfaces(const LabelledRecording& labelled, Progress& progress, Warnings& warnings);

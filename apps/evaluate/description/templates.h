@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "mapping/base/json_fwd.h"
+#include "mapping/base/progress.h"
+
+namespace loci::description_evaluation {
+
+/// Templates of half of a recording's pictures, looked for in the other half.
+struct TemplatesResult {
+  size_t pictures = 0, templates = 0;
+  int things = 0;            ///< in the pictures tested, of which there are templates
+  int right = 0, wrong = 0;  ///< matches: of the thing that is there, and others
+  double seconds = 0;        ///< a picture
+  std::vector<std::string> mistakes;
+
+  std::string text() const;
+  Json to_json() const;
+};
+
+/// `folder` as loci-perceive train takes it. A match is right when its region overlaps the thing's by at
+/// least 0.4.
+TemplatesResult evaluate_templates(const std::filesystem::path& folder, Progress& progress);
+
+}  // namespace loci::description_evaluation
