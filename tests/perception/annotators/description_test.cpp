@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <map>
 #include <numbers>
 
 #include "mapping/image/hsv.h"
@@ -8,7 +9,10 @@
 #include "perception/annotators/description/color_name.h"
 #include "perception/annotators/description/geometry_annotator.h"
 #include "perception/annotators/description/location_annotator.h"
+#include "perception/annotators/description/primitive_annotator.h"
 #include "perception/annotators/description/relations_annotator.h"
+#include "perception/types/geometry.h"
+#include "perception/types/scene_cas.h"
 #include "perception/types/types.h"
 
 namespace loci {
@@ -85,6 +89,38 @@ TEST(Relations, WhatLiesToTheLeftIsLeftOfItAndDiagonalsAreShared) {
   const Arrangement upon = arrangement_of(cup, {{0.01, 0}, {0.1, 0.1}, 0}, away);
   EXPECT_NEAR(upon.over, 1, 1e-9);
   EXPECT_EQ(upon.gap_m, 0);
+}
+
+TEST(Relations, TheSceneGetsATableAndEachThingAWordForItsSize) {
+  cas::Cas cas(types::type_system());
+  const types::SceneCas scene(cas);
+  Isometry3d map_from_camera = Isometry3d::Identity();  // It looks along y of the map.
+  map_from_camera.linear() = Eigen::AngleAxisd(-std::numbers::pi / 2, Vector3d::UnitX()).toRotationMatrix();
+  scene.create_scene().map_from_camera.set(types::to_stamped(cas, map_from_camera, "map", "camera", 0));
+  const auto put = [&](double x, double size) {
+    const auto cluster = types::Cluster::create(cas);
+    const auto geometry = types::GeometryAnnotation::create(cas);
+    geometry.map_from_object.set(types::to(cas, Isometry3d(Eigen::Translation3d(x, 0, 0))));
+    geometry.size.set(types::to(cas, Vector3d(Vector3d::Constant(size))));
+    cluster.annotations.push_back(geometry);
+    scene.add_cluster(cluster);
+    return cluster;
+  };
+  const types::Cluster cup = put(0, 0.08), jug = put(0.3, 0.2);
+  Resources resources;
+  Warnings warnings;
+  Context context{resources, warnings, 1, {}};
+  RelationsAnnotator().process(cas, context);
+  SizeAnnotator().process(cas, context);
+  std::map<std::string, double> said;
+  for (const types::Relation& relation : scene.scene().relations.to_vector())
+    if (relation.object1.get() == cup && relation.object2.get() == jug)
+      said[relation.name.get()] = relation.probability.get();
+  EXPECT_GT(said["left-of"], 0.9);
+  EXPECT_GT(said["near"], 0.1);
+  EXPECT_FALSE(said.contains("in-front-of"));
+  EXPECT_EQ(cup.annotations.first<types::SizeAnnotation>().size.get(), "small");
+  EXPECT_EQ(jug.annotations.first<types::SizeAnnotation>().size.get(), "medium");
 }
 
 TEST(Annotators, EveryTypeThatTheyNameExists) {
