@@ -2,11 +2,13 @@
 
 #include <QVTKOpenGLNativeWidget.h>
 #include <QBuffer>
+#include <QCheckBox>
 #include <QOffscreenSurface>
 #include <QOpenGLContext>
 #include <QOpenGLFunctions>
 #include <QSurfaceFormat>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -18,6 +20,7 @@
 #include "gui/main_window.h"
 #include "gui/measure.h"
 #include "gui/scene3d/egl_window.h"
+#include "gui/views/compare_view.h"
 #include "gui/views/question_bar.h"
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
@@ -84,12 +87,15 @@ MemoryOpener opener() {
 /// What the options choose, by the memory's own words.
 struct Target {
   std::optional<TimeNs> time = {};
+  std::optional<TimeNs> beside = {};  ///< unset = none, or another memory
   FoundThings things = {};
 };
 
 Target find_target(const BrowserData& data, const BrowseOptions& options) {
   Target target;
   if (!options.at.empty()) target.time = data.time_of(options.at);
+  if (!options.beside.empty() && !std::filesystem::exists(options.beside))
+    target.beside = data.time_of(options.beside);
   if (options.select.empty() || data.scenes().empty()) return target;
   target.things = data.find(options.select, target.time.value_or(data.scenes().back().time));
   return target;
@@ -102,6 +108,16 @@ void go_to(MainWindow& window, const Target& target, const BrowseOptions& option
     selection.select_object(target.things.objects.front());
   else if (!target.things.place.empty())
     selection.select_place(target.things.place);
+  for (const std::string& action : options.run)
+    if (!window.question_bar().run_action(QString::fromStdString(action)))
+      throw Error("--run '" + action + "' is no action of the menus", {}, "as \"Depth picture\"");
+  if (!options.beside.empty()) {
+    if (target.beside)
+      window.compare().set_other(*target.beside);
+    else
+      window.compare().compare_with(QString::fromStdString(options.beside));
+    window.compare().beside_box()->setChecked(true);
+  }
   if (!options.show.empty()) window.show_dock(options.show);
   if (options.ask.empty()) return;
   window.question_bar().open();
@@ -109,14 +125,14 @@ void go_to(MainWindow& window, const Target& target, const BrowseOptions& option
 }
 
 MapLayer layer_of(const std::string& name) {
-  static const std::map<std::string, MapLayer> kLayers = {{"map", MapLayer::map},
-                                                          {"objects", MapLayer::objects},
-                                                          {"labels", MapLayer::labels},
-                                                          {"cloud", MapLayer::cloud},
-                                                          {"camera", MapLayer::camera}};
+  static const std::map<std::string, MapLayer> kLayers = {
+      {"map", MapLayer::map},        {"objects", MapLayer::objects}, {"labels", MapLayer::labels},
+      {"cloud", MapLayer::cloud},    {"camera", MapLayer::camera},   {"trace", MapLayer::trace},
+      {"cameras", MapLayer::cameras}};
   const auto found = kLayers.find(name);
   if (found == kLayers.end())
-    throw Error("--hide '" + name + "' is no layer", {}, "layers are map, objects, labels, cloud, camera");
+    throw Error("--hide '" + name + "' is no layer", {},
+                "layers are map, objects, labels, cloud, camera, trace, cameras");
   return found->second;
 }
 

@@ -10,13 +10,15 @@ namespace loci {
 
 /// What to open and how.
 struct BrowseOptions {
-  std::string file;        ///< memory; may be empty for a window
-  std::string screenshot;  ///< PNG to write instead of staying; empty = a window
-  std::string at;          ///< time to show, as people write it; empty = the last scene
-  std::string select;      ///< object or place to choose, in words; empty = nothing
-  std::string ask;         ///< question to ask in the question bar; empty = none
-  std::string show;        ///< dock to bring to the front; empty = as it was
-  double measure_s = 0;    ///< seconds for which the window is measured instead of staying; 0 = not
+  std::string file;                   ///< memory; may be empty for a window
+  std::string screenshot;             ///< PNG to write instead of staying; empty = a window
+  std::string at;                     ///< time to show, as people write it; empty = the last scene
+  std::string select;                 ///< object or place to choose, in words; empty = nothing
+  std::string ask;                    ///< question to ask in the question bar; empty = none
+  std::string beside = {};            ///< time, or memory, whose map stands beside the map; empty = none
+  std::vector<std::string> run = {};  ///< actions of the menus, by name
+  std::string show;                   ///< dock to bring to the front; empty = as it was
+  double measure_s = 0;  ///< seconds for which the window is measured instead of staying; 0 = not
   std::function<void(const std::string&)> say = {};  ///< where the figures go
   std::string size = "1280x800";
   std::string view = "window";         ///< what the picture shows: the whole "window", or the "map" alone

@@ -45,6 +45,10 @@ void EditHistory::say(const std::string& about, const std::string& key, const st
   write([=](Store& store) { return loci::say(store, about, key, value); });
 }
 
+void EditHistory::name_place(const std::string& place, const std::string& name) {
+  write([=](Store& store) { return loci::name_place(store, place, name); });
+}
+
 void EditHistory::merge(int64_t one, int64_t other) {
   write([=](Store& store) { return merge_objects(store, one, other); });
 }

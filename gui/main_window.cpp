@@ -4,6 +4,7 @@
 #include <QDockWidget>
 #include <QFileInfo>
 #include <QLabel>
+#include <QLayout>
 #include <QMenuBar>
 #include <QSettings>
 #include <QStatusBar>
@@ -13,6 +14,7 @@
 #include "gui/views/compare_view.h"
 #include "gui/views/identity_view.h"
 #include "gui/views/log_view.h"
+#include "gui/views/map_tools.h"
 #include "gui/views/object_card.h"
 #include "gui/views/objects_tree.h"
 #include "gui/views/page.h"
@@ -33,11 +35,13 @@ const QSize kFirstSize(1280, 800);
 }  // namespace
 
 MainWindow::MainWindow(MemoryOpener opener, const WindowOptions& options)
-    : options_(options), loader_(std::move(opener)), map_(new MapView(browser_, options.backend, this)) {
+    : options_(options),
+      loader_(std::move(opener)),
+      maps_(new MapPair(browser_, options.backend, this)),
+      map_(&maps_->now()) {
   setAcceptDrops(true);
-  resize(kFirstSize);
   setDockOptions(AnimatedDocks | AllowNestedDocks | AllowTabbedDocks);
-  setCentralWidget(map_);
+  setCentralWidget(maps_);
   build_docks();
   build_file_menu();
   build_time_menu();
@@ -51,7 +55,12 @@ MainWindow::MainWindow(MemoryOpener opener, const WindowOptions& options)
   statusBar()->addPermanentWidget(summary_);
   connect(&browser_, &Browser::opened, this, &MainWindow::refresh_title);
   connect(&browser_, &Browser::failed, this, &MainWindow::tell);
-  connect(map_, &MapView::warned, this, &MainWindow::tell);
+  connect(maps_, &MapPair::warned, this, &MainWindow::tell);
+  connect(compare_, &CompareView::compared, this,
+          [this] { maps_->show_other(compare_->beside(), compare_->shown()); });
+  default_layout();
+  layout()->activate();  // what the docks need is only known now
+  resize(kFirstSize);
   default_layout();
   default_state_ = saveState();
   if (options_.remember) {
@@ -90,7 +99,11 @@ void MainWindow::build_docks() {
   time_ = new TimeBar(browser_, this);
   setCorner(Qt::BottomLeftCorner, Qt::BottomDockWidgetArea);
   setCorner(Qt::BottomRightCorner, Qt::BottomDockWidgetArea);
-  add_dock("Places and objects", "objects", tree_, Qt::LeftDockWidgetArea);
+  setTabPosition(Qt::LeftDockWidgetArea, QTabWidget::North);
+  QDockWidget* objects = add_dock("Places and objects", "objects", tree_, Qt::LeftDockWidgetArea);
+  map_tools_ = new MapTools(browser_, *map_, this);
+  tabifyDockWidget(objects, add_dock("Map tools", "tools3d", map_tools_, Qt::LeftDockWidgetArea));
+  objects->raise();
   image_dock_ = add_dock("Scene", "scene", picture_, Qt::RightDockWidgetArea);
   fill_corner();
   add_dock("Time", "time", time_, Qt::BottomDockWidgetArea);
@@ -107,6 +120,11 @@ void MainWindow::build_questions() {
     for (QAction* action : menu->actions())
       if (!action->isSeparator() && action->menu() == nullptr) actions << action;
   questions_->set_actions(actions);
+  if (options_.remember) {
+    questions_->set_asked(QSettings().value("asked").toStringList());
+    connect(questions_, &QuestionBar::asked_changed, this,
+            [this] { QSettings().setValue("asked", questions_->asked()); });
+  }
   map_->installEventFilter(this);
 }
 
@@ -180,6 +198,7 @@ void MainWindow::show_memory(std::shared_ptr<const BrowserData> memory) {
 
 QImage MainWindow::screenshot() {
   map_->picture();  // Throws when nothing was drawn.
+  if (maps_->is_pair()) maps_->then()->picture();
   return grab().toImage();
 }
 

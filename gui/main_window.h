@@ -9,7 +9,7 @@
 #include "gui/browser.h"
 #include "gui/edit_history.h"
 #include "gui/memory_loader.h"
-#include "gui/views/map_view.h"
+#include "gui/views/map_pair.h"
 
 class QLabel;
 class QProgressBar;
@@ -23,6 +23,7 @@ class QuestionBar;
 class CompareView;
 class IdentityView;
 class LogView;
+class MapTools;
 class SceneImage;
 class SceneView;
 class StatisticsView;
@@ -51,7 +52,9 @@ class MainWindow : public QMainWindow {
 
   Browser& browser() { return browser_; }
   MapView& map() { return *map_; }
+  MapPair& maps() { return *maps_; }
   ObjectsTree& tree() { return *tree_; }
+  MapTools& map_tools() { return *map_tools_; }
   SceneImage& image();
   SceneView& picture() { return *picture_; }
   TimeBar& time_bar() { return *time_; }
@@ -115,6 +118,7 @@ class MainWindow : public QMainWindow {
   /// The chosen object, when it can be edited; else says why not.
   const BelievedObject* edited_object();
   void edit_selected(const QString& title, const std::string& key, const QString& now);
+  void rename_selected();
   void merge_selected();
   void split_selected();
   void label_selected();
@@ -132,8 +136,10 @@ class MainWindow : public QMainWindow {
   MemoryLoader loader_;
   EditHistory edits_;
   Browser browser_;
+  MapPair* maps_;  ///< the map, and the one that it is compared with
   MapView* map_;
   ObjectsTree* tree_ = nullptr;
+  MapTools* map_tools_ = nullptr;
   SceneView* picture_ = nullptr;
   TimeBar* time_ = nullptr;
   ObjectCard* card_ = nullptr;

@@ -11,9 +11,11 @@
 #include <QMessageBox>
 #include <QSettings>
 #include <QToolBar>
+#include <QToolButton>
 
 #include "gui/main_window.h"
 #include "gui/shortcut_sheet.h"
+#include "gui/views/map_tools.h"
 #include "gui/views/object_card.h"
 #include "gui/views/objects_tree.h"
 #include "gui/views/question_bar.h"
@@ -77,8 +79,8 @@ void MainWindow::build_edit_menu() {
     const BelievedObject* object = browser_.selected_object();
     return object == nullptr ? QString() : QString::fromStdString(object->*member);
   };
-  add_action(menu, {"Re&name…", {QKeySequence("F2")}, "What people call the chosen object"},
-             [this, now] { edit_selected("Name", "alias", now(&BelievedObject::name)); });
+  add_action(menu, {"Re&name…", {QKeySequence("F2")}, "What people call the chosen object or place"},
+             [this] { rename_selected(); });
   add_action(menu, {"&Class…", {QKeySequence("Ctrl+L")}, "What kind of thing the chosen object is"},
              [this, now] { edit_selected("Class", "class", now(&BelievedObject::class_name)); });
   add_action(menu, {"&Owner…", {QKeySequence("Ctrl+Shift+O")}, "Whose the chosen object is"},
@@ -168,19 +170,34 @@ void MainWindow::build_view_menu() {
          << look("Front", "3", MapViewpoint::front) << look("Left", "4", MapViewpoint::left) << nullptr;
   menu->addSeparator();
   const auto layer = [&](const QString& text, const QString& key, const QString& tip, MapLayer which) {
-    return add_check(menu, {text, {QKeySequence(key)}, tip}, true,
-                     [this, which](bool on) { map_->set_layer(which, on); });
+    return add_check(menu, {text, {QKeySequence(key)}, tip}, map_->scene().layer(which),
+                     [this, which](bool on) { maps_->set_layer(which, on); });
   };
   tools_ << layer("Map", "M", "Walls, furniture and their joints", MapLayer::map)
          << layer("Objects", "O", "Boxes where objects are believed to be", MapLayer::objects)
          << layer("Labels", "L", "Names of objects", MapLayer::labels)
          << layer("Cloud", "C", "The points measured in the chosen scene", MapLayer::cloud)
          << layer("Camera", "K", "Where the chosen scene was looked at from", MapLayer::camera) << nullptr;
+  layer("Way", "T", "Where the chosen object has been until the chosen time", MapLayer::trace);
+  layer("All cameras", "Shift+K", "From where all scenes were looked at", MapLayer::cameras);
+  add_action(menu, {"Measure", {QKeySequence("R")}, "Two clicks in the map: how far they are apart"}, [this] {
+    show_dock("tools3d");
+    map_tools_->ruler()->toggle();
+  });
   menu->addSeparator();
   tools_ << add_check(menu, {"Depth picture", {QKeySequence("D")}, "Depth instead of colour"}, false,
                       [this](bool on) { image().show_depth(on); });
-  add_action(menu, {"Larger points", {QKeySequence("+")}, ""}, [this] { map_->change_point_size(1); });
-  add_action(menu, {"Smaller points", {QKeySequence("-")}, ""}, [this] { map_->change_point_size(-1); });
+  add_check(menu, {"Masks", {QKeySequence("N")}, "Around what belongs to each thing in the picture"}, true,
+            [this](bool on) { image().show_masks(on); });
+  add_check(
+      menu,
+      {"Known, irrelevant, of interest",
+       {QKeySequence("I")},
+       "Tints the picture: what the map explains, what is in no region of interest, and where things are "
+       "looked for"},
+      false, [this](bool on) { image().show_kinds(on); });
+  add_action(menu, {"Larger points", {QKeySequence("+")}, ""}, [this] { maps_->change_point_size(1); });
+  add_action(menu, {"Smaller points", {QKeySequence("-")}, ""}, [this] { maps_->change_point_size(-1); });
   menu->addSeparator();
   for (const auto* dock : findChildren<QDockWidget*>()) menu->addAction(dock->toggleViewAction());
   add_action(menu, {"Restore default layout", {}, ""}, [this] { default_layout(); });

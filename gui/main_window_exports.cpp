@@ -18,6 +18,35 @@
 #include "memory/store/store.h"
 
 namespace loci {
+namespace {
+
+constexpr double kAround = 0.01;  // metres around an object's box that count as its points
+
+/// What is believed of the chosen object, or of what is at the chosen place; everything when nothing is
+/// chosen.
+BelievedScene chosen_part(BelievedScene belief, const SelectionModel& selection) {
+  if (!selection.object() && selection.place().empty()) return belief;
+  std::erase_if(belief.objects, [&](const BelievedObject& object) {
+    return selection.object() ? object.id != *selection.object() : object.place != selection.place();
+  });
+  return belief;
+}
+
+/// The points within an object's box.
+ColoredCloud points_of(const ColoredCloud& all, const BelievedObject& object) {
+  ColoredCloud cloud;
+  const Isometry3d object_from_map = object.map_from_object->inverse();
+  const Vector3d half = object.size / 2 + Vector3d::Constant(kAround);
+  for (size_t i = 0; i < all.points.size(); ++i) {
+    const Vector3d point = object_from_map * all.points[i].cast<double>();
+    if ((point.cwiseAbs() - half).maxCoeff() > 0) continue;
+    cloud.points.push_back(all.points[i]);
+    cloud.colors.push_back(all.colors[i]);
+  }
+  return cloud;
+}
+
+}  // namespace
 
 void MainWindow::build_export_menu(QMenu* file) {
   QMenu* menu = file->addMenu("&Export");
@@ -28,16 +57,20 @@ void MainWindow::build_export_menu(QMenu* file) {
     });
   };
   add("&Table of what is believed…",
-      "What is believed at the chosen time as CSV or JSON: loci-memory was TIME --json, loci-memory objects "
-      "--json",
+      "What is believed at the chosen time of the chosen object or place, else of all, as CSV or JSON: "
+      "loci-memory objects --at TIME --json, loci-memory on PLACE --json",
       &MainWindow::export_table);
   add("&Pictures of the object…", "The chosen object's pictures from all sides: loci-memory model OBJECT",
       &MainWindow::export_pictures);
   add("&Scene's picture…", "Colour picture of the chosen scene: loci-memory report",
       &MainWindow::export_scene);
-  add("Scene's &cloud…", "The chosen scene's points as PLY, map frame: loci-memory export FOLDER --clouds",
+  add("Measured &points…",
+      "The points of the chosen scene, or of the chosen object in it, as PLY in the map frame: loci-memory "
+      "export "
+      "-o FOLDER --clouds, loci-memory model OBJECT",
       &MainWindow::export_cloud);
-  add("&Map…", "The map as URDF: loci-map export", &MainWindow::export_map);
+  add("&Map…", "The map as URDF, with what people corrected in it: loci-memory export -o FOLDER --map",
+      &MainWindow::export_map);
   add("&Report…", "A page about the whole memory: loci-memory report -o FILE", &MainWindow::export_report);
 }
 
@@ -57,7 +90,7 @@ void MainWindow::export_to(const QString& name, const QString& filter,
 
 void MainWindow::export_table() {
   export_to("believed.csv", "Tables (*.csv);;JSON (*.json)",
-            [belief = browser_.belief()](const std::string& path) {
+            [belief = chosen_part(browser_.belief(), browser_.selection())](const std::string& path) {
               return path.ends_with(".json") ? believed_json(belief) : believed_csv(belief);
             });
 }
@@ -93,7 +126,14 @@ void MainWindow::export_scene() {
 void MainWindow::export_cloud() {
   const auto cloud = browser_.moment().cloud;
   if (cloud == nullptr || cloud->points.empty()) return tell("This scene has no points");
-  export_to("scene.ply", "Clouds (*.ply)", [cloud](const std::string&) { return cloud_ply(*cloud); });
+  const BelievedObject* object = browser_.selected_object();
+  if (object == nullptr || object->presence != Presence::seen || !object->map_from_object)
+    return export_to("scene.ply", "Clouds (*.ply)",
+                     [cloud](const std::string&) { return cloud_ply(*cloud); });
+  const ColoredCloud points = points_of(*cloud, *object);
+  if (points.points.empty()) return tell("No point was measured of this object in this scene");
+  export_to(QString("object_%1.ply").arg(object->id), "Clouds (*.ply)",
+            [points](const std::string&) { return cloud_ply(points); });
 }
 
 void MainWindow::export_map() {

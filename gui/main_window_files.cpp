@@ -189,6 +189,29 @@ void MainWindow::edit_selected(const QString& title, const std::string& key, con
   if (taken) edits_.say(about, key, value.trimmed().toStdString());
 }
 
+void MainWindow::rename_selected() {
+  const QString place = QString::fromStdString(browser_.selection().place());
+  if (place.isEmpty()) {
+    const BelievedObject* object = browser_.selected_object();
+    return edit_selected("Name", "alias",
+                         object == nullptr ? QString() : QString::fromStdString(object->name));
+  }
+  if (!can_edit()) return tell("This file is read-only");
+  bool taken = false;
+  const QString name =
+      QInputDialog::getText(this, "Name", QString("Name of %1 (empty takes it back):").arg(place),
+                            QLineEdit::Normal, place, &taken);
+  if (!taken || name.trimmed() == place) return;
+  // What is chosen stays chosen by its new name.
+  auto* until_written = new QObject(this);
+  connect(&edits_, &EditHistory::written, until_written, [this, name, until_written] {
+    if (!name.trimmed().isEmpty()) browser_.selection().select_place(name.trimmed().toStdString());
+    until_written->deleteLater();
+  });
+  connect(&edits_, &EditHistory::failed, until_written, [until_written] { until_written->deleteLater(); });
+  edits_.name_place(place.toStdString(), name.trimmed().toStdString());
+}
+
 void MainWindow::merge_selected() {
   const BelievedObject* object = edited_object();
   if (object == nullptr) return;

@@ -36,13 +36,18 @@ void declare(CLI::App& app, loci::BrowseOptions& options) {
                  "What to choose: an object (object_12, an alias, \"red\") or a place");
   app.add_option("--ask", options.ask, "A question to answer in the question bar: \"Where is the red cup?\"");
   app.add_option("--show", options.show, "The dock to bring to the front: statistics, log, ...");
+  app.add_option(
+      "--beside", options.beside,
+      "Another time, or another memory: its map stands beside the map, and what differs is marked");
+  app.add_option("--run", options.run, "Actions of the menus to run first, by name: \"Depth picture\"");
   app.add_option("--theme", options.theme, "Colours: system, light, dark [system]")
       ->transform(CLI::CheckedTransformer(kThemes))
       ->option_text("TEXT");
   app.add_option("--view", options.view, "What the picture shows: the whole window, or the map alone")
       ->capture_default_str();
-  app.add_option("--hide", options.hide,
-                 "Layers of the map that the picture leaves out: map, objects, labels, cloud, camera");
+  app.add_option(
+      "--hide", options.hide,
+      "Layers of the map that the picture leaves out: map, objects, labels, cloud, camera, trace, cameras");
   app.add_option("--measure", options.measure_s, "Measure the window for so many seconds and exit")
       ->group("");
   app.add_option("--size", options.size, "Size of the picture in pixels")->capture_default_str();

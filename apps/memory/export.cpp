@@ -12,11 +12,13 @@
 #include "mapping/exchange/ply.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/recording.h"
+#include "mapping/world/urdf.h"
 #include "memory/annotators/memory_session.h"
 #include "memory/exchange/belief_states.h"
 #include "memory/exchange/dataset.h"
 #include "memory/exchange/observation_image.h"
 #include "memory/exchange/owl_individuals.h"
+#include "memory/questions/place_names.h"
 #include "memory/store/scene_kinds.h"
 
 namespace loci {
@@ -112,6 +114,13 @@ int64_t export_beliefs(const Store& store, const fs::path& file, Progress& progr
   return written;
 }
 
+/// The map as corrected by people; 1, or 0 when there is none.
+int64_t export_map(const Store& store, const fs::path& file) {
+  const std::optional<World> map = named_map(store);
+  if (map) write_file_atomically(file, urdf_text(*map));
+  return map ? 1 : 0;
+}
+
 /// Finds the frames of a memory's scenes in the recording that it was made from.
 std::function<std::optional<RgbdFrame>(const SceneRow&)> frames_of(const Store& store,
                                                                    const std::string& path) {
@@ -131,7 +140,7 @@ std::function<std::optional<RgbdFrame>(const SceneRow&)> frames_of(const Store& 
 
 struct Arguments {
   std::string memory, folder;
-  bool labels = false, kinds = false, clouds = false, owl = false, beliefs = false;
+  bool labels = false, kinds = false, clouds = false, owl = false, beliefs = false, map = false;
   std::string dataset, recording;
   bool by_object = false;
 };
@@ -159,6 +168,7 @@ void export_memory(const Arguments& arguments, Session& session) {
     tell(view, export_view(store, view, folder));
   if (arguments.kinds) tell("kinds", export_kinds(store, folder / "kinds", session.progress()));
   if (arguments.labels) tell("labels", export_labels(store, folder / "labels", session.progress()));
+  if (arguments.map) tell("maps", export_map(store, folder / "map.urdf"));
   if (arguments.clouds) tell("clouds", export_clouds(store, folder / "clouds", session.progress()));
   if (arguments.beliefs) tell("beliefs", export_beliefs(store, folder / "beliefs.jsonl", session.progress()));
   if (arguments.owl) {
@@ -176,10 +186,10 @@ Command export_command() {
   return {
       "export",
       "Objects, sightings, events, looks, facts, scenes and logs as JSON Lines and CSV; label pictures, "
-      "clouds, "
-      "OWL",
+      "clouds, map, OWL",
       {"loci-memory export -m demo-output/memory.loci -o demo-output/memory-export",
        "loci-memory export -m demo-output/memory.loci -o demo-output/memory-export --labels --kinds --clouds "
+       "--map "
        "--owl "
        "--beliefs "
        "--json",
@@ -197,6 +207,7 @@ Command export_command() {
             "the map, 2 irrelevant, 3 of interest");
         app.add_flag("--clouds", arguments->clouds,
                      "clouds/object_N_scene_M.ply: the surface of each sighting, as far as depth is kept");
+        app.add_flag("--map", arguments->map, "map.urdf: the map with what people corrected in it");
         app.add_flag("--owl", arguments->owl,
                      "individuals.owl: objects and their stays with time, as KnowRob names them");
         app.add_flag("--beliefs", arguments->beliefs,

@@ -84,6 +84,16 @@ struct ImageBox {
   std::string name;    ///< empty = of no object
   cv::Rect2d color;    ///< pixels of the colour picture
   cv::Rect2d depth;    ///< pixels of the depth picture
+  /// Around what belongs to it, in pixels of either picture; empty = no mask was kept.
+  std::vector<std::vector<cv::Point2f>> color_outline = {}, depth_outline = {};
+};
+
+/// What a pixel of the depth picture is, by what the map knows: as the store's SceneKind.
+enum class PixelKind : uint8_t {
+  unmeasured = 0,
+  known = 1,        ///< the map explains it
+  irrelevant = 2,   ///< in no region of interest
+  of_interest = 3,  ///< what things are looked for in
 };
 
 /// What was recorded of one scene.
@@ -93,7 +103,14 @@ struct SceneContent {
   cv::Mat depth;  ///< CV_32F, metres, NaN = no measurement; may be smaller than the camera's picture
   RgbdCamera camera;
   std::optional<Isometry3d> map_from_camera;
+  cv::Mat kinds = {};  ///< CV_8U of depth's size, PixelKind; empty = not known
   std::vector<ImageBox> boxes;
+};
+
+/// Where an object was seen.
+struct TracePoint {
+  TimeNs time = 0;
+  Vector3d position = Vector3d::Zero();  ///< of its centre, map frame
 };
 
 /// What one scene could tell about an object or a place.
@@ -173,6 +190,8 @@ class BrowserData {
   virtual std::vector<HistoryEntry> history(int64_t object) const = 0;
   /// Times at which the object was observed.
   virtual std::vector<TimeNs> observations(int64_t object) const = 0;
+  /// Where the object was seen, in the order of time; where it stayed, once.
+  virtual std::vector<TracePoint> trace(int64_t object) const = 0;
   /// What each of scenes() from a number on could tell about an object, in their order.
   virtual std::vector<Look> looks_for_object(int64_t object, size_t first_scene = 0) const = 0;
   virtual std::vector<Look> looks_at_place(const std::string& place, size_t first_scene = 0) const = 0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <opencv2/imgproc.hpp>
 #include <unordered_map>
 
 #include "gui/data/decisions.h"
@@ -16,6 +17,7 @@
 #include "memory/questions/snapshot.h"
 #include "memory/store/depth_thumbnail.h"
 #include "memory/store/feature_structures.h"
+#include "memory/store/scene_kinds.h"
 #include "memory/store/store.h"
 #include "perception/types/geometry.h"
 #include "perception/types/types.h"
@@ -45,17 +47,48 @@ PinholeCamera pinhole_of(const SceneCamera& camera) {
   return {camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy};
 }
 
+double distance_of(const std::optional<Vector3d>& position, const SceneContent& content) {
+  double z = 1;
+  if (position && content.map_from_camera) z = (content.map_from_camera->inverse() * *position).z();
+  return std::max(z, 0.1);
+}
+
 /// Where a part of the depth picture is in the colour picture, at the distance of what it shows.
 cv::Rect2d in_color_picture(const cv::Rect2d& roi, const std::optional<Vector3d>& position,
                             const SceneContent& content) {
   const RgbdCamera& camera = content.camera;
   const Isometry3d color_from_depth = camera.depth_from_color.inverse();
-  double z = 1;
-  if (position && content.map_from_camera) z = (content.map_from_camera->inverse() * *position).z();
+  const double z = distance_of(position, content);
   Eigen::AlignedBox2d area;
   for (const auto& [u, v] : {std::pair(roi.x, roi.y), std::pair(roi.x + roi.width, roi.y + roi.height)})
-    area.extend(camera.color.project(color_from_depth * camera.depth.unproject(u, v, std::max(z, 0.1))));
+    area.extend(camera.color.project(color_from_depth * camera.depth.unproject(u, v, z)));
   return {area.min().x(), area.min().y(), area.sizes().x(), area.sizes().y()};
+}
+
+cv::Mat read_mask(const Store& store, Id blob) {
+  cv::Mat mask;
+  cv::extractChannel(read_picture(store, blob), mask, 0);
+  return mask;
+}
+
+/// The mask's outlines as drawings over both pictures.
+void add_outlines(const cv::Mat& mask, const std::optional<Vector3d>& position, const SceneContent& content,
+                  ImageBox& box) {
+  std::vector<std::vector<cv::Point>> contours;
+  cv::findContours(mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE);
+  const RgbdCamera& camera = content.camera;
+  const Isometry3d color_from_depth = camera.depth_from_color.inverse();
+  const double z = distance_of(position, content);
+  for (const auto& contour : contours) {
+    auto& in_depth = box.depth_outline.emplace_back();
+    auto& in_color = box.color_outline.emplace_back();
+    for (const cv::Point& pixel : contour) {
+      const double u = pixel.x + box.depth.x, v = pixel.y + box.depth.y;
+      const Vector2d there = camera.color.project(color_from_depth * camera.depth.unproject(u, v, z));
+      in_depth.emplace_back(static_cast<float>(u), static_cast<float>(v));
+      in_color.emplace_back(static_cast<float>(there.x()), static_cast<float>(there.y()));
+    }
+  }
 }
 
 class MemoryData : public BrowserData {
@@ -86,6 +119,7 @@ class MemoryData : public BrowserData {
   }
   std::vector<HistoryEntry> history(int64_t object) const override;
   std::vector<TimeNs> observations(int64_t object) const override;
+  std::vector<TracePoint> trace(int64_t object) const override;
   std::vector<Look> looks_for_object(int64_t object, size_t first_scene) const override;
   std::vector<Look> looks_at_place(const std::string& place, size_t first_scene) const override;
   cv::Mat picture(int64_t object, TimeNs time) const override;
@@ -204,6 +238,7 @@ std::vector<ImageBox> MemoryData::boxes(const SceneRow& row, const SceneContent&
     const auto& roi = *seen.roi;
     box.depth = cv::Rect2d(roi[0], roi[1], roi[2], roi[3]);
     box.color = in_color_picture(box.depth, seen.position, content);
+    if (seen.mask) add_outlines(read_mask(store_, *seen.mask), seen.position, content, box);
     boxes.push_back(std::move(box));
   }
   return boxes;
@@ -240,6 +275,11 @@ SceneContent MemoryData::scene(int64_t id) const {
     if (depth.size() == static_cast<size_t>(row.depth_width) * static_cast<size_t>(row.depth_height))
       content.depth = cv::Mat(row.depth_height, row.depth_width, CV_32F, depth.data()).clone();
   }
+  if (const auto kinds = scene_kinds(store_, row)) {
+    content.kinds = cv::Mat(kinds->height, kinds->width, CV_8U);
+    for (size_t i = 0; i < kinds->pixels.size(); ++i)
+      content.kinds.data[i] = static_cast<uint8_t>(kinds->pixels[i]);
+  }
   content.boxes = boxes(row, content);
   return content;
 }
@@ -262,6 +302,18 @@ std::vector<TimeNs> MemoryData::observations(int64_t object) const {
   std::vector<TimeNs> times;
   for (const Sighting& sighting : store_.sightings(object)) times.push_back(sighting.time);
   return times;
+}
+
+std::vector<TracePoint> MemoryData::trace(int64_t object) const {
+  constexpr double kStays = 0.03;  // metres: what is measured of a thing at rest differs by as much
+  const std::lock_guard lock(mutex_);
+  std::vector<TracePoint> trace;
+  for (const Sighting& sighting : store_.sightings(object)) {
+    const auto& position = sighting.observation.position;
+    if (position && (trace.empty() || (*position - trace.back().position).norm() > kStays))
+      trace.push_back({sighting.time, *position});
+  }
+  return trace;
 }
 
 std::vector<Look> MemoryData::looks_for_object(int64_t object, size_t first_scene) const {

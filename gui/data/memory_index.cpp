@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "mapping/base/json.h"
-#include "mapping/world/urdf.h"
 #include "memory/questions/answers.h"
+#include "memory/questions/place_names.h"
 #include "memory/questions/words.h"
 
 namespace loci {
@@ -15,7 +15,7 @@ namespace {
 constexpr size_t kKnownStates = 30;
 
 void read_names(const Store& store, MemoryIndex& index) {
-  for (const PlaceRow& place : store.places()) index.places[place.id] = place.name;
+  for (const PlaceRow& place : named_places(store)) index.places[place.id] = place.name;
   for (const FactRow& fact : store.facts()) {
     if (!fact.object || !fact.value) continue;
     if (fact.key == "alias") index.aliases[*fact.object] = *fact.value;
@@ -58,13 +58,11 @@ bool grow(const Store& store, const MemoryIndex& before, MemoryIndex& index) {
 }
 
 void read_places(const Store& store, const MemoryIndex* before, MemoryIndex& index) {
-  const auto maps = store.maps();
-  if (!maps.empty() && before != nullptr && before->world && before->info.runs == index.info.runs)
+  if (before != nullptr && before->world && before->info.runs == index.info.runs)
     index.world = before->world;
-  else if (!maps.empty())
-    index.world =
-        std::make_shared<const World>(parse_urdf(store.blob(maps.back().urdf).bytes, maps.back().name));
-  for (const PlaceRow& place : store.places())
+  else if (auto map = named_map(store))
+    index.world = std::make_shared<const World>(std::move(*map));
+  for (const PlaceRow& place : named_places(store))
     if (place.height && place.outline.size() > 2 &&
         !(index.world && index.world->find_link(place.name) != nullptr))
       index.loose_places.push_back({place.name, place.outline, *place.height});

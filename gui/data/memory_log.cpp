@@ -36,7 +36,8 @@ LogEntry entry_of(const AnnotatorTimes& times) {
 }
 
 LogEntry entry_of(const SceneRow& row, const SceneSummary& summary) {
-  LogEntry entry{.time = row.time, .what = fmt::format("scene {}", row.id), .scene = row.time};
+  LogEntry entry{
+      .time = row.time, .what = fmt::format("scene {}", row.id), .scene = row.time, .scene_id = row.id};
   entry.text = fmt::format("{} observation{}", summary.observations, summary.observations == 1 ? "" : "s");
   if (!summary.has_pose) entry.text += ", no pose";
   entry.details = fmt::format("scene {} at {}\n{}\nknown from {}", row.id, format_time(row.time), entry.text,
@@ -65,6 +66,21 @@ std::vector<LogEntry> memory_log(const std::filesystem::path& path) {
     for (const SceneRow& scene : scenes[run.id]) entries.push_back(entry_of(scene, summaries[scene.id]));
   }
   return entries;
+}
+
+std::string annotator_log(const std::filesystem::path& path, int64_t scene) {
+  const std::vector<LogRow> rows = Store::open_read(path).log(scene);
+  if (rows.empty()) return "What annotators did in this scene was not kept.";
+  double all = 0;
+  std::string text;
+  for (const LogRow& row : rows) {
+    all += row.milliseconds.value_or(0);
+    text += "\n" + row.annotator;
+    if (row.milliseconds) text += fmt::format(" {:.1f} ms", *row.milliseconds);
+    if (row.level != "info") text += ", " + row.level;
+    if (!row.text.empty()) text += ": " + row.text;
+  }
+  return fmt::format("annotators, {:.1f} ms together:{}", all, text);
 }
 
 }  // namespace loci

@@ -18,10 +18,14 @@ struct LogEntry {
   std::string details = {};          ///< all that is known, in lines
   bool is_problem = false;           ///< an error, or a run that did not finish
   std::optional<TimeNs> scene = {};  ///< the scene's time, which can be gone to
+  int64_t scene_id = 0;              ///< 0 = of no scene
 };
 
 /// Annotators, the slowest first; then runs in order, each with its scenes below it. Error when the file
 /// cannot be read.
 std::vector<LogEntry> memory_log(const std::filesystem::path& path);
+
+/// What annotators did in a scene and how long each took, a line each; says so when that was not kept.
+std::string annotator_log(const std::filesystem::path& path, int64_t scene);
 
 }  // namespace loci

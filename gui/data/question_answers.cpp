@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "memory/questions/place_names.h"
 #include "memory/questions/spoken.h"
 #include "memory/questions/words.h"
 
@@ -118,7 +119,7 @@ std::vector<std::string> example_questions(const Store& store) {
 std::vector<std::string> known_words(const Store& store) {
   std::set<std::string> words;
   for (const ObjectRow& object : store.objects()) words.insert(object_name(object.id));
-  for (const PlaceRow& place : store.places()) words.insert(place.name);
+  for (const PlaceRow& place : named_places(store)) words.insert(place.name);
   for (const FactRow& fact : store.facts())
     if (fact.value && (fact.key == "alias" || fact.key == "class")) words.insert(*fact.value);
   return {words.begin(), words.end()};

@@ -86,6 +86,11 @@ QVariant HistoryModel::data(const QModelIndex& index, int role) const {
 }
 
 QVariant HistoryModel::headerData(int section, Qt::Orientation orientation, int role) const {
+  if (orientation == Qt::Horizontal && role == Qt::ToolTipRole)
+    return section == probability_column
+               ? "How sure the memory was of this: of who it was, that it was there, or that it was gone"
+           : section == time_column ? "When it was noticed first"
+                                    : QVariant();
   if (orientation != Qt::Horizontal || role != Qt::DisplayRole) return {};
   switch (section) {
     case time_column:

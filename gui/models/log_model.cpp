@@ -56,7 +56,7 @@ QVariant LogModel::data(const QModelIndex& index, int role) const {
       const QString text = time_text(entry.time, zone);
       const bool same_day =
           entry.scene && text.left(10) == time_text(browser_.selection().time(), zone).left(10);
-      return same_day ? text.mid(11, 8) : text.mid(5, 11);
+      return same_day ? text.mid(11) : text.mid(5, 11);
     }
     case what_column:
       return QString::fromStdString(entry.scene ? "  " + entry.what : entry.what);

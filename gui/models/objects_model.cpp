@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 
+#include "gui/presence_help.h"
 #include "gui/text.h"
 #include "gui/theme.h"
 
@@ -175,8 +176,10 @@ QVariant ObjectsModel::object_data(const BelievedObject& object, int column, int
 }
 
 QVariant ObjectsModel::headerData(int section, Qt::Orientation orientation, int role) const {
-  if (orientation == Qt::Horizontal && role == Qt::ToolTipRole && section == probability_column)
-    return "How probable it is that the object is there";
+  if (orientation == Qt::Horizontal && role == Qt::ToolTipRole)
+    return section == probability_column ? "How probable it is that the object is there"
+           : section == state_column     ? kPresenceHelp
+                                         : "Places with the objects that are believed to be there";
   if (orientation != Qt::Horizontal || role != Qt::DisplayRole) return {};
   switch (section) {
     case name_column:

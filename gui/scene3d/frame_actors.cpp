@@ -1,7 +1,9 @@
 #include "gui/scene3d/frame_actors.h"
 
 #include <vtkActor.h>
+#include <vtkCamera.h>
 #include <vtkCellArray.h>
+#include <vtkMatrix4x4.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
@@ -10,12 +12,18 @@
 #include <vtkProperty.h>
 #include <vtkUnsignedCharArray.h>
 
+#include <vtkRenderWindow.h>
+
+#include <algorithm>
+#include <array>
 #include <numeric>
 
 #include "gui/scene3d/vtk_convert.h"
 
 namespace loci {
 namespace {
+
+constexpr double kLineWidth = 1.5;
 
 vtkSmartPointer<vtkActor> empty_actor(vtkRenderer* renderer) {
   auto actor = vtkSmartPointer<vtkActor>::New();
@@ -41,6 +49,7 @@ void show(vtkActor& actor, vtkPolyData* data) {
 FrameActors::FrameActors(vtkRenderer* renderer)
     : cloud_(empty_actor(renderer)), frustum_(empty_actor(renderer)) {
   clear();
+  set_pixels(1);
 }
 
 void FrameActors::clear() {
@@ -98,7 +107,6 @@ void FrameActors::set_camera(const PinholeCamera& camera, const Isometry3d& map_
   data->SetLines(lines);
   show(*frustum_, data);
   set_color(*frustum_->GetProperty(), colors.frustum);
-  frustum_->GetProperty()->SetLineWidth(1.5F);
   has_camera_ = true;
   set_camera_visible(camera_visible_);
 }
@@ -113,9 +121,46 @@ void FrameActors::set_camera_visible(bool visible) {
   frustum_->SetVisibility(visible && has_camera_);
 }
 
+void FrameActors::set_section(vtkPlane* plane) {
+  section_ = plane;
+  cloud_->GetMapper()->RemoveAllClippingPlanes();
+  if (plane != nullptr) cloud_->GetMapper()->AddClippingPlane(plane);
+}
+
+std::optional<Vector3d> FrameActors::point_near(vtkRenderer& renderer, double x, double y,
+                                                double reach) const {
+  if (cloud_->GetVisibility() == 0) return std::nullopt;
+  const int* size = renderer.GetRenderWindow()->GetSize();
+  const double width = std::max(1, size[0]), height = std::max(1, size[1]);
+  const vtkMatrix4x4* matrix =
+      renderer.GetActiveCamera()->GetCompositeProjectionTransformMatrix(width / height, -1, 1);
+  const Eigen::Matrix4d view_from_map =
+      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(matrix->GetData());
+  vtkPoints* points = vtkPolyData::SafeDownCast(cloud_->GetMapper()->GetInput())->GetPoints();
+  std::optional<Vector3d> nearest;
+  double least = 2;  // depths are from -1 to 1
+  for (vtkIdType i = 0; i < points->GetNumberOfPoints(); ++i) {
+    const Vector3d point(points->GetPoint(i));
+    const Eigen::Vector4d seen = view_from_map * point.homogeneous();
+    const Vector3d at = seen.hnormalized();
+    const double dx = (at.x() + 1) / 2 * width - x, dy = (at.y() + 1) / 2 * height - y;
+    if (seen.w() <= 0 || at.z() >= least || dx * dx + dy * dy > reach * reach) continue;
+    if (section_ != nullptr && section_->EvaluateFunction(point.x(), point.y(), point.z()) < 0) continue;
+    least = at.z();
+    nearest = point;
+  }
+  return nearest;
+}
+
 void FrameActors::set_point_size(double size) {
   point_size_ = size;
-  cloud_->GetProperty()->SetPointSize(static_cast<float>(size));
+  cloud_->GetProperty()->SetPointSize(static_cast<float>(size * pixels_));
+}
+
+void FrameActors::set_pixels(double pixels) {
+  pixels_ = pixels;
+  set_point_size(point_size_);
+  frustum_->GetProperty()->SetLineWidth(static_cast<float>(kLineWidth * pixels));
 }
 
 }  // namespace loci

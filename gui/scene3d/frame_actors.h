@@ -1,6 +1,7 @@
 #pragma once
 
 #include <vtkActor.h>
+#include <vtkPlane.h>
 #include <vtkRenderer.h>
 #include <vtkSmartPointer.h>
 
@@ -27,13 +28,21 @@ class FrameActors {
   /// Pixels; also for clouds that come later.
   void set_point_size(double size);
   double point_size() const { return point_size_; }
+  /// How many pixels of the screen one of the window has.
+  void set_pixels(double pixels);
   size_t point_count() const { return point_count_; }
+  /// Cuts away the points behind a plane; nullptr = none.
+  void set_section(vtkPlane* plane);
+  /// The point of the cloud nearest to the eye within `reach` pixels of a pixel (from the lower left corner);
+  /// unset when there is none.
+  std::optional<Vector3d> point_near(vtkRenderer& renderer, double x, double y, double reach) const;
   /// Around points and camera, map frame; empty when there are none.
   Eigen::AlignedBox3d bounds() const { return cloud_box_.merged(camera_box_); }
 
  private:
   vtkSmartPointer<vtkActor> cloud_, frustum_;
-  double point_size_ = 2;
+  vtkSmartPointer<vtkPlane> section_;  ///< null = none
+  double point_size_ = 2, pixels_ = 1;
   size_t point_count_ = 0;
   Eigen::AlignedBox3d cloud_box_, camera_box_;
   bool cloud_visible_ = true, camera_visible_ = true, has_camera_ = false;

@@ -6,6 +6,7 @@
 #include <vtkTextRenderer.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace loci {
@@ -20,7 +21,7 @@ constexpr int kChannels = 4;
 vtkSmartPointer<vtkTextProperty> style_of(bool emphasised, const SceneColors& colors) {
   auto text = vtkSmartPointer<vtkTextProperty>::New();
   text->SetFontFamilyToArial();
-  text->SetFontSize(kFontSize);
+  text->SetFontSize(static_cast<int>(std::lround(kFontSize * colors.pixels)));
   text->SetBold(emphasised);
   const SceneColor& front = emphasised ? colors.label_back : colors.label_text;
   const SceneColor& back = emphasised ? colors.accent : colors.label_back;
@@ -45,7 +46,7 @@ void make_clear(vtkImageData& image, int height) {
 
 void LabelAtlas::set_colors(const SceneColors& colors) {
   if (colors.label_text == colors_.label_text && colors.label_back == colors_.label_back &&
-      colors.accent == colors_.accent && height_ > 0)
+      colors.accent == colors_.accent && colors.pixels == colors_.pixels && height_ > 0)
     return;
   colors_ = colors;
   forget();

@@ -7,6 +7,7 @@
 #include <vtkCullerCollection.h>
 #include <vtkLight.h>
 #include <vtkNew.h>
+#include <vtkPlane.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
 
@@ -16,6 +17,7 @@
 #include <map>
 
 #include "gui/scene3d/frame_actors.h"
+#include "gui/scene3d/guide_actors.h"
 #include "gui/scene3d/object_actors.h"
 #include "gui/scene3d/world_actors.h"
 
@@ -27,7 +29,9 @@ constexpr double kFrustumPart = 0.08;
 constexpr double kLongestFrustum = 0.35;  // metres
 constexpr double kFieldOfViewDeg = 35;    // little perspective: sizes stay comparable
 constexpr double kMargin = 1.06;
-constexpr double kAroundObjects = 0.5;  // metres of room shown around the objects
+constexpr int kPickReach = 4;             // pixels around a click
+constexpr double kMeasuredBehind = 0.03;  // metres
+constexpr double kAroundObjects = 0.5;    // metres of room shown around the objects
 
 Eigen::AlignedBox3d inflated(const Eigen::AlignedBox3d& box, double by) {
   return {box.min() - Vector3d::Constant(by), box.max() + Vector3d::Constant(by)};
@@ -73,17 +77,16 @@ struct MapScene::Impl {
   vtkNew<vtkRenderer> overlay;  ///< labels: before everything, and not blurred by anti-aliasing
   ObjectActors objects{renderer.Get(), overlay.Get()};
   FrameActors frame{renderer.Get()};
+  GuideActors guides{renderer.Get()};
   SceneColors colors;
   JointState joints;
   std::vector<std::string> joint_names;
   std::optional<int64_t> object;
   std::string link;
   Vector3d side = Vector3d(-0.5, -1, 0);
-  std::map<MapLayer, bool> layers = {{MapLayer::map, true},
-                                     {MapLayer::objects, true},
-                                     {MapLayer::labels, true},
-                                     {MapLayer::cloud, true},
-                                     {MapLayer::camera, true}};
+  std::map<MapLayer, bool> layers = {
+      {MapLayer::map, true},    {MapLayer::objects, true}, {MapLayer::labels, true},  {MapLayer::cloud, true},
+      {MapLayer::camera, true}, {MapLayer::trace, true},   {MapLayer::cameras, false}};
 
   static void before_render(vtkObject*, unsigned long, void* client, void*) {
     auto* self = static_cast<Impl*>(client);
@@ -96,13 +99,18 @@ struct MapScene::Impl {
   /// By what is there now, not by what was there at the first look: the same scene gives the same picture.
   /// VTK would ask every actor for its size.
   void reset_clipping_range() {
-    Eigen::AlignedBox3d all = frame.bounds();
-    if (const auto room = world.bounds()) all.extend(*room);
-    if (const auto things = objects.bounds()) all.extend(*things);
+    const Eigen::AlignedBox3d all = bounds().merged(guides.bounds());
     if (all.isEmpty()) return;
     const std::array<double, 6> bounds = {all.min().x(), all.max().x(), all.min().y(),
                                           all.max().y(), all.min().z(), all.max().z()};
     renderer->ResetCameraClippingRange(bounds.data());
+  }
+
+  Eigen::AlignedBox3d bounds() const {
+    Eigen::AlignedBox3d all = frame.bounds();
+    if (const auto room = world.bounds()) all.extend(*room);
+    if (const auto things = objects.bounds()) all.extend(*things);
+    return all;
   }
 
   /// What bounds the view.
@@ -114,6 +122,14 @@ struct MapScene::Impl {
     std::vector<Eigen::Vector4d> planes;
     for (size_t i = 0; i < numbers.size(); i += 4) planes.emplace_back(numbers.data() + i);
     return planes;
+  }
+
+  bool pick(vtkCellPicker& picker, int x, int y) {
+    picker.SetTolerance(0.002);
+    picker.PickFromListOn();
+    for (vtkActor* actor : objects.pickable()) picker.AddPickList(actor);
+    for (vtkActor* actor : world.pickable()) picker.AddPickList(actor);
+    return picker.Pick(x, y, 0, renderer) != 0;
   }
 
   /// What is worth looking at first: the objects with some room around them, else the whole map.
@@ -208,6 +224,8 @@ void MapScene::clear_frame() {
 
 void MapScene::set_colors(const SceneColors& colors) {
   impl_->colors = colors;
+  impl_->guides.set_colors(colors);
+  impl_->frame.set_pixels(colors.pixels);
   impl_->renderer->SetBackground(colors.background_bottom[0], colors.background_bottom[1],
                                  colors.background_bottom[2]);
   impl_->renderer->SetBackground2(colors.background_top[0], colors.background_top[1],
@@ -219,6 +237,36 @@ void MapScene::set_colors(const SceneColors& colors) {
 
 const SceneColors& MapScene::colors() const {
   return impl_->colors;
+}
+
+void MapScene::set_trace(std::vector<Vector3d> points) {
+  impl_->guides.set_trace(std::move(points));
+}
+
+const std::vector<Vector3d>& MapScene::trace() const {
+  return impl_->guides.trace();
+}
+
+void MapScene::set_cameras(const std::vector<Isometry3d>& cameras) {
+  impl_->guides.set_cameras(cameras, kLongestFrustum / 2);
+}
+
+void MapScene::set_ruler(const std::vector<Vector3d>& points) {
+  impl_->guides.set_ruler(points);
+}
+
+void MapScene::set_section(const std::optional<MapSection>& section) {
+  vtkSmartPointer<vtkPlane> plane;
+  if (section) {
+    plane = vtkSmartPointer<vtkPlane>::New();
+    Vector3d normal = Vector3d::Unit(section->axis);
+    const Vector3d origin = section->at * normal;
+    if (section->below) normal = -normal;
+    plane->SetOrigin(origin.data());
+    plane->SetNormal(normal.data());
+  }
+  impl_->world.set_section(plane);
+  impl_->frame.set_section(plane);
 }
 
 void MapScene::select_object(std::optional<int64_t> id) {
@@ -245,6 +293,10 @@ void MapScene::set_layer(MapLayer layer, bool visible) {
       return impl_->frame.set_cloud_visible(visible);
     case MapLayer::camera:
       return impl_->frame.set_camera_visible(visible);
+    case MapLayer::trace:
+      return impl_->guides.set_trace_visible(visible);
+    case MapLayer::cameras:
+      return impl_->guides.set_cameras_visible(visible);
   }
 }
 
@@ -279,6 +331,21 @@ void MapScene::look_from(MapViewpoint viewpoint) {
   }
 }
 
+void MapScene::share_eye_of(MapScene& other) {
+  vtkCamera* camera = other.impl_->renderer->GetActiveCamera();
+  impl_->renderer->SetActiveCamera(camera);
+  impl_->overlay->SetActiveCamera(camera);
+}
+
+std::array<double, 9> MapScene::eye() const {
+  std::array<double, 9> eye = {};
+  vtkCamera* camera = impl_->renderer->GetActiveCamera();
+  camera->GetPosition(eye.data());
+  camera->GetFocalPoint(eye.data() + 3);
+  camera->GetViewUp(eye.data() + 6);
+  return eye;
+}
+
 void MapScene::frame_selection() {
   auto box = impl_->object ? impl_->objects.bounds_of(*impl_->object) : std::nullopt;
   if (!box && !impl_->link.empty()) box = impl_->world.bounds_of(impl_->link);
@@ -293,15 +360,26 @@ void MapScene::set_moving(bool moving) {
 
 MapPick MapScene::pick(int x, int y) {
   vtkNew<vtkCellPicker> picker;
-  picker->SetTolerance(0.002);
-  picker->PickFromListOn();
-  for (vtkActor* actor : impl_->objects.pickable()) picker->AddPickList(actor);
-  for (vtkActor* actor : impl_->world.pickable()) picker->AddPickList(actor);
   MapPick result;
-  if (picker->Pick(x, y, 0, impl_->renderer) == 0) return result;
+  if (!impl_->pick(*picker, x, y)) return result;
   result.object = impl_->objects.object_of(picker->GetActor(), picker->GetCellId());
   if (const std::string* link = impl_->world.link_of(picker->GetActor())) result.link = *link;
   return result;
+}
+
+std::optional<Vector3d> MapScene::pick_point(int x, int y) {
+  const auto measured = impl_->frame.point_near(*impl_->renderer, x, y, kPickReach);
+  vtkNew<vtkCellPicker> picker;
+  if (!impl_->pick(*picker, x, y)) return measured;
+  const Vector3d modelled(picker->GetPickPosition());
+  if (!measured) return modelled;
+  const Vector3d eye(impl_->renderer->GetActiveCamera()->GetPosition());
+  // What was measured of a surface counts for more than how that is modelled.
+  return (*measured - eye).norm() < (modelled - eye).norm() + kMeasuredBehind ? *measured : modelled;
+}
+
+Eigen::AlignedBox3d MapScene::bounds() const {
+  return impl_->bounds();
 }
 
 const std::vector<MapObject>& MapScene::objects() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,10 +22,17 @@ struct ColoredCloud;
 struct PreparedWorld;
 
 /// What can be shown and hidden.
-enum class MapLayer { map, objects, labels, cloud, camera };
+enum class MapLayer { map, objects, labels, cloud, camera, trace, cameras };
 
 /// Where to look from.
 enum class MapViewpoint { overview, top, front, left };
+
+/// What of the map and the cloud is shown: all on one side of a plane across an axis of the map.
+struct MapSection {
+  int axis = 2;       ///< 0 = x, 1 = y, 2 = z
+  double at = 0;      ///< metres along it
+  bool below = true;  ///< the lower side is shown, else the upper one
+};
 
 /// What lies under a pixel.
 struct MapPick {
@@ -51,6 +59,14 @@ class MapScene {
   void set_cloud(const ColoredCloud& cloud);
   void set_camera(const PinholeCamera& camera, const Isometry3d& map_from_camera);
   void clear_frame();
+  /// The way of the chosen object, in the order of time.
+  void set_trace(std::vector<Vector3d> points);
+  const std::vector<Vector3d>& trace() const;
+  /// From where all scenes were looked at (map_from_camera).
+  void set_cameras(const std::vector<Isometry3d>& cameras);
+  /// Up to two points that are measured between.
+  void set_ruler(const std::vector<Vector3d>& points);
+  void set_section(const std::optional<MapSection>& section);
   void set_colors(const SceneColors& colors);
   const SceneColors& colors() const;
 
@@ -65,6 +81,10 @@ class MapScene {
   /// The side from which an overview looks: horizontal direction from the objects towards the eye.
   void set_overview_side(const Vector3d& towards_eye);
   void look_from(MapViewpoint viewpoint);
+  /// Looks with the eye of another scene from now on: who moves one moves both.
+  void share_eye_of(MapScene& other);
+  /// Where the eye is, what it looks at and what is up: nine numbers.
+  std::array<double, 9> eye() const;
   /// Moves the eye along its line of sight so that the selection (or all, when nothing is selected) fills the
   /// view.
   void frame_selection();
@@ -74,6 +94,10 @@ class MapScene {
 
   /// `x`, `y` in pixels from the lower left corner.
   MapPick pick(int x, int y);
+  /// The place in the map that is seen at a pixel; unset = nothing is.
+  std::optional<Vector3d> pick_point(int x, int y);
+  /// Around map, objects and frame; empty when nothing is shown.
+  Eigen::AlignedBox3d bounds() const;
   const std::vector<MapObject>& objects() const;
   size_t point_count() const;
   std::vector<std::string> shown_labels() const;

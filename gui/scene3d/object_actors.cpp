@@ -48,6 +48,7 @@ Color4 face_color(const MapObject& object) {
 
 /// Edges are opaque, which costs no pass over the whole picture; those of ghosts fade into the background.
 Color4 edge_color(const MapObject& object, bool selected, const SceneColors& colors) {
+  if (object.mark && !selected) return {(*object.mark)[0], (*object.mark)[1], (*object.mark)[2], 255};
   const SceneColor& line = selected ? colors.accent : colors.edges;
   const double fade = object.ghost && !selected ? 0.5 : 0;
   Color4 color = {0, 0, 0, 255};
@@ -137,9 +138,7 @@ ObjectActors::ObjectActors(vtkRenderer* renderer, vtkRenderer* overlay)
   ghosts_.actor->ForceOpaqueOn();
   ghosts_.actor->GetProperty()->BackfaceCullingOn();
   edges_.actor = layer_actor(*renderer_, true);
-  edges_.actor->GetProperty()->SetLineWidth(1.5F);
   selected_edges_.actor = layer_actor(*renderer_, true);
-  selected_edges_.actor->GetProperty()->SetLineWidth(4.0F);
 }
 
 void ObjectActors::set(std::vector<MapObject> objects, const SceneColors& colors) {
@@ -154,6 +153,8 @@ void ObjectActors::select(std::optional<int64_t> id, const SceneColors& colors) 
 /// However much changes at once, it is made once, and only when it is drawn.
 void ObjectActors::set_colors(const SceneColors& colors) {
   colors_ = colors;
+  edges_.actor->GetProperty()->SetLineWidth(static_cast<float>(1.5 * colors.pixels));
+  selected_edges_.actor->GetProperty()->SetLineWidth(static_cast<float>(4 * colors.pixels));
   due_ = true;
 }
 
@@ -167,8 +168,9 @@ void ObjectActors::rebuild() {
     const bool selected = selected_ == object.id;
     if (!object.ghost) solid.add_faces(object);
     (object.ghost ? ghosts_ : solid_).objects.push_back(i);
-    (selected ? selected_edges : edges).add_edges(object, edge_color(object, selected, colors_));
-    (selected ? selected_edges_ : edges_).objects.push_back(i);
+    const bool thick = selected || object.mark;
+    (thick ? selected_edges : edges).add_edges(object, edge_color(object, selected, colors_));
+    (thick ? selected_edges_ : edges_).objects.push_back(i);
     labels.push_back(label_of(object, selected));
   }
   solid.show_as(*solid_.actor, false);

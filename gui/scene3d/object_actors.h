@@ -24,8 +24,9 @@ struct MapObject {
   Isometry3d map_from_object = Isometry3d::Identity();
   Vector3d size = Vector3d::Zero();  ///< full extents, metres
   std::array<uint8_t, 3> rgb = {160, 160, 160};
-  bool ghost = false;      ///< not seen at this time: drawn translucent
-  double probability = 1;  ///< a ghost is the paler the less is believed
+  bool ghost = false;                               ///< not seen at this time: drawn translucent
+  double probability = 1;                           ///< a ghost is the paler the less is believed
+  std::optional<std::array<uint8_t, 3>> mark = {};  ///< colour of its edges; unset = as others
 };
 
 /// Objects as oriented boxes with names. All boxes are a handful of actors: hundreds of them would cost more
@@ -68,7 +69,7 @@ class ObjectActors {
   Vector3d eye_ = Vector3d::Zero();  ///< that the ghosts are sorted for
   SceneColors colors_;
   bool due_ = false, ghosts_due_ = false;
-  Layer solid_, ghosts_, edges_, selected_edges_;
+  Layer solid_, ghosts_, edges_, selected_edges_;  ///< of the last: chosen or marked
   std::optional<int64_t> selected_;
   bool visible_ = true;
 };

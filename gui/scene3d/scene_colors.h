@@ -17,11 +17,15 @@ struct SceneColors {
   SceneColor label_back = {1, 1, 1};
   SceneColor accent = {0.00, 0.45, 0.85};  ///< the selection
   SceneColor frustum = {0.85, 0.45, 0.05};
+  SceneColor ruler = {0.80, 0.10, 0.55};
+
+  double pixels = 1;  ///< of the screen for one of the window: letters, lines and points grow with it
 
   static SceneColors light() { return {}; }
   static SceneColors dark() {
-    return {{0.17, 0.18, 0.20}, {0.09, 0.10, 0.11}, {0.62, 0.62, 0.61}, {0.16, 0.16, 0.17},
-            {0.95, 0.96, 0.97}, {0.10, 0.11, 0.12}, {0.35, 0.70, 1.00}, {1.00, 0.65, 0.25}};
+    return {{0.17, 0.18, 0.20}, {0.09, 0.10, 0.11}, {0.62, 0.62, 0.61},
+            {0.16, 0.16, 0.17}, {0.95, 0.96, 0.97}, {0.10, 0.11, 0.12},
+            {0.35, 0.70, 1.00}, {1.00, 0.65, 0.25}, {1.00, 0.45, 0.80}};
   }
 };
 

@@ -95,6 +95,7 @@ void WorldActors::add_outline(const std::string& name, const std::vector<Vector2
   actors.edges->PickableOff();
   renderer_->AddActor(actors.surface);
   renderer_->AddActor(actors.edges);
+  cut(actors);
   links_.push_back(std::move(actors));
   take_boxes();
   set_colors(colors);
@@ -134,6 +135,7 @@ void WorldActors::set(const World& world, const PreparedWorld& prepared, const S
     else
       renderer_->AddActor(actors.surface);
     renderer_->AddActor(actors.edges);
+    cut(actors);
     links_.push_back(std::move(actors));
   }
   for (vtkActor* actor : see_through) renderer_->AddActor(actor);
@@ -161,6 +163,7 @@ void WorldActors::set_colors(const SceneColors& colors) {
     link.surface->GetProperty()->SetSpecular(0);
     set_color(*link.edges->GetProperty(), colors.edges);
     link.edges->GetProperty()->SetLighting(false);
+    link.edges->GetProperty()->SetLineWidth(static_cast<float>(colors.pixels));
   }
 }
 
@@ -177,7 +180,19 @@ void WorldActors::select(const std::string& selected, const SceneColors& colors)
     const bool on = !selected.empty() && link.name == selected;
     vtkProperty* edges = link.edges->GetProperty();
     set_color(*edges, on ? colors.accent : colors.edges);
-    edges->SetLineWidth(on ? 3.0F : 1.0F);
+    edges->SetLineWidth(static_cast<float>((on ? 3 : 1) * colors.pixels));
+  }
+}
+
+void WorldActors::set_section(vtkPlane* plane) {
+  section_ = plane;
+  for (const LinkActors& link : links_) cut(link);
+}
+
+void WorldActors::cut(const LinkActors& link) const {
+  for (vtkActor* actor : {link.surface.Get(), link.edges.Get()}) {
+    actor->GetMapper()->RemoveAllClippingPlanes();
+    if (section_ != nullptr) actor->GetMapper()->AddClippingPlane(section_);
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <vtkActor.h>
+#include <vtkPlane.h>
 #include <vtkPolyData.h>
 #include <vtkRenderer.h>
 #include <vtkSmartPointer.h>
@@ -47,6 +48,9 @@ class WorldActors {
   /// Emphasises a link and what hangs on it ("" = none).
   void select(const std::string& link, const SceneColors& colors);
 
+  /// Cuts away what lies behind a plane; nullptr = nothing.
+  void set_section(vtkPlane* plane);
+
   /// Shows what is worth drawing: neither what is out of view nor walls and ceilings that stand between the
   /// eye and the middle of the world. `planes` bound the view, inwards: normal and distance.
   void arrange(const Vector3d& eye, const std::vector<Eigen::Vector4d>& planes);
@@ -69,12 +73,14 @@ class WorldActors {
   };
 
   void take_boxes();
+  void cut(const LinkActors& link) const;
   bool hides_the_room(const LinkActors& link, const Vector3d& eye) const;
 
   vtkRenderer* renderer_;
   World world_;
   std::vector<LinkActors> links_;
-  Eigen::AlignedBox3d all_;  ///< around all links
+  Eigen::AlignedBox3d all_;            ///< around all links
+  vtkSmartPointer<vtkPlane> section_;  ///< null = none
   bool visible_ = true;
 };
 

@@ -99,7 +99,7 @@ void AssociationLines::paintEvent(QPaintEvent*) {
     const int middle =
         static_cast<int>((static_cast<double>(i) + 0.5) * width() / static_cast<double>(scenes_.size()));
     painter.drawText(QRect(middle - 40, kTitle, 80, kStamp), Qt::AlignCenter,
-                     time_text(scenes_[i].scene.time, zone_minutes_).mid(11, 8));
+                     time_text(scenes_[i].scene.time, zone_minutes_).mid(11, 10));
     for (size_t k = 0; k < scenes_[i].observations.size(); ++k) {
       const DecidedObservation& observation = scenes_[i].observations[k];
       const QRect area = tile(i, k);

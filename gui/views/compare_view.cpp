@@ -1,5 +1,6 @@
 #include "gui/views/compare_view.h"
 
+#include <QCheckBox>
 #include <QComboBox>
 #include <QFileDialog>
 #include <QFileInfo>
@@ -28,6 +29,7 @@ CompareView::CompareView(Browser& browser, QWidget* parent)
       browser_(browser),
       stamp_(new QLineEdit(this)),
       source_(new QComboBox(this)),
+      beside_(new QCheckBox("Both maps", this)),
       state_(new QLabel(this)),
       model_(new DifferencesModel(this)),
       table_(new QTableView(this)) {
@@ -62,7 +64,19 @@ CompareView::CompareView(Browser& browser, QWidget* parent)
   source_->setMinimumContentsLength(14);
   connect(source_, QOverload<int>::of(&QComboBox::activated), this, &CompareView::take_source);
   layout->addLayout(head);
-  layout->addWidget(source_);
+  beside_->setToolTip(
+      "The map of the other time or memory beside the map, seen by the same eye; what differs has coloured "
+      "edges (loci-browse --beside)");
+  auto* second = new QHBoxLayout;
+  second->addWidget(source_, 1);
+  second->addWidget(beside_);
+  layout->addLayout(second);
+  connect(beside_, &QCheckBox::toggled, this, [this](bool on) {
+    if (on)
+      refresh();
+    else
+      Q_EMIT compared();
+  });
   layout->addWidget(state_);
   layout->addWidget(table_, 1);
   connect(pin, &QToolButton::clicked, this, [this] { set_other(browser_.selection().time()); });
@@ -153,13 +167,15 @@ void CompareView::take_stamp() {
 }
 
 void CompareView::refresh() {
-  if (!is_looked_at()) return;
+  if (!is_looked_at() && !beside_->isChecked()) return;
   const BrowserData* memory = browser_.data();
   setEnabled(memory != nullptr);
   if (memory == nullptr) {
     state_->setText("Open a memory to compare two of its times.");
     stamp_->clear();
-    return model_->set({}, "Then", "Now");
+    model_->set({}, "Then", "Now");
+    Q_EMIT compared();
+    return;
   }
   stamp_->setText(time_text(other_, memory->info().zone_minutes));
   stamp_->setCursorPosition(0);
@@ -173,13 +189,18 @@ void CompareView::read_other() {
         return another ? another->belief_at(time) : source.belief_at(time, known_at);
       },
       [this](const BelievedScene& then) {
-        show_differences(another_ ? renumbered(then, browser_.belief()) : then);
+        same_.clear();
+        if (!another_) return show_differences(then);
+        const BelievedScene same = renumbered(then, browser_.belief());
+        for (size_t i = 0; i < same.objects.size(); ++i)
+          same_.emplace_back(same.objects[i].id, then.objects[i].id);
+        show_differences(same);
       });
 }
 
 void CompareView::show_differences(const BelievedScene& then) {
   const int zone = browser_.data()->info().zone_minutes;
-  const auto head = [zone](TimeNs time) { return "At " + time_text(time, zone).mid(11, 8); };
+  const auto head = [zone](TimeNs time) { return "At " + time_text(time, zone).mid(11, 10); };
   model_->set(differences(then, browser_.belief()), head(other_), head(browser_.selection().time()));
   if (other_ == browser_.selection().time() && !known_at_ && !another_)
     state_->setText("This is the chosen time: choose another one below.");
@@ -187,6 +208,20 @@ void CompareView::show_differences(const BelievedScene& then) {
     state_->setText("Nothing differs.");
   else
     state_->setText(QString("%1 difference%2").arg(shown().size()).arg(shown().size() == 1 ? "" : "s"));
+  Q_EMIT compared();
+}
+
+OtherBelief CompareView::beside() const {
+  OtherBelief other;
+  if (!beside_->isChecked() || browser_.data() == nullptr) return other;
+  other.memory = another_ ? another_ : browser_.shared_data();
+  other.time = other_;
+  other.known_at = known_at_;
+  other.same = same_;
+  other.is_same_memory = another_ == nullptr;
+  other.title = time_text(other_, other.memory->info().zone_minutes);
+  if (another_ || known_at_) other.title += ", " + source_->currentText();
+  return other;
 }
 
 }  // namespace loci

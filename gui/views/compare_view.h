@@ -4,8 +4,10 @@
 
 #include "gui/browser.h"
 #include "gui/models/differences_model.h"
+#include "gui/views/map_pair.h"
 #include "gui/views/page.h"
 
+class QCheckBox;
 class QLabel;
 class QComboBox;
 class QLineEdit;
@@ -29,7 +31,14 @@ class CompareView : public Page {
   TimeNs other() const { return other_; }
   QLineEdit* stamp() const { return stamp_; }
   QTableView* table() const { return table_; }
+  /// What it is compared with, for a map beside the map; of no memory when that is not wanted.
+  OtherBelief beside() const;
+  QCheckBox* beside_box() const { return beside_; }
   const std::vector<Difference>& shown() const { return model_->differences(); }
+
+ Q_SIGNALS:
+  /// There are other differences, or another wish to see both maps.
+  void compared();
 
  protected:
   void look() override { refresh(); }
@@ -47,6 +56,8 @@ class CompareView : public Page {
   Browser& browser_;
   QLineEdit* stamp_;
   QComboBox* source_;
+  QCheckBox* beside_;
+  std::vector<std::pair<int64_t, int64_t>> same_;  ///< of another memory: number here, number there
   QLabel* state_;
   DifferencesModel* model_;
   QTableView* table_;

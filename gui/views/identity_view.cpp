@@ -65,7 +65,7 @@ void IdentityView::show_decisions(std::vector<SceneDecisions>& scenes) {
   const SceneDecisions last = scenes.empty() ? SceneDecisions{} : scenes.back();
   const size_t seen = last.observations.size();
   QString text = QString("Scene of %1: %2 thing%3 seen")
-                     .arg(time_text(last.scene.time, zone).mid(11, 8))
+                     .arg(time_text(last.scene.time, zone).mid(11, 10))
                      .arg(seen)
                      .arg(seen == 1 ? "" : "s");
   if (seen == 0)

@@ -53,16 +53,20 @@ LogView::LogView(Browser& browser, QWidget* parent)
   });
   connect(&browser_, &Browser::failed, model_, &LogModel::add_problem);
   connect(&browser_, &Browser::opened, this, &LogView::forget);
+  connect(&browser_, &Browser::belief_changed, this, &LogView::follow_scene);
+  connect(model_, &QAbstractItemModel::modelReset, this, &LogView::follow_scene);
 }
 
 void LogView::forget() {
   loaded_ = false;
+  followed_ = 0;
   model_->set_memory_log({});
   if (is_looked_at()) load();
 }
 
 void LogView::look() {
   if (!loaded_) load();
+  follow_scene();
 }
 
 void LogView::load() {
@@ -80,8 +84,32 @@ void LogView::load() {
 void LogView::show_details() {
   const QModelIndex index = table_->currentIndex();
   copy_->setEnabled(index.isValid());
-  details_->setPlainText(index.isValid() ? QString::fromStdString(model_->entry(index.row()).details)
-                                         : QString());
+  if (!index.isValid()) return details_->clear();
+  const LogEntry& entry = model_->entry(index.row());
+  const QString text = QString::fromStdString(entry.details);
+  details_->setPlainText(text);
+  if (entry.scene_id == 0 || browser_.data() == nullptr) return;
+  in_background<std::string>(
+      this,
+      [path = browser_.data()->info().path, scene = entry.scene_id] { return annotator_log(path, scene); },
+      [this, text](const std::string& log) {  // unless another line is shown by now
+        if (details_->toPlainText() == text)
+          details_->setPlainText(QString::fromStdString(log) + "\n\n" + text);
+      },
+      [this](const std::exception_ptr& error) { Q_EMIT browser_.failed(reason_of(error)); });
+}
+
+void LogView::follow_scene() {
+  const SceneEntry* scene = browser_.scene();
+  if (!is_looked_at() || scene == nullptr || scene->time == followed_) return;
+  for (int row = 0; row < model_->rowCount(); ++row)
+    if (model_->entry(row).scene == scene->time) {
+      followed_ = scene->time;
+      const QModelIndex line = model_->index(row, LogModel::what_column);
+      table_->setCurrentIndex(line);
+      table_->scrollTo(line, QAbstractItemView::PositionAtCenter);
+      return;
+    }
 }
 
 void LogView::copy_details() {

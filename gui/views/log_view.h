@@ -31,6 +31,8 @@ class LogView : public Page {
   void forget();
   void load();
   void show_details();
+  /// To the line of the chosen scene, when that is another one.
+  void follow_scene();
 
   Browser& browser_;
   LogModel* model_;
@@ -38,6 +40,7 @@ class LogView : public Page {
   QPlainTextEdit* details_;
   QToolButton* copy_;
   bool loaded_ = false;
+  TimeNs followed_ = 0;  ///< the scene that was gone to last
 };
 
 }  // namespace loci

@@ -15,6 +15,8 @@ namespace {
 
 /// After this the time is no longer being scrubbed and the picture may take longer.
 constexpr int kStillMs = 300;
+/// More of them are a thicket.
+constexpr size_t kMostCameras = 400;
 
 /// A picture of one colour is what a context without drawing gives; even an empty scene has a gradient.
 bool is_blank(const QImage& image) {
@@ -53,13 +55,17 @@ MapView::MapView(Browser& browser, MapBackend backend, QWidget* parent)
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(0, 0, 0, 0);
   layout->addWidget(canvas_);
-  connect(canvas_, &MapCanvas::drawn, this, &MapView::drawn);
+  connect(canvas_, &MapCanvas::drawn, this, [this] {
+    drawn_eye_ = scene_->eye();
+    Q_EMIT drawn();
+  });
   scene_ = std::make_unique<MapScene>(canvas_->window());
   take_mouse();
-  scene_->set_colors(Theme::of(palette()).scene());
+  take_colors();
   connect(&browser_, &Browser::opened, this, &MapView::show_memory);
   connect(&browser_, &Browser::belief_changed, this, &MapView::show_belief);
   connect(&browser_, &Browser::selected, this, &MapView::show_selection);
+  connect(&browser_, &Browser::opened, this, &MapView::show_cameras);
   still_.setSingleShot(true);
   still_.setInterval(kStillMs);
   connect(&still_, &QTimer::timeout, this, [this] {
@@ -67,6 +73,7 @@ MapView::MapView(Browser& browser, MapBackend backend, QWidget* parent)
     redraw();
   });
   show_memory();
+  show_cameras();
   show_belief();
 }
 
@@ -88,10 +95,14 @@ void MapView::show_memory() {
   const std::string path = memory == nullptr ? "" : memory->info().path;
   const World* world = memory == nullptr ? nullptr : memory->world();
   const bool same = path == memory_;
+  traced_.reset();  // it may have been seen again
   scene_->set_overview_side(memory == nullptr ? Vector3d(-0.5, -1, 0) : usual_side(*memory));
   if (same && world == world_ && !waits_for_world_ && world != nullptr)
     return;  // it has grown: the eye stays
-  if (!same) first_look_ = true;
+  if (!same) {
+    first_look_ = true;
+    joints_by_hand_.clear();
+  }
   memory_ = path;
   world_ = world;
   waits_for_world_ = memory != nullptr;
@@ -120,13 +131,34 @@ void MapView::take_world(const PreparedWorld& world) {
   place_eye();
 }
 
-void MapView::show_belief() {
+void MapView::show_objects() {
   std::vector<MapObject> objects;
-  for (const BelievedObject& object : browser_.belief().objects)
-    if (object.map_from_object && object.presence != Presence::gone) objects.push_back(map_object_of(object));
+  for (const BelievedObject& object : browser_.belief().objects) {
+    if (!object.map_from_object || object.presence == Presence::gone) continue;
+    objects.push_back(map_object_of(object));
+    if (const auto mark = marks_.find(object.id); mark != marks_.end()) objects.back().mark = mark->second;
+  }
   scene_->set_objects(std::move(objects));
+}
+
+void MapView::set_marks(std::map<int64_t, std::array<uint8_t, 3>> marks) {
+  if (marks == marks_) return;
+  marks_ = std::move(marks);
+  show_objects();
+  show_selection();
+}
+
+void MapView::share_eye_of(MapView& other) {
+  scene_->share_eye_of(*other.scene_);
+  own_eye_ = false;
+  redraw();
+}
+
+void MapView::show_belief() {
+  show_objects();
   scene_->set_moving(true);
   still_.start();
+  if (joints_time_ != browser_.belief().time) joints_by_hand_.clear();
   show_joints();
   show_frame();
   show_selection();
@@ -136,13 +168,15 @@ void MapView::show_belief() {
 void MapView::show_joints() {
   if (world_ == nullptr) return;
   Warnings warnings;
-  scene_->set_joints(browser_.belief().joints, warnings);
+  scene_->set_joints(joints(), warnings);
   for (const std::string& text : warnings.texts()) Q_EMIT warned(QString::fromStdString(text));
 }
 
 /// The first look waits for everything that is to be seen.
 void MapView::place_eye() {
-  if (!first_look_ || browser_.data() == nullptr || waits_for_world_ || browser_.belief().time == 0) return;
+  if (!own_eye_ || !first_look_ || browser_.data() == nullptr || waits_for_world_ ||
+      browser_.belief().time == 0)
+    return;
   scene_->look_from(MapViewpoint::overview);
   first_look_ = false;
 }
@@ -154,13 +188,94 @@ void MapView::show_frame() {
   scene_->set_camera(moment.content->camera.depth, *moment.content->map_from_camera);
 }
 
+/// From where the scenes were looked at; evenly chosen where there are very many.
+void MapView::show_cameras() {
+  std::vector<Isometry3d> cameras;
+  const size_t count = browser_.data() == nullptr ? 0 : browser_.data()->scenes().size();
+  for (size_t i = 0; i < count; i += count / kMostCameras + 1)
+    if (const auto& pose = browser_.data()->scenes()[i].map_from_camera) cameras.push_back(*pose);
+  scene_->set_cameras(cameras);
+}
+
+void MapView::read_trace() {
+  const auto object = browser_.selection().object();
+  if (object == traced_) return;
+  traced_ = object;
+  trace_.clear();
+  if (!object) return;
+  browser_.reader().read<std::vector<TracePoint>>(
+      this, "trace", Urgency::selection,
+      [id = *object](const BrowserData& memory) { return memory.trace(id); },
+      [this](std::vector<TracePoint>& trace) {
+        trace_ = std::move(trace);
+        show_trace();
+        redraw();
+      });
+}
+
+/// The way until now.
+void MapView::show_trace() {
+  std::vector<Vector3d> points;
+  for (const TracePoint& point : trace_)
+    if (point.time <= browser_.selection().time()) points.push_back(point.position);
+  if (points != scene_->trace()) scene_->set_trace(std::move(points));
+}
+
+JointState MapView::joints() const {
+  JointState joints = browser_.belief().joints;
+  for (const auto& [name, position] : joints_by_hand_) joints[name] = position;
+  return joints;
+}
+
+void MapView::set_joints_by_hand(const JointState& joints) {
+  joints_by_hand_ = joints;
+  joints_time_ = browser_.belief().time;
+  show_joints();
+  redraw();
+}
+
+void MapView::set_section(const std::optional<MapSection>& section) {
+  scene_->set_section(section);
+  redraw();
+}
+
+void MapView::set_measuring(bool measuring) {
+  measuring_ = measuring;
+  canvas_->setCursor(measuring ? Qt::CrossCursor : Qt::ArrowCursor);
+  ruler_.clear();
+  scene_->set_ruler({});
+  Q_EMIT measured({});
+  redraw();
+}
+
+void MapView::measure_at(int x, int y) {
+  const auto point = scene_->pick_point(x, y);
+  if (!point) return;
+  if (ruler_.size() == 2) ruler_.clear();
+  ruler_.push_back(*point);
+  scene_->set_ruler(ruler_);
+  const auto place = [](const Vector3d& p) {
+    return QString("%1, %2, %3 m").arg(p.x(), 0, 'f', 3).arg(p.y(), 0, 'f', 3).arg(p.z(), 0, 'f', 3);
+  };
+  if (ruler_.size() < 2) {
+    Q_EMIT measured("from " + place(ruler_[0]));
+  } else {
+    const Vector3d way = ruler_[1] - ruler_[0];
+    Q_EMIT measured(QString("%1 m apart; along x, y, z: %2").arg(way.norm(), 0, 'f', 3).arg(place(way)));
+  }
+  redraw();
+}
+
 void MapView::show_selection() {
+  read_trace();
+  show_trace();
   scene_->select_object(browser_.selection().object());
   scene_->select_link(browser_.selection().place());
   redraw();
 }
 
 void MapView::clicked(int x, int y) {
+  if (measuring_) return measure_at(x, y);
   const MapPick pick = scene_->pick(x, y);
   if (pick.object)
     browser_.selection().select_object(pick.object);
@@ -202,10 +317,22 @@ QImage MapView::picture() {
   return image;
 }
 
+void MapView::take_colors() {
+  SceneColors colors = Theme::of(palette()).scene();
+  colors.pixels = devicePixelRatioF();
+  scene_->set_colors(colors);
+}
+
+/// A window that comes to another screen is resized there.
+void MapView::resizeEvent(QResizeEvent* event) {
+  QWidget::resizeEvent(event);
+  if (scene_ && scene_->colors().pixels != devicePixelRatioF()) take_colors();
+}
+
 void MapView::changeEvent(QEvent* event) {
   QWidget::changeEvent(event);
   if (event->type() != QEvent::PaletteChange || !scene_) return;
-  scene_->set_colors(Theme::of(palette()).scene());
+  take_colors();
   redraw();
 }
 

@@ -8,6 +8,7 @@
 #include <QVBoxLayout>
 
 #include "gui/models/history_model.h"
+#include "gui/presence_help.h"
 #include "gui/text.h"
 #include "gui/theme.h"
 #include "gui/views/object_details_view.h"
@@ -91,6 +92,7 @@ void ObjectCard::build_rows() {
   for (const char* name : {"Place", "State", "Last seen", "Colour", "Size", "Position"}) {
     auto* value = selectable_label(rows_);
     form->addRow(name, value);
+    if (QString(name) == "State") value->setToolTip(kPresenceHelp);
     values_.emplace_back(name, value);
   }
   probability_->setRange(0, 1000);

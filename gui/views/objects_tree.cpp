@@ -42,7 +42,10 @@ ObjectsTree::ObjectsTree(Browser& browser, QWidget* parent)
   filtered_->setSourceModel(model_);
   search_->setPlaceholderText("Search name, colour, place, state");
   search_->setClearButtonEnabled(true);
-  search_->setToolTip("Shows only what contains this text (Ctrl+F)");
+  search_->setToolTip(
+      "Shows only what contains this text (Ctrl+F). Enter chooses what the words mean, also by what is "
+      "written on "
+      "it: milk, red cup, Ada's");
   view_->setModel(filtered_);
   view_->setUniformRowHeights(true);
   view_->setIndentation(12);
@@ -69,6 +72,21 @@ ObjectsTree::ObjectsTree(Browser& browser, QWidget* parent)
   layout->addWidget(view_);
   layout->addWidget(count_);
 
+  connect(search_, &QLineEdit::returnPressed, this, [this] {
+    browser_.reader().read<FoundThings>(
+        this, "find", Urgency::moment,
+        [words = search_->text().trimmed().toStdString(),
+         time = browser_.selection().time()](const BrowserData& memory) { return memory.find(words, time); },
+        [this](const FoundThings& found) {
+          if (!found.objects.empty()) {
+            show_all();
+            browser_.selection().select_object(found.objects.front());
+          } else if (!found.place.empty()) {
+            show_all();
+            browser_.selection().select_place(found.place);
+          }
+        });
+  });
   connect(search_, &QLineEdit::textChanged, this, [this](const QString& text) {
     following_ = true;  // The view moves on to a row that stays; nobody chose it.
     filtered_->search(text);

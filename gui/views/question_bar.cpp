@@ -60,7 +60,7 @@ QuestionBar::QuestionBar(Browser& browser, QWidget* parent)
       line_(new QLineEdit(this)),
       list_(new QListWidget(this)),
       answers_(new QTextBrowser(this)),
-      hint_(new QLabel("Enter asks · Tab completes · ↑ ↓ choose · Esc closes", this)) {
+      hint_(new QLabel("Enter asks · Tab completes · ↓ choose · ↑ asked before · Esc closes", this)) {
   setObjectName("question_bar");
   setFrameShape(QFrame::StyledPanel);
   setFrameShadow(QFrame::Raised);
@@ -88,7 +88,10 @@ QuestionBar::QuestionBar(Browser& browser, QWidget* parent)
   layout->addWidget(answers_);
   layout->addWidget(hint_);
   hide();
-  connect(line_, &QLineEdit::textEdited, this, &QuestionBar::refresh_suggestions);
+  connect(line_, &QLineEdit::textEdited, this, [this] {
+    recalled_ = -1;
+    refresh_suggestions();
+  });
   connect(line_, &QLineEdit::textChanged, this, [this](const QString& text) {
     if (text.isEmpty()) refresh_suggestions();  // the clear button is no edit
   });
@@ -140,6 +143,7 @@ void QuestionBar::open() {
   load_words();
   show();
   raise();
+  recalled_ = -1;
   line_->setFocus();
   line_->selectAll();
   refresh_suggestions();
@@ -223,6 +227,8 @@ void QuestionBar::ask(const QString& question) {
   sources_.asked.removeAll(question);
   sources_.asked.prepend(question);
   sources_.asked = sources_.asked.mid(0, kAskedKept);
+  recalled_ = -1;
+  Q_EMIT asked_changed();
   const TypedQuestion typed{question.toStdString(), browser_.selection().object(),
                             browser_.selection().time()};
   in_background<TypedAnswer>(
@@ -266,6 +272,25 @@ void QuestionBar::follow(const QUrl& link) {
         [this](const TimeNs& time) { browser_.selection().set_time(time); });
 }
 
+void QuestionBar::move_in_list(int by) {
+  if (list_->count() == 0) {  // from an answer back to what may be asked
+    line_->setModified(true);
+    refresh_suggestions();
+  }
+  const int row = list_->currentRow() + by;
+  if (row < list_->count()) list_->setCurrentRow(row);  // above the first one is the line itself
+}
+
+/// As a shell does it: the line is that of the question, ready to be asked or changed.
+void QuestionBar::recall(int by) {
+  const int wanted = recalled_ - by;
+  if (wanted >= sources_.asked.size()) return;
+  recalled_ = std::max(wanted, -1);
+  line_->setText(recalled_ < 0 ? QString() : sources_.asked[recalled_]);
+  list_->clear();
+  fit_height();
+}
+
 bool QuestionBar::eventFilter(QObject* watched, QEvent* event) {
   const bool asked_first = event->type() == QEvent::ShortcutOverride;
   if (watched != line_ || (event->type() != QEvent::KeyPress && !asked_first))
@@ -274,21 +299,12 @@ bool QuestionBar::eventFilter(QObject* watched, QEvent* event) {
     if (static_cast<QKeyEvent*>(event)->key() == Qt::Key_Escape) event->accept();
     return event->isAccepted();
   }
-  const auto move = [this](int by) {
-    if (list_->count() == 0) {  // from an answer back to what may be asked
-      line_->setModified(true);
-      refresh_suggestions();
-    }
-    if (list_->count() > 0)
-      list_->setCurrentRow((list_->currentRow() + by + list_->count() + (by < 0 && list_->currentRow() < 0)) %
-                           list_->count());
-  };
   switch (static_cast<QKeyEvent*>(event)->key()) {
     case Qt::Key_Down:
-      move(1);
+      recalled_ >= 0 ? recall(1) : move_in_list(1);
       return true;
     case Qt::Key_Up:
-      move(-1);
+      list_->currentRow() >= 0 ? move_in_list(-1) : recall(-1);
       return true;
     case Qt::Key_Tab:
       if (list_->currentItem() == nullptr && list_->count() > 0) list_->setCurrentRow(0);

@@ -27,6 +27,11 @@ class QuestionBar : public QFrame {
 
   /// What can be run from here beside questions.
   void set_actions(const QList<QAction*>& actions);
+  /// Questions that were asked before, the newest first: of earlier starts, too.
+  void set_asked(const QStringList& questions) { sources_.asked = questions; }
+  const QStringList& asked() const { return sources_.asked; }
+  /// Runs an action by its name; false when there is none.
+  bool run_action(const QString& name);
   /// Shows the bar with the line ready to type.
   void open();
   /// Asks as if it had been typed; the answer comes when it is found.
@@ -42,6 +47,7 @@ class QuestionBar : public QFrame {
 
  Q_SIGNALS:
   void answered();
+  void asked_changed();
 
  protected:
   bool eventFilter(QObject* watched, QEvent* event) override;
@@ -54,7 +60,9 @@ class QuestionBar : public QFrame {
   void take_line();
   void take_suggestion(bool run);
   void show_answer(const TypedAnswer& answer);
-  bool run_action(const QString& name);
+  void move_in_list(int by);
+  /// Puts an earlier (-1) or later (+1) question into the line.
+  void recall(int by);
 
   Browser& browser_;
   QLineEdit* line_;
@@ -67,6 +75,7 @@ class QuestionBar : public QFrame {
   QString html_;
   std::string memory_;  ///< path of the memory that was asked
   QRect area_;
+  int recalled_ = -1;  ///< which of the questions asked before is in the line; -1 = none
 };
 
 }  // namespace loci

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gui/data/pixel_kinds.h"
 #include "gui/data/pixel_values.h"
 #include "gui/text.h"
 #include "gui/theme.h"
@@ -36,6 +37,29 @@ QImage depth_image(const cv::Mat& depth) {
   return image;
 }
 
+QColor color_of(PixelKind kind) {
+  switch (kind) {
+    case PixelKind::known:
+      return {40, 110, 230, 110};
+    case PixelKind::irrelevant:
+      return {0, 0, 0, 150};
+    case PixelKind::of_interest:
+      return {60, 200, 80, 110};
+    case PixelKind::unmeasured:
+      break;
+  }
+  return {0, 0, 0, 0};
+}
+
+QImage kinds_image(const cv::Mat& kinds) {
+  if (kinds.empty()) return {};
+  QImage image(kinds.cols, kinds.rows, QImage::Format_ARGB32);
+  for (int y = 0; y < kinds.rows; ++y)
+    for (int x = 0; x < kinds.cols; ++x)
+      image.setPixelColor(x, y, color_of(static_cast<PixelKind>(kinds.at<uint8_t>(y, x))));
+  return image;
+}
+
 }  // namespace
 
 SceneImage::SceneImage(Browser& browser, QWidget* parent) : QWidget(parent), browser_(browser) {
@@ -61,7 +85,19 @@ void SceneImage::refresh() {
 void SceneImage::remake_picture() {
   picture_ = {};
   if (content_) picture_ = depth_ ? depth_image(content_->depth) : image_of(content_->color);
+  kinds_ = {};
+  if (content_ && shows_kinds_) kinds_ = kinds_image(depth_ ? content_->kinds : kinds_in_color(*content_));
   update();
+}
+
+void SceneImage::show_masks(bool masks) {
+  masks_ = masks;
+  update();
+}
+
+void SceneImage::show_kinds(bool kinds) {
+  shows_kinds_ = kinds;
+  remake_picture();
 }
 
 QRectF SceneImage::picture_area() const {
@@ -125,6 +161,7 @@ void SceneImage::paintEvent(QPaintEvent*) {
   painter.setRenderHint(QPainter::SmoothPixmapTransform);
   painter.drawImage(picture_area(), picture_);
   painter.setRenderHint(QPainter::Antialiasing);
+  if (!kinds_.isNull()) painter.drawImage(picture_area(), kinds_);
   const auto selected = browser_.selection().object();
   for (const ImageBox& box : boxes())
     if (box.object != selected) paint_box(painter, box);
@@ -132,6 +169,7 @@ void SceneImage::paintEvent(QPaintEvent*) {
     if (box.object == selected) paint_box(painter, box);
   paint_notes(painter);
   paint_names(painter);
+  if (shows_kinds_) paint_kinds(painter);
   paint_values(painter);
 }
 
@@ -145,9 +183,61 @@ void SceneImage::paint_values(QPainter& painter) const {
   painter.drawText(area, Qt::AlignCenter, values_);
 }
 
+/// What the tints mean, at the top.
+void SceneImage::paint_kinds(QPainter& painter) const {
+  const std::vector<std::pair<PixelKind, QString>> kinds = {{PixelKind::known, "known"},
+                                                            {PixelKind::irrelevant, "irrelevant"},
+                                                            {PixelKind::of_interest, "of interest"}};
+  painter.setFont(scaled_font(font(), 0.88));
+  const QFontMetrics metrics = painter.fontMetrics();
+  const int side = metrics.ascent(), height = metrics.height() + 4;
+  if (kinds_.isNull()) {
+    painter.fillRect(0, 0, width(), height, QColor(0, 0, 0, 190));
+    painter.setPen(Qt::white);
+    return painter.drawText(
+        QRect(0, 0, width(), height), Qt::AlignCenter,
+        metrics.elidedText("This scene does not say what was known", Qt::ElideRight, width()));
+  }
+  int x = 6;
+  int end = x;
+  for (const auto& [kind, name] : kinds) end += side + 12 + metrics.horizontalAdvance(name);
+  painter.fillRect(0, 0, end, height, QColor(0, 0, 0, 190));
+  for (const auto& [kind, name] : kinds) {
+    QColor color = color_of(kind);
+    color.setAlpha(255);
+    painter.fillRect(x, (height - side) / 2, side, side, color);
+    painter.setPen(kind == PixelKind::irrelevant ? QColor(140, 140, 140) : color);
+    painter.drawRect(x, (height - side) / 2, side, side);
+    painter.setPen(Qt::white);
+    painter.drawText(QRect(x + side + 4, 0, width(), height), Qt::AlignVCenter, name);
+    x += side + 12 + metrics.horizontalAdvance(name);
+  }
+}
+
+/// The outline of what belongs to a thing, lightly filled for the chosen one.
+void SceneImage::paint_mask(QPainter& painter, const ImageBox& box) const {
+  const PinholeCamera& camera = depth_ ? content_->camera.depth : content_->camera.color;
+  if (!masks_ || camera.width <= 0) return;
+  const Theme theme = Theme::of(palette());
+  const bool selected = browser_.selection().object() == box.object && box.object != 0;
+  const QRectF area = picture_area();
+  QColor fill = selected ? theme.accent : QColor(Qt::white);
+  fill.setAlpha(selected ? 90 : 40);
+  painter.setBrush(fill);
+  painter.setPen(QPen(selected ? theme.accent : QColor(255, 255, 255, 200), 1));
+  for (const auto& outline : depth_ ? box.depth_outline : box.color_outline) {
+    QPolygonF polygon;
+    for (const cv::Point2f& pixel : outline)
+      polygon << QPointF(area.left() + static_cast<double>(pixel.x + 0.5F) * area.width() / camera.width,
+                         area.top() + static_cast<double>(pixel.y + 0.5F) * area.height() / camera.height);
+    painter.drawPolygon(polygon);
+  }
+}
+
 void SceneImage::paint_box(QPainter& painter, const ImageBox& box) const {
   const QRectF area = on_widget(box);
   if (area.isEmpty()) return;
+  paint_mask(painter, box);
   const Theme theme = Theme::of(palette());
   const bool selected = browser_.selection().object() == box.object && box.object != 0;
   const QColor color = selected ? theme.accent : QColor(255, 255, 255, box.object == 0 ? 120 : 255);

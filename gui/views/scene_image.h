@@ -19,6 +19,10 @@ class SceneImage : public QWidget {
 
   bool shows_depth() const { return depth_; }
   void show_depth(bool depth);
+  /// Around what belongs to each thing.
+  void show_masks(bool masks);
+  /// What the map explains, what is irrelevant and what is of interest, as a tint.
+  void show_kinds(bool kinds);
   QSize sizeHint() const override { return {380, 285}; }
   /// Where an object's box is on the widget; unset when it is not in this picture.
   std::optional<QRectF> box_of(int64_t object) const;
@@ -43,6 +47,8 @@ class SceneImage : public QWidget {
   const ImageBox* box_at(const QPointF& point) const;
   QRectF on_widget(const PictureNote& note) const;
   void paint_box(QPainter& painter, const ImageBox& box) const;
+  void paint_mask(QPainter& painter, const ImageBox& box) const;
+  void paint_kinds(QPainter& painter) const;
   void paint_values(QPainter& painter) const;
   void paint_notes(QPainter& painter) const;
   /// Names where there is room for them, beside their boxes; the chosen one always.
@@ -52,7 +58,8 @@ class SceneImage : public QWidget {
   Browser& browser_;
   std::shared_ptr<const SceneContent> content_;  ///< null = none
   QImage picture_;
-  bool depth_ = false;
+  QImage kinds_;  ///< the tint; null = not shown, or not known
+  bool depth_ = false, masks_ = true, shows_kinds_ = false;
   QString values_;  ///< under the cursor
   std::vector<PictureNote> notes_;
   std::optional<size_t> marked_;

@@ -111,6 +111,10 @@ QString TimeBar::legend() const {
 
 void TimeBar::paint_buttons() {
   legend_->setText(legend());
+  legend_->setToolTip(
+      "What each scene could tell about a thing: it was seen; its place was seen without it; or nothing, "
+      "because "
+      "it was out of view or behind something");
   for (const auto& [sign, button] : buttons_) {
     const bool pause = sign == Transport::play && timer_.isActive();
     button->setIcon(transport_icon(pause ? Transport::pause : sign, Theme::of(palette()).text));

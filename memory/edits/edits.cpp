@@ -9,6 +9,8 @@
 #include "mapping/base/utf8.h"
 #include "memory/edits/edit_runs.h"
 #include "memory/questions/facts.h"
+#include "memory/questions/place_names.h"
+#include "memory/questions/snapshot.h"
 #include "memory/store/edit_rows.h"
 
 namespace loci {
@@ -24,6 +26,11 @@ std::string text_of(const Store& store, const RunRow& run, const Json& configura
     if (fact.object)
       return fmt::format("{}: {}{}", object_name(*fact.object), fact.key,
                          fact.value ? " is " + *fact.value : " is taken back");
+    else
+      for (const PlaceRow& place : store.places())
+        if (place.id == fact.place)
+          return fmt::format("{}: {}{}", place.name, fact.key,
+                             fact.value ? " is " + *fact.value : " is taken back");
   return run.program;
 }
 
@@ -245,6 +252,22 @@ Edit say(Store& store, const std::string& about, const std::string& key, const s
   const EditList list = edits(store);
   if (list.done.empty()) refuse(store, "nothing was changed", "it was said already");
   return list.done.back();
+}
+
+Edit name_place(Store& store, const std::string& place, const std::string& name) {
+  const Snapshot snapshot(store, {});
+  const std::vector<PlaceRow> meant = snapshot.places_called(place);
+  if (meant.size() != 1)
+    refuse(store,
+           meant.empty() ? fmt::format("no place is called '{}'", place)
+                         : fmt::format("'{}' may be any of {} places", place, meant.size()),
+           "loci-memory room lists them");
+  for (const PlaceRow& other : snapshot.places_called(name))
+    if (other.id != meant[0].id && other.name == name)
+      refuse(store, fmt::format("another place is called '{}'", name), "give it another name");
+  if (name.starts_with("object_"))
+    refuse(store, fmt::format("'{}' is the name of an object", name), "give it another name");
+  return say(store, meant[0].name, kPlaceNameKey, name);
 }
 
 Edit undo(Store& store) {

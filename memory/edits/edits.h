@@ -42,6 +42,10 @@ Edit set_joint_type(Store& store, const std::string& joint, const std::string& t
 /// it back.
 Edit say(Store& store, const std::string& about, const std::string& key, const std::string& value);
 
+/// What a place is called from now on, whatever the map calls it; questions and the browser say it so, and
+/// find it by its old name as well. An empty name takes it back. Error when another place is called so.
+Edit name_place(Store& store, const std::string& place, const std::string& name);
+
 /// Takes back the last edit that holds, or makes the last one hold again that was taken back; by further
 /// rows. Error when there is none.
 Edit undo(Store& store);

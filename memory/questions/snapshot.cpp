@@ -8,6 +8,7 @@
 #include <set>
 
 #include "mapping/base/error.h"
+#include "memory/questions/place_names.h"
 #include "memory/questions/room.h"
 
 namespace loci {
@@ -99,6 +100,7 @@ Snapshot::Snapshot(const Store& store, const AsOf& as_of)
       places_(store.places()),
       facts_(store.facts(as_of)),
       taxonomy_(Taxonomy::of(store, as_of)) {
+  take_place_names(places_, facts_);
   for (const RecordingRow& recording : store.recordings()) recordings_[recording.id] = recording.name;
 }
 
@@ -233,11 +235,17 @@ std::vector<PlaceRow> Snapshot::places_called(const std::string& asked) const {
     std::copy_if(places_.begin(), places_.end(), std::back_inserter(found), matches);
   };
   take([&](const PlaceRow& place) { return lower(place.name) == joined; });
+  take([&](const PlaceRow& place) { return lower(place.name) == name; });
   take([&](const PlaceRow& place) {
     return std::any_of(facts_.begin(), facts_.end(), [&](const FactRow& fact) {
       return fact.place == place.id && fact.key == "alias" && lower(*fact.value) == name;
     });
   });
+  // What was renamed is found by its old name, too.
+  if (found.empty() && std::ranges::any_of(facts_, [](const FactRow& f) { return f.key == kPlaceNameKey; })) {
+    for (const PlaceRow& before : store_.places())
+      if (lower(before.name) == joined) take([&](const PlaceRow& place) { return place.id == before.id; });
+  }
   take([&](const PlaceRow& place) { return lower(place.name).starts_with(joined + "_"); });
   take([&](const PlaceRow& place) { return lower(place.class_name) == joined; });
   return found;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mapping/base/html.h"
+#include "memory/questions/place_names.h"
 #include "memory/report/report_data.h"
 
 namespace loci {
@@ -28,7 +29,7 @@ std::string answer_text(const Store& store, const Question& question) {
 std::vector<QuestionAndAnswer> questions_of_the_day(const ReportData& data) {
   const Store& store = data.store;
   std::vector<QuestionAndAnswer> result;
-  for (const PlaceRow& place : store.places()) {
+  for (const PlaceRow& place : named_places(store)) {
     const ContentsQuestion question{.place = place.name};
     const ContentsAnswer answer = ask(store, question);
     const bool known = std::any_of(

@@ -10,6 +10,7 @@
 
 #include "mapping/base/csv.h"
 #include "memory/questions/people_time.h"
+#include "memory/questions/place_names.h"
 #include "memory/report/annotator_times.h"
 #include "memory/store/store.h"
 
@@ -34,7 +35,7 @@ std::vector<std::pair<std::string, double>> per_scene(const std::map<int, double
 class Counter {
  public:
   explicit Counter(const Store& store) : store_(store), zone_(store.time_zone_minutes()) {
-    for (const PlaceRow& place : store.places()) places_[place.id] = place.name;
+    for (const PlaceRow& place : named_places(store)) places_[place.id] = place.name;
   }
 
   void add(const SceneRow& scene) {

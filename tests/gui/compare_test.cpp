@@ -1,5 +1,6 @@
 // Two times side by side.
 
+#include <QCheckBox>
 #include <QLineEdit>
 #include <QTableView>
 
@@ -75,6 +76,43 @@ TEST_F(CompareInWindow, TheOtherTimeCanBeTyped) {
   for (const Difference& difference : window.compare().shown()) EXPECT_NE(difference.object, 2);
   go_to(sample_.second);
   EXPECT_TRUE(window.compare().shown().empty());
+}
+
+TEST_F(CompareInWindow, BothMapsAreSeenByTheSameEyeWithWhatDiffersMarked) {
+  EXPECT_FALSE(window.maps().is_pair());
+  window.compare().beside_box()->setChecked(true);
+  settle();
+  ASSERT_TRUE(window.maps().is_pair());
+  MapView& then = *window.maps().then();
+  EXPECT_EQ(window.maps().then_browser().belief().time, sample_.first);
+  EXPECT_EQ(then.scene().objects().size(), 2U) << "cup and box on the counter";
+  for (const MapObject& object : then.scene().objects()) EXPECT_TRUE(object.mark.has_value());
+  ASSERT_NE(drawn(3), nullptr);
+  EXPECT_TRUE(drawn(3)->mark.has_value()) << "the tin appeared";
+  window.map().look_from(MapViewpoint::top);
+  EXPECT_EQ(then.scene().eye(), window.map().scene().eye());
+  choose(2);
+  EXPECT_EQ(then.scene().selected_object(), 2);
+  window.maps().then_browser().selection().select_object(1);
+  settle();
+  EXPECT_EQ(selection().object(), 1);
+  window.compare().beside_box()->setChecked(false);
+  settle();
+  EXPECT_FALSE(window.maps().is_pair());
+  EXPECT_FALSE(drawn(3)->mark.has_value());
+}
+
+TEST_F(CompareInWindow, AnotherMemoryStandsBesideWithItsOwnNumbers) {
+  window.compare().compare_with(QString::fromStdString(sample_.path.string()));
+  window.compare().beside_box()->setChecked(true);
+  settle();
+  ASSERT_TRUE(window.maps().is_pair());
+  EXPECT_EQ(window.maps().then_browser().belief().time, sample_.third);
+  choose(2);
+  EXPECT_EQ(window.maps().then()->scene().selected_object(), 2);
+  window.show_data(nullptr);
+  settle();
+  EXPECT_FALSE(window.maps().is_pair());
 }
 
 }  // namespace

@@ -67,6 +67,17 @@ TEST_F(DocksInWindow, TheLogListsRunsWithTheirScenesAndAClickGoesThere) {
   EXPECT_EQ(selection().time(), sample_.second);
 }
 
+TEST_F(DocksInWindow, TheLogFollowsTheSceneAndTellsWhatAnnotatorsDidInIt) {
+  show("log");
+  go_to(sample_.second);
+  EXPECT_EQ(window.log().model().entry(window.log().table()->currentIndex().row()).scene, sample_.second);
+  window.log().copy_details();
+  const QString copied = QGuiApplication::clipboard()->text();
+  EXPECT_TRUE(copied.startsWith("annotators, 10.0 ms together")) << copied.toStdString();
+  EXPECT_TRUE(copied.contains("NormalEstimator 2.5 ms")) << copied.toStdString();
+  EXPECT_TRUE(copied.contains("warning: a drawer stands open")) << copied.toStdString();
+}
+
 TEST_F(DocksInWindow, ProblemsComeFirstAndTheirDetailsCanBeCopied) {
   show("log");
   Q_EMIT window.browser().failed("picture of scene 2 is broken\nno PNG");

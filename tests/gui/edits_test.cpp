@@ -41,6 +41,30 @@ TEST_F(EditsInWindow, ARenamedObjectIsCalledSoInAllViews) {
   EXPECT_EQ(facts()[0].value, "cereal");
 }
 
+TEST_F(EditsInWindow, ARenamedPlaceIsCalledSoInTreeMapAndAnswers) {
+  selection().select_place("table_1");
+  settle();
+  QTimer::singleShot(100, &window, [] {
+    auto* dialog = qobject_cast<QInputDialog*>(QApplication::activeModalWidget());
+    ASSERT_NE(dialog, nullptr);
+    EXPECT_EQ(dialog->textValue(), "table_1");
+    dialog->setTextValue("breakfast table");
+    dialog->accept();
+  });
+  press(Qt::Key_F2);
+  settle();
+  EXPECT_EQ(window.browser().belief().find(2)->place, "breakfast table");
+  EXPECT_NE(window.browser().data()->world()->find_link("breakfast table"), nullptr);
+  EXPECT_TRUE(
+      window.tree().shown_index_of_object(2).parent().data().toString().startsWith("breakfast table"));
+  EXPECT_EQ(window.browser().data()->find("breakfast table", sample_.third).place, "breakfast table");
+  EXPECT_EQ(selection().place(), "breakfast table") << "it stays chosen";
+  window.edits().undo();
+  settle();
+  EXPECT_EQ(window.browser().belief().find(2)->place, "table_1");
+  EXPECT_NE(window.browser().data()->world()->find_link("table_1"), nullptr);
+}
+
 TEST_F(EditsInWindow, UndoAndRedoRestoreWhatHeldAndLoseNothing) {
   EditHistory& edits = window.edits();
   EXPECT_FALSE(edits.can_undo());

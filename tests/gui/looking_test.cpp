@@ -7,6 +7,7 @@
 
 #include "gui/data/differences.h"
 #include "gui/data/exports.h"
+#include "gui/data/pixel_kinds.h"
 #include "gui/data/pixel_values.h"
 #include "gui/models/objects_filter.h"
 #include "gui/models/objects_model.h"
@@ -45,6 +46,20 @@ TEST(PixelValues, OfAColourPixelTakeTheCamerasOffsetIntoAccount) {
   ASSERT_TRUE(values.position.has_value());
   EXPECT_NEAR((*values.position - Vector3d(1.05, 0, 2)).norm(), 0, 1e-6);
   EXPECT_FALSE(values_at_color(wall(), {-500, 480}).position.has_value());
+}
+
+TEST(PixelKinds, OfTheColourPictureAreThoseOfTheSamePlaces) {
+  SceneContent content = wall();
+  EXPECT_TRUE(kinds_in_color(content).empty()) << "not known";
+  content.kinds = cv::Mat(content.depth.size(), CV_8U, cv::Scalar(static_cast<uint8_t>(PixelKind::known)));
+  content.kinds.colRange(80, 160) = static_cast<uint8_t>(PixelKind::of_interest);
+  const cv::Mat seen = kinds_in_color(content);
+  ASSERT_EQ(seen.size(), content.depth.size());
+  // The colour camera is 5 cm to the right, so the border is 25 mm / 2 m * 1000 px = 25 of 1280 px further
+  // left.
+  const auto border = static_cast<int>((640 - 25) * 160 / 1280);
+  EXPECT_EQ(seen.at<uint8_t>(60, border - 4), static_cast<uint8_t>(PixelKind::known));
+  EXPECT_EQ(seen.at<uint8_t>(60, border + 4), static_cast<uint8_t>(PixelKind::of_interest));
 }
 
 TEST(PictureNotes, AreWhatHasARegionInThePicture) {
@@ -89,6 +104,34 @@ TEST_F(BrowserWindow, ValuesUnderTheCursorAreTold) {
       << window.image().values_at(box->center()).toStdString();
   EXPECT_TRUE(window.image().values_at(box->center()).contains("map"));
   EXPECT_TRUE(window.image().values_at(QPointF(-5, -5)).isEmpty());
+}
+
+TEST_F(BrowserWindow, WhatBelongsToAThingIsOutlinedInBothPictures) {
+  go_to(sample_.first);
+  const auto content = window.browser().moment().content;
+  ASSERT_FALSE(content->boxes.empty());
+  for (const ImageBox& box : content->boxes) {
+    ASSERT_EQ(box.color_outline.size(), 1U);
+    for (const auto& [outline, area] :
+         {std::pair(box.color_outline[0], box.color), std::pair(box.depth_outline[0], box.depth)})
+      for (const cv::Point2f& pixel : outline)
+        EXPECT_TRUE(cv::Rect2d(area.x - 1, area.y - 1, area.width + 2, area.height + 2).contains(pixel));
+  }
+  const QImage with = window.image().grab().toImage();
+  window.image().show_masks(false);
+  EXPECT_NE(window.image().grab().toImage(), with);
+}
+
+TEST_F(BrowserWindow, WhatIsKnownAndOfInterestIsTinted) {
+  const cv::Mat& kinds = window.browser().moment().content->kinds;
+  ASSERT_FALSE(kinds.empty());
+  EXPECT_EQ(kinds.at<uint8_t>(0, 0), static_cast<uint8_t>(PixelKind::known));
+  EXPECT_EQ(kinds.at<uint8_t>(kinds.rows - 1, 0), static_cast<uint8_t>(PixelKind::of_interest));
+  const QImage plain = window.image().grab().toImage();
+  press(Qt::Key_I);
+  EXPECT_NE(window.image().grab().toImage(), plain);
+  press(Qt::Key_I);
+  EXPECT_EQ(window.image().grab().toImage(), plain);
 }
 
 TEST_F(BrowserWindow, WhatWasFoundInThePictureStandsBesideIt) {

@@ -74,6 +74,23 @@ TEST_F(BrowseProgram, TimeAndSelectionChangeThePicture) {
   EXPECT_EQ(picture("c.png").size(), QSize(1000, 700));
 }
 
+TEST_F(BrowseProgram, OnAScreenWithSmallPixelsEverythingHasTwiceAsMany) {
+  EXPECT_EQ(run(memory + " --screenshot " + out("a.png"), "env -u DISPLAY QT_SCALE_FACTOR=2").code, 0);
+  EXPECT_EQ(picture("a.png").size(), QSize(2560, 1600));
+}
+
+TEST_F(BrowseProgram, TwoMapsAndActionsOfTheMenusAreInThePictureWhenWished) {
+  EXPECT_EQ(run(memory + " --screenshot " + out("a.png")).code, 0);
+  EXPECT_EQ(run(memory + " --screenshot " + out("b.png") + " --beside 07:00").code, 0);
+  EXPECT_EQ(run(memory + " --screenshot " + out("c.png") + " --beside " + memory).code, 0);
+  EXPECT_EQ(run(memory + " --screenshot " + out("d.png") + " --run 'Depth picture'").code, 0);
+  for (const char* name : {"b.png", "c.png", "d.png"}) {
+    EXPECT_NE(picture(name), picture("a.png")) << name;
+    EXPECT_EQ(picture(name).size(), QSize(1280, 800)) << name;
+  }
+  EXPECT_EQ(run(memory + " --screenshot " + out("e.png") + " --run 'Make tea'").code, 1);
+}
+
 TEST_F(BrowseProgram, SameMemorySamePicture) {
   run(memory + " --screenshot " + out("a.png"));
   run(memory + " --screenshot " + out("b.png"));

@@ -4,6 +4,7 @@
 
 #include <QLineEdit>
 #include <QListWidget>
+#include <QSettings>
 #include <QSignalSpy>
 #include <QTest>
 #include <QTextBrowser>
@@ -134,6 +135,48 @@ TEST_F(QuestionBarInWindow, EarlierQuestionsAreOfferedAgainAndEscCloses) {
   QTest::keyClick(bar().line(), Qt::Key_Escape);
   EXPECT_FALSE(bar().isVisible());
   EXPECT_EQ(selection().object(), 1) << "the first Esc only closes the bar";
+}
+
+TEST_F(QuestionBarInWindow, UpAndDownGoThroughWhatWasAsked) {
+  bar().open();
+  answer_to("where is the red cup");
+  answer_to("what changed");
+  const auto key = [this](Qt::Key which) { QTest::keyClick(bar().line(), which); };
+  bar().open();
+  key(Qt::Key_Up);
+  EXPECT_EQ(bar().line()->text(), "what changed");
+  key(Qt::Key_Up);
+  EXPECT_EQ(bar().line()->text(), "where is the red cup");
+  key(Qt::Key_Up);
+  EXPECT_EQ(bar().line()->text(), "where is the red cup") << "the first one";
+  key(Qt::Key_Down);
+  EXPECT_EQ(bar().line()->text(), "what changed");
+  key(Qt::Key_Down);
+  EXPECT_EQ(bar().line()->text(), "");
+}
+
+TEST(QuestionHistory, IsKeptFromOneStartToTheNext) {
+  QSettings().remove("asked");
+  const auto opener = [](const std::string& path, Progress& progress) {
+    return open_memory_data(path, progress);
+  };
+  const auto path =
+      std::filesystem::temp_directory_path() / ("loci_asked_" + std::to_string(getpid()) + ".loci");
+  test::write_sample_memory(path);
+  for (const bool second : {false, true}) {
+    MainWindow window(opener, {MapBackend::memory, true});
+    window.show_data(open_memory_data(path));
+    window.show();
+    finish_background();
+    if (second) {
+      EXPECT_EQ(window.question_bar().asked(), QStringList({"where is the red cup"}));
+    } else {
+      window.question_bar().ask("where is the red cup");
+    }
+    finish_background();
+  }
+  QSettings().remove("asked");
+  std::filesystem::remove(path);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
-// Every view of a memory that was made from real frames: nothing may fail, and each shows something.
+// Every view of memories that were made from frames: nothing may fail, and each shows something.
 
+#include <QCheckBox>
 #include <QSignalSpy>
 #include <QTableView>
 #include <QTextBrowser>
@@ -7,6 +8,8 @@
 
 #include "gui/views/compare_view.h"
 #include "gui/views/log_view.h"
+#include "gui/views/map_tools.h"
+#include "gui/views/object_details_view.h"
 #include "gui/views/question_bar.h"
 #include "gui/views/scene_image.h"
 #include "gui/views/statistics_view.h"
@@ -17,25 +20,45 @@
 namespace loci {
 namespace {
 
-const std::filesystem::path kFrames = std::filesystem::path(LOCI_SHARED_DIR) / "data/osd_changes";
-const std::filesystem::path kPerceive = std::filesystem::path(LOCI_BIN_DIR) / "loci-perceive";
+const std::filesystem::path kShared = LOCI_SHARED_DIR, kSource = LOCI_SOURCE_DIR, kPrograms = LOCI_BIN_DIR;
 
-class RealMemory : public test::BrowserWindow {
+/// Frames, and how a memory is made from them.
+struct Frames {
+  const char* name;
+  const char* folder;  ///< of shared data; "" = the sample day, which is simulated
+  const char* options;
+};
+
+class RealMemory : public test::BrowserWindow, public testing::WithParamInterface<Frames> {
  protected:
+  static bool run(const std::string& program, const std::string& arguments) {
+    const std::string command = (kPrograms / program).string() + " " + arguments + " > /dev/null 2>&1";
+    return std::system(command.c_str()) == 0;
+  }
+
   void SetUp() override {
-    if (!std::filesystem::exists(kFrames) || !std::filesystem::exists(kPerceive))
+    const Frames& frames = GetParam();
+    const std::string kitchen = (kSource / "apps/samples/kitchen.urdf").string();
+    std::string recording = (kShared / frames.folder).string();
+    if (!std::filesystem::exists(kPrograms / "loci-perceive") || !std::filesystem::exists(recording))
       GTEST_SKIP() << "no frames, or loci-perceive is not built";
-    const auto path = folder_.path / "osd.loci";
-    const std::string command =
-        kPerceive.string() + " run " + kFrames.string() + " -m " + path.string() + " > /dev/null 2>&1";
-    ASSERT_EQ(std::system(command.c_str()), 0);
+    std::string options = frames.options;
+    if (std::string(frames.folder).empty()) {
+      if (!std::filesystem::exists(kPrograms / "loci-simulate")) GTEST_SKIP() << "loci-simulate is not built";
+      recording = (folder_.path / "day").string();
+      ASSERT_TRUE(run("loci-simulate",
+                      "record " + (kSource / "apps/samples/day.yaml").string() + " -o " + recording));
+      options += " --map " + kitchen;
+    }
+    const auto path = folder_.path / "real.loci";
+    ASSERT_TRUE(run("loci-perceive", "run " + recording + " -m " + path.string() + " " + options));
     window.show_data(open_memory_data(path));
     settle();
     ASSERT_FALSE(window.browser().belief().objects.empty());
   }
 };
 
-TEST_F(RealMemory, ShowsSomethingInEachViewAndFailsNowhere) {
+TEST_P(RealMemory, ShowsSomethingInEachViewAndFailsNowhere) {
   const QSignalSpy failures(&window.browser(), &Browser::failed);
   press(Qt::Key_Home);
   for (size_t i = 1; i < window.browser().data()->scenes().size(); ++i) {
@@ -52,20 +75,39 @@ TEST_F(RealMemory, ShowsSomethingInEachViewAndFailsNowhere) {
   const int64_t object = window.browser().belief().objects.front().id;
   click_in_tree(object);
   EXPECT_EQ(selection().object(), object);
+  EXPECT_FALSE(window.map().scene().trace().empty());
   EXPECT_GE(window.card().history()->model()->rowCount(), 1);
-  for (const char* dock : {"identity", "compare", "statistics", "log"}) {
+  for (int page = 0; page < window.card().pages()->count(); ++page) {
+    window.card().pages()->setCurrentIndex(page);
+    settle();
+  }
+  EXPECT_FALSE(window.card().pages()->why()->toPlainText().isEmpty());
+  bool outlined = false;
+  for (const ImageBox& box : window.browser().moment().content->boxes)
+    outlined = outlined || !box.color_outline.empty();
+  EXPECT_TRUE(outlined || window.browser().moment().content->boxes.empty());
+  for (const char* dock : {"identity", "statistics", "log", "tools3d", "compare"}) {
     window.show_dock(dock);
     settle();
   }
-  EXPECT_FALSE(window.compare().shown().empty()) << "things were moved";
+  EXPECT_FALSE(window.compare().shown().empty()) << "things came or were moved";
+  window.compare().beside_box()->setChecked(true);
+  settle();
+  EXPECT_NO_THROW(window.maps().then()->picture());
   EXPECT_GE(window.statistics().charts().size(), 4U);
-  EXPECT_GT(window.log().table()->model()->rowCount(), 10);
+  EXPECT_GT(window.log().table()->model()->rowCount(), 5);
   window.question_bar().open();
   window.question_bar().ask(QString("where is object_%1").arg(object));
   settle();
   EXPECT_TRUE(window.question_bar().answers()->toPlainText().contains(QString("object_%1").arg(object)));
   EXPECT_EQ(failures.count(), 0) << failures.value(0).value(0).toString().toStdString();
 }
+
+INSTANTIATE_TEST_SUITE_P(Of, RealMemory,
+                         testing::Values(Frames{"OsdChanges", "data/osd_changes", ""},
+                                         Frames{"Redkitchen", "data/redkitchen_rgbd", "--every 20"},
+                                         Frames{"SampleDay", "", "--every 4"}),
+                         [](const auto& frames) { return std::string(frames.param.name); });
 
 }  // namespace
 }  // namespace loci

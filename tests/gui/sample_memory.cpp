@@ -1,7 +1,9 @@
 #include "tests/gui/sample_memory.h"
 
+#include <algorithm>
 #include <map>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "mapping/base/files.h"
 #include "mapping/image/image_io.h"
@@ -9,6 +11,7 @@
 #include "mapping/simulation/scenario.h"
 #include "mapping/world/urdf.h"
 #include "memory/store/depth_thumbnail.h"
+#include "memory/store/scene_kinds.h"
 #include "memory/store/scene_transaction.h"
 
 namespace loci::test {
@@ -79,7 +82,20 @@ class Writer {
     row.depth = transaction.add_blob(encode_depth_thumbnail(depth), kDepthThumbnailMedia);
     row.depth_width = camera.width / kThumbnailStep;
     row.depth_height = camera.height / kThumbnailStep;
-    return transaction.add_scene(row);
+    // Above the middle the map explains all; things are looked for below.
+    std::string kinds(depth.size(), static_cast<char>(SceneKind::known));
+    std::fill(kinds.begin() + static_cast<ptrdiff_t>(kinds.size() / 2), kinds.end(),
+              static_cast<char>(SceneKind::interest));
+    row.kinds = transaction.add_blob(kinds, kSceneKindsMedia);
+    const Id id = transaction.add_scene(row);
+    transaction.add_log({.scene = id, .annotator = "NormalEstimator", .milliseconds = 2.5});
+    transaction.add_log({.scene = id,
+                         .number = 1,
+                         .annotator = "KnownStructureFilter",
+                         .level = "warning",
+                         .text = "a drawer stands open",
+                         .milliseconds = 7.5});
+    return id;
   }
 
   /// An observation of a thing that is believed to be the object; returns its id.
@@ -103,6 +119,13 @@ class Writer {
     row.color = thing.color;
     row.roi = {static_cast<int>(area.min().x()), static_cast<int>(area.min().y()),
                static_cast<int>(area.sizes().x()), static_cast<int>(area.sizes().y())};
+    // An ellipse stands for the shape of it.
+    cv::Mat mask(std::max(1, (*row.roi)[3]), std::max(1, (*row.roi)[2]), CV_8U, cv::Scalar(0));
+    cv::ellipse(mask, cv::Point(mask.cols / 2, mask.rows / 2), cv::Size(mask.cols / 2, mask.rows / 2), 0, 0,
+                360, cv::Scalar(255), cv::FILLED);
+    const auto outline = encode_image(mask, ".png");
+    row.mask =
+        transaction.add_blob({reinterpret_cast<const char*>(outline.data()), outline.size()}, "image/png");
     const auto crop = encode_image(cv::Mat(40, 30, CV_8UC3, thing.bgr), ".png");
     row.crop = transaction.add_blob({reinterpret_cast<const char*>(crop.data()), crop.size()}, "image/png");
     const Id observation = transaction.add_observation(row);

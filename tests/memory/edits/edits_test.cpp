@@ -6,6 +6,7 @@
 #include "mapping/base/json.h"
 #include "mapping/world/urdf.h"
 #include "memory/questions/facts.h"
+#include "memory/questions/snapshot.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci {
@@ -151,6 +152,34 @@ TEST_F(Edits, WhatIsSaidIsTakenBackToWhatWasSaidBefore) {
   EXPECT_THAT(refusal([](Store& store) { undo(store); }), HasSubstr("nothing to undo"));
   edit([](Store& store) { return redo(store); });
   EXPECT_EQ(owner(), "Ada");
+}
+
+TEST_F(Edits, ARenamedPlaceIsCalledSoInAnswersAndFoundByBothNames) {
+  const std::string before = text(ask(*store_, ContentsQuestion{"counter_1", at("09:30"), {}}));
+  const Edit done = edit([](Store& store) { return name_place(store, "counter_1", "worktop"); });
+  EXPECT_EQ(done.text, "counter_1: name is worktop");
+  const std::string after = text(ask(*store_, ContentsQuestion{"worktop", at("09:30"), {}}));
+  EXPECT_THAT(after, HasSubstr("worktop"));
+  EXPECT_THAT(after, testing::Not(HasSubstr("counter_1")));
+  EXPECT_EQ(text(ask(*store_, ContentsQuestion{"counter_1", at("09:30"), {}})), after);
+  edit([](Store& store) { return name_place(store, "worktop", "kitchen worktop"); });
+  EXPECT_THAT(text(ask(*store_, ContentsQuestion{"kitchen worktop", at("09:30"), {}})),
+              HasSubstr("kitchen worktop"));
+  const AsOf once = {std::nullopt, SyntheticDay::kKnownSecond};
+  EXPECT_EQ(Snapshot(*store_, once).find_places("counter_1").at(0).name, "counter_1") << "so it was known";
+  edit([](Store& store) { return undo(store); });
+  edit([](Store& store) { return undo(store); });
+  EXPECT_EQ(text(ask(*store_, ContentsQuestion{"counter_1", at("09:30"), {}})), before);
+  expect_sound();
+}
+
+TEST_F(Edits, TwoPlacesHaveTwoNames) {
+  EXPECT_THAT(refusal([](Store& store) { name_place(store, "counter_1", "table_1"); }),
+              HasSubstr("another place"));
+  EXPECT_THAT(refusal([](Store& store) { name_place(store, "counter_1", "object_7"); }),
+              HasSubstr("of an object"));
+  EXPECT_THAT(refusal([](Store& store) { name_place(store, "balcony", "terrace"); }),
+              HasSubstr("no place is called 'balcony'"));
 }
 
 TEST_F(Edits, ALabelledThingCanBeFoundByItsClass) {

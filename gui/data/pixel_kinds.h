@@ -1,0 +1,11 @@
+#pragma once
+
+#include "gui/data/browser_data.h"
+
+namespace loci {
+
+/// What the pixels of the colour picture are (CV_8U, PixelKind, as many pixels as the depth picture has), by
+/// way of the depth that was measured there. Empty when it is not known.
+cv::Mat kinds_in_color(const SceneContent& content);
+
+}  // namespace loci
