@@ -1,4 +1,5 @@
 #include "apps/evaluate/commands.h"
+#include "apps/evaluate/filter/joints.h"
 #include "apps/evaluate/filter/phantoms.h"
 #include "apps/evaluate/filter/removal.h"
 #include "apps/evaluate/filter/speed.h"
@@ -18,6 +19,7 @@ struct Arguments {
   SpeedOptions speed;
   KnownStructureOptions filter;
   bool pose_errors = false;
+  bool joints = false;
 };
 
 void run_speed(const Arguments& arguments, Session& session) {
@@ -47,6 +49,13 @@ void run_recordings(const Arguments& arguments, Session& session) {
       text += "\n" + phantoms_text(rows);
       json["pose_errors"].push_back({{"recording", recording}, {"rows", phantoms_json(rows)}});
     }
+  if (arguments.joints) {
+    std::vector<JointFits> fits;
+    for (const std::string& recording : arguments.recordings)
+      fits.push_back(measure_joints(recording, *map, session.flags().threads, session.progress()));
+    text += "\n" + joints_text(fits);
+    json["joints"] = joints_json(fits);
+  }
   session.answer(text, json);
 }
 
@@ -71,6 +80,8 @@ Command filter_command() {
             app.add_option("--package-path", arguments->package_paths, "Folder that holds packages");
             app.add_flag("--pose-errors", arguments->pose_errors,
                          "What errors of localisation do to the objects found, refinement off and on");
+            app.add_flag("--joints", arguments->joints,
+                         "How well drawers and doors are told from the depth pictures alone");
             app.add_option("-o,--output", arguments->output, "Folder for the figure as SVG");
             add_options(app, table_of(arguments->speed));
             add_options(app, table_of(arguments->filter));

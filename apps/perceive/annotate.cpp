@@ -36,8 +36,7 @@ void annotate(const Arguments& arguments, Session& session) {
   Store::open_read(arguments.memory);  // What is no memory is refused, not made.
   const auto memory = std::make_shared<RememberedMemory>(Store::open_write(arguments.memory, options));
   const Json configuration = pipeline.to_json();
-  if (!arguments.again)
-    for (const auto& step : configuration["flow"]) memory->answered_by.insert(step.begin().key());
+  if (!arguments.again) memory->answered_by = pipeline.annotating();
   Resources resources;
   resources.put_for_run(memory);
   Context context{resources, session.warnings(), session.flags().threads, {}};

@@ -39,9 +39,13 @@ void describe_named(const Arguments& arguments, Session& session) {
                    Pipeline::parse(default_pipeline(), "the default pipeline", registry).to_json());
     return;
   }
-  const std::vector<std::string> readers = registry.readers();
-  if (std::find(readers.begin(), readers.end(), name) != readers.end())
+  const auto is_one_of = [&](const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  if (is_one_of(registry.readers()))
     answer(*registry.make_reader(name), statistics, session);
+  else if (is_one_of(registry.multipliers()))
+    answer(*registry.make_multiplier(name), statistics, session);
   else
     answer(*registry.make(name), statistics, session);
 }

@@ -23,12 +23,17 @@ Json entry(Declarer& declarer) {
 void list(const Arguments& arguments, Session& session) {
   const AnnotatorRegistry registry = arguments.plugins.load().registry;
   const StatisticsTable statistics = arguments.statistics.read_named(arguments.memory);
-  Json json = {{"readers", Json::array()}, {"annotators", Json::array()}};
+  Json json = {{"readers", Json::array()}, {"multipliers", Json::array()}, {"annotators", Json::array()}};
   std::string text;
   for (const std::string& name : registry.readers()) {
     const auto reader = registry.make_reader(name);
     json["readers"].push_back(entry(*reader));
     text += fmt::format("{:<24}{} (reader)\n", name, reader->descriptor().sentence);
+  }
+  for (const std::string& name : registry.multipliers()) {
+    const auto multiplier = registry.make_multiplier(name);
+    json["multipliers"].push_back(entry(*multiplier));
+    text += fmt::format("{:<24}{} (CAS multiplier)\n", name, multiplier->descriptor().sentence);
   }
   for (const std::string& name : registry.annotators()) {
     const auto annotator = registry.make(name);

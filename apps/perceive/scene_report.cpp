@@ -78,7 +78,10 @@ Json scene_json(const types::SceneCas& facade) {
   Json json = {{"frame", scene.frame_index.get()},
                {"time", format_time(scene.timestamp.get())},
                {"supports", Json::array()},
-               {"clusters", Json::array()}};
+               {"clusters", Json::array()},
+               {"annotations", Json::array()}};
+  for (const types::Annotation& annotation : scene.annotations)
+    json["annotations"].push_back(annotation_json(annotation));
   for (const types::PlanarSupport& support : facade.supports())
     json["supports"].push_back(support_json(support));
   int number = 0;
@@ -95,6 +98,12 @@ std::string scene_text(const types::SceneCas& facade) {
     text += fmt::format("  support {} at height {:.3f} m, {:.0f} % of it seen\n",
                         support.value("name", std::string("without a name")), support["height"].get<double>(),
                         100 * support["covered_fraction"].get<double>());
+  for (const auto& joint : facade.scene().annotations.filter<types::JointAnnotation>())
+    if (joint.moved.get())
+      text += fmt::format("  {} stands at {:.2f}\n", joint.joint.get(), joint.position.get());
+  for (const auto& obstacle : facade.scene().annotations.filter<types::ObstacleAnnotation>())
+    text += fmt::format("  something stands {:.2f} m before {} and hides {:.0f} % of it\n",
+                        obstacle.distance.get(), obstacle.joint.get(), 100 * obstacle.share.get());
   for (const Json& cluster : json["clusters"]) {
     text += fmt::format("  {:2} {}", cluster["cluster"].get<int>(),
                         cluster.value("sentence", std::string("somewhere")));

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/image/image_io.h"
 #include "memory/annotators/scene_of_cas.h"
+#include "memory/store/cluster_points.h"
 #include "memory/store/feature_structures.h"
 #include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
@@ -43,6 +45,25 @@ types::Cluster make_cluster(const Store& store, const ObservationRow& row, cas::
   return cluster;
 }
 
+/// A depth picture in which nothing was measured yet; empty without a camera.
+cv::Mat blank_depth(const SceneRow& scene) {
+  if (!scene.camera) return {};
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  return {scene.camera->height, scene.camera->width, CV_32F, cv::Scalar(none)};
+}
+
+/// The points of an observation as a hypothesis, and in the depth picture.
+void add_points(const Store& store, const SceneRow& scene, const ObservationRow& row,
+                const types::Cluster& cluster, cv::Mat& depth) {
+  const std::optional<ClusterPoints> kept = cluster_points(store, scene, row);
+  if (!kept || kept->pixels.empty()) return;
+  for (size_t i = 0; i < kept->pixels.size(); ++i) depth.ptr<float>()[kept->pixels[i]] = kept->points[i].z();
+  const auto reference = types::ReferenceClusterPoints::create(cluster.cas());
+  reference.source.set("MemoryReader");
+  reference.indices.get_or_create().indices.set(kept->pixels);
+  cluster.hypotheses.push_back(reference);
+}
+
 bool answered(const types::Cluster& cluster, const std::set<std::string>& by) {
   std::set<std::string> sources;
   for (const types::Annotation& annotation : cluster.annotations) sources.insert(annotation.source.get());
@@ -52,11 +73,13 @@ bool answered(const types::Cluster& cluster, const std::set<std::string>& by) {
 }  // namespace
 
 AnnotatorDescriptor MemoryReader::descriptor() const {
-  return {"MemoryReader",
-          "Reads the scenes of a memory: clusters with their pictures, and what was said about them.",
-          {},
-          {"Scene", "CameraInfo", "view:color", "Cluster", "StandaloneImageROI", "PlanarSupport",
-           "GeometryAnnotation", "ColorAnnotation", "ColorHistogram", "TFLocationAnnotation"}};
+  return {
+      "MemoryReader",
+      "Reads the scenes of a memory: clusters with their pictures and points, and what was said about them.",
+      {},
+      {"Scene", "CameraInfo", "view:color", "view:depth", "Cluster", "StandaloneImageROI",
+       "ReferenceClusterPoints", "PlanarSupport", "GeometryAnnotation", "ColorAnnotation", "ColorHistogram",
+       "TFLocationAnnotation"}};
 }
 
 void MemoryReader::start(Context& context) {
@@ -81,12 +104,15 @@ void MemoryReader::read_next(cas::Cas& cas, Context& context) {
   if (row.picture) types::set_view_image(scene, types::SceneCas::kColor, picture(store, *row.picture));
   memory_->current = {row.id, {}, 0};
   std::map<Id, types::Cluster> clusters;
+  cv::Mat depth = blank_depth(row);
   for (const ObservationRow& observation : store.observations(row.id)) {
     const types::Cluster cluster = make_cluster(store, observation, cas);
+    add_points(store, row, observation, cluster, depth);
     clusters.emplace(observation.id, cluster);
     memory_->current.observations.push_back(observation.id);
     scene.add_cluster(cluster);
   }
+  if (!depth.empty()) types::set_view_image(scene, types::SceneCas::kDepth, depth);
   for (const FeatureStructureRow& kept : store.feature_structures(row.id)) {
     if (!cas.type_system().find(kept.type)) {
       if (unknown_.insert(kept.type).second)
@@ -99,6 +125,7 @@ void MemoryReader::read_next(cas::Cas& cas, Context& context) {
     if (const auto support = types::try_as<types::PlanarSupport>(structure)) scene.add_support(*support);
     if (const auto camera = types::try_as<types::CameraInfo>(structure)) scene.set_camera(*camera);
     if (annotation && kept.observation) clusters.at(*kept.observation).annotations.push_back(*annotation);
+    if (annotation && !kept.observation) made.annotations.push_back(*annotation);
   }
   for (const auto& [id, cluster] : clusters) {
     if (const auto location = cluster.annotations.first<types::TFLocationAnnotation>())

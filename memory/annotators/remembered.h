@@ -25,7 +25,8 @@ struct RememberedMemory {
   Current current;
 };
 
-/// Reads the scenes of a memory: clusters with their pictures, supports, and what was said about them.
+/// Reads the scenes of a memory: clusters with their pictures and points (a depth picture in which nothing
+/// else was measured), supports, and what was said about them.
 class MemoryReader : public Reader {
  public:
   AnnotatorDescriptor descriptor() const override;

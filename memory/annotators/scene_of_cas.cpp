@@ -236,6 +236,10 @@ SceneRecord scene_record(const types::SceneCas& cas, const World* world) {
     describe_place(support, world, record);
     record.structures.push_back(support);
   }
+  for (const types::Annotation& annotation : scene.annotations) {
+    const auto joint = types::try_as<types::JointAnnotation>(annotation);
+    if (!joint || joint->moved.get()) record.structures.push_back(annotation);  // As assumed is no news.
+  }
   record.view.labels = cv::Mat(record.view.depth.size(), CV_32S, cv::Scalar(-1));
   for (const types::Cluster& cluster : cas.clusters())
     record.observations.push_back(read_cluster(cluster, record));

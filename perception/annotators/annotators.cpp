@@ -5,6 +5,8 @@
 #include "perception/annotators/description/geometry_annotator.h"
 #include "perception/annotators/description/location_annotator.h"
 #include "perception/annotators/description/primitive_annotator.h"
+#include "perception/annotators/description/object_views.h"
+#include "perception/annotators/description/perceptual_hash_annotator.h"
 #include "perception/annotators/description/recognition_annotators.h"
 #include "perception/annotators/description/relations_annotator.h"
 #include "perception/annotators/description/shape_annotators.h"
@@ -32,6 +34,7 @@ void add_annotators(AnnotatorRegistry& registry) {
   registry.add<ColorNameAnnotator>();
   registry.add<GeometryAnnotator>();
   registry.add<LocationAnnotator>();
+  registry.add<PerceptualHashAnnotator>();
   registry.add<ProductAnnotator>();
   registry.add<BarcodeAnnotator>();
   registry.add<TextAnnotator>();
@@ -44,6 +47,7 @@ void add_annotators(AnnotatorRegistry& registry) {
   registry.add<RelationsAnnotator>();
   registry.add<TemplateAnnotator>();
   registry.add<VisualSearch>();
+  registry.add_multiplier<ObjectViews>();
 }
 
 const std::string& default_pipeline() {

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "mapping/base/cell_index.h"
+
 namespace loci::types {
 
 namespace {
@@ -175,6 +177,86 @@ StandaloneImageROI standalone(const ReferenceImageROI& reference) {
   made.roi.set(reference.roi.get());
   made.mask.set(reference.mask.get());
   if (reference.phash.is_set()) made.phash.set(reference.phash.get());
+  return made;
+}
+
+ReferenceImageROI within(const StandaloneImageROI& alone, const Mat& image) {
+  const cv::Rect region = from<cv::Rect>(alone.roi.get());
+  if ((region & cv::Rect(0, 0, image.cols.get(), image.rows.get())) != region)
+    throw Error("a region that reaches beyond the image of " + std::to_string(image.cols.get()) + " x " +
+                std::to_string(image.rows.get()) + " pixels");
+  const auto made = made_from<ReferenceImageROI>(alone);
+  made.image.set(image);
+  made.roi.set(alone.roi.get());
+  made.mask.set(alone.mask.get());
+  if (alone.phash.is_set()) made.phash.set(alone.phash.get());
+  return made;
+}
+
+StandaloneClusterPoints standalone(const ReferenceClusterPoints& reference) {
+  const PointCloud whole = reference.cloud.get();
+  const Positions positions(whole);
+  const cas::Buffer<uint8_t> bytes = whole.points.get();
+  const auto step = static_cast<size_t>(whole.point_step.get());
+  std::vector<uint8_t> kept;
+  int32_t count = 0;
+  for (const int32_t index : reference.indices.get().indices.get()) {
+    if (index < 0 || static_cast<size_t>(index) >= positions.size())
+      throw Error("point " + std::to_string(index) + " of a cloud of " + std::to_string(positions.size()));
+    if (!positions.at(static_cast<size_t>(index))) continue;
+    const uint8_t* point = bytes.data() + static_cast<size_t>(index) * step;
+    kept.insert(kept.end(), point, point + step);
+    ++count;
+  }
+  const auto cloud = PointCloud::create(reference.cas());
+  if (const Header header = whole.header.get()) cloud.header.set(header);
+  cloud.point_type.set(whole.point_type.get());
+  cloud.point_step.set(whole.point_step.get());
+  cloud.width.set(count);
+  cloud.height.set(1);
+  cloud.is_dense.set(true);
+  cloud.points.set(std::move(kept));
+  const auto made = made_from<StandaloneClusterPoints>(reference);
+  made.cloud.set(cloud);
+  return made;
+}
+
+ReferenceClusterPoints within(const StandaloneClusterPoints& alone, const PointCloud& cloud,
+                              const Isometry3d& cloud_from_alone, double reach) {
+  if (!(reach > 0)) throw Error("points are looked for within a reach above 0");
+  const Positions positions(cloud);
+  CellIndex cells;
+  std::vector<std::vector<size_t>> members;
+  for (size_t i = 0; i < positions.size(); ++i)
+    if (const auto point = positions.at(i)) {
+      const uint32_t cell = cells.insert(cell_of(*point, reach));
+      if (cell == members.size()) members.emplace_back();
+      members[cell].push_back(i);
+    }
+  std::vector<bool> chosen(positions.size(), false);
+  for (const Vector3d& original : positions_of(alone)) {
+    const Vector3d wanted = cloud_from_alone * original;
+    const Eigen::Vector3i middle = cell_of(wanted, reach);
+    double nearest = reach;
+    std::optional<size_t> best;
+    for (int near = 0; near < 27; ++near) {
+      const uint32_t cell =
+          cells.find(middle + Eigen::Vector3i(near % 3 - 1, near / 3 % 3 - 1, near / 9 - 1));
+      if (cell == CellIndex::kNone) continue;
+      for (const size_t i : members[cell])
+        if (const double away = (*positions.at(i) - wanted).norm(); away <= nearest) {
+          nearest = away;
+          best = i;
+        }
+    }
+    if (best) chosen[*best] = true;
+  }
+  std::vector<int32_t> indices;
+  for (size_t i = 0; i < chosen.size(); ++i)
+    if (chosen[i]) indices.push_back(static_cast<int32_t>(i));
+  const auto made = made_from<ReferenceClusterPoints>(alone);
+  made.cloud.set(cloud);
+  made.indices.get_or_create().indices.set(std::move(indices));
   return made;
 }
 

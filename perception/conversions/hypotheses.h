@@ -37,7 +37,25 @@ TFLinkBBoxROI bounding_box(const ClusterPoints& points, const std::string& frame
 TFLinkSphereROI bounding_sphere(const ClusterPoints& points, const std::string& frame,
                                 const Isometry3d& frame_from_cloud);
 
-/// A region of the scene's image with a picture of its own.
+/// Volume to image: the pixels onto which it is projected, whatever stands before it. Nothing when it is out
+/// of view; what is nearer to the camera than 1 cm is left out.
+std::optional<ReferenceImageROI> image_roi(const TFLinkROI& volume, const Mat& image,
+                                           const PinholeCamera& camera, const Isometry3d& camera_from_frame);
+
+/// Volume to volume: the box along the axes of another frame (or the same) around it, the sphere around it.
+TFLinkBBoxROI bounding_box(const TFLinkROI& volume, const std::string& frame,
+                           const Isometry3d& frame_from_volume);
+TFLinkSphereROI bounding_sphere(const TFLinkROI& volume, const std::string& frame,
+                                const Isometry3d& frame_from_volume);
+
+/// A region of the scene's image with a picture of its own, and back into an image of the same camera.
 StandaloneImageROI standalone(const ReferenceImageROI& reference);
+ReferenceImageROI within(const StandaloneImageROI& alone, const Mat& image);
+
+/// Points of the scene as a cloud of their own (x, y, z; without those that were not measured), and back: the
+/// points of the scene's cloud that are the nearest to them, at most `reach` metres away.
+StandaloneClusterPoints standalone(const ReferenceClusterPoints& reference);
+ReferenceClusterPoints within(const StandaloneClusterPoints& alone, const PointCloud& cloud,
+                              const Isometry3d& cloud_from_alone, double reach);
 
 }  // namespace loci::types

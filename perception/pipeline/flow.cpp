@@ -28,6 +28,18 @@ std::set<std::string> set_of(const std::vector<std::string>& list) {
   return {list.begin(), list.end()};
 }
 
+/// `Name` or `{Name: {options}}`.
+std::pair<std::string, YAML::Node> named(const YAML::Node& node, const std::string& what,
+                                         const Place& place) {
+  const YAML::Node none(YAML::NodeType::Map);
+  if (node.IsScalar()) return {node.as<std::string>(), none};
+  if (!node.IsMap() || node.size() != 1)
+    throw Error(what + " is a name, or a name with a map of options", place);
+  const YAML::Node options = node.begin()->second;
+  if (!options.IsMap() && !options.IsNull()) throw Error("the options of " + what + " must be a map", place);
+  return {node.begin()->first.as<std::string>(), options.IsMap() ? options : none};
+}
+
 /// Reads flows; engines are read when they are used.
 class FlowReader {
  public:
@@ -59,6 +71,8 @@ class FlowReader {
     if (node.IsMap() && node["if"]) return read_condition(node, path, flow);
     if (node.IsMap() && node["regions"]) return read_regions(node, path, flow);
     if (node.IsMap() && node["parallel"]) return read_parallel(node, path, flow);
+    if (node.IsMap() && node["unless_alike"]) return read_unless_alike(node, path, flow);
+    if (node.IsMap() && node["multiply"]) return read_multiply(node, path, flow);
     std::string name;
     YAML::Node options(YAML::NodeType::Map), policy(YAML::NodeType::Map);
     if (node.IsScalar()) name = node.as<std::string>();
@@ -172,6 +186,45 @@ class FlowReader {
     flow.nodes.push_back(std::move(made));
   }
 
+  void read_unless_alike(const YAML::Node& node, const std::string& path, Flow& flow) {
+    const Config config = pipeline_.over(node, path);
+    FlowNode made = branching(FlowNode::Kind::kUnlessAlike, node, path);
+    AlikeOptions options;
+    made.options = read_declared(options, config.map("unless_alike"));
+    made.known = std::make_unique<Lookalikes>(options);
+    made.footprint.reads = {"Cluster", "StandaloneImageROI", "StandaloneImageROI.phash"};
+    read_do(made, config, path, "unless_alike");
+    flow.nodes.push_back(std::move(made));
+  }
+
+  void read_multiply(const YAML::Node& node, const std::string& path, Flow& flow) {
+    const Config config = pipeline_.over(node, path);
+    FlowNode made = branching(FlowNode::Kind::kMultiply, node, path);
+    const auto [name, options] = named(config.node("multiply"), "a CAS multiplier", made.place);
+    made.multiplier = registry_.make_multiplier(name, made.place);
+    made.options = read_declared(*made.multiplier, config.over(options, path + "." + name));
+    const AnnotatorDescriptor descriptor = made.multiplier->descriptor();
+    made.footprint.reads = set_of(descriptor.needs);
+    made.footprint.reads.insert(descriptor.uses.begin(), descriptor.uses.end());
+    read_do(made, config, path, "multiply");
+    flow.nodes.push_back(std::move(made));
+  }
+
+  /// The flow whose annotations are brought back to clusters; more cannot be.
+  void read_do(FlowNode& node, const Config& config, const std::string& path, const std::string& keyword) {
+    add_branch(node, config.has("do") ? read_list(config.node("do"), path + ".do") : Flow());
+    config.finish();
+    if (node.branches[0].nodes.empty()) throw Error("'" + keyword + "' without 'do'", node.place);
+    const auto refuse = [&](const std::string& what) {
+      throw Error(fmt::format("what '{}' does {}, and only annotations are brought back", keyword, what),
+                  node.place, "put that before or after it");
+    };
+    for (const std::string& change : node.footprint.changes)
+      if (!node.footprint.reads.contains(change)) refuse("changes " + change);
+    for (const std::string& product : node.footprint.makes)
+      if (!is_annotation(product)) refuse("makes " + product);
+  }
+
   FlowNode branching(FlowNode::Kind kind, const YAML::Node& node, const std::string& path) const {
     FlowNode made;
     made.kind = kind;
@@ -250,6 +303,10 @@ bool meets(const std::string& product, const std::string& need) {
     if (const auto wanted = by_name.find(name); wanted != by_name.end())
       return cas::is_a(made->second, wanted->second);
   return made->second.name() == need;
+}
+
+bool is_annotation(const std::string& product) {
+  return meets(product, "Annotation") || product.ends_with("Annotation");
 }
 
 Flow read_flow(const Config& pipeline, const std::string& key, const AnnotatorRegistry& registry) {

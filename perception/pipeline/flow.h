@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "perception/pipeline/condition.h"
+#include "perception/pipeline/lookalikes.h"
 #include "perception/pipeline/step.h"
 
 namespace loci {
@@ -36,15 +37,20 @@ bool depends(const Footprint& later, const Footprint& earlier);
 struct FlowNode {
   enum class Kind {
     kStep,
-    kCondition,  ///< clusters for which it holds go through branches[0], others through branches[1]
-    kRegions,    ///< clusters and supports of places that match patterns[i] go through branches[i]
-    kParallel,   ///< each branch on its own; refused when one depends on another
+    kCondition,    ///< clusters for which it holds go through branches[0], others through branches[1]
+    kRegions,      ///< clusters and supports of places that match patterns[i] go through branches[i]
+    kParallel,     ///< each branch on its own; refused when one depends on another
+    kUnlessAlike,  ///< clusters that look as before keep what branches[0] said then; others go through it
+    kMultiply,     ///< each CAS that the multiplier makes goes through branches[0]
   };
   Kind kind = Kind::kStep;
   Place place;
   std::unique_ptr<Step> step;
   std::optional<Condition> condition;
   std::vector<std::string> patterns;
+  std::unique_ptr<Lookalikes> known;          ///< of kUnlessAlike
+  std::unique_ptr<CasMultiplier> multiplier;  ///< of kMultiply
+  Json options;                               ///< of these two, for to_json
   std::vector<Flow> branches;
   Footprint footprint;
 
@@ -64,12 +70,18 @@ struct FlowNode {
 ///         else: [{PclFeature: {features: [ESF]}}]
 ///       - regions: {"counter*": [TextReader], "*": [BarcodeReader]}   # the first pattern that matches
 ///       - parallel: [ProductRecognition, [PclFeature, FeatureClassifier]]
+///       - unless_alike: {bits: 8}      # change detection: AlikeOptions
+///         do: [TextReader]
+///       - multiply: {ObjectViews: {last: 8}}   # a CAS multiplier: what it makes goes through `do`
+///         do: [GeometryAnnotator]
 Flow read_flow(const Config& pipeline, const std::string& key, const AnnotatorRegistry& registry);
 /// Appends one annotator with default options.
 void append_step(Flow& flow, const std::string& name, const AnnotatorRegistry& registry);
 
 /// Whether something of type or view `product` is what `need` asks for: the same, or a subtype.
 bool meets(const std::string& product, const std::string& need);
+/// Whether it is a kind of annotation; of types that plugins bring the name says it.
+bool is_annotation(const std::string& product);
 
 /// Throws Error for the first node whose needs are not in `made` and nobody before it meets, naming who
 /// could; adds what the flow makes.
@@ -77,7 +89,7 @@ void check_flow(const Flow& flow, std::set<std::string>& made, const AnnotatorRe
 /// Checks conditions against the types.
 void check_types(const Flow& flow, const cas::TypeSystem& types);
 /// All steps in order.
-void collect_steps(Flow& flow, std::vector<Step*>& steps);
+void collect_steps(const Flow& flow, std::vector<Step*>& steps);
 bool has_step(const Flow& flow, const std::string& name);
 /// In the form of the YAML.
 Json to_json(const Flow& flow);

@@ -37,6 +37,11 @@ Json node_json(const FlowNode& node) {
         regions[node.patterns[i]] = steps_json(node.branches[i].nodes);
       return {{"regions", regions}};
     }
+    case FlowNode::Kind::kUnlessAlike:
+      return {{"unless_alike", node.options}, {"do", steps_json(node.branches[0].nodes)}};
+    case FlowNode::Kind::kMultiply:
+      return {{"multiply", {{node.multiplier->descriptor().name, node.options}}},
+              {"do", steps_json(node.branches[0].nodes)}};
     case FlowNode::Kind::kParallel:
       break;
   }
@@ -63,9 +68,18 @@ void check_flow(const Flow& flow, std::set<std::string>& made, const AnnotatorRe
         check_need("the condition '" + node.condition->text() + "'", type, node.place, made, registry);
     if (node.kind == FlowNode::Kind::kRegions)
       check_need("'regions'", "PlanarSupport", node.place, made, registry);
+    if (node.kind == FlowNode::Kind::kUnlessAlike)
+      check_need("'unless_alike'", "StandaloneImageROI.phash", node.place, made, registry);
+    std::set<std::string> seen = made;
+    if (node.multiplier) {
+      const AnnotatorDescriptor descriptor = node.multiplier->descriptor();
+      for (const std::string& need : descriptor.needs)
+        check_need(descriptor.name, need, node.place, made, registry);
+      seen = {descriptor.makes.begin(), descriptor.makes.end()};
+    }
     // A branch does not see what the other ones make.
     for (const Flow& branch : node.branches) {
-      std::set<std::string> inside = made;
+      std::set<std::string> inside = seen;
       check_flow(branch, inside, registry);
     }
     made.insert(node.footprint.makes.begin(), node.footprint.makes.end());
@@ -79,10 +93,10 @@ void check_types(const Flow& flow, const cas::TypeSystem& types) {
   }
 }
 
-void collect_steps(Flow& flow, std::vector<Step*>& steps) {
-  for (FlowNode& node : flow.nodes) {
+void collect_steps(const Flow& flow, std::vector<Step*>& steps) {
+  for (const FlowNode& node : flow.nodes) {
     if (node.step) steps.push_back(node.step.get());
-    for (Flow& branch : node.branches) collect_steps(branch, steps);
+    for (const Flow& branch : node.branches) collect_steps(branch, steps);
   }
 }
 

@@ -104,6 +104,42 @@ void run_regions(FlowNode& node, cas::Cas& cas, Context& context) {
   run_split(node, assignment, cas, context);
 }
 
+int64_t failures_of(const Flow& flow) {
+  std::vector<Step*> steps;
+  collect_steps(flow, steps);
+  int64_t failures = 0;
+  for (const Step* step : steps) failures += step->statistics().failures;
+  return failures;
+}
+
+void run_unless_alike(FlowNode& node, cas::Cas& cas, Context& context) {
+  const types::SceneCas scene(cas);
+  Flow& branch = node.branches[0];
+  constexpr size_t kThrough = 0, kPast = 1;
+  Assignment assignment;
+  std::vector<types::Cluster> asked;
+  for (const types::Cluster& cluster : scene.clusters()) {
+    const bool as_before = node.known->take_over(cluster);
+    if (!as_before) asked.push_back(cluster);
+    assignment.emplace_back(cluster, as_before ? kPast : kThrough);
+  }
+  std::vector<Step*> steps;
+  collect_steps(branch, steps);
+  for (Step* step : steps) step->note_reused(assignment.size() - asked.size());
+  const size_t known = cas.size();
+  const int64_t failures = failures_of(branch);
+  run_split(node, assignment, cas, context);
+  if (failures_of(branch) > failures) return;  // Who failed is asked again.
+  for (const types::Cluster& cluster : asked)
+    node.known->remember(cluster, known, scene.scene().frame_index.get());
+}
+
+void run_multiply(FlowNode& node, cas::Cas& cas, Context& context) {
+  const std::vector<std::unique_ptr<cas::Cas>> parts = node.multiplier->split(cas, context);
+  for (const auto& part : parts) run_flow(node.branches[0], *part, context);
+  for (size_t i = 0; i < parts.size(); ++i) node.multiplier->join(i, *parts[i], cas);
+}
+
 void run_node(FlowNode& node, cas::Cas& cas, Context& context) {
   switch (node.kind) {
     case FlowNode::Kind::kStep:
@@ -117,6 +153,10 @@ void run_node(FlowNode& node, cas::Cas& cas, Context& context) {
       for (Flow& branch : node.branches) tasks.push_back(flow_task(branch));
       return run_side_by_side(tasks, cas, context);
     }
+    case FlowNode::Kind::kUnlessAlike:
+      return run_unless_alike(node, cas, context);
+    case FlowNode::Kind::kMultiply:
+      return run_multiply(node, cas, context);
   }
 }
 

@@ -75,7 +75,16 @@ Json Pipeline::to_json() const {
           {"writers", loci::to_json(writers_)}};
 }
 
-std::vector<Step*> Pipeline::steps() {
+std::set<std::string> Pipeline::annotating() const {
+  std::set<std::string> names;
+  for (const Step* step : steps()) {
+    const std::vector<std::string>& makes = step->descriptor().makes;
+    if (std::any_of(makes.begin(), makes.end(), is_annotation)) names.insert(step->descriptor().name);
+  }
+  return names;
+}
+
+std::vector<Step*> Pipeline::steps() const {
   std::vector<Step*> all;
   collect_steps(flow_, all);
   collect_steps(writers_, all);

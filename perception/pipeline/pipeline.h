@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,8 @@ class Pipeline {
   void add(const std::string& name, const AnnotatorRegistry& registry);
   void add_writer(const std::string& name, const AnnotatorRegistry& registry);
   bool has(const std::string& name) const;
+  /// The names of those that make annotations.
+  std::set<std::string> annotating() const;
   Reader& reader() { return *reader_; }
 
   /// Throws Error for the first annotator whose needs nobody before it meets, naming who could.
@@ -68,7 +71,7 @@ class Pipeline {
   void run_frames(Context& context, const std::shared_ptr<const cas::TypeSystem>& type_system,
                   Progress& progress, const std::function<void(cas::Cas&)>& done, PipelineResult& result);
   void finish(Context& context);
-  std::vector<Step*> steps();
+  std::vector<Step*> steps() const;
 
   std::unique_ptr<Reader> reader_;
   Json reader_options_;

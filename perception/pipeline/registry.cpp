@@ -51,6 +51,7 @@ void AnnotatorRegistry::merge(const AnnotatorRegistry& more, const Place& place)
   };
   merge_map(annotators_, more.annotators_);
   merge_map(readers_, more.readers_);
+  merge_map(multipliers_, more.multipliers_);
 }
 
 std::vector<std::string> AnnotatorRegistry::annotators() const {
@@ -59,6 +60,15 @@ std::vector<std::string> AnnotatorRegistry::annotators() const {
 
 std::vector<std::string> AnnotatorRegistry::readers() const {
   return names_of(readers_);
+}
+
+std::vector<std::string> AnnotatorRegistry::multipliers() const {
+  return names_of(multipliers_);
+}
+
+std::unique_ptr<CasMultiplier> AnnotatorRegistry::make_multiplier(const std::string& name,
+                                                                  const Place& place) const {
+  return maker_from(multipliers_, name, place, "CAS multiplier")();
 }
 
 std::unique_ptr<Annotator> AnnotatorRegistry::make(const std::string& name, const Place& place) const {

@@ -42,6 +42,8 @@ class Step {
   const StepPolicy& policy() const { return policy_; }
   const Place& place() const { return place_; }
   const AnnotatorStatistics& statistics() const { return statistics_; }
+  /// Clusters that keep what was said about them before.
+  void note_reused(size_t clusters) { statistics_.reused += static_cast<int64_t>(clusters); }
   double processor_seconds() const { return processor_seconds_; }
   /// {"Name": options, "on_error": ...}, without policies that are the default.
   Json to_json() const;

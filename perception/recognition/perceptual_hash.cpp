@@ -8,7 +8,7 @@
 namespace loci {
 namespace {
 
-constexpr int kSide = 32, kFrequencies = 8;
+constexpr int kSide = 32, kFrequencies = 8, kColorCells = 4;
 
 }  // namespace
 
@@ -31,6 +31,14 @@ uint64_t perceptual_hash(const cv::Mat& image) {
   for (size_t i = 0; i < values.size(); ++i)
     if (values[i] >= *middle) hash |= uint64_t{1} << i;
   return hash;
+}
+
+cv::Mat cell_colors(const cv::Mat& image) {
+  cv::Mat small, colors;
+  cv::resize(image, small, {kColorCells, kColorCells}, 0, 0, cv::INTER_AREA);
+  small.convertTo(small, CV_32F, 1.0 / 255);
+  cv::cvtColor(small, colors, cv::COLOR_BGR2Lab);
+  return colors;
 }
 
 int hash_distance(uint64_t a, uint64_t b) {

@@ -14,4 +14,7 @@ uint64_t perceptual_hash(const cv::Mat& image);
 /// 32 for others.
 int hash_distance(uint64_t a, uint64_t b);
 
+/// What the hash does not tell: mean colours of 4 x 4 cells of a picture (CV_8UC3, BGR), CV_32FC3, Lab.
+cv::Mat cell_colors(const cv::Mat& image);
+
 }  // namespace loci

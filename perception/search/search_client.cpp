@@ -17,7 +17,6 @@
 namespace loci {
 namespace {
 
-constexpr int kColorCells = 4;
 constexpr double kBytesPerMegabyte = 1e6;
 
 /// The server cannot do it now, or what it says makes no sense: the next attempt may do better.
@@ -78,13 +77,7 @@ SearchCache::SearchCache(int alike_bits, double alike_color, size_t most)
     : alike_bits_(alike_bits), alike_color_(alike_color), most_(most) {}
 
 SearchCache::Look SearchCache::look_at(const cv::Mat& image) {
-  Look look;
-  look.hash = perceptual_hash(image);
-  cv::Mat small;
-  cv::resize(image, small, {kColorCells, kColorCells}, 0, 0, cv::INTER_AREA);
-  small.convertTo(small, CV_32F, 1.0 / 255);
-  cv::cvtColor(small, look.colors, cv::COLOR_BGR2Lab);
-  return look;
+  return {perceptual_hash(image), cell_colors(image)};
 }
 
 bool SearchCache::find(const Look& look, SearchAnswer& answer) const {

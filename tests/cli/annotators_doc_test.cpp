@@ -11,7 +11,7 @@ namespace {
 std::string described() {
   const Json list = parse_json(run("loci-perceive list --json").out, "list");
   std::string text = "## Every annotator\n";
-  for (const char* kind : {"readers", "annotators"})
+  for (const char* kind : {"readers", "multipliers", "annotators"})
     for (const Json& each : list[kind])
       text += "\n```\n" + run("loci-perceive describe " + each["name"].get<std::string>()).out + "```\n";
   return text;

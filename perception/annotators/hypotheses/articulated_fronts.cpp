@@ -38,11 +38,6 @@ int pixel_of(const Vector3d& point, const PinholeCamera& camera) {
   return static_cast<int>(at.y() + 0.5) * camera.width + static_cast<int>(at.x() + 0.5);
 }
 
-/// How far a joint's motion carries the farthest point of a front.
-double way(const Joint& joint, double reach, double motion) {
-  return std::abs(motion) * (joint.type == JointType::revolute ? reach : 1);
-}
-
 }  // namespace
 
 /// A front at a position against a picture.
@@ -131,6 +126,7 @@ std::vector<FrontState> ArticulatedFronts::estimate(const cv::Mat& points, const
     const Front& front = fronts_[number];
     FrontState& state = states[number];
     state.joint = front.joint.name;
+    if (front.joint.type == JointType::revolute) state.reach = front.reach;
     if (const auto given = joints.find(state.joint); given != joints.end()) state.given = given->second;
     state.position = state.given;
     const Isometry3d camera_from_joint =
@@ -157,7 +153,7 @@ std::vector<FrontState> ArticulatedFronts::estimate(const cv::Mat& points, const
     }
     state.determined = best.sure();
     state.moved = best.sure() && (!given.sure() || best.cost < given.cost - kLeastGain) &&
-                  way(front.joint, front.reach, state.position - state.given) >= kLeastMotion;
+                  state.reach * std::abs(state.position - state.given) >= kLeastMotion;
     if (!state.moved) state.position = state.given;
     const Match& kept = state.moved ? best : given;
     state.in_view = kept.in_view;

@@ -14,6 +14,7 @@ namespace loci {
 /// How a front (of a drawer or a door) stands in one depth picture.
 struct FrontState {
   std::string joint;
+  double reach = 1;         ///< metres that its farthest point moves per metre or radian
   double given = 0;         ///< position that was assumed, metres or radians
   double position = 0;      ///< as the picture shows it; the given one where it does not
   bool determined = false;  ///< enough of the front is seen at that position

@@ -76,6 +76,27 @@ void add_region(const types::SceneCas& scene, const Region& region, const cv::Ma
   scene.add_support(support);
 }
 
+void annotate_joint(const types::SceneCas& scene, const FrontState& front) {
+  const auto annotation = types::JointAnnotation::create(scene.cas());
+  annotation.source.set("KnownStructureFilter");
+  annotation.joint.set(front.joint);
+  annotation.given.set(front.given);
+  annotation.position.set(front.position);
+  annotation.moved.set(front.moved);
+  annotation.points.set(front.in_view);
+  annotation.confidence.set(static_cast<double>(front.on) / std::max(1, front.in_view));
+  scene.scene().annotations.push_back(annotation);
+}
+
+void annotate_obstacle(const types::SceneCas& scene, const Obstacle& obstacle) {
+  const auto annotation = types::ObstacleAnnotation::create(scene.cas());
+  annotation.source.set("KnownStructureFilter");
+  annotation.joint.set(obstacle.joint);
+  annotation.distance.set(obstacle.distance_m);
+  annotation.share.set(obstacle.share);
+  scene.scene().annotations.push_back(annotation);
+}
+
 }  // namespace
 
 AnnotatorDescriptor KnownStructureFilter::descriptor() const {
@@ -83,8 +104,8 @@ AnnotatorDescriptor KnownStructureFilter::descriptor() const {
           "Removes what the map explains (walls, floor, sides of furniture) and keeps the regions above "
           "supports.",
           {"Scene", "view:cloud", "view:normals", "CameraInfo"},
-          {"RegionOfInterest", "SegmentationLocationAnnotation", "view:regions", "view:structure",
-           "view:map_depth"},
+          {"RegionOfInterest", "SegmentationLocationAnnotation", "JointAnnotation", "ObstacleAnnotation",
+           "view:regions", "view:structure", "view:map_depth"},
           {"JointState"},
           {"Scene", "JointState", "PlanarSupport"}};
 }
@@ -133,6 +154,7 @@ void KnownStructureFilter::fit_joints(const types::SceneCas& scene, const cv::Ma
   if (!fit_joints_) return;
   JointState fitted = joints;
   for (const FrontState& front : fronts_->estimate(points, camera, pose, joints, threads)) {
+    if (front.determined) annotate_joint(scene, front);
     if (!front.moved || joints.contains(front.joint)) continue;
     fitted[front.joint] = front.position;
     scene.log("KnownStructureFilter", "info",
@@ -183,10 +205,12 @@ void KnownStructureFilter::tell_obstacles(const types::SceneCas& scene, const cv
     const auto z = static_cast<double>(point[i][2]);
     out[i] = static_cast<double>(model[i]) - z > options_.epsilon_m + 2 * depth_noise(z) ? 1 : 0;
   }
-  for (const Obstacle& obstacle : fronts_->obstacles(points, unknown, camera, pose, joints))
+  for (const Obstacle& obstacle : fronts_->obstacles(points, unknown, camera, pose, joints)) {
+    annotate_obstacle(scene, obstacle);
     scene.log("KnownStructureFilter", "info",
               fmt::format("something stands {:.2f} m before {} and hides {:.0f} % of it", obstacle.distance_m,
                           obstacle.joint, 100 * obstacle.share));
+  }
 }
 
 void KnownStructureFilter::process(cas::Cas& cas, Context& context) {

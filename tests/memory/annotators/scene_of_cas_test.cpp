@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "memory/annotators/kept_of_cas.h"
@@ -57,6 +58,13 @@ TEST(SceneOfCas, ReadsWhatTheAnnotatorsSaid) {
   cluster.annotations.push_back(color);
   facade.add_cluster(cluster);
 
+  for (const bool moved : {true, false}) {
+    const auto joint = types::JointAnnotation::create(cas);
+    joint.joint.set(moved ? "drawer" : "door");
+    joint.moved.set(moved);
+    scene.annotations.push_back(joint);
+  }
+
   cv::Mat structure(480, 640, CV_8U, cv::Scalar(1));
   structure(cv::Rect(310, 230, 20, 20)) = 3;
   types::set_view_image(facade, "structure", structure);
@@ -79,6 +87,14 @@ TEST(SceneOfCas, ReadsWhatTheAnnotatorsSaid) {
   SceneRecord without = scene_record(facade, nullptr);
   add_what_is_kept(facade, false, without);
   EXPECT_TRUE(without.observations.at(0).cloud.bytes.empty());
+  const auto kept = [&](const std::string& name) {
+    return std::count_if(record.structures.begin(), record.structures.end(), [&](const auto& each) {
+      const auto joint = types::try_as<types::JointAnnotation>(each);
+      return joint && joint->joint.get() == name;
+    });
+  };
+  EXPECT_EQ(kept("drawer"), 1);
+  EXPECT_EQ(kept("door"), 0) << "what stands as assumed is no news";
   EXPECT_EQ(record.row.time, 7 * kSecond);
   EXPECT_EQ(record.row.frame_index, 3);
   ASSERT_EQ(record.places.size(), 1U);

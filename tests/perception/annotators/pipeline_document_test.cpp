@@ -15,7 +15,7 @@ TEST(PipelineDocument, ItsExampleOfAFlowIsAccepted) {
   AnnotatorRegistry registry;
   add_annotators(registry);
   const Json json = Pipeline::parse(yaml, "docs/annotators.md", registry).to_json();
-  EXPECT_EQ(json["flow"].size(), 10U);
+  EXPECT_EQ(json["flow"].size(), 13U);
 }
 
 }  // namespace

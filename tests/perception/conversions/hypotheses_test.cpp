@@ -89,6 +89,106 @@ TEST_F(Hypotheses, VolumesHoldThePointsThatTheyWereMadeFrom) {
   }
 }
 
+TEST_F(Hypotheses, AreTheSameInAColourCameraOfAnotherSizeAndPlace) {
+  // A finer camera, 5 cm beside the depth camera and turned by 4 degrees.
+  const PinholeCamera color{1280, 960, 1100, 1080, 650, 470};
+  Isometry3d color_from_depth(Eigen::AngleAxisd(4 * std::numbers::pi / 180, Vector3d::UnitY()));
+  color_from_depth.translation() = Vector3d(0.05, -0.01, 0.003);
+  const Mat picture = to(cas, cv::Mat(color.height, color.width, CV_8UC3, cv::Scalar(4, 5, 6)));
+  const auto roi = image_roi(cluster, picture, color, color_from_depth, 4);
+  ASSERT_TRUE(roi);
+  const cv::Rect region = from<cv::Rect>(roi->roi.get());
+  for (const Vector3d& point : positions_of(cluster)) {
+    const Vector2d pixel = color.project(color_from_depth * point);
+    EXPECT_TRUE(region.contains(cv::Point(cvRound(pixel.x()), cvRound(pixel.y()))));
+  }
+  // Back in the depth camera it is the cluster again, but for its border.
+  const auto back = indices_of(points_in_image(*roi, cloud, color, color_from_depth));
+  const auto there = std::count_if(back.begin(), back.end(), [](int32_t i) { return i < 400; });
+  EXPECT_EQ(static_cast<size_t>(there), positions_of(cluster).size());
+  EXPECT_LE(back.size() - static_cast<size_t>(there), 40U) << "one row more, at most";
+}
+
+TEST_F(Hypotheses, PointsOfTheirOwnAreFoundAgainInTheScene) {
+  const StandaloneClusterPoints alone = standalone(cluster);
+  EXPECT_EQ(alone.source.get(), "test");
+  EXPECT_EQ(positions_of(alone), positions_of(cluster));
+  EXPECT_EQ(alone.cloud.get().width.get(), static_cast<int64_t>(positions_of(cluster).size()));
+  std::vector<int32_t> measured;
+  for (int32_t i = 0; i < 400; ++i)
+    if ((i % 40 + i / 40) % 10 != 0) measured.push_back(i);
+  EXPECT_EQ(indices_of(within(alone, cloud, same, 0.002)), measured);
+  Isometry3d away = same;
+  away.translation().z() = 0.01;
+  EXPECT_TRUE(indices_of(within(alone, cloud, away, 0.005)).empty());
+}
+
+TEST_F(Hypotheses, PicturesOfTheirOwnAreRegionsOfTheSceneAgain) {
+  const auto roi = image_roi(cluster, image, camera, same, 1);
+  const ReferenceImageROI back = within(standalone(*roi), image);
+  EXPECT_EQ(from<cv::Rect>(back.roi.get()), from<cv::Rect>(roi->roi.get()));
+  EXPECT_EQ(indices_of(points_in_image(back, cloud, camera, same)),
+            indices_of(points_in_image(*roi, cloud, camera, same)));
+  EXPECT_THROW(within(standalone(*roi), to(cas, cv::Mat(20, 20, CV_8UC3))), Error);
+}
+
+TEST_F(Hypotheses, VolumesCoverThePixelsOfWhatIsInThem) {
+  Isometry3d map_from_camera(Eigen::AngleAxisd(0.7, Vector3d(1, 1, 0).normalized()));
+  map_from_camera.translation() = Vector3d(1, 2, 3);
+  const auto points = image_roi(cluster, image, camera, same, 0);
+  const cv::Rect tight = from<cv::Rect>(points->roi.get());
+  for (const TFLinkROI& volume : {TFLinkROI(bounding_box(cluster, "map", map_from_camera).structure()),
+                                  TFLinkROI(bounding_sphere(cluster, "map", map_from_camera).structure())}) {
+    const auto roi = image_roi(volume, image, camera, map_from_camera.inverse());
+    ASSERT_TRUE(roi);
+    const cv::Rect region = from<cv::Rect>(roi->roi.get());
+    EXPECT_EQ(region & tight, tight);
+    EXPECT_LT(region.area(), 8 * tight.area());
+    const cv::Mat1b mask = from<cv::Mat_<uint8_t>>(roi->mask.get());
+    const cv::Mat1b inner = from<cv::Mat_<uint8_t>>(points->mask.get());
+    EXPECT_EQ(cv::countNonZero(inner & ~mask(tight - region.tl())), 0);
+    // Behind the camera there is nothing to be seen of it.
+    Isometry3d turned(Eigen::AngleAxisd(std::numbers::pi, Vector3d::UnitX()));
+    EXPECT_FALSE(image_roi(volume, image, camera, turned * map_from_camera.inverse()));
+  }
+}
+
+TEST_F(Hypotheses, AVolumeAroundTheCameraCoversThePicture) {
+  const auto sphere = TFLinkSphereROI::create(cas);
+  sphere.center.set(to(cas, Vector3d(0, 0, 0)));
+  sphere.radius.set(1);
+  const auto box = TFLinkBBoxROI::create(cas);
+  box.bbox.get_or_create().pose.set(to(cas, same));
+  box.bbox.get().size.set(to(cas, Vector3d(2, 2, 2)));
+  for (const TFLinkROI& volume : {TFLinkROI(sphere.structure()), TFLinkROI(box.structure())}) {
+    const auto roi = image_roi(volume, image, camera, same);
+    ASSERT_TRUE(roi);
+    EXPECT_EQ(from<cv::Rect>(roi->roi.get()), cv::Rect(0, 0, camera.width, camera.height));
+    EXPECT_EQ(cv::countNonZero(from<cv::Mat>(roi->mask.get())), camera.width * camera.height);
+  }
+}
+
+TEST_F(Hypotheses, VolumesGoToOtherFramesAndShapes) {
+  Isometry3d table_from_map(Eigen::AngleAxisd(std::numbers::pi / 6, Vector3d::UnitZ()));
+  table_from_map.translation() = Vector3d(1, 0, -1);
+  const auto box = TFLinkBBoxROI::create(cas);
+  box.tf_frame.set("map");
+  Isometry3d pose = Isometry3d::Identity();
+  pose.translation() = Vector3d(0.5, 0.5, 1.5);
+  box.bbox.get_or_create().pose.set(to(cas, pose));
+  box.bbox.get().size.set(to(cas, Vector3d(0.4, 0.2, 0.1)));
+  const TFLinkBBoxROI there = bounding_box(box, "table", table_from_map);
+  EXPECT_EQ(there.tf_frame.get(), "table");
+  const Vector3d size = from<Vector3d>(there.bbox.get().size.get());
+  const double c = std::cos(std::numbers::pi / 6), s = 0.5;
+  EXPECT_TRUE(size.isApprox(Vector3d(0.4 * c + 0.2 * s, 0.4 * s + 0.2 * c, 0.1), 1e-9)) << size.transpose();
+  const TFLinkSphereROI ball = bounding_sphere(box, "table", table_from_map);
+  EXPECT_NEAR(ball.radius.get(), Vector3d(0.2, 0.1, 0.05).norm(), 1e-12);
+  EXPECT_TRUE(from<Vector3d>(ball.center.get()).isApprox(table_from_map * pose.translation(), 1e-9));
+  const TFLinkBBoxROI around = bounding_box(ball, "table", same);
+  EXPECT_NEAR(from<Vector3d>(around.bbox.get().size.get()).x(), 2 * ball.radius.get(), 1e-12);
+}
+
 TEST_F(Hypotheses, RefuseWhatIsNotThere) {
   cluster.indices.get().indices.set({5000});
   EXPECT_THROW(positions_of(cluster), Error);
