@@ -45,11 +45,28 @@ TEST_F(Annotate, LateAnnotationsBelongToTheOldClustersAndTheirObjects) {
   EXPECT_EQ(annotate("ColorName --again")["annotations"], first["annotations"]);
 }
 
-TEST_F(Annotate, WhatAMemoryDoesNotKeepIsSaid) {
-  const Outcome outcome = run("loci-perceive annotate -m " + memory_ + " --with PclFeature");
+TEST_F(Annotate, CloudsAreMadeOfThePointsThatWereKept) {
+  const Outcome outcome = run("loci-perceive annotate -m " + memory_ + " --with GeometryAnnotator");
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.error, HasSubstr("PclFeature needs ReferenceClusterPoints"));
+  EXPECT_THAT(outcome.error, HasSubstr("GeometryAnnotator needs view:cloud"));
+  EXPECT_THAT(outcome.error, HasSubstr("put NormalEstimator before it"));
   EXPECT_EQ(lines_of(outcome.error), 1);
+  const Json shapes = annotate("NormalEstimator --with \"PclFeature: {features: [GaussImage]}\"");
+  EXPECT_GT(shapes["clusters"].get<int>(), 0);
+  EXPECT_EQ(shapes["annotations"], shapes["clusters"]);
+  const Json boxes = annotate("NormalEstimator --with GeometryAnnotator --again");
+  EXPECT_EQ(boxes["annotations"], boxes["clusters"]);
+  EXPECT_EQ(run("loci-memory verify -m " + memory_).exit_code, 0);
+}
+
+TEST_F(Annotate, ThingsThatStoodStillAreAskedAboutOnce) {
+  const std::string alike = "PerceptualHash --with \"{unless_alike: {}, do: [ColorHistogram]}\"";
+  const Json first = annotate(alike);
+  EXPECT_EQ(first["annotations"], first["clusters"]);
+  const Outcome told = run("loci-perceive describe ColorHistogram -m " + memory_);
+  EXPECT_THAT(told.out, HasSubstr("clusters looked as before"));
+  // Who has answered is not asked again, whatever stands around it.
+  EXPECT_EQ(annotate(alike)["clusters"], 0);
 }
 
 TEST_F(Annotate, MakesNoMemory) {

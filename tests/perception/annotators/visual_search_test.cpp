@@ -1,7 +1,6 @@
 #include "perception/annotators/description/visual_search.h"
 
 #include <gmock/gmock.h>
-#include <httplib.h>
 
 #include <atomic>
 #include <opencv2/imgproc.hpp>

@@ -1,0 +1,50 @@
+// Drawers whose joints nobody names: fitted by their fronts, on a simulated recording with the sensor's
+// noise.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "mapping/base/files.h"
+#include "mapping/base/json.h"
+#include "tests/cli/command.h"
+
+namespace loci::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(Joints, OfOpenDrawersAreAnnotationsOfTheScene) {
+  const std::string folder = fresh_folder();
+  write_file_atomically(fs::path(folder) / "drawer.yaml", R"(
+world: )" LOCI_SOURCE_DIR R"(/apps/samples/kitchen.urdf
+scenes:
+  - time: "2026-05-01T08:05:00Z"
+    view: {from: [1.62, 1.0, 1.50], at: [1.60, 2.20, 0.72]}
+    do:
+      - {open: drawer_2, to: 0.42}
+)");
+  ASSERT_EQ(run("loci-simulate record " + folder + "/drawer.yaml --quiet -o " + folder + "/drawer").exit_code,
+            0);
+  fs::remove(folder + "/drawer/joints.csv");  // Nobody says that it is open.
+  const std::string memory = folder + "/memory.loci";
+  const Outcome outcome =
+      run("loci-perceive run " + folder +
+          "/drawer --json --quiet --map " LOCI_SOURCE_DIR "/apps/samples/kitchen.urdf -m " + memory);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const Json answer = parse_json(outcome.out, "run");
+  int moved = 0;
+  for (const Json& each : answer["scenes"][0]["annotations"]) {
+    if (each["type"] != "JointAnnotation" || !each["moved"].get<bool>()) continue;
+    ++moved;
+    EXPECT_EQ(each["joint"], "drawer_2_front_joint");
+    EXPECT_NEAR(each["position"].get<double>(), 0.42, 0.015);
+    EXPECT_GT(each["confidence"].get<double>(), 0.25);
+  }
+  EXPECT_EQ(moved, 1) << answer["scenes"][0]["annotations"];
+  const Json size = parse_json(run("loci-memory stat --json -m " + memory).out, "stat");
+  EXPECT_EQ(size["tables"]["scene"]["rows"], 1);
+}
+
+}  // namespace
+}  // namespace loci::test
