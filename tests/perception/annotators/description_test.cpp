@@ -133,9 +133,13 @@ TEST(Annotators, EveryTypeThatTheyNameExists) {
     products.insert(products.end(), descriptor.needs.begin(), descriptor.needs.end());
     for (const std::string& product : products) {
       if (product.starts_with("view:")) continue;
+      const size_t dot = product.find('.');  // Of a type, or of a feature of it.
       bool known = false;
-      for (const char* space : {"core", "cv", "tf", "pcl", "hypothesis", "annotation", "scene", "belief"})
-        known = known || types::type_system()->find("loci." + std::string(space) + "." + product).has_value();
+      for (const char* space : {"core", "cv", "tf", "pcl", "hypothesis", "annotation", "scene", "belief"}) {
+        const auto type =
+            types::type_system()->find("loci." + std::string(space) + "." + product.substr(0, dot));
+        known = known || (type && (dot == std::string::npos || type->find_feature(product.substr(dot + 1))));
+      }
       EXPECT_TRUE(known) << name << ": " << product;
     }
   }
