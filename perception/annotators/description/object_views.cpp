@@ -19,6 +19,14 @@ cv::Vec3f vector(const Eigen::Vector3f& value) {
   return {value.x(), value.y(), value.z()};
 }
 
+/// What the belief decided, whatever simple trackers vote for; -1 = nothing.
+int64_t tracking_id_of(const types::Cluster& cluster) {
+  int64_t id = -1;
+  for (const auto& tracking : cluster.annotations.filter<types::TrackingAnnotation>())
+    if (tracking.annotator_id.get() == tracking.source.get()) id = tracking.tracking_id.get();
+  return id;
+}
+
 /// A copier that leaves clusters and the scene where they are.
 cas::Copier copier(const types::SceneCas& scene, cas::Cas& to) {
   cas::Copier copy(scene.cas(), to);
@@ -80,8 +88,7 @@ ObjectViews::View ObjectViews::view_of(const types::SceneCas& scene, const types
 
 ObjectViews::Object& ObjectViews::object_of(const types::Cluster& cluster, const View& view,
                                             std::set<const Object*>& taken) {
-  const auto tracking = cluster.annotations.first<types::TrackingAnnotation>();
-  const int64_t id = tracking ? tracking.tracking_id.get() : -1;
+  const int64_t id = tracking_id_of(cluster);
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3f& point : view.points) box.extend(point.cast<double>());
   Object* best = nullptr;
