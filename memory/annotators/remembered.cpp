@@ -127,6 +127,14 @@ void MemoryReader::read_next(cas::Cas& cas, Context& context) {
     if (annotation && kept.observation) clusters.at(*kept.observation).annotations.push_back(*annotation);
     if (annotation && !kept.observation) made.annotations.push_back(*annotation);
   }
+  if (row.camera && !scene.has_camera("depth")) {
+    // The colour camera is not kept.
+    const SceneCamera& kept = *row.camera;
+    RgbdCamera camera;
+    camera.depth = {kept.width, kept.height, kept.fx, kept.fy, kept.cx, kept.cy};
+    camera.color = camera.depth;
+    types::set_cameras(scene, camera);
+  }
   for (const auto& [id, cluster] : clusters) {
     if (const auto location = cluster.annotations.first<types::TFLocationAnnotation>())
       cluster.place.set(location.frame_id.get());
