@@ -13,6 +13,7 @@ class QLabel;
 class QScrollArea;
 class QSlider;
 class QToolButton;
+class QVBoxLayout;
 
 namespace loci {
 
@@ -44,9 +45,9 @@ class MapTools : public Page {
     QSlider* slider = nullptr;
     QLabel* value = nullptr;
   };
-  void build_measuring(class QVBoxLayout& layout);
-  void build_section(class QVBoxLayout& layout);
-  void build_joints(class QVBoxLayout& layout);
+  void build_measuring(QVBoxLayout& layout);
+  void build_section(QVBoxLayout& layout);
+  void build_joints(QVBoxLayout& layout);
   void refresh();
   void fill_joints(const World* world);
   void show_values();
