@@ -1,7 +1,6 @@
 #include "memory/catalogue/catalogue.h"
 
 #include <cmath>
-#include <set>
 
 #include "mapping/base/files.h"
 #include "mapping/base/hash.h"
@@ -15,24 +14,6 @@ namespace {
 
 constexpr const char* kFormat = "loci-catalogue";
 constexpr int kVersion = 1;
-
-std::string home_of(const Store& store) {
-  const std::vector<RecordingRow> recordings = store.recordings();
-  if (!recordings.empty()) return content_hash("recording " + recordings.front().fingerprint).substr(0, 16);
-  const std::vector<SceneRow> scenes = store.scenes();
-  if (scenes.empty()) return {};
-  return content_hash("scene " + std::to_string(scenes.front().time)).substr(0, 16);
-}
-
-/// Values of an object's annotations of one type, each once.
-std::vector<std::string> said_of(const Store& store, Id object, const std::string& type) {
-  std::set<std::string> values;
-  for (const Sighting& sighting : store.sightings(object))
-    for (const AnnotationRow& row : store.annotations(sighting.observation.scene))
-      if (row.observation == sighting.observation.id && row.type == type && !row.value.empty())
-        values.insert(row.value);
-  return {values.begin(), values.end()};
-}
 
 float rounded(float value) {
   return std::round(value * 1e4F) / 1e4F;
@@ -69,11 +50,20 @@ Json entry_json(const CatalogueEntry& entry) {
   if (!facts.empty()) json["facts"] = facts;
   if (!entry.color.empty()) json["color"] = entry.color;
   if (entry.size) json["size_m"] = {entry.size->x(), entry.size->y(), entry.size->z()};
-  if (!entry.texts.empty()) json["texts"] = entry.texts;
-  if (!entry.products.empty()) json["products"] = entry.products;
+  for (const auto& [kind, said] : entry.words) json["words"][kind] = said;
   json["looks"] = Json::array();
   for (const auto& look : entry.looks) json["looks"].push_back(look_json(look));
   return json;
+}
+
+/// Earlier files have lists of texts and products, without agreement.
+Words words_from(const Json& json, const std::string& class_name) {
+  if (json.contains("words")) return json.at("words").get<Words>();
+  Words words;
+  for (const auto& [kind, list] : {std::pair("text", "texts"), std::pair("product", "products")})
+    for (const Json& value : json.value(list, Json::array())) words[kind][value] = 1;
+  if (!class_name.empty()) words["label"][class_name] = 1;
+  return words;
 }
 
 CatalogueEntry entry_from(const Json& json) {
@@ -88,13 +78,21 @@ CatalogueEntry entry_from(const Json& json) {
     const auto size = json.at("size_m").get<std::array<double, 3>>();
     entry.size = Vector3d(size[0], size[1], size[2]);
   }
-  entry.texts = json.value("texts", std::vector<std::string>());
-  entry.products = json.value("products", std::vector<std::string>());
+  entry.words = words_from(json, entry.class_name);
   for (const Json& look : json.value("looks", Json::array())) entry.looks.push_back(look_from(look));
+  drop_words(entry.looks);
   return entry;
 }
 
 }  // namespace
+
+std::string home_of(const Store& store) {
+  const std::vector<RecordingRow> recordings = store.recordings();
+  if (!recordings.empty()) return content_hash("recording " + recordings.front().fingerprint).substr(0, 16);
+  const std::vector<SceneRow> scenes = store.scenes();
+  if (scenes.empty()) return {};
+  return content_hash("scene " + std::to_string(scenes.front().time)).substr(0, 16);
+}
 
 Catalogue catalogue_of(const Store& store) {
   Catalogue catalogue;
@@ -115,8 +113,9 @@ Catalogue catalogue_of(const Store& store) {
         entry.facts.emplace_back(fact.key, *fact.value);
     entry.color = belief.color.value_or("");
     entry.size = belief.size;
-    entry.texts = said_of(store, belief.object, "loci.annotation.TextAnnotation");
-    entry.products = said_of(store, belief.object, "loci.annotation.ProductAnnotation");
+    entry.words = words_of(store, belief.object);
+    for (auto& [kind, values] : entry.words)
+      for (auto& [value, agreement] : values) agreement = std::round(agreement * 1e3) / 1e3;
     entry.looks = looks.of(belief.object);
     for (const Sighting& sighting : store.sightings(belief.object)) {
       ++entry.sightings;

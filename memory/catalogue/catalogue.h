@@ -9,6 +9,7 @@
 #include "mapping/base/pose.h"
 #include "memory/belief/habits.h"
 #include "memory/belief/observation.h"
+#include "memory/catalogue/words.h"
 #include "memory/store/store.h"
 
 namespace loci {
@@ -20,7 +21,7 @@ struct CatalogueEntry {
   std::vector<std::pair<std::string, std::string>> facts;  ///< alias, owner and whatever people say; no state
   std::string color;                                       ///< name; empty = unknown
   std::optional<Vector3d> size;                            ///< metres
-  std::vector<std::string> texts, products;                ///< that annotators read on it
+  Words words;                                             ///< that annotators read on it and call it
   std::vector<std::vector<belief::Descriptor>> looks;      ///< a few, over time
   size_t sightings = 0;
 };
@@ -34,6 +35,8 @@ struct Catalogue {
       kept_on;  ///< by class: share of its sightings by place class
 };
 
+/// By which its catalogue is known; empty for a memory without scenes.
+std::string home_of(const Store& store);
 Catalogue catalogue_of(const Store& store);
 
 Json to_json(const Catalogue& catalogue);
@@ -49,6 +52,7 @@ struct CatalogueResult {
     Id object = 0;
     std::string key, value;
     double probability = 0;
+    std::string by = {};  ///< what it was known by: "looks", "words" or "looks and words"
   };
   std::vector<Match> known;  ///< what the catalogues say of this memory's objects, in order of object
 
@@ -57,8 +61,9 @@ struct CatalogueResult {
 };
 
 /// Keeps a catalogue in a memory, in the place of an older one of that home, and says of each object that
-/// fits an entry what is known of it: facts with source "catalogue" and a probability. What people say comes
-/// first. Taking it in again changes nothing. Error for the catalogue of this very home.
+/// fits an entry by its looks and its words what is known of it: facts with source "catalogue" and a
+/// probability. What people say comes first. Taking it in again changes nothing. Error for the catalogue of
+/// this very home.
 CatalogueResult import_catalogue(Store& store, const Catalogue& catalogue);
 /// The same for what was seen since then. Without catalogues nothing happens.
 CatalogueResult apply_catalogues(Store& store);

@@ -26,9 +26,12 @@ constexpr double kTold = 0.5, kNews = 0.05;
 /// Habits of another home are worth no more events than this.
 constexpr double kMostExpected = 10;
 
+constexpr double kWeight = 0.8;  ///< as in BeliefOptions: annotations of one thing depend on each other
+/// Known by what makes it this much more probable alone.
+const double kTelling = std::log(2.0);
+
 /// How much more probable the looks are if both are the same thing: mean over what was seen of it here.
-double log_ratio(const Looks& here, const Looks& there, const belief::Corrections& corrections) {
-  constexpr double kWeight = 0.8;  // as in BeliefOptions: annotations of one thing depend on each other
+double looks_ratio(const Looks& here, const Looks& there, const belief::Corrections& corrections) {
   double sum = 0;
   size_t count = 0;
   for (const auto& seen : here) {
@@ -48,17 +51,59 @@ double log_ratio(const Looks& here, const Looks& there, const belief::Correction
   return count == 0 ? 0.0 : std::clamp(sum / double(count), -30.0, 30.0);
 }
 
-using Facts = std::map<std::tuple<Id, std::string, std::string>, double>;  ///< object, key, value
+/// An object of this memory as far as it is compared.
+struct Seen {
+  Id object = 0;
+  Looks looks;
+  Words words;
+};
 
-void want(Facts& facts, Id object, const std::string& key, const std::string& value, double probability) {
+/// What tells that an object is a thing of the catalogue: logarithms of likelihood ratios.
+struct Likelihood {
+  double looks = 0, words = 0;
+
+  double sum() const { return looks + words; }
+  std::string by() const {
+    if (words < kTelling) return "looks";
+    return looks < kTelling ? "words" : "looks and words";
+  }
+};
+
+struct Told {
+  double probability = 0;
+  std::string by;
+};
+using Facts = std::map<std::tuple<Id, std::string, std::string>, Told>;  ///< object, key, value
+
+void want(Facts& facts, Id object, const std::string& key, const std::string& value, double probability,
+          const std::string& by) {
   if (value.empty() || probability < kTold) return;
-  double& known = facts[{object, key, value}];
-  known = std::max(known, std::min(probability, 0.999));
+  Told& known = facts[{object, key, value}];
+  if (probability > known.probability) known = {std::min(probability, 0.999), by};
+}
+
+/// The class of an object is that of all things together that it is like.
+void want_class(const Catalogue& catalogue, Id object, const std::vector<Likelihood>& likelihoods,
+                double prior, Facts& facts) {
+  struct Weight {
+    double sum = 0, most = 0;
+    std::string by;
+  };
+  std::map<std::string, Weight> classes;
+  double all = 1;
+  for (size_t e = 0; e < likelihoods.size(); ++e) {
+    const double weight = std::exp(likelihoods[e].sum() + prior);
+    all += weight;
+    Weight& of_class = classes[catalogue.entries[e].class_name];
+    of_class.sum += weight;
+    if (weight > of_class.most) of_class.most = weight, of_class.by = likelihoods[e].by();
+  }
+  for (const auto& [name, weight] : classes) want(facts, object, "class", name, weight.sum / all, weight.by);
 }
 
 /// What the catalogue says of the objects. A class may be that of many things; a name or an owner belongs to
 /// one thing.
-void match(const Catalogue& catalogue, const std::vector<Id>& objects, const std::vector<Looks>& looks,
+void match(const Catalogue& catalogue, const std::vector<Seen>& objects,
            const belief::Corrections& corrections, Facts& facts) {
   const auto rows = static_cast<Eigen::Index>(catalogue.entries.size()),
              columns = static_cast<Eigen::Index>(objects.size());
@@ -68,19 +113,17 @@ void match(const Catalogue& catalogue, const std::vector<Id>& objects, const std
   problem.log_proximity.setZero(rows, columns);
   problem.out_of_view.assign(catalogue.entries.size(), 0.0);
   const double prior = std::log(kKnown / (1 - kKnown) / double(rows));
-  for (Eigen::Index e = 0; e < rows; ++e)
-    for (Eigen::Index o = 0; o < columns; ++o)
-      problem.log_similar(e, o) =
-          log_ratio(looks[size_t(o)], catalogue.entries[size_t(e)].looks, corrections) + prior;
+  std::vector<std::vector<Likelihood>> likelihoods;  // by object
   for (Eigen::Index o = 0; o < columns; ++o) {
-    std::map<std::string, double> classes;
-    double all = 1;
+    const Seen& seen = objects[size_t(o)];
+    std::vector<Likelihood>& of_object = likelihoods.emplace_back();
     for (Eigen::Index e = 0; e < rows; ++e) {
-      const double weight = std::exp(problem.log_similar(e, o));
-      all += weight;
-      classes[catalogue.entries[size_t(e)].class_name] += weight;
+      const CatalogueEntry& entry = catalogue.entries[size_t(e)];
+      of_object.push_back({looks_ratio(seen.looks, entry.looks, corrections),
+                           kWeight * words_log_ratio(seen.words, entry.words)});
+      problem.log_similar(e, o) = of_object.back().sum() + prior;
     }
-    for (const auto& [name, weight] : classes) want(facts, objects[size_t(o)], "class", name, weight / all);
+    want_class(catalogue, seen.object, of_object, prior, facts);
   }
   IdentityOptions options;
   options.best = 1;
@@ -90,11 +133,14 @@ void match(const Catalogue& catalogue, const std::vector<Id>& objects, const std
   for (Eigen::Index e = 0; e < rows; ++e)
     for (Eigen::Index o = 0; o < columns; ++o) {
       const CatalogueEntry& entry = catalogue.entries[size_t(e)];
-      const double probability = solution.move(e, o);
-      for (const auto& [key, value] : entry.facts) want(facts, objects[size_t(o)], key, value, probability);
-      for (const std::string& text : entry.texts) want(facts, objects[size_t(o)], "text", text, probability);
-      for (const std::string& product : entry.products)
-        want(facts, objects[size_t(o)], "product", product, probability);
+      const auto tell = [&](const std::string& key, const std::string& value) {
+        want(facts, objects[size_t(o)].object, key, value, solution.move(e, o),
+             likelihoods[size_t(o)][size_t(e)].by());
+      };
+      for (const auto& [key, value] : entry.facts) tell(key, value);
+      for (const char* kind : {"text", "product"})
+        if (const auto said = entry.words.find(kind); said != entry.words.end())
+          for (const auto& [value, agreement] : said->second) tell(kind, value);
     }
 }
 
@@ -119,22 +165,23 @@ void settle(Store& store, Facts wanted, CatalogueResult& result) {
       rows.push_back(row);
       continue;
     }
-    result.known.push_back({*fact.object, fact.key, *fact.value, found->second});
-    if (std::abs(found->second - fact.probability.value_or(1)) > kNews) {
+    const Told& told = found->second;
+    result.known.push_back({*fact.object, fact.key, *fact.value, told.probability, told.by});
+    if (std::abs(told.probability - fact.probability.value_or(1)) > kNews) {
       row.value = fact.value;
-      row.probability = found->second;
+      row.probability = told.probability;
       ++result.changed;
       rows.push_back(row);
     }
     wanted.erase(found);
   }
-  for (const auto& [about, probability] : wanted) {
+  for (const auto& [about, told] : wanted) {
     const auto& [object, key, value] = about;
-    FactRow row{.object = object, .key = key, .value = value, .probability = probability};
+    FactRow row{.object = object, .key = key, .value = value, .probability = told.probability};
     row.clock.source = kSource;
     const Store::SightingCount seen = store.count_sightings(object);
     if (seen.first_scene) row.clock.valid_from = store.scene(*seen.first_scene).time;
-    result.known.push_back({object, key, value, probability});
+    result.known.push_back({object, key, value, told.probability, told.by});
     ++result.added;
     rows.push_back(row);
   }
@@ -165,7 +212,7 @@ void take_habits(Store& store, const Catalogue& catalogue) {
 }  // namespace
 
 CatalogueResult import_catalogue(Store& store, const Catalogue& catalogue) {
-  if (catalogue.home == catalogue_of(store).home && !catalogue.home.empty())
+  if (catalogue.home == home_of(store) && !catalogue.home.empty())
     throw Error("this catalogue is of this very home", {store.path().string(), 0, {}},
                 "import it into the memory of another one");
   const std::string bytes = to_json(catalogue).dump(), name = kKept + catalogue.home;
@@ -184,13 +231,10 @@ CatalogueResult apply_catalogues(Store& store) {
   CatalogueResult result;
   const std::map<std::string, Store::Checkpoint> kept = store.checkpoints(kKept);
   if (kept.empty()) return result;
-  std::vector<Id> objects;
-  std::vector<Looks> looks;
-  LooksOfObjects seen(store);
-  for (const BeliefRow& belief : store.beliefs()) {
-    objects.push_back(belief.object);
-    looks.push_back(seen.of(belief.object));
-  }
+  std::vector<Seen> objects;
+  LooksOfObjects looks(store);
+  for (const BeliefRow& belief : store.beliefs())
+    objects.push_back({belief.object, looks.of(belief.object), words_of(store, belief.object)});
   result.objects = objects.size();
   const belief::Corrections corrections = load_belief(store).calibration.corrections();
   Facts facts;
@@ -198,7 +242,7 @@ CatalogueResult apply_catalogues(Store& store) {
     const Catalogue catalogue =
         catalogue_from(parse_json(checkpoint.bytes, store.path().string()), store.path().string());
     result.entries += catalogue.entries.size();
-    match(catalogue, objects, looks, corrections, facts);
+    match(catalogue, objects, corrections, facts);
     take_habits(store, catalogue);
   }
   settle(store, std::move(facts), result);
@@ -211,8 +255,8 @@ std::string CatalogueResult::summary() const {
       "{} taken back)",
       objects, entries, known.size(), added, changed, taken_back);
   for (const Match& match : known)
-    text += fmt::format("\n  {:10} {:8} {:20} {:3.0f} %", object_name(match.object), match.key, match.value,
-                        100 * match.probability);
+    text += fmt::format("\n  {:10} {:8} {:20} {:3.0f} %, by its {}", object_name(match.object), match.key,
+                        match.value, 100 * match.probability, match.by);
   return text;
 }
 
@@ -222,7 +266,8 @@ Json CatalogueResult::report() const {
     list.push_back({{"object", object_name(match.object)},
                     {"key", match.key},
                     {"value", match.value},
-                    {"probability", match.probability}});
+                    {"probability", match.probability},
+                    {"by", match.by}});
   return {{"objects", objects}, {"entries", entries},       {"added", added},
           {"changed", changed}, {"taken_back", taken_back}, {"known", list}};
 }

@@ -4,6 +4,11 @@
 
 namespace loci {
 
+void drop_words(Looks& looks) {
+  for (auto& look : looks)
+    std::erase_if(look, [](const belief::Descriptor& d) { return d.kind == "class" || d.kind == "text"; });
+}
+
 Looks LooksOfObjects::of(Id object) {
   constexpr size_t kMost = 6;
   std::vector<const belief::Observation*> seen;
@@ -16,6 +21,7 @@ Looks LooksOfObjects::of(Id object) {
   Looks looks;
   const size_t count = std::min(kMost, seen.size());
   for (size_t i = 0; i < count; ++i) looks.push_back(seen[i * seen.size() / count]->descriptors);
+  drop_words(looks);
   return looks;
 }
 

@@ -11,6 +11,9 @@ namespace loci {
 
 using Looks = std::vector<std::vector<belief::Descriptor>>;
 
+/// Classes and texts are compared as words are, over all sightings.
+void drop_words(Looks& looks);
+
 /// What objects looked like, out of the evidence that is kept with each scene.
 class LooksOfObjects {
  public:

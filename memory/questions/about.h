@@ -1,19 +1,11 @@
 #pragma once
 
 #include "memory/questions/facts.h"
+#include "memory/store/object_evidence.h"
 
 namespace loci {
 
 // What is known about a thing: what annotators say it is, what people say, where it is.
-
-/// What annotators of one type say about an object.
-struct ObjectEvidence {
-  std::string type, value;
-  size_t sightings = 0;  ///< that say so
-  double agreement = 0;  ///< part of the sightings of which this type says anything
-};
-/// By type, most often first; where it is and how it lies is left out.
-std::vector<ObjectEvidence> evidence_of(const Store& store, const std::vector<Sighting>& sightings);
 
 struct AboutQuestion {
   std::string subject = {};

@@ -144,6 +144,92 @@ TEST_F(CatalogueTest, OfTwoAlikeOnlyOneCanBeAdasButBothAreMugs) {
   EXPECT_EQ(owned, 0U) << "a third each";
 }
 
+constexpr const char* kWhiteBox = R"("size": [0.07, 0.1, 0.2], "color": [0, 0.02, 0.9])";
+
+std::string saying(const char* look, const char* words) {
+  return fmt::format("{}, {}", look, words);
+}
+
+TEST_F(CatalogueTest, TwoThingsThatLookAlikeAreKnownByTheirWords) {
+  const std::filesystem::path memory =
+      home("first", 0, {saying(kWhiteBox, R"("text": "H-MILCH")"), saying(kWhiteBox, R"("text": "Mehl")")});
+  {
+    Store store = Store::open_write(memory);
+    set_fact(store, "object_1", "owner", "Ada");
+    set_fact(store, "object_2", "owner", "Bob");
+  }
+  const Catalogue made = catalogue_of(Store::open_read(memory));
+  EXPECT_EQ(made.entries[0].words.at("text").at("H-MILCH"), 1.0);
+  const std::filesystem::path other =
+      home("second", 30, {saying(kWhiteBox, R"("text": "mehl")"), saying(kWhiteBox, R"("text": "H-Milch")")});
+  Store store = Store::open_write(other);
+  const CatalogueResult result = import_catalogue(store, made);
+  EXPECT_THAT(facts(other), Contains("object_1 owner Bob catalogue"));
+  EXPECT_THAT(facts(other), Contains("object_2 owner Ada catalogue"));
+  EXPECT_EQ(import_catalogue(store, catalogue_from(to_json(made), "test")).added, 0U);
+  for (const CatalogueResult::Match& match : result.known) EXPECT_EQ(match.by, "looks and words");
+}
+
+TEST_F(CatalogueTest, WhatHasNoLooksIsKnownByItsWordsAlone) {
+  const char* milk = R"("class": {"carton": 0.9}, "text": "MILFINA H-Milch")";
+  const char* soup = R"("class": {"can": 0.9}, "text": "Tomatensuppe")";
+  const std::filesystem::path memory = home("first", 0, {milk, soup});
+  {
+    Store store = Store::open_write(memory);
+    set_fact(store, "object_1", "owner", "Ada");
+  }
+  const std::filesystem::path other = home("second", 30, {soup, milk});
+  Store store = Store::open_write(other);
+  const CatalogueResult result = import_catalogue(store, catalogue_of(Store::open_read(memory)));
+  EXPECT_THAT(facts(other), Contains("object_2 owner Ada catalogue"));
+  EXPECT_THAT(facts(other), Not(Contains("object_1 owner Ada catalogue")));
+  ASSERT_FALSE(result.known.empty());
+  for (const CatalogueResult::Match& match : result.known) EXPECT_EQ(match.by, "words");
+}
+
+TEST_F(CatalogueTest, WordsThatAgreeMakeItSurerAndOthersLessSure) {
+  const auto sure = [&](const std::string& name, const char* text) {
+    const std::filesystem::path memory =
+        home("first " + name, 0, {saying(kRedMug, R"("text": "Best Dad")"), kBlueBox});
+    {
+      Store store = Store::open_write(memory);
+      set_fact(store, "object_1", "owner", "Ada");
+    }
+    Store store = Store::open_write(home("second " + name, 30, {saying(kRedMug, text)}));
+    const CatalogueResult result = import_catalogue(store, catalogue_of(Store::open_read(memory)));
+    for (const CatalogueResult::Match& match : result.known)
+      if (match.key == "owner") return match.probability;
+    return 0.0;
+  };
+  const double none = sure("none", R"("score": 0.9)"), same = sure("same", R"("text": "Best dad")"),
+               other = sure("other", R"("text": "Ibiza")");
+  EXPECT_GT(same, none);
+  EXPECT_LT(other, none);
+  EXPECT_GT(none, 0.5);
+}
+
+TEST(CatalogueWords, CountByKindAndOnlyWhereBothHaveThem) {
+  const Words milk = {{"product", {{"Milfina H-Milch", 0.8}, {"Milfina Sahne", 0.2}}}};
+  EXPECT_GT(words_log_ratio(milk, {{"product", {{"milfina h-milch", 1.0}}}}), 2.0);
+  EXPECT_LT(words_log_ratio(milk, {{"product", {{"Tomatensuppe", 1.0}}}}), -1.5);
+  EXPECT_EQ(words_log_ratio(milk, {{"text", {{"Milfina", 1.0}}}}), 0.0);
+  const Words code = {{"barcode", {{"4006381333931", 1.0}}}, {"text", {{"Milfina", 1.0}}}};
+  EXPECT_GT(words_log_ratio(code, code), words_log_ratio(code, {{"text", {{"milfina", 0.5}}}}));
+  EXPECT_GT(words_log_ratio({{"text", {{"MILFINA 1,5 % H-Milch", 1}}}}, {{"text", {{"H-Milch Milfina", 1}}}}),
+            1.5)
+      << "texts are read in pieces";
+}
+
+TEST_F(CatalogueTest, ReadsEarlierFilesWithoutAgreement) {
+  const Json earlier = {{"format", "loci-catalogue"},
+                        {"version", 1},
+                        {"home", "h"},
+                        {"things", {{{"name", "object_1"}, {"class", "milk"}, {"texts", {"MILFINA"}}}}}};
+  const Catalogue read = catalogue_from(earlier, "test");
+  EXPECT_EQ(read.entries[0].words.at("text").at("MILFINA"), 1.0);
+  EXPECT_EQ(read.entries[0].words.at("label").at("milk"), 1.0);
+}
+
 TEST_F(CatalogueTest, HabitsComeAlongOnce) {
   Catalogue made = catalogue();
   made.handling["mug"] = {30, 10};

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "memory/store/store.h"
+
+namespace loci {
+
+/// What annotators of one type say about an object.
+struct ObjectEvidence {
+  std::string type, value;
+  size_t sightings = 0;  ///< that say so
+  double agreement = 0;  ///< part of the sightings of which this type says anything
+};
+/// By type, most often first; where it is and how it lies is left out.
+std::vector<ObjectEvidence> evidence_of(const Store& store, const std::vector<Sighting>& sightings);
+
+}  // namespace loci
