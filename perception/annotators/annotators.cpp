@@ -17,6 +17,7 @@
 #include "perception/annotators/hypotheses/known_structure_filter.h"
 #include "perception/annotators/hypotheses/normal_estimator.h"
 #include "perception/annotators/hypotheses/plane_cluster_extractor.h"
+#include "perception/annotators/hypotheses/superpixel_annotators.h"
 #include "perception/annotators/hypotheses/transparent_extractor.h"
 #include "perception/annotators/io/recording_reader.h"
 
@@ -30,6 +31,8 @@ void add_annotators(AnnotatorRegistry& registry) {
   registry.add<FlatObjectExtractor>();
   registry.add<TransparentExtractor>();
   registry.add<AssertedVolumes>();
+  registry.add<SuperpixelExtractor>();
+  registry.add<SaliencyDetector>();
   registry.add<ColorHistogramAnnotator>();
   registry.add<ColorNameAnnotator>();
   registry.add<GeometryAnnotator>();
