@@ -1,5 +1,6 @@
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
+#include "memory/questions/change_kinds.h"
 
 namespace loci {
 
@@ -12,22 +13,28 @@ Command changes_command() {
             struct Arguments {
               MemoryArguments memory;
               SpanArguments span;
-              std::string subject, place;
+              std::string subject, place, kind;
             };
             auto arguments = std::make_shared<Arguments>();
             arguments->memory.declare(app);
             arguments->span.declare(app);
             app.add_option("--object", arguments->subject, "Only of these objects");
             app.add_option("--place", arguments->place, "Only at this place");
+            app.add_option(
+                "--kind", arguments->kind,
+                "Only appeared, reappeared, moved, gone, hidden, looks_different or joint_changed; "
+                "came, left: moves to or from the place too");
             return [arguments](Session& session) {
               const Store store = Store::open_read(arguments->memory.memory);
               const AsOf as_of = arguments->memory.as_of(store);
-              answer_question(session, store,
-                              ChangesQuestion{.from = arguments->span.first(store),
-                                              .to = arguments->span.last(store),
-                                              .subject = arguments->subject,
-                                              .place = arguments->place,
-                                              .as_of = as_of});
+              const ChangesAnswer answer = ask_for_kind(store,
+                                                        {.from = arguments->span.first(store),
+                                                         .to = arguments->span.last(store),
+                                                         .subject = arguments->subject,
+                                                         .place = arguments->place,
+                                                         .as_of = as_of},
+                                                        arguments->kind);
+              session.answer(to_text(answer, TimeWriter(store)), to_json(answer));
             };
           }};
 }

@@ -39,6 +39,9 @@ const std::vector<SentencePattern>& sentence_patterns() {
        "(seen|used|found|standing) with <X>",
        "together {X}"},
       {"(what|which things|which objects) (goes|go|belongs|belong) [together] with <X>", "together {X}"},
+      {"(what|which objects|which things) else (is|are|lies|stands) [there] (near|close to|next "
+       "to|beside|around) <X>",
+       "near {X}", Period::at, "What else is there beside the red cup?"},
       {"(what|which objects|which things) (is|are|lies|stands|lie|stand|was|were) (near|close to|next "
        "to|beside|around) <X>",
        "near {X}", Period::at, "What is near the red cup?"},
@@ -60,6 +63,8 @@ const std::vector<SentencePattern>& sentence_patterns() {
       {"(where|which way) (does|do) <X> [usually|normally] (travel|wander|move around)", "lifecycle {X}"},
       {"where (should|shall|can|could|must) (i|we|you|one|robot) look (next|first) for <X>", "next-look {X}",
        Period::at, "Where should I look next for the cereal?"},
+      {"if <X> is not (on|in|at) <P> where [else] (may|can|could|might|should) (it|they) be", "next-look {X}",
+       Period::at, "If the cereal is not on the table, where else may it be?"},
       {"where else (should|shall|can|could|may|might) (<X> be|(i|we|you|one) look for <X>)", "next-look {X}",
        Period::at},
       {"is there (anything|something) [else] (similar to|like) <X>", "like {X}", Period::at},
@@ -109,7 +114,12 @@ const std::vector<SentencePattern>& sentence_patterns() {
       {"[is there|was there|is|was] (anything|something) (new|different)", "changes", Period::between},
       {"(what|which things|which objects) (disappeared|vanished|went missing|went|left|has gone|have gone|is "
        "gone|are gone|has disappeared|have disappeared) [away] from <P>",
-       "changes --place {P}", Period::between},
+       "changes --kind left --place {P}", Period::between, "What disappeared from the table?"},
+      {"(what|which things|which objects) (appeared|has appeared|have appeared|came|arrived|was put|were put|"
+       "was added) (on|onto|in|into|at|to) <P>",
+       "changes --kind came --place {P}", Period::between, "What appeared on the table?"},
+      {"(what|which things|which objects) (moved|has moved|have moved|was moved) (on|in|at) <P>",
+       "changes --kind moved --place {P}", Period::between},
 
       // What the room consists of, and what opens.
       {"what (does|do) [this|our] (room|kitchen|flat|apartment|house) (consist of|contain|have)", "room",
@@ -220,10 +230,13 @@ const std::vector<SentencePattern>& sentence_patterns() {
       {"(did|have|has) (you|we|anyone|anybody|someone|robot) [ever] (see|seen) <X> (on|in|inside|at) <P>",
        "was {X} on {P}", Period::between},
       {"(did|have) you (see|seen) <X>", "where {X}", Period::either, "Have you seen my tea cup?"},
-      {"what (changed|has changed|happened|has happened|moved|has moved|appeared|disappeared) "
+      {"what (disappeared|vanished) (on|in|at|inside) <P>", "changes --kind left --place {P}",
+       Period::between},
+      {"what (changed|has changed|happened|has happened) "
        "(on|in|at|inside) <P>",
        "changes --place {P}", Period::between, "What changed on the table since nine?"},
-      {"what (was|has been) (taken|removed|taken away) from <P>", "changes --place {P}", Period::between},
+      {"what (was|has been) (taken|removed|taken away) from <P>", "changes --kind left --place {P}",
+       Period::between},
       {"(was|were|has|has been|did anyone|did someone|has anyone|has someone) <P> "
        "(opened|open|closed|close|shut)",
        "changes --place {P}", Period::between, "Was the drawer opened this morning?"},
@@ -263,9 +276,9 @@ const std::vector<SentencePattern>& sentence_patterns() {
        "we miss|has been "
        "moved|was moved)",
        "changes", Period::between, "What changed since this morning?"},
-      {"what (appeared|disappeared|has appeared|has disappeared|is gone|has gone|went away|was removed|has "
-       "been removed)",
-       "changes", Period::between},
+      {"what (appeared|has appeared)", "changes --kind came", Period::between},
+      {"what (disappeared|has disappeared|is gone|has gone|went away|was removed|has been removed)",
+       "changes --kind left", Period::between},
       {"(did|has) (anything|something) (change|changed|happen|happened|move|moved)", "changes",
        Period::between},
       {"(was|has) (anything|something) [been] (moved|taken|removed|changed)", "changes", Period::between},
@@ -276,6 +289,13 @@ const std::vector<SentencePattern>& sentence_patterns() {
       {"(when|where) did you look", "scenes", Period::between, "When did you look?"},
 
       // What is known.
+      {"(what|which|which thing|which object|which one) is (biggest|largest) [thing|object|item|one] (on|in) "
+       "<P>",
+       "objects biggest on {P}", Period::at, "What is the biggest thing on the table?"},
+      {"(what|which|which thing|which object|which one) is smallest [thing|object|item|one] (on|in) <P>",
+       "objects smallest on {P}", Period::at},
+      {"(what|which|which thing|which object|which one) is tallest [thing|object|item|one] (on|in) <P>",
+       "objects tallest on {P}", Period::at},
       {"(what|which) (objects|things|items) (do you know|are there|have you seen|do you remember|do we "
        "have|exist)",
        "objects", Period::at, "What objects do you know?"},

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <set>
 
 #include "mapping/base/error.h"
@@ -64,6 +65,33 @@ void order_objects(std::vector<Id>& objects, const Snapshot& snapshot) {
     return std::tuple(-std::round(probability * 100), seen == nullptr ? 0 : -seen->time, id);
   };
   std::sort(objects.begin(), objects.end(), [&](Id a, Id b) { return key(a) < key(b); });
+}
+
+using Measure = double (*)(const Vector3d& size);
+/// What "biggest" goes by.
+const std::map<std::string, Measure>& superlatives() {
+  const Measure bulk = [](const Vector3d& size) { return size.prod(); };
+  const Measure thrift = [](const Vector3d& size) { return -size.prod(); };
+  const Measure height = [](const Vector3d& size) { return size.z(); };
+  const Measure length = [](const Vector3d& size) { return size.maxCoeff(); };
+  static const std::map<std::string, Measure> words = {
+      {"biggest", bulk},   {"largest", bulk},   {"smallest", thrift}, {"littlest", thrift},
+      {"tallest", height}, {"highest", height}, {"longest", length}};
+  return words;
+}
+
+/// Of objects the one with most of something; of those that are there when there are any. Unset when no size
+/// is known.
+std::optional<Id> most_of(const std::vector<Id>& objects, Measure measure, const Snapshot& snapshot) {
+  std::optional<Id> most;
+  std::pair<bool, double> best;
+  for (const Id id : objects) {
+    const BeliefRow& row = *snapshot.belief(id);
+    if (!row.size) continue;
+    const std::pair<bool, double> value = {row.status != "gone", measure(*row.size)};
+    if (!most || value > best) most = id, best = value;
+  }
+  return most;
 }
 
 }  // namespace
@@ -388,8 +416,17 @@ std::vector<Id> Snapshot::find_objects(const std::string& subject) const {
     order_objects(found, *this);
     return found;
   }
-  for (const BeliefRow& row : beliefs()) found.push_back(row.object);
   const Place where{store_.path().string(), 0, {}};
+  for (size_t i = 0; i < words.size(); ++i) {
+    const auto superlative = superlatives().find(words[i]);
+    if (superlative == superlatives().end()) continue;
+    words.erase(words.begin() + static_cast<std::ptrdiff_t>(i));
+    const auto most =
+        most_of(find_objects(fmt::format("{}", fmt::join(words, " "))), superlative->second, *this);
+    if (!most) throw UnknownName(UnknownName::Kind::object, "no size is known of any of them", where, "");
+    return {*most};
+  }
+  for (const BeliefRow& row : beliefs()) found.push_back(row.object);
   for (size_t i = 0; i < words.size(); ++i) {
     std::vector<Id> matching;
     if ((words[i] == "on" || words[i] == "in") && i + 1 < words.size()) {

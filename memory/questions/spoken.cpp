@@ -7,6 +7,7 @@
 #include <set>
 
 #include "mapping/base/error.h"
+#include "memory/questions/change_kinds.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci {
@@ -273,8 +274,10 @@ AnyAnswer run_question(const Store& store, const CommandLine& command, const AsO
       {"was", [&] { return ask(store, was_question(store, command, span, as_of)); }},
       {"changes",
        [&] {
-         return ask(store, ChangesQuestion{span.from, span.to, command.option("object"),
-                                           command.option("place"), as_of});
+         return ask_for_kind(
+             store,
+             ChangesQuestion{span.from, span.to, command.option("object"), command.option("place"), as_of},
+             command.option("kind"));
        }},
       {"objects",
        [&] {

@@ -128,6 +128,22 @@ std::string joint_text(double position) {
   return fmt::format("{:.2f}", position);
 }
 
+/// "1 h 5 min"; empty below a minute.
+std::string duration_text(TimeNs duration) {
+  const int64_t minutes = duration / (60 * kSecond);
+  if (minutes < 1) return {};
+  if (minutes < 60) return fmt::format("{} min", minutes);
+  if (minutes < 24 * 60) return fmt::format("{} h {} min", minutes / 60, minutes % 60);
+  return fmt::format("{} d {} h", minutes / (24 * 60), minutes / 60 % 24);
+}
+
+std::string stay_text(const Stay& stay, const TimeWriter& times) {
+  const TimeNs first = stay.scenes.front().time, last = stay.scenes.back().time;
+  const std::string lasted = duration_text(last - first);
+  return fmt::format("{}, {}, {}{}", times.span_text(first, last), spot_text(stay.place, stay.position),
+                     scenes_text(stay.scenes), lasted.empty() ? "" : ", for " + lasted + " at least");
+}
+
 std::string when_text(const Change& change, const TimeWriter& times) {
   if (!change.since || times.text(*change.since) == times.text(change.time)) return times.text(change.time);
   return fmt::format("{} (after {})", times.text(change.time), times.text(*change.since));
@@ -227,10 +243,7 @@ std::string to_text(const HistoryAnswer& answer, const TimeWriter& times) {
     // Stays and what happened, in one order of time.
     std::vector<std::pair<TimeNs, std::string>> entries;
     for (const Stay& stay : history.stays)
-      entries.emplace_back(
-          stay.scenes.front().time,
-          fmt::format("{}, {}", times.span_text(stay.scenes.front().time, stay.scenes.back().time),
-                      spot_text(stay.place, stay.position) + ", " + scenes_text(stay.scenes)));
+      entries.emplace_back(stay.scenes.front().time, stay_text(stay, times));
     for (const Change& change : history.changes) {
       Change brief = change;
       if (brief.object) brief.object = ObjectRef{.id = brief.object->id, .name = "it"};

@@ -153,7 +153,8 @@ Json to_json(const HistoryAnswer& answer) {
     entry["stays"] = Json::array();
     for (const Stay& stay : history.stays) {
       Json one = {{"from", format_time(stay.scenes.front().time)},
-                  {"to", format_time(stay.scenes.back().time)}};
+                  {"to", format_time(stay.scenes.back().time)},
+                  {"seconds", double(stay.scenes.back().time - stay.scenes.front().time) / kSecond}};
       put(one, "place", stay.place, place_json);
       put(one, "position", stay.position, vector_json);
       one["probability"] = stay.probability;

@@ -1,4 +1,5 @@
 #include "mapping/base/json.h"
+#include "memory/questions/change_kinds.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci {
@@ -222,6 +223,28 @@ TEST_F(Questions, ChangesAreListedInOrderAndCanBeNarrowed) {
   EXPECT_THAT(all, HasSubstr("drawer_1_joint opened from 0.00 to 0.35"));
 }
 
+TEST_F(Questions, ChangesOfAKindKnowWhatLeftAndWhatCame) {
+  const auto told = [&](const std::string& place, const std::string& kind) {
+    std::vector<std::string> result;
+    for (const Change& change : ask_for_kind(*store_, ChangesQuestion{.place = place}, kind).changes)
+      result.push_back(change.kind + " " + change.object->name);
+    return result;
+  };
+  EXPECT_THAT(told("table", "left"), ElementsAre("gone object_1", "moved object_1"));
+  EXPECT_THAT(told("table", "came"), ElementsAre("appeared object_1", "appeared object_2"));
+  EXPECT_THAT(told("counter", "came"), ElementsAre("appeared object_3", "moved object_1"));
+  EXPECT_THAT(told("counter", "left"), ElementsAre());
+  EXPECT_THAT(told("", "moved"), ElementsAre("moved object_1"));
+  EXPECT_THAT(message([&] { told("", "flew"); }), HasSubstr("no kind of change"));
+}
+
+TEST_F(Questions, TheBiggestIsOneOfThoseThatAreMeant) {
+  const auto one = ask(*store_, ObjectsQuestion{.subject = "biggest red thing"}).objects;
+  ASSERT_EQ(one.size(), 1U);
+  EXPECT_EQ(one[0].object.name, "object_1");
+  EXPECT_EQ(ask(*store_, ObjectsQuestion{.subject = "smallest on counter"}).objects.size(), 1U);
+}
+
 TEST_F(Questions, HistoryJoinsSightingsAtOneSpotToAStay) {
   const HistoryAnswer answer = ask(*store_, HistoryQuestion{"red"});
   ASSERT_EQ(answer.objects.size(), 1U);
@@ -231,6 +254,8 @@ TEST_F(Questions, HistoryJoinsSightingsAtOneSpotToAStay) {
   EXPECT_EQ(stays[1].place->name, "counter_1");
   EXPECT_EQ(stays[1].scenes.size(), 2U);
   EXPECT_THAT(text(answer), HasSubstr("from 09:30 to 10:30, on counter_1"));
+  EXPECT_THAT(text(answer), HasSubstr(", for 1 h 0 min at least"));
+  EXPECT_EQ(to_json(answer)["objects"][0]["stays"][1]["seconds"], 3600);
 }
 
 TEST_F(Questions, TimelineHasScenesWithWhatHappenedInThem) {
