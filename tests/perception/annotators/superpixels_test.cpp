@@ -3,12 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
-#include <set>
 
 #include "mapping/base/config.h"
+#include "mapping/base/files.h"
+#include "mapping/image/image_io.h"
 #include "perception/annotators/hypotheses/depth_normals.h"
 #include "perception/annotators/hypotheses/superpixel_annotators.h"
 #include "perception/annotators/scene_data.h"
@@ -17,6 +20,8 @@
 
 namespace loci {
 namespace {
+
+namespace fs = std::filesystem;
 
 const PinholeCamera kCamera{160, 120, 146, 146, 80, 60};
 const cv::Vec3f kGrey(60, 0, 0), kRed(50, 70, 50);
@@ -161,6 +166,17 @@ struct SceneInCas {
     set_cloud_points(scene, made.points);
     set_cloud_normals(scene, made.normals);
   }
+  types::Cluster add_cluster(const cv::Rect& region) {
+    std::vector<int32_t> indices;
+    for (int v = region.y; v < region.br().y; ++v)
+      for (int u = region.x; u < region.br().x; ++u) indices.push_back(v * kCamera.width + u);
+    const auto points = types::ReferenceClusterPoints::create(cas);
+    points.indices.get_or_create().indices.set(std::move(indices));
+    const auto cluster = types::Cluster::create(cas);
+    cluster.hypotheses.push_back(points);
+    scene.add_cluster(cluster);
+    return cluster;
+  }
   template <class A>
   void run(const std::string& options) {
     A annotator;
@@ -184,13 +200,87 @@ TEST(SuperpixelExtractor, MakesAViewOfLabels) {
 
 TEST(SaliencyDetector, BallsAreHypothesesInTheMapFrame) {
   SceneInCas there;
+  const types::Cluster patch = there.add_cluster(cv::Rect(114, 58, 5, 5));
+  const types::Cluster wall = there.add_cluster(cv::Rect(90, 10, 60, 100));
   there.run<SaliencyDetector>("radius_m: 0.03");
   const auto balls = types::select<types::TFLinkSphereROI>(there.cas, kSaliencyView);
   ASSERT_FALSE(balls.empty());
   EXPECT_EQ(balls[0].tf_frame.get(), "map");
   EXPECT_LT((types::from<Vector3d>(balls[0].center.get()) - Vector3d(0.5, 0, 3)).norm(), 0.03);
   EXPECT_EQ(types::view_image(there.scene, kSaliencyView).type(), CV_8U);
+  EXPECT_TRUE(patch.hypotheses.first<types::TFLinkSphereROI>());
+  EXPECT_FALSE(wall.hypotheses.first<types::TFLinkSphereROI>());
 }
+
+/// A picture of a table whose objects are labelled (tens of the label from 20 on), and what stands out in it.
+struct LabelledTable {
+  cv::Mat points, labels;
+  std::vector<SalientBall> balls;
+
+  explicit LabelledTable(const std::string& name) {
+    const PinholeCamera camera{640, 480, 525, 525, 319.5, 239.5};
+    cv::Mat depth;
+    const cv::Mat raw = read_uint16(name + "_depth.png");
+    raw.convertTo(depth, CV_32F, 0.001);
+    depth.setTo(std::numeric_limits<float>::quiet_NaN(), raw == 0);
+    const std::string bytes = read_file(name + "_label.png");
+    labels = decode_image({bytes.begin(), bytes.end()}, name);
+    const cv::Mat smoothed = smooth_depth(depth, camera);
+    points = points_from_depth(smoothed, camera);
+    RgbdCamera cameras;
+    cameras.depth = cameras.color = camera;
+    const Superpixels found =
+        find_superpixels(points, normals_from_depth(smoothed, camera),
+                         lab_of_points(points, read_color(name + "_color.png"), cameras), camera, {});
+    balls = salient_balls(found, saliency(found, 0.25), 0.6, 0.05, 0.2, 10);
+  }
+};
+
+class SaliencyOnTables : public testing::TestWithParam<const char*> {};
+
+TEST_P(SaliencyOnTables, BallsHoldTheObjectsAndLieOnThem) {
+  const fs::path folder = fs::path(LOCI_SHARED_DIR) / "data" / GetParam();
+  if (!fs::exists(folder)) GTEST_SKIP() << "needs " << folder;
+  int objects = 0, held = 0, balls = 0, on_objects = 0;
+  for (const auto& file : fs::directory_iterator(folder)) {
+    const std::string name = file.path().string(), ending = "_label.png";
+    if (!name.ends_with(ending)) continue;
+    const LabelledTable table(name.substr(0, name.size() - ending.size()));
+    std::map<int, std::pair<int, int>> seen;  // of each object: points, those in a ball
+    std::vector<std::pair<double, int>> nearest(table.balls.size(), {1e9, 0});
+    for (int i = 0; i < table.points.rows * table.points.cols; ++i) {
+      const cv::Vec3f& at = table.points.ptr<cv::Vec3f>()[i];
+      if (!std::isfinite(at[2])) continue;
+      const int object = table.labels.ptr<uint8_t>()[i] / 10;
+      bool inside = false;
+      for (size_t b = 0; b < table.balls.size(); ++b) {
+        const double away =
+            (Eigen::Vector3f(at[0], at[1], at[2]).cast<double>() - table.balls[b].center).norm();
+        inside = inside || away <= table.balls[b].radius;
+        if (away < nearest[b].first) nearest[b] = {away, object};
+      }
+      if (object < 2) continue;
+      ++seen[object].first;
+      seen[object].second += inside ? 1 : 0;
+    }
+    for (const auto& [object, points] : seen) {
+      ++objects;
+      held += 2 * points.second >= points.first ? 1 : 0;
+    }
+    for (const auto& [away, object] : nearest) {
+      ++balls;
+      on_objects += object >= 2 ? 1 : 0;
+    }
+  }
+  RecordProperty("objects", objects);
+  RecordProperty("held", held);
+  RecordProperty("balls", balls);
+  RecordProperty("on_objects", on_objects);
+  EXPECT_GE(held, 0.9 * objects) << "objects, at least half of whose points are in a ball, of " << objects;
+  EXPECT_GE(on_objects, 2.0 / 3 * balls) << "balls whose middle is nearest to an object, of " << balls;
+}
+
+INSTANTIATE_TEST_SUITE_P(Real, SaliencyOnTables, testing::Values("osd_tabletop", "osd_changes"));
 
 }  // namespace
 }  // namespace loci
