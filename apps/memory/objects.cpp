@@ -1,5 +1,6 @@
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
+#include "memory/questions/unseen.h"
 
 namespace loci {
 
@@ -12,15 +13,21 @@ Command objects_command() {
             struct Arguments {
               MemoryArguments memory;
               std::vector<std::string> subject;
+              std::string since;
             };
             auto arguments = std::make_shared<Arguments>();
             arguments->memory.declare(app);
             app.add_option("object", arguments->subject, "Only these: a colour, a size, \"on table_1\"");
+            app.add_option("--unseen-since", arguments->since, "Only what was not seen since this time");
             return [arguments](Session& session) {
               const Store store = Store::open_read(arguments->memory.memory);
               const AsOf as_of = arguments->memory.as_of(store);
-              answer_question(session, store,
-                              ObjectsQuestion{.subject = joined(arguments->subject), .as_of = as_of});
+              const ObjectsQuestion question{.subject = joined(arguments->subject), .as_of = as_of};
+              const ObjectsAnswer answer =
+                  arguments->since.empty()
+                      ? ask(store, question)
+                      : ask_unseen_since(store, question, TimeReader(store).read(arguments->since).first);
+              session.answer(to_text(answer, TimeWriter(store)), to_json(answer));
             };
           }};
 }

@@ -315,8 +315,11 @@ std::optional<CommandLine> understand(const std::string& sentence, const TimeRea
         const bool open = span && (span->from.empty() || span->to.empty());
         if (span && form.pattern->period == Period::none) continue;
         if (open && form.pattern->period == Period::during) continue;
+        const bool since = form.pattern->command.ends_with("{T}");  // takes the beginning of the time itself
+        if (since && (!span || span->from.empty())) continue;
+        if (since) slots["T"] = span->from;
         CommandLine line = fill(form.pattern->command, slots);
-        if (span) add_time(line, form.pattern->period, *span);
+        if (span && !since) add_time(line, form.pattern->period, *span);
         return line;
       }
   return std::nullopt;

@@ -2,6 +2,7 @@
 
 namespace loci {
 
+// {T} at the end of a command is the time since when something holds, in place of what Period says.
 // Narrow forms stand before wide ones: the first that fits is taken.
 const std::vector<SentencePattern>& sentence_patterns() {
   static const std::vector<SentencePattern> patterns = {
@@ -282,6 +283,10 @@ const std::vector<SentencePattern>& sentence_patterns() {
       {"(did|has) (anything|something) (change|changed|happen|happened|move|moved)", "changes",
        Period::between},
       {"(was|has) (anything|something) [been] (moved|taken|removed|changed)", "changes", Period::between},
+      {"(what|which things|which objects) (have|has|did) (you|we|robot|anyone) not (seen|see|noticed)",
+       "objects --unseen-since {T}", Period::at, "What have you not seen since nine?"},
+      {"(what|which things|which objects) (have|has) not been seen", "objects --unseen-since {T}",
+       Period::at},
       {"what (did|have) (you|we|robot) (see|seen|notice|noticed|do|done|experience)", "timeline",
        Period::between, "What did you see between eight and nine?"},
       {"(tell me about|how was) (your|our|my) day", "timeline", Period::between},

@@ -9,6 +9,7 @@
 #include "mapping/base/error.h"
 #include "memory/questions/change_kinds.h"
 #include "memory/questions/snapshot.h"
+#include "memory/questions/unseen.h"
 
 namespace loci {
 namespace {
@@ -281,7 +282,10 @@ AnyAnswer run_question(const Store& store, const CommandLine& command, const AsO
        }},
       {"objects",
        [&] {
-         return ask(store, ObjectsQuestion{words, as_of});
+         const std::string since = command.option("unseen-since");
+         const ObjectsQuestion question{words, as_of};
+         return since.empty() ? ask(store, question)
+                              : ask_unseen_since(store, question, times.read(since).first);
        }},
       {"scenes",
        [&] {

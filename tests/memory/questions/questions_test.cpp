@@ -1,5 +1,6 @@
 #include "mapping/base/json.h"
 #include "memory/questions/change_kinds.h"
+#include "memory/questions/unseen.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci {
@@ -236,6 +237,17 @@ TEST_F(Questions, ChangesOfAKindKnowWhatLeftAndWhatCame) {
   EXPECT_THAT(told("counter", "left"), ElementsAre());
   EXPECT_THAT(told("", "moved"), ElementsAre("moved object_1"));
   EXPECT_THAT(message([&] { told("", "flew"); }), HasSubstr("no kind of change"));
+}
+
+TEST_F(Questions, WhatWasNotSeenSinceATime) {
+  std::vector<std::string> names;
+  for (const ObjectState& state : ask_unseen_since(*store_, {}, day_time("08:15")).objects)
+    names.push_back(state.object.name);
+  EXPECT_THAT(names, testing::Not(testing::Contains("object_1")));
+  for (const ObjectState& state : ask_unseen_since(*store_, {}, day_time("10:00")).objects)
+    EXPECT_LT(state.last_seen->time, day_time("10:00")) << state.object.name;
+  EXPECT_EQ(ask_unseen_since(*store_, {}, day_time("11:00")).objects.size(), 4U);
+  EXPECT_TRUE(ask_unseen_since(*store_, {}, day_time("07:00")).objects.empty());
 }
 
 TEST_F(Questions, TheBiggestIsOneOfThoseThatAreMeant) {

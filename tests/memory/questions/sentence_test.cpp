@@ -67,6 +67,8 @@ TEST(Sentences, FurtherWaysToAsk) {
        "changes --between 'this morning' 'this morning' --kind left --place table"},
       {"What appeared on the table?", "changes --kind came --place table"},
       {"What disappeared?", "changes --kind left"},
+      {"What have you not seen since nine?", "objects --unseen-since nine"},
+      {"What have you seen since nine?", "timeline --from nine"},
       {"What is the biggest thing on the table?", "objects biggest on table"},
       {"Which is the smallest on the shelf?", "objects smallest on shelf"},
       {"What else is there beside object_1?", "near object_1"},
