@@ -294,6 +294,12 @@ const std::vector<SentencePattern>& sentence_patterns() {
       {"(when|where) did you look", "scenes", Period::between, "When did you look?"},
 
       // What is known.
+      {"(what|which|which thing|which object|which one) is (biggest|largest) [thing|object|item|one|of all]",
+       "objects biggest", Period::at},
+      {"(what|which|which thing|which object|which one) is smallest [thing|object|item|one|of all]",
+       "objects smallest", Period::at},
+      {"(what|which|which thing|which object|which one) is tallest [thing|object|item|one|of all]",
+       "objects tallest", Period::at},
       {"(what|which|which thing|which object|which one) is (biggest|largest) [thing|object|item|one] (on|in) "
        "<P>",
        "objects biggest on {P}", Period::at, "What is the biggest thing on the table?"},

@@ -69,6 +69,7 @@ TEST(Sentences, FurtherWaysToAsk) {
       {"What disappeared?", "changes --kind left"},
       {"What have you not seen since nine?", "objects --unseen-since nine"},
       {"What have you seen since nine?", "timeline --from nine"},
+      {"What is the smallest thing?", "objects smallest"},
       {"What is the biggest thing on the table?", "objects biggest on table"},
       {"Which is the smallest on the shelf?", "objects smallest on shelf"},
       {"What else is there beside object_1?", "near object_1"},
