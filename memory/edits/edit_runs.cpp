@@ -60,7 +60,7 @@ Id reverse_run(Store& store, const RunRow& row, const std::string& text, const J
   for (const char* key : {"undoes", "redoes"}) configuration.erase(key);
   configuration.update(more);
   configuration["text"] = text;
-  for (const char* kind : {"label", "map"})
+  for (const char* kind : {"label", "map", "part"})
     if (configuration.contains(kind)) {
       Json& change = configuration[kind];
       std::swap(change["before"], change["after"]);
@@ -133,11 +133,12 @@ Edit set_joint_type(Store& store, const std::string& joint, const std::string& t
     names += std::string(names.empty() ? "" : ", ") + joint_type_name(known);
   }
   if (!wanted) throw Error(fmt::format("'{}' is no type of a joint", type), {}, "types are " + names);
+  const PartNames called = part_names(store);
   std::vector<std::string> joints;
   Joint* found = nullptr;
   for (Joint& candidate : world.joints) {
-    joints.push_back(candidate.name);
-    if (candidate.name == joint) found = &candidate;
+    joints.push_back(called.joint(candidate.name));
+    if (candidate.name == joint || joints.back() == joint) found = &candidate;
   }
   if (found == nullptr)
     throw Error(fmt::format("the map has no joint '{}'", joint), {newest.name, 0, {}},

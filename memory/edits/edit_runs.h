@@ -4,11 +4,10 @@
 
 #include "mapping/base/json.h"
 #include "memory/edits/edits.h"
+#include "memory/questions/part_names.h"
 #include "memory/store/scene_transaction.h"
 
 namespace loci {
-
-inline constexpr const char* kEditProgram = "loci-memory edit";
 
 /// Begins a run of an edit, and ends it. What it did stands in its configuration: "text", and what is needed
 /// to turn it around.

@@ -46,6 +46,10 @@ Edit say(Store& store, const std::string& about, const std::string& key, const s
 /// find it by its old name as well. An empty name takes it back. Error when another place is called so.
 Edit name_place(Store& store, const std::string& place, const std::string& name);
 
+/// The same for a place or any other link, or a joint, of the map. An empty name takes it back. Error when
+/// there is none of this name, or something else is called so.
+Edit name_part(Store& store, const std::string& part, const std::string& name);
+
 /// Takes back the last edit that holds, or makes the last one hold again that was taken back; by further
 /// rows. Error when there is none.
 Edit undo(Store& store);

@@ -1,6 +1,7 @@
 #include "memory/questions/place_names.h"
 
 #include "mapping/world/urdf.h"
+#include "memory/questions/part_names.h"
 
 namespace loci {
 
@@ -35,6 +36,7 @@ std::optional<World> named_map(const Store& store) {
     }
     rename(world.root);
   }
+  take_part_names(world, part_names(store));
   return world;
 }
 

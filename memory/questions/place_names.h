@@ -15,7 +15,8 @@ inline constexpr const char* kPlaceNameKey = "name";
 void take_place_names(std::vector<PlaceRow>& places, const std::vector<FactRow>& facts);
 /// All places by the names that hold now.
 std::vector<PlaceRow> named_places(const Store& store);
-/// The newest map, as corrected, its places by the names that hold now; unset when there is none.
+/// The newest map, as corrected, its places, links and joints by the names that hold now; unset when there is
+/// none.
 std::optional<World> named_map(const Store& store);
 
 }  // namespace loci

@@ -60,8 +60,9 @@ const Joint* moving_joint(const World& world, const std::string& link) {
   return joint;
 }
 
-PartMotion motion_of(const Joint& joint) {
-  return {.joint = joint.name,
+PartMotion motion_of(const Snapshot& snapshot, const Joint& joint) {
+  return {.joint = snapshot.part_names().joint(joint.name),
+          .map_joint = joint.name,
           .type = joint.type,
           .lower = joint.limits ? joint.limits->lower : 0,
           .upper = joint.limits ? joint.limits->upper : 0};
@@ -76,22 +77,28 @@ void set_place(const Snapshot& snapshot, const PlaceRow& place, RoomPart& part) 
 
 std::vector<RoomPart> parts_of_map(const Snapshot& snapshot, const StoredMap& map) {
   const std::vector<Isometry3d> poses = root_from_links(map.world, {});
+  const std::vector<PlaceRow> map_places = snapshot.store().places();  // by the names of the map
   std::vector<RoomPart> parts;
   std::set<std::string> joints;  // that have their part
   for (size_t i = 0; i < map.world.links.size(); ++i) {
     const Link& link = map.world.links[i];
     if (is_piece(map, link)) continue;
-    RoomPart part{
-        .name = link.name, .class_name = class_of(map, link.name), .position = poses[i].translation()};
+    RoomPart part{.name = snapshot.part_names().link(link.name),
+                  .map_name = link.name,
+                  .class_name = class_of(map, link.name),
+                  .position = poses[i].translation()};
     if (const auto known = map.semantic.links.find(link.name); known != map.semantic.links.end()) {
       part.aliases = known->second.aliases;
       if (!known->second.appliance.empty()) part.aliases.push_back(known->second.appliance);
     }
     const Joint* joint = moving_joint(map.world, link.name);
-    if (joint != nullptr && joints.insert(joint->name).second) part.motion = motion_of(*joint);
-    for (const PlaceRow& place : snapshot.places())
-      if (place.name == link.name || (joint != nullptr && place.joint == joint->name))
-        set_place(snapshot, place, part);
+    if (joint != nullptr && joints.insert(joint->name).second) part.motion = motion_of(snapshot, *joint);
+    for (size_t k = 0; k < map_places.size(); ++k) {
+      const PlaceRow& place = snapshot.places()[k];
+      const bool is_it = map_places[k].name == link.name;
+      if (is_it) part.name = place.name;
+      if (is_it || (joint != nullptr && place.joint == joint->name)) set_place(snapshot, place, part);
+    }
     parts.push_back(std::move(part));
   }
   return parts;
@@ -105,31 +112,47 @@ std::vector<RoomPart> all_parts(const Snapshot& snapshot, const std::optional<St
     if (std::any_of(parts.begin(), parts.end(),
                     [&](const RoomPart& part) { return part.place && part.place->id == place.id; }))
       continue;
-    parts.push_back({.name = place.name, .class_name = place.class_name, .position = centre_of(place)});
+    parts.push_back({.name = place.name,
+                     .map_name = place.name,
+                     .class_name = place.class_name,
+                     .position = centre_of(place)});
     set_place(snapshot, place, parts.back());
   }
   std::sort(parts.begin(), parts.end(), [](const RoomPart& a, const RoomPart& b) { return a.name < b.name; });
   return parts;
 }
 
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
 /// "the kitchen drawers" → "drawer" of a class drawer; "drawer 1" → the beginning of drawer_1_front.
 std::vector<RoomPart> parts_called(const std::vector<RoomPart>& parts, const std::string& asked) {
-  std::string name = asked;
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string name = lower(asked);
   std::string joined = name;
   std::replace(joined.begin(), joined.end(), ' ', '_');
   std::vector<RoomPart> found;
   const auto take = [&](auto matches) {
     if (found.empty()) std::copy_if(parts.begin(), parts.end(), std::back_inserter(found), matches);
   };
+  const auto is_called = [&](const std::string& known) {
+    return lower(known) == joined || lower(known) == name;
+  };
   take([&](const RoomPart& part) {
-    return part.name == joined || (part.place && part.place->name == joined);
+    return is_called(part.name) || (part.place && is_called(part.place->name));
+  });
+  take([&](const RoomPart& part) { return is_called(part.map_name); });
+  take([&](const RoomPart& part) {
+    return part.motion && (is_called(part.motion->joint) || is_called(part.motion->map_joint));
   });
   take([&](const RoomPart& part) {
     return std::find(part.aliases.begin(), part.aliases.end(), name) != part.aliases.end();
   });
-  take([&](const RoomPart& part) { return part.name.starts_with(joined + "_"); });
+  take([&](const RoomPart& part) {
+    return part.name.starts_with(joined + "_") || part.map_name.starts_with(joined + "_");
+  });
   take([&](const RoomPart& part) { return part.class_name == joined || part.class_name + "s" == joined; });
   if (const size_t space = name.find(' '); found.empty() && space != std::string::npos)
     return parts_called(parts, name.substr(space + 1));
@@ -140,7 +163,7 @@ std::vector<RoomPart> parts_called(const std::vector<RoomPart>& parts, const std
 void add_motions(const Snapshot& snapshot, std::vector<RoomPart>& parts) {
   std::map<std::string, PartMotion*> motions;
   for (RoomPart& part : parts)
-    if (part.motion) motions[part.motion->joint] = &*part.motion;
+    if (part.motion) motions[part.motion->map_joint] = &*part.motion;
   if (motions.empty()) return;
   const Store& store = snapshot.store();
   if (const std::optional<SceneRow> latest = store.latest_scene(snapshot.as_of()))

@@ -17,6 +17,7 @@ std::optional<World> world_of(const Snapshot& snapshot);
 /// How a part moves, and how it stands.
 struct PartMotion {
   std::string joint = {};
+  std::string map_joint = {};  ///< what the map calls it
   JointType type = JointType::fixed;
   double lower = 0, upper = 0;                     ///< metres or radians; 0 = closed
   std::optional<double> position = {};             ///< in the last scene that knew; unset = never known
@@ -26,7 +27,8 @@ struct PartMotion {
 };
 
 struct RoomPart {
-  std::string name = {};  ///< of the link, or of a place that no map has
+  std::string name = {};      ///< of the link, or of a place that no map has
+  std::string map_name = {};  ///< what the map calls it
   std::string class_name = {};
   std::vector<std::string> aliases = {};  ///< with its appliance
   std::optional<Vector3d> position = {};  ///< map frame, as the map was made

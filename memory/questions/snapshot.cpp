@@ -137,6 +137,11 @@ const std::vector<BeliefRow>& Snapshot::beliefs() const {
   return *beliefs_;
 }
 
+const PartNames& Snapshot::part_names() const {
+  if (!part_names_) part_names_ = loci::part_names(store_, as_of_.known_at);
+  return *part_names_;
+}
+
 const std::vector<SceneRow>& Snapshot::scenes() const {
   if (!scenes_) scenes_ = store_.scenes(as_of_);
   return *scenes_;
@@ -231,7 +236,7 @@ Change Snapshot::change(const EventRow& event) const {
   change.from_place = place_ref(event.from_place);
   change.position = event.position;
   change.from_position = event.from_position;
-  change.joint = event.joint;
+  if (event.joint) change.joint = part_names().joint(*event.joint);
   change.joint_position = event.joint_position;
   change.from_joint_position = event.from_joint_position;
   change.probability = event.probability;

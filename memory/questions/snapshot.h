@@ -5,6 +5,7 @@
 
 #include "mapping/base/error.h"
 #include "memory/questions/answers.h"
+#include "memory/questions/part_names.h"
 #include "memory/questions/taxonomy.h"
 
 namespace loci {
@@ -32,6 +33,8 @@ class Snapshot {
   const std::vector<BeliefRow>& beliefs() const;
   const std::vector<PlaceRow>& places() const { return places_; }
   const std::vector<FactRow>& facts() const { return facts_; }
+  /// What people called parts of the map that are no places.
+  const PartNames& part_names() const;
   /// Scenes up to `at`, known at `known_at`, in order of time.
   const std::vector<SceneRow>& scenes() const;
   const BeliefRow* belief(Id object) const;
@@ -75,6 +78,7 @@ class Snapshot {
   // Read when first asked for.
   mutable std::optional<std::vector<BeliefRow>> beliefs_;
   mutable std::unordered_map<Id, std::optional<BeliefRow>> belief_of_;
+  mutable std::optional<PartNames> part_names_;
   mutable std::optional<std::vector<SceneRow>> scenes_;
   mutable std::unordered_map<Id, std::optional<SceneRow>> scene_of_;
 };

@@ -49,6 +49,7 @@ std::string part_text(const RoomPart& part, const TimeWriter& times) {
 
 Json part_json(const RoomPart& part) {
   Json json = {{"name", part.name}, {"class", part.class_name}};
+  if (part.map_name != part.name) json["name_in_map"] = part.map_name;
   if (!part.aliases.empty()) json["aliases"] = part.aliases;
   if (part.position) json["position"] = vector_json(*part.position);
   if (part.motion) {
@@ -57,6 +58,7 @@ Json part_json(const RoomPart& part) {
                      {"type", joint_type_name(motion.type)},
                      {"lower", motion.lower},
                      {"upper", motion.upper}};
+    if (motion.map_joint != motion.joint) json["joint"]["name_in_map"] = motion.map_joint;
     if (motion.position) json["joint"]["position"] = *motion.position;
     if (motion.position) json["joint"]["open"] = motion.open();
     if (motion.seen) json["joint"]["seen"] = scene_json(*motion.seen);

@@ -96,7 +96,7 @@ void draw_room(const ReportData& data, Plan& plan) {
           plan.polygon(
               footprint(*box, poses[i] * visual.link_from_visual),
               "fill=\"currentColor\" fill-opacity=\".05\" stroke=\"currentColor\" stroke-opacity=\".3\"",
-              world->links[i].name);
+              snapshot.part_names().link(world->links[i].name));
   }
   for (const PlaceRow& place : snapshot.places()) {
     if (place.outline.empty()) continue;

@@ -6,6 +6,8 @@
 #include "mapping/base/json.h"
 #include "mapping/world/urdf.h"
 #include "memory/questions/facts.h"
+#include "memory/questions/place_names.h"
+#include "memory/questions/room.h"
 #include "memory/questions/snapshot.h"
 #include "tests/memory/questions/day_fixture.h"
 
@@ -180,6 +182,91 @@ TEST_F(Edits, TwoPlacesHaveTwoNames) {
               HasSubstr("of an object"));
   EXPECT_THAT(refusal([](Store& store) { name_place(store, "balcony", "terrace"); }),
               HasSubstr("no place is called 'balcony'"));
+}
+
+/// A day in a home that has a map; the drawer that opens is in it.
+class MapEdits : public Edits {
+ protected:
+  void SetUp() override {
+    Edits::SetUp();
+    const std::filesystem::path kitchen =
+        std::filesystem::path(LOCI_SOURCE_DIR) / "apps/samples/kitchen.urdf";
+    std::string urdf = read_file(kitchen);
+    const std::string joint = "drawer_1_front_joint";
+    for (size_t at = urdf.find(joint); at != std::string::npos; at = urdf.find(joint))
+      urdf.replace(at, joint.size(), "drawer_1_joint");
+    edit([&](Store& store) { return store.add_map("kitchen.urdf", urdf, ""); });
+  }
+  /// The one part that is meant.
+  RoomPart part(const std::string& name, const AsOf& as_of = {}) const {
+    const std::vector<RoomPart> parts = ask(*store_, RoomQuestion{name, as_of}).parts;
+    EXPECT_EQ(parts.size(), 1U) << name;
+    return parts.empty() ? RoomPart{} : parts.front();
+  }
+};
+
+TEST_F(MapEdits, APlaceOfTheMapIsOnePartOfTheRoomByItsNewNameToo) {
+  const size_t count = ask(*store_, RoomQuestion{}).parts.size();
+  edit([](Store& store) { return name_part(store, "table_1", "breakfast bar"); });
+  EXPECT_EQ(ask(*store_, RoomQuestion{}).parts.size(), count) << "not the link and the place apart";
+  EXPECT_EQ(part("breakfast bar").map_name, "table_1");
+  EXPECT_EQ(part("table_1").name, "breakfast bar");
+  EXPECT_TRUE(part("table_1").place.has_value());
+}
+
+TEST_F(MapEdits, APartThatIsNoPlaceIsCalledSoAndFoundByBothNames) {
+  const std::string link = "drawer_2_front";
+  ASSERT_FALSE(part(link).place.has_value());
+  const Edit done = edit([&](Store& store) { return name_part(store, link, "Cutlery"); });
+  EXPECT_EQ(done.text, "drawer_2_front is called Cutlery");
+  EXPECT_EQ(part(link).name, "Cutlery");
+  EXPECT_EQ(part("cutlery").map_name, link);
+  EXPECT_EQ(part("drawer 2").name, "Cutlery");
+  EXPECT_EQ(named_map(*store_)->parent_joint("Cutlery")->name, "drawer_2_front_joint");
+  EXPECT_EQ(part(link, {std::nullopt, SyntheticDay::kKnownSecond}).name, link) << "so it was known";
+  edit([](Store& store) { return name_part(store, "Cutlery", "Forks"); });
+  EXPECT_EQ(part(link).name, "Forks");
+  edit([](Store& store) { return undo(store); });
+  EXPECT_EQ(part(link).name, "Cutlery");
+  edit([](Store& store) { return undo(store); });
+  EXPECT_EQ(part(link).name, link);
+  edit([](Store& store) { return redo(store); });
+  EXPECT_EQ(part(link).name, "Cutlery");
+  edit([](Store& store) { return name_part(store, "Cutlery", ""); });
+  EXPECT_EQ(part(link).name, link);
+  expect_sound();
+}
+
+TEST_F(MapEdits, AJointIsCalledSoInWhatOpensAndCanBeCorrectedByItsNewName) {
+  const std::string joint = "drawer_2_front_joint";
+  edit([&](Store& store) { return name_part(store, joint, "cutlery slide"); });
+  for (const std::string& name : {joint, std::string("cutlery slide"), std::string("drawer_2_front")}) {
+    const OpensAnswer answer = ask(*store_, OpensQuestion{name, {}});
+    ASSERT_EQ(answer.parts.size(), 1U) << name;
+    EXPECT_EQ(answer.parts[0].motion->joint, "cutlery slide");
+    EXPECT_EQ(answer.parts[0].motion->map_joint, joint);
+  }
+  ASSERT_NE(named_map(*store_)->find_joint("cutlery slide"), nullptr);
+  edit([](Store& store) { return set_joint_type(store, "cutlery slide", "revolute"); });
+  EXPECT_EQ(named_map(*store_)->find_joint("cutlery slide")->type, JointType::revolute) << "and keeps it";
+}
+
+TEST_F(MapEdits, EventsOfANamedJointSayTheName) {
+  ASSERT_THAT(text(ask(*store_, ChangesQuestion{})), HasSubstr("drawer_1_joint"));
+  edit([](Store& store) { return name_part(store, "drawer_1_joint", "top slide"); });
+  EXPECT_THAT(text(ask(*store_, ChangesQuestion{})),
+              testing::AllOf(HasSubstr("top slide"), testing::Not(HasSubstr("drawer_1_joint"))));
+  EXPECT_TRUE(part("drawer_1_front").motion->opened.has_value()) << "its events are found";
+}
+
+TEST_F(MapEdits, TwoPartsHaveTwoNames) {
+  for (const char* taken : {"table_1", "counter_1", "drawer_1_front", "drawer_1_joint"})
+    EXPECT_THAT(refusal([&](Store& store) { name_part(store, "drawer_2_front", taken); }),
+                HasSubstr("is called '" + std::string(taken)));
+  EXPECT_THAT(refusal([](Store& store) { name_part(store, "drawer_2_front", "drawer_2_front"); }),
+              HasSubstr("already"));
+  EXPECT_THAT(refusal([](Store& store) { name_part(store, "drawer_2_fron", "x"); }),
+              HasSubstr("drawer_2_front"));
 }
 
 TEST_F(Edits, ALabelledThingCanBeFoundByItsClass) {

@@ -1,0 +1,53 @@
+#include "memory/questions/part_names.h"
+
+#include "mapping/base/json.h"
+#include "mapping/world/world.h"
+#include "memory/store/store.h"
+
+namespace loci {
+namespace {
+
+const std::string& name_in(const std::map<std::string, std::string>& names, const std::string& name) {
+  const auto found = names.find(name);
+  return found == names.end() ? name : found->second;
+}
+
+}  // namespace
+
+const std::string& PartNames::link(const std::string& name) const {
+  return name_in(links, name);
+}
+
+const std::string& PartNames::joint(const std::string& name) const {
+  return name_in(joints, name);
+}
+
+PartNames part_names(const Store& store, std::optional<TimeNs> known_at) {
+  PartNames names;
+  for (const RunRow& run : store.runs()) {
+    if (run.program != kEditProgram || (known_at && run.started > *known_at)) continue;
+    const Json configuration = parse_json(run.configuration, "run.configuration");
+    if (!configuration.contains("part")) continue;
+    const Json& part = configuration["part"];
+    auto& of = part["of"].get<std::string>() == "link" ? names.links : names.joints;
+    const auto after = part["after"].get<std::string>();
+    if (after.empty())
+      of.erase(part["name"].get<std::string>());
+    else
+      of[part["name"].get<std::string>()] = after;
+  }
+  return names;
+}
+
+void take_part_names(World& world, const PartNames& names) {
+  for (Link& link : world.links) link.name = names.link(link.name);
+  for (Joint& joint : world.joints) {
+    joint.name = names.joint(joint.name);
+    joint.parent = names.link(joint.parent);
+    joint.child = names.link(joint.child);
+    if (joint.mimic) joint.mimic->joint = names.joint(joint.mimic->joint);
+  }
+  world.root = names.link(world.root);
+}
+
+}  // namespace loci
