@@ -45,8 +45,8 @@ void EditHistory::say(const std::string& about, const std::string& key, const st
   write([=](Store& store) { return loci::say(store, about, key, value); });
 }
 
-void EditHistory::name_place(const std::string& place, const std::string& name) {
-  write([=](Store& store) { return loci::name_place(store, place, name); });
+void EditHistory::name_part(const std::string& part, const std::string& name) {
+  write([=](Store& store) { return loci::name_part(store, part, name); });
 }
 
 void EditHistory::merge(int64_t one, int64_t other) {

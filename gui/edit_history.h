@@ -21,7 +21,7 @@ class EditHistory : public QObject {
   void set_memory(const QString& path);
   /// Makes a value hold; empty = takes it back.
   void say(const std::string& about, const std::string& key, const std::string& value);
-  void name_place(const std::string& place, const std::string& name);
+  void name_part(const std::string& part, const std::string& name);
   void merge(int64_t one, int64_t other);
   void split(int64_t object, int64_t from);
   void label(int64_t scene, int64_t observation, const std::string& class_name);

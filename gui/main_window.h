@@ -122,6 +122,9 @@ class MainWindow : public QMainWindow {
   void merge_selected();
   void split_selected();
   void label_selected();
+  /// Which joint of the map somebody wants to correct; empty = none.
+  QString asked_joint();
+  void name_joint();
   void correct_joint();
   void refresh_title();
   void refresh_recent();

@@ -98,6 +98,8 @@ void MainWindow::build_edit_menu() {
              [this] { label_selected(); });
   add_action(menu, {"&Joint…", {}, "Corrects how a part of the map moves: the joint of the chosen place"},
              [this] { correct_joint(); });
+  add_action(menu, {"Joint's na&me…", {}, "Names a joint of the map: loci-memory edit part JOINT NAME"},
+             [this] { name_joint(); });
   const auto refresh = [this, undo, redo] {
     undo->setEnabled(edits_.can_undo());
     redo->setEnabled(edits_.can_redo());

@@ -20,8 +20,6 @@
 namespace loci {
 namespace {
 
-constexpr double kAround = 0.01;  // metres around an object's box that count as its points
-
 /// What is believed of the chosen object, or of what is at the chosen place; everything when nothing is
 /// chosen.
 BelievedScene chosen_part(BelievedScene belief, const SelectionModel& selection) {
@@ -30,20 +28,6 @@ BelievedScene chosen_part(BelievedScene belief, const SelectionModel& selection)
     return selection.object() ? object.id != *selection.object() : object.place != selection.place();
   });
   return belief;
-}
-
-/// The points within an object's box.
-ColoredCloud points_of(const ColoredCloud& all, const BelievedObject& object) {
-  ColoredCloud cloud;
-  const Isometry3d object_from_map = object.map_from_object->inverse();
-  const Vector3d half = object.size / 2 + Vector3d::Constant(kAround);
-  for (size_t i = 0; i < all.points.size(); ++i) {
-    const Vector3d point = object_from_map * all.points[i].cast<double>();
-    if ((point.cwiseAbs() - half).maxCoeff() > 0) continue;
-    cloud.points.push_back(all.points[i]);
-    cloud.colors.push_back(all.colors[i]);
-  }
-  return cloud;
 }
 
 }  // namespace
@@ -65,9 +49,8 @@ void MainWindow::build_export_menu(QMenu* file) {
   add("&Scene's picture…", "Colour picture of the chosen scene: loci-memory report",
       &MainWindow::export_scene);
   add("Measured &points…",
-      "The points of the chosen scene, or of the chosen object in it, as PLY in the map frame: loci-memory "
-      "export "
-      "-o FOLDER --clouds, loci-memory model OBJECT",
+      "The points of the chosen scene as PLY in the map frame, or of the chosen object as it was seen "
+      "last, as fine as they are kept: loci-memory export -o FOLDER --clouds, loci-memory model OBJECT",
       &MainWindow::export_cloud);
   add("&Map…", "The map as URDF, with what people corrected in it: loci-memory export -o FOLDER --map",
       &MainWindow::export_map);
@@ -124,16 +107,18 @@ void MainWindow::export_scene() {
 }
 
 void MainWindow::export_cloud() {
+  if (const auto object = browser_.selection().object())
+    return export_to(QString("object_%1.ply").arg(*object), "Clouds (*.ply)",
+                     [memory = browser_.shared_data(), id = *object, time = browser_.selection().time(),
+                      known_at = browser_.selection().known_at()](const std::string&) {
+                       const ColoredCloud cloud = memory->object_cloud(id, time, known_at);
+                       if (cloud.points.empty())
+                         throw Error(object_name(id) + " has no points: no depth was kept of it");
+                       return cloud_ply(cloud);
+                     });
   const auto cloud = browser_.moment().cloud;
   if (cloud == nullptr || cloud->points.empty()) return tell("This scene has no points");
-  const BelievedObject* object = browser_.selected_object();
-  if (object == nullptr || object->presence != Presence::seen || !object->map_from_object)
-    return export_to("scene.ply", "Clouds (*.ply)",
-                     [cloud](const std::string&) { return cloud_ply(*cloud); });
-  const ColoredCloud points = points_of(*cloud, *object);
-  if (points.points.empty()) return tell("No point was measured of this object in this scene");
-  export_to(QString("object_%1.ply").arg(object->id), "Clouds (*.ply)",
-            [points](const std::string&) { return cloud_ply(points); });
+  export_to("scene.ply", "Clouds (*.ply)", [cloud](const std::string&) { return cloud_ply(*cloud); });
 }
 
 void MainWindow::export_map() {

@@ -209,7 +209,7 @@ void MainWindow::rename_selected() {
     until_written->deleteLater();
   });
   connect(&edits_, &EditHistory::failed, until_written, [until_written] { until_written->deleteLater(); });
-  edits_.name_place(place.toStdString(), name.trimmed().toStdString());
+  edits_.name_part(place.toStdString(), name.trimmed().toStdString());
 }
 
 void MainWindow::merge_selected() {
@@ -253,10 +253,12 @@ void MainWindow::label_selected() {
   tell("The chosen object is not in this picture");
 }
 
-void MainWindow::correct_joint() {
+QString MainWindow::asked_joint() {
   const World* world = browser_.data() == nullptr ? nullptr : browser_.data()->world();
-  if (!can_edit() || world == nullptr)
-    return tell(world == nullptr ? "This memory has no map" : "This file is read-only");
+  if (!can_edit() || world == nullptr) {
+    tell(world == nullptr ? "This memory has no map" : "This file is read-only");
+    return {};
+  }
   QStringList joints;
   int present = 0;
   for (const Joint& joint : world->joints) {
@@ -266,7 +268,23 @@ void MainWindow::correct_joint() {
   bool taken = false;
   const QString joint =
       QInputDialog::getItem(this, "Joint", "Which joint is wrong:", joints, present, false, &taken);
-  if (!taken) return;
+  return taken ? joint : QString();
+}
+
+void MainWindow::name_joint() {
+  const QString joint = asked_joint();
+  if (joint.isEmpty()) return;
+  bool taken = false;
+  const QString name =
+      QInputDialog::getText(this, "Name of a joint", QString("Name of %1 (empty takes it back):").arg(joint),
+                            QLineEdit::Normal, joint, &taken);
+  if (taken && name.trimmed() != joint) edits_.name_part(joint.toStdString(), name.trimmed().toStdString());
+}
+
+void MainWindow::correct_joint() {
+  const QString joint = asked_joint();
+  if (joint.isEmpty()) return;
+  bool taken = false;
   const QString type = QInputDialog::getItem(
       this, "Joint", joint + " is:", {"fixed", "revolute", "continuous", "prismatic"}, 0, false, &taken);
   if (taken) edits_.joint(joint.toStdString(), type.toStdString());

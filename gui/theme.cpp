@@ -1,7 +1,9 @@
 #include "gui/theme.h"
 
 #include <QApplication>
+#include <QFontInfo>
 #include <QStyleFactory>
+#include <cmath>
 
 namespace loci {
 namespace {
@@ -81,6 +83,14 @@ QFont scaled_font(QFont font, double factor) {
   else
     font.setPixelSize(static_cast<int>(font.pixelSize() * factor + 0.5));
   return font;
+}
+
+QFont small_font(const QFont& font) {
+  const double points = QFontInfo(font).pointSizeF();
+  if (font.pointSizeF() > 0) return scaled_font(font, (points - 1) / points);
+  QFont small = font;
+  small.setPixelSize(static_cast<int>(std::ceil(font.pixelSize() * (points - 1) / points)));
+  return small;
 }
 
 SceneColors Theme::scene() const {

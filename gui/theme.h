@@ -26,6 +26,8 @@ struct Theme {
 
 /// The font enlarged or reduced, whether its size is in points or in pixels.
 QFont scaled_font(QFont font, double factor);
+/// A point smaller, for what stands beside other things; nothing is written smaller than that.
+QFont small_font(const QFont& font);
 
 enum class ThemeChoice { system, light, dark };
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gui/data/question_answers.h"
+#include "gui/scene3d/colored_cloud.h"
 #include "mapping/base/joint_state.h"
 #include "mapping/base/pose.h"
 #include "mapping/base/progress.h"
@@ -192,6 +193,11 @@ class BrowserData {
   virtual std::vector<TimeNs> observations(int64_t object) const = 0;
   /// Where the object was seen, in the order of time; where it stayed, once.
   virtual std::vector<TracePoint> trace(int64_t object) const = 0;
+  /// The points of an object in the scene that saw it last at a time, map frame: as the depth camera measured
+  /// them where the memory keeps them, else coarser. Empty when there are none. With `known_at` of the scene
+  /// that was known then to have seen it.
+  virtual ColoredCloud object_cloud(int64_t object, TimeNs time,
+                                    std::optional<TimeNs> known_at = {}) const = 0;
   /// What each of scenes() from a number on could tell about an object, in their order.
   virtual std::vector<Look> looks_for_object(int64_t object, size_t first_scene = 0) const = 0;
   virtual std::vector<Look> looks_at_place(const std::string& place, size_t first_scene = 0) const = 0;

@@ -4,7 +4,6 @@
 #include <cmath>
 
 namespace loci {
-namespace {
 
 std::array<uint8_t, 3> color_at(const SceneContent& content, const Vector3d& in_camera) {
   constexpr std::array<uint8_t, 3> kGrey = {150, 150, 150};
@@ -20,8 +19,6 @@ std::array<uint8_t, 3> color_at(const SceneContent& content, const Vector3d& in_
                                                 std::clamp(x, 0, content.color.cols - 1));
   return {bgr[2], bgr[1], bgr[0]};
 }
-
-}  // namespace
 
 ColoredCloud frame_cloud(const SceneContent& content, size_t limit) {
   ColoredCloud cloud;

@@ -5,6 +5,10 @@
 
 namespace loci {
 
+/// What the scene's picture shows at a point (depth camera's frame): red, green, blue; grey without a
+/// picture.
+std::array<uint8_t, 3> color_at(const SceneContent& content, const Vector3d& in_camera);
+
 /// The measured points of a scene in the map frame with the colours of its picture (grey without one), at
 /// most `limit` of them, taken in even steps. Empty without depth or pose.
 ColoredCloud frame_cloud(const SceneContent& content, size_t limit);

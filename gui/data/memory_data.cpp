@@ -9,10 +9,12 @@
 #include <unordered_map>
 
 #include "gui/data/decisions.h"
+#include "gui/data/frame_cloud.h"
 #include "gui/data/memory_index.h"
 #include "gui/data/object_details.h"
 #include "gui/data/picture_notes.h"
 #include "gui/data/pictures.h"
+#include "memory/exchange/observation_image.h"
 #include "memory/questions/people_time.h"
 #include "memory/questions/snapshot.h"
 #include "memory/store/depth_thumbnail.h"
@@ -120,6 +122,7 @@ class MemoryData : public BrowserData {
   std::vector<HistoryEntry> history(int64_t object) const override;
   std::vector<TimeNs> observations(int64_t object) const override;
   std::vector<TracePoint> trace(int64_t object) const override;
+  ColoredCloud object_cloud(int64_t object, TimeNs time, std::optional<TimeNs> known_at) const override;
   std::vector<Look> looks_for_object(int64_t object, size_t first_scene) const override;
   std::vector<Look> looks_at_place(const std::string& place, size_t first_scene) const override;
   cv::Mat picture(int64_t object, TimeNs time) const override;
@@ -201,7 +204,9 @@ BelievedScene MemoryData::belief_at(TimeNs time, std::optional<TimeNs> known_at)
   BelievedScene belief;
   belief.time = time;
   const SceneEntry* entry = scene_at(time);
-  if (entry != nullptr && entry->time <= time) belief.joints = store_.scene(entry->id).joints;
+  if (entry != nullptr && entry->time <= time)
+    for (const auto& [joint, position] : store_.scene(entry->id).joints)
+      belief.joints[index_.parts.joint(joint)] = position;
   for (const BeliefRow& row : store_.beliefs({time, known_at})) {
     belief.objects.push_back(believed(row));
     // A belief holds until the next one: what an earlier scene saw is remembered now.
@@ -314,6 +319,24 @@ std::vector<TracePoint> MemoryData::trace(int64_t object) const {
       trace.push_back({sighting.time, *position});
   }
   return trace;
+}
+
+ColoredCloud MemoryData::object_cloud(int64_t object, TimeNs time, std::optional<TimeNs> known_at) const {
+  const std::lock_guard lock(mutex_);
+  const auto last = store_.last_sighting_before(object, time + 1, {}, {time, known_at});
+  if (!last) return {};
+  const SceneRow row = store_.scene(last->observation.scene);
+  if (!row.camera || !row.map_from_camera) return {};
+  SceneContent content;  // as far as colours need it
+  content.camera = cameras_of(row);
+  if (row.picture) content.color = read_picture(store_, *row.picture);
+  ColoredCloud cloud;
+  for (const Eigen::Vector3f& point : measured_points(store_, row, last->observation).points) {
+    const Vector3d in_camera = point.cast<double>();
+    cloud.points.push_back((*row.map_from_camera * in_camera).cast<float>());
+    cloud.colors.push_back(color_at(content, in_camera));
+  }
+  return cloud;
 }
 
 std::vector<Look> MemoryData::looks_for_object(int64_t object, size_t first_scene) const {

@@ -15,6 +15,7 @@ namespace {
 constexpr size_t kKnownStates = 30;
 
 void read_names(const Store& store, MemoryIndex& index) {
+  index.parts = part_names(store);
   for (const PlaceRow& place : named_places(store)) index.places[place.id] = place.name;
   for (const FactRow& fact : store.facts()) {
     if (!fact.object || !fact.value) continue;

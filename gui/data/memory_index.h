@@ -4,6 +4,7 @@
 #include <unordered_map>
 
 #include "gui/data/browser_data.h"
+#include "memory/questions/part_names.h"
 #include "memory/store/store.h"
 
 namespace loci {
@@ -11,6 +12,7 @@ namespace loci {
 /// What of a memory is at hand at all times: names, scenes, events, the map.
 struct MemoryIndex {
   MemoryInfo info = {};
+  PartNames parts = {};
   std::map<Id, std::string> places = {};
   std::map<Id, std::string> aliases = {}, classes = {}, owners = {};
   std::vector<SceneEntry> scenes = {};                  ///< in the order of time

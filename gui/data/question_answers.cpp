@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "memory/questions/part_names.h"
 #include "memory/questions/place_names.h"
 #include "memory/questions/spoken.h"
 #include "memory/questions/words.h"
@@ -120,6 +121,9 @@ std::vector<std::string> known_words(const Store& store) {
   std::set<std::string> words;
   for (const ObjectRow& object : store.objects()) words.insert(object_name(object.id));
   for (const PlaceRow& place : named_places(store)) words.insert(place.name);
+  const PartNames names = part_names(store);
+  for (const auto* parts : {&names.links, &names.joints})
+    for (const auto& [in_map, name] : *parts) words.insert(name);
   for (const FactRow& fact : store.facts())
     if (fact.value && (fact.key == "alias" || fact.key == "class")) words.insert(*fact.value);
   return {words.begin(), words.end()};

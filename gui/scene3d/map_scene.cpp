@@ -77,6 +77,7 @@ struct MapScene::Impl {
   vtkNew<vtkRenderer> overlay;  ///< labels: before everything, and not blurred by anti-aliasing
   ObjectActors objects{renderer.Get(), overlay.Get()};
   FrameActors frame{renderer.Get()};
+  FrameActors chosen{renderer.Get()};  ///< the chosen object's points
   GuideActors guides{renderer.Get()};
   SceneColors colors;
   JointState joints;
@@ -107,7 +108,7 @@ struct MapScene::Impl {
   }
 
   Eigen::AlignedBox3d bounds() const {
-    Eigen::AlignedBox3d all = frame.bounds();
+    Eigen::AlignedBox3d all = frame.bounds().merged(chosen.bounds());
     if (const auto room = world.bounds()) all.extend(*room);
     if (const auto things = objects.bounds()) all.extend(*things);
     return all;
@@ -213,6 +214,14 @@ void MapScene::set_cloud(const ColoredCloud& cloud) {
   impl_->frame.set_cloud(cloud);
 }
 
+void MapScene::set_object_cloud(const ColoredCloud& cloud) {
+  impl_->chosen.set_cloud(cloud);
+}
+
+size_t MapScene::object_point_count() const {
+  return impl_->chosen.point_count();
+}
+
 void MapScene::set_camera(const PinholeCamera& camera, const Isometry3d& map_from_camera) {
   const double range = std::min(kLongestFrustum, kFrustumPart * impl_->interesting().diagonal().norm());
   impl_->frame.set_camera(camera, map_from_camera, range, impl_->colors);
@@ -225,7 +234,7 @@ void MapScene::clear_frame() {
 void MapScene::set_colors(const SceneColors& colors) {
   impl_->colors = colors;
   impl_->guides.set_colors(colors);
-  impl_->frame.set_pixels(colors.pixels);
+  for (FrameActors* points : {&impl_->frame, &impl_->chosen}) points->set_pixels(colors.pixels);
   impl_->renderer->SetBackground(colors.background_bottom[0], colors.background_bottom[1],
                                  colors.background_bottom[2]);
   impl_->renderer->SetBackground2(colors.background_top[0], colors.background_top[1],
@@ -266,7 +275,7 @@ void MapScene::set_section(const std::optional<MapSection>& section) {
     plane->SetNormal(normal.data());
   }
   impl_->world.set_section(plane);
-  impl_->frame.set_section(plane);
+  for (FrameActors* points : {&impl_->frame, &impl_->chosen}) points->set_section(plane);
 }
 
 void MapScene::select_object(std::optional<int64_t> id) {
@@ -290,6 +299,7 @@ void MapScene::set_layer(MapLayer layer, bool visible) {
     case MapLayer::labels:
       return impl_->objects.set_labels_visible(visible);
     case MapLayer::cloud:
+      impl_->chosen.set_cloud_visible(visible);
       return impl_->frame.set_cloud_visible(visible);
     case MapLayer::camera:
       return impl_->frame.set_camera_visible(visible);
@@ -305,7 +315,8 @@ bool MapScene::layer(MapLayer layer) const {
 }
 
 void MapScene::set_point_size(double size) {
-  impl_->frame.set_point_size(std::clamp(size, 1.0, 10.0));
+  for (FrameActors* points : {&impl_->frame, &impl_->chosen})
+    points->set_point_size(std::clamp(size, 1.0, 10.0));
 }
 double MapScene::point_size() const {
   return impl_->frame.point_size();
@@ -368,7 +379,9 @@ MapPick MapScene::pick(int x, int y) {
 }
 
 std::optional<Vector3d> MapScene::pick_point(int x, int y) {
-  const auto measured = impl_->frame.point_near(*impl_->renderer, x, y, kPickReach);
+  // The chosen object's points are of the same surface, but finer.
+  auto measured = impl_->chosen.point_near(*impl_->renderer, x, y, kPickReach);
+  if (!measured) measured = impl_->frame.point_near(*impl_->renderer, x, y, kPickReach);
   vtkNew<vtkCellPicker> picker;
   if (!impl_->pick(*picker, x, y)) return measured;
   const Vector3d modelled(picker->GetPickPosition());

@@ -57,6 +57,9 @@ class MapScene {
   void set_joints(const JointState& state, Warnings& warnings);
   void set_objects(std::vector<MapObject> objects);
   void set_cloud(const ColoredCloud& cloud);
+  /// What is known of the chosen object's surface.
+  void set_object_cloud(const ColoredCloud& cloud);
+  size_t object_point_count() const;
   void set_camera(const PinholeCamera& camera, const Isometry3d& map_from_camera);
   void clear_frame();
   /// The way of the chosen object, in the order of time.

@@ -92,7 +92,7 @@ void AssociationLines::paintEvent(QPaintEvent*) {
                 to = tile(line.scene, line.observation);
     painter.drawLine(QPointF(from.right() + 2, from.center().y()), QPointF(to.left() - 2, to.center().y()));
   }
-  painter.setFont(scaled_font(font(), 0.85));
+  painter.setFont(small_font(font()));
   for (size_t i = 0; i < scenes_.size(); ++i) {
     const bool now = i + 1 == scenes_.size();
     painter.setPen(now ? theme.text : theme.muted);

@@ -95,7 +95,7 @@ void BarChart::paint_standing(QPainter& painter, double greatest) const {
   const Theme theme = Theme::of(palette());
   const double step = static_cast<double>(width()) / static_cast<double>(chart_.bars.size());
   const double floor = kTitle + kStandingHeight;
-  const QFont small = scaled_font(font(), 0.8);
+  const QFont small = small_font(font());
   painter.setFont(small);
   painter.setPen(theme.grid);
   painter.drawLine(QPointF(0, floor), QPointF(width(), floor));

@@ -100,7 +100,7 @@ void DecisionMatrix::paint_panel(QPainter& painter, Panel panel) const {
                       : panel == Panel::near ? "Is near"
                                              : "Is the same (red: what was chosen)";
   painter.drawText(QRect(0, top, width(), kTitle), Qt::AlignVCenter | Qt::AlignLeft, title);
-  painter.setFont(scaled_font(font(), 0.9));
+  painter.setFont(small_font(font()));
   const size_t seen = decisions_.observations.size();
   const size_t columns = seen + (panel == Panel::is ? kOtherColumns.size() : 0);
   const size_t all_rows = rows_.size() + (panel == Panel::is ? kOtherRows.size() : 0);

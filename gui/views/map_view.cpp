@@ -17,6 +17,8 @@ namespace {
 constexpr int kStillMs = 300;
 /// More of them are a thicket.
 constexpr size_t kMostCameras = 400;
+/// Of the chosen object; with those of a scene's thumbnail they stay below what is drawn fluently.
+constexpr size_t kMostObjectPoints = 25000;
 
 /// A picture of one colour is what a context without drawing gives; even an empty scene has a gradient.
 bool is_blank(const QImage& image) {
@@ -45,6 +47,18 @@ MapObject map_object_of(const BelievedObject& object) {
   result.ghost = object.presence != Presence::seen;
   result.probability = object.probability;
   return result;
+}
+
+/// At most so many points, evenly chosen.
+ColoredCloud thinned(ColoredCloud cloud, size_t limit) {
+  const size_t step = cloud.points.size() / limit + 1;
+  if (step == 1) return cloud;
+  ColoredCloud some;
+  for (size_t i = 0; i < cloud.points.size(); i += step) {
+    some.points.push_back(cloud.points[i]);
+    some.colors.push_back(cloud.colors[i]);
+  }
+  return some;
 }
 
 }  // namespace
@@ -95,7 +109,8 @@ void MapView::show_memory() {
   const std::string path = memory == nullptr ? "" : memory->info().path;
   const World* world = memory == nullptr ? nullptr : memory->world();
   const bool same = path == memory_;
-  traced_.reset();  // it may have been seen again
+  traced_.reset();     // it may have been seen again
+  clouded_ = {-1, 0};  // nor is it known whose points are shown
   scene_->set_overview_side(memory == nullptr ? Vector3d(-0.5, -1, 0) : usual_side(*memory));
   if (same && world == world_ && !waits_for_world_ && world != nullptr)
     return;  // it has grown: the eye stays
@@ -125,7 +140,8 @@ void MapView::take_world(const PreparedWorld& world) {
   for (const PlaceOutline& place : browser_.data()->loose_places())
     scene_->add_place(place.name, place.outline, place.height);
   for (const std::string& text : world.warnings) Q_EMIT warned(QString::fromStdString(text));
-  show_joints();
+  Warnings early;  // what is believed may still be of the map before: it is told when that has been read
+  if (world_ != nullptr) scene_->set_joints(joints(), early);
   show_frame();
   show_selection();
   place_eye();
@@ -166,7 +182,7 @@ void MapView::show_belief() {
 }
 
 void MapView::show_joints() {
-  if (world_ == nullptr) return;
+  if (world_ == nullptr || waits_for_world_) return;  // the old map may have other joints
   Warnings warnings;
   scene_->set_joints(joints(), warnings);
   for (const std::string& text : warnings.texts()) Q_EMIT warned(QString::fromStdString(text));
@@ -221,6 +237,27 @@ void MapView::show_trace() {
   if (points != scene_->trace()) scene_->set_trace(std::move(points));
 }
 
+/// As it was seen last, while it is believed to be there.
+void MapView::read_object_cloud() {
+  const BelievedObject* object = browser_.selected_object();
+  const bool there = object != nullptr && object->presence != Presence::gone && object->last_seen;
+  const auto sight = there ? std::pair(object->id, *object->last_seen) : std::pair<int64_t, TimeNs>();
+  if (sight == clouded_) return;
+  if (sight.first != clouded_.first) scene_->set_object_cloud({});
+  clouded_ = sight;
+  if (!there) return browser_.reader().forget(this, "points");
+  browser_.reader().read<ColoredCloud>(
+      this, "points", Urgency::selection,
+      [id = object->id, time = *object->last_seen,
+       known_at = browser_.selection().known_at()](const BrowserData& memory) {
+        return thinned(memory.object_cloud(id, time, known_at), kMostObjectPoints);
+      },
+      [this](const ColoredCloud& cloud) {
+        scene_->set_object_cloud(cloud);
+        redraw();
+      });
+}
+
 JointState MapView::joints() const {
   JointState joints = browser_.belief().joints;
   for (const auto& [name, position] : joints_by_hand_) joints[name] = position;
@@ -269,6 +306,7 @@ void MapView::measure_at(int x, int y) {
 void MapView::show_selection() {
   read_trace();
   show_trace();
+  read_object_cloud();
   scene_->select_object(browser_.selection().object());
   scene_->select_link(browser_.selection().place());
   redraw();

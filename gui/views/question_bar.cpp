@@ -77,7 +77,7 @@ QuestionBar::QuestionBar(Browser& browser, QWidget* parent)
   answers_->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
   answers_->setFrameShape(QFrame::NoFrame);
   answers_->setFocusPolicy(Qt::ClickFocus);
-  QFont small = scaled_font(font(), 0.9);
+  QFont small = small_font(font());
   hint_->setFont(small);
   hint_->setEnabled(false);
   auto* layout = new QVBoxLayout(this);

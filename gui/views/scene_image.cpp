@@ -175,7 +175,7 @@ void SceneImage::paintEvent(QPaintEvent*) {
 
 void SceneImage::paint_values(QPainter& painter) const {
   if (values_.isEmpty()) return;
-  painter.setFont(scaled_font(font(), 0.88));
+  painter.setFont(small_font(font()));
   const QSizeF size = painter.fontMetrics().size(Qt::TextSingleLine, values_) + QSize(10, 4);
   const QRectF area(QPointF(0, height() - size.height()), size);
   painter.fillRect(area, QColor(0, 0, 0, 190));
@@ -188,7 +188,7 @@ void SceneImage::paint_kinds(QPainter& painter) const {
   const std::vector<std::pair<PixelKind, QString>> kinds = {{PixelKind::known, "known"},
                                                             {PixelKind::irrelevant, "irrelevant"},
                                                             {PixelKind::of_interest, "of interest"}};
-  painter.setFont(scaled_font(font(), 0.88));
+  painter.setFont(small_font(font()));
   const QFontMetrics metrics = painter.fontMetrics();
   const int side = metrics.ascent(), height = metrics.height() + 4;
   if (kinds_.isNull()) {
@@ -279,7 +279,7 @@ void SceneImage::paint_names(QPainter& painter) const {
   std::vector<QRectF> taken;
   for (const ImageBox* box : order) {
     const QRectF area = on_widget(*box);
-    QFont font = scaled_font(this->font(), 0.88);
+    QFont font = small_font(this->font());
     font.setBold(box->object == selected);
     const QString name = QString::fromStdString(box->name);
     const QSizeF size = QFontMetricsF(font).size(Qt::TextSingleLine, name) + QSizeF(8, 2);

@@ -170,7 +170,7 @@ void TimeTrack::paint_axis(QPainter& painter) const {
   const TimeNs step = label_step(to - from, width() - TimeAxis::kLeft - TimeAxis::kRight);
   const TimeNs offset = static_cast<TimeNs>(zone) * 60 * kSecond;
   painter.setPen(theme.muted);
-  const QFont font = scaled_font(this->font(), 0.9);
+  const QFont font = small_font(this->font());
   painter.setFont(font);
   for (TimeNs t = (from + offset + step - 1) / step * step - offset; t <= to; t += step) {
     const QString text = tick_text(t, step, zone);

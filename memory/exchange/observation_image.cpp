@@ -5,7 +5,6 @@
 
 #include "mapping/base/error.h"
 #include "mapping/image/image_io.h"
-#include "memory/store/cluster_points.h"
 #include "memory/store/depth_thumbnail.h"
 
 namespace loci {
@@ -76,21 +75,25 @@ ClusterPoints coarse_points(const Store& store, const SceneRow& scene, const Obs
 
 }  // namespace
 
+ClusterPoints measured_points(const Store& store, const SceneRow& scene, const ObservationRow& observation) {
+  if (std::optional<ClusterPoints> kept = cluster_points(store, scene, observation)) return *std::move(kept);
+  return coarse_points(store, scene, observation);
+}
+
 std::optional<Scan> cloud_of(const Store& store, const SceneRow& scene, const ObservationRow& observation) {
   if (!scene.camera || !scene.map_from_camera) return std::nullopt;
-  std::optional<ClusterPoints> cluster = cluster_points(store, scene, observation);
-  if (!cluster) cluster = coarse_points(store, scene, observation);
-  if (cluster->points.empty()) return std::nullopt;
+  const ClusterPoints cluster = measured_points(store, scene, observation);
+  if (cluster.points.empty()) return std::nullopt;
   const cv::Mat picture = scene.picture ? picture_in(store, *scene.picture) : cv::Mat();
   const Eigen::Isometry3f map_from_camera = scene.map_from_camera->cast<float>();
   Scan cloud;
   cloud.name = "scene_" + std::to_string(scene.id);
   cloud.origins = {map_from_camera.translation()};
-  for (size_t i = 0; i < cluster->points.size(); ++i) {
-    ScanPoint point{.position = map_from_camera * cluster->points[i]};
+  for (size_t i = 0; i < cluster.points.size(); ++i) {
+    ScanPoint point{.position = map_from_camera * cluster.points[i]};
     if (picture.type() == CV_8UC3) {
-      const int row = cluster->pixels[i] / scene.camera->width,
-                column = cluster->pixels[i] % scene.camera->width;
+      const int row = cluster.pixels[i] / scene.camera->width,
+                column = cluster.pixels[i] % scene.camera->width;
       const auto& color = picture.at<cv::Vec3b>(row * picture.rows / scene.camera->height,
                                                 column * picture.cols / scene.camera->width);
       point.b = color[0];

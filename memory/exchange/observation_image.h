@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "mapping/sensor/scan.h"
+#include "memory/store/cluster_points.h"
 #include "memory/store/store.h"
 
 namespace loci {
@@ -17,10 +18,13 @@ cv::Mat mask_of(const Store& store, const SceneRow& scene, const ObservationRow&
 /// above 65535.
 cv::Mat label_picture(const Store& store, const SceneRow& scene, const AsOf& as_of = {});
 
-/// The surface of an observation as far as the memory has it: its points, where they are kept, else the
-/// pixels of the depth thumbnail under its mask; map frame, coloured by the scene's picture where that is
-/// kept (taken to be registered with the depth). One origin, the camera. Unset when depth, mask, camera or
-/// pose are missing, or no pixel is left.
+/// The points of an observation as far as the memory has them: those that are kept, else those of the depth
+/// thumbnail under its mask. Empty when depth, mask or camera are missing, or no pixel is left.
+ClusterPoints measured_points(const Store& store, const SceneRow& scene, const ObservationRow& observation);
+
+/// The surface of an observation as far as the memory has it: its measured points in the map frame,
+/// coloured by the scene's picture where that is kept (taken to be registered with the depth). One origin,
+/// the camera. Unset when there are none, or the pose is missing.
 std::optional<Scan> cloud_of(const Store& store, const SceneRow& scene, const ObservationRow& observation);
 
 }  // namespace loci

@@ -65,6 +65,34 @@ TEST_F(EditsInWindow, ARenamedPlaceIsCalledSoInTreeMapAndAnswers) {
   EXPECT_NE(window.browser().data()->world()->find_link("table_1"), nullptr);
 }
 
+TEST_F(EditsInWindow, ANamedJointGoesOnMovingAndAPartThatIsNoPlaceCanBeNamed) {
+  const QSignalSpy warned(&window.map(), &MapView::warned);
+  window.edits().name_part("drawer_2_front_joint", "cutlery slide");
+  settle();
+  go_to(sample_.second);
+  EXPECT_EQ(window.browser().belief().joints.at("cutlery slide"), 0.35);
+  EXPECT_NE(window.browser().data()->world()->find_joint("cutlery slide"), nullptr);
+  EXPECT_EQ(window.map().joints().count("drawer_2_front_joint"), 0U);
+  selection().select_place("drawer_2_front");
+  settle();
+  QTimer::singleShot(100, &window, [] {
+    auto* dialog = qobject_cast<QInputDialog*>(QApplication::activeModalWidget());
+    ASSERT_NE(dialog, nullptr);
+    dialog->setTextValue("cutlery");
+    dialog->accept();
+  });
+  press(Qt::Key_F2);
+  settle();
+  EXPECT_EQ(window.browser().data()->world()->parent_joint("cutlery")->name, "cutlery slide");
+  EXPECT_EQ(selection().place(), "cutlery");
+  window.edits().undo();
+  settle();
+  window.edits().undo();
+  settle();
+  EXPECT_EQ(window.browser().belief().joints.at("drawer_2_front_joint"), 0.35);
+  EXPECT_EQ(warned.count(), 0) << warned.value(0).value(0).toString().toStdString();
+}
+
 TEST_F(EditsInWindow, UndoAndRedoRestoreWhatHeldAndLoseNothing) {
   EditHistory& edits = window.edits();
   EXPECT_FALSE(edits.can_undo());

@@ -63,6 +63,20 @@ class Layout : public test::BrowserWindow, public testing::WithParamInterface<Lo
     }
     return found;
   }
+  /// Texts whose letters are smaller than those of the application by more than a point.
+  QStringList tiny() const {
+    const double least = QFontInfo(QApplication::font()).pointSizeF() - 1;
+    QStringList found;
+    for (const QWidget* widget : window.findChildren<QWidget*>()) {
+      const double size = QFontInfo(widget->font()).pointSizeF();
+      if (is_seen(widget) && size < least - 0.01)
+        found << QString("%1: %2 of %3 points")
+                     .arg(name_of(widget, widget->objectName()))
+                     .arg(size)
+                     .arg(least + 1);
+    }
+    return found;
+  }
   bool is_seen(const QWidget* widget) const {
     return widget->isVisible() && !widget->visibleRegion().isEmpty() && widget->parentWidget() != nullptr;
   }
@@ -104,6 +118,7 @@ TEST_P(Layout, NothingIsClippedOrLiesOverSomethingElseInAnyDock) {
     EXPECT_EQ(window.size(), GetParam().size) << dock;
     EXPECT_TRUE(clipped().isEmpty()) << dock << ": " << clipped().join("; ").toStdString();
     EXPECT_TRUE(overlapping().isEmpty()) << dock << ": " << overlapping().join("; ").toStdString();
+    EXPECT_TRUE(tiny().isEmpty()) << dock << ": " << tiny().join("; ").toStdString();
   }
   window.show_dock("compare");
   window.compare().beside_box()->setChecked(true);
@@ -116,6 +131,8 @@ TEST_P(Layout, NothingIsClippedOrLiesOverSomethingElseInAnyDock) {
 TEST_P(Layout, WhatIsWrittenCanBeRead) {
   const QPalette colors = QApplication::palette();
   const Theme theme = Theme::of(colors);
+  const QFont font = QApplication::font();
+  EXPECT_GE(QFontInfo(small_font(font)).pointSizeF(), QFontInfo(font).pointSizeF() - 1) << "what is painted";
   EXPECT_GE(contrast(colors.color(QPalette::WindowText), colors.color(QPalette::Window)), 7);
   EXPECT_GE(contrast(colors.color(QPalette::HighlightedText), colors.color(QPalette::Highlight)), 3);
   for (const QColor& color : {theme.seen, theme.remembered, theme.gone, theme.muted})

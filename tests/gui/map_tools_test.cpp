@@ -32,6 +32,42 @@ TEST_F(MapToolsInWindow, TheWayOfTheChosenObjectGoesUntilTheChosenTime) {
   EXPECT_TRUE(window.map().scene().trace().empty());
 }
 
+TEST_F(MapToolsInWindow, TheChosenObjectIsDrawnWithThePointsThatWereKeptOfIt) {
+  const MapScene& scene = window.map().scene();
+  EXPECT_EQ(scene.object_point_count(), 0U) << "nothing is chosen";
+  go_to(sample_.second);
+  choose(2);
+  const size_t kept = scene.object_point_count();
+  go_to(sample_.third);
+  EXPECT_EQ(scene.object_point_count(), kept) << "as it was seen last";
+  go_to(sample_.first);
+  const size_t coarse = scene.object_point_count();
+  EXPECT_GT(coarse, 20U) << "from the depth thumbnail, a quarter as wide and high";
+  EXPECT_GT(kept, 5 * coarse);
+  go_to(sample_.third);
+  choose(1);
+  EXPECT_EQ(scene.object_point_count(), 0U) << "it is gone";
+  choose(3);
+  EXPECT_GT(scene.object_point_count(), 0U);
+  selection().clear();
+  settle();
+  EXPECT_EQ(scene.object_point_count(), 0U);
+}
+
+TEST_F(MapToolsInWindow, PointsOfAnObjectLieOnItInItsColour) {
+  const ColoredCloud cloud = window.browser().data()->object_cloud(2, sample_.second);
+  size_t on_it = 0, blue = 0;
+  const Eigen::AlignedBox3f box(Eigen::Vector3f(1.94F, 0.66F, 0.74F), Eigen::Vector3f(2.06F, 0.74F, 0.96F));
+  for (size_t i = 0; i < cloud.points.size(); ++i) {
+    if (!box.contains(cloud.points[i])) continue;
+    ++on_it;
+    blue += cloud.colors[i][2] > cloud.colors[i][0];
+  }
+  EXPECT_GT(on_it, cloud.points.size() / 2) << "the mask is an ellipse about it";
+  EXPECT_GT(blue, on_it * 9 / 10);
+  EXPECT_TRUE(window.browser().data()->object_cloud(2, sample_.first - kSecond).points.empty());
+}
+
 TEST_F(MapToolsInWindow, MeasuresBetweenTwoClicksAndChoosesNothingMeanwhile) {
   window.map().look_from(MapViewpoint::front);
   picture();

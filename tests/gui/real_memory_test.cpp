@@ -76,6 +76,9 @@ TEST_P(RealMemory, ShowsSomethingInEachViewAndFailsNowhere) {
   click_in_tree(object);
   EXPECT_EQ(selection().object(), object);
   EXPECT_FALSE(window.map().scene().trace().empty());
+  const BelievedObject* believed = window.browser().selected_object();
+  ASSERT_NE(believed, nullptr);
+  EXPECT_EQ(window.map().scene().object_point_count() > 100, believed->presence != Presence::gone);
   EXPECT_GE(window.card().history()->model()->rowCount(), 1);
   for (int page = 0; page < window.card().pages()->count(); ++page) {
     window.card().pages()->setCurrentIndex(page);

@@ -10,6 +10,7 @@
 #include "mapping/render/render.h"
 #include "mapping/simulation/scenario.h"
 #include "mapping/world/urdf.h"
+#include "memory/store/cluster_points.h"
 #include "memory/store/depth_thumbnail.h"
 #include "memory/store/scene_kinds.h"
 #include "memory/store/scene_transaction.h"
@@ -66,6 +67,7 @@ class Writer {
     RenderOptions options;
     options.colors = true;
     const RenderedView view = scene.render(camera, map_from_camera, options);
+    depth_ = view.depth;
     SceneRow row;
     row.time = time;
     row.map = map_;
@@ -98,7 +100,8 @@ class Writer {
     return id;
   }
 
-  /// An observation of a thing that is believed to be the object; returns its id.
+  /// An observation of a thing in the last scene that is believed to be the object; returns its id. In the
+  /// first scene no points are kept.
   Id add_sight(SceneTransaction& transaction, Id scene, const std::string& place, const Thing& thing,
                const Isometry3d& map_from_camera, const std::string& explanation) {
     const PinholeCamera camera;
@@ -126,6 +129,14 @@ class Writer {
     const auto outline = encode_image(mask, ".png");
     row.mask =
         transaction.add_blob({reinterpret_cast<const char*>(outline.data()), outline.size()}, "image/png");
+    if (scene > 1) {
+      std::vector<float> depth;
+      for (int y = 0; y < mask.rows; ++y)
+        for (int x = 0; x < mask.cols; ++x)
+          if (mask.at<uint8_t>(y, x) != 0)
+            depth.push_back(depth_.at<float>(y + (*row.roi)[1], x + (*row.roi)[0]));
+      row.cloud = transaction.add_blob(encode_cluster_depth(depth), kClusterDepthMedia);
+    }
     const auto crop = encode_image(cv::Mat(40, 30, CV_8UC3, thing.bgr), ".png");
     row.crop = transaction.add_blob({reinterpret_cast<const char*>(crop.data()), crop.size()}, "image/png");
     const Id observation = transaction.add_observation(row);
@@ -196,6 +207,7 @@ class Writer {
   World world_;
   Id run_;
   Id map_ = 0;
+  cv::Mat depth_;  ///< of the last scene
   std::map<std::string, Id> places_;
   int64_t number_ = 0;
 };
