@@ -13,7 +13,7 @@ namespace loci {
 namespace {
 
 constexpr const char* kForms =
-    "merge X Y, split X TIME, label SCENE NUMBER CLASS, joint NAME TYPE, place X [NAME], part X [NAME], "
+    "merge X Y, split X TIME, label SCENE NUMBER CLASS, joint NAME TYPE, part X [NAME], "
     "say X KEY [VALUE], undo, redo or list";
 
 struct EditArguments {
@@ -23,7 +23,7 @@ struct EditArguments {
 
 size_t words_needed(const std::string& action) {
   if (action == "label") return 3;
-  if (action == "place" || action == "part") return 1;
+  if (action == "part") return 1;
   if (action == "undo" || action == "redo" || action == "list") return 0;
   return 2;
 }
@@ -55,7 +55,6 @@ Edit make_edit(Store& store, const EditArguments& arguments) {
     return label_observation(store, number_of(words[0], "a scene"), number_of(words[1], "an observation"),
                              words[2]);
   if (action == "joint") return set_joint_type(store, words[0], words[1]);
-  if (action == "place") return name_place(store, words[0], words.size() > 1 ? words[1] : "");
   if (action == "part") return name_part(store, words[0], words.size() > 1 ? words[1] : "");
   if (action == "say") return say(store, words[0], words[1], words.size() > 2 ? words[2] : "");
   return action == "undo" ? undo(store) : redo(store);
@@ -79,34 +78,34 @@ void tell_list(Session& session, const EditList& list) {
 }  // namespace
 
 Command edit_command() {
-  return {"edit",
-          "Corrections by people, with undo: merge, split, label, joint, place, part, say, undo, redo, list",
-          {"loci-memory edit say object_1 class cup -m demo-output/memory.loci",
-           "loci-memory edit list -m demo-output/memory.loci --json"},
-          [](CLI::App& app) {
-            auto arguments = std::make_shared<EditArguments>();
-            app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
-            app.add_option("action", arguments->action, kForms)
-                ->required()
-                ->check(CLI::IsMember(
-                    {"merge", "split", "label", "joint", "place", "part", "say", "undo", "redo", "list"}));
-            app.add_option(
-                "words", arguments->words,
-                "X, Y: objects (say: or a place; part: a place, link or joint); TIME as people write it");
-            return [arguments](Session& session) {
-              const size_t least = words_needed(arguments->action), given = arguments->words.size();
-              static const std::set<std::string> may_take_back = {"say", "place", "part"};
-              if (given < least || given > least + may_take_back.count(arguments->action))
-                throw Error("edit " + arguments->action + " takes other words", {}, kForms);
-              const Store before =
-                  Store::open_read(arguments->memory);  // a mistyped name must not make a memory
-              if (arguments->action == "list") return tell_list(session, edits(before));
-              Store store = Store::open_write(arguments->memory);
-              const Edit edit = make_edit(store, *arguments);
-              const std::string done = arguments->action == "undo" ? "Undone: " : "Done: ";
-              session.answer(done + edit.text + "\n", json_of({edit}).front());
-            };
-          }};
+  return {
+      "edit",
+      "Corrections by people, with undo: merge, split, label, joint, part, say, undo, redo, list",
+      {"loci-memory edit say object_1 class cup -m demo-output/memory.loci",
+       "loci-memory edit list -m demo-output/memory.loci --json"},
+      [](CLI::App& app) {
+        auto arguments = std::make_shared<EditArguments>();
+        app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
+        app.add_option("action", arguments->action, kForms)
+            ->required()
+            ->check(
+                CLI::IsMember({"merge", "split", "label", "joint", "part", "say", "undo", "redo", "list"}));
+        app.add_option(
+            "words", arguments->words,
+            "X, Y: objects (say: or a place; part: a place, link or joint); TIME as people write it");
+        return [arguments](Session& session) {
+          const size_t least = words_needed(arguments->action), given = arguments->words.size();
+          static const std::set<std::string> may_take_back = {"say", "part"};
+          if (given < least || given > least + may_take_back.count(arguments->action))
+            throw Error("edit " + arguments->action + " takes other words", {}, kForms);
+          const Store before = Store::open_read(arguments->memory);  // a mistyped name must not make a memory
+          if (arguments->action == "list") return tell_list(session, edits(before));
+          Store store = Store::open_write(arguments->memory);
+          const Edit edit = make_edit(store, *arguments);
+          const std::string done = arguments->action == "undo" ? "Undone: " : "Done: ";
+          session.answer(done + edit.text + "\n", json_of({edit}).front());
+        };
+      }};
 }
 
 }  // namespace loci

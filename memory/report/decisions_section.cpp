@@ -10,10 +10,6 @@ namespace {
 
 constexpr size_t kLeastSure = 30;
 
-std::string name_of(const std::optional<Id>& object) {
-  return object ? object_name(*object) : "a false cluster";
-}
-
 struct Decision {
   const SceneRow* scene = nullptr;
   TakenFor taken = {};
@@ -36,7 +32,7 @@ std::string decisions_section(const ReportData& data) {
   std::vector<std::vector<std::string>> rows;
   for (const Decision& decision : all)
     rows.push_back({data.times.text(decision.scene->time), fmt::format("scene {}", decision.scene->id),
-                    name_of(decision.taken.chosen.object), decision.taken.chosen.explanation,
+                    explanation_name(decision.taken.chosen.object), decision.taken.chosen.explanation,
                     fmt::format("{:.0f} %", 100 * decision.taken.probability), decision.taken.instead});
   const std::string text = fmt::format(
       "<p>{} of {} observations were taken for something with 95 % or more. The least sure{}:</p>\n", sure,

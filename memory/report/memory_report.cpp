@@ -20,8 +20,8 @@ struct QuestionAndAnswer {
 };
 
 template <class Question>
-std::string answer_text(const Store& store, const Question& question) {
-  return to_text(ask(store, question), TimeWriter(store));
+std::string answer_text(const ReportData& data, const Question& question) {
+  return to_text(ask(data.store, question), data.times);
 }
 
 /// Questions that any day answers: about each place that holds something, about the object that moved most,
@@ -37,22 +37,22 @@ std::vector<QuestionAndAnswer> questions_of_the_day(const ReportData& data) {
         [](const PlaceContents& contents) { return !contents.there.empty() || !contents.gone.empty(); });
     if (known)
       result.push_back({fmt::format("loci-memory {} {}", place.container ? "in" : "on", place.name),
-                        to_text(answer, TimeWriter(store))});
+                        to_text(answer, data.times)});
   }
   const auto traveller = std::max_element(
       data.histories.begin(), data.histories.end(),
       [](const ObjectHistory& a, const ObjectHistory& b) { return a.stays.size() < b.stays.size(); });
   if (traveller == data.histories.end()) return result;
   const std::string& name = traveller->now.object.name;
-  result.push_back({"loci-memory where " + name, answer_text(store, WhereQuestion{.subject = name})});
-  result.push_back({"loci-memory history " + name, answer_text(store, HistoryQuestion{.subject = name})});
+  result.push_back({"loci-memory where " + name, answer_text(data, WhereQuestion{.subject = name})});
+  result.push_back({"loci-memory history " + name, answer_text(data, HistoryQuestion{.subject = name})});
   if (!traveller->stays.empty() && traveller->stays.front().place && !data.scenes.empty()) {
     const std::string& place = traveller->stays.front().place->name;
     const TimeNs from = traveller->stays.front().scenes.back().time, to = data.scenes.back().time;
     result.push_back(
         {fmt::format("loci-memory was {} on {} --between {} {}", name, place, format_time(from),
                      format_time(to)),
-         answer_text(store, WasQuestion{.subject = name, .place = place, .from = from, .to = to})});
+         answer_text(data, WasQuestion{.subject = name, .place = place, .from = from, .to = to})});
   }
   return result;
 }

@@ -47,6 +47,10 @@ std::string ReportData::scenes_left_out() const {
   return fmt::format("<p class=\"faint\">Of {} scenes the last {}.</p>\n", scenes_in_all, scenes.size());
 }
 
+std::string explanation_name(const std::optional<Id>& object) {
+  return object ? object_name(*object) : "a false cluster";
+}
+
 std::map<Id, TakenFor> taken_for(const Store& store, Id scene) {
   const std::vector<AssociationRow> considered = store.associations(scene);
   std::map<Id, TakenFor> result;
@@ -64,8 +68,8 @@ std::map<Id, TakenFor> taken_for(const Store& store, Id scene) {
   for (const auto& [observation, objects] : others)
     for (const auto& [object, probability] : objects)
       if (std::string& text = result.at(observation).instead; probability >= 0.01)
-        text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ",
-                            object ? object_name(*object) : "a false cluster", 100 * probability);
+        text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ", explanation_name(object),
+                            100 * probability);
   return result;
 }
 

@@ -24,6 +24,9 @@ struct ReportData {
   std::string scenes_left_out() const;
 };
 
+/// "object_3", or "a false cluster".
+std::string explanation_name(const std::optional<Id>& object);
+
 /// What an observation was taken for.
 struct TakenFor {
   AssociationRow chosen;
