@@ -1,8 +1,8 @@
 # One verb per kind of target:
-#   loci_room(FOLDER)                         add a folder of the house that has a CMakeLists.txt
+#   loci_add_module(FOLDER)                   add a module: a folder with a CMakeLists.txt of its own
 #   loci_library(LINKS ... PRIVATE_LINKS ...) all *.cpp of this folder as one static library, named after the folder
 #                                             (but those under EXCLUDE folders; with GENERATED sources)
-#   loci_proxies(FOLDER NAMESPACE XML ...)    typed proxies from type systems: FOLDER/generated.{h,cpp} in the build folder
+#   loci_generate_types(FOLDER NAMESPACE XML ...)  typed proxies from type systems: FOLDER/generated.{h,cpp} in the build folder
 #   loci_program(NAME [SOURCES ...] LINKS ...) a program in bin/
 #   loci_test(LINKS ...)                      all *_test.cpp of this folder as one GoogleTest program
 #
@@ -36,9 +36,18 @@ function(loci_warnings target)
   endif()
 endfunction()
 
-function(loci_room folder)
-  if(EXISTS ${CMAKE_SOURCE_DIR}/${folder}/CMakeLists.txt)
-    add_subdirectory(${CMAKE_SOURCE_DIR}/${folder})
+function(loci_add_module folder)
+  if(NOT EXISTS ${CMAKE_SOURCE_DIR}/${folder}/CMakeLists.txt)
+    message(FATAL_ERROR "loci_add_module: ${folder}/CMakeLists.txt does not exist")
+  endif()
+  add_subdirectory(${CMAKE_SOURCE_DIR}/${folder})
+endfunction()
+
+# Most of a compilation is parsing Eigen, OpenCV and the standard library. A unity build parses them once for several
+# sources; the sources still compile one by one with -DLOCI_UNITY=OFF.
+function(loci_unity target)
+  if(LOCI_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 10)
   endif()
 endfunction()
 
@@ -65,10 +74,11 @@ function(loci_library)
   add_library(loci_${name} STATIC ${sources} ${nested} ${ARG_GENERATED})
   target_include_directories(loci_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>)
   target_link_libraries(loci_${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
+  loci_unity(loci_${name})
   loci_warnings(loci_${name})
 endfunction()
 
-function(loci_proxies folder namespace)
+function(loci_generate_types folder namespace)
   set(output ${CMAKE_BINARY_DIR}/generated/${folder})
   list(TRANSFORM ARGN PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ OUTPUT_VARIABLE files)
   add_custom_command(
@@ -85,6 +95,7 @@ function(loci_program name)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LINKS})
+  loci_unity(${name})
   loci_warnings(${name})
 endfunction()
 

@@ -38,9 +38,9 @@ QSize parse_size(const std::string& text) {
   return {std::stoi(match[1]), std::stoi(match[2])};
 }
 
-/// Pictures are drawn in memory where that is possible; a screen is only the second way. Error when neither
+/// Images are drawn in memory where that is possible; a screen is only the second way. Error when neither
 /// works.
-MapBackend picture_backend(bool has_screen) {
+MapBackend image_backend(bool has_screen) {
   try {
     const EglWindow probe(16, 16);
     return MapBackend::memory;
@@ -110,7 +110,7 @@ void go_to(MainWindow& window, const Target& target, const BrowseOptions& option
     selection.select_place(target.things.place);
   for (const std::string& action : options.run)
     if (!window.question_bar().run_action(QString::fromStdString(action)))
-      throw Error("--run '" + action + "' is no action of the menus", {}, "as \"Depth picture\"");
+      throw Error("--run '" + action + "' is no action of the menus", {}, "as \"Depth image\"");
   if (!options.beside.empty()) {
     if (target.beside)
       window.compare().set_other(*target.beside);
@@ -136,7 +136,7 @@ MapLayer layer_of(const std::string& name) {
   return found->second;
 }
 
-void write_picture(MainWindow& window, const BrowseOptions& options) {
+void write_image(MainWindow& window, const BrowseOptions& options) {
   const std::string& path = options.screenshot;
   window.resize(parse_size(options.size));
   for (const std::string& name : options.hide) window.map_view().set_layer(layer_of(name), false);
@@ -146,15 +146,15 @@ void write_picture(MainWindow& window, const BrowseOptions& options) {
     finish_background();
   }
   window.map_view().look_from(MapViewpoint::overview);  // what came first must not decide the view
-  const QImage image = options.view == "map" ? window.map_view().picture() : window.screenshot();
+  const QImage image = options.view == "map" ? window.map_view().image() : window.screenshot();
   QByteArray bytes;
   QBuffer buffer(&bytes);
   buffer.open(QIODevice::WriteOnly);
-  if (!image.save(&buffer, "PNG")) throw Error("the picture could not be encoded", {path, 0, {}});
+  if (!image.save(&buffer, "PNG")) throw Error("the image could not be encoded", {path, 0, {}});
   write_file_atomically(path, {bytes.constData(), static_cast<size_t>(bytes.size())});
 }
 
-int take_picture(const BrowseOptions& options, std::unique_ptr<BrowserData> data, MapBackend backend) {
+int take_image(const BrowseOptions& options, std::unique_ptr<BrowserData> data, MapBackend backend) {
   WindowOptions window_options;
   window_options.remember = false;
   window_options.backend = backend;
@@ -162,7 +162,7 @@ int take_picture(const BrowseOptions& options, std::unique_ptr<BrowserData> data
   MainWindow window(opener(), window_options);
   window.show_data(std::move(data));
   go_to(window, target, options);
-  write_picture(window, options);
+  write_image(window, options);
   return 0;
 }
 
@@ -194,17 +194,17 @@ int show_window(const BrowseOptions& options, MapBackend backend) {
 }  // namespace
 
 int run_browser(const BrowseOptions& options, const std::string& program) {
-  const bool picture = !options.screenshot.empty();
+  const bool image = !options.screenshot.empty();
   std::unique_ptr<BrowserData> data;
   MapBackend backend = MapBackend::widget;
-  if (picture) {
-    if (options.file.empty()) throw Error("a picture needs a memory", {}, "give a FILE.loci");
+  if (image) {
+    if (options.file.empty()) throw Error("an image needs a memory", {}, "give a FILE.loci");
     parse_size(options.size);
     for (const std::string& name : options.hide) layer_of(name);
     if (options.view != "window" && options.view != "map")
       throw Error("--view '" + options.view + "' is no view", {}, "views are window, map");
     data = open_memory_data(options.file);
-    backend = picture_backend(options.has_screen);
+    backend = image_backend(options.has_screen);
   } else if (!options.has_screen) {
     throw Error("there is no screen (DISPLAY is not set)", {}, "use --screenshot FILE, or xvfb-run");
   }
@@ -223,7 +223,7 @@ int run_browser(const BrowseOptions& options, const std::string& program) {
   if (backend == MapBackend::widget) backend = window_backend();
   apply_theme(application, options.theme, options.has_desktop);
   if (options.measure_s > 0) return measure(application, options, backend);
-  return picture ? take_picture(options, std::move(data), backend) : show_window(options, backend);
+  return image ? take_image(options, std::move(data), backend) : show_window(options, backend);
 }
 
 }  // namespace loci

@@ -21,14 +21,14 @@ struct BrowseOptions {
   double measure_s = 0;  ///< seconds for which the window is measured instead of staying; 0 = not
   std::function<void(const std::string&)> say = {};  ///< where the figures go
   std::string size = "1280x800";
-  std::string view = "window";         ///< what the picture shows: the whole "window", or the "map" alone
-  std::vector<std::string> hide = {};  ///< layers of the 3D view that the picture leaves out
+  std::string view = "window";         ///< what the image shows: the whole "window", or the "map" alone
+  std::vector<std::string> hide = {};  ///< layers of the 3D view that the image leaves out
   ThemeChoice theme = ThemeChoice::system;
   bool has_screen = true;   ///< there is an X or Wayland display
   bool has_desktop = true;  ///< which says how its windows should look
 };
 
-/// Runs the browser until its window is closed, or writes one picture; returns the exit code. Error when the
+/// Runs the browser until its window is closed, or writes one image; returns the exit code. Error when the
 /// memory cannot be read, when nothing can be drawn, or when a window is wanted and there is no screen.
 int run_browser(const BrowseOptions& options, const std::string& program);
 

@@ -36,7 +36,7 @@ Moment read_moment(const BrowserData& memory, TimeNs time, std::optional<TimeNs>
     moment.content = std::make_shared<const SceneContent>(memory.scene(entry->id));
     if (moment.content->map_from_camera)
       moment.cloud = std::make_shared<const ColoredCloud>(frame_cloud(*moment.content, kMaxPoints));
-  } catch (const Error& error) {  // A picture is broken: what is believed can be shown nevertheless.
+  } catch (const Error& error) {  // An image is broken: what is believed can be shown nevertheless.
     moment.problem = error.what();
   }
   return moment;

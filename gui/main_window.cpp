@@ -94,7 +94,7 @@ QDockWidget* MainWindow::add_dock(const QString& title, const QString& name, QWi
 
 void MainWindow::build_docks() {
   tree_ = new ObjectsTree(browser_, this);
-  picture_ = new SceneView(browser_, this);
+  image_ = new SceneView(browser_, this);
   card_ = new ObjectCard(browser_, this);
   time_ = new TimeBar(browser_, this);
   setCorner(Qt::BottomLeftCorner, Qt::BottomDockWidgetArea);
@@ -104,13 +104,13 @@ void MainWindow::build_docks() {
   map_tools_ = new MapTools(browser_, *map_, this);
   tabifyDockWidget(objects, add_dock("Map tools", "tools3d", map_tools_, Qt::LeftDockWidgetArea));
   objects->raise();
-  image_dock_ = add_dock("Scene", "scene", picture_, Qt::RightDockWidgetArea);
+  image_dock_ = add_dock("Scene", "scene", image_, Qt::RightDockWidgetArea);
   fill_corner();
   add_dock("Time", "time", time_, Qt::BottomDockWidgetArea);
 }
 
 SceneImage& MainWindow::image() {
-  return picture_->image();
+  return image_->image();
 }
 
 void MainWindow::build_questions() {
@@ -135,7 +135,7 @@ bool MainWindow::eventFilter(QObject* watched, QEvent* event) {
   return QMainWindow::eventFilter(watched, event);
 }
 
-/// The views below the picture share one place, with tabs.
+/// The views below the image share one place, with tabs.
 void MainWindow::fill_corner() {
   statistics_ = new StatisticsView(browser_, this);
   log_ = new LogView(browser_, this);
@@ -197,8 +197,8 @@ void MainWindow::show_memory(std::shared_ptr<const BrowserData> memory) {
 }
 
 QImage MainWindow::screenshot() {
-  map_->picture();  // Throws when nothing was drawn.
-  if (maps_->is_pair()) maps_->then()->picture();
+  map_->image();  // Throws when nothing was drawn.
+  if (maps_->is_pair()) maps_->then()->image();
   return grab().toImage();
 }
 

@@ -46,7 +46,7 @@ class MainWindow : public QMainWindow {
   /// be opened, and offers to check it; the memory that was open stays then.
   void open(const QString& path, const std::function<void()>& then = {});
   void show_data(std::unique_ptr<BrowserData> memory);
-  /// The window as a picture. Error when the 3D view stayed blank.
+  /// The window as an image. Error when the 3D view stayed blank.
   QImage screenshot();
   MapView& map_view() { return *map_; }
 
@@ -56,7 +56,7 @@ class MainWindow : public QMainWindow {
   ObjectsTree& tree() { return *tree_; }
   MapTools& map_tools() { return *map_tools_; }
   SceneImage& image();
-  SceneView& picture() { return *picture_; }
+  SceneView& image() { return *image_; }
   TimeBar& time_bar() { return *time_; }
   ObjectCard& card() { return *card_; }
   QuestionBar& question_bar() { return *questions_; }
@@ -96,7 +96,7 @@ class MainWindow : public QMainWindow {
   void export_to(const QString& name, const QString& filter,
                  const std::function<std::string(const std::string& path)>& content);
   void export_table();
-  void export_pictures();
+  void export_images();
   void export_scene();
   void export_cloud();
   void export_map();
@@ -130,7 +130,7 @@ class MainWindow : public QMainWindow {
   void refresh_recent();
   void remember_file(const QString& path);
   void ask_for_file();
-  void save_picture();
+  void save_image();
   void copy_card();
   void show_keys();
   void tell(const QString& message);
@@ -143,7 +143,7 @@ class MainWindow : public QMainWindow {
   MapView* map_;
   ObjectsTree* tree_ = nullptr;
   MapTools* map_tools_ = nullptr;
-  SceneView* picture_ = nullptr;
+  SceneView* image_ = nullptr;
   TimeBar* time_ = nullptr;
   ObjectCard* card_ = nullptr;
   QuestionBar* questions_ = nullptr;

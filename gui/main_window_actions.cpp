@@ -61,8 +61,8 @@ void MainWindow::build_file_menu() {
   });
   build_export_menu(menu);
   menu->addSeparator();
-  add_action(menu, {"&Save picture…", {QKeySequence("Ctrl+P")}, "Save this window as a picture"},
-             [this] { save_picture(); });
+  add_action(menu, {"&Save image…", {QKeySequence("Ctrl+P")}, "Save this window as an image"},
+             [this] { save_image(); });
   menu->addSeparator();
   add_action(menu, {"&Quit", {QKeySequence("Ctrl+Q")}, ""}, [this] { close(); });
 }
@@ -94,7 +94,7 @@ void MainWindow::build_edit_menu() {
               "What is seen of the chosen object from the chosen time on is another one"},
              [this] { split_selected(); });
   add_action(menu,
-             {"&Label…", {QKeySequence("Ctrl+B")}, "What the chosen object is in this picture, for training"},
+             {"&Label…", {QKeySequence("Ctrl+B")}, "What the chosen object is in this image, for training"},
              [this] { label_selected(); });
   add_action(menu, {"&Joint…", {}, "Corrects how a part of the map moves: the joint of the chosen place"},
              [this] { correct_joint(); });
@@ -187,15 +187,15 @@ void MainWindow::build_view_menu() {
     map_tools_->ruler()->toggle();
   });
   menu->addSeparator();
-  tools_ << add_check(menu, {"Depth picture", {QKeySequence("D")}, "Depth instead of colour"}, false,
+  tools_ << add_check(menu, {"Depth image", {QKeySequence("D")}, "Depth instead of colour"}, false,
                       [this](bool on) { image().show_depth(on); });
-  add_check(menu, {"Masks", {QKeySequence("N")}, "Around what belongs to each thing in the picture"}, true,
+  add_check(menu, {"Masks", {QKeySequence("N")}, "Around what belongs to each thing in the image"}, true,
             [this](bool on) { image().show_masks(on); });
   add_check(
       menu,
       {"Known, irrelevant, of interest",
        {QKeySequence("I")},
-       "Tints the picture: what the map explains, what is in no region of interest, and where things are "
+       "Tints the image: what the map explains, what is in no region of interest, and where things are "
        "looked for"},
       false, [this](bool on) { image().show_kinds(on); });
   add_action(menu, {"Larger points", {QKeySequence("+")}, ""}, [this] { maps_->change_point_size(1); });
@@ -231,14 +231,14 @@ void MainWindow::refresh_recent() {
   recent_->setEnabled(!recent_->isEmpty());
 }
 
-void MainWindow::save_picture() {
-  const QString path = QFileDialog::getSaveFileName(this, "Save picture", "browser.png", "Pictures (*.png)");
+void MainWindow::save_image() {
+  const QString path = QFileDialog::getSaveFileName(this, "Save image", "browser.png", "Images (*.png)");
   if (path.isEmpty()) return;
   try {
-    if (!screenshot().save(path)) throw Error("cannot write the picture", {path.toStdString(), 0, {}});
+    if (!screenshot().save(path)) throw Error("cannot write the image", {path.toStdString(), 0, {}});
     tell("Saved " + path);
   } catch (const Error& error) {
-    QMessageBox::warning(this, "No picture", QString::fromUtf8(error.what()));
+    QMessageBox::warning(this, "No image", QString::fromUtf8(error.what()));
   }
 }
 

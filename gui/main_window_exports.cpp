@@ -44,9 +44,9 @@ void MainWindow::build_export_menu(QMenu* file) {
       "What is believed at the chosen time of the chosen object or place, else of all, as CSV or JSON: "
       "loci-memory objects --at TIME --json, loci-memory on PLACE --json",
       &MainWindow::export_table);
-  add("&Pictures of the object…", "The chosen object's pictures from all sides: loci-memory model OBJECT",
-      &MainWindow::export_pictures);
-  add("&Scene's picture…", "Colour picture of the chosen scene: loci-memory report",
+  add("&Images of the object…", "The chosen object's images from all sides: loci-memory model OBJECT",
+      &MainWindow::export_images);
+  add("&Scene's image…", "Colour image of the chosen scene: loci-memory report",
       &MainWindow::export_scene);
   add("Measured &points…",
       "The points of the chosen scene as PLY in the map frame, or of the chosen object as it was seen "
@@ -78,29 +78,29 @@ void MainWindow::export_table() {
             });
 }
 
-void MainWindow::export_pictures() {
+void MainWindow::export_images() {
   const auto object = browser_.selection().object();
   if (!object) return tell("Choose an object first");
-  const QString folder = QFileDialog::getExistingDirectory(this, "Folder for the pictures");
+  const QString folder = QFileDialog::getExistingDirectory(this, "Folder for the images");
   if (folder.isEmpty()) return;
   in_background<size_t>(
       this,
       [memory = browser_.shared_data(), id = *object, time = browser_.selection().time(),
        path = std::filesystem::path(folder.toStdString())] {
-        const std::vector<ObjectPicture> pictures = memory->details(id, time).pictures;
-        for (size_t i = 0; i < pictures.size(); ++i)
+        const std::vector<ObjectImage> images = memory->details(id, time).images;
+        for (size_t i = 0; i < images.size(); ++i)
           write_image(path / ("object_" + std::to_string(id) + "_" + std::to_string(i + 1) + ".png"),
-                      pictures[i].picture);
-        return pictures.size();
+                      images[i].image);
+        return images.size();
       },
-      [this, folder](size_t& count) { tell(QString("Saved %1 pictures in %2").arg(count).arg(folder)); },
+      [this, folder](size_t& count) { tell(QString("Saved %1 images in %2").arg(count).arg(folder)); },
       [this](const std::exception_ptr& error) { Q_EMIT browser_.failed(reason_of(error)); });
 }
 
 void MainWindow::export_scene() {
   const auto content = browser_.moment().content;
-  if (content == nullptr || content->color.empty()) return tell("No picture was kept for this scene");
-  export_to("scene.png", "Pictures (*.png)", [content](const std::string&) {
+  if (content == nullptr || content->color.empty()) return tell("No image was kept for this scene");
+  export_to("scene.png", "Images (*.png)", [content](const std::string&) {
     const auto bytes = encode_image(content->color, ".png");
     return std::string(bytes.begin(), bytes.end());
   });

@@ -250,7 +250,7 @@ void MainWindow::label_selected() {
     if (taken) edits_.label(scene->id, box.number, label.trimmed().toStdString());
     return;
   }
-  tell("The chosen object is not in this picture");
+  tell("The chosen object is not in this image");
 }
 
 QString MainWindow::asked_joint() {

@@ -24,7 +24,7 @@ const QList<std::pair<QString, QString>> kMouse = {{"Turn the map", "left drag"}
                                                    {"Zoom", "wheel, right drag"},
                                                    {"Point size", "Ctrl + wheel"},
                                                    {"Zoom in time", "wheel over the scenes"},
-                                                   {"Select", "click in map, tree or picture"}};
+                                                   {"Select", "click in map, tree or image"}};
 
 int add_block(QGridLayout& grid, int column, int row, const QString& title,
               const QList<std::pair<QString, QString>>& lines) {

@@ -62,10 +62,10 @@ QPixmap swatch(const std::array<uint8_t, 3>& rgb, int side) {
   return pixmap;
 }
 
-QPixmap centred(const QPixmap& picture, int side) {
+QPixmap centred(const QPixmap& image, int side) {
   QPixmap square(side, side);
   square.fill(Qt::transparent);
-  QPainter(&square).drawPixmap((side - picture.width()) / 2, (side - picture.height()) / 2, picture);
+  QPainter(&square).drawPixmap((side - image.width()) / 2, (side - image.height()) / 2, image);
   return square;
 }
 

@@ -23,8 +23,8 @@ QString percent_text(double probability);
 
 /// A small filled square.
 QPixmap swatch(const std::array<uint8_t, 3>& rgb, int side);
-/// In the middle of a transparent square: names beside pictures of any shape stand in line.
-QPixmap centred(const QPixmap& picture, int side);
+/// In the middle of a transparent square: names beside images of any shape stand in line.
+QPixmap centred(const QPixmap& image, int side);
 /// CV_8UC3 BGR as an image; null when empty.
 QImage image_of(const cv::Mat& bgr);
 

@@ -12,12 +12,12 @@ double CostmapStack::yaw(size_t layer) const {
   return 2 * std::numbers::pi * static_cast<double>(layer) / static_cast<double>(layers.size());
 }
 
-VisibilityKernel::VisibilityKernel(double opening, double distance_min, double distance_max, double yaw,
+VisibilityKernel::VisibilityKernel(double opening, double min_distance, double max_distance, double yaw,
                                    double cell) {
-  const int reach = static_cast<int>(std::floor(distance_max / cell));
+  const int reach = static_cast<int>(std::floor(max_distance / cell));
   const auto sees = [&](int x, int y) {
     const double distance = cell * std::hypot(x, y);
-    if (distance < distance_min || distance > distance_max) return false;
+    if (distance < min_distance || distance > max_distance) return false;
     const double bearing = std::atan2(-y, -x);  // Of the voxel, which is at (0, 0), from the cell.
     return std::abs(std::remainder(bearing - yaw, 2 * std::numbers::pi)) <= opening / 2 + 1e-9;
   };

@@ -19,7 +19,7 @@ struct CostmapStack {
 class VisibilityKernel {
  public:
   /// `opening` φ and `yaw` in radians, distances and cell in metres.
-  VisibilityKernel(double opening, double distance_min, double distance_max, double yaw, double cell);
+  VisibilityKernel(double opening, double min_distance, double max_distance, double yaw, double cell);
 
   struct Run {
     int y, x_begin, x_end;  ///< cells [x_begin, x_end) of row y, relative

@@ -86,8 +86,8 @@ void ExplorationOptions::forward_threads() {
 }
 
 void ExplorationOptions::declare(OptionTable& table) {
-  table.integer("scans_max", scans_max, "", "Stop after so many scans.", 1, 1000);
-  table.integer("failures_max", failures_max, "", "Stop after so many goals in a row that were not reached.",
+  table.integer("max_scans", max_scans, "", "Stop after so many scans.", 1, 1000);
+  table.integer("max_failures", max_failures, "", "Stop after so many goals in a row that were not reached.",
                 1, 100);
   planner.declare(table);
   inspection.declare(table);
@@ -282,11 +282,11 @@ struct Exploration::Impl {
   /// as possible of what is known comes first, once: it ties them together.
   void plan_and_scan() {
     tying = !tying && !connected(set.scans.size() - 1);
-    for (int attempt = 0; attempt < options.failures_max; ++attempt) {
+    for (int attempt = 0; attempt < options.max_failures; ++attempt) {
       Stopwatch watch;
       PlannerOptions planner = options.planner;
       planner.avoid = avoid;
-      if (tying) planner.gain_weight = planner.gain_min = 0;
+      if (tying) planner.gain_weight = planner.min_gain = 0;
       ViewPlan plan = plan_view(map, robot_pose(), options.laser, planner,
                                 random.fork(steps.size()).fork(static_cast<uint64_t>(attempt)));
       if (!plan.view.pose && options.inspection.points_per_cm2 > 0) inspect(planner, plan.view);
@@ -306,7 +306,7 @@ struct Exploration::Impl {
       if (stage) step.reason = "on the way: " + step.reason;
       if (scan_at(stage.value_or(*view.pose), std::move(step))) return;
     }
-    stop_reason = fmt::format("{} goals in a row could not be reached", options.failures_max);
+    stop_reason = fmt::format("{} goals in a row could not be reached", options.max_failures);
   }
 
   void run(Progress& progress) {
@@ -317,11 +317,11 @@ struct Exploration::Impl {
       scan_at(start, std::move(first));
     }
     while (stop_reason.empty()) {
-      const double most = static_cast<double>(options.scans_max);
+      const double most = static_cast<double>(options.max_scans);
       progress.check(std::min(0.99, static_cast<double>(steps.size()) / most),
                      fmt::format("{} scans; the last one: {}", steps.size(), steps.back().reason));
-      if (steps.size() >= static_cast<size_t>(options.scans_max))
-        stop_reason = fmt::format("the most scans that are allowed ({})", options.scans_max);
+      if (steps.size() >= static_cast<size_t>(options.max_scans))
+        stop_reason = fmt::format("the most scans that are allowed ({})", options.max_scans);
       else
         plan_and_scan();
     }

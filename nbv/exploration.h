@@ -19,8 +19,8 @@
 namespace loci {
 
 struct ExplorationOptions {
-  int scans_max = 40;
-  int failures_max = 5;  ///< goals in a row that the robot could not reach
+  int max_scans = 40;
+  int max_failures = 5;  ///< goals in a row that the robot could not reach
   PlannerOptions planner;
   InspectionOptions inspection;
   OccupancyOptions occupancy;
@@ -64,7 +64,7 @@ class Exploration {
   /// Scans until the planner stops. Interrupted leaves a checkpoint.
   void run(Progress& progress);
 
-  /// Called with every plan, the step that it follows, and where the robot stood: for pictures.
+  /// Called with every plan, the step that it follows, and where the robot stood: for images.
   using Watcher = std::function<void(size_t step, const ViewPlan&, const PlanarPose& robot)>;
   void watch_plans(Watcher watcher);
 

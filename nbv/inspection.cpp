@@ -17,7 +17,7 @@ constexpr double kRadians = M_PI / 180;
 constexpr double kPatch = 0.15;       ///< m
 constexpr double kHeightMin = 0.1;    ///< m: nothing is pulled nearer to the floor
 constexpr double kWallMargin = 0.15;  ///< m over all furniture, from which a surface is a wall's
-constexpr size_t kLeastPoints = 10;   ///< on a patch, to know how it stands
+constexpr size_t kMinPoints = 10;   ///< on a patch, to know how it stands
 constexpr double kRoughness = 0.02;   ///< m rms off its plane: more is no surface
 constexpr double kPlaceStep = 0.2;    ///< m between places that are compared
 
@@ -52,7 +52,7 @@ std::map<Key, Moments> gather(const ScanRefs& scans, double top) {
 
 /// A vertical patch, if these points make one; its normal looks to where it was seen from.
 std::optional<FacePatch> patch_of(const Moments& cell) {
-  if (cell.count < kLeastPoints) return std::nullopt;
+  if (cell.count < kMinPoints) return std::nullopt;
   const double count = static_cast<double>(cell.count);
   const Vector3d mean = cell.sum / count;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(

@@ -83,7 +83,7 @@ double score_of(const ViewSample& sample, double gain_weight) {
 }
 
 bool eligible(const ViewSample& sample, const PlannerOptions& options) {
-  return sample.counts.fringe >= options.gain_min && !avoided({sample.pose.x, sample.pose.y}, options);
+  return sample.counts.fringe >= options.min_gain && !avoided({sample.pose.x, sample.pose.y}, options);
 }
 
 /// A place that is validated: a sample per orientation of the costmaps, by one round of rays.
@@ -179,7 +179,7 @@ const ViewSample* decide(ViewPlan& plan, const PlannerOptions& options) {
   view.details["gain_best_m2"] = gain_best;
   if (best == nullptr || best->score <= 0) {
     view.reason = fmt::format("no reachable view gains {} m² behind the fringe (the best {:.2f})",
-                              options.gain_min, gain_best);
+                              options.min_gain, gain_best);
     return nullptr;
   }
   view.pose = best->pose;
@@ -241,7 +241,7 @@ void PlannerOptions::declare(OptionTable& table) {
                 1, 10000);
   table.number("ray_step_deg", ray_step_deg, "deg", "Between rays of the validation.", 0.25, 10);
   table.number("travel_cost_per_m", travel_cost_per_m, "1/m", "A place counts e^(-cost · way).", 0, 10);
-  table.number("gain_min", gain_min, "m²", "Stops when no view gains more, see expected_gain.", 0, 100);
+  table.number("min_gain", min_gain, "m²", "Stops when no view gains more, see expected_gain.", 0, 100);
   table.text("within", within,
              "Rectangle on the floor that is explored, x0,y0,x1,y1 in m; the robot stays in it. Empty: all.");
 }

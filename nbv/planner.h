@@ -30,7 +30,7 @@ struct PlannerOptions {
   int samples = 64;           ///< at most, and one per 0.1 m² where the robot can stand
   double ray_step_deg = 1;
   double travel_cost_per_m = 0;
-  double gain_min = 0.2;
+  double min_gain = 0.2;
   std::string within = "";  ///< FloorRegion that is explored and driven in
   /// Places where the robot has failed to get to: nothing within its radius of them is chosen.
   std::vector<Vector2d> avoid = {};
@@ -58,7 +58,7 @@ struct ViewSample {
   double score = 0;
 };
 
-/// All that a decision was made from, for pictures and reports.
+/// All that a decision was made from, for images and reports.
 struct ViewPlan {
   NextView view;
   Voxels voxels;

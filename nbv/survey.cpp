@@ -9,7 +9,7 @@
 #include "mapping/base/stopwatch.h"
 #include "mapping/interpretation/front_links.h"
 #include "mapping/world/urdf.h"
-#include "nbv/pictures.h"
+#include "nbv/images.h"
 #include "nbv/survey_report.h"
 
 namespace loci {
@@ -59,7 +59,7 @@ SurveyResult survey(Robot& robot, const PlanarPose& start, const std::filesystem
 
   Exploration exploration(robot, start, folder, resume, checked.exploration, warnings);
   exploration.watch_plans([&](size_t step, const ViewPlan& plan, const PlanarPose& stands) {
-    write_view_pictures(plan, stands, plan_folder(folder, step));
+    write_view_images(plan, stands, plan_folder(folder, step));
   });
   PartialProgress exploring(progress, 0, checked.interact ? 0.4 : 0.8);
   exploration.run(exploring);

@@ -34,7 +34,7 @@ struct SurveyResult {
 
 /// Explores a room until nothing is gained, interprets it, and with `interact` pulls each handle and scans
 /// again (§7.3 to §7.5). Writes `scans/`, `explore.json`, `map.urdf`, `map.semantic.json` and `report.html`
-/// into the folder, and the pictures of every plan into `plans/`; every scan is a checkpoint from which
+/// into the folder, and the images of every plan into `plans/`; every scan is a checkpoint from which
 /// `resume` goes on.
 SurveyResult survey(Robot& robot, const PlanarPose& start, const std::filesystem::path& folder, bool resume,
                     const SurveyOptions& options, Progress& progress, Warnings& warnings);

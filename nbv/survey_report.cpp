@@ -46,14 +46,14 @@ std::string pulls_table(const SurveyResult& result) {
 }
 
 /// What was known, the votes, and the choice, side by side; "" where nothing was planned.
-std::string plan_pictures(const fs::path& folder, size_t step) {
-  constexpr std::array<std::pair<const char*, const char*>, 4> kPictures = {
+std::string plan_images(const fs::path& folder, size_t step) {
+  constexpr std::array<std::pair<const char*, const char*>, 4> kImages = {
       {{"fringe", "known space and fringe"},
        {"costs_fringe", "C_F, fringe that would be seen (dark = much); obstacles in blue"},
        {"costs_occupied", "C_O, surfaces that would be seen again (dark = many)"},
        {"samples", "C, samples (blue) and the choice (red)"}}};
   std::string cells;
-  for (const auto& [name, title] : kPictures) {
+  for (const auto& [name, title] : kImages) {
     const fs::path file = plan_folder(folder, step) / (std::string(name) + ".png");
     if (!fs::exists(file)) return "";
     const std::string bytes = read_file(file);
@@ -72,11 +72,11 @@ fs::path plan_folder(const fs::path& folder, size_t step) {
 
 std::string survey_report(const SurveyResult& result, const fs::path& folder) {
   std::string page = map_report(result.map, result.scans, folder.string());
-  std::string pictures;
-  for (size_t i = 0; i < result.steps.size(); ++i) pictures += plan_pictures(folder, i);
+  std::string images;
+  for (size_t i = 0; i < result.steps.size(); ++i) images += plan_images(folder, i);
   const std::string stop = "<p>It ended: " + html_escape(result.stop_reason) + ".</p>";
   page = html_with_section(page, "exploration",
-                           html_section("exploration", "Exploration", stop + steps_table(result) + pictures));
+                           html_section("exploration", "Exploration", stop + steps_table(result) + images));
   if (!result.interactions.empty())
     page = html_with_section(page, "interaction",
                              html_section("interaction", "Pulled handles", pulls_table(result)));

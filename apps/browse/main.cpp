@@ -1,4 +1,4 @@
-// loci-browse: one window onto one memory, or a picture of it.
+// loci-browse: one window onto one memory, or an image of it.
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -29,7 +29,7 @@ void declare(CLI::App& app, loci::BrowseOptions& options) {
   app.footer(kExamples);
   app.add_option("FILE", options.file, "The memory to open (*.loci)");
   app.add_option("--screenshot", options.screenshot,
-                 "Write a picture of the window to this PNG file and exit; needs no screen");
+                 "Write an image of the window to this PNG file and exit; needs no screen");
   app.add_option("--at", options.at,
                  "The time to show: 2026-05-01T08:30:00Z, 08:30, \"yesterday 9:00\" [last scene]");
   app.add_option("--select", options.select,
@@ -39,18 +39,18 @@ void declare(CLI::App& app, loci::BrowseOptions& options) {
   app.add_option(
       "--beside", options.beside,
       "Another time, or another memory: its map stands beside the map, and what differs is marked");
-  app.add_option("--run", options.run, "Actions of the menus to run first, by name: \"Depth picture\"");
+  app.add_option("--run", options.run, "Actions of the menus to run first, by name: \"Depth image\"");
   app.add_option("--theme", options.theme, "Colours: system, light, dark [system]")
       ->transform(CLI::CheckedTransformer(kThemes))
       ->option_text("TEXT");
-  app.add_option("--view", options.view, "What the picture shows: the whole window, or the map alone")
+  app.add_option("--view", options.view, "What the image shows: the whole window, or the map alone")
       ->capture_default_str();
   app.add_option(
       "--hide", options.hide,
-      "Layers of the map that the picture leaves out: map, objects, labels, cloud, camera, trace, cameras");
+      "Layers of the map that the image leaves out: map, objects, labels, cloud, camera, trace, cameras");
   app.add_option("--measure", options.measure_s, "Measure the window for so many seconds and exit")
       ->group("");
-  app.add_option("--size", options.size, "Size of the picture in pixels")->capture_default_str();
+  app.add_option("--size", options.size, "Size of the image in pixels")->capture_default_str();
 }
 
 }  // namespace

@@ -81,7 +81,7 @@ void add_common_flags(CLI::App& app, CommonFlags& flags) {
   app.add_option("--threads", flags.threads, "Threads, 0 = all cores [0]")->check(CLI::Range(0, 1024));
 }
 
-/// Pictures come and go with every frame: their memory is kept for the next one instead of being given back
+/// Images come and go with every frame: their memory is kept for the next one instead of being given back
 /// to the system, which would have to clear it again page by page (a seventh of the time of a frame).
 void keep_freed_memory() {
   mallopt(M_MMAP_THRESHOLD, 32 << 20);

@@ -1,5 +1,5 @@
 #include "apps/evaluate/commands.h"
-#include "apps/evaluate/description/pictures.h"
+#include "apps/evaluate/description/images.h"
 #include "apps/evaluate/description/primitives.h"
 #include "apps/evaluate/description/products.h"
 #include "apps/evaluate/description/reading.h"
@@ -21,9 +21,9 @@ struct Arguments {
   bool service = false;
   bool shapes = false;
   bool primitives = false;
-  std::string pictures;
+  std::string images;
   std::string templates;
-  PicturesOptions picture_options;
+  ImagesOptions image_options;
   std::vector<std::string> folders;
   ShapesOptions shape_options;
 };
@@ -33,10 +33,10 @@ void run(Arguments& given, Session& session) {
   table_of(given.recognition).validate();
   table_of(given.shape_options).validate();
   if (given.catalogue.empty() && given.codes.empty() && !given.shapes && !given.primitives &&
-      given.pictures.empty() && given.templates.empty())
+      given.images.empty() && given.templates.empty())
     throw Error(
         "there is nothing to measure", {},
-        "give --catalogue DIR, --codes DIR, --shapes, --pictures DIR, --templates DIR or --primitives");
+        "give --catalogue DIR, --codes DIR, --shapes, --images DIR, --templates DIR or --primitives");
   if (given.service && given.catalogue.empty())
     throw Error("--service needs a catalogue", {}, "give --catalogue DIR");
   std::string text;
@@ -65,11 +65,11 @@ void run(Arguments& given, Session& session) {
     text += result.text();
     json["shapes"] = result.to_json();
   }
-  if (!given.pictures.empty()) {
-    const PicturesResult result =
-        evaluate_pictures(given.pictures, given.picture_options, session.flags().threads, session.progress());
+  if (!given.images.empty()) {
+    const ImagesResult result =
+        evaluate_images(given.images, given.image_options, session.flags().threads, session.progress());
     text += result.text();
-    json["pictures"] = result.to_json();
+    json["images"] = result.to_json();
   }
   if (!given.templates.empty()) {
     const TemplatesResult result = evaluate_templates(given.templates, session.progress());
@@ -100,17 +100,17 @@ Command description_command() {
       [](CLI::App& app) {
         auto given = std::make_shared<Arguments>();
         app.add_option("--catalogue", given->catalogue,
-                       "Catalogue of products with labels.csv: pictures and what they show");
+                       "Catalogue of products with labels.csv: images and what they show");
         app.add_option(
             "--codes", given->codes,
             "Folder with images and expected.csv (file, symbology, text): codes and printed numbers");
         app.add_flag("--service", given->service,
-                     "Asks a visual-search server over the catalogue about its pictures (and the codes)");
+                     "Asks a visual-search server over the catalogue about its images (and the codes)");
         app.add_flag("--shapes", given->shapes, "Measures classes of shape, trained on simulated clusters");
-        app.add_option("--pictures", given->pictures,
-                       "Folder with labels.csv: experts of pictures learn some and are tested on the others");
+        app.add_option("--images", given->images,
+                       "Folder with labels.csv: experts of images learn some and are tested on the others");
         app.add_option("--templates", given->templates,
-                       "Labelled recording: templates of every other picture are looked for in the others");
+                       "Labelled recording: templates of every other image are looked for in the others");
         app.add_flag("--primitives", given->primitives,
                      "Measures primitive shapes and their numbers in the simulated scenes for tests");
         app.add_option("DIRS", given->folders,
@@ -118,7 +118,7 @@ Command description_command() {
                        "for the classes of shape, too");
         add_options(app, table_of(given->products));
         add_options(app, table_of(given->shape_options));
-        add_options(app, table_of(given->picture_options));
+        add_options(app, table_of(given->image_options));
         add_options(app, table_of(given->recognition));
         return [given](Session& session) { run(*given, session); };
       }};

@@ -81,7 +81,7 @@ Command filter_command() {
             app.add_flag("--pose-errors", arguments->pose_errors,
                          "What errors of localisation do to the objects found, refinement off and on");
             app.add_flag("--joints", arguments->joints,
-                         "How well drawers and doors are told from the depth pictures alone");
+                         "How well drawers and doors are told from the depth images alone");
             app.add_option("-o,--output", arguments->output, "Folder for the figure as SVG");
             add_options(app, table_of(arguments->speed));
             add_options(app, table_of(arguments->filter));

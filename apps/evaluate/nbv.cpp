@@ -9,7 +9,7 @@ namespace {
 struct Arguments {
   std::vector<std::string> worlds = {"apps/samples/kitchen.urdf"};
   std::vector<std::filesystem::path> package_paths;
-  std::string picture, out;
+  std::string image, out;
   nbv::ExplorationOptions options;
 };
 
@@ -28,8 +28,8 @@ void run(Arguments& arguments, Session& session) {
         nbv::explore(arguments.worlds[i], arguments.package_paths, options, part, session.warnings()));
     json["worlds"] = nbv::json_of_results(results, options.goal);
     if (!arguments.out.empty()) write_json(arguments.out, json);
-    if (!arguments.picture.empty())
-      write_file_atomically(arguments.picture, nbv::coverage_svg(results, options.goal));
+    if (!arguments.image.empty())
+      write_file_atomically(arguments.image, nbv::coverage_svg(results, options.goal));
   }
   session.answer(nbv::table_of_results(results, options.goal), json);
 }
@@ -39,8 +39,8 @@ void run(Arguments& arguments, Session& session) {
 Command nbv_command() {
   return {"nbv",
           "Next best view against its peers: coverage against number of scans, and time",
-          {"loci-evaluate nbv apps/samples/kitchen.urdf --starts 1 --scans-max 2 --ray-step-deg 4",
-           "loci-evaluate nbv apps/samples/kitchen.urdf --starts 1 --scans-max 2 --ray-step-deg 4 --json"},
+          {"loci-evaluate nbv apps/samples/kitchen.urdf --starts 1 --max-scans 2 --ray-step-deg 4",
+           "loci-evaluate nbv apps/samples/kitchen.urdf --starts 1 --max-scans 2 --ray-step-deg 4 --json"},
           [](CLI::App& app) {
             auto arguments = std::make_shared<Arguments>();
             app.add_option("WORLDS", arguments->worlds, "Worlds (URDF)")->capture_default_str();
@@ -52,7 +52,7 @@ Command nbv_command() {
                 ->check(CLI::IsMember(nbv::planner_names()))
                 ->capture_default_str();
             app.add_option("-o,--out", arguments->out, "Write the results as JSON, after each world");
-            app.add_option("--picture", arguments->picture,
+            app.add_option("--image", arguments->image,
                            "Write coverage over scans as SVG, after each world");
             add_options(app, table_of(arguments->options));
             return [arguments](Session& session) { run(*arguments, session); };

@@ -30,7 +30,7 @@ Command normals_command() {
   return {"normals",
           "Normal estimation against its peers",
           {"loci-evaluate normals --frames 2 --reference-frames 0 -o demo-output/normals",
-           "loci-evaluate normals demo-output/day --frames 1 --reference-frames 0 --least-holes 0 --json"},
+           "loci-evaluate normals demo-output/day --frames 1 --reference-frames 0 --min-holes 0 --json"},
           [](CLI::App& app) {
             auto arguments = std::make_shared<Arguments>();
             app.add_option("RECORDINGS", arguments->recordings,

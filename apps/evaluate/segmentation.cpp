@@ -11,7 +11,7 @@ using namespace segmentation_evaluation;
 struct Arguments {
   std::string folder;
   std::string pipeline;
-  std::string pictures;
+  std::string images;
   ComparisonOptions comparison;
   bool flat = false;
   FlatComparisonOptions flat_comparison;
@@ -26,14 +26,14 @@ void run(Arguments& given, Session& session) {
   std::string text;
   Json json = Json::object();
   if (!given.folder.empty()) {
-    const Comparison comparison = compare(given.folder, given.pipeline, given.pictures, given.comparison,
+    const Comparison comparison = compare(given.folder, given.pipeline, given.images, given.comparison,
                                           session.progress(), session.warnings());
     text += comparison.text(session.flags().verbose);
     json = comparison.to_json();
   }
   if (given.flat) {
     const FlatComparison comparison =
-        compare_flat(given.flat_comparison, given.flat_options, given.pictures, session.progress());
+        compare_flat(given.flat_comparison, given.flat_options, given.images, session.progress());
     text += comparison.text();
     json["flat"] = comparison.to_json();
   }
@@ -46,16 +46,16 @@ Command segmentation_command() {
   return {"segmentation",
           "Object hypotheses against labelled scenes, beside PCL",
           {"loci-evaluate segmentation tests/data/blocks",
-           "loci-evaluate segmentation --flat --flat-workspaces 1 --flat-pictures 2 --flat-empty 10 --json"},
+           "loci-evaluate segmentation --flat --flat-workspaces 1 --flat-images 2 --flat-empty 10 --json"},
           [](CLI::App& app) {
             auto given = std::make_shared<Arguments>();
             app.add_option("DIR", given->folder,
-                           "Recording with FRAME_label.png for its depth pictures: 0 not judged, 1 to 19 "
+                           "Recording with FRAME_label.png for its depth images: 0 not judged, 1 to 19 "
                            "table, from 20 on tens are objects");
             app.add_flag("--flat", given->flat, "Measures flat things (10 mm) in simulated workspaces, too");
             app.add_option("--pipeline", given->pipeline, "Pipeline as YAML instead of the tabletop one");
-            app.add_option("-o,--output", given->pictures,
-                           "Folder for pictures: colour, truth, and what each method found");
+            app.add_option("-o,--output", given->images,
+                           "Folder for images: colour, truth, and what each method found");
             add_options(app, table_of(given->comparison));
             add_options(app, table_of(given->flat_comparison));
             return [given](Session& session) { run(*given, session); };

@@ -8,7 +8,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/exchange/occupancy_grid.h"
-#include "nbv/pictures.h"
+#include "nbv/images.h"
 #include "nbv/planner.h"
 
 namespace loci {
@@ -108,8 +108,8 @@ void next(Arguments& arguments, Session& session) {
   Json json = view_json(plan.view);
   json["robot"] = pose_json(robot);
   if (!arguments.out.empty()) {
-    for (const auto& file : write_view_pictures(plan, robot, arguments.out))
-      json["pictures"].push_back(file.string());
+    for (const auto& file : write_view_images(plan, robot, arguments.out))
+      json["images"].push_back(file.string());
     map.write_bt(std::filesystem::path(arguments.out) / "map.bt");
     const OccupancyGrid grid = occupancy_grid(map.tree(), GridOptions{});
     write_file_atomically(std::filesystem::path(arguments.out) / "floor.pgm", pgm_text(grid));
@@ -136,7 +136,7 @@ Command next_view_command() {
         app.add_option("--pool", arguments->pool,
                        "Choose one of the posed scans in this folder that SCANS does not have");
         app.add_option("-o,--out", arguments->out,
-                       "Folder for pictures of the costmaps, map.bt and floor.pgm");
+                       "Folder for images of the costmaps, map.bt and floor.pgm");
         app.add_option("--seed", arguments->seed, "Seed of the samples")->check(CLI::Range(0, 1 << 30));
         add_options(app, table_of(arguments->occupancy));
         add_options(app, table_of(arguments->planner));

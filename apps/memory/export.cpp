@@ -54,8 +54,8 @@ int64_t export_labels(const Store& store, const fs::path& folder, Progress& prog
   const std::vector<SceneRow> scenes = store.scenes();
   int64_t written = 0;
   for (size_t i = 0; i < scenes.size(); ++i) {
-    progress.check(double(i) / double(scenes.size()), "label pictures");
-    const cv::Mat labels = label_picture(store, scenes[i]);
+    progress.check(double(i) / double(scenes.size()), "label images");
+    const cv::Mat labels = label_image(store, scenes[i]);
     if (labels.empty()) continue;
     write_image(folder / fmt::format("scene_{:06}.png", scenes[i].id), labels);
     ++written;
@@ -72,10 +72,10 @@ int64_t export_kinds(const Store& store, const fs::path& folder, Progress& progr
     progress.check(double(i) / double(scenes.size()), "kinds of pixels");
     const std::optional<SceneKinds> kinds = scene_kinds(store, scenes[i]);
     if (!kinds) continue;
-    cv::Mat picture(kinds->height, kinds->width, CV_8U);
-    std::ranges::transform(kinds->pixels, picture.ptr<uint8_t>(),
+    cv::Mat image(kinds->height, kinds->width, CV_8U);
+    std::ranges::transform(kinds->pixels, image.ptr<uint8_t>(),
                            [](SceneKind kind) { return static_cast<uint8_t>(kind); });
-    write_image(folder / fmt::format("scene_{:06}.png", scenes[i].id), picture);
+    write_image(folder / fmt::format("scene_{:06}.png", scenes[i].id), image);
     ++written;
   }
   return written;
@@ -185,7 +185,7 @@ void export_memory(const Arguments& arguments, Session& session) {
 Command export_command() {
   return {
       "export",
-      "Objects, sightings, events, looks, facts, scenes and logs as JSON Lines and CSV; label pictures, "
+      "Objects, sightings, events, looks, facts, scenes and logs as JSON Lines and CSV; label images, "
       "clouds, map, OWL",
       {"loci-memory export -m demo-output/memory.loci -o demo-output/memory-export",
        "loci-memory export -m demo-output/memory.loci -o demo-output/memory-export --labels --kinds --clouds "

@@ -1,4 +1,4 @@
-// Memories are joined, and let go of pictures that are old.
+// Memories are joined, and let go of images that are old.
 
 #include <fmt/format.h>
 
@@ -112,36 +112,36 @@ Command merge_command() {
 Command retain_command() {
   return {
       "retain",
-      "Lets pictures that are old go, then crops, and reasons: numbers stay",
-      {"loci-memory retain --pictures 1h -m demo-output/memory.loci -o demo-output/smaller.loci",
-       "loci-memory retain --pictures 1h --crops 2h -m demo-output/memory.loci -o "
+      "Lets images that are old go, then crops, and reasons: numbers stay",
+      {"loci-memory retain --images 1h -m demo-output/memory.loci -o demo-output/smaller.loci",
+       "loci-memory retain --images 1h --crops 2h -m demo-output/memory.loci -o "
        "demo-output/smaller.loci --json"},
       [](CLI::App& app) {
         struct Arguments {
-          std::string memory, output, pictures, crops, reasoning;
+          std::string memory, output, images, crops, reasoning;
         };
         auto arguments = std::make_shared<Arguments>();
         app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
         app.add_option(
-            "--pictures", arguments->pictures,
-            "Whole pictures, depth and clouds are kept so long (90s, 12h, 30d, 2y before the last scene)");
+            "--images", arguments->images,
+            "Whole images, depth and clouds are kept so long (90s, 12h, 30d, 2y before the last scene)");
         app.add_option("--crops", arguments->crops, "Crops, masks and large arrays are kept so long");
         app.add_option("--reasoning", arguments->reasoning,
                        "What `why` and `reason` rest on is kept so long");
         app.add_option("-o,--output", arguments->output, "Do so in a copy and leave the memory as it is");
         return [arguments](Session& session) {
-          const RetentionRules rules{age_from(arguments->pictures), age_from(arguments->crops),
+          const RetentionRules rules{age_from(arguments->images), age_from(arguments->crops),
                                      age_from(arguments->reasoning)};
           if (!arguments->output.empty()) copy_memory(arguments->memory, arguments->output);
           const RetentionResult result =
               retain(arguments->output.empty() ? arguments->memory : arguments->output, rules);
           session.answer(
-              fmt::format("{} scenes without pictures now, {} observations without clouds, {} without "
+              fmt::format("{} scenes without images now, {} observations without clouds, {} without "
                           "crops, {} arrays gone, {} scenes without reasons; {} bytes of {} remain.",
-                          result.scenes_without_pictures, result.observations_without_points,
+                          result.scenes_without_images, result.observations_without_points,
                           result.observations_without_crops, result.arrays, result.scenes_without_reasoning,
                           result.bytes_after, result.bytes_before),
-              {{"scenes_without_pictures", result.scenes_without_pictures},
+              {{"scenes_without_images", result.scenes_without_images},
                {"observations_without_points", result.observations_without_points},
                {"observations_without_crops", result.observations_without_crops},
                {"arrays", result.arrays},

@@ -66,7 +66,7 @@ Command forget_command() {
           const Id run = store.begin_run("loci-memory forget", "{}");
           const ForgetResult result = forget(store, request, run);
           store.finish_run(run);
-          session.answer(fmt::format("Forgotten: {} objects, {} observations, the pictures of {} scenes.",
+          session.answer(fmt::format("Forgotten: {} objects, {} observations, the images of {} scenes.",
                                      result.objects, result.observations, result.scenes),
                          {{"objects", result.objects},
                           {"observations", result.observations},

@@ -25,7 +25,7 @@ Id one_object(const Store& store, const std::string& words, const AsOf& as_of) {
 Command model_command() {
   return {
       "model",
-      "What the observations of an object add up to: cloud, best pictures, evidence",
+      "What the observations of an object add up to: cloud, best images, evidence",
       {"loci-memory model object_1 -m demo-output/memory.loci -o demo-output/object_1.ply",
        "loci-memory model object_1 -m demo-output/memory.loci -o demo-output/object_1.ply --views 4 --json"},
       [](CLI::App& app) {
@@ -39,7 +39,7 @@ Command model_command() {
         arguments->memory.declare(app);
         app.add_option("object", arguments->subject, "object_12, or words that mean one object")->required();
         app.add_option("-o,--output", arguments->output,
-                       "PLY for the cloud; the best picture per side is written beside it")
+                       "PLY for the cloud; the best image per side is written beside it")
             ->required();
         add_options(app, table_of(arguments->options));
         return [arguments](Session& session) {
@@ -51,15 +51,15 @@ Command model_command() {
           write_file_atomically(arguments->output, ply_text(model.cloud));
           Json json = model.report();
           json["cloud"] = arguments->output;
-          json["pictures"] = Json::object();
+          json["images"] = Json::object();
           std::filesystem::path base = arguments->output;
           base.replace_extension();
           for (const auto& [side, crop] : model.best_crop) {
-            const BlobRow picture = store.blob(crop);
+            const BlobRow image = store.blob(crop);
             const std::string file =
-                fmt::format("{}_{}.{}", base.string(), side, picture.media == "image/png" ? "png" : "jpg");
-            write_file_atomically(file, picture.bytes);
-            json["pictures"][side] = file;
+                fmt::format("{}_{}.{}", base.string(), side, image.media == "image/png" ? "png" : "jpg");
+            write_file_atomically(file, image.bytes);
+            json["images"][side] = file;
           }
           session.answer(model.summary() + "Written to " + arguments->output + ".", json);
         };

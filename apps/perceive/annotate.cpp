@@ -64,7 +64,7 @@ Command annotate_command() {
   return {"annotate",
           "Runs annotators over what was remembered",
           {"loci-perceive annotate -m demo-output/memory.loci --with BarcodeReader",
-           "loci-perceive annotate -m demo-output/memory.loci --with \"ColorName: {least_fraction: 0.2}\" "
+           "loci-perceive annotate -m demo-output/memory.loci --with \"ColorName: {min_fraction: 0.2}\" "
            "--again --json"},
           [](CLI::App& app) {
             auto arguments = std::make_shared<Arguments>();

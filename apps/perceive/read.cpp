@@ -15,7 +15,7 @@ namespace {
 struct Arguments {
   std::vector<std::string> images;
   std::string language = "eng";
-  double least_confidence = 0.5;
+  double min_confidence = 0.5;
   bool no_text = false;
 };
 
@@ -35,14 +35,14 @@ void read(const Arguments& given, Session& session) {
     text += path + "\n";
     for (const Barcode& code : read_barcodes(image)) {
       text += fmt::format("  {} {}{}\n", code.symbology, code.code,
-                          code.preparation.empty() ? "" : " (picture " + code.preparation + ")");
+                          code.preparation.empty() ? "" : " (image " + code.preparation + ")");
       codes.push_back({{"symbology", code.symbology},
                        {"code", code.code},
                        {"preparation", code.preparation},
                        {"region", region_json(code.region)}});
     }
     const std::vector<TextWord> found =
-        reader ? reader->read(image, given.least_confidence) : std::vector<TextWord>();
+        reader ? reader->read(image, given.min_confidence) : std::vector<TextWord>();
     for (const TextWord& word : found)
       words.push_back(
           {{"text", word.text}, {"confidence", word.confidence}, {"region", region_json(word.region)}});
@@ -60,15 +60,15 @@ void read(const Arguments& given, Session& session) {
 
 Command read_command() {
   return {"read",
-          "Barcodes, QR codes and printed words of pictures",
-          {"loci-perceive read tests/data/pictures/ean13.png",
-           "loci-perceive read tests/data/pictures/ean13.png tests/data/products/Oatly-Oat-Milk.jpg --json"},
+          "Barcodes, QR codes and printed words of images",
+          {"loci-perceive read tests/data/images/ean13.png",
+           "loci-perceive read tests/data/images/ean13.png tests/data/products/Oatly-Oat-Milk.jpg --json"},
           [](CLI::App& app) {
             auto given = std::make_shared<Arguments>();
-            app.add_option("IMAGES", given->images, "Pictures (PNG, JPEG)")->required();
+            app.add_option("IMAGES", given->images, "Images (PNG, JPEG)")->required();
             app.add_option("--language", given->language, "Of the text, as Tesseract names it")
                 ->capture_default_str();
-            app.add_option("--least-confidence", given->least_confidence,
+            app.add_option("--min-confidence", given->min_confidence,
                            "Words that are less sure are left out")
                 ->check(CLI::Range(0.0, 1.0))
                 ->capture_default_str();

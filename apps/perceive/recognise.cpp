@@ -34,9 +34,9 @@ ProductIndex open_index(const std::string& path, Session& session) {
 void make_index(const IndexArguments& given, Session& session) {
   const ProductIndex index = build_index(given.catalogue, session);
   index.save(given.out);
-  session.answer(fmt::format("{} pictures, {} features, {} words in {}\n", index.products().size(),
+  session.answer(fmt::format("{} images, {} features, {} words in {}\n", index.products().size(),
                              index.features(), index.words(), given.out),
-                 {{"pictures", index.products().size()},
+                 {{"images", index.products().size()},
                   {"features", index.features()},
                   {"words", index.words()},
                   {"out", given.out}});
@@ -85,13 +85,13 @@ void recognise(RecogniseArguments& given, Session& session) {
 
 Command index_command() {
   return {"index",
-          "Makes an index of products from a folder of pictures and descriptions",
+          "Makes an index of products from a folder of images and descriptions",
           {"loci-perceive index tests/data/products -o demo-output/products.index",
            "loci-perceive index tests/data/products -o demo-output/products.index --json"},
           [](CLI::App& app) {
             auto given = std::make_shared<IndexArguments>();
             app.add_option("CATALOGUE", given->catalogue,
-                           "Folder with catalogue.csv, saved web pages, or pictures named after products")
+                           "Folder with catalogue.csv, saved web pages, or images named after products")
                 ->required();
             app.add_option("-o,--out", given->out, "The index")->required();
             return [given](Session& session) { make_index(*given, session); };
@@ -100,17 +100,17 @@ Command index_command() {
 
 Command recognise_command() {
   return {"recognise",
-          "Which products of an index pictures show",
-          {"loci-perceive recognise tests/data/pictures/Alpro-Blueberry-Soyghurt_001.jpg --index "
+          "Which products of an index images show",
+          {"loci-perceive recognise tests/data/images/Alpro-Blueberry-Soyghurt_001.jpg --index "
            "tests/data/products",
-           "loci-perceive recognise tests/data/pictures/Alpro-Blueberry-Soyghurt_001.jpg --index "
+           "loci-perceive recognise tests/data/images/Alpro-Blueberry-Soyghurt_001.jpg --index "
            "tests/data/products --json"},
           [](CLI::App& app) {
             auto given = std::make_shared<RecogniseArguments>();
-            app.add_option("IMAGES", given->images, "Pictures (PNG, JPEG)")->required();
+            app.add_option("IMAGES", given->images, "Images (PNG, JPEG)")->required();
             app.add_option("--index", given->index, "Made by `loci-perceive index`, or a catalogue's folder")
                 ->required();
-            app.add_option("--most", given->most, "So many products of each picture")->capture_default_str();
+            app.add_option("--most", given->most, "So many products of each image")->capture_default_str();
             add_options(app, table_of(given->options));
             return [given](Session& session) { recognise(*given, session); };
           }};

@@ -12,7 +12,7 @@
 #include "mapping/recording/recording.h"
 #include "perception/annotators/annotators.h"
 #include "perception/annotators/hypotheses/known_map.h"
-#include "perception/annotators/io/pictures.h"
+#include "perception/annotators/io/images.h"
 #include "perception/pipeline/goal.h"
 #include "perception/pipeline/pipeline.h"
 
@@ -26,7 +26,7 @@ struct Arguments {
   std::vector<std::string> robots;
   std::string pipeline;
   std::string labels;
-  std::string pictures;
+  std::string images;
   int every = 0;
   MemoryTarget memory;
   StatisticsTarget statistics;
@@ -61,7 +61,7 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->needs(goal);
   app.add_option("--labels", arguments.labels,
                  "Folder for label images FRAME_label.png (0 = none, n = object)");
-  app.add_option("--pictures", arguments.pictures, "Folder for colour pictures with what was found drawn in");
+  app.add_option("--images", arguments.images, "Folder for colour images with what was found drawn in");
 }
 
 /// The steps of the default pipeline that find the objects: those before the first that needs them.
@@ -125,11 +125,11 @@ Resources make_resources(const Arguments& arguments, Session& session) {
   return resources;
 }
 
-void write_pictures(const Arguments& arguments, const types::SceneCas& scene, bool with_memory) {
+void write_images(const Arguments& arguments, const types::SceneCas& scene, bool with_memory) {
   // With a memory the numbers are its objects', otherwise those of the scene's clusters.
   if (!arguments.labels.empty())
     write_label_image(scene, arguments.labels, with_memory ? tracked_numbers(scene) : std::vector<int>());
-  if (!arguments.pictures.empty()) write_overlay(scene, arguments.pictures);
+  if (!arguments.images.empty()) write_overlay(scene, arguments.images);
 }
 
 void run(const Arguments& arguments, Session& session) {
@@ -139,7 +139,7 @@ void run(const Arguments& arguments, Session& session) {
   Pipeline pipeline = read_pipeline(arguments, registry, plan);
   Resources resources = make_resources(arguments, session);
   if (!arguments.labels.empty()) make_folder(arguments.labels);
-  if (!arguments.pictures.empty()) make_folder(arguments.pictures);
+  if (!arguments.images.empty()) make_folder(arguments.images);
   arguments.memory.prepare(arguments.map, pipeline, registry, resources);
   Context context{resources, session.warnings(), session.flags().threads, {}};
   const bool remembers = resources.find<MemorySession>() != nullptr;
@@ -160,12 +160,12 @@ void run(const Arguments& arguments, Session& session) {
         found.push_back({{"frame", scene.scene().frame_index.get()}, {"cluster", number}});
         text += fmt::format("frame {}: cluster {} fits\n", scene.scene().frame_index.get(), number);
       }
-      return write_pictures(arguments, scene, remembers);
+      return write_images(arguments, scene, remembers);
     }
     // With a memory the questions are the way to look; without one this is the answer.
     if (!remembers || session.flags().verbose) text += scene_text(scene);
     if (session.flags().json) scenes.push_back(scene_json(scene));
-    write_pictures(arguments, scene, resources.find<MemorySession>() != nullptr);
+    write_images(arguments, scene, resources.find<MemorySession>() != nullptr);
   };
   MemoryRunResult result;
   if (remembers)

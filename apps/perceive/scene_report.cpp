@@ -112,7 +112,7 @@ std::string scene_text(const types::SceneCas& facade) {
                           cluster["size"][1].get<double>(), cluster["size"][2].get<double>());
     if (cluster.contains("colors"))
       text += fmt::format(", {}", fmt::join(cluster["colors"].get<std::vector<std::string>>(), " "));
-    if (cluster["at_image_border"].get<bool>()) text += ", cut off by the picture";
+    if (cluster["at_image_border"].get<bool>()) text += ", cut off by the image";
     if (cluster["partly_hidden"].get<bool>()) text += ", partly hidden";
     text += "\n";
   }

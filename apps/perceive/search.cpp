@@ -42,8 +42,8 @@ void serve(ServeArguments& given, Session& session) {
     if (!quiet) fmt::print(stderr, "{}\n", line);
   });
   session.answer(
-      fmt::format("{} pictures, answering at {} (Ctrl-C stops)\n", service.pictures(), server.url()),
-      {{"pictures", service.pictures()}, {"url", server.url()}, {"port", server.port()}});
+      fmt::format("{} images, answering at {} (Ctrl-C stops)\n", service.images(), server.url()),
+      {{"images", service.images()}, {"url", server.url()}, {"port", server.port()}});
   std::fflush(stdout);
   while (!interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }
@@ -138,13 +138,13 @@ Command serve_command() {
 
 Command search_command() {
   return {"search",
-          "What a visual-search server says about pictures",
-          {"loci-perceive search tests/data/pictures/Alpro-Blueberry-Soyghurt_001.jpg --index "
+          "What a visual-search server says about images",
+          {"loci-perceive search tests/data/images/Alpro-Blueberry-Soyghurt_001.jpg --index "
            "tests/data/products",
-           "loci-perceive search tests/data/pictures/ean13.png --index tests/data/products --json"},
+           "loci-perceive search tests/data/images/ean13.png --index tests/data/products --json"},
           [](CLI::App& app) {
             auto given = std::make_shared<SearchArguments>();
-            app.add_option("IMAGES", given->images, "Pictures (PNG, JPEG)")->required();
+            app.add_option("IMAGES", given->images, "Images (PNG, JPEG)")->required();
             app.add_option("--index", given->index,
                            "Ask a server of this command's own, at a free port of this machine, instead");
             add_options(app, table_of(given->options));

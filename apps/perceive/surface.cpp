@@ -25,7 +25,7 @@ void run(const Arguments& given, Session& session) {
   const double known =
       static_cast<double>(cv::countNonZero(mean == mean)) / static_cast<double>(mean.total());
   write_surface(given.output, mean);
-  session.answer(fmt::format("the mean of {} pictures, {:.0f} % of the pixels known: {}\n", count,
+  session.answer(fmt::format("the mean of {} images, {:.0f} % of the pixels known: {}\n", count,
                              100 * known, given.output),
                  {{"frames", count}, {"known", known}, {"file", given.output}});
 }
@@ -35,7 +35,7 @@ void run(const Arguments& given, Session& session) {
 Command surface_command() {
   return {
       "surface",
-      "Averages pictures of an empty workspace, so that flat things are found on it (FlatObjectExtractor)",
+      "Averages images of an empty workspace, so that flat things are found on it (FlatObjectExtractor)",
       {"loci-perceive surface demo-output/day -o demo-output/surface.png --frames 5",
        "loci-perceive surface demo-output/day -o demo-output/surface.png --json"},
       [](CLI::App& app) {
@@ -44,7 +44,7 @@ Command surface_command() {
                        "Recording of the empty workspace by a camera that stands still")
             ->required();
         app.add_option("-o,--output", given->output, "PNG, 16 bit, in tenths of a millimetre")->required();
-        app.add_option("--frames", given->frames, "Pictures to take at most")
+        app.add_option("--frames", given->frames, "Images to take at most")
             ->check(CLI::PositiveNumber)
             ->capture_default_str();
         return [given](Session& session) { run(*given, session); };

@@ -85,7 +85,7 @@ void train(Arguments& given, Session& session) {
 Command train_command() {
   return {
       "train",
-      "Trains a classifier of clusters from labelled pictures",
+      "Trains a classifier of clusters from labelled images",
       {"loci-perceive train tests/data/blocks -o demo-output/blocks.model --folds 2",
        "loci-perceive train tests/data/blocks -o demo-output/blocks.model --folds 2 --expert VFH:knn:L1 "
        "--k 2 --json",
@@ -93,7 +93,7 @@ Command train_command() {
       [](CLI::App& app) {
         auto given = std::make_shared<Arguments>();
         app.add_option("DATASET", given->dataset,
-                       "Recording with FRAME_label.png for its depth pictures (0 not judged, 1 to 19 table, "
+                       "Recording with FRAME_label.png for its depth images (0 not judged, 1 to 19 table, "
                        "from 20 on tens are objects) and objects.csv (scene, label_group, class)")
             ->required();
         app.add_option("-o,--out", given->out, "The model, for the annotator FeatureClassifier")->required();
@@ -101,7 +101,7 @@ Command train_command() {
                        "DESCRIPTOR:CLASSIFIER[:DISTANCE], several times; they are fused")
             ->capture_default_str();
         app.add_flag("--templates", given->templates,
-                     "Templates of whole pictures instead, for the annotator TemplateDetector");
+                     "Templates of whole images instead, for the annotator TemplateDetector");
         app.add_option("--folds", given->folds, "Parts for cross-validation")
             ->check(CLI::Range(2, 100))
             ->capture_default_str();

@@ -78,18 +78,18 @@ struct HistoryEntry {
   double probability = 1;
 };
 
-/// An object as it was found in a picture.
+/// An object as it was found in an image.
 struct ImageBox {
   int64_t object = 0;
   int64_t number = 0;  ///< of the observation within its scene
   std::string name;    ///< empty = of no object
-  cv::Rect2d color;    ///< pixels of the colour picture
-  cv::Rect2d depth;    ///< pixels of the depth picture
-  /// Around what belongs to it, in pixels of either picture; empty = no mask was kept.
+  cv::Rect2d color;    ///< pixels of the colour image
+  cv::Rect2d depth;    ///< pixels of the depth image
+  /// Around what belongs to it, in pixels of either image; empty = no mask was kept.
   std::vector<std::vector<cv::Point2f>> color_outline = {}, depth_outline = {};
 };
 
-/// What a pixel of the depth picture is, by what the map knows: as the store's SceneKind.
+/// What a pixel of the depth image is, by what the map knows: as the store's SceneKind.
 enum class PixelKind : uint8_t {
   unmeasured = 0,
   known = 1,        ///< the map explains it
@@ -101,7 +101,7 @@ enum class PixelKind : uint8_t {
 struct SceneContent {
   SceneEntry scene;
   cv::Mat color;  ///< CV_8UC3, BGR; empty = not kept
-  cv::Mat depth;  ///< CV_32F, metres, NaN = no measurement; may be smaller than the camera's picture
+  cv::Mat depth;  ///< CV_32F, metres, NaN = no measurement; may be smaller than the camera's image
   RgbdCamera camera;
   std::optional<Isometry3d> map_from_camera;
   cv::Mat kinds = {};  ///< CV_8U of depth's size, PixelKind; empty = not known
@@ -152,7 +152,7 @@ struct MemoryInfo {
 
 struct SceneDecisions;
 struct ObjectDetails;
-struct PictureNote;
+struct ImageNote;
 
 /// What the browser shows, as plain values. The views know no database; tests may give them any memory.
 /// What stands before "Reading" is at hand; what stands after it takes time, may be called from any thread
@@ -186,8 +186,8 @@ class BrowserData {
   virtual std::vector<SceneDecisions> decisions(int64_t scene, size_t count) const = 0;
   virtual ObjectDetails details(int64_t object, TimeNs time) const = 0;
   virtual SceneContent scene(int64_t id) const = 0;
-  /// What annotators found in parts of a scene's picture.
-  virtual std::vector<PictureNote> notes(int64_t scene) const = 0;
+  /// What annotators found in parts of a scene's image.
+  virtual std::vector<ImageNote> notes(int64_t scene) const = 0;
   virtual std::vector<HistoryEntry> history(int64_t object) const = 0;
   /// Times at which the object was observed.
   virtual std::vector<TimeNs> observations(int64_t object) const = 0;
@@ -201,8 +201,8 @@ class BrowserData {
   /// What each of scenes() from a number on could tell about an object, in their order.
   virtual std::vector<Look> looks_for_object(int64_t object, size_t first_scene = 0) const = 0;
   virtual std::vector<Look> looks_at_place(const std::string& place, size_t first_scene = 0) const = 0;
-  /// The newest picture of an object at or before a time (CV_8UC3, BGR); empty when there is none.
-  virtual cv::Mat picture(int64_t object, TimeNs time) const = 0;
+  /// The newest image of an object at or before a time (CV_8UC3, BGR); empty when there is none.
+  virtual cv::Mat image(int64_t object, TimeNs time) const = 0;
 
   /// A time as people write it: "2026-05-01 08:30", "08:30", "yesterday 9:00". Where it covers a while, its
   /// last scene. Error that shows what can be written.

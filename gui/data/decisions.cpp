@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "gui/data/memory_index.h"
-#include "gui/data/pictures.h"
+#include "gui/data/images.h"
 #include "memory/recorder/scene_reasoning.h"
 
 namespace loci {
@@ -57,7 +57,7 @@ SceneDecisions read_decisions(const Store& store, const MemoryIndex& index, cons
     if (reasoning && k < reasoning->decisions.observations.size())
       add_reasoning(reasoning->decisions, k, index, observation);
     observation.name = name_of(index, observation.object, observation.key);
-    if (row.crop) observation.crop = read_picture(store, *row.crop);
+    if (row.crop) observation.crop = read_image(store, *row.crop);
     result.observations.push_back(std::move(observation));
   }
   if (reasoning)

@@ -10,7 +10,7 @@
 namespace loci {
 namespace {
 
-constexpr double kLeastJointMove = 0.02;  // metres or radians; below is the noise of a look
+constexpr double kMinJointMove = 0.02;  // metres or radians; below is the noise of a look
 
 bool is_there(const BelievedObject* object) {
   return object != nullptr && object->presence != Presence::gone;
@@ -22,7 +22,7 @@ std::string place_text(const BelievedObject* object) {
 }
 
 std::optional<Difference> difference_of(const BelievedObject* then, const BelievedObject* now,
-                                        double least_move) {
+                                        double min_move) {
   const BelievedObject& any = now != nullptr ? *now : *then;
   Difference difference{.object = any.id, .name = any.name, .then = place_text(then), .now = place_text(now)};
   if (!is_there(then) && !is_there(now)) return std::nullopt;
@@ -36,7 +36,7 @@ std::optional<Difference> difference_of(const BelievedObject* then, const Believ
   }
   if (then->map_from_object && now->map_from_object)
     difference.distance = (now->map_from_object->translation() - then->map_from_object->translation()).norm();
-  if (difference.distance < least_move && then->place == now->place) return std::nullopt;
+  if (difference.distance < min_move && then->place == now->place) return std::nullopt;
   return difference;
 }
 
@@ -49,12 +49,12 @@ void add_joints(const BelievedScene& then, const BelievedScene& now, std::vector
   for (const auto& [name, position] : now.joints) {
     const auto before = then.joints.find(name);
     const double moved = std::abs(position - (before == then.joints.end() ? 0 : before->second));
-    if (moved >= kLeastJointMove)
+    if (moved >= kMinJointMove)
       all.push_back({Difference::Kind::joint, 0, name, joint_text(then.joints, name),
                      joint_text(now.joints, name), moved});
   }
   for (const auto& [name, position] : then.joints)
-    if (!now.joints.contains(name) && std::abs(position) >= kLeastJointMove)
+    if (!now.joints.contains(name) && std::abs(position) >= kMinJointMove)
       all.push_back(
           {Difference::Kind::joint, 0, name, joint_text(then.joints, name), "", std::abs(position)});
 }
@@ -75,14 +75,14 @@ const char* difference_name(Difference::Kind kind) {
   return "";
 }
 
-std::vector<Difference> differences(const BelievedScene& then, const BelievedScene& now, double least_move) {
+std::vector<Difference> differences(const BelievedScene& then, const BelievedScene& now, double min_move) {
   std::vector<Difference> all;
   for (const BelievedObject& object : now.objects)
-    if (auto difference = difference_of(then.find(object.id), &object, least_move))
+    if (auto difference = difference_of(then.find(object.id), &object, min_move))
       all.push_back(std::move(*difference));
   for (const BelievedObject& object : then.objects)
     if (now.find(object.id) == nullptr)
-      if (auto difference = difference_of(&object, nullptr, least_move))
+      if (auto difference = difference_of(&object, nullptr, min_move))
         all.push_back(std::move(*difference));
   add_joints(then, now, all);
   std::stable_sort(all.begin(), all.end(), [](const Difference& a, const Difference& b) {

@@ -21,9 +21,9 @@ struct Difference {
 const char* difference_name(Difference::Kind kind);
 
 /// What is to be said when one looks from `then` to `now`: what appeared, what moved (to another place, or
-/// further than `least_move` metres), what is gone, and joints that moved. In that order, then by object.
+/// further than `min_move` metres), what is gone, and joints that moved. In that order, then by object.
 std::vector<Difference> differences(const BelievedScene& then, const BelievedScene& now,
-                                    double least_move = 0.05);
+                                    double min_move = 0.05);
 
 /// Another memory's belief with the numbers of the same things here: of the nearest thing of the same colour
 /// within `within` metres. What has none here gets a number below 0. Two memories number things as they met

@@ -12,7 +12,7 @@ std::array<uint8_t, 3> color_at(const SceneContent& content, const Vector3d& in_
   if (in_color.z() <= 0) return kGrey;
   const Vector2d pixel = content.camera.color.project(in_color);
   if (!content.camera.color.contains(pixel)) return kGrey;
-  // The stored picture may be smaller than the camera's.
+  // The stored image may be smaller than the camera's.
   const int x = static_cast<int>((pixel.x() + 0.5) * content.color.cols / content.camera.color.width);
   const int y = static_cast<int>((pixel.y() + 0.5) * content.color.rows / content.camera.color.height);
   const auto& bgr = content.color.at<cv::Vec3b>(std::clamp(y, 0, content.color.rows - 1),

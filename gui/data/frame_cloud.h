@@ -5,11 +5,11 @@
 
 namespace loci {
 
-/// What the scene's picture shows at a point (depth camera's frame): red, green, blue; grey without a
-/// picture.
+/// What the scene's image shows at a point (depth camera's frame): red, green, blue; grey without a
+/// image.
 std::array<uint8_t, 3> color_at(const SceneContent& content, const Vector3d& in_camera);
 
-/// The measured points of a scene in the map frame with the colours of its picture (grey without one), at
+/// The measured points of a scene in the map frame with the colours of its image (grey without one), at
 /// most `limit` of them, taken in even steps. Empty without depth or pose.
 ColoredCloud frame_cloud(const SceneContent& content, size_t limit);
 

@@ -12,8 +12,8 @@
 #include "gui/data/frame_cloud.h"
 #include "gui/data/memory_index.h"
 #include "gui/data/object_details.h"
-#include "gui/data/picture_notes.h"
-#include "gui/data/pictures.h"
+#include "gui/data/image_notes.h"
+#include "gui/data/images.h"
 #include "memory/exchange/observation_image.h"
 #include "memory/questions/people_time.h"
 #include "memory/questions/snapshot.h"
@@ -55,8 +55,8 @@ double distance_of(const std::optional<Vector3d>& position, const SceneContent& 
   return std::max(z, 0.1);
 }
 
-/// Where a part of the depth picture is in the colour picture, at the distance of what it shows.
-cv::Rect2d in_color_picture(const cv::Rect2d& roi, const std::optional<Vector3d>& position,
+/// Where a part of the depth image is in the colour image, at the distance of what it shows.
+cv::Rect2d in_color_image(const cv::Rect2d& roi, const std::optional<Vector3d>& position,
                             const SceneContent& content) {
   const RgbdCamera& camera = content.camera;
   const Isometry3d color_from_depth = camera.depth_from_color.inverse();
@@ -69,11 +69,11 @@ cv::Rect2d in_color_picture(const cv::Rect2d& roi, const std::optional<Vector3d>
 
 cv::Mat read_mask(const Store& store, Id blob) {
   cv::Mat mask;
-  cv::extractChannel(read_picture(store, blob), mask, 0);
+  cv::extractChannel(read_image(store, blob), mask, 0);
   return mask;
 }
 
-/// The mask's outlines as drawings over both pictures.
+/// The mask's outlines as drawings over both images.
 void add_outlines(const cv::Mat& mask, const std::optional<Vector3d>& position, const SceneContent& content,
                   ImageBox& box) {
   std::vector<std::vector<cv::Point>> contours;
@@ -115,9 +115,9 @@ class MemoryData : public BrowserData {
     return read_details(store_, index_, object, time);
   }
   SceneContent scene(int64_t id) const override;
-  std::vector<PictureNote> notes(int64_t scene) const override {
+  std::vector<ImageNote> notes(int64_t scene) const override {
     const std::lock_guard lock(mutex_);
-    return picture_notes(store_, scene);
+    return image_notes(store_, scene);
   }
   std::vector<HistoryEntry> history(int64_t object) const override;
   std::vector<TimeNs> observations(int64_t object) const override;
@@ -125,7 +125,7 @@ class MemoryData : public BrowserData {
   ColoredCloud object_cloud(int64_t object, TimeNs time, std::optional<TimeNs> known_at) const override;
   std::vector<Look> looks_for_object(int64_t object, size_t first_scene) const override;
   std::vector<Look> looks_at_place(const std::string& place, size_t first_scene) const override;
-  cv::Mat picture(int64_t object, TimeNs time) const override;
+  cv::Mat image(int64_t object, TimeNs time) const override;
   // A Store belongs to one thread at a time; a question may take long and gets one of its own.
   TypedAnswer answer(const TypedQuestion& question) const override {
     return answer_question(Store::open_read(path_), question);
@@ -242,7 +242,7 @@ std::vector<ImageBox> MemoryData::boxes(const SceneRow& row, const SceneContent&
     if (box.object != 0) box.name = index_.name_of(box.object);
     const auto& roi = *seen.roi;
     box.depth = cv::Rect2d(roi[0], roi[1], roi[2], roi[3]);
-    box.color = in_color_picture(box.depth, seen.position, content);
+    box.color = in_color_image(box.depth, seen.position, content);
     if (seen.mask) add_outlines(read_mask(store_, *seen.mask), seen.position, content, box);
     boxes.push_back(std::move(box));
   }
@@ -250,7 +250,7 @@ std::vector<ImageBox> MemoryData::boxes(const SceneRow& row, const SceneContent&
 }
 
 /// The cameras of a scene: the depth camera is in its row, the colour camera beside it when a pipeline of
-/// ours wrote it; otherwise the picture is taken to be registered to the depth.
+/// ours wrote it; otherwise the image is taken to be registered to the depth.
 RgbdCamera MemoryData::cameras_of(const SceneRow& row) const {
   RgbdCamera cameras;
   cameras.depth = cameras.color = pinhole_of(*row.camera);
@@ -274,7 +274,7 @@ SceneContent MemoryData::scene(int64_t id) const {
   mark_scene(id, 0, [&](size_t number) { content.scene = index_.scenes[number]; });
   content.map_from_camera = row.map_from_camera;
   if (row.camera) content.camera = cameras_of(row);
-  if (row.picture) content.color = read_picture(store_, *row.picture);
+  if (row.image) content.color = read_image(store_, *row.image);
   if (row.depth && row.depth_width > 0) {
     std::vector<float> depth = decode_depth_thumbnail(store_.blob(*row.depth).bytes);
     if (depth.size() == static_cast<size_t>(row.depth_width) * static_cast<size_t>(row.depth_height))
@@ -329,7 +329,7 @@ ColoredCloud MemoryData::object_cloud(int64_t object, TimeNs time, std::optional
   if (!row.camera || !row.map_from_camera) return {};
   SceneContent content;  // as far as colours need it
   content.camera = cameras_of(row);
-  if (row.picture) content.color = read_picture(store_, *row.picture);
+  if (row.image) content.color = read_image(store_, *row.image);
   ColoredCloud cloud;
   for (const Eigen::Vector3f& point : measured_points(store_, row, last->observation).points) {
     const Vector3d in_camera = point.cast<double>();
@@ -362,7 +362,7 @@ std::vector<Look> MemoryData::looks_at_place(const std::string& place, size_t fi
   return looks;
 }
 
-cv::Mat MemoryData::picture(int64_t object, TimeNs time) const {
+cv::Mat MemoryData::image(int64_t object, TimeNs time) const {
   const std::lock_guard lock(mutex_);
   std::optional<Id> crop;
   const auto last = store_.last_sighting_before(object, time + 1, {});
@@ -370,7 +370,7 @@ cv::Mat MemoryData::picture(int64_t object, TimeNs time) const {
   if (last && !crop)
     for (const Sighting& sighting : store_.sightings(object, {time, std::nullopt}))
       if (sighting.observation.crop) crop = sighting.observation.crop;
-  return crop ? read_picture(store_, *crop) : cv::Mat();
+  return crop ? read_image(store_, *crop) : cv::Mat();
 }
 
 TimeNs MemoryData::time_of(const std::string& text) const {

@@ -5,14 +5,14 @@
 #include <map>
 
 #include "gui/data/memory_index.h"
-#include "gui/data/pictures.h"
+#include "gui/data/images.h"
 #include "mapping/base/json.h"
 #include "memory/reasoning/why.h"
 
 namespace loci {
 namespace {
 
-constexpr size_t kLeastBins = 4, kMostBins = 1024;
+constexpr size_t kMinBins = 4, kMaxBins = 1024;
 constexpr size_t kSightingsLookedAt = 400;
 
 std::string short_type(const std::string& type) {
@@ -26,7 +26,7 @@ int side_of(const SceneEntry& scene, const ObservationRow& seen) {
   return static_cast<int>(std::lround(std::atan2(towards.y(), towards.x()) / (M_PI / 4)) + 8) % 8;
 }
 
-std::vector<ObjectPicture> pictures_of(const Store& store, const MemoryIndex& index,
+std::vector<ObjectImage> images_of(const Store& store, const MemoryIndex& index,
                                        const std::vector<Sighting>& sightings) {
   // The map's axes: x is called east, as on a drawing.
   static constexpr std::array<const char*, 8> kSides = {"from +x", "from +x +y", "from +y", "from −x +y",
@@ -37,11 +37,11 @@ std::vector<ObjectPicture> pictures_of(const Store& store, const MemoryIndex& in
     if (sighting.observation.crop && scene != index.number_of_scene.end())
       newest[side_of(index.scenes[scene->second], sighting.observation)] = &sighting;
   }
-  std::vector<ObjectPicture> pictures;
+  std::vector<ObjectImage> images;
   for (const auto& [side, sighting] : newest)
-    pictures.push_back({sighting->time, side < 0 ? "" : kSides[static_cast<size_t>(side)],
-                        read_picture(store, *sighting->observation.crop)});
-  return pictures;
+    images.push_back({sighting->time, side < 0 ? "" : kSides[static_cast<size_t>(side)],
+                        read_image(store, *sighting->observation.crop)});
+  return images;
 }
 
 /// Every list of numbers in a feature structure, and who made it.
@@ -51,7 +51,7 @@ void read_structure(const FeatureStructureRow& row, ObjectDetails& details) {
     const Json features = structure.value("features", Json::object());
     const std::string type = short_type(structure.value("type", std::string()));
     for (const auto& [name, value] : features.items()) {
-      if (!value.is_array() || value.size() < kLeastBins || value.size() > kMostBins || !value[0].is_number())
+      if (!value.is_array() || value.size() < kMinBins || value.size() > kMaxBins || !value[0].is_number())
         continue;
       Histogram histogram{type + ": " + name, {}};
       for (const Json& bin : value) histogram.bins.push_back(bin.is_number() ? bin.get<double>() : 0);
@@ -77,7 +77,7 @@ ObjectDetails read_details(const Store& store, const MemoryIndex& index, Id obje
   if (sightings.empty()) return details;
   if (sightings.size() > kSightingsLookedAt)
     sightings.erase(sightings.begin(), sightings.end() - static_cast<ptrdiff_t>(kSightingsLookedAt));
-  details.pictures = pictures_of(store, index, sightings);
+  details.images = images_of(store, index, sightings);
   const Sighting& last = sightings.back();
   for (const AnnotationRow& row : store.annotations(last.association.scene))
     if (row.observation == last.observation.id && !row.value.empty())

@@ -26,15 +26,15 @@ struct Histogram {
   std::vector<double> bins = {};
 };
 
-struct ObjectPicture {
+struct ObjectImage {
   TimeNs time = 0;
   std::string side = {};  ///< from where it was looked at: "from the south-east"; empty = unknown
-  cv::Mat picture = {};   ///< CV_8UC3, BGR
+  cv::Mat image = {};   ///< CV_8UC3, BGR
 };
 
 /// What the memory has of an object beyond its history.
 struct ObjectDetails {
-  std::vector<ObjectPicture> pictures = {};  ///< the newest from each side
+  std::vector<ObjectImage> images = {};  ///< the newest from each side
   std::vector<Annotation> annotations = {};  ///< of its last sight
   std::vector<Histogram> histograms = {};
   std::string why = {};  ///< why the memory believes what it does, in words

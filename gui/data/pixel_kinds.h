@@ -4,7 +4,7 @@
 
 namespace loci {
 
-/// What the pixels of the colour picture are (CV_8U, PixelKind, as many pixels as the depth picture has), by
+/// What the pixels of the colour image are (CV_8U, PixelKind, as many pixels as the depth image has), by
 /// way of the depth that was measured there. Empty when it is not known.
 cv::Mat kinds_in_color(const SceneContent& content);
 

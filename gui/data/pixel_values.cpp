@@ -8,13 +8,13 @@ namespace {
 constexpr int kSteps = 6;  // of the search for a colour pixel's depth
 constexpr double kFirstGuess = 1.5;
 
-/// Pixel of a picture that may be stored smaller than the camera's; unset outside.
-std::optional<cv::Point> stored_pixel(const cv::Mat& picture, const PinholeCamera& camera,
+/// Pixel of an image that may be stored smaller than the camera's; unset outside.
+std::optional<cv::Point> stored_pixel(const cv::Mat& image, const PinholeCamera& camera,
                                       const Vector2d& pixel) {
-  if (picture.empty() || camera.width <= 0 || camera.height <= 0) return std::nullopt;
-  const cv::Point at(static_cast<int>(std::floor((pixel.x() + 0.5) * picture.cols / camera.width)),
-                     static_cast<int>(std::floor((pixel.y() + 0.5) * picture.rows / camera.height)));
-  return cv::Rect(0, 0, picture.cols, picture.rows).contains(at) ? std::optional(at) : std::nullopt;
+  if (image.empty() || camera.width <= 0 || camera.height <= 0) return std::nullopt;
+  const cv::Point at(static_cast<int>(std::floor((pixel.x() + 0.5) * image.cols / camera.width)),
+                     static_cast<int>(std::floor((pixel.y() + 0.5) * image.rows / camera.height)));
+  return cv::Rect(0, 0, image.cols, image.rows).contains(at) ? std::optional(at) : std::nullopt;
 }
 
 std::optional<double> depth_at(const SceneContent& content, const Vector2d& pixel) {

@@ -13,8 +13,8 @@
 namespace loci {
 namespace {
 
-constexpr int kSwatchSide = 14, kPictureSide = 20;
-constexpr int kRowHeight = kPictureSide + 2;
+constexpr int kSwatchSide = 14, kImageSide = 20;
+constexpr int kRowHeight = kImageSide + 2;
 /// Internal id of groups; an object's index carries its group's row.
 constexpr quintptr kGroupId = static_cast<quintptr>(-1);
 
@@ -23,7 +23,7 @@ constexpr quintptr kGroupId = static_cast<quintptr>(-1);
 ObjectsModel::ObjectsModel(Browser& browser, QObject* parent)
     : QAbstractItemModel(parent),
       browser_(browser),
-      thumbnails_(new Thumbnails(browser, kPictureSide, this)) {
+      thumbnails_(new Thumbnails(browser, kImageSide, this)) {
   connect(thumbnails_, &Thumbnails::read, this, [this](qlonglong object) {
     const QModelIndex index = index_of_object(object);
     if (index.isValid()) Q_EMIT dataChanged(index, index, {Qt::DecorationRole});
@@ -143,9 +143,9 @@ QVariant ObjectsModel::object_data(const BelievedObject& object, int column, int
       return column == probability_column ? QVariant(Qt::AlignRight | Qt::AlignVCenter) : QVariant();
     case Qt::DecorationRole: {
       if (column != name_column) return {};
-      const QPixmap picture = thumbnails_->of(object.id);
-      return picture.isNull() ? centred(swatch(object.rgb, kSwatchSide), kPictureSide)
-                              : centred(picture, kPictureSide);
+      const QPixmap image = thumbnails_->of(object.id);
+      return image.isNull() ? centred(swatch(object.rgb, kSwatchSide), kImageSide)
+                              : centred(image, kImageSide);
     }
     case Qt::ForegroundRole:
       if (column == state_column) return theme.of_presence(object.presence);

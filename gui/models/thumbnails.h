@@ -9,7 +9,7 @@
 
 namespace loci {
 
-/// The objects' newest pictures, small; read when they are first asked for.
+/// The objects' newest images, small; read when they are first asked for.
 class Thumbnails : public QObject {
   Q_OBJECT
 
@@ -28,7 +28,7 @@ class Thumbnails : public QObject {
   Browser& browser_;
   int side_;
   std::string memory_;
-  std::map<int64_t, QPixmap> pictures_;
+  std::map<int64_t, QPixmap> images_;
   std::set<int64_t> asked_;
 };
 

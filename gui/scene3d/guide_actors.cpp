@@ -14,7 +14,7 @@
 namespace loci {
 namespace {
 
-constexpr double kAspect = 0.75;  // of a camera's picture
+constexpr double kAspect = 0.75;  // of a camera's image
 
 vtkSmartPointer<vtkActor> line_actor(vtkRenderer* renderer) {
   vtkNew<vtkPolyDataMapper> mapper;

@@ -15,7 +15,7 @@ namespace {
 constexpr int kFontSize = 13;
 constexpr int kScreenDpi = 72;
 constexpr int kWidth = 1024;
-constexpr int kFirstHeight = 128, kMostHeight = 2048;
+constexpr int kFirstHeight = 128, kMaxHeight = 2048;
 constexpr int kChannels = 4;
 
 vtkSmartPointer<vtkTextProperty> style_of(bool emphasised, const SceneColors& colors) {
@@ -56,19 +56,19 @@ void LabelAtlas::forget() {
   areas_.clear();
   row_left_ = row_bottom_ = used_height_ = 0;
   height_ = kFirstHeight;
-  make_clear(*picture_, height_);
+  make_clear(*image_, height_);
 }
 
 void LabelAtlas::trim() {
-  if (height_ >= kMostHeight) forget();
+  if (height_ >= kMaxHeight) forget();
 }
 
 void LabelAtlas::grow(int height) {
   auto larger = vtkSmartPointer<vtkImageData>::New();
   make_clear(*larger, height);
-  std::memcpy(larger->GetScalarPointer(), picture_->GetScalarPointer(),
+  std::memcpy(larger->GetScalarPointer(), image_->GetScalarPointer(),
               static_cast<size_t>(kWidth) * static_cast<size_t>(height_) * kChannels);
-  picture_ = larger;
+  image_ = larger;
   height_ = height;
 }
 
@@ -95,9 +95,9 @@ LabelAtlas::Area LabelAtlas::area(const std::string& text, bool emphasised) {
     area.left = row_left_;
     area.bottom = row_bottom_;
     for (int y = 0; y < area.height; ++y)
-      std::memcpy(pixel(*picture_, area.left, area.bottom + y), pixel(*drawn, extent[0], extent[2] + y),
+      std::memcpy(pixel(*image_, area.left, area.bottom + y), pixel(*drawn, extent[0], extent[2] + y),
                   static_cast<size_t>(area.width) * kChannels);
-    picture_->Modified();
+    image_->Modified();
     row_left_ += area.width;
     used_height_ = std::max(used_height_, area.bottom + area.height);
   }
@@ -105,8 +105,8 @@ LabelAtlas::Area LabelAtlas::area(const std::string& text, bool emphasised) {
   return area;
 }
 
-vtkImageData* LabelAtlas::picture() {
-  return picture_;
+vtkImageData* LabelAtlas::image() {
+  return image_;
 }
 
 int LabelAtlas::width() const {

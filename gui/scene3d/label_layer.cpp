@@ -21,7 +21,7 @@ namespace loci {
 namespace {
 
 constexpr int kGap = 7;              // pixels between the anchor and the text
-constexpr size_t kMostLabels = 300;  // more would cover each other
+constexpr size_t kMaxLabels = 300;  // more would cover each other
 
 struct Rectangle {
   int left, bottom, right, top;
@@ -61,7 +61,7 @@ LabelLayer::LabelLayer(vtkRenderer* renderer)
   mapper->SetInputData(vtkNew<vtkPolyData>());
   actor_->SetMapper(mapper);
   actor_->PickableOff();
-  texture_->InterpolateOff();  // a pixel of the picture is one of the window
+  texture_->InterpolateOff();  // a pixel of the image is one of the window
   texture_->RepeatOff();
   actor_->SetTexture(texture_);
   renderer_->AddActor2D(actor_);
@@ -70,7 +70,7 @@ LabelLayer::LabelLayer(vtkRenderer* renderer)
 void LabelLayer::set(std::vector<Label> labels, const SceneColors& colors) {
   std::stable_sort(labels.begin(), labels.end(),
                    [](const Label& a, const Label& b) { return a.importance > b.importance; });
-  if (labels.size() > kMostLabels) labels.resize(kMostLabels);
+  if (labels.size() > kMaxLabels) labels.resize(kMaxLabels);
   atlas_.set_colors(colors);
   atlas_.trim();
   items_.clear();
@@ -144,7 +144,7 @@ void LabelLayer::draw() {
   data->SetPolys(quads);
   data->GetPointData()->SetTCoords(in_atlas);
   static_cast<vtkPolyDataMapper2D*>(actor_->GetMapper())->SetInputData(data);
-  texture_->SetInputData(atlas_.picture());
+  texture_->SetInputData(atlas_.image());
 }
 
 std::vector<std::string> LabelLayer::shown() const {

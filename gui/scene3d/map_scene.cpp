@@ -43,7 +43,7 @@ void fit(vtkRenderer& renderer, const Eigen::AlignedBox3d& box, const Vector3d& 
   const Vector3d right = forward.cross(Vector3d::UnitZ()).normalized();
   const Vector3d above = right.cross(forward);
   const double tan_v = std::tan(kFieldOfViewDeg * M_PI / 360);
-  const int* size = renderer.GetRenderWindow()->GetSize();  // the renderer's own is that of the last picture
+  const int* size = renderer.GetRenderWindow()->GetSize();  // the renderer's own is that of the last image
   const double aspect = size[1] > 0 && size[0] > 0 ? static_cast<double>(size[0]) / size[1] : 4.0 / 3;
   double distance = 0.1;
   for (int i = 0; i < 8; ++i) {
@@ -97,7 +97,7 @@ struct MapScene::Impl {
     self->objects.arrange({eye[0], eye[1], eye[2]});
   }
 
-  /// By what is there now, not by what was there at the first look: the same scene gives the same picture.
+  /// By what is there now, not by what was there at the first look: the same scene gives the same image.
   /// VTK would ask every actor for its size.
   void reset_clipping_range() {
     const Eigen::AlignedBox3d all = bounds().merged(guides.bounds());

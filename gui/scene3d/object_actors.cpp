@@ -18,7 +18,7 @@ namespace loci {
 namespace {
 
 /// Nothing is drawn thinner than this, so that flat and unmeasured things can be seen and clicked.
-constexpr double kLeastSize = 0.01;
+constexpr double kMinSize = 0.01;
 constexpr vtkIdType kFaces = 6, kEdges = 12;
 // Corner i has bit 0 for x, 1 for y, 2 for z.
 constexpr std::array<std::array<vtkIdType, 4>, kFaces> kFaceCorners = {
@@ -29,7 +29,7 @@ constexpr std::array<std::array<vtkIdType, 2>, kEdges> kEdgeCorners = {
 using Color4 = std::array<unsigned char, 4>;
 
 Vector3d corner_of(const MapObject& object, int i) {
-  const Vector3d half = object.size.cwiseMax(kLeastSize) / 2;
+  const Vector3d half = object.size.cwiseMax(kMinSize) / 2;
   return object.map_from_object *
          Vector3d(i & 1 ? half.x() : -half.x(), i & 2 ? half.y() : -half.y(), i & 4 ? half.z() : -half.z());
 }
@@ -46,7 +46,7 @@ Color4 face_color(const MapObject& object) {
           static_cast<unsigned char>(std::lround(255 * opacity))};
 }
 
-/// Edges are opaque, which costs no pass over the whole picture; those of ghosts fade into the background.
+/// Edges are opaque, which costs no pass over the whole image; those of ghosts fade into the background.
 Color4 edge_color(const MapObject& object, bool selected, const SceneColors& colors) {
   if (object.mark && !selected) return {(*object.mark)[0], (*object.mark)[1], (*object.mark)[2], 255};
   const SceneColor& line = selected ? colors.accent : colors.edges;

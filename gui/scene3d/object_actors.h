@@ -43,7 +43,7 @@ class ObjectActors {
   void draw_last();
   void set_visible(bool visible);
   void set_labels_visible(bool visible) { labels_.set_visible(visible && visible_); }
-  /// For the next picture: what has changed since the last one, translucent boxes from the farthest to the
+  /// For the next image: what has changed since the last one, translucent boxes from the farthest to the
   /// nearest, labels where there is room for them.
   void arrange(const Vector3d& eye);
   const LabelLayer& labels() const { return labels_; }

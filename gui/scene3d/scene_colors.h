@@ -12,7 +12,7 @@ struct SceneColors {
   SceneColor background_top = {0.93, 0.94, 0.96};
   SceneColor background_bottom = {0.80, 0.83, 0.87};
   SceneColor world = {0.78, 0.77, 0.75};  ///< links without a material
-  SceneColor edges = {0.36, 0.36, 0.37};  ///< opaque: translucent lines cost a pass over the whole picture
+  SceneColor edges = {0.36, 0.36, 0.37};  ///< opaque: translucent lines cost a pass over the whole image
   SceneColor label_text = {0.08, 0.09, 0.10};
   SceneColor label_back = {1, 1, 1};
   SceneColor accent = {0.00, 0.45, 0.85};  ///< the selection

@@ -11,7 +11,7 @@ namespace loci {
 namespace {
 
 constexpr int kTitle = 22, kStamp = 18, kTile = 30, kStep = 36;
-constexpr double kLeastDrawn = 0.01;
+constexpr double kMinDrawn = 0.01;
 
 /// The last observation before a scene that was taken for an object.
 std::optional<std::pair<size_t, size_t>> last_seen(const std::vector<SceneDecisions>& scenes, size_t before,
@@ -41,7 +41,7 @@ void AssociationLines::set(std::vector<SceneDecisions> scenes, int zone_minutes)
       bool told = false;
       for (const ConsideredObject& other : observation.considered) {
         const auto earlier = last_seen(scenes_, i, other.object);
-        if (!earlier || other.probability < kLeastDrawn) continue;
+        if (!earlier || other.probability < kMinDrawn) continue;
         const bool chosen = other.object == observation.object;
         told |= chosen;
         lines_.push_back({i, k, earlier->first, earlier->second, other.probability, chosen});

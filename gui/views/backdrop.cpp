@@ -7,17 +7,17 @@ namespace loci {
 void Backdrop::paint(const QWidget& widget, QPainter& painter, const std::function<void(QPainter&)>& draw) {
   const double ratio = widget.devicePixelRatioF();
   const QSize pixels = widget.size() * ratio;
-  if (picture_.size() != pixels || palette_ != widget.palette().cacheKey()) {
-    picture_ = QPixmap(pixels);
-    picture_.setDevicePixelRatio(ratio);
-    picture_.fill(Qt::transparent);
+  if (image_.size() != pixels || palette_ != widget.palette().cacheKey()) {
+    image_ = QPixmap(pixels);
+    image_.setDevicePixelRatio(ratio);
+    image_.fill(Qt::transparent);
     palette_ = widget.palette().cacheKey();
-    QPainter inside(&picture_);
+    QPainter inside(&image_);
     inside.setRenderHint(QPainter::Antialiasing);
     inside.setFont(widget.font());
     draw(inside);
   }
-  painter.drawPixmap(0, 0, picture_);
+  painter.drawPixmap(0, 0, image_);
 }
 
 }  // namespace loci

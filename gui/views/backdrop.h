@@ -8,15 +8,15 @@ class QWidget;
 
 namespace loci {
 
-/// What a widget would paint the same again and again, as a picture. Made anew after forget(), and when size
+/// What a widget would paint the same again and again, as an image. Made anew after forget(), and when size
 /// or colours of the widget are others.
 class Backdrop {
  public:
-  void forget() { picture_ = {}; }
+  void forget() { image_ = {}; }
   void paint(const QWidget& widget, QPainter& painter, const std::function<void(QPainter&)>& draw);
 
  private:
-  QPixmap picture_;
+  QPixmap image_;
   qint64 palette_ = 0;
 };
 

@@ -13,7 +13,7 @@
 namespace loci {
 namespace {
 
-constexpr int kNames = 96, kTitle = 22, kMostCell = 34, kLeastCell = 12, kGap = 10;
+constexpr int kNames = 96, kTitle = 22, kMaxCell = 34, kMinCell = 12, kGap = 10;
 constexpr std::array<const char*, 2> kOtherRows = {"A new", "F false"};
 constexpr std::array<const char*, 3> kOtherColumns = {"D", "M", "H"};
 constexpr std::array<const char*, 3> kOtherColumnNames = {"gone", "missed, still there",
@@ -41,7 +41,7 @@ void DecisionMatrix::set(SceneDecisions decisions) {
 
 int DecisionMatrix::cell_size() const {
   const int columns = static_cast<int>(decisions_.observations.size() + kOtherColumns.size());
-  return std::clamp((width() - kNames - 16) / std::max(1, columns), kLeastCell, kMostCell);
+  return std::clamp((width() - kNames - 16) / std::max(1, columns), kMinCell, kMaxCell);
 }
 
 int DecisionMatrix::panel_height(Panel panel) const {

@@ -19,8 +19,8 @@ namespace {
 
 constexpr int kRow = 19;
 constexpr int kBar = 9;             // height of the coloured bar in a row
-constexpr double kLeastHalf = 1.5;  // of the mark of one scene, pixels
-constexpr double kMostHalf = 6;
+constexpr double kMinHalf = 1.5;  // of the mark of one scene, pixels
+constexpr double kMaxHalf = 6;
 constexpr double kDotRadius = 3;
 constexpr double kSnapPixels = 5;
 constexpr double kZoomStep = 1.25;
@@ -312,10 +312,10 @@ void LaneView::paint_looks(QPainter& painter, const Lane& lane, double top,
       misses += all[next] == Look::missed;
     }
     if (sights + misses > 0) {
-      double room = 2 * kMostHalf;  // to the nearest other scene
+      double room = 2 * kMaxHalf;  // to the nearest other scene
       if (i > 0) room = std::min(room, x - scene_x[i - 1]);
       if (next < scene_x.size()) room = std::min(room, scene_x[next] - x);
-      const double half = std::clamp(room / 2, kLeastHalf, kMostHalf);
+      const double half = std::clamp(room / 2, kMinHalf, kMaxHalf);
       painter.fillRect(QRectF(x - half, top, 2 * half, kBar), misses > sights ? theme.gone : seen);
     }
     i = next;

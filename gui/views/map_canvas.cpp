@@ -58,7 +58,7 @@ class WidgetCanvas : public MapCanvas {
       Q_EMIT drawn();
     });
   }
-  QImage picture() override {
+  QImage image() override {
     window()->Render();
     return widget_->grab().toImage();
   }
@@ -91,7 +91,7 @@ class MemoryCanvas : public MapCanvas {
     due_ = true;
     update();
   }
-  QImage picture() override {
+  QImage image() override {
     due_ = false;
     window()->Render();
     image_ = pixels_of(window());
@@ -116,7 +116,7 @@ class MemoryCanvas : public MapCanvas {
   }
   void paintEvent(QPaintEvent*) override {
     const bool was_due = due_ || image_.isNull();
-    if (was_due) picture();
+    if (was_due) image();
     QPainter(this).drawImage(0, 0, image_);
     if (was_due) Q_EMIT drawn();
   }

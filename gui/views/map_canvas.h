@@ -13,7 +13,7 @@ namespace loci {
 /// How the 3D view gets its pixels.
 enum class MapBackend {
   widget,  ///< an OpenGL widget on a screen
-  memory   ///< drawn through EGL and painted as a picture: without any screen, and where no graphics card
+  memory   ///< drawn through EGL and painted as an image: without any screen, and where no graphics card
            ///< draws
 };
 
@@ -30,7 +30,7 @@ class MapCanvas : public QWidget {
   virtual void set_style(vtkInteractorStyle* style) = 0;
   virtual void redraw() = 0;
   /// Draws now. Null when that is impossible.
-  virtual QImage picture() = 0;
+  virtual QImage image() = 0;
 
  Q_SIGNALS:
   void drawn();

@@ -21,7 +21,7 @@ namespace loci {
 namespace {
 
 constexpr int kSteps = 200;  // of a slider
-const QSize kLeastSize(200, 160);
+const QSize kMinSize(200, 160);
 
 QLabel* heading(const QString& text, QWidget* parent) {
   auto* label = new QLabel(text, parent);
@@ -48,7 +48,7 @@ MapTools::MapTools(Browser& browser, MapView& map, QWidget* parent)
     : Page(parent), browser_(browser), map_(map) {
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(8, 6, 8, 6);
-  setMinimumSize(kLeastSize);  // the joints scroll
+  setMinimumSize(kMinSize);  // the joints scroll
   build_measuring(*layout);
   build_section(*layout);
   build_joints(*layout);

@@ -13,14 +13,14 @@
 namespace loci {
 namespace {
 
-/// After this the time is no longer being scrubbed and the picture may take longer.
+/// After this the time is no longer being scrubbed and the image may take longer.
 constexpr int kStillMs = 300;
 /// More of them are a thicket.
-constexpr size_t kMostCameras = 400;
+constexpr size_t kMaxCameras = 400;
 /// Of the chosen object; with those of a scene's thumbnail they stay below what is drawn fluently.
-constexpr size_t kMostObjectPoints = 25000;
+constexpr size_t kMaxObjectPoints = 25000;
 
-/// A picture of one colour is what a context without drawing gives; even an empty scene has a gradient.
+/// An image of one colour is what a context without drawing gives; even an empty scene has a gradient.
 bool is_blank(const QImage& image) {
   const QRgb first = image.pixel(0, 0);
   for (int y = 0; y < image.height(); y += 4)
@@ -208,7 +208,7 @@ void MapView::show_frame() {
 void MapView::show_cameras() {
   std::vector<Isometry3d> cameras;
   const size_t count = browser_.data() == nullptr ? 0 : browser_.data()->scenes().size();
-  for (size_t i = 0; i < count; i += count / kMostCameras + 1)
+  for (size_t i = 0; i < count; i += count / kMaxCameras + 1)
     if (const auto& pose = browser_.data()->scenes()[i].map_from_camera) cameras.push_back(*pose);
   scene_->set_cameras(cameras);
 }
@@ -250,7 +250,7 @@ void MapView::read_object_cloud() {
       this, "points", Urgency::selection,
       [id = object->id, time = *object->last_seen,
        known_at = browser_.selection().known_at()](const BrowserData& memory) {
-        return thinned(memory.object_cloud(id, time, known_at), kMostObjectPoints);
+        return thinned(memory.object_cloud(id, time, known_at), kMaxObjectPoints);
       },
       [this](const ColoredCloud& cloud) {
         scene_->set_object_cloud(cloud);
@@ -347,9 +347,9 @@ void MapView::redraw() {
   canvas_->redraw();
 }
 
-QImage MapView::picture() {
+QImage MapView::image() {
   scene_->set_moving(false);
-  const QImage image = canvas_->picture();
+  const QImage image = canvas_->image();
   if (image.isNull() || is_blank(image))
     throw Error("the 3D view stayed blank: OpenGL did not draw", {}, "check the graphics driver");
   return image;

@@ -26,14 +26,14 @@ class MapView : public QWidget {
 
   MapScene& scene() { return *scene_; }
   MapCanvas& canvas() { return *canvas_; }
-  /// What is on the screen. Error when the picture is blank: nothing was drawn.
-  QImage picture();
+  /// What is on the screen. Error when the image is blank: nothing was drawn.
+  QImage image();
   void frame_selection();
   void look_from(MapViewpoint viewpoint);
   void set_layer(MapLayer layer, bool visible);
   /// Looks with the eye of another view, and never places it.
   void share_eye_of(MapView& other);
-  /// The eye of the last picture.
+  /// The eye of the last image.
   const std::array<double, 9>& drawn_eye() const { return drawn_eye_; }
   /// Objects whose edges have a colour of their own.
   void set_marks(std::map<int64_t, std::array<uint8_t, 3>> marks);

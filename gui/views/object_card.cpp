@@ -16,7 +16,7 @@
 namespace loci {
 namespace {
 
-constexpr int kPictureSide = 64;
+constexpr int kImageSide = 64;
 
 QLabel* selectable_label(QWidget* parent) {
   auto* label = new QLabel(parent);
@@ -31,15 +31,15 @@ ObjectCard::ObjectCard(Browser& browser, QWidget* parent)
     : QWidget(parent),
       browser_(browser),
       model_(new HistoryModel(browser, this)),
-      picture_(new QLabel(this)),
+      image_(new QLabel(this)),
       title_(selectable_label(this)),
       hint_(new QLabel(this)),
       rows_(new QWidget(this)),
       probability_(new QProgressBar(this)),
       history_(new QTableView(this)),
       pages_(new ObjectDetailsView(browser, history_, this)) {
-  picture_->setFixedSize(kPictureSide, kPictureSide);
-  picture_->setAlignment(Qt::AlignCenter);
+  image_->setFixedSize(kImageSide, kImageSide);
+  image_->setAlignment(Qt::AlignCenter);
   QFont bold = scaled_font(font(), 1.25);
   bold.setBold(true);
   title_->setFont(bold);
@@ -66,7 +66,7 @@ ObjectCard::ObjectCard(Browser& browser, QWidget* parent)
   words->addWidget(title_);
   words->addWidget(hint_);
   words->addStretch();
-  head->addWidget(picture_, 0, Qt::AlignTop);
+  head->addWidget(image_, 0, Qt::AlignTop);
   head->addLayout(words, 1);
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(8, 8, 8, 8);
@@ -126,14 +126,14 @@ void ObjectCard::refresh() {
                         there == 0 ? QString("Nothing is believed to be here.")
                                    : QString("%1 object%2 here.").arg(there).arg(there == 1 ? "" : "s"));
   }
-  show_nothing("", browser_.data() == nullptr ? "" : "Click an object in the tree, the map or the picture.");
+  show_nothing("", browser_.data() == nullptr ? "" : "Click an object in the tree, the map or the image.");
 }
 
 void ObjectCard::show_nothing(const QString& title, const QString& hint) {
   title_->setText(title);
   title_->setVisible(!title.isEmpty());
   hint_->setText(hint);
-  picture_->hide();
+  image_->hide();
   rows_->hide();
   pages_->setVisible(browser_.selection().object().has_value());
 }
@@ -178,24 +178,24 @@ void ObjectCard::show_object(const BelievedObject& object) {
   probability_->setPalette(colors);
   rows_->show();
   pages_->show();
-  show_picture();
+  show_image();
 }
 
-void ObjectCard::show_picture() {
+void ObjectCard::show_image() {
   const int64_t object = *browser_.selection().object();
-  if (object != pictured_) picture_->hide();  // of another object
+  if (object != imaged_) image_->hide();  // of another object
   browser_.reader().read<cv::Mat>(
-      this, "picture", Urgency::selection,
+      this, "image", Urgency::selection,
       [object, time = browser_.selection().time()](const BrowserData& memory) {
-        return memory.picture(object, time);
+        return memory.image(object, time);
       },
-      [this, object](const cv::Mat& picture) {
-        pictured_ = object;
-        const QImage image = image_of(picture);
-        picture_->setVisible(!image.isNull() && !rows_->isHidden());
+      [this, object](const cv::Mat& image) {
+        imaged_ = object;
+        const QImage image = image_of(image);
+        image_->setVisible(!image.isNull() && !rows_->isHidden());
         if (!image.isNull())
-          picture_->setPixmap(QPixmap::fromImage(
-              image.scaled(picture_->size(), Qt::KeepAspectRatio, Qt::SmoothTransformation)));
+          image_->setPixmap(QPixmap::fromImage(
+              image.scaled(image_->size(), Qt::KeepAspectRatio, Qt::SmoothTransformation)));
       });
 }
 

@@ -13,7 +13,7 @@ namespace loci {
 class HistoryModel;
 class ObjectDetailsView;
 
-/// What is known of the chosen object: picture, where, since when, how sure, and its history.
+/// What is known of the chosen object: image, where, since when, how sure, and its history.
 class ObjectCard : public QWidget {
   Q_OBJECT
 
@@ -32,11 +32,11 @@ class ObjectCard : public QWidget {
   void refresh();
   void show_object(const BelievedObject& object);
   void show_nothing(const QString& title, const QString& hint);
-  void show_picture();
+  void show_image();
 
   Browser& browser_;
   HistoryModel* model_;
-  QLabel* picture_;
+  QLabel* image_;
   QLabel* title_;
   QLabel* hint_;
   QWidget* rows_;
@@ -44,7 +44,7 @@ class ObjectCard : public QWidget {
   QProgressBar* probability_;
   QTableView* history_;
   ObjectDetailsView* pages_;
-  int64_t pictured_ = 0;  ///< object in the picture
+  int64_t imaged_ = 0;  ///< object in the image
 };
 
 }  // namespace loci

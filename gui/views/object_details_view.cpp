@@ -16,7 +16,7 @@
 namespace loci {
 namespace {
 
-constexpr int kPicture = 76, kHistogramHeight = 62;
+constexpr int kImage = 76, kHistogramHeight = 62;
 
 /// Bars from zero, the largest as high as the widget.
 class HistogramWidget : public QWidget {
@@ -60,18 +60,18 @@ class HistogramWidget : public QWidget {
 ObjectDetailsView::ObjectDetailsView(Browser& browser, QWidget* history, QWidget* parent)
     : QTabWidget(parent),
       browser_(browser),
-      pictures_(new QListWidget(this)),
+      images_(new QListWidget(this)),
       annotations_(new QTableWidget(0, 3, this)),
       why_(new QTextBrowser(this)) {
   setDocumentMode(true);
   setUsesScrollButtons(false);
   setMinimumHeight(5 * fontMetrics().height());  // the pages scroll
-  pictures_->setViewMode(QListView::IconMode);
-  pictures_->setResizeMode(QListView::Adjust);
-  pictures_->setMovement(QListView::Static);
-  pictures_->setIconSize(QSize(kPicture, kPicture));
-  pictures_->setFrameShape(QFrame::NoFrame);
-  pictures_->setToolTip("The newest picture from each side. Click one to go to its time");
+  images_->setViewMode(QListView::IconMode);
+  images_->setResizeMode(QListView::Adjust);
+  images_->setMovement(QListView::Static);
+  images_->setIconSize(QSize(kImage, kImage));
+  images_->setFrameShape(QFrame::NoFrame);
+  images_->setToolTip("The newest image from each side. Click one to go to its time");
   annotations_->setHorizontalHeaderLabels({"What", "Value", "Expert"});
   annotations_->setEditTriggers(QAbstractItemView::NoEditTriggers);
   annotations_->setSelectionBehavior(QAbstractItemView::SelectRows);
@@ -96,12 +96,12 @@ ObjectDetailsView::ObjectDetailsView(Browser& browser, QWidget* history, QWidget
   area->setWidgetResizable(true);
   area->setFrameShape(QFrame::NoFrame);
   addTab(history, "History");
-  addTab(pictures_, "Pictures");
+  addTab(images_, "Images");
   addTab(area, "Said");
   addTab(why_, "Why");
   setTabToolTip(2, "What annotators said of it when it was seen last, and their histograms");
   setTabToolTip(3, "Why the memory believes this, with the evidence and what else was considered");
-  connect(pictures_, &QListWidget::itemClicked, this, [this](const QListWidgetItem* item) {
+  connect(images_, &QListWidget::itemClicked, this, [this](const QListWidgetItem* item) {
     browser_.selection().set_time(item->data(Qt::UserRole).toLongLong());
   });
   connect(why_, &QTextBrowser::anchorClicked, this, [this](const QUrl& link) {
@@ -131,15 +131,15 @@ void ObjectDetailsView::refresh() {
 void ObjectDetailsView::show_details(ObjectDetails& details) {
   details_ = std::move(details);
   const int zone = browser_.data() == nullptr ? 0 : browser_.data()->info().zone_minutes;
-  pictures_->clear();
-  for (const ObjectPicture& one : details_.pictures) {
+  images_->clear();
+  for (const ObjectImage& one : details_.images) {
     const QImage image =
-        image_of(one.picture).scaled(kPicture, kPicture, Qt::KeepAspectRatio, Qt::SmoothTransformation);
+        image_of(one.image).scaled(kImage, kImage, Qt::KeepAspectRatio, Qt::SmoothTransformation);
     const QString text = time_text(one.time, zone).mid(11, 8) + "\n" + QString::fromStdString(one.side);
-    auto* item = new QListWidgetItem(QIcon(QPixmap::fromImage(image)), text, pictures_);
+    auto* item = new QListWidgetItem(QIcon(QPixmap::fromImage(image)), text, images_);
     item->setData(Qt::UserRole, static_cast<qlonglong>(one.time));
   }
-  if (details_.pictures.empty()) new QListWidgetItem("No pictures were kept of it.", pictures_);
+  if (details_.images.empty()) new QListWidgetItem("No images were kept of it.", images_);
   annotations_->setRowCount(static_cast<int>(details_.annotations.size()));
   for (int row = 0; row < annotations_->rowCount(); ++row) {
     const Annotation& said = details_.annotations[static_cast<size_t>(row)];

@@ -12,7 +12,7 @@ class QVBoxLayout;
 
 namespace loci {
 
-/// The pages of the object card beside its history: pictures from all sides, what experts say with
+/// The pages of the object card beside its history: images from all sides, what experts say with
 /// histograms, and why the memory believes what it does. Read when a page is looked at.
 class ObjectDetailsView : public QTabWidget {
   Q_OBJECT
@@ -21,7 +21,7 @@ class ObjectDetailsView : public QTabWidget {
   /// `history` is the first page.
   ObjectDetailsView(Browser& browser, QWidget* history, QWidget* parent = nullptr);
 
-  QListWidget* pictures() const { return pictures_; }
+  QListWidget* images() const { return images_; }
   QTableWidget* annotations() const { return annotations_; }
   QTextBrowser* why() const { return why_; }
   const std::vector<Histogram>& histograms() const { return details_.histograms; }
@@ -32,7 +32,7 @@ class ObjectDetailsView : public QTabWidget {
   void show_histograms();
 
   Browser& browser_;
-  QListWidget* pictures_;
+  QListWidget* images_;
   QTableWidget* annotations_;
   QVBoxLayout* histograms_;
   QTextBrowser* why_;

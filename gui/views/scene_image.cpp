@@ -72,19 +72,19 @@ SceneImage::SceneImage(Browser& browser, QWidget* parent) : QWidget(parent), bro
 
 void SceneImage::show_depth(bool depth) {
   depth_ = depth;
-  remake_picture();
+  remake_image();
 }
 
 void SceneImage::refresh() {
   const auto& content = browser_.moment().content;
   if (content == content_) return update();
   content_ = content;
-  remake_picture();
+  remake_image();
 }
 
-void SceneImage::remake_picture() {
-  picture_ = {};
-  if (content_) picture_ = depth_ ? depth_image(content_->depth) : image_of(content_->color);
+void SceneImage::remake_image() {
+  image_ = {};
+  if (content_) image_ = depth_ ? depth_image(content_->depth) : image_of(content_->color);
   kinds_ = {};
   if (content_ && shows_kinds_) kinds_ = kinds_image(depth_ ? content_->kinds : kinds_in_color(*content_));
   update();
@@ -97,19 +97,19 @@ void SceneImage::show_masks(bool masks) {
 
 void SceneImage::show_kinds(bool kinds) {
   shows_kinds_ = kinds;
-  remake_picture();
+  remake_image();
 }
 
-QRectF SceneImage::picture_area() const {
-  const QSizeF size = QSizeF(picture_.size()).scaled(QSizeF(this->size()), Qt::KeepAspectRatio);
+QRectF SceneImage::image_area() const {
+  const QSizeF size = QSizeF(image_.size()).scaled(QSizeF(this->size()), Qt::KeepAspectRatio);
   return {QPointF((width() - size.width()) / 2, (height() - size.height()) / 2), size};
 }
 
 QRectF SceneImage::on_widget(const ImageBox& box) const {
   const cv::Rect2d& pixels = depth_ ? box.depth : box.color;
   const PinholeCamera& camera = depth_ ? content_->camera.depth : content_->camera.color;
-  if (pixels.empty() || camera.width <= 0 || picture_.isNull()) return {};
-  const QRectF area = picture_area();
+  if (pixels.empty() || camera.width <= 0 || image_.isNull()) return {};
+  const QRectF area = image_area();
   const double sx = area.width() / camera.width;
   const double sy = area.height() / camera.height;
   return QRectF(area.left() + pixels.x * sx, area.top() + pixels.y * sy, pixels.width * sx,
@@ -144,24 +144,24 @@ const ImageBox* SceneImage::box_at(const QPointF& point) const {
 }
 
 QString SceneImage::empty_text() const {
-  if (browser_.data() == nullptr) return "The picture of the chosen scene";
+  if (browser_.data() == nullptr) return "The image of the chosen scene";
   if (browser_.scene() == nullptr) return "This memory has no scenes";
-  return depth_ ? "No depth was kept for this scene" : "No picture was kept for this scene";
+  return depth_ ? "No depth was kept for this scene" : "No image was kept for this scene";
 }
 
 void SceneImage::paintEvent(QPaintEvent*) {
   QPainter painter(this);
   const Theme theme = Theme::of(palette());
   painter.fillRect(rect(), theme.dark ? QColor(20, 21, 23) : QColor(226, 228, 232));
-  if (picture_.isNull()) {
+  if (image_.isNull()) {
     painter.setPen(theme.muted);
     painter.drawText(rect(), Qt::AlignCenter | Qt::TextWordWrap, empty_text());
     return;
   }
   painter.setRenderHint(QPainter::SmoothPixmapTransform);
-  painter.drawImage(picture_area(), picture_);
+  painter.drawImage(image_area(), image_);
   painter.setRenderHint(QPainter::Antialiasing);
-  if (!kinds_.isNull()) painter.drawImage(picture_area(), kinds_);
+  if (!kinds_.isNull()) painter.drawImage(image_area(), kinds_);
   const auto selected = browser_.selection().object();
   for (const ImageBox& box : boxes())
     if (box.object != selected) paint_box(painter, box);
@@ -220,7 +220,7 @@ void SceneImage::paint_mask(QPainter& painter, const ImageBox& box) const {
   if (!masks_ || camera.width <= 0) return;
   const Theme theme = Theme::of(palette());
   const bool selected = browser_.selection().object() == box.object && box.object != 0;
-  const QRectF area = picture_area();
+  const QRectF area = image_area();
   QColor fill = selected ? theme.accent : QColor(Qt::white);
   fill.setAlpha(selected ? 90 : 40);
   painter.setBrush(fill);
@@ -248,9 +248,9 @@ void SceneImage::paint_box(QPainter& painter, const ImageBox& box) const {
   painter.drawRoundedRect(area, 2, 2);
 }
 
-QRectF SceneImage::on_widget(const PictureNote& note) const {
+QRectF SceneImage::on_widget(const ImageNote& note) const {
   if (depth_ || !content_ || content_->camera.color.width <= 0) return {};
-  const QRectF area = picture_area();
+  const QRectF area = image_area();
   const double sx = area.width() / content_->camera.color.width;
   const double sy = area.height() / content_->camera.color.height;
   return QRectF(area.left() + note.region.x * sx, area.top() + note.region.y * sy, note.region.width * sx,
@@ -270,7 +270,7 @@ void SceneImage::paint_notes(QPainter& painter) const {
 
 void SceneImage::paint_names(QPainter& painter) const {
   const Theme theme = Theme::of(palette());
-  const QRectF all = picture_area();
+  const QRectF all = image_area();
   const auto selected = browser_.selection().object();
   std::vector<const ImageBox*> order;  // the chosen one first: it gets the best place
   for (const ImageBox& box : boxes())
@@ -303,7 +303,7 @@ void SceneImage::paint_names(QPainter& painter) const {
   }
 }
 
-void SceneImage::set_notes(std::vector<PictureNote> notes) {
+void SceneImage::set_notes(std::vector<ImageNote> notes) {
   notes_ = std::move(notes);
   marked_.reset();
   update();
@@ -315,8 +315,8 @@ void SceneImage::mark(std::optional<size_t> note) {
 }
 
 QString SceneImage::values_at(const QPointF& point) const {
-  const QRectF area = picture_area();
-  if (!content_ || picture_.isNull() || !area.contains(point)) return {};
+  const QRectF area = image_area();
+  if (!content_ || image_.isNull() || !area.contains(point)) return {};
   const PinholeCamera& camera = depth_ ? content_->camera.depth : content_->camera.color;
   const Vector2d pixel((point.x() - area.left()) / area.width() * camera.width,
                        (point.y() - area.top()) / area.height() * camera.height);

@@ -5,11 +5,11 @@
 #include <optional>
 
 #include "gui/browser.h"
-#include "gui/data/picture_notes.h"
+#include "gui/data/image_notes.h"
 
 namespace loci {
 
-/// The picture of the chosen scene with the boxes of what was found in it; colour or depth. A click on a box
+/// The image of the chosen scene with the boxes of what was found in it; colour or depth. A click on a box
 /// selects its object.
 class SceneImage : public QWidget {
   Q_OBJECT
@@ -24,12 +24,12 @@ class SceneImage : public QWidget {
   /// What the map explains, what is irrelevant and what is of interest, as a tint.
   void show_kinds(bool kinds);
   QSize sizeHint() const override { return {380, 285}; }
-  /// Where an object's box is on the widget; unset when it is not in this picture.
+  /// Where an object's box is on the widget; unset when it is not in this image.
   std::optional<QRectF> box_of(int64_t object) const;
-  /// What was found in parts of the picture, drawn as dashed boxes; one of them may be marked.
-  void set_notes(std::vector<PictureNote> notes);
+  /// What was found in parts of the image, drawn as dashed boxes; one of them may be marked.
+  void set_notes(std::vector<ImageNote> notes);
   void mark(std::optional<size_t> note);
-  /// What is measured at a point of the widget, as one line; empty outside the picture.
+  /// What is measured at a point of the widget, as one line; empty outside the image.
   QString values_at(const QPointF& point) const;
 
  protected:
@@ -40,12 +40,12 @@ class SceneImage : public QWidget {
 
  private:
   void refresh();
-  void remake_picture();
+  void remake_image();
   const std::vector<ImageBox>& boxes() const;
-  QRectF picture_area() const;
+  QRectF image_area() const;
   QRectF on_widget(const ImageBox& box) const;
   const ImageBox* box_at(const QPointF& point) const;
-  QRectF on_widget(const PictureNote& note) const;
+  QRectF on_widget(const ImageNote& note) const;
   void paint_box(QPainter& painter, const ImageBox& box) const;
   void paint_mask(QPainter& painter, const ImageBox& box) const;
   void paint_kinds(QPainter& painter) const;
@@ -57,11 +57,11 @@ class SceneImage : public QWidget {
 
   Browser& browser_;
   std::shared_ptr<const SceneContent> content_;  ///< null = none
-  QImage picture_;
+  QImage image_;
   QImage kinds_;  ///< the tint; null = not shown, or not known
   bool depth_ = false, masks_ = true, shows_kinds_ = false;
   QString values_;  ///< under the cursor
-  std::vector<PictureNote> notes_;
+  std::vector<ImageNote> notes_;
   std::optional<size_t> marked_;
 };
 

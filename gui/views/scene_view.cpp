@@ -18,7 +18,7 @@ SceneView::SceneView(Browser& browser, QWidget* parent)
       browser_(browser),
       image_(new SceneImage(browser, this)),
       tree_(new QTreeWidget(this)) {
-  tree_->setHeaderLabels({"Found in the picture", "By"});
+  tree_->setHeaderLabels({"Found in the image", "By"});
   tree_->header()->setStretchLastSection(false);
   tree_->header()->setSectionResizeMode(0, QHeaderView::Stretch);
   tree_->header()->setSectionResizeMode(1, QHeaderView::ResizeToContents);
@@ -45,20 +45,20 @@ void SceneView::refresh() {
   scene_ = scene;
   if (!notes_.empty() || scene == 0) show_notes({});
   if (scene == 0) return;
-  browser_.reader().read<std::vector<PictureNote>>(
+  browser_.reader().read<std::vector<ImageNote>>(
       this, "notes", Urgency::rest, [scene](const BrowserData& memory) { return memory.notes(scene); },
-      [this, scene](std::vector<PictureNote>& notes) {
+      [this, scene](std::vector<ImageNote>& notes) {
         if (scene == scene_ && !notes.empty()) show_notes(std::move(notes));
       });
 }
 
 /// A group per kind, with what was found below it.
-void SceneView::show_notes(std::vector<PictureNote> notes) {
+void SceneView::show_notes(std::vector<ImageNote> notes) {
   notes_ = std::move(notes);
   tree_->clear();
   std::map<std::string, QTreeWidgetItem*> groups;
   for (size_t i = 0; i < notes_.size(); ++i) {
-    const PictureNote& note = notes_[i];
+    const ImageNote& note = notes_[i];
     QTreeWidgetItem*& group = groups[note.type];
     if (group == nullptr) {
       group = new QTreeWidgetItem(tree_, {QString::fromStdString(note.type).remove("Annotation")});

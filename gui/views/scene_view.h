@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "gui/browser.h"
-#include "gui/data/picture_notes.h"
+#include "gui/data/image_notes.h"
 
 class QTreeWidget;
 
@@ -12,7 +12,7 @@ namespace loci {
 
 class SceneImage;
 
-/// The picture of the chosen scene, what is measured under the cursor, and, where annotators found something
+/// The image of the chosen scene, what is measured under the cursor, and, where annotators found something
 /// in parts of it (texts, barcodes, answers of a visual search), these as a tree beside their boxes.
 class SceneView : public QWidget {
   Q_OBJECT
@@ -22,7 +22,7 @@ class SceneView : public QWidget {
 
   SceneImage& image() { return *image_; }
   QTreeWidget* notes() const { return tree_; }
-  void show_notes(std::vector<PictureNote> notes);
+  void show_notes(std::vector<ImageNote> notes);
 
  private:
   void refresh();
@@ -30,7 +30,7 @@ class SceneView : public QWidget {
   Browser& browser_;
   SceneImage* image_;
   QTreeWidget* tree_;
-  std::vector<PictureNote> notes_;
+  std::vector<ImageNote> notes_;
   int64_t scene_ = 0;  ///< that the notes are of; 0 = none
 };
 

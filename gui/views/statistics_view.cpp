@@ -32,7 +32,7 @@ std::string png_of(QWidget& widget) {
   QByteArray bytes;
   QBuffer buffer(&bytes);
   buffer.open(QIODevice::WriteOnly);
-  if (!widget.grab().save(&buffer, "PNG")) throw Error("the picture could not be encoded", {});
+  if (!widget.grab().save(&buffer, "PNG")) throw Error("the image could not be encoded", {});
   return {bytes.constData(), static_cast<size_t>(bytes.size())};
 }
 
@@ -55,7 +55,7 @@ StatisticsView::StatisticsView(Browser& browser, QWidget* parent)
     savers_.push_back(button);
   };
   add("CSV…", "statistics.csv", "Tables (*.csv)", &StatisticsView::save_csv);
-  add("PNG…", "statistics.png", "Pictures (*.png)", &StatisticsView::save_png);
+  add("PNG…", "statistics.png", "Images (*.png)", &StatisticsView::save_png);
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(8, 6, 8, 6);
   layout->addLayout(tools);
@@ -133,7 +133,7 @@ void StatisticsView::offer_saving(BarChart* bars, const Chart& chart) {
     });
     bars->addAction(action);
   };
-  add("Save this chart as PNG…", ".png", "Pictures (*.png)", [bars] { return png_of(*bars); });
+  add("Save this chart as PNG…", ".png", "Images (*.png)", [bars] { return png_of(*bars); });
   add("Save this chart as CSV…", ".csv", "Tables (*.csv)", [chart] { return statistics_csv({chart}); });
 }
 

@@ -25,7 +25,7 @@ class StatisticsView : public Page {
   ~StatisticsView() override;
 
   const std::vector<BarChart*>& charts() const { return bars_; }
-  /// Writes the charts as a picture or as a table. Error when it cannot.
+  /// Writes the charts as an image or as a table. Error when it cannot.
   void save_png(const QString& path) const;
   void save_csv(const QString& path) const;
 

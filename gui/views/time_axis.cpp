@@ -5,7 +5,7 @@
 
 namespace loci {
 namespace {
-constexpr TimeNs kLeastSpan = kSecond / 10;
+constexpr TimeNs kMinSpan = kSecond / 10;
 }
 
 void TimeAxis::set_whole(TimeNs first, TimeNs last) {
@@ -44,7 +44,7 @@ void TimeAxis::zoom(double factor, TimeNs at) {
   const auto scaled = [&](TimeNs span) { return std::llround(static_cast<double>(span) * factor); };
   const TimeNs from = at - scaled(at - from_);
   const TimeNs to = at + scaled(to_ - at);
-  if (to - from >= std::min(kLeastSpan, last_ - first_)) show(from, to);
+  if (to - from >= std::min(kMinSpan, last_ - first_)) show(from, to);
 }
 
 void TimeAxis::pan(double part) {

@@ -12,12 +12,12 @@ namespace {
 
 using Type = JointEstimate::Type;
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kLeastCoverage = 0.35;  ///< of the front's rectangle by the moved face
-constexpr size_t kLeastPoints = 40;
-constexpr size_t kLeastPoses = 5;  ///< of a hand's path that can tell line from arc
+constexpr double kMinCoverage = 0.35;  ///< of the front's rectangle by the moved face
+constexpr size_t kMinPoints = 40;
+constexpr size_t kMinPoses = 5;  ///< of a hand's path that can tell line from arc
 /// Neighbouring cells of a face are right or wrong together: its coverage counts as so many looks.
 constexpr double kLooks = 4;
-constexpr double kLeastSupport = 0.02;
+constexpr double kMinSupport = 0.02;
 
 /// Points of a scan set within reach of a front, map frame.
 std::vector<Vector3d> points_near(const ScanSet& set, const Front& front) {
@@ -52,7 +52,7 @@ std::array<double, 3> weigh_types(const Front& front, const TrackResult* felt,
                                   const std::array<double, 3>& support) {
   std::array<double, 3> logs = joint_prior(front).probabilities;
   for (size_t i = 0; i < 3; ++i) {
-    logs[i] = std::log(std::max(logs[i], 1e-4)) + kLooks * std::log(std::max(support[i], kLeastSupport));
+    logs[i] = std::log(std::max(logs[i], 1e-4)) + kLooks * std::log(std::max(support[i], kMinSupport));
     if (felt)
       logs[i] += std::log((1 - felt->unknown_probability) * std::max(felt->estimate.probabilities[i], 1e-4) +
                           felt->unknown_probability / 3);
@@ -105,7 +105,7 @@ Front corrected_front(const Front& front, const Face& closed, const MovedFace& f
     places[0].push_back(place.x());
     places[1].push_back(place.y());
   }
-  if (places[0].size() < kLeastPoints) return corrected;
+  if (places[0].size() < kMinPoints) return corrected;
   const std::array<double, 2> half{0.5 * front.width, 0.5 * front.height};
   std::array<std::array<double, 2>, 2> edges;
   for (size_t k = 0; k < 2; ++k) {
@@ -187,21 +187,21 @@ DifferenceResult articulate(const ScanSet& before, const ScanSet& after, const F
   DifferenceResult result;
   result.points = moved.size();
   std::optional<TrackResult> felt;
-  if (hand_path.size() >= kLeastPoses) felt = felt_along(hand_path);
+  if (hand_path.size() >= kMinPoses) felt = felt_along(hand_path);
   std::array<std::optional<MovedFace>, 3> faces;
-  if (moved.size() >= kLeastPoints) faces = moved_faces(closed, moved, front, options.tolerance_m);
+  if (moved.size() >= kMinPoints) faces = moved_faces(closed, moved, front, options.tolerance_m);
   // What is still seen in its place did not move, whatever a neighbour did.
   const double still = still_share(points_after, closed, front);
   std::array<double, 3> support{still, 0, 0};
   for (size_t i = 0; i < 3; ++i)
-    if (faces[i] && faces[i]->coverage > kLeastCoverage) support[i] = (1 - still) * faces[i]->coverage;
+    if (faces[i] && faces[i]->coverage > kMinCoverage) support[i] = (1 - still) * faces[i]->coverage;
   const std::array<double, 3> probabilities = weigh_types(front, felt ? &*felt : nullptr, support);
   const size_t best = static_cast<size_t>(std::max_element(probabilities.begin(), probabilities.end()) -
                                           probabilities.begin());
   const bool seen = best > 0 && support[best] > 0;
   if (!seen) {
     result.reason =
-        moved.size() < kLeastPoints
+        moved.size() < kMinPoints
             ? "nothing stands where space was free before: " + std::to_string(moved.size()) + " points"
             : "what stands where space was free before is no front that slid or turned";
     if (best == 0 || !felt || felt->estimate.type != static_cast<Type>(best)) return result;

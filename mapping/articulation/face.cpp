@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kSamples = 400;
 constexpr double kReach = 0.02;
-constexpr size_t kLeastPoints = 30;
+constexpr size_t kMinPoints = 30;
 
 size_t count_near(const Face& face, const std::vector<Vector3d>& points) {
   return static_cast<size_t>(std::count_if(
@@ -52,7 +52,7 @@ Face refined_face(const Face& start, const std::vector<Vector3d>& points, double
 
 std::optional<Face> find_face(const std::vector<Vector3d>& points,
                               const std::function<bool(const Vector3d&)>& allowed) {
-  if (points.size() < kLeastPoints) return std::nullopt;
+  if (points.size() < kMinPoints) return std::nullopt;
   Random random(1);
   Face best;
   size_t most = 0;
@@ -73,7 +73,7 @@ std::optional<Face> find_face(const std::vector<Vector3d>& points,
   }
   if (most == 0) return std::nullopt;
   best = refined_face(best, points, kReach);
-  if (best.points < kLeastPoints || !allowed(best.normal)) return std::nullopt;
+  if (best.points < kMinPoints || !allowed(best.normal)) return std::nullopt;
   return best;
 }
 

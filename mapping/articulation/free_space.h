@@ -6,7 +6,7 @@
 
 namespace loci {
 
-/// Which space the rays of a scan set passed through: per origin a picture of the distances in all
+/// Which space the rays of a scan set passed through: per origin an image of the distances in all
 /// directions, in steps of half a degree.
 class FreeSpace {
  public:

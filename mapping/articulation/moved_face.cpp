@@ -12,7 +12,7 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kHingeBehindFace = 0.01;  ///< as in the prior: the middle of a panel
 constexpr double kParallelDeg = 4;         ///< faces that differ by less did not turn
 constexpr double kOnFace = 0.025;          ///< metres
-constexpr size_t kLeastPoints = 40;
+constexpr size_t kMinPoints = 40;
 constexpr int kRounds = 3;  ///< as a face settles, so does what belongs to it
 constexpr double kCell = 0.03;
 constexpr double kInner = 0.45;           ///< of a front's extent, from its middle
@@ -124,7 +124,7 @@ Face panel_face(const MovedFace& face, const std::vector<Vector3d>& moved, const
   for (const Vector3d& p : moved)
     if (std::abs(face.open.distance(p)) < kOnFace && on_panel(closed_from_moved * p, front))
       on_face.push_back(p);
-  return on_face.size() < kLeastPoints ? face.open : refined_face(face.open, on_face, kOnFace);
+  return on_face.size() < kMinPoints ? face.open : refined_face(face.open, on_face, kOnFace);
 }
 
 }  // namespace
@@ -136,7 +136,7 @@ Face closed_face(const std::vector<Vector3d>& before, const Front& front) {
   for (const Vector3d& p : before)
     if (std::abs((p - front.centre).dot(front.normal)) < 0.04 && on_panel(p, front)) on_face.push_back(p);
   const Face assumed{front.normal, front.normal.dot(front.centre), kLeanSd, 0};
-  if (on_face.size() < kLeastPoints) return assumed;
+  if (on_face.size() < kMinPoints) return assumed;
   Face face = refined_face(assumed, on_face, 0.03);
   const Vector3d middle = front.centre - face.normal * face.distance(front.centre);
   const double seen = 1 / (face.normal_sd * face.normal_sd), told = 1 / (kLeanSd * kLeanSd);

@@ -11,7 +11,7 @@ namespace loci {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kSmallestSigma = 5e-5;  // metres: no tracker is better
+constexpr double kMinSigma = 5e-5;  // metres: no tracker is better
 constexpr int kSamples = 250;
 constexpr int kRounds = 25;
 constexpr int kSteps = 15;
@@ -57,7 +57,7 @@ bool draw_path(Path::Kind kind, const Positions& positions, Random& random, Path
 }
 
 /// Starts from the drawn path whose median distance is least: half of the positions may be outliers.
-Path least_median_path(Path::Kind kind, const Positions& positions) {
+Path min_median_path(Path::Kind kind, const Positions& positions) {
   Random random(1);
   Path best;
   best.kind = kind;
@@ -212,7 +212,7 @@ void measure_noise(PathFit& fit, const Positions& positions, const PathOptions& 
   const double square = weighted_square(fit.path, positions, fit.weights);
   const double freedom = std::max(fit.path.across_dimensions() * sum - fit.path.parameters(), 1.0);
   fit.rms = std::sqrt(square / std::max(sum, 1e-9));
-  fit.sigma = options.sigma > 0 ? options.sigma : std::max(std::sqrt(square / freedom), kSmallestSigma);
+  fit.sigma = options.sigma > 0 ? options.sigma : std::max(std::sqrt(square / freedom), kMinSigma);
   const double count = static_cast<double>(positions.size());
   fit.outlier_share = std::clamp((10 * options.outlier_probability + count - sum) / (10 + count), 1e-4, 0.5);
 }
@@ -320,7 +320,7 @@ PathFit fit_from(const Path& start, const Positions& positions, const PathOption
   fit.outlier_share = std::clamp(options.outlier_probability, 1e-4, 0.5);
   std::vector<double> distances;
   for (const Vector3d& p : positions) distances.push_back(fit.path.across(p).norm());
-  fit.sigma = options.sigma > 0 ? options.sigma : std::max(median(distances), kSmallestSigma);
+  fit.sigma = options.sigma > 0 ? options.sigma : std::max(median(distances), kMinSigma);
   for (int round = 0; round < kRounds; ++round) {
     weigh(fit, positions, extent, options);
     for (int step = 0; step < kSteps && improve(fit.path, positions, fit.weights); ++step) {
@@ -337,7 +337,7 @@ PathFit fit_from(const Path& start, const Positions& positions, const PathOption
 }  // namespace
 
 PathFit fit_path(Path::Kind kind, const std::vector<Vector3d>& positions, const PathOptions& options) {
-  PathFit fit = fit_from(least_median_path(kind, positions), positions, options);
+  PathFit fit = fit_from(min_median_path(kind, positions), positions, options);
   if (kind == Path::Kind::circle) {
     // Of a short arc three poses say little: all together say more, if there are few outliers.
     PathFit other = fit_from(algebraic_circle(positions), positions, options);

@@ -17,7 +17,7 @@ std::string html_table(const std::vector<std::string>& header,
 /// A list of texts.
 std::string html_list(const std::vector<std::string>& items);
 
-/// A picture inside the page; `mime` as in "image/png".
+/// An image inside the page; `mime` as in "image/png".
 std::string html_image(std::span<const unsigned char> bytes, std::string_view mime, std::string_view alt);
 
 /// A section with a heading; `body` is HTML.

@@ -92,7 +92,7 @@ void compare_supports(const MapStructure& map, const MapStructure& truth, const 
     for (size_t j = 0; j < truth.supports.size(); ++j) {
       if (std::abs(map.supports[i].height - truth.supports[j].height) > options.height_tolerance_m) continue;
       const double overlap = overlap_of(map.supports[i], truth.supports[j]);
-      if (overlap >= options.outline_overlap_min) pairs.push_back({i, j, overlap});
+      if (overlap >= options.min_outline_overlap) pairs.push_back({i, j, overlap});
     }
   std::stable_sort(pairs.begin(), pairs.end(),
                    [](const Pair& a, const Pair& b) { return a.overlap > b.overlap; });
@@ -184,7 +184,7 @@ void compare_walls(const MapStructure& map, const MapStructure& truth, const Com
 void ComparisonOptions::declare(OptionTable& table) {
   table.number("height_tolerance_m", height_tolerance_m, "m",
                "Supports match when their heights differ by no more.", 0.001, 1);
-  table.number("outline_overlap_min", outline_overlap_min, "",
+  table.number("min_outline_overlap", min_outline_overlap, "",
                "Least intersection over union of matching outlines.", 0.01, 1);
   table.number("wall_tolerance_m", wall_tolerance_m, "m", "Walls match when their planes differ by no more.",
                0.001, 1);

@@ -12,7 +12,7 @@ namespace loci {
 
 struct ComparisonOptions {
   double height_tolerance_m = 0.05;
-  double outline_overlap_min = 0.25;
+  double min_outline_overlap = 0.25;
   double wall_tolerance_m = 0.10;
   double wall_angle_deg = 10;
   double handle_tolerance_m = 0.10;

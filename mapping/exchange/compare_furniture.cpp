@@ -111,7 +111,7 @@ std::vector<std::optional<size_t>> front_pairs(const MapStructure& map, const Ma
   for (size_t i = 0; i < map.fronts.size(); ++i)
     for (size_t j = 0; j < truth.fronts.size(); ++j) {
       const double overlap = overlap_of(map.fronts[i].front, truth.fronts[j].front);
-      if (overlap >= options.outline_overlap_min) by_overlap.push_back({i, j, -overlap});
+      if (overlap >= options.min_outline_overlap) by_overlap.push_back({i, j, -overlap});
     }
   return assign(std::move(by_overlap), truth.fronts.size(),
                 assign(std::move(by_handle), truth.fronts.size()));

@@ -10,7 +10,7 @@ namespace loci {
 namespace {
 
 constexpr double kUpright = 0.3;       // |z| of the normal of an upright face
-constexpr double kLeastFace = 0.01;    // m²
+constexpr double kMinFace = 0.01;    // m²
 constexpr double kSamePlane = 0.005;   // m
 constexpr double kSameNormal = 0.995;  // cosine
 constexpr double kFreeBefore = 0.4;    // m
@@ -102,7 +102,7 @@ class FurnitureReader {
   std::optional<Face> outer_face(const std::vector<const WorldTriangle*>& body, const Joint& joint,
                                  const std::vector<std::string>& fixtures) const {
     std::vector<Face> faces = faces_of(body);
-    std::erase_if(faces, [](const Face& face) { return face.area < kLeastFace; });
+    std::erase_if(faces, [](const Face& face) { return face.area < kMinFace; });
     if (faces.empty()) return std::nullopt;
     const std::optional<Vector3d> outside = fixtures.empty() ? std::nullopt : centre_of(fixtures.front());
     const std::optional<Vector3d> inside = centre_above(joint);

@@ -9,8 +9,8 @@
 namespace loci {
 namespace {
 
-constexpr double kLeastSurface = 0.05;  // m²
-constexpr double kLeastWall = 0.5;      // m²
+constexpr double kMinSurface = 0.05;  // m²
+constexpr double kMinWall = 0.5;      // m²
 constexpr double kReveal = 0.3;         // m; narrower faces of walls
 constexpr double kLowest = 0.2;         // m; lower surfaces are the floor or plinths
 constexpr double kHighest = 2.0;
@@ -72,7 +72,7 @@ void add_supports(const World& world, const std::vector<WorldTriangle>& triangle
       surface.height += triangle->area * triangle->corners[0].z();
       area += triangle->area;
     }
-    if (area < kLeastSurface) continue;
+    if (area < kMinSurface) continue;
     surface.height /= area;
     surface.name = world.links[key.first].name;
     surface.main = !moves(world, key.first) && open_fraction(patch, triangles) > 0.5;
@@ -128,7 +128,7 @@ void add_walls(const World& world, const std::vector<WorldTriangle>& triangles, 
         wall.top = std::max(wall.top, corner.z());
       }
     }
-    if (area < kLeastWall || wall.top < 1.2) continue;
+    if (area < kMinWall || wall.top < 1.2) continue;
     wall.name = world.links[static_cast<size_t>(key[0])].name;
     // Sides of furniture are vertical planes too; only links that are called so are walls to be found, on the
     // side that faces the room, and reveals and ends of walls need not be.

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kHighest = 1.9;  // m; what hangs higher would hide the furniture
 constexpr double kMargin = 0.2;   // m around the points
-constexpr double kMostPixels = 1400;
+constexpr double kMaxPixels = 1400;
 
 struct TopView {
   Vector2d low = Vector2d::Constant(1e9);
@@ -60,28 +60,28 @@ TopView view_of(const InterpretedMap& map, const ScanSet& scans) {
   };
   spread(x, view.low.x(), view.high.x());
   spread(y, view.low.y(), view.high.y());
-  view.pixel = std::max(0.01, (view.high - view.low).maxCoeff() / kMostPixels);
+  view.pixel = std::max(0.01, (view.high - view.low).maxCoeff() / kMaxPixels);
   return view;
 }
 
 /// The points seen from above in their colours (grey by height where they have none), the highest on top.
-cv::Mat picture_of(const InterpretedMap& map, const ScanSet& scans, const TopView& view) {
-  cv::Mat picture(view.height(), view.width(), CV_8UC3, cv::Scalar(255, 255, 255));
+cv::Mat image_of(const InterpretedMap& map, const ScanSet& scans, const TopView& view) {
+  cv::Mat image(view.height(), view.width(), CV_8UC3, cv::Scalar(255, 255, 255));
   cv::Mat heights(view.height(), view.width(), CV_32F, cv::Scalar(-1e9));
   each_point(map, scans, [&](const Vector3d& position, const ScanPoint& point) {
     const Vector2d pixel = view.at(position.head<2>());
     const int u = static_cast<int>(std::floor(pixel.x()));
     const int v = static_cast<int>(std::floor(pixel.y()));
-    if (u < 0 || v < 0 || u >= picture.cols || v >= picture.rows) return;
+    if (u < 0 || v < 0 || u >= image.cols || v >= image.rows) return;
     auto& height = heights.at<float>(v, u);
     if (static_cast<float>(position.z()) <= height) return;
     height = static_cast<float>(position.z());
     const bool colored = point.r != 0 || point.g != 0 || point.b != 0;
     const auto grey = static_cast<uint8_t>(std::clamp(200 - 80 * position.z(), 40.0, 220.0));
-    picture.at<cv::Vec3b>(v, u) =
+    image.at<cv::Vec3b>(v, u) =
         colored ? cv::Vec3b(point.b, point.g, point.r) : cv::Vec3b(grey, grey, grey);
   });
-  return picture;
+  return image;
 }
 
 const char* color_of(const std::string& class_name) {
@@ -92,7 +92,7 @@ const char* color_of(const std::string& class_name) {
   return "#9d174d";
 }
 
-/// Room beside the picture for names of what stands at its edge, pixels.
+/// Room beside the image for names of what stands at its edge, pixels.
 constexpr int kLabelMargin = 60;
 
 std::string points_text(const Json& outline, const TopView& view) {
@@ -165,7 +165,7 @@ std::string times_table(const InterpretedMap& map) {
 
 std::string top_view_svg(const InterpretedMap& map, const ScanSet& scans) {
   const TopView view = view_of(map, scans);
-  const std::vector<unsigned char> png = encode_image(picture_of(map, scans, view), ".png");
+  const std::vector<unsigned char> png = encode_image(image_of(map, scans, view), ".png");
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{4} 0 {3} {1}\" width=\"{3}\" height=\"{1}\" "
       "role=\"img\" "

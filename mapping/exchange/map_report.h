@@ -10,7 +10,7 @@ namespace loci {
 /// what was left out, configuration and timings. Others may add sections with html_with_section.
 std::string map_report(const InterpretedMap& map, const ScanSet& scans, const std::string& input);
 
-/// The top view alone, as SVG with the points as a picture inside.
+/// The top view alone, as SVG with the points as an image inside.
 std::string top_view_svg(const InterpretedMap& map, const ScanSet& scans);
 
 }  // namespace loci

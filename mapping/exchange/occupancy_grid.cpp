@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kMargin = 0.5;      // m of unknown around everything
 constexpr double kFloor = 0.05;      // m; upward faces so near to the floor's height are floor
-constexpr double kLeastFloor = 0.1;  // of the area that the geometry spans
-constexpr double kMostCells = 4e8;
+constexpr double kMinFloor = 0.1;  // of the area that the geometry spans
+constexpr double kMaxCells = 4e8;
 constexpr int kShift = 4;  // fractional bits of OpenCV's polygon corners
 
 /// The part of a triangle between two heights, as a polygon.
@@ -44,7 +44,7 @@ OccupancyGrid empty_grid(const Eigen::AlignedBox2d& box, double resolution) {
   const Vector2d high = ((box.max().array() + kMargin) / resolution).ceil();
   grid.origin = low * resolution;
   const Vector2d size = high - low;
-  if (size.prod() > kMostCells) throw Error("the grid has too many cells", {}, "choose a coarser resolution");
+  if (size.prod() > kMaxCells) throw Error("the grid has too many cells", {}, "choose a coarser resolution");
   grid.width = static_cast<int>(size.x());
   grid.height = static_cast<int>(size.y());
   grid.cells.assign(static_cast<size_t>(grid.width) * static_cast<size_t>(grid.height), Occupancy::unknown);
@@ -96,7 +96,7 @@ OccupancyGrid occupancy_grid(const std::vector<WorldTriangle>& triangles, const 
   }
   // Sills and plinths lie low, too, but are no floor.
   const double reached = box.sizes().prod() / (options.resolution_m * options.resolution_m);
-  if (cv::countNonZero(floor) < kLeastFloor * reached) {
+  if (cv::countNonZero(floor) < kMinFloor * reached) {
     warnings.add("the map has no floor: all that its geometry encloses counts as floor");
     const Vector3d low(box.min().x(), box.min().y(), 0);
     const Vector3d high(box.max().x(), box.max().y(), 0);

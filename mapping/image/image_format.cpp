@@ -45,7 +45,7 @@ uint32_t crc32(std::string_view bytes) {
 }
 
 Error truncated(const std::string& name) {
-  return Error("the picture is truncated", {name, 0, {}}, "copy or record the file again");
+  return Error("the image is truncated", {name, 0, {}}, "copy or record the file again");
 }
 
 void require_whole_png(std::string_view bytes, const std::string& name) {
@@ -55,7 +55,7 @@ void require_whole_png(std::string_view bytes, const std::string& name) {
     if (length > bytes.size() - at - 12) throw truncated(name);
     const std::string_view type_and_data = bytes.substr(at + 4, length + 4);
     if (crc32(type_and_data) != big_endian_32(bytes, at + 8 + length))
-      throw Error("the picture is damaged (check sum)", {name, 0, {}}, "copy or record the file again");
+      throw Error("the image is damaged (check sum)", {name, 0, {}}, "copy or record the file again");
     if (type_and_data.substr(0, 4) == "IEND") return;
     at += length + 12;
   }
@@ -67,7 +67,7 @@ ImageHeader parse_png_header(std::string_view head, const std::string& name) {
   constexpr std::array<int, 7> channels = {1, 0, 3, 3, 2, 0, 4};  // By PNG colour type; 3 is a palette.
   const size_t color_type = byte_at(head, 25);
   if (color_type >= channels.size() || channels[color_type] == 0)
-    throw Error("the picture has an unknown PNG colour type", {name, 0, {}});
+    throw Error("the image has an unknown PNG colour type", {name, 0, {}});
   return {static_cast<int>(big_endian_32(head, 16)), static_cast<int>(big_endian_32(head, 20)),
           channels[color_type], color_type == 3 ? 8 : byte_at(head, 24)};
 }
@@ -102,7 +102,7 @@ void require_whole_image(std::string_view bytes, const std::string& name) {
   if (bytes.starts_with(kPngSignature))
     require_whole_png(bytes, name);
   else if (!bytes.starts_with(kJpegStart))
-    throw Error(bytes.empty() ? "the picture is empty" : "not a PNG or JPEG picture", {name, 0, {}});
+    throw Error(bytes.empty() ? "the image is empty" : "not a PNG or JPEG image", {name, 0, {}});
   else if (!ends_as_jpeg(bytes))
     throw truncated(name);
 }
@@ -110,7 +110,7 @@ void require_whole_image(std::string_view bytes, const std::string& name) {
 ImageHeader parse_image_header(std::string_view head, const std::string& name) {
   if (head.starts_with(kPngSignature)) return parse_png_header(head, name);
   if (head.starts_with(kJpegStart)) return parse_jpeg_header(head, name);
-  throw Error(head.empty() ? "the picture is empty" : "not a PNG or JPEG picture", {name, 0, {}});
+  throw Error(head.empty() ? "the image is empty" : "not a PNG or JPEG image", {name, 0, {}});
 }
 
 bool has_image_end(std::string_view head, std::string_view tail) {

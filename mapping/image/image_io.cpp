@@ -28,16 +28,16 @@ cv::Mat decode(std::string_view bytes, const std::string& name, int flags) {
   try {
     image = cv::imdecode(encoded, flags);
   } catch (const cv::Exception& error) {
-    throw Error("the picture cannot be decoded: " + error.err, {name, 0, {}});
+    throw Error("the image cannot be decoded: " + error.err, {name, 0, {}});
   }
-  if (image.empty()) throw Error("the picture cannot be decoded", {name, 0, {}});
+  if (image.empty()) throw Error("the image cannot be decoded", {name, 0, {}});
   return image;
 }
 
 std::vector<int> encoding_parameters(const std::string& ending) {
   if (ending == ".png") return {cv::IMWRITE_PNG_COMPRESSION, 3};
   if (ending == ".jpg" || ending == ".jpeg") return {cv::IMWRITE_JPEG_QUALITY, 95};
-  throw Error("pictures are written as .png or .jpg, not '" + ending + "'");
+  throw Error("images are written as .png or .jpg, not '" + ending + "'");
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ cv::Mat read_color(const std::filesystem::path& path) {
 cv::Mat read_uint16(const std::filesystem::path& path) {
   cv::Mat image = decode(read_file(path), path.string(), cv::IMREAD_UNCHANGED);
   if (image.type() != CV_16UC1)
-    throw Error("a 16-bit grey picture was expected", {path.string(), 0, {}},
+    throw Error("a 16-bit grey image was expected", {path.string(), 0, {}},
                 "depth and labels are 16-bit PNG");
   return image;
 }
@@ -57,7 +57,7 @@ cv::Mat read_uint16(const std::filesystem::path& path) {
 ImageHeader read_image_header(const std::filesystem::path& path) {
   std::error_code code;
   const auto size = std::filesystem::file_size(path, code);
-  if (code) throw Error("no such picture", {path.string(), 0, {}});
+  if (code) throw Error("no such image", {path.string(), 0, {}});
   std::ifstream file(path, std::ios::binary);
   if (!file) throw Error(std::string("cannot be read: ") + std::strerror(errno), {path.string(), 0, {}});
   std::string head(std::min<size_t>(size, 1 << 16), '\0');
@@ -68,7 +68,7 @@ ImageHeader read_image_header(const std::filesystem::path& path) {
   if (!file) throw Error("reading failed", {path.string(), 0, {}});
   const ImageHeader header = parse_image_header(head, path.string());
   if (!has_image_end(head, tail))
-    throw Error("the picture is truncated", {path.string(), 0, {}}, "copy or record the file again");
+    throw Error("the image is truncated", {path.string(), 0, {}}, "copy or record the file again");
   return header;
 }
 
@@ -84,9 +84,9 @@ std::vector<unsigned char> encode_image(const cv::Mat& image, const std::string&
   try {
     encoded = !image.empty() && cv::imencode(ending, image, bytes, encoding_parameters(ending));
   } catch (const cv::Exception& error) {
-    throw Error("the picture cannot be encoded as " + ending + ": " + error.err);
+    throw Error("the image cannot be encoded as " + ending + ": " + error.err);
   }
-  if (!encoded) throw Error("the picture cannot be encoded as " + ending);
+  if (!encoded) throw Error("the image cannot be encoded as " + ending);
   return bytes;
 }
 

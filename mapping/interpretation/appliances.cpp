@@ -7,7 +7,7 @@
 namespace loci {
 namespace {
 
-constexpr size_t kFewest = 50;  // rays
+constexpr size_t kMin = 50;  // rays
 
 /// Whether the front returns much less light than the rest of its face.
 bool dark(const FaceRect& rect, const FaceRays& rays) {
@@ -18,7 +18,7 @@ bool dark(const FaceRect& rect, const FaceRays& rays) {
     const bool inside = rect.contains(static_cast<double>(ray.u), static_cast<double>(ray.v), -0.02);
     (inside ? own : rest).push_back(ray.look[0]);
   }
-  return own.size() > kFewest && rest.size() > kFewest &&
+  return own.size() > kMin && rest.size() > kMin &&
          static_cast<double>(median(own)) < kDark * static_cast<double>(median(rest));
 }
 

@@ -7,8 +7,8 @@ namespace {
 
 constexpr double kRank = 0.7;          // of the depths in a neighbourhood: bars cover less than the rest
 constexpr double kRankSigmas = 0.524;  // by which that rank of a normal distribution exceeds its mean
-constexpr size_t kFewest = 30;
-constexpr double kMostNoise = 0.012;  // m; more is relief
+constexpr size_t kMin = 30;
+constexpr double kMaxNoise = 0.012;  // m; more is relief
 
 }  // namespace
 
@@ -31,12 +31,12 @@ FaceGround::FaceGround(const FaceRays& rays)
           const std::vector<float>& patch = patches[static_cast<size_t>(ny * width_ + nx)];
           around.insert(around.end(), patch.begin(), patch.end());
         }
-      if (around.size() < kFewest) continue;
+      if (around.size() < kMin) continue;
       const auto rank =
           around.begin() + static_cast<std::ptrdiff_t>(kRank * static_cast<double>(around.size()));
       std::nth_element(around.begin(), rank, around.end());
       depth_[static_cast<size_t>(y * width_ + x)] =
-          *rank - static_cast<float>(kRankSigmas * std::min(rays.sigma, kMostNoise));
+          *rank - static_cast<float>(kRankSigmas * std::min(rays.sigma, kMaxNoise));
     }
 }
 

@@ -17,14 +17,14 @@ constexpr int kAnglesBeside = 3;         // for which a piece votes besides its 
 constexpr double kOffsetBin = 0.015;     // m
 constexpr double kFacing = 0.95;         // cosine between a piece's normal and its plane's
 constexpr double kTaken = 0.022;         // m; pieces this near to a plane are explained by it
-constexpr double kLeastArea = 0.04;      // m²; a small drawer front
+constexpr double kMinArea = 0.04;      // m²; a small drawer front
 constexpr double kGap = 1.0;             // m; a mirror-like front may leave such a hole
 constexpr double kSameFace = 0.035;      // m; layers of one face
 constexpr double kSameDirection = 0.99;  // cosine
 constexpr int kBesideFixture = 3;        // cells of kPiece within which a plane goes on beside a fixture
-constexpr size_t kMostFaces = 80;
+constexpr size_t kMaxFaces = 80;
 constexpr double kLowest = 0.03;  // m above the floor
-constexpr size_t kFewestPoints = 2;
+constexpr size_t kMinPoints = 2;
 
 /// A small piece of vertical surface.
 struct Piece {
@@ -53,7 +53,7 @@ std::vector<Piece> pieces_of(const Surface& surface, double floor_height) {
   }
   std::vector<Piece> pieces;
   for (const Sum& sum : sums) {
-    if (sum.count < kFewestPoints || sum.normal.norm() < 0.6 * sum.count) continue;
+    if (sum.count < kMinPoints || sum.normal.norm() < 0.6 * sum.count) continue;
     const Vector3d normal = sum.normal.normalized();
     if (std::abs(normal.z()) > 0.25) continue;
     const Vector3d position = sum.position / sum.count;
@@ -140,7 +140,7 @@ std::vector<Face> faces_of(const std::vector<Piece>& pieces, std::vector<size_t>
     face.v_max = std::max(face.v_max, pieces[i].height);
     face.area += kPiece * kPiece;
   }
-  std::erase_if(faces, [](const Face& face) { return face.area < kLeastArea; });
+  std::erase_if(faces, [](const Face& face) { return face.area < kMinArea; });
   return faces;
 }
 
@@ -207,8 +207,8 @@ std::vector<Face> find_faces(const Surface& surface, double floor_height) {
   std::vector<StrongerPlane> stronger;
   if (pieces.empty()) return faces;
   LineVotes votes = votes_of(pieces);
-  const int fewest = static_cast<int>(0.4 * kLeastArea / (kPiece * kPiece));
-  for (size_t round = 0; round < 4 * kMostFaces && faces.size() < kMostFaces; ++round) {
+  const int fewest = static_cast<int>(0.4 * kMinArea / (kPiece * kPiece));
+  for (size_t round = 0; round < 4 * kMaxFaces && faces.size() < kMaxFaces; ++round) {
     const LineVotes::Peak peak = votes.strongest();
     if (peak.votes < fewest) break;
     Vector2d normal = peak.normal;

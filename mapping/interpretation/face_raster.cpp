@@ -12,13 +12,13 @@ namespace {
 
 constexpr double kAlignReach = 0.03;   // m; points used to compare scans
 constexpr double kAboveFloor = 0.03;   // m; what is lower is floor
-constexpr double kFewestPoints = 100;  // of a scan that saw the face
-constexpr double kLeastSpread = 0.04;  // m²; over less of the face no slope is told
-constexpr double kMostTurned = 0.01;   // rad
+constexpr double kMinPoints = 100;  // of a scan that saw the face
+constexpr double kMinSpread = 0.04;  // m²; over less of the face no slope is told
+constexpr double kMaxTurned = 0.01;   // rad
 constexpr double kAgreeCell = 0.03;    // m; cells in which scans are compared
-constexpr size_t kFewestToAgree = 30;  // cells
+constexpr size_t kMinToAgree = 30;  // cells
 constexpr int kAgreeRounds = 8;
-constexpr float kLeastCosine = 0.15F;  // of incidence; intensity over less is noise
+constexpr float kMinCosine = 0.15F;  // of incidence; intensity over less is noise
 
 /// Looks along a ray from `origin` to `end` (face coordinates); false when it says nothing about the face.
 bool meet(const Vector3d& origin, const Vector3d& end, bool known_origin, FaceRay& ray) {
@@ -62,8 +62,8 @@ Misfit misfit_of(const std::vector<DepthAt>& depths) {
       uu += u * u;
       ud += u * (one.depth - misfit.offset);
     }
-    if (uu / static_cast<double>(depths.size()) > kLeastSpread)
-      misfit.slope = std::clamp(ud / uu, -kMostTurned, kMostTurned);
+    if (uu / static_cast<double>(depths.size()) > kMinSpread)
+      misfit.slope = std::clamp(ud / uu, -kMaxTurned, kMaxTurned);
   }
   return misfit;
 }
@@ -129,13 +129,13 @@ size_t make_scans_agree(std::vector<FaceRay>& rays, size_t scans) {
         off[one.scan].push_back({one.u, one.depth - mean.sum / mean.count});
     std::vector<std::optional<Misfit>> misfits(scans);
     for (size_t scan = 0; scan < scans; ++scan)
-      if (off[scan].size() >= kFewestToAgree) misfits[scan] = misfit_of(off[scan]);
+      if (off[scan].size() >= kMinToAgree) misfits[scan] = misfit_of(off[scan]);
     for (CellDepth& one : depths)
       if (misfits[one.scan]) one.depth -= misfits[one.scan]->at(one.u);
     take_out(rays, misfits);
   }
   return static_cast<size_t>(
-      std::count_if(points.begin(), points.end(), [](double n) { return n >= kFewestPoints; }));
+      std::count_if(points.begin(), points.end(), [](double n) { return n >= kMinPoints; }));
 }
 
 }  // namespace
@@ -162,7 +162,7 @@ FaceRays gather_rays(const Surface& surface, const Face& face, double floor_heig
     if (!add(point.position, point.origin, ray)) continue;
     ray.scan = point.scan;
     const float cosine = 1 / std::sqrt(1 + ray.slope_u * ray.slope_u + ray.slope_v * ray.slope_v);
-    ray.look[0] = point.intensity / std::max(cosine, kLeastCosine);
+    ray.look[0] = point.intensity / std::max(cosine, kMinCosine);
     ray.look[1] = static_cast<float>(point.r) / 255.F;
     ray.look[2] = static_cast<float>(point.g) / 255.F;
     ray.look[3] = static_cast<float>(point.b) / 255.F;

@@ -11,13 +11,13 @@ namespace {
 constexpr int kFlank = 6;             // cells on each side that a line is compared with
 constexpr int kFlankGap = 1;          // cells between a line and its flanks
 constexpr int kWindow = 5;            // chunks; a line that shows nothing over this length is interrupted
-constexpr float kLeastCosine = 0.3F;  // of incidence; a flatter ray tells where it crosses the face too badly
-constexpr double kMostZ = 4;          // influence of one chunk
+constexpr float kMinCosine = 0.3F;  // of incidence; a flatter ray tells where it crosses the face too badly
+constexpr double kMaxZ = 4;          // influence of one chunk
 constexpr double kShownZ = 1;         // a chunk with more shows the line
-constexpr float kLeastWeight = 1.5F;  // rays in a line's part of a chunk
+constexpr float kMinWeight = 1.5F;  // rays in a line's part of a chunk
 /// Differences of this size are no evidence: shading, registration. Metres, share, intensity, colour.
 constexpr std::array<double, 6> kTrivial = {0.001, 0.02, 0.008, 0.006, 0.006, 0.006};
-constexpr std::array<double, 6> kLeastSd = {0.002, 0.05, 0.01, 0.008, 0.008, 0.008};
+constexpr std::array<double, 6> kMinSd = {0.002, 0.05, 0.01, 0.008, 0.008, 0.008};
 
 /// Of the angle of incidence on the face.
 float cosine_of(const FaceRay& ray) {
@@ -57,7 +57,7 @@ void SeamMap::gather(const FaceRays& rays, const std::vector<FaceFixture>& fixtu
   const FaceRect extent{rays.face.u_min, rays.face.u_max, rays.face.v_min, rays.face.v_max};
   const auto used = [&](const FaceRay& ray, int& x, int& y) {
     if (ray.returned && ray.depth > before) return false;  // it ended before it met the face
-    if (cosine_of(ray) < kLeastCosine) return false;
+    if (cosine_of(ray) < kMinCosine) return false;
     x = grid_.column(static_cast<double>(ray.u));
     y = grid_.row(static_cast<double>(ray.v));
     return grid_.inside(x, y) &&
@@ -125,7 +125,7 @@ void SeamMap::estimate_noise() {
   // that rays share: quantised depth, drift between scans.
   for (size_t c = 0; c < kChannels; ++c) {
     const double sd = c == missing ? 0 : std::max(scatter(c, 1, 1), scatter(c, kFlank, kChunk));
-    variance_[c] = std::pow(std::max(kLeastSd[c], sd), 2);
+    variance_[c] = std::pow(std::max(kMinSd[c], sd), 2);
   }
 }
 
@@ -171,7 +171,7 @@ void SeamMap::score_channel(bool upright, size_t channel, Scores& scores) const 
         const int right_begin = step ? p : p + half + 1 + kFlankGap;
         const double left_weight = total(weights, left_end - kFlank, left_end);
         const double right_weight = total(weights, right_begin, right_begin + kFlank);
-        const double least = static_cast<double>(kLeastWeight);
+        const double least = static_cast<double>(kMinWeight);
         double difference = 0;
         double variance = 0;
         bool known = left_weight >= least && right_weight >= least;
@@ -194,7 +194,7 @@ void SeamMap::score_channel(bool upright, size_t channel, Scores& scores) const 
         }
         if (known) {
           const double z = difference / std::sqrt(variance + kTrivial[channel] * kTrivial[channel]);
-          entry.z += static_cast<float>(std::clamp(z, -kMostZ, kMostZ));
+          entry.z += static_cast<float>(std::clamp(z, -kMaxZ, kMaxZ));
           entry.shown += z > kShownZ ? 1.F : z < -kShownZ ? -1.F : 0.F;
           entry.count += 1;
         }

@@ -15,25 +15,25 @@
 namespace loci {
 namespace {
 
-constexpr double kLeastProtrusion = 0.015;  // m
+constexpr double kMinProtrusion = 0.015;  // m
 constexpr double kLongestBar = 1.3;         // m; of a fridge
 constexpr double kShortestBar = 0.045;      // m
 constexpr double kThickestBar = 0.045;      // m
-constexpr double kLargestKnob = 0.065;      // m
-constexpr double kSmallestKnob = 0.008;     // m
+constexpr double kMaxKnob = 0.065;      // m
+constexpr double kMinKnob = 0.008;     // m
 constexpr double kElongated = 2.2;          // length over width that makes a bar
-constexpr double kMostTurned = 0.35;        // rad; handles are level or upright
+constexpr double kMaxTurned = 0.35;        // rad; handles are level or upright
 /// Of the points in a cell that stand before the face, for the cell to belong to a fixture; look by look.
 constexpr std::array<float, 3> kShares = {0.3F, 0.45F, 0.65F};
-constexpr double kLeastShownAtEnds = 0.25;
+constexpr double kMinShownAtEnds = 0.25;
 constexpr double kAsDeep = 0.6;  // of its distance from the face; nearer to the face a ray passed by it
 constexpr double kCore = 0.38;   // of length and width to each side that rays certainly meet
-constexpr size_t kFewestPoints = 10;
+constexpr size_t kMinPoints = 10;
 constexpr size_t kManyPoints = 40;       // are not all in mid-air
-constexpr double kFewestBeside = 6;      // cells beside a fixture that rays met
+constexpr double kMinBeside = 6;      // cells beside a fixture that rays met
 constexpr double kSurroundings = 0.035;  // m beside a fixture in which its front shows
-constexpr double kLeastShown = 0.4;      // of these must be face
-constexpr float kFewest = 0.07F;         // points per cell after smoothing: one within 6 mm
+constexpr double kMinShown = 0.4;      // of these must be face
+constexpr float kMin = 0.07F;         // points per cell after smoothing: one within 6 mm
 constexpr double kHalfRound =
     0.785;  // mean distance of the visible half of a cylinder from its axis / radius
 
@@ -67,7 +67,7 @@ Layers count(const FaceRays& rays, const FaceGrid& grid, const FaceGround& groun
 
 /// Cells in which a good part of the points stands shortly before the face.
 cv::Mat candidates(const Layers& layers, float share) {
-  return (layers.fixture > kFewest) & (layers.fixture > share * (layers.fixture + layers.face));
+  return (layers.fixture > kMin) & (layers.fixture > share * (layers.fixture + layers.face));
 }
 
 class FixtureFinder {
@@ -76,7 +76,7 @@ class FixtureFinder {
       : rays_(rays),
         grid_(rays.face),
         ground_(rays),
-        threshold_(std::clamp(2 * rays.sigma, kLeastProtrusion, 0.03)),
+        threshold_(std::clamp(2 * rays.sigma, kMinProtrusion, 0.03)),
         layers_(count(rays, grid_, ground_, threshold_)) {}
 
   FixtureSearch search(const Random& random) {
@@ -98,7 +98,7 @@ class FixtureFinder {
     const std::vector<std::vector<FixturePoint>> clusters = clusters_of(patches, labels);
     std::vector<bool> failed(patches.size(), false);
     for (size_t i = 1; i < clusters.size(); ++i) {
-      if (clusters[i].size() < kFewestPoints) continue;
+      if (clusters[i].size() < kMinPoints) continue;
       const cv::Rect& cells = patches[i].cells;
       const FaceRect box{grid_.u0 + cells.x * kFaceCell, grid_.u0 + (cells.x + cells.width) * kFaceCell,
                          grid_.v0 + cells.y * kFaceCell, grid_.v0 + (cells.y + cells.height) * kFaceCell};
@@ -141,7 +141,7 @@ class FixtureFinder {
     shapeless = true;
     if (std::min(box.width(), box.height()) > 3 * kThickestBar) return "it is large";
     FixtureShape shape = line_through(points, random);
-    if (shape.inliers.size() < kFewestPoints) return "few points";
+    if (shape.inliers.size() < kMinPoints) return "few points";
     measure(points, shape);
     if (shape.width < kThickestBar) extend(points, shape);
     const bool bar = shape.length > kElongated * shape.width && shape.length > kShortestBar;
@@ -191,12 +191,12 @@ class FixtureFinder {
     if (static_cast<double>(shape.inliers.size()) < 0.7 * static_cast<double>(points))
       return "no line explains it";
     const double turned = std::atan2(std::abs(shape.axis.y()), std::abs(shape.axis.x()));
-    if (turned > kMostTurned && turned < M_PI_2 - kMostTurned) return "it is neither level nor upright";
+    if (turned > kMaxTurned && turned < M_PI_2 - kMaxTurned) return "it is neither level nor upright";
     return {};
   }
   static std::string why_no_knob(const FixtureShape& shape) {
-    if (shape.length > kLargestKnob) return fmt::format("{:.3f} m by {:.3f} m", shape.length, shape.width);
-    if (shape.length < kSmallestKnob) return "it is tiny";
+    if (shape.length > kMaxKnob) return fmt::format("{:.3f} m by {:.3f} m", shape.length, shape.width);
+    if (shape.length < kMinKnob) return "it is tiny";
     return {};
   }
 
@@ -266,12 +266,12 @@ class FixtureFinder {
         const float on = layers_.face.at<float>(y, x);
         const float off = layers_.fixture.at<float>(y, x) + layers_.farther.at<float>(y, x) +
                           layers_.behind.at<float>(y, x);
-        if (on + off < kFewest) continue;  // in the shadow
+        if (on + off < kMin) continue;  // in the shadow
         cells[third] += 1;
         face[third] += on > off ? 1 : 0;
       }
     double least = 1;
-    if (cells[0] + cells[1] + cells[2] < kFewestBeside) return 0;
+    if (cells[0] + cells[1] + cells[2] < kMinBeside) return 0;
     for (size_t i = 0; i < 3; ++i)
       if (cells[i] > 0) least = std::min(least, face[i] / cells[i]);
     return least;
@@ -315,9 +315,9 @@ class FixtureFinder {
 
   std::string add(const std::vector<FixturePoint>& points, FixtureShape& shape, bool bar) {
     const double above = std::min(shown(shape, 1, true), shown(shape, -1, true));
-    if (above < kLeastShown) return fmt::format("the face shows beside {:.0f} % of it", 100 * above);
+    if (above < kMinShown) return fmt::format("the face shows beside {:.0f} % of it", 100 * above);
     const double ends = std::min(shown(shape, 1, false), shown(shape, -1, false));
-    if (ends < (bar ? kLeastShownAtEnds : kLeastShown))
+    if (ends < (bar ? kMinShownAtEnds : kMinShown))
       return fmt::format("the face shows beyond its ends in {:.0f} %", 100 * ends);
     const double before = farther(shape, shape.inliers.size());
     if (before > 0.5) return "more stands farther before the face there";
@@ -347,7 +347,7 @@ class FixtureFinder {
         depths.push_back(depth);
     }
     const double surface = mixture_depth(depths, median(first_depths), std::max(rays_.sigma, 0.003));
-    if (surface < 0.9 * kLeastProtrusion) return fmt::format("it stands out by {:.3f} m only", surface);
+    if (surface < 0.9 * kMinProtrusion) return fmt::format("it stands out by {:.3f} m only", surface);
     // The sensor sees one half of a bar: its axis lies behind.
     Vector2d toward = Vector2d::Zero();
     double lean = 0;

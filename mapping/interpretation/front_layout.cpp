@@ -7,29 +7,29 @@
 namespace loci {
 namespace {
 
-constexpr double kLeastZ = 6;          // of a cut
-constexpr double kLeastShare = 0.6;    // of its length that shows it
-constexpr double kLeastSide = 0.028;   // m; narrower parts are not cut off
+constexpr double kMinZ = 6;          // of a cut
+constexpr double kMinShare = 0.6;    // of its length that shows it
+constexpr double kMinSide = 0.028;   // m; narrower parts are not cut off
 constexpr double kUnbroken = 0.3;      // of a line's mean score along all its length
-constexpr double kLeastFront = 0.08;   // m
+constexpr double kMinFront = 0.08;   // m
 constexpr double kSomeFace = 0.08;     // share of these that is face, while it is cut
-constexpr double kLeastKnown = 0.1;    // share of a row or column that rays met
-constexpr double kLeastGap = 0.015;    // m; wider strips without face part it
+constexpr double kMinKnown = 0.1;    // share of a row or column that rays met
+constexpr double kMinGap = 0.015;    // m; wider strips without face part it
 constexpr double kWidestHidden = 0.1;  // m; wider strips that no ray met part it, too
-constexpr double kLeastFace = 0.4;     // and of these that is face
+constexpr double kMinFace = 0.4;     // and of these that is face
 constexpr int kDeepest = 60;           // cuts one after the other
 constexpr double kSameLine = 0.03;     // m
 constexpr double kClearZ = 8;          // of the seam of a front without fixture
-constexpr double kLeastArea = 0.02;    // m², of a front without fixture
+constexpr double kMinArea = 0.02;    // m², of a front without fixture
 constexpr double kProud = 0.003;       // m
 
 enum Side : size_t { left, right, bottom, top };
 
 /// Trims rows and columns at the border in which there is no face.
-void shrink(const SeamMap& seams, PlacedFront& part, double least_face) {
-  const auto trim = [least_face](const std::vector<std::array<float, 2>>& shares) {
-    const auto good = [least_face](const std::array<float, 2>& s) {
-      return s[0] >= static_cast<float>(kLeastKnown) && s[1] >= static_cast<float>(least_face);
+void shrink(const SeamMap& seams, PlacedFront& part, double min_face) {
+  const auto trim = [min_face](const std::vector<std::array<float, 2>>& shares) {
+    const auto good = [min_face](const std::array<float, 2>& s) {
+      return s[0] >= static_cast<float>(kMinKnown) && s[1] >= static_cast<float>(min_face);
     };
     const auto first = std::find_if(shares.begin(), shares.end(), good);
     const auto last = std::find_if(shares.rbegin(), shares.rend(), good);
@@ -60,14 +60,14 @@ std::optional<std::pair<double, double>> widest_gap(const std::vector<std::array
   size_t begin = 0;
   size_t open = 0;  // of the strip so far, seen and no face
   for (size_t i = 0; i <= shares.size(); ++i) {
-    const bool known = i < shares.size() && shares[i][0] >= static_cast<float>(kLeastKnown);
+    const bool known = i < shares.size() && shares[i][0] >= static_cast<float>(kMinKnown);
     const bool face = i == shares.size() || (known && shares[i][1] >= static_cast<float>(kSomeFace));
     if (!face) {
       open += known ? 1 : 0;
       continue;
     }
     const double width = static_cast<double>(i - begin) * kFaceCell;
-    const bool parts = static_cast<double>(open) * kFaceCell > kLeastGap || width > kWidestHidden;
+    const bool parts = static_cast<double>(open) * kFaceCell > kMinGap || width > kWidestHidden;
     if (begin > 0 && i < shares.size() && parts && (!widest || width > widest->second - widest->first))
       widest = {start + static_cast<double>(begin) * kFaceCell, start + static_cast<double>(i) * kFaceCell};
     begin = i + 1;
@@ -99,10 +99,10 @@ std::vector<Cut> possible_cuts(const SeamMap& seams, const FaceRect& rect,
   for (const bool upright : {true, false}) {
     const double low = upright ? rect.u0 : rect.v0;
     const double high = upright ? rect.u1 : rect.v1;
-    for (double p = low + kLeastSide; p < high - kLeastSide; p += kFaceCell) {
+    for (double p = low + kMinSide; p < high - kMinSide; p += kFaceCell) {
       const LineEvidence line =
           upright ? seams.upright(p, rect.v0, rect.v1) : seams.level(p, rect.u0, rect.u1);
-      if (line.z < kLeastZ || line.share < kLeastShare || line.weakest < kUnbroken) continue;
+      if (line.z < kMinZ || line.share < kMinShare || line.weakest < kUnbroken) continue;
       if (!cuts_fixture(rect, upright, p, fixtures)) cuts.push_back({upright, line});
     }
   }
@@ -124,7 +124,7 @@ std::optional<Cut> strongest_cut(const SeamMap& seams, const FaceRect& rect,
     const double low = cut.upright ? rect.u0 : rect.v0;
     const double high = cut.upright ? rect.u1 : rect.v1;
     const double half = cut.line.width / 2;
-    if (cut.line.position - half > low + kLeastSide / 2 && cut.line.position + half < high - kLeastSide / 2 &&
+    if (cut.line.position - half > low + kMinSide / 2 && cut.line.position + half < high - kMinSide / 2 &&
         std::abs(cut.line.position - found) < kSameLine)
       return cut;
     std::erase_if(cuts, [&](const Cut& other) {
@@ -162,7 +162,7 @@ class Layout {
  private:
   void cut(PlacedFront part, int depth) {
     shrink(seams_, part, kSomeFace);
-    if (part.rect.width() < kLeastSide || part.rect.height() < kLeastSide) return;
+    if (part.rect.width() < kMinSide || part.rect.height() < kMinSide) return;
     if (depth < kDeepest && cut_gap(part, depth)) return;
     const std::optional<Cut> best =
         depth < kDeepest ? strongest_cut(seams_, part.rect, fixtures_) : std::nullopt;
@@ -204,9 +204,9 @@ class Layout {
   }
 
   void finish(PlacedFront part) {
-    shrink(seams_, part, kLeastFace);
+    shrink(seams_, part, kMinFace);
     settle_edges(part);
-    if (part.rect.width() < kLeastFront || part.rect.height() < kLeastFront) return;
+    if (part.rect.width() < kMinFront || part.rect.height() < kMinFront) return;
     std::vector<size_t> inside;
     for (size_t i = 0; i < fixtures_.size(); ++i)
       if (part.rect.contains(fixtures_[i].u, fixtures_[i].v)) inside.push_back(i);
@@ -229,9 +229,9 @@ class Layout {
 
   /// Looks at each edge again over the length that it has in the end.
   void settle_edges(PlacedFront& part) const {
-    constexpr double kMostMoved = 0.012;  // m
+    constexpr double kMaxMoved = 0.012;  // m
     for (const size_t side : {left, right, bottom, top}) {
-      if (part.rect.width() < 2 * kLeastSide || part.rect.height() < 2 * kLeastSide) return;
+      if (part.rect.width() < 2 * kMinSide || part.rect.height() < 2 * kMinSide) return;
       const bool upright = side == left || side == right;
       double& position = side == left     ? part.rect.u0
                          : side == right  ? part.rect.u1
@@ -244,7 +244,7 @@ class Layout {
       line = seams_.refine(upright, line, from, to);
       const double sign = side == left || side == bottom ? 1 : -1;
       const double settled = line.position + sign * line.width / 2;
-      if (std::abs(settled - position) > kMostMoved || z < kLeastZ) continue;
+      if (std::abs(settled - position) > kMaxMoved || z < kMinZ) continue;
       position = settled;
       part.edges[side] = edge_of(line, sign);
       part.edges[side].z = z;
@@ -254,7 +254,7 @@ class Layout {
   /// Whether resolved lines and borders enclose a part without fixture, and nothing around it stands proud of
   /// it.
   static bool encloses(const PlacedFront& part) {
-    return part.rect.width() * part.rect.height() > kLeastArea &&
+    return part.rect.width() * part.rect.height() > kMinArea &&
            std::none_of(part.edges.begin(), part.edges.end(), [](const FrontEdge& edge) {
              return (edge.kind == FrontEdge::Kind::step && edge.rise < -kProud) ||
                     (edge.kind != FrontEdge::Kind::border && edge.z < kClearZ);

@@ -14,7 +14,7 @@ namespace loci {
 namespace {
 
 constexpr const char* kRoot = "map";
-constexpr double kLeastSure = 0.5;   // of the type of a joint, without which none is claimed
+constexpr double kMinSure = 0.5;   // of the type of a joint, without which none is claimed
 constexpr double kSameRow = 0.3;     // m; faces less far behind each other are one row of furniture
 constexpr double kSameColumn = 0.1;  // m between the left edges of fronts of one column
 
@@ -92,7 +92,7 @@ void add_named(std::vector<Front> fronts, InterpretedMap& map) {
 void add_fronts(const RecognisedRoom& room, std::vector<Front> fronts, InterpretedMap& map) {
   for (Front& front : fronts) {
     const JointEstimate joint = joint_prior(front);
-    const bool sure = joint.probabilities[static_cast<size_t>(joint.type)] >= kLeastSure;
+    const bool sure = joint.probabilities[static_cast<size_t>(joint.type)] >= kMinSure;
     if (!front.fixture && !sure) continue;
     front.joint = joint;
     front.class_name = front_class(front, joint);

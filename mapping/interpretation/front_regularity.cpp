@@ -11,11 +11,11 @@ namespace {
 constexpr double kStep = 0.01;           // m; of possible edges
 constexpr double kStyleStep = 0.005;     // m
 constexpr double kFrame = 2.5;           // cost of a frame beside the outermost fronts
-constexpr double kLeastMargin = 0.01;    // m between a fixture and the edge of its front
+constexpr double kMinMargin = 0.01;    // m between a fixture and the edge of its front
 constexpr double kHandWidth = 0.06;      // m; what an upright handle or knob takes at least
 constexpr double kPartedColumns = 0.12;  // m between fixtures of neighbouring columns
 constexpr double kLikeDistance = 0.012;  // m; how alike fixtures of a column are mounted
-constexpr double kMostUnlike = 4;        // cost of one that is not
+constexpr double kMaxUnlike = 4;        // cost of one that is not
 
 /// What neighbours share along one direction: the fixtures of each group, in order.
 using Groups = std::vector<std::vector<size_t>>;
@@ -120,9 +120,9 @@ class Divider {
   std::vector<std::vector<double>> possible_edges(const FaceRect& rect, const Groups& groups, bool u) const {
     std::vector<std::vector<double>> positions;
     for (size_t i = 0; i <= groups.size(); ++i) {
-      const double first = i == 0 ? (u ? rect.u0 : rect.v0) : extent(groups[i - 1], u).second + kLeastMargin;
+      const double first = i == 0 ? (u ? rect.u0 : rect.v0) : extent(groups[i - 1], u).second + kMinMargin;
       const double last =
-          i == groups.size() ? (u ? rect.u1 : rect.v1) : extent(groups[i], u).first - kLeastMargin;
+          i == groups.size() ? (u ? rect.u1 : rect.v1) : extent(groups[i], u).first - kMinMargin;
       std::vector<double> possible;
       if (i == groups.size())
         for (double p = last; p > first; p -= kStep) possible.push_back(p);
@@ -188,7 +188,7 @@ class Divider {
     double sum = 0;
     for (const size_t i : group) {
       const double distance = style > 0 ? high - fixtures_[i].v - style : (low + high) / 2 - fixtures_[i].v;
-      sum += std::min(0.5 * distance * distance / (kLikeDistance * kLikeDistance), kMostUnlike);
+      sum += std::min(0.5 * distance * distance / (kLikeDistance * kLikeDistance), kMaxUnlike);
     }
     return sum;
   }
@@ -199,7 +199,7 @@ class Divider {
     double least = 0;
     std::vector<double> edges = edges_between(groups, u, -1, positions, costs, least);
     if (!u) {
-      least += kMostUnlike * static_cast<double>(groups.size());
+      least += kMaxUnlike * static_cast<double>(groups.size());
       for (double style = 0; style < 0.15; style += kStyleStep) {
         double total = 0;
         const std::vector<double> styled = edges_between(groups, u, style, positions, costs, total);

@@ -16,13 +16,13 @@ namespace {
 constexpr uint64_t kSeed = 7;            // of the sample consensus
 constexpr double kSameWall = 0.08;       // m
 constexpr double kWidest = 1.4;          // m; wider is no front
-constexpr double kLargest = 2.2;         // m²
+constexpr double kMax = 2.2;         // m²
 constexpr double kNarrowest = 0.07;      // m
 constexpr double kNarrowestBare = 0.12;  // m, without a fixture: narrower ones are strips that fill a gap
-constexpr double kMostScatter = 0.015;   // m; more are corners and clutter, and handles would drown in it
-constexpr double kLeastSure = 0.4;       // of a fixture
+constexpr double kMaxScatter = 0.015;   // m; more are corners and clutter, and handles would drown in it
+constexpr double kMinSure = 0.4;       // of a fixture
 constexpr double kSureOnWall = 0.75;     // of a fixture
-constexpr size_t kFewestOnWall = 2;      // fronts
+constexpr size_t kMinOnWall = 2;      // fronts
 constexpr int kResolvedOnWall = 3;       // edges
 
 struct FaceResult {
@@ -89,7 +89,7 @@ int resolved_edges(const PlacedFront& front) {
 /// only fronts with sure fixtures whose edges were resolved are.
 bool believed(const PlacedFront& front, const std::vector<FaceFixture>& fixtures, bool wall) {
   const FaceRect& rect = front.rect;
-  if (rect.width() > kWidest || rect.width() * rect.height() > kLargest) return false;
+  if (rect.width() > kWidest || rect.width() * rect.height() > kMax) return false;
   if (std::min(rect.width(), rect.height()) < (front.fixture < 0 ? kNarrowestBare : kNarrowest)) return false;
   if (!wall) return true;
   return front.fixture >= 0 && resolved_edges(front) >= kResolvedOnWall &&
@@ -98,17 +98,17 @@ bool believed(const PlacedFront& front, const std::vector<FaceFixture>& fixtures
 
 FaceResult interpret_face(const FaceRays& rays, bool wall, const Random& random) {
   FaceResult result;
-  if (rays.sigma > kMostScatter) return result;
+  if (rays.sigma > kMaxScatter) return result;
   FixtureSearch found = find_fixtures(rays, random);
   std::erase_if(found.fixtures,
-                [](const FaceFixture& fixture) { return fixture.fixture.confidence < kLeastSure; });
+                [](const FaceFixture& fixture) { return fixture.fixture.confidence < kMinSure; });
   if (wall && found.fixtures.empty()) return result;
   const SeamMap seams(rays, found.fixtures);
   const FrontLayout layout = lay_out_fronts(seams, rays.face, found.fixtures);
   for (const PlacedFront& placed : layout.fronts)
     if (believed(placed, found.fixtures, wall))
       result.fronts.push_back(front_of(placed, rays, found.fixtures));
-  if (wall && result.fronts.size() < kFewestOnWall) result.fronts.clear();
+  if (wall && result.fronts.size() < kMinOnWall) result.fronts.clear();
   if (result.fronts.empty()) return result;  // not furniture: what hangs before it is no near miss
   result.notes = found.notes;
   for (const size_t i : layout.homeless) {

@@ -16,7 +16,7 @@ namespace {
 constexpr double kPanel = 0.02;      // m, thickness of fronts; not measured
 constexpr double kBoard = 0.012;     // m, of a drawer's sides and bottom
 constexpr double kRunner = 0.019;    // m, between a drawer's side and the edge of its front
-constexpr double kLeastBox = 0.05;   // m, depth of the shallowest drawer
+constexpr double kMinBox = 0.05;   // m, depth of the shallowest drawer
 constexpr double kBarMargin = 0.15;  // of a bar's length: where its posts stand
 
 using Type = JointEstimate::Type;
@@ -82,7 +82,7 @@ class FrontWriter {
   void write_drawer() {
     const std::string front = front_.name + "_front";
     Joint& joint = write_panel(front, parent_, map_from_parent_.inverse() * map_from_front_, at(0, 0, 0));
-    const double depth = std::max(front_.depth - kPanel, kLeastBox);
+    const double depth = std::max(front_.depth - kPanel, kMinBox);
     if (front_.joint && front_.joint->type == Type::prismatic) {
       joint.type = JointType::prismatic;
       joint.axis = map_from_front_.linear().transpose() * front_.joint->axis;

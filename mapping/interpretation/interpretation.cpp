@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kFloorReach = 0.25;  // m; a levelled input has its floor within this of z = 0
 constexpr double kCeilingLow = 1.9;   // m
-constexpr double kFewestArea = 0.3;   // m² of floor
+constexpr double kMinArea = 0.3;   // m² of floor
 constexpr double kAreaCell = 0.05;    // m
 
 /// The height between `lowest` and `highest` at which most points look up (`up` = 1) or down (-1).
@@ -56,7 +56,7 @@ std::optional<LevelPlane> level_plane(const Surface& surface, double around, flo
     ++plane.inliers;
   }
   plane.area = static_cast<double>(cells.size()) * kAreaCell * kAreaCell;
-  if (plane.area < kFewestArea) return std::nullopt;
+  if (plane.area < kMinArea) return std::nullopt;
   std::vector<double> medians;
   for (const auto& [scan, values] : heights) {
     if (values.size() < std::max<size_t>(50, plane.inliers / (20 * heights.size()))) continue;

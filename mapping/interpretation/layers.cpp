@@ -11,7 +11,7 @@ namespace {
 constexpr float kLayerGap = 0.03F;  // m; a wider gap in a column begins another layer
 constexpr float kStep = 0.015F;     // m; largest change of height between neighbouring columns
 constexpr int kReach = 2;           // columns; neighbours may be that far apart
-constexpr int kFewestPoints = 2;    // in a layer of a column
+constexpr int kMinPoints = 2;    // in a layer of a column
 
 struct ColumnPoint {
   uint32_t column;
@@ -38,7 +38,7 @@ std::vector<LayerCell> cells_of(const Surface& surface, double lowest, double hi
            points[end].z - points[end - 1].z < kLayerGap)
       ++end;
     const Eigen::Vector3i& at = columns.cells()[points[begin].column];
-    if (end - begin >= kFewestPoints)
+    if (end - begin >= kMinPoints)
       cells.push_back({at.x(), at.y(), points[(begin + end) / 2].z, static_cast<int>(end - begin), -1});
     begin = end;
   }

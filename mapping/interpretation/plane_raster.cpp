@@ -169,7 +169,7 @@ double PlaneRaster::score_of(const std::vector<Vector2d>& polygon) const {
 std::vector<Vector2d> PlaneRaster::contour(const Extent& box) const {
   constexpr double kGap = 0.12;    // m; gaps of this width are closed
   constexpr double kAround = 0.1;  // m
-  constexpr int kFiner = 3;        // the contour runs through cells of a finer picture
+  constexpr int kFiner = 3;        // the contour runs through cells of a finer image
   cv::Mat mask = cv::Mat::zeros(height_, width_, CV_8UC1);
   cv::Mat pierced = cv::Mat::zeros(height_, width_, CV_8UC1);
   for (int y = 0; y < height_; ++y)

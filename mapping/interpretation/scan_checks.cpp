@@ -13,13 +13,13 @@ constexpr float kLevel = 0.94F;   // cosine; of horizontal surfaces
 constexpr float kLowest = 0.25F;  // m; floors and ceilings look the same upside down
 constexpr float kHighest = 2.3F;
 constexpr size_t kManyMore = 5;   // times as many undersides as tops
-constexpr size_t kFewest = 1500;  // undersides; less may be one hanging cabinet
+constexpr size_t kMin = 1500;  // undersides; less may be one hanging cabinet
 
 struct Counts {
   size_t returns = 0;
   size_t tops = 0, undersides = 0;  ///< points of furniture
 
-  bool upside_down() const { return undersides > kFewest && undersides > kManyMore * tops; }
+  bool upside_down() const { return undersides > kMin && undersides > kManyMore * tops; }
 };
 
 std::vector<Counts> counts_of(const Surface& surface) {

@@ -12,14 +12,14 @@ constexpr double kRow = 0.02;          // m, along the gap and across
 constexpr double kLongest = 0.8;       // m of a slab that one thing hides
 constexpr double kEdgeReach = 0.05;    // m from a slab's edge to what belongs to it
 constexpr double kFaceReach = 0.12;    // m from a slab's edge to the front below it
-constexpr double kMostFree = 0.05;     // of a row, through which rays passed
+constexpr double kMaxFree = 0.05;     // of a row, through which rays passed
 constexpr double kSurface = 0.4;       // of a row, to be support
 constexpr double kHidden = 0.8;        // of the rows between, that show a thing and the slab's edge below it
-constexpr double kLeastBeyond = 0.04;  // m of surface on the other side
+constexpr double kMinBeyond = 0.04;  // m of surface on the other side
 constexpr double kStandsIn = 0.4;      // m below the slab to which a front goes at least
 constexpr double kInLine = 0.015;      // m between a slab's edge on one row and on the others
 constexpr double kStep = 0.008;        // m by which a slab's edge differs from what is below or above it
-constexpr size_t kFewest = 3;          // points that say where something is
+constexpr size_t kMin = 3;          // points that say where something is
 
 /// One side of a rectangle: lengths beyond it, and places along it.
 struct Side {
@@ -60,14 +60,14 @@ class FrontEdge {
   /// stands on the floor.
   std::vector<bool> rows() const {
     std::vector<bool> seen(rows_.size(), false);
-    if (own_rim_.size() < kFewest) return seen;
+    if (own_rim_.size() < kMin) return seen;
     const double line = median(own_rim_);
     for (size_t i = 0; i < rows_.size(); ++i) {
       const Row& row = rows_[i];
-      if (row.rim.size() < kFewest || (static_cast<double>(i) + 0.5) * kRow > face_to_) continue;
+      if (row.rim.size() < kMin || (static_cast<double>(i) + 0.5) * kRow > face_to_) continue;
       const double at = median(row.rim);
-      const bool overhangs = row.below.size() >= kFewest && at > median(row.below) + kStep;
-      const bool before_thing = row.things.size() < kFewest || at > quantile(row.things, 0.9) + kStep;
+      const bool overhangs = row.below.size() >= kMin && at > median(row.below) + kStep;
+      const bool before_thing = row.things.size() < kMin || at > quantile(row.things, 0.9) + kStep;
       seen[i] = std::abs(at - line) < kInLine && (overhangs || before_thing);
     }
     return seen;
@@ -133,7 +133,7 @@ class Rows {
     if (to == rows_.size()) return 0;  // Its end is not known here.
     size_t last = first;
     while (last < rows_.size() && is_support(last)) ++last;
-    const bool bridged = static_cast<double>(last - first) * kRow >= kLeastBeyond - 1e-9 &&
+    const bool bridged = static_cast<double>(last - first) * kRow >= kMinBeyond - 1e-9 &&
                          static_cast<double>(hidden) >= kHidden * static_cast<double>(first);
     // A support of its own behind the thing is as long as it turns out to be.
     if (bridged) to = last == rows_.size() ? first : last;
@@ -169,7 +169,7 @@ class Rows {
     int free = 0;
     for (size_t i = 0; i < static_cast<size_t>(columns_); ++i)
       free += rows_[row].rays[i] > 1 && rows_[row].support[i] == 0 ? 1 : 0;
-    return free > kMostFree * columns_;
+    return free > kMaxFree * columns_;
   }
 
   const Side& side_;

@@ -12,11 +12,11 @@ namespace {
 
 constexpr double kColumn = 0.05;      // m; a face's top is looked at column by column
 constexpr double kLevel = 0.03;       // m; how level the top must be
-constexpr double kLeastLevel = 0.5;   // fraction of columns
+constexpr double kMinLevel = 0.5;   // fraction of columns
 constexpr double kDeepest = 0.9;      // m from a face to the wall behind it
 constexpr double kShallowest = 0.25;  // m
-constexpr double kLeastSeen = 0.02;   // m² of upward surface that must confirm the height
-constexpr double kMostPierced = 0.1;  // fraction of the top through which rays passed
+constexpr double kMinSeen = 0.02;   // m² of upward surface that must confirm the height
+constexpr double kMaxPierced = 0.1;  // fraction of the top through which rays passed
 constexpr double kSameHeight = 0.045;
 
 /// A piece of a face's upper edge that is level.
@@ -53,7 +53,7 @@ std::optional<LevelTop> level_top(const Surface& surface, const VerticalPlane& f
     top.along_min = std::min(top.along_min, numbers[i] * kColumn);
     top.along_max = std::max(top.along_max, (numbers[i] + 1) * kColumn);
   }
-  if (static_cast<double>(level) < kLeastLevel * static_cast<double>(tops.size())) return std::nullopt;
+  if (static_cast<double>(level) < kMinLevel * static_cast<double>(tops.size())) return std::nullopt;
   // Corners are seen less well: a top that is level nearly to the face's end ends with it.
   constexpr double kNearEnd = 0.12;
   if (top.along_min < face.along_min + kNearEnd) top.along_min = face.along_min;
@@ -63,14 +63,14 @@ std::optional<LevelTop> level_top(const Surface& surface, const VerticalPlane& f
 
 /// How far what is right below the top stands out before the face: the typical outermost point of a column.
 double overhang(const Surface& surface, const VerticalPlane& face, const LevelTop& top) {
-  constexpr double kMost = 0.08;
+  constexpr double kMax = 0.08;
   std::map<int, double> outermost;
   for (const SurfacePoint& point : surface.points) {
     const Vector3d position = point.position.cast<double>();
     if (std::abs(position.z() - top.height) > 0.05) continue;
     const double before = face.normal.dot(position.head<2>()) - face.offset;
     const double along = face.direction().dot(position.head<2>());
-    if (before < 0 || before > kMost || along < top.along_min || along > top.along_max) continue;
+    if (before < 0 || before > kMax || along < top.along_min || along > top.along_max) continue;
     double& most = outermost[static_cast<int>(std::floor(along / kColumn))];
     most = std::max(most, before);
   }
@@ -228,7 +228,7 @@ void add_counters_behind_faces(std::vector<Support>& supports, const Surface& su
     const PlaneRaster::Counts counts = raster.count(counter.parts.front());
     const double cell_area = raster.cell() * raster.cell();
 
-    if (counts.support * cell_area < kLeastSeen || counts.pierced > kMostPierced * counts.cells) continue;
+    if (counts.support * cell_area < kMinSeen || counts.pierced > kMaxPierced * counts.cells) continue;
     const std::vector<Extent> parts = counter.parts;
     measure(counter, evidence, raster, {}, surface);
     counter.parts = parts;

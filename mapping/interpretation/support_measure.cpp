@@ -14,7 +14,7 @@ constexpr double kStrip = 0.02;       // m; an edge is looked at strip by strip
 constexpr double kInside = 0.06;      // m; how far inside the raster's edge the true one may lie
 constexpr double kOutside = 0.05;     // m; and outside
 constexpr double kSnap = 0.12;        // m; an unseen edge this near a wall ends at the wall
-constexpr size_t kFewestPoints = 30;  // of a scan that has a say about the height
+constexpr size_t kMinPoints = 30;  // of a scan that has a say about the height
 
 /// One side of a rectangle: its axis (0 = x, 1 = y) and whether it is the upper end.
 struct Side {
@@ -44,13 +44,13 @@ void refine_edge(Extent& extent, Side side, const std::vector<PlaneEvidence::Sup
     strip.value = std::max(strip.value, value);
     ++strip.count;
   }
-  constexpr size_t kFewestStrips = 6;
+  constexpr size_t kMinStrips = 6;
   std::vector<double> opinions;
   for (const auto& [scan, along] : strips) {
     std::vector<double> ends;
     for (const auto& [strip, outermost] : along)
       if (outermost.count >= 3 && outermost.value > edge - kInside) ends.push_back(outermost.value);
-    if (ends.size() >= kFewestStrips) opinions.push_back(quantile(ends, 0.6));
+    if (ends.size() >= kMinStrips) opinions.push_back(quantile(ends, 0.6));
   }
   if (!opinions.empty()) side.edge(extent) = side.sign() * median(opinions);
 }
@@ -174,7 +174,7 @@ void measure_height(Support& support, const PlaneEvidence& evidence) {
   for (const auto& [scan, values] : heights) most = std::max(most, values.size());
   std::vector<double> medians;
   for (const auto& [scan, values] : heights) {
-    if (values.size() < std::min(most, std::max(kFewestPoints, most / 20))) continue;
+    if (values.size() < std::min(most, std::max(kMinPoints, most / 20))) continue;
     support.scans.push_back(scan);
     medians.push_back(median(values));
   }

@@ -76,11 +76,11 @@ std::optional<Vector2d> meeting(const Line& a, const Line& b) {
 
 /// The boundary as a polygon with few corners, each side moved to where its edge was seen.
 std::vector<Vector2d> straightened(const std::vector<Vector2d>& boundary, const PlaneEvidence& evidence) {
-  constexpr double kMostOff = 0.025;  // m
+  constexpr double kMaxOff = 0.025;  // m
   std::vector<cv::Point2f> points, few;
   for (const Vector2d& at : boundary)
     points.emplace_back(static_cast<float>(at.x()), static_cast<float>(at.y()));
-  cv::approxPolyDP(points, few, kMostOff, true);
+  cv::approxPolyDP(points, few, kMaxOff, true);
   if (few.size() < 3) return {};
   std::vector<Vector2d> corners;
   for (const cv::Point2f& at : few)
@@ -122,7 +122,7 @@ void set_polygon(Support& support, const std::vector<Vector2d>& polygon) {
 }  // namespace
 
 void fit_outline(Support& support, const PlaneEvidence& evidence, const PlaneRaster& raster) {
-  constexpr double kMostMisfit = 0.025;  // m, of a circle
+  constexpr double kMaxMisfit = 0.025;  // m, of a circle
   Extent box = support.parts.front();
   for (const Extent& part : support.parts) box = {box.min.cwiseMin(part.min), box.max.cwiseMax(part.max)};
   const std::vector<Vector2d> boundary = raster.contour(box);
@@ -130,7 +130,7 @@ void fit_outline(Support& support, const PlaneEvidence& evidence, const PlaneRas
   const double rectangles = raster.score_of(support.outline());
   double wanted = rectangles + kClearly * support.area();
   Circle circle = circle_through(boundary);
-  if (circle.misfit < kMostMisfit && circle.radius > 0.1 && circle.radius < 1.5) {
+  if (circle.misfit < kMaxMisfit && circle.radius > 0.1 && circle.radius < 1.5) {
     sharpen(circle, evidence);
     const double score = raster.score_of(polygon_of(circle));
     if (score > wanted) {

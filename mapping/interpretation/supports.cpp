@@ -30,7 +30,7 @@ constexpr double kThrough = 0.05;   // m; a ray that comes from above and ends t
 constexpr double kRimDepth = 0.03;  // m below a plane that belong to the edge of its slab
 constexpr double kBelow = 0.15;  // m below a plane, to which its slab's edge is compared with what carries it
 constexpr double kLongestShadow = 1.0;  // m from a thing on a plane to what it hides of it
-constexpr double kLargestTilt = 0.03;   // slope; more is no support, drift makes less
+constexpr double kMaxTilt = 0.03;   // slope; more is no support, drift makes less
 constexpr double kTouch = 0.06;         // m between rectangles of one support
 
 /// z = height + slope · (x, y) - what a support's points lie on; drift tilts it a little.
@@ -69,7 +69,7 @@ HorizontalPlane fit_plane(const Layers& layers, const std::vector<uint32_t>& cel
       right += at * (point.z() - mean.z());
     }
     const Vector2d slope = squares.ldlt().solve(right);
-    if (slope.norm() > kLargestTilt) break;
+    if (slope.norm() > kMaxTilt) break;
     plane = {mean.z() - slope.dot(mean.head<2>()), slope};
   }
   return plane;
@@ -93,11 +93,11 @@ Seed grow_seed(const Layers& layers, const std::vector<uint32_t>& cells, const s
     box = {box.min.cwiseMin(seed.points.back()), box.max.cwiseMax(seed.points.back())};
   }
   std::set<int> used = {layers.cells[cells.front()].component};
-  constexpr size_t kSmallest = 6;
+  constexpr size_t kMin = 6;
   for (bool grew = true; grew;) {
     grew = false;
     for (const auto& piece : layers.components) {
-      if (piece.size() < kSmallest) break;
+      if (piece.size() < kMin) break;
       const LayerCell& first = layers.cells[piece.front()];
       if (used.contains(first.component) || consumed[piece.front()]) continue;
       const auto near = [&](uint32_t i) { return box.contains(position(layers.cells[i]), kReach); };
@@ -261,9 +261,9 @@ bool touch(const Extent& a, const Extent& b) {
 /// The rectangles of one plane, best first.
 std::vector<Extent> rectangles(PlaneRaster& raster, const InterpretationOptions& options) {
   std::vector<Extent> found;
-  constexpr int kMost = 8;
-  constexpr double kLeastFill = 0.3;
-  for (int round = 0; round < kMost; ++round) {
+  constexpr int kMax = 8;
+  constexpr double kMinFill = 0.3;
+  for (int round = 0; round < kMax; ++round) {
     const Extent extent = raster.best_rectangle();
     const double cell_area = raster.cell() * raster.cell();
     if (extent.area() < options.support_min_area_m2) break;
@@ -271,7 +271,7 @@ std::vector<Extent> rectangles(PlaneRaster& raster, const InterpretationOptions&
     raster.consume(extent);
     if (counts.support * cell_area < options.support_min_area_m2) continue;
     if (extent.size().minCoeff() < options.support_min_side_m) continue;
-    if (counts.support < kLeastFill * counts.cells) continue;
+    if (counts.support < kMinFill * counts.cells) continue;
     found.push_back(extent);
   }
   return found;

@@ -12,7 +12,7 @@ namespace loci {
 namespace {
 
 constexpr std::array<double, 3> kCellSizes = {0.02, 0.04, 0.08};
-constexpr double kFewestNeighbours = 12;
+constexpr double kMinNeighbours = 12;
 
 /// Sums of points of a cell, from which sums of neighbourhoods follow.
 struct Moments {
@@ -68,7 +68,7 @@ class MomentGrid {
           const uint32_t number = index_.find(cell + Eigen::Vector3i(x, y, z));
           if (number != CellIndex::kNone) all.add(moments_[number]);
         }
-    if (all.count < kFewestNeighbours) return Eigen::Vector3f::Zero();
+    if (all.count < kMinNeighbours) return Eigen::Vector3f::Zero();
     const Vector3d mean = all.sum / all.count;
     const Eigen::Matrix3d covariance = all.squares / all.count - mean * mean.transpose();
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);

@@ -21,7 +21,7 @@ constexpr double kFacing = 0.94;     // cosine between a point's normal and its 
 constexpr double kSameWall =
     0.07;                     // m; parallel layers this near (noise, drift, posters) belong to the plane
 constexpr double kGap = 0.6;  // m; wider gaps part a plane into pieces
-constexpr size_t kMostPlanes = 60;
+constexpr size_t kMaxPlanes = 60;
 
 LineVotes votes_of(const std::vector<Surfel>& surfels, const std::vector<size_t>& upright) {
   double reach = 0;
@@ -150,7 +150,7 @@ std::vector<PlanePatch> vertical_planes(std::vector<Surfel>& surfels, const Inte
   LineVotes votes = votes_of(surfels, upright);
   std::vector<PlanePatch> result;
   const int fewest = static_cast<int>(0.3 * options.wall_min_area_m2 / (kSurfel * kSurfel));
-  for (size_t round = 0; round < kMostPlanes; ++round) {
+  for (size_t round = 0; round < kMaxPlanes; ++round) {
     const LineVotes::Peak peak = votes.strongest();
     if (peak.votes < fewest) break;
     Vector2d normal = peak.normal;

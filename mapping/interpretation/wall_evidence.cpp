@@ -14,8 +14,8 @@ constexpr double kOn = 0.05;           // m; a ray that ends this near ends on t
 constexpr double kBehind = 0.12;       // m; or this far behind has crossed it
 constexpr double kAbove = 0.05;        // m above the top; nearer may still be the plane
 constexpr double kHighest = 0.8;       // m above the top; higher crossings say nothing about the plane
-constexpr int kFewestRays = 2;         // that make a cell crossed; one may be noise
-constexpr size_t kMostRays = 3000000;  // more are thinned evenly
+constexpr int kMinRays = 2;         // that make a cell crossed; one may be noise
+constexpr size_t kMaxRays = 3000000;  // more are thinned evenly
 
 /// Cells of a plane and of what is above it.
 class PlaneCells {
@@ -55,13 +55,13 @@ class PlaneCells {
 
   RayEvidence evidence() const {
     const auto fraction = [](const std::vector<int>& counts) {
-      const auto many = std::count_if(counts.begin(), counts.end(), [](int n) { return n >= kFewestRays; });
+      const auto many = std::count_if(counts.begin(), counts.end(), [](int n) { return n >= kMinRays; });
       return static_cast<double>(many) / static_cast<double>(counts.size());
     };
     double crossed = 0;
     double seen = 0;
     for (size_t cell = 0; cell < hits_.size(); ++cell) {
-      const bool through = passes_[cell] >= kFewestRays && passes_[cell] > hits_[cell];
+      const bool through = passes_[cell] >= kMinRays && passes_[cell] > hits_[cell];
       crossed += through;
       seen += through || hits_[cell] > 0;
     }
@@ -82,7 +82,7 @@ class PlaneCells {
 std::vector<RayEvidence> ray_evidence(const Surface& surface, const std::vector<VerticalPlane>& planes,
                                       int threads) {
   std::vector<RayEvidence> result(planes.size());
-  const size_t step = (surface.points.size() + surface.free_ends.size()) / kMostRays + 1;
+  const size_t step = (surface.points.size() + surface.free_ends.size()) / kMaxRays + 1;
   parallel_for(planes.size(), threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       PlaneCells cells(planes[i]);
@@ -101,7 +101,7 @@ std::vector<RayEvidence> ray_evidence(const Surface& surface, const std::vector<
 void polish(VerticalPlane& plane, const Surface& surface) {
   constexpr double kFromEnds = 0.06;  // m
   constexpr float kFacing = 0.9F;     // cosine
-  constexpr size_t kFewest = 200;
+  constexpr size_t kMin = 200;
   for (const double tolerance : {0.03, 0.025, 0.02}) {
     const double inset = std::min(kFromEnds, plane.length() / 4);
     const Vector2d centre = plane.at((plane.along_min + plane.along_max) / 2);
@@ -120,7 +120,7 @@ void polish(VerticalPlane& plane, const Surface& surface) {
       squares += (at - centre) * (at - centre).transpose();
       ++count;
     }
-    if (count < kFewest) return;
+    if (count < kMin) return;
     const Vector2d mean = sum / static_cast<double>(count);
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(squares / static_cast<double>(count) -
                                                                 mean * mean.transpose());
@@ -141,7 +141,7 @@ bool has_fixtures(const Surface& surface, const VerticalPlane& plane) {
   constexpr double kFarthest = 0.08;
   constexpr double kInset = 0.03;   // m; a neighbour's side is no fixture
   constexpr double kReachHigh = 2;  // m; nobody reaches higher
-  constexpr size_t kFewest = 40;
+  constexpr size_t kMin = 40;
   size_t count = 0;
   for (const SurfacePoint& point : surface.points) {
     const Vector3d position = point.position.cast<double>();
@@ -153,7 +153,7 @@ bool has_fixtures(const Surface& surface, const VerticalPlane& plane) {
       continue;
     ++count;
   }
-  return count >= kFewest;
+  return count >= kMin;
 }
 
 }  // namespace loci

@@ -14,10 +14,10 @@ namespace {
 
 constexpr double kColumn = 0.05;         // m
 constexpr double kBehind = 0.12;         // m; what lies farther behind a plane was seen round or through it
-constexpr double kMostBehind = 0.35;     // windows and doors let one look behind a part of a wall
-constexpr double kMostPassedOver = 0.3;  // of its length; furniture is lower than the room
+constexpr double kMaxBehind = 0.35;     // windows and doors let one look behind a part of a wall
+constexpr double kMaxPassedOver = 0.3;  // of its length; furniture is lower than the room
 constexpr double kLookedOver = 0.3;      // of its length, which is enough to know
-constexpr double kMostPierced = 0.6;     // of its area; a wall may have large windows
+constexpr double kMaxPierced = 0.6;     // of its area; a wall may have large windows
 constexpr double kAtCeiling = 0.12;      // m
 constexpr double kBelowCeiling = 0.25;   // m
 constexpr double kCupboardSide = 1.0;  // m; narrower planes that end below the ceiling are sides of furniture
@@ -74,16 +74,16 @@ std::string why_not_upright(const Candidate& candidate, double floor_height, std
   const VerticalPlane& plane = candidate.patch.plane;
   if (plane.top < floor_height + options.wall_min_top_m)
     return fmt::format("its top is at {:.2f} m", plane.top);
-  if (free_space && candidate.rays.passed_over > kMostPassedOver)
+  if (free_space && candidate.rays.passed_over > kMaxPassedOver)
     return fmt::format("something was seen over {:.0f} % of its length", 100 * candidate.rays.passed_over);
-  if (free_space && candidate.rays.pierced > kMostPierced)
+  if (free_space && candidate.rays.pierced > kMaxPierced)
     return fmt::format("rays passed through {:.0f} % of it", 100 * candidate.rays.pierced);
   if (ceiling && plane.top < *ceiling - kBelowCeiling && plane.length() < kCupboardSide)
     return fmt::format("it is {:.2f} m wide and ends {:.2f} m below the ceiling", plane.length(),
                        *ceiling - plane.top);
   const bool full_height = (ceiling && plane.top > *ceiling - kAtCeiling) ||
                            (free_space && candidate.rays.looked_over > kLookedOver);
-  if (!full_height && plane.behind > kMostBehind)
+  if (!full_height && plane.behind > kMaxBehind)
     return fmt::format("something was seen behind {:.0f} % of its length", 100 * plane.behind);
   return {};
 }
@@ -141,13 +141,13 @@ double depth_before_wall(const VerticalPlane& plane, const std::vector<Candidate
   constexpr double kShallowest = 0.25;
   constexpr double kDeepest = 0.8;
   constexpr double kBeside = 0.5;       // m between the two along the wall
-  constexpr double kLeastLength = 0.8;  // m; less may be a niche in the wall
+  constexpr double kMinLength = 0.8;  // m; less may be a niche in the wall
   double before = 0;
   for (const Candidate& other : walls) {
     const VerticalPlane& wall = other.patch.plane;
     const double distance = wall.normal.dot(middle_of(plane)) - wall.offset;
     if (wall.normal.dot(plane.normal) < 0.99 || distance < kShallowest || distance > kDeepest) continue;
-    if (wall.length() < kLeastLength || -shared_length(plane, wall) >= kBeside) continue;
+    if (wall.length() < kMinLength || -shared_length(plane, wall) >= kBeside) continue;
     before = distance;
   }
   return before;

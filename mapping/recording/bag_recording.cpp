@@ -84,7 +84,7 @@ void BagRecording::choose_streams() {
     if (best == nullptr || topic.messages > best->messages) best = &topic;
   }
   if (depth == nullptr)
-    throw Error("the bag has no depth pictures", {info_.path, 0, {}},
+    throw Error("the bag has no depth images", {info_.path, 0, {}},
                 fmt::format("a {} or {} of 16UC1, 32FC1 or compressedDepth is needed; there is {}", kImage,
                             kCompressed, listing(bag_.topics())));
   depth_ = stream_of(*depth);
@@ -95,7 +95,7 @@ void BagRecording::choose_streams() {
 }
 
 std::optional<PinholeCamera> BagRecording::camera_of(const Stream& stream) const {
-  // camera_info stands beside the picture, or one level above where transports have names of their own.
+  // camera_info stands beside the image, or one level above where transports have names of their own.
   for (std::string space = parent_of(stream.topic); !space.empty(); space = parent_of(space)) {
     const BagTopic* topic = bag_.find(space + "/camera_info");
     if (topic != nullptr && topic->messages > 0 && topic->type == "sensor_msgs/CameraInfo")
@@ -108,10 +108,10 @@ void BagRecording::set_cameras() {
   const std::optional<PinholeCamera> depth = camera_of(depth_);
   if (!depth) info_.guesses.emplace_back("no camera_info of depth: a Kinect v1 is assumed");
   info_.camera.depth = depth.value_or(kinect_camera().depth);
-  const cv::Mat picture =
+  const cv::Mat image =
       read_ros_depth(bag_.message(depth_.topic, 0), depth_.compressed, where(depth_.topic, 0));
-  if (picture.cols != info_.camera.depth.width || picture.rows != info_.camera.depth.height)
-    throw Error(fmt::format("depth pictures are {} x {}, their camera {} x {}", picture.cols, picture.rows,
+  if (image.cols != info_.camera.depth.width || image.rows != info_.camera.depth.height)
+    throw Error(fmt::format("depth images are {} x {}, their camera {} x {}", image.cols, image.rows,
                             info_.camera.depth.width, info_.camera.depth.height),
                 {where(depth_.topic, 0), 0, {}});
   info_.camera.color = info_.camera.depth;
@@ -161,9 +161,9 @@ RgbdFrame BagRecording::frame(size_t i) const {
   frame.time_ns = from.time_ns;
   frame.camera = info_.camera;
   frame.map_from_camera = from.map_from_camera;
-  const auto check = [](const cv::Mat& picture, const PinholeCamera& camera, const std::string& place) {
-    if (picture.cols != camera.width || picture.rows != camera.height)
-      throw Error(fmt::format("the picture is {} x {}, its camera {} x {}", picture.cols, picture.rows,
+  const auto check = [](const cv::Mat& image, const PinholeCamera& camera, const std::string& place) {
+    if (image.cols != camera.width || image.rows != camera.height)
+      throw Error(fmt::format("the image is {} x {}, its camera {} x {}", image.cols, image.rows,
                               camera.width, camera.height),
                   {place, 0, {}});
   };

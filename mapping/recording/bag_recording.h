@@ -8,7 +8,7 @@
 namespace loci {
 
 /// RGB-D frames of a ROS 1 bag: the depth and the colour topic with the most messages, the cameras beside
-/// them, and poses from /tf and /tf_static. Each depth picture takes the nearest colour picture; times are
+/// them, and poses from /tf and /tf_static. Each depth image takes the nearest colour image; times are
 /// those of the headers. The map frame is what the depth camera's frame hangs on in the end.
 class BagRecording : public Recording {
  public:
@@ -21,7 +21,7 @@ class BagRecording : public Recording {
   int64_t index_of(size_t i) const override { return frames_.at(i).index; }
 
  private:
-  /// A topic of pictures.
+  /// A topic of images.
   struct Stream {
     std::string topic;
     bool compressed = false;

@@ -17,7 +17,7 @@ bool is_digit(char c) {
 void check_size(int width, int height, const PinholeCamera& camera, const char* kind,
                 const std::filesystem::path& path) {
   if (width == camera.width && height == camera.height) return;
-  throw Error(fmt::format("the picture is {} x {}, the {} camera {} x {}", width, height, kind, camera.width,
+  throw Error(fmt::format("the image is {} x {}, the {} camera {} x {}", width, height, kind, camera.width,
                           camera.height),
               {path.string(), 0, {}},
               "depth and colour do not belong together, or the camera is described wrongly");
@@ -32,7 +32,7 @@ FileRecording::FileRecording(FileRecordingContent content)
     metres_from_raw_[raw] = static_cast<float>(static_cast<double>(raw) * content_.depth_scale);
   for (const int raw : content_.invalid_depth)
     metres_from_raw_.at(static_cast<size_t>(raw)) = std::numeric_limits<float>::quiet_NaN();
-  check_pictures();
+  check_images();
   complete_info(content_.info, content_.frames);
 }
 
@@ -43,11 +43,11 @@ const FrameFiles& FileRecording::files(size_t i) const {
   return content_.frames[i];
 }
 
-void FileRecording::check_pictures() const {
+void FileRecording::check_images() const {
   for (const FrameFiles& frame : content_.frames) {
     const ImageHeader depth = read_image_header(frame.depth);
     if (depth.channels != 1 || depth.bits != 16)
-      throw Error(fmt::format("depth pictures are 16-bit grey PNG, this one has {} channels of {} bits",
+      throw Error(fmt::format("depth images are 16-bit grey PNG, this one has {} channels of {} bits",
                               depth.channels, depth.bits),
                   {frame.depth.string(), 0, {}});
     check_size(depth.width, depth.height, content_.info.camera.depth, "depth", frame.depth);

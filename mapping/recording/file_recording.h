@@ -22,7 +22,7 @@ struct FrameFiles {
   Place place;  ///< row that names the frame, for messages
 };
 
-/// What a reader of a layout of single pictures fills in; the rest is the same for all of them.
+/// What a reader of a layout of single images fills in; the rest is the same for all of them.
 struct FileRecordingContent {
   RecordingInfo info;                    ///< format, path, map_frame, camera, time_assumed, guesses, problems
   double depth_scale = 0.001;            ///< metres per unit
@@ -36,7 +36,7 @@ void complete_info(RecordingInfo& info, std::vector<FrameFiles>& frames);
 /// A recording of single PNG and JPEG files.
 class FileRecording : public Recording {
  public:
-  /// Sorts by time, checks heads, tails and sizes of all pictures, and completes info.
+  /// Sorts by time, checks heads, tails and sizes of all images, and completes info.
   explicit FileRecording(FileRecordingContent content);
 
   const RecordingInfo& info() const override { return content_.info; }
@@ -47,7 +47,7 @@ class FileRecording : public Recording {
 
  private:
   const FrameFiles& files(size_t i) const;
-  void check_pictures() const;
+  void check_images() const;
 
   FileRecordingContent content_;
   std::vector<float> metres_from_raw_;  ///< by raw value, NaN = no measurement

@@ -33,7 +33,7 @@ void read_cameras(const Config& cameras, RecordingInfo& info) {
     info.camera.color = info.camera.depth;
     info.guesses.emplace_back("no colour camera described: colour is taken as registered with depth");
   }
-  for (const std::string& key : cameras.keys())  // Further pictures per frame are listed, not read.
+  for (const std::string& key : cameras.keys())  // Further images per frame are listed, not read.
     if (key.starts_with("color")) cameras.node(key);
   cameras.finish();
 }
@@ -80,7 +80,7 @@ void check_columns(const CsvTable& table, const std::set<std::string>& known, Re
   for (const std::string& name : table.header()) {
     if (known.contains(name)) continue;
     info.problems.push_back(name.starts_with("color")
-                                ? fmt::format("the pictures of column '{}' are not read", name)
+                                ? fmt::format("the images of column '{}' are not read", name)
                                 : fmt::format("frames.csv: the column '{}' is not known", name));
   }
 }
@@ -99,7 +99,7 @@ void read_frames(const fs::path& folder, FileRecordingContent& content) {
   for (size_t row = 0; row < table.rows(); ++row) {
     FrameFiles frame;
     frame.place = table.place(row);
-    if (table.cell(row, depth).empty()) throw Error("this frame has no depth picture", frame.place);
+    if (table.cell(row, depth).empty()) throw Error("this frame has no depth image", frame.place);
     frame.depth = folder / table.cell(row, depth);
     if (color >= 0 && !table.cell(row, static_cast<size_t>(color)).empty())
       frame.color = folder / table.cell(row, static_cast<size_t>(color));

@@ -54,7 +54,7 @@ struct Coordinates {
 
 Coordinates coordinates_of(const PcdCloud& cloud, const fs::path& path) {
   if (cloud.height < 2)
-    throw Error("the cloud is not organised: its points are in no picture", {path.string(), 0, {}},
+    throw Error("the cloud is not organised: its points are in no image", {path.string(), 0, {}},
                 "a series has clouds of WIDTH x HEIGHT pixels; register takes other clouds");
   const Coordinates fields{cloud.find("x"), cloud.find("y"), cloud.find("z")};
   if (fields.x == nullptr || fields.y == nullptr || fields.z == nullptr)

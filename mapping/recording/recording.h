@@ -29,16 +29,16 @@ struct RecordingInfo {
 Json to_json(const RecordingInfo& info);
 
 /// Posed RGB-D frames in order of time, whatever the files look like. Opening checks what can be checked
-/// without reading pictures; a frame is read when it is asked for.
+/// without reading images; a frame is read when it is asked for.
 class Recording {
  public:
   virtual ~Recording() = default;
   virtual const RecordingInfo& info() const = 0;
   virtual size_t size() const = 0;
-  /// Frame number `i` in [0, size()), not its index in the recording. Error when a picture is missing or
+  /// Frame number `i` in [0, size()), not its index in the recording. Error when an image is missing or
   /// broken.
   virtual RgbdFrame frame(size_t i) const = 0;
-  /// Time and index without reading pictures.
+  /// Time and index without reading images.
   virtual TimeNs time_of(size_t i) const = 0;
   virtual int64_t index_of(size_t i) const = 0;
 };

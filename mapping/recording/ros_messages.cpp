@@ -99,15 +99,15 @@ struct CompressedImage {
     data = bytes.text();
   }
   cv::Mat decode(size_t skipped, const std::string& where) const {
-    const std::string_view picture = data.substr(std::min(skipped, data.size()));
-    return decode_image({picture.begin(), picture.end()}, where);
+    const std::string_view image = data.substr(std::min(skipped, data.size()));
+    return decode_image({image.begin(), image.end()}, where);
   }
 };
 
 cv::Mat metres_from(const cv::Mat& raw, const Place& place) {
   cv::Mat depth(raw.size(), CV_32F);
   if (raw.type() != CV_16UC1 && raw.type() != CV_32FC1)
-    throw Error("depth pictures have one channel of 16-bit millimetres or 32-bit metres", place);
+    throw Error("depth images have one channel of 16-bit millimetres or 32-bit metres", place);
   for (int v = 0; v < raw.rows; ++v)
     for (int u = 0; u < raw.cols; ++u) {
       float metres = kNan;
@@ -169,7 +169,7 @@ cv::Mat read_ros_color(std::string_view message, bool compressed, const std::str
   const Bytes bytes(message, where);
   if (compressed) {
     const cv::Mat pixels = CompressedImage(bytes).decode(0, where);
-    if (pixels.depth() != CV_8U) throw Error("colour pictures have 8 bits per channel", bytes.place());
+    if (pixels.depth() != CV_8U) throw Error("colour images have 8 bits per channel", bytes.place());
     return pixels.channels() == 3   ? pixels
            : pixels.channels() == 4 ? picked(pixels, {0, 1, 2})
                                     : picked(pixels, {0, 0, 0});
@@ -180,7 +180,7 @@ cv::Mat read_ros_color(std::string_view message, bool compressed, const std::str
   if (image.encoding == "rgba8") return picked(image.pixels(CV_8UC4, bytes.place()), {2, 1, 0});
   if (image.encoding == "bgra8") return picked(image.pixels(CV_8UC4, bytes.place()), {0, 1, 2});
   if (image.encoding == "mono8") return picked(image.pixels(CV_8UC1, bytes.place()), {0, 0, 0});
-  throw Error(fmt::format("colour pictures of encoding '{}' are not read", image.encoding), bytes.place());
+  throw Error(fmt::format("colour images of encoding '{}' are not read", image.encoding), bytes.place());
 }
 
 PinholeCamera read_ros_camera(std::string_view message, const std::string& where) {

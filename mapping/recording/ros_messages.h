@@ -23,7 +23,7 @@ RosHeader read_ros_header(std::string_view message, const std::string& where);
 /// What a sensor_msgs/Image or CompressedImage says before its pixels: "16UC1", "rgb8; jpeg compressed bgr8".
 std::string read_ros_encoding(std::string_view message, bool compressed, const std::string& where);
 
-/// Whether pictures of this encoding or format are depth.
+/// Whether images of this encoding or format are depth.
 bool is_depth_encoding(const std::string& encoding);
 
 /// Depth in metres (CV_32F, NaN = none) of 16UC1, mono16 (mm; 0 and 65535 are none), 32FC1 (m), or of

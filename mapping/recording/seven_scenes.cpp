@@ -45,7 +45,7 @@ void check_complete(const std::map<std::string, Parts>& frames, const fs::path& 
                               parts.color.empty() ? "pose" : "colour", depths, colors),
                   {folder.string(), 0, {}}, "depth and colour do not belong together");
     if (colors > 0 && parts.color.empty())
-      throw Error(fmt::format("{} has no colour picture ({} depth, {} colour files)", name, depths, colors),
+      throw Error(fmt::format("{} has no colour image ({} depth, {} colour files)", name, depths, colors),
                   {folder.string(), 0, {}}, "depth and colour do not belong together");
     if (poses > 0 && parts.pose.empty())
       throw Error(fmt::format("{} has no pose ({} frames, {} poses)", name, depths, poses),

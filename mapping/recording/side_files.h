@@ -8,7 +8,7 @@ namespace loci {
 
 // Small files beside recordings that other layouts than ours use.
 
-/// A file beside the pictures or one folder above; empty when there is none.
+/// A file beside the images or one folder above; empty when there is none.
 std::filesystem::path beside_or_above(const std::filesystem::path& folder, const char* name);
 
 /// A 4 x 4 matrix of 16 numbers. Error when they are no pose.

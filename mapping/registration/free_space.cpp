@@ -6,18 +6,18 @@
 namespace loci::registration {
 namespace {
 
-constexpr size_t kPicturesMax = 32;
+constexpr size_t kImagesMax = 32;
 constexpr float kRangeMargin = 0.02F;  ///< of the range: what a small turn moves, and noise
 
 }  // namespace
 
 FreeSpace::FreeSpace(const Scan& scan, const Isometry3d& level_from_scan) {
   if (scan.origins.empty()) return;
-  const size_t step = (scan.origins.size() + kPicturesMax - 1) / kPicturesMax;
+  const size_t step = (scan.origins.size() + kImagesMax - 1) / kImagesMax;
   for (size_t i = 0; i < scan.origins.size(); i += step) {
-    pictures_.emplace_back();
-    pictures_.back().origin = (level_from_scan * scan.origins[i].cast<double>()).cast<float>();
-    for (Face& face : pictures_.back().nearest) face.fill(0.F);
+    images_.emplace_back();
+    images_.back().origin = (level_from_scan * scan.origins[i].cast<double>()).cast<float>();
+    for (Face& face : images_.back().nearest) face.fill(0.F);
   }
   const Eigen::Matrix3f turn = level_from_scan.linear().cast<float>();
   const auto for_rays = [&](const auto& visit) {
@@ -28,7 +28,7 @@ FreeSpace::FreeSpace(const Scan& scan, const Isometry3d& level_from_scan) {
       if (!(range > 0.F)) continue;
       const auto [face, pixel] = pixel_of(ray);
       visit(
-          pictures_[point.origin_index / step].nearest[static_cast<size_t>(face)][static_cast<size_t>(pixel)],
+          images_[point.origin_index / step].nearest[static_cast<size_t>(face)][static_cast<size_t>(pixel)],
           range);
     }
   };
@@ -56,8 +56,8 @@ std::pair<int, int> FreeSpace::pixel_of(const Eigen::Vector3f& direction) {
 /// Every pixel that a ray went to gets the nearest range around it: at edges of things nothing is called
 /// free.
 void FreeSpace::erode() {
-  for (Picture& picture : pictures_) {
-    for (Face& face : picture.nearest) {
+  for (Image& image : images_) {
+    for (Face& face : image.nearest) {
       const Face source = face;
       for (int v = 0; v < kSide; ++v)
         for (int u = 0; u < kSide; ++u) {
@@ -74,11 +74,11 @@ void FreeSpace::erode() {
 }
 
 bool FreeSpace::passed(const Eigen::Vector3f& point, float margin) const {
-  for (const Picture& picture : pictures_) {
-    const Eigen::Vector3f ray = point - picture.origin;
+  for (const Image& image : images_) {
+    const Eigen::Vector3f ray = point - image.origin;
     const float range = ray.norm();
     const auto [face, pixel] = pixel_of(ray);
-    const float nearest = picture.nearest[static_cast<size_t>(face)][static_cast<size_t>(pixel)];
+    const float nearest = image.nearest[static_cast<size_t>(face)][static_cast<size_t>(pixel)];
     if (nearest > 0.F && range + margin + kRangeMargin * nearest < nearest) return true;
   }
   return false;

@@ -76,7 +76,7 @@ std::vector<Registrar::Partner> Registrar::partners_of(size_t scan, size_t end, 
     const double overlap = std::max(expected_overlap(scans_[other], scans_[scan], other_from_scan),
                                     expected_overlap(scans_[scan], scans_[other], other_from_scan.inverse()));
     // A wide window may bring more into reach than the guess shows.
-    const double wanted = kPromising * options_.overlap_min / (1 + reach);
+    const double wanted = kPromising * options_.min_overlap / (1 + reach);
     if (overlap >= wanted) partners.push_back({other, overlap});
   }
   std::stable_sort(partners.begin(), partners.end(),

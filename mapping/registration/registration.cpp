@@ -50,10 +50,10 @@ void RegistrationOptions::declare(OptionTable& table) {
                "Expected error of the directions given (standard deviation); twice as far is searched.", 0,
                90);
   table.number("voxel_m", voxel_m, "m", "Cells of the finest level.", 0.005, 1);
-  table.number("overlap_min", overlap_min, "", "A pair with less shared surface is no evidence.", 0, 1);
-  table.number("conflict_max", conflict_max, "",
+  table.number("min_overlap", min_overlap, "", "A pair with less shared surface is no evidence.", 0, 1);
+  table.number("max_conflict", max_conflict, "",
                "A pair with more points in space that the other scan saw to be free is refused.", 0, 1);
-  table.number("degeneracy_min", degeneracy_min, "",
+  table.number("min_degeneracy", min_degeneracy, "",
                "A pair that is held less in its weakest direction (against its strongest) may slide.", 0, 1);
   table.number("rmse_max_m", rmse_max_m, "m", "A pair whose surfaces fit worse is refused.", 0, 1);
   table.number("rival_gap", rival_gap, "",

@@ -17,9 +17,9 @@ struct RegistrationOptions {
   double position_error_m = 0.3;  ///< expected localisation error (σ): the search reaches twice as far
   double yaw_error_deg = 15;      ///< expected (σ)
   double voxel_m = 0.05;          ///< of the finest level
-  double overlap_min = 0.3;       ///< less shared surface is no evidence
-  double conflict_max = 0.02;     ///< more points in free space, and it is another place
-  double degeneracy_min = 0.003;  ///< less, and the pose may slide or turn
+  double min_overlap = 0.3;       ///< less shared surface is no evidence
+  double max_conflict = 0.02;     ///< more points in free space, and it is another place
+  double min_degeneracy = 0.003;  ///< less, and the pose may slide or turn
   double rmse_max_m = 0.03;       ///< more, and it is another surface
   double rival_gap = 0.03;        ///< a second pose must fit worse by this part of the surface
   int threads = 0;  ///< 0 = all cores; not declared as an option: the result is the same on any number

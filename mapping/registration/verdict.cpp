@@ -85,13 +85,13 @@ double degeneracy(const Matrix6d& hessian, const Vector3d& about, double lever, 
 Verdict judge(const PairAlignment& pair, const Agreement& agreement, double rival,
               const RegistrationOptions& options) {
   const auto refused = [](std::string why) { return Verdict{false, std::move(why)}; };
-  if (pair.overlap < options.overlap_min)
+  if (pair.overlap < options.min_overlap)
     return refused(fmt::format("only {:.0f} % of the surface is in both scans", 100 * pair.overlap));
-  if (pair.conflict > options.conflict_max)
+  if (pair.conflict > options.max_conflict)
     return refused(
         fmt::format("{:.0f} % of the points stand where the other scan saw free space", 100 * pair.conflict));
   // Six directions share what three have to themselves.
-  if (pair.degeneracy < options.degeneracy_min * (options.dof == 3 ? 1.0 : 0.3))
+  if (pair.degeneracy < options.min_degeneracy * (options.dof == 3 ? 1.0 : 0.3))
     return refused("the surfaces in common do not hold the pose: it could slide or turn");
   if (pair.rmse_m > options.rmse_max_m)
     return refused(fmt::format("the surfaces fit only to {:.1f} cm", 100 * pair.rmse_m));

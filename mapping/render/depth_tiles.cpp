@@ -12,7 +12,7 @@ DepthTiles::Level::Level(int side, int width, int rows)
       stale(least.size(), 0) {}
 
 DepthTiles::DepthTiles(const float* inverse_depth, int width, int row_begin, int row_end)
-    : picture_(inverse_depth),
+    : image_(inverse_depth),
       width_(width),
       row_begin_(row_begin),
       row_end_(row_end),
@@ -48,7 +48,7 @@ void DepthTiles::changed(const PixelBox& box) {
 float DepthTiles::least_of_pixels(int u_begin, int u_end, int v_begin, int v_end) const {
   float least = std::numeric_limits<float>::infinity();
   for (int v = v_begin; v < v_end; ++v) {
-    const float* line = picture_ + static_cast<ptrdiff_t>(v) * width_;
+    const float* line = image_ + static_cast<ptrdiff_t>(v) * width_;
     for (int u = u_begin; u < u_end; ++u) least = line[u] < least ? line[u] : least;
   }
   return least;

@@ -7,11 +7,11 @@
 
 namespace loci::render_detail {
 
-/// How far away the farthest pixel of a tile is, on two levels, for a band of a picture of inverse depths.
+/// How far away the farthest pixel of a tile is, on two levels, for a band of an image of inverse depths.
 /// Levels are brought up to date only where somebody asks.
 class DepthTiles {
  public:
-  /// `inverse_depth`: the whole picture, row by row; the band is its rows [row_begin, row_end).
+  /// `inverse_depth`: the whole image, row by row; the band is its rows [row_begin, row_end).
   DepthTiles(const float* inverse_depth, int width, int row_begin, int row_end);
 
   /// Whether everything drawn so far in these pixels is nearer than `inverse_depth`.
@@ -23,7 +23,7 @@ class DepthTiles {
   static constexpr int kFine = 8, kCoarse = 32;  ///< side of a tile, pixels
   static constexpr int kFewPixels = 48;          ///< smaller boxes are looked at pixel by pixel
 
-  /// The smallest inverse depth of tiles; older than the picture where stale.
+  /// The smallest inverse depth of tiles; older than the image where stale.
   struct Level {
     int across = 0;
     std::vector<float> least;
@@ -36,7 +36,7 @@ class DepthTiles {
   float fine(int row, int column);
   float coarse(int row, int column);
 
-  const float* picture_;
+  const float* image_;
   int width_, row_begin_, row_end_;
   Level fine_, coarse_;
 };

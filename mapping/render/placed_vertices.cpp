@@ -6,7 +6,7 @@ namespace loci::render_detail {
 namespace {
 
 constexpr double kSlack = 1e-6;    // pixels
-constexpr int32_t kBig = 1 << 24;  // larger than any picture
+constexpr int32_t kBig = 1 << 24;  // larger than any image
 
 inline double held(double value, double limit) {
   value = value > -2 ? value : -2;

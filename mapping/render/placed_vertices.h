@@ -7,8 +7,8 @@
 
 namespace loci::render_detail {
 
-/// From vertices of a link to the picture: rows of (fx·X, fy·Y, Z), the principal point and how far pixels
-/// count beyond the picture's edges.
+/// From vertices of a link to the image: rows of (fx·X, fy·Y, Z), the principal point and how far pixels
+/// count beyond the image's edges.
 struct Projection {
   double m[3][4];
   double cx, cy;
@@ -17,9 +17,9 @@ struct Projection {
 
 /// The pixels around a position: its first column, its last one negated, first row, last row negated, so that
 /// the pixels around several positions are the smallest of each, four comparisons at a time. They are held to
-/// pictures of at most kLargestSide pixels a side.
+/// images of at most kMaxSide pixels a side.
 using PixelReach [[gnu::vector_size(8)]] = int16_t;
-constexpr int kLargestSide = 32000;
+constexpr int kMaxSide = 32000;
 
 /// The corners of a cluster before the camera; all arrays by vertex. Pixels whose centre a triangle can cover
 /// are those in the reach of its corners: positions are rounded outwards by a millionth of a pixel, as the

@@ -39,7 +39,7 @@ struct DrawOptions {
   bool occlusion_culling = true;  ///< what is hidden is passed over; the pixels are the same without
 };
 
-/// Draws rows [row_begin, row_end) of the picture; fastest when the surfaces come nearest first. Pixels
+/// Draws rows [row_begin, row_end) of the image; fastest when the surfaces come nearest first. Pixels
 /// depend on the surfaces only, not on their order nor on how rows are shared out: the nearest surface wins,
 /// of equally near ones the lowest number. A pixel whose centre lies on an edge that two triangles share
 /// belongs to exactly one of them.

@@ -33,7 +33,7 @@ struct NearestSurface {
 /// or "chrome" (in any case) is.
 bool glossy_material(const std::string& name);
 
-/// Worlds for ray casting (Embree): for lasers, and to check the rasteriser. Its sibling for whole pictures
+/// Worlds for ray casting (Embree): for lasers, and to check the rasteriser. Its sibling for whole images
 /// is RenderScene; parts, joints and names work alike. Links that no joint moves against each other share one
 /// search tree, so that moving a joint costs microseconds, whatever it carries.
 class RayScene {

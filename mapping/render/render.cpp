@@ -161,8 +161,8 @@ RenderedView RenderScene::render(const PinholeCamera& camera, const Isometry3d& 
                                  const RenderOptions& options, int threads) const {
   if (camera.width <= 0 || camera.height <= 0 || !(camera.fx > 0) || !(camera.fy > 0))
     throw Error("a camera needs a positive size and focal length");
-  if (std::max(camera.width, camera.height) > render_detail::kLargestSide)
-    throw Error("pictures have at most " + std::to_string(render_detail::kLargestSide) + " pixels a side");
+  if (std::max(camera.width, camera.height) > render_detail::kMaxSide)
+    throw Error("images have at most " + std::to_string(render_detail::kMaxSide) + " pixels a side");
   if (!(options.near_m > 0) || !(options.far_m > options.near_m))
     throw Error("rendering needs 0 < near < far");
   RenderedView view;

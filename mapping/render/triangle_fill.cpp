@@ -36,7 +36,7 @@ struct TriangleFill::Edge {
         limit(a > 0 || (a == 0 && b > 0) ? -std::numeric_limits<double>::denorm_min() : 0) {}
 };
 
-/// 1/z over the picture. Within a triangle it lies between those of its corners; slivers, whose plane is
+/// 1/z over the image. Within a triangle it lies between those of its corners; slivers, whose plane is
 /// badly determined, are held to that.
 struct TriangleFill::Plane {
   double a, b, c;

@@ -13,7 +13,7 @@ namespace loci {
 /// One moment of an RGB-D recording.
 struct RgbdFrame {
   int64_t index = 0;  ///< as in the recording: its index column, or the position where there is none
-  std::string name;   ///< of its depth picture without "depth": "frame-000012", "learn33"
+  std::string name;   ///< of its depth image without "depth": "frame-000012", "learn33"
   TimeNs time_ns = 0;
   RgbdCamera camera;
   cv::Mat depth;  ///< CV_32F, z-depth in metres, NaN = no measurement; camera.depth.height × width
@@ -22,7 +22,7 @@ struct RgbdFrame {
   JointState joints;                          ///< of the map's articulated parts, at this time
 };
 
-/// The colour picture as the depth camera would see it (CV_8UC3, depth resolution): each depth pixel takes
+/// The colour image as the depth camera would see it (CV_8UC3, depth resolution): each depth pixel takes
 /// the colour of the colour pixel that its point projects to; black where there is no depth or no colour.
 cv::Mat color_in_depth(const RgbdFrame& frame);
 

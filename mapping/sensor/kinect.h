@@ -31,14 +31,14 @@ struct KinectModel {
   void declare(OptionTable& table);
 };
 
-/// The noise-free picture of a depth camera, as the sensor would measure it.
+/// The noise-free image of a depth camera, as the sensor would measure it.
 ///   depth   CV_32F, z in metres, NaN = nothing there
 ///   normal  CV_32FC3, unit, camera frame; zero = unknown (no incidence check there)
 /// Row v draws from random.fork(v) only: the same bytes on any number of threads (0 = all cores).
 cv::Mat measured_by_kinect(const cv::Mat& depth, const cv::Mat& normal, const PinholeCamera& camera,
                            const KinectModel& model, const Random& random, int threads = 1);
 
-/// Adds the colour camera's noise, N(0, color_sigma) of 255 per channel, to a CV_8UC3 picture.
+/// Adds the colour camera's noise, N(0, color_sigma) of 255 per channel, to a CV_8UC3 image.
 void add_color_noise(cv::Mat& color, const KinectModel& model, const Random& random, int threads = 1);
 
 /// Value in [-1, 1] of the fixed smooth distortion field at a pixel.

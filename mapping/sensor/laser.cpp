@@ -44,7 +44,7 @@ void LaserModel::declare(OptionTable& table) {
   table.number("mixed_probability", mixed_probability, "", "That it does.", 0, 1);
   table.number("glossy_incidence_max_deg", glossy_incidence_max_deg, "deg",
                "Glossy materials return nothing beyond this angle.", 0, 90);
-  table.number("reflectance_min", reflectance_min, "",
+  table.number("min_reflectance", min_reflectance, "",
                "Darker than this (reflectance times cosine of the incidence) returns nothing.", 0, 1);
   table.number("intensity_sigma", intensity_sigma, "", "Noise of an intensity.", 0, 1);
   table.number("color_sigma", color_sigma, "", "Noise of a colour, of 255.", 0, 255);

@@ -24,7 +24,7 @@ struct LaserModel {
   double mixed_spread_m = 0.05;
   double mixed_probability = 0.5;
   double glossy_incidence_max_deg = 80;
-  double reflectance_min = 0.02;
+  double min_reflectance = 0.02;
   double intensity_sigma = 0.02;
   double color_sigma = 3;
 

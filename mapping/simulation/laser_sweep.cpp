@@ -62,7 +62,7 @@ class Beam {
     if (hit.glossy && cosine < glossy_cos_) return std::nullopt;
     const Vector3f color(hit.color[0], hit.color[1], hit.color[2]);
     const float intensity = color.dot(Vector3f(0.2126f, 0.7152f, 0.0722f)) / 255 * cosine;
-    if (intensity < static_cast<float>(laser_.reflectance_min)) return std::nullopt;
+    if (intensity < static_cast<float>(laser_.min_reflectance)) return std::nullopt;
     return Echo{hit.distance, intensity, color};
   }
 

@@ -222,12 +222,12 @@ const std::map<std::string, std::function<bool(double, double)>>& patterns() {
   return table;
 }
 
-Paint picture_paint(const std::filesystem::path& path) {
-  const cv::Mat picture = read_color(path);
-  return [picture](double u, double v) {
-    const int x = std::clamp(static_cast<int>(u * picture.cols), 0, picture.cols - 1);
-    const int y = std::clamp(static_cast<int>((1 - v) * picture.rows), 0, picture.rows - 1);
-    const auto& bgr = picture.at<cv::Vec3b>(y, x);
+Paint image_paint(const std::filesystem::path& path) {
+  const cv::Mat image = read_color(path);
+  return [image](double u, double v) {
+    const int x = std::clamp(static_cast<int>(u * image.cols), 0, image.cols - 1);
+    const int y = std::clamp(static_cast<int>((1 - v) * image.rows), 0, image.rows - 1);
+    const auto& bgr = image.at<cv::Vec3b>(y, x);
     return Rgba(static_cast<float>(bgr[2]) / 255, static_cast<float>(bgr[1]) / 255,
                 static_cast<float>(bgr[0]) / 255, 1);
   };
@@ -247,7 +247,7 @@ Look look_of(const ObjectSpec& spec) {
       return inside(u, v) ? accent : color;
     };
   }
-  if (!spec.label.empty()) look.around = look.front = picture_paint(spec.label);
+  if (!spec.label.empty()) look.around = look.front = image_paint(spec.label);
   return look;
 }
 

@@ -17,7 +17,7 @@ struct ObjectSpec {
   Rgba color = Rgba(0.8F, 0.8F, 0.8F, 1);
   std::optional<Rgba> accent;   ///< second colour of patterns and lids; unset = a darker color
   std::string pattern;          ///< one of object_patterns(); "" = plain
-  std::filesystem::path label;  ///< picture on the front of a box, around a can, jar or bottle
+  std::filesystem::path label;  ///< image on the front of a box, around a can, jar or bottle
 };
 
 /// An object as triangles: z up, origin in the middle of its bottom, front towards -y.
@@ -31,7 +31,7 @@ struct ObjectModel {
 std::vector<std::string> object_models();
 std::vector<std::string> object_patterns();
 
-/// Builds an object. Error when its label is no picture.
+/// Builds an object. Error when its label is no image.
 ObjectModel build_object(const ObjectSpec& spec);
 
 }  // namespace loci

@@ -101,7 +101,7 @@ RecordResult record(const Scenario& scenario, const std::filesystem::path& folde
       frame.index = static_cast<int64_t>(result.frames);
       frame.map_from_camera = map_from_camera;
       const RenderedView view = studio.depth_view(frame.camera.depth, map_from_camera, options.threads);
-      frame.color = studio.color_picture(frame.camera.color, map_from_camera * frame.camera.depth_from_color,
+      frame.color = studio.color_image(frame.camera.color, map_from_camera * frame.camera.depth_from_color,
                                          options.threads);
       frame.depth = view.depth;
       if (options.noise == "kinect") {

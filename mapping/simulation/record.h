@@ -34,9 +34,9 @@ struct RecordResult {
 /// joints.csv, truth.jsonl and simulation.json (the options that made it). Same seed, same bytes on any
 /// number of threads. truth.jsonl has a line per frame; its objects have:
 ///   id, model, support (link or object), pose (map_from_object, x y z qx qy qz qw; origin in the middle of
-///   the bottom), size (extents in its own frame), pixels (of the depth picture), visible (part of what would
-///   be seen of it in this picture if nothing stood before it; null when it is outside), box (first column,
-///   first row, last column, last row in the depth picture; null when not seen).
+///   the bottom), size (extents in its own frame), pixels (of the depth image), visible (part of what would
+///   be seen of it in this image if nothing stood before it; null when it is outside), box (first column,
+///   first row, last column, last row in the depth image; null when not seen).
 RecordResult record(const Scenario& scenario, const std::filesystem::path& folder,
                     const RecordOptions& options, Progress& progress, Warnings& warnings);
 

@@ -53,7 +53,7 @@ ObjectSpec read_object(const Config& config, const std::string& name, const std:
   if (config.has("label")) {
     object.label = folder / config.require<std::string>("label");
     if (!std::filesystem::exists(object.label))
-      throw Error("no such picture: " + object.label.string(), config.place("label"));
+      throw Error("no such image: " + object.label.string(), config.place("label"));
   }
   return object;
 }

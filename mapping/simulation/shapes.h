@@ -19,7 +19,7 @@ class ShapeBuilder {
   void lathe(const std::vector<Vector2d>& profile, const Paint& paint, int segments = 40);
 
   /// Axis-parallel box between two corners; its front (-y) is cut into columns × rows cells, so that it can
-  /// carry a picture (v = 1 at the top).
+  /// carry an image (v = 1 at the top).
   void box(const Vector3d& low, const Vector3d& high, const Rgba& color, const Paint& front, int columns,
            int rows);
   void box(const Vector3d& low, const Vector3d& high, const Rgba& color);

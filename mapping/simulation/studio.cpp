@@ -36,9 +36,9 @@ class Shader {
   Eigen::Vector3f light_;
 };
 
-void shrink_row(const RenderedView& fine, const Shader& shader, int v, cv::Mat& picture) {
+void shrink_row(const RenderedView& fine, const Shader& shader, int v, cv::Mat& image) {
   const cv::Vec3f nothing(230, 228, 224);
-  for (int u = 0; u < picture.cols; ++u) {
+  for (int u = 0; u < image.cols; ++u) {
     cv::Vec3f sum(0, 0, 0);
     for (int y = v * kSamples; y < (v + 1) * kSamples; ++y) {
       for (int x = u * kSamples; x < (u + 1) * kSamples; ++x) {
@@ -49,7 +49,7 @@ void shrink_row(const RenderedView& fine, const Shader& shader, int v, cv::Mat& 
       }
     }
     for (int k = 0; k < 3; ++k)
-      picture.at<cv::Vec3b>(v, u)[k] = cv::saturate_cast<uint8_t>(sum[k] / (kSamples * kSamples));
+      image.at<cv::Vec3b>(v, u)[k] = cv::saturate_cast<uint8_t>(sum[k] / (kSamples * kSamples));
   }
 }
 
@@ -110,17 +110,17 @@ RenderedView Studio::depth_view(const PinholeCamera& camera, const Isometry3d& m
   return scene_.render(camera, map_from_camera, options, threads);
 }
 
-cv::Mat Studio::color_picture(const PinholeCamera& camera, const Isometry3d& map_from_camera,
+cv::Mat Studio::color_image(const PinholeCamera& camera, const Isometry3d& map_from_camera,
                               int threads) const {
   RenderOptions options;
   options.normals = options.colors = true;
   const RenderedView fine = scene_.render(finer(camera, kSamples), map_from_camera, options, threads);
   const Shader shader(map_from_camera);
-  cv::Mat picture(camera.height, camera.width, CV_8UC3);
+  cv::Mat image(camera.height, camera.width, CV_8UC3);
   parallel_for(static_cast<size_t>(camera.height), threads, [&](size_t begin, size_t end) {
-    for (size_t v = begin; v < end; ++v) shrink_row(fine, shader, static_cast<int>(v), picture);
+    for (size_t v = begin; v < end; ++v) shrink_row(fine, shader, static_cast<int>(v), image);
   });
-  return picture;
+  return image;
 }
 
 std::map<std::string, SeenObject> Studio::seen_objects(const RenderedView& view, const PinholeCamera& camera,

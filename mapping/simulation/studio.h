@@ -9,7 +9,7 @@
 
 namespace loci {
 
-/// What one object takes up in one depth picture.
+/// What one object takes up in one depth image.
 struct SeenObject {
   int pixels = 0;
   int unhidden_pixels = 0;    ///< if nothing else stood in the way
@@ -28,8 +28,8 @@ class Studio {
   /// Depth and normals without noise.
   RenderedView depth_view(const PinholeCamera& camera, const Isometry3d& map_from_camera, int threads) const;
 
-  /// A lit picture, smoothed at edges.
-  cv::Mat color_picture(const PinholeCamera& camera, const Isometry3d& map_from_camera, int threads) const;
+  /// A lit image, smoothed at edges.
+  cv::Mat color_image(const PinholeCamera& camera, const Isometry3d& map_from_camera, int threads) const;
 
   /// Counts the objects' pixels in a view that depth_view() made.
   std::map<std::string, SeenObject> seen_objects(const RenderedView& view, const PinholeCamera& camera,
@@ -38,7 +38,7 @@ class Studio {
  private:
   struct Part {
     size_t number = 0;  ///< in the scene
-    int link = 0;       ///< id in pictures
+    int link = 0;       ///< id in images
   };
   const Part& part_for(const std::string& name, const ObjectState& object);
 

@@ -33,12 +33,12 @@ std::string fingerprint_of(const Recording& recording) {
   std::vector<FrameDigest> frames;
   for (size_t i = 0; i < recording.size(); ++i)
     frames.push_back({recording.index_of(i), recording.time_of(i)});
-  std::vector<cv::Mat> pictures;
+  std::vector<cv::Mat> images;
   if (recording.size() > 0) {
-    pictures.push_back(recording.frame(0).depth);
-    pictures.push_back(recording.frame(recording.size() - 1).depth);
+    images.push_back(recording.frame(0).depth);
+    images.push_back(recording.frame(recording.size() - 1).depth);
   }
-  return recording_fingerprint(frames, pictures);
+  return recording_fingerprint(frames, images);
 }
 
 MemorySession::MemorySession(const MemorySessionOptions& options, const Recording& recording)

@@ -78,7 +78,7 @@ MemoryRunResult run_with_memory(Pipeline& pipeline, Context& context,
                                 const std::function<void(cas::Cas&)>& done = {});
 
 /// What a recording is, wherever it lies and in whichever layout: its frames' numbers and times, and its
-/// first and last depth pictures.
+/// first and last depth images.
 std::string fingerprint_of(const Recording& recording);
 
 }  // namespace loci

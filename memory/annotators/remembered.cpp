@@ -18,18 +18,18 @@
 namespace loci {
 namespace {
 
-cv::Mat picture(const Store& store, Id id) {
+cv::Mat image(const Store& store, Id id) {
   const BlobRow blob = store.blob(id);
   return decode_image({blob.bytes.begin(), blob.bytes.end()}, blob.hash);
 }
 
-/// The picture of an observation as a hypothesis. Its mask is that of the depth image, stretched to it.
-void add_picture(const Store& store, const ObservationRow& row, const types::Cluster& cluster) {
+/// The image of an observation as a hypothesis. Its mask is that of the depth image, stretched to it.
+void add_image(const Store& store, const ObservationRow& row, const types::Cluster& cluster) {
   if (!row.crop) return;
   cas::Cas& cas = cluster.cas();
-  const cv::Mat image = picture(store, *row.crop);
+  const cv::Mat image = image(store, *row.crop);
   cv::Mat mask(image.size(), CV_8U, cv::Scalar(255));
-  if (row.mask) cv::resize(picture(store, *row.mask), mask, image.size(), 0, 0, cv::INTER_NEAREST);
+  if (row.mask) cv::resize(image(store, *row.mask), mask, image.size(), 0, 0, cv::INTER_NEAREST);
   const auto roi = types::StandaloneImageROI::create(cas);
   roi.source.set("MemoryReader");
   roi.roi.set(types::to(cas, cv::Rect(cv::Point(), image.size())));
@@ -41,18 +41,18 @@ void add_picture(const Store& store, const ObservationRow& row, const types::Clu
 types::Cluster make_cluster(const Store& store, const ObservationRow& row, cas::Cas& cas) {
   const auto cluster = types::Cluster::create(cas);
   if (row.position) cluster.centroid.set(types::to(cas, *row.position));
-  add_picture(store, row, cluster);
+  add_image(store, row, cluster);
   return cluster;
 }
 
-/// A depth picture in which nothing was measured yet; empty without a camera.
+/// A depth image in which nothing was measured yet; empty without a camera.
 cv::Mat blank_depth(const SceneRow& scene) {
   if (!scene.camera) return {};
   const double none = std::numeric_limits<double>::quiet_NaN();
   return {scene.camera->height, scene.camera->width, CV_32F, cv::Scalar(none)};
 }
 
-/// The points of an observation as a hypothesis, and in the depth picture.
+/// The points of an observation as a hypothesis, and in the depth image.
 void add_points(const Store& store, const SceneRow& scene, const ObservationRow& row,
                 const types::Cluster& cluster, cv::Mat& depth) {
   const std::optional<ClusterPoints> kept = cluster_points(store, scene, row);
@@ -75,7 +75,7 @@ bool answered(const types::Cluster& cluster, const std::set<std::string>& by) {
 AnnotatorDescriptor MemoryReader::descriptor() const {
   return {
       "MemoryReader",
-      "Reads the scenes of a memory: clusters with their pictures and points, and what was said about them.",
+      "Reads the scenes of a memory: clusters with their images and points, and what was said about them.",
       {},
       {"Scene", "CameraInfo", "view:color", "view:depth", "Cluster", "StandaloneImageROI",
        "ReferenceClusterPoints", "PlanarSupport", "GeometryAnnotation", "ColorAnnotation", "ColorHistogram",
@@ -101,7 +101,7 @@ void MemoryReader::read_next(cas::Cas& cas, Context& context) {
   made.frame_index.set(row.id);
   if (row.map_from_camera)
     made.map_from_camera.set(types::to_stamped(cas, *row.map_from_camera, "map", "depth_camera", row.time));
-  if (row.picture) types::set_view_image(scene, types::SceneCas::kColor, picture(store, *row.picture));
+  if (row.image) types::set_view_image(scene, types::SceneCas::kColor, image(store, *row.image));
   memory_->current = {row.id, {}, 0};
   std::map<Id, types::Cluster> clusters;
   cv::Mat depth = blank_depth(row);

@@ -25,7 +25,7 @@ struct RememberedMemory {
   Current current;
 };
 
-/// Reads the scenes of a memory: clusters with their pictures and points (a depth picture in which nothing
+/// Reads the scenes of a memory: clusters with their images and points (a depth image in which nothing
 /// else was measured), supports, and what was said about them.
 class MemoryReader : public Reader {
  public:

@@ -78,8 +78,8 @@ void read_camera(const types::SceneCas& cas, const types::Scene& scene, SceneRec
   record.row.camera = row;
   record.row.map_from_camera = record.view.map_from_camera;
   if (cas.has(types::SceneCas::kColor))
-    record.picture = {encoded(types::view_image(cas, types::SceneCas::kColor), ".jpg"), "image/jpeg"};
-  // The scene's own columns describe the depth camera; whoever draws on the picture needs the other one too.
+    record.image = {encoded(types::view_image(cas, types::SceneCas::kColor), ".jpg"), "image/jpeg"};
+  // The scene's own columns describe the depth camera; whoever draws on the image needs the other one too.
   if (cas.has_camera("color")) record.structures.push_back(cas.camera("color"));
 }
 

@@ -14,7 +14,7 @@ constexpr std::array<double, kBins - 1> kBorders{0.02, 0.04, 0.07, 0.11, 0.16, 0
 /// Distances that the tables of comparisons() are worth.
 constexpr double kPrior = 30;
 /// Evidence beyond this makes older evidence fade.
-constexpr float kMost = 10000;
+constexpr float kMax = 10000;
 
 size_t bin_of(double distance) {
   return static_cast<size_t>(std::ranges::upper_bound(kBorders, distance) - kBorders.begin());
@@ -108,7 +108,7 @@ void Calibration::Counts::count(bool same, double distance, double weight) {
 
 void Calibration::Counts::fade() {
   for (auto* counts : {&same_, &different_})
-    if (std::accumulate(counts->begin(), counts->end(), 0.0F) > kMost)
+    if (std::accumulate(counts->begin(), counts->end(), 0.0F) > kMax)
       for (float& count : *counts) count /= 2;
 }
 

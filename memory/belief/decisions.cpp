@@ -8,8 +8,8 @@
 namespace loci::belief {
 namespace {
 
-constexpr double kSmallestProbability = 0.01;
-constexpr size_t kFewest = 2;  ///< of the best candidates are kept, however improbable; 1 if it was settled
+constexpr double kMinProbability = 0.01;
+constexpr size_t kMin = 2;  ///< of the best candidates are kept, however improbable; 1 if it was settled
 
 Candidate candidate_of(const BeliefUpdate& update, Eigen::Index o, Eigen::Index k) {
   Candidate candidate;
@@ -56,12 +56,12 @@ ObservationDecision observation_decision(const BeliefUpdate& update, Eigen::Inde
   for (Eigen::Index o = 0; o < update.evidence.log_similar.rows(); ++o)
     order.emplace_back(-weight(update, o, k), o);
   const bool settled = update.evidence.settled[static_cast<size_t>(k)].has_value();
-  const size_t few = std::min(order.size(), settled ? 1 : kFewest);
+  const size_t few = std::min(order.size(), settled ? 1 : kMin);
   std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(few), order.end());
   for (size_t i = 0; i < order.size(); ++i) {
     const int64_t key = update.objects[static_cast<size_t>(order[i].second)].key;
     const bool counts = std::any_of(outcome.shares.begin(), outcome.shares.end(), [&](const Share& share) {
-      return share.key == key && (share.probability() >= kSmallestProbability || key == outcome.key);
+      return share.key == key && (share.probability() >= kMinProbability || key == outcome.key);
     });
     if (i < few || counts) decision.candidates.push_back(candidate_of(update, order[i].second, k));
   }

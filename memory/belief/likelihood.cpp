@@ -7,12 +7,12 @@
 namespace loci::belief {
 
 double mass(const Measured& number, const Domain& domain) {
-  constexpr double kSmallest = 1e-12;
+  constexpr double kMin = 1e-12;
   const double scale = 1 / std::sqrt(2 * number.variance);
   const double high = (domain.high - number.mean) * scale, low = (domain.low - number.mean) * scale;
   // The difference of two tails is only exact where both are small.
   const double inside = low > 0 ? std::erfc(low) - std::erfc(high) : std::erfc(-high) - std::erfc(-low);
-  return std::max(kSmallest, 0.5 * inside);
+  return std::max(kMin, 0.5 * inside);
 }
 
 double log_same(const Measured& believed, const Domain& possible, const Measured& seen,

@@ -12,7 +12,7 @@
 namespace loci::belief {
 namespace {
 
-constexpr double kLargestEvidence = 30;
+constexpr double kMaxEvidence = 30;
 /// What is out of view by this much is not about the place that is looked at.
 constexpr double kOutOfView = 0.99;
 
@@ -90,8 +90,8 @@ class PairComparer {
       shapes_.push_back(shape_of(observation));
     }
     const Eigen::Index rows = index(state.objects.size()), columns = index(shapes_.size());
-    evidence_.log_similar.setConstant(rows, columns, -kLargestEvidence);
-    evidence_.log_proximity.setConstant(rows, columns, -kLargestEvidence);
+    evidence_.log_similar.setConstant(rows, columns, -kMaxEvidence);
+    evidence_.log_proximity.setConstant(rows, columns, -kMaxEvidence);
     evidence_.log_size.setZero(rows, columns);
     evidence_.offset.setZero(rows, columns);
     evidence_.colorless.setConstant(rows, columns, false);
@@ -141,7 +141,7 @@ class PairComparer {
     if (!snapshot_ && is_piece(e, observation.box)) observation.partial = true;
     const Contrast alike = bag.compare(appearances_[size_t(k)], observation.partial, corrections_, options_);
     evidence_.colorless(o, k) = alike.colorless;
-    evidence_.log_similar(o, k) = std::clamp(alike.log_ratio, -kLargestEvidence, kLargestEvidence);
+    evidence_.log_similar(o, k) = std::clamp(alike.log_ratio, -kMaxEvidence, kMaxEvidence);
     if (alike.count > 0) evidence_.closeness(o, k) = std::exp(alike.log_closeness);
     for (size_t i = 0; i < kComparisons; ++i) {
       evidence_.distances[i].distance(o, k) = alike.parts[i].distance;
@@ -152,7 +152,7 @@ class PairComparer {
     const double extent_variance = variance + e.view_variance * (1 / view_noise(state_) - 1);
     evidence_.log_proximity(o, k) =
         std::clamp(log_proximity(believed, variance, extent_variance, object.partial, observation, options_),
-                   -kLargestEvidence, kLargestEvidence);
+                   -kMaxEvidence, kMaxEvidence);
   }
 
   /// Table of a kind between observations and some objects, infinite where they cannot be compared.

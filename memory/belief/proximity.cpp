@@ -31,14 +31,14 @@ double gaussian_log_ratio(const Vector3d& offset, double variance, double spread
 
 /// What stays has the same extent along the axes of the map; bounded, since parts may be hidden unnoticed.
 double extent_penalty(const AxisBox& believed, const AxisBox& seen, double variance) {
-  constexpr double kLeast = -6;
+  constexpr double kMin = -6;
   double penalty = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const double size = std::max(believed.size[axis], seen.size[axis]);
     penalty -=
         square(seen.size[axis] - believed.size[axis]) / (2 * (square(0.01 + 0.1 * size) + 4 * variance));
   }
-  return std::max(kLeast, penalty);
+  return std::max(kMin, penalty);
 }
 
 }  // namespace

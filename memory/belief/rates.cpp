@@ -54,7 +54,7 @@ void RateLearner::finish_scene() {
         sums.doubt_before > 0 ? std::clamp(1 - sums.doubt_after / sums.doubt_before, 0.0, 1.0) : 0.0;
     // A step from what was expected towards what was found, with the weight of what was told.
     const double events = sums.found - (1 - told) * sums.expected;
-    events_[i] = std::max(kLeastEvents - kPriorEvents, keep * events_[i] + events);
+    events_[i] = std::max(kMinEvents - kPriorEvents, keep * events_[i] + events);
     exposure_[i] = keep * exposure_[i] + told * sums.expected / now.of[i];
   }
   scene_ = {};

@@ -50,7 +50,7 @@ class RateLearner {
 
  private:
   static constexpr double kPriorEvents = 1;      ///< a handful of events overrules the prior
-  static constexpr double kLeastEvents = 0.2;    ///< no rate becomes zero
+  static constexpr double kMinEvents = 0.2;    ///< no rate becomes zero
   static constexpr double kMemoryScenes = 2000;  ///< after so many scenes evidence counts for 1/e
 
   ChangeRates prior_;

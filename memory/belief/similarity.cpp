@@ -177,7 +177,7 @@ Appearance::Appearance(const std::vector<Descriptor>& descriptors) : colorless_(
 
 Contrast contrast(const Appearance& a, const Appearance& b, bool partial, double weight,
                   const Corrections& corrections) {
-  static const double least_closeness = std::log(1e-12);  // where gaussian_closeness() ends
+  static const double min_closeness = std::log(1e-12);  // where gaussian_closeness() ends
   Contrast result;
   result.colorless = a.colorless() && b.colorless();
   for (size_t i = 0; i < kComparisons; ++i) {
@@ -192,7 +192,7 @@ Contrast contrast(const Appearance& a, const Appearance& b, bool partial, double
     ++result.count;
     result.log_ratio += weight * ratio;
     const double relative = distance / comparison.sigma;
-    result.log_closeness += std::max(least_closeness, -relative * relative);
+    result.log_closeness += std::max(min_closeness, -relative * relative);
   }
   if (result.count > 0) result.log_closeness /= double(result.count);
   return result;

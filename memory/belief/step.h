@@ -16,7 +16,7 @@ inline double log_odds(double probability) {
 }
 
 /// A leftover that is less probable is not kept.
-inline constexpr double kSmallestLeftover = 2e-4;
+inline constexpr double kMinLeftover = 2e-4;
 
 /// Carries the belief over one scene; its members are what the parts of that share.
 class Step {

@@ -43,7 +43,7 @@ void Step::leave_behind(size_t o, size_t k) {
   // The story that is acted on is no less probable than another, and never certain.
   const double other = std::clamp(1 - probability(o, k), 0.001, 0.5);
   const double here = other * whether_there(o).probability();
-  if (here < kSmallestLeftover) return;
+  if (here < kMinLeftover) return;
   ProtoObject& leftover = leftovers_.emplace_back(object);
   leftover.id = 0;
   leftover.status = Status::tentative;

@@ -8,13 +8,13 @@
 namespace loci::belief {
 namespace {
 
-constexpr double kSmallestShare = 0.001;
-constexpr double kSmallestAlternative = 0.02;
+constexpr double kMinShare = 0.001;
+constexpr double kMinAlternative = 0.02;
 
 std::vector<Alternative> alternatives_of(const std::map<int64_t, double>& keys, int64_t itself, double sum) {
   std::vector<Alternative> list;
   for (const auto& [key, weight] : keys)
-    if (key != itself && weight / sum >= kSmallestAlternative) list.push_back({key, weight / sum});
+    if (key != itself && weight / sum >= kMinAlternative) list.push_back({key, weight / sum});
   std::stable_sort(list.begin(), list.end(),
                    [](const Alternative& a, const Alternative& b) { return a.probability > b.probability; });
   return list;
@@ -81,7 +81,7 @@ void Step::report_distributions() {
         outcome.explanation = explanation_of_pair(o, k);
         outcome.probability = share.probability();
       }
-      if (share.probability() >= kSmallestShare || partner_of_observation_[k] == o)
+      if (share.probability() >= kMinShare || partner_of_observation_[k] == o)
         outcome.shares.push_back(share);
     }
     std::stable_sort(outcome.shares.begin(), outcome.shares.end(),
@@ -123,7 +123,7 @@ std::vector<std::vector<Alternative>> Step::mixed_alternatives() const {
     } else {
       double matched = 0;
       for (size_t k = 0; k < scene_.observations.size(); ++k) matched += probability(o, k);
-      if (matched < kSmallestAlternative) {
+      if (matched < kMinAlternative) {
         mixed.push_back(state_.objects[o].alternatives);
         continue;
       }

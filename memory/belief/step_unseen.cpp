@@ -105,7 +105,7 @@ void Step::forget_clutter() {
   const double least = -log_odds(options_.confirm);
   std::erase_if(state_.objects, [&](const ProtoObject& object) {
     if (object.status != Status::tentative) return false;
-    if (object.leftover_of != 0) return probability_here(object, state_, options_) < kSmallestLeftover;
+    if (object.leftover_of != 0) return probability_here(object, state_, options_) < kMinLeftover;
     const double unseen = double(scene_.time - object.last_seen) / double(kSecond);
     return object.exists_log_odds <= least || 1 - object.probability_here >= options_.gone ||
            (!snapshot_ && unseen > options_.snapshot_gap_s);

@@ -11,10 +11,10 @@ Handling handling(const ChangeRates& rates, double attention) {
                changed = rates[Change::changed];
   const double sum = removed + moved + changed;
   // Those that were handled were not handled again: their number grows evenly, up to nearly all.
-  constexpr double kMost = 0.95;
-  const double share = sum > 0 ? std::min(attention, kMost / sum) : 0.0;
+  constexpr double kMax = 0.95;
+  const double share = sum > 0 ? std::min(attention, kMax / sum) : 0.0;
   return {share * removed, share * moved, share * changed,
-          std::min(kMost, rates[Change::returned] * attention)};
+          std::min(kMax, rates[Change::returned] * attention)};
 }
 
 double Untracked::sum() const {

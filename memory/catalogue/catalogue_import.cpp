@@ -24,7 +24,7 @@ constexpr double kKnown = 0.5;
 /// Told from here on; a change of less is none.
 constexpr double kTold = 0.5, kNews = 0.05;
 /// Habits of another home are worth no more events than this.
-constexpr double kMostExpected = 10;
+constexpr double kMaxExpected = 10;
 
 constexpr double kWeight = 0.8;  ///< as in BeliefOptions: annotations of one thing depend on each other
 /// Known by what makes it this much more probable alone.
@@ -198,7 +198,7 @@ void take_habits(Store& store, const Catalogue& catalogue) {
   if (!last || catalogue.handling.empty() || store.checkpoint(kHabitsTaken + catalogue.home)) return;
   belief::BeliefState state = load_belief(store);
   for (const auto& [kind, factor] : catalogue.handling) {
-    const double share = std::min(1.0, kMostExpected / std::max(1e-9, factor.expected));
+    const double share = std::min(1.0, kMaxExpected / std::max(1e-9, factor.expected));
     state.habits.take_kind(kind, {share * factor.found, share * factor.expected});
   }
   const Id run = store.begin_run("loci-memory catalogue", "{}");

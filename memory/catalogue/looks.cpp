@@ -10,7 +10,7 @@ void drop_words(Looks& looks) {
 }
 
 Looks LooksOfObjects::of(Id object) {
-  constexpr size_t kMost = 6;
+  constexpr size_t kMax = 6;
   std::vector<const belief::Observation*> seen;
   for (const Sighting& sighting : store_.sightings(object))
     if (const belief::Observation* one = evidence(sighting.observation);
@@ -19,7 +19,7 @@ Looks LooksOfObjects::of(Id object) {
   const auto is_part = [](const belief::Observation* one) { return one->partial; };
   if (!std::ranges::all_of(seen, is_part)) std::erase_if(seen, is_part);
   Looks looks;
-  const size_t count = std::min(kMost, seen.size());
+  const size_t count = std::min(kMax, seen.size());
   for (size_t i = 0; i < count; ++i) looks.push_back(seen[i * seen.size() / count]->descriptors);
   drop_words(looks);
   return looks;

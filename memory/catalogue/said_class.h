@@ -6,7 +6,7 @@
 
 namespace loci {
 
-/// What a thing is and who says so: "label" (a person, of one picture), "fact" (a person, of the object),
+/// What a thing is and who says so: "label" (a person, of one image), "fact" (a person, of the object),
 /// "catalogue", "annotators", or "" when nobody does.
 struct SaidClass {
   std::string name, by;

@@ -12,7 +12,7 @@
 namespace loci {
 namespace {
 
-constexpr size_t kMostSightings = 100;
+constexpr size_t kMaxSightings = 100;
 
 /// How words of one kind are compared. Texts and labels are what they are to the belief. A recogniser of
 /// products mixes up flavours of one brand; the digits of a barcode are checked, but things of one product
@@ -71,8 +71,8 @@ double distance(const std::map<std::string, double>& a, const std::map<std::stri
 
 Words words_of(const Store& store, Id object) {
   std::vector<Sighting> sightings = store.sightings(object);
-  if (sightings.size() > kMostSightings)
-    sightings.erase(sightings.begin(), sightings.end() - static_cast<std::ptrdiff_t>(kMostSightings));
+  if (sightings.size() > kMaxSightings)
+    sightings.erase(sightings.begin(), sightings.end() - static_cast<std::ptrdiff_t>(kMaxSightings));
   Words words;
   for (const ObjectEvidence& evidence : evidence_of(store, sightings))
     for (const WordKind& kind : word_kinds())

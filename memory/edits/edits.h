@@ -30,7 +30,7 @@ Edit merge_objects(Store& store, Id one, Id other);
 /// What was seen of an object from a time on is another, new object. Error when nothing was seen of it before
 /// or nothing since.
 Edit split_object(Store& store, Id object, TimeNs from);
-/// What a thing in a picture is, for training: observation `number` of a scene is of this class (empty = not
+/// What a thing in an image is, for training: observation `number` of a scene is of this class (empty = not
 /// said any more). An annotation of type kLabelType; the newest of an observation holds.
 Edit label_observation(Store& store, Id scene, int64_t number, const std::string& class_name);
 inline constexpr const char* kLabelType = "loci.Label";

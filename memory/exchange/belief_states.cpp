@@ -10,7 +10,7 @@
 namespace loci {
 namespace {
 
-constexpr double kSmallest = 0.001;
+constexpr double kMin = 0.001;
 constexpr double kNextTo_m = 0.05;
 
 double rounded(double value) {
@@ -135,7 +135,7 @@ class State {
       if (const auto found = now_.known.find(row.id); found != now_.known.end())
         for (const auto& [object, probability] : found->second) {
           fresh -= probability;
-          if (probability >= kSmallest) candidates[object_name(object)] = rounded(probability);
+          if (probability >= kMin) candidates[object_name(object)] = rounded(probability);
         }
       list.push_back({{"cluster", cluster_name(row)},
                       {"candidates", candidates},
@@ -159,11 +159,11 @@ class State {
             for (const auto& [object, probability] : was->second)
               if (const auto same = is->second.find(object); same != is->second.end())
                 both += probability * same->second;
-          if (both >= kSmallest) candidates[cluster_name(earlier)] = rounded(both);
+          if (both >= kMin) candidates[cluster_name(earlier)] = rounded(both);
         }
         for (const BeliefRow* belief : persisting_)
           if (const auto same = is->second.find(belief->object);
-              same != is->second.end() && same->second >= kSmallest)
+              same != is->second.end() && same->second >= kMin)
             candidates[object_name(belief->object)] = rounded(same->second);
       }
       list.push_back({{"cluster", cluster_name(row)}, {"candidates", candidates}});

@@ -20,10 +20,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Objects are tens from here on in a label picture; what is below is none (perception's labelled
+/// Objects are tens from here on in a label image; what is below is none (perception's labelled
 /// recordings).
 constexpr int64_t kFirstLabel = 20;
-constexpr int64_t kMostThings = (65535 - kFirstLabel) / 10;
+constexpr int64_t kMaxThings = (65535 - kFirstLabel) / 10;
 
 PinholeCamera scaled(const SceneCamera& camera, int width, int height) {
   const double x = double(width) / camera.width, y = double(height) / camera.height;
@@ -32,7 +32,7 @@ PinholeCamera scaled(const SceneCamera& camera, int width, int height) {
       width, height, camera.fx * x, camera.fy * y, (camera.cx + 0.5) * x - 0.5, (camera.cy + 0.5) * y - 0.5};
 }
 
-cv::Mat picture(const Store& store, Id blob) {
+cv::Mat image(const Store& store, Id blob) {
   const std::string bytes = store.blob(blob).bytes;
   return decode_image({bytes.begin(), bytes.end()}, store.path().string());
 }
@@ -48,8 +48,8 @@ std::optional<RgbdFrame> remembered_frame(const Store& store, const SceneRow& sc
                          [](float z) { return z > 0 ? z : std::numeric_limits<float>::quiet_NaN(); });
   frame.camera.depth = scaled(*scene.camera, scene.depth_width, scene.depth_height);
   frame.camera.color = frame.camera.depth;
-  if (scene.picture) {
-    frame.color = picture(store, *scene.picture);
+  if (scene.image) {
+    frame.color = image(store, *scene.image);
     frame.camera.color = scaled(*scene.camera, frame.color.cols, frame.color.rows);
   }
   frame.map_from_camera = scene.map_from_camera;
@@ -84,12 +84,12 @@ class Dataset {
     }
     frame->index = scene.id;
     frame->time_ns = scene.time;
-    const cv::Size color(camera_.color.width, camera_.color.height);  // one for all pictures of a recording
+    const cv::Size color(camera_.color.width, camera_.color.height);  // one for all images of a recording
     if (!frame->color.empty() && frame->color.size() != color) cv::resize(frame->color, frame->color, color);
     writer_->add(*frame);
     cv::Mat labels = cv::Mat::zeros(frame->depth.size(), CV_16U);
     for (size_t i = 0; i < things.size(); ++i) add_thing(scene, things[i], label_of_thing(i), labels);
-    add_picture(fmt::format("frames/{:06}_label.png", scene.id), labels);
+    add_image(fmt::format("frames/{:06}_label.png", scene.id), labels);
     ++result_.scenes;
   }
 
@@ -109,7 +109,7 @@ class Dataset {
   struct Thing {
     ObservationRow row;
     Id object = 0;
-    cv::Mat mask;  ///< of the depth picture
+    cv::Mat mask;  ///< of the depth image
   };
 
   static int64_t label_of_thing(size_t i) { return kFirstLabel + 10 * static_cast<int64_t>(i); }
@@ -120,7 +120,7 @@ class Dataset {
       if (!row.chosen || !row.object || !row.observation || row.probability <= 0) continue;
       Thing thing{store_.observation(*row.observation), *row.object, {}};
       const cv::Mat mask = mask_of(store_, scene, thing.row);
-      if (mask.empty() || int64_t(things.size()) >= kMostThings) continue;
+      if (mask.empty() || int64_t(things.size()) >= kMaxThings) continue;
       cv::resize(mask, thing.mask, size, 0, 0, cv::INTER_NEAREST);
       if (cv::countNonZero(thing.mask) > 0) things.push_back(std::move(thing));
     }
@@ -159,7 +159,7 @@ class Dataset {
     return name;
   }
 
-  void add_picture(const std::string& name, const cv::Mat& image) {
+  void add_image(const std::string& name, const cv::Mat& image) {
     const std::vector<unsigned char> bytes = encode_image(image, ".png");
     writer_->add_file(name, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   }

@@ -33,7 +33,7 @@ struct DatasetResult {
 SaidClass class_of(const Store& store, const ObservationRow& observation, Id object);
 
 /// Writes what the memory saw as a folder to train from: a recording of its scenes (frame index = scene), a
-/// label picture beside each depth picture, objects.csv (what each label is), and crops/CLASS with picture
+/// label image beside each depth image, objects.csv (what each label is), and crops/CLASS with image
 /// and mask of each thing. `loci-perceive train` reads it. Depth is that of the thumbnails unless frames are
 /// given. Error when nothing of the memory can be labelled.
 DatasetResult export_dataset(const Store& store, const std::filesystem::path& folder,

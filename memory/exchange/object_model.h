@@ -40,7 +40,7 @@ struct ObjectModel {
   Id object = 0;
   ScanSet cloud;                         ///< one scan per view, in the object's frame; coloured
   std::vector<ObjectView> views;         ///< in the order of the scans
-  std::map<std::string, Id> best_crop;   ///< by side: blob of the largest picture
+  std::map<std::string, Id> best_crop;   ///< by side: blob of the largest image
   std::vector<ObjectEvidence> evidence;  ///< most often first, by type
   size_t sightings = 0;
 

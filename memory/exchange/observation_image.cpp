@@ -10,7 +10,7 @@
 namespace loci {
 namespace {
 
-cv::Mat picture_in(const Store& store, Id blob) {
+cv::Mat image_in(const Store& store, Id blob) {
   const std::string bytes = store.blob(blob).bytes;
   return decode_image({bytes.begin(), bytes.end()}, store.path().string());
 }
@@ -23,7 +23,7 @@ cv::Mat mask_of(const Store& store, const SceneRow& scene, const ObservationRow&
   const auto& [x, y, width, height] = *observation.roi;
   const cv::Rect roi = cv::Rect(x, y, width, height) & cv::Rect(0, 0, mask.cols, mask.rows);
   if (roi.empty()) return {};
-  const cv::Mat own = observation.mask ? picture_in(store, *observation.mask) : cv::Mat();
+  const cv::Mat own = observation.mask ? image_in(store, *observation.mask) : cv::Mat();
   if (own.size() == roi.size() && own.type() == CV_8U)
     own.copyTo(mask(roi));
   else
@@ -31,14 +31,14 @@ cv::Mat mask_of(const Store& store, const SceneRow& scene, const ObservationRow&
   return mask;
 }
 
-cv::Mat label_picture(const Store& store, const SceneRow& scene, const AsOf& as_of) {
+cv::Mat label_image(const Store& store, const SceneRow& scene, const AsOf& as_of) {
   cv::Mat labels;
   for (const AssociationRow& association : store.associations(scene.id, as_of)) {
     if (!association.chosen || !association.object || !association.observation ||
         association.probability <= 0)
       continue;
     if (*association.object > 65535)
-      throw Error(object_name(*association.object) + " has no number in a label picture",
+      throw Error(object_name(*association.object) + " has no number in a label image",
                   {store.path().string(), 0, {}}, "16 bits are enough for 65535 objects");
     const cv::Mat mask = mask_of(store, scene, store.observation(*association.observation));
     if (mask.empty()) continue;
@@ -84,18 +84,18 @@ std::optional<Scan> cloud_of(const Store& store, const SceneRow& scene, const Ob
   if (!scene.camera || !scene.map_from_camera) return std::nullopt;
   const ClusterPoints cluster = measured_points(store, scene, observation);
   if (cluster.points.empty()) return std::nullopt;
-  const cv::Mat picture = scene.picture ? picture_in(store, *scene.picture) : cv::Mat();
+  const cv::Mat image = scene.image ? image_in(store, *scene.image) : cv::Mat();
   const Eigen::Isometry3f map_from_camera = scene.map_from_camera->cast<float>();
   Scan cloud;
   cloud.name = "scene_" + std::to_string(scene.id);
   cloud.origins = {map_from_camera.translation()};
   for (size_t i = 0; i < cluster.points.size(); ++i) {
     ScanPoint point{.position = map_from_camera * cluster.points[i]};
-    if (picture.type() == CV_8UC3) {
+    if (image.type() == CV_8UC3) {
       const int row = cluster.pixels[i] / scene.camera->width,
                 column = cluster.pixels[i] % scene.camera->width;
-      const auto& color = picture.at<cv::Vec3b>(row * picture.rows / scene.camera->height,
-                                                column * picture.cols / scene.camera->width);
+      const auto& color = image.at<cv::Vec3b>(row * image.rows / scene.camera->height,
+                                                column * image.cols / scene.camera->width);
       point.b = color[0];
       point.g = color[1];
       point.r = color[2];

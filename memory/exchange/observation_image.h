@@ -16,14 +16,14 @@ cv::Mat mask_of(const Store& store, const SceneRow& scene, const ObservationRow&
 /// Whose pixels they are: CV_16U of the depth camera's size, the number of the object that is believed to be
 /// seen there, 0 = none. Empty when the scene has no camera or nothing in it has a mask. Error for objects
 /// above 65535.
-cv::Mat label_picture(const Store& store, const SceneRow& scene, const AsOf& as_of = {});
+cv::Mat label_image(const Store& store, const SceneRow& scene, const AsOf& as_of = {});
 
 /// The points of an observation as far as the memory has them: those that are kept, else those of the depth
 /// thumbnail under its mask. Empty when depth, mask or camera are missing, or no pixel is left.
 ClusterPoints measured_points(const Store& store, const SceneRow& scene, const ObservationRow& observation);
 
 /// The surface of an observation as far as the memory has it: its measured points in the map frame,
-/// coloured by the scene's picture where that is kept (taken to be registered with the depth). One origin,
+/// coloured by the scene's image where that is kept (taken to be registered with the depth). One origin,
 /// the camera. Unset when there are none, or the pose is missing.
 std::optional<Scan> cloud_of(const Store& store, const SceneRow& scene, const ObservationRow& observation);
 

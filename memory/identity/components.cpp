@@ -98,7 +98,7 @@ class Splitter {
   }
 
   /// The smaller side of the largest connected part.
-  size_t largest_side() {
+  size_t max_side() {
     const auto m = static_cast<size_t>(log_ratio_.rows()), n = static_cast<size_t>(log_ratio_.cols());
     if (std::min(m, n) == 0) return 0;
     const std::vector<size_t> group = groups();
@@ -219,14 +219,14 @@ class Splitter {
 }  // namespace
 
 IdentityComponents split(const PairTable& log_pair, const std::vector<double>& log_row,
-                         const std::vector<double>& log_column, double budget, size_t largest_side) {
+                         const std::vector<double>& log_column, double budget, size_t max_side) {
   Splitter splitter(log_pair, log_row, log_column);
   splitter.gate(budget);
   const double most = static_cast<double>(log_pair.size());
-  for (double enlarged = std::max(1.25 * budget, 1e-12); splitter.largest_side() > largest_side;
+  for (double enlarged = std::max(1.25 * budget, 1e-12); splitter.max_side() > max_side;
        enlarged *= 1.25) {
     if (enlarged > 4 * most)
-      throw Error("invalid_value: more than " + std::to_string(largest_side) +
+      throw Error("invalid_value: more than " + std::to_string(max_side) +
                   " things that must all be matched depend on each other");
     splitter.gate(enlarged);
   }

@@ -25,8 +25,8 @@ struct IdentityComponents {
 };
 
 /// `log_pair` old × new, `log_row` and `log_column` of staying unmatched. Drops pairs by ascending odds
-/// within the budget, and beyond it as long as a part is larger than `largest_side` on its smaller side.
+/// within the budget, and beyond it as long as a part is larger than `max_side` on its smaller side.
 IdentityComponents split(const PairTable& log_pair, const std::vector<double>& log_row,
-                         const std::vector<double>& log_column, double budget, size_t largest_side = 20);
+                         const std::vector<double>& log_column, double budget, size_t max_side = 20);
 
 }  // namespace loci

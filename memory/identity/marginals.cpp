@@ -117,9 +117,9 @@ class SubsetSum {
 
   /// Keeps every stride-th layer when all of them would take too much memory.
   void forward_checkpoints() {
-    constexpr size_t kMostDoubles = size_t{1} << 25;
+    constexpr size_t kMaxDoubles = size_t{1} << 25;
     stride_ = 1;
-    while ((columns_ / stride_ + stride_) * states_ > kMostDoubles && stride_ * stride_ < columns_) ++stride_;
+    while ((columns_ / stride_ + stride_) * states_ > kMaxDoubles && stride_ * stride_ < columns_) ++stride_;
     Layer layer{std::vector<double>(states_, 0.0), 0};
     layer.weight[0] = 1;
     for (size_t j = 0; j < columns_; ++j) {

@@ -14,8 +14,8 @@ namespace {
 
 /// Farther than this from the origin no kitchen reaches; such a number is a mistake of units.
 constexpr double kFarthest_m = 1e5;
-constexpr double kLargestSize_m = 100;
-constexpr size_t kMostDetections = 1000;
+constexpr double kMaxSize_m = 100;
+constexpr size_t kMaxDetections = 1000;
 constexpr int kDeepest = 32;
 
 /// Parsed here with sorted keys: a line of millions of keys must not take hours.
@@ -148,8 +148,8 @@ Detection read_detection(const Parsed& json, const std::string& where, std::vect
       detection.position_sigma = bounded(value, here, 1e-5, 100);
     } else if (key == "size") {
       detection.size = vector(value, here);
-      if (detection.size->minCoeff() <= 0 || detection.size->maxCoeff() > kLargestSize_m)
-        refuse(here, fmt::format("must be above 0 and up to {} m", kLargestSize_m),
+      if (detection.size->minCoeff() <= 0 || detection.size->maxCoeff() > kMaxSize_m)
+        refuse(here, fmt::format("must be above 0 and up to {} m", kMaxSize_m),
                "leave it out when it is unknown");
     } else if (key == "class") {
       detection.classes = read_classes(value, here);
@@ -234,8 +234,8 @@ DetectedScene parse_detections(std::string_view line) {
     } else if (key == "observed") {
       scene.observed = read_observed(value);
     } else if (key == "detections") {
-      if (list(value, "detections").size() > kMostDetections)
-        refuse("detections", fmt::format("has more than {} entries", kMostDetections));
+      if (list(value, "detections").size() > kMaxDetections)
+        refuse("detections", fmt::format("has more than {} entries", kMaxDetections));
       size_t index = 0;
       for (const Parsed& detection : value)
         scene.detections.push_back(

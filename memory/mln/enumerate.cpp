@@ -18,8 +18,8 @@ void collect_variables(const GroundFormula& formula, std::set<size_t>& variables
 /// forbidden worlds are left early.
 class Enumeration {
  public:
-  Enumeration(const GroundNetwork& network, size_t most_worlds)
-      : network_(network), most_worlds_(most_worlds), world_(network.variables.size(), 0) {
+  Enumeration(const GroundNetwork& network, size_t max_worlds)
+      : network_(network), max_worlds_(max_worlds), world_(network.variables.size(), 0) {
     std::vector<std::set<size_t>> uses;
     for (const GroundClause& clause : network.clauses) collect_variables(clause.formula, uses.emplace_back());
     std::vector<size_t> by_size(uses.size());
@@ -70,8 +70,8 @@ class Enumeration {
 
   void descend(size_t depth, double log_weight) {
     if (depth == order_.size()) {
-      if (++worlds_ > most_worlds_)
-        throw Error("the network has more than " + std::to_string(most_worlds_) + " possible worlds", {},
+      if (++worlds_ > max_worlds_)
+        throw Error("the network has more than " + std::to_string(max_worlds_) + " possible worlds", {},
                     "enumeration is for small domains");
       const double weight = std::exp(log_weight);
       z_ += weight;
@@ -89,7 +89,7 @@ class Enumeration {
   }
 
   const GroundNetwork& network_;
-  size_t most_worlds_;
+  size_t max_worlds_;
   std::vector<int> world_;
   std::vector<size_t> order_;
   std::vector<std::vector<const GroundClause*>> decided_;  ///< after that many variables
@@ -106,8 +106,8 @@ double Marginals::of(const std::string& atom) const {
   return found->second;
 }
 
-Marginals enumerate(const GroundNetwork& network, size_t most_worlds) {
-  return Enumeration(network, most_worlds).run();
+Marginals enumerate(const GroundNetwork& network, size_t max_worlds) {
+  return Enumeration(network, max_worlds).run();
 }
 
 }  // namespace loci::mln

@@ -52,7 +52,7 @@ struct Marginals {
   double of(const std::string& atom) const;
 };
 
-/// Error when there is no world, or more than `most_worlds`.
-Marginals enumerate(const GroundNetwork& network, size_t most_worlds = 20'000'000);
+/// Error when there is no world, or more than `max_worlds`.
+Marginals enumerate(const GroundNetwork& network, size_t max_worlds = 20'000'000);
 
 }  // namespace loci::mln

@@ -12,9 +12,9 @@ AboutAnswer ask(const Store& store, const AboutQuestion& question) {
     object.facts =
         ask(store, FactsQuestion{.about = object_name(id), .key = {}, .as_of = question.as_of}).facts;
     std::vector<Sighting> sightings = store.sightings(id, question.as_of);
-    if (sightings.size() > question.most_sightings)
+    if (sightings.size() > question.max_sightings)
       sightings.erase(sightings.begin(),
-                      sightings.end() - static_cast<std::ptrdiff_t>(question.most_sightings));
+                      sightings.end() - static_cast<std::ptrdiff_t>(question.max_sightings));
     object.evidence = evidence_of(store, sightings);
     object.sightings = sightings.size();
     answer.objects.push_back(std::move(object));

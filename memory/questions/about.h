@@ -10,7 +10,7 @@ namespace loci {
 struct AboutQuestion {
   std::string subject = {};
   AsOf as_of = {};
-  size_t most_sightings = 500;  ///< the last ones are asked for evidence
+  size_t max_sightings = 500;  ///< the last ones are asked for evidence
 };
 struct AboutObject {
   ObjectState now = {};

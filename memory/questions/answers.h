@@ -122,7 +122,7 @@ struct ContentsQuestion {
   std::string place = {};
   AsOf as_of = {};
   std::string subject = {};  ///< only these; empty = everything
-  size_t most_gone = 20;     ///< so many at most of what is gone from it
+  size_t max_gone = 20;     ///< so many at most of what is gone from it
 };
 struct PlaceContents {
   PlaceRef place = {};

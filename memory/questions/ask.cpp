@@ -114,10 +114,10 @@ ContentsAnswer ask(const Store& store, const ContentsQuestion& question) {
     }
     const bool any = question.subject.empty();
     Store::Gone gone = store.objects_gone_from(
-        place.id, any ? question.most_gone : std::numeric_limits<size_t>::max(), question.as_of);
+        place.id, any ? question.max_gone : std::numeric_limits<size_t>::max(), question.as_of);
     std::erase_if(gone.objects, [&](Id object) { return !any && !meant.contains(object); });
     contents.gone_in_all = any ? gone.in_all : gone.objects.size();
-    gone.objects.resize(std::min(gone.objects.size(), question.most_gone));
+    gone.objects.resize(std::min(gone.objects.size(), question.max_gone));
     for (const Id object : gone.objects) contents.gone.push_back(snapshot.state(*snapshot.belief(object)));
     for (auto* list : {&contents.there, &contents.gone}) std::sort(list->begin(), list->end(), more_probable);
     if (const std::optional<VisibilityRow> look = store.last_look(place.id, question.as_of)) {

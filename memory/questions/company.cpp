@@ -25,7 +25,7 @@ struct Visit {
   std::set<Id> objects = {};  ///< seen at the place
 };
 
-constexpr size_t kMostAlike = 5;
+constexpr size_t kMaxAlike = 5;
 
 /// "1.2,0.4,0.9" as numbers; empty when it is something else.
 std::vector<double> numbers_of(const std::string& text) {
@@ -308,7 +308,7 @@ KindAnswer ask(const Store& store, const KindQuestion& question) {
   }
   std::stable_sort(answer.like.begin(), answer.like.end(),
                    [](const LikeScene& a, const LikeScene& b) { return a.likeness > b.likeness; });
-  if (answer.like.size() > kMostAlike) answer.like.resize(kMostAlike);
+  if (answer.like.size() > kMaxAlike) answer.like.resize(kMaxAlike);
   return answer;
 }
 

@@ -20,7 +20,7 @@ constexpr double kUnknownVisibility = 0.5;
 constexpr double kAnywhere = 0.25;
 /// What a look at all of a place would have missed.
 constexpr double kOverlooked = 0.1;
-constexpr size_t kMostPlaces = 10;
+constexpr size_t kMaxPlaces = 10;
 
 struct PlaceStay {
   Id place = 0;
@@ -147,7 +147,7 @@ class Search {
     std::stable_sort(look.places.begin(), look.places.end(), [](const LookPlace& a, const LookPlace& b) {
       return a.chance_per_minute > b.chance_per_minute;
     });
-    if (look.places.size() > kMostPlaces) look.places.resize(kMostPlaces);
+    if (look.places.size() > kMaxPlaces) look.places.resize(kMaxPlaces);
     return look;
   }
 

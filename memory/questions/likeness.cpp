@@ -12,14 +12,14 @@
 namespace loci {
 namespace {
 
-constexpr size_t kMostPictures = 12;  // the latest of an object
+constexpr size_t kMaxImages = 12;  // the latest of an object
 
 /// Hue by saturation where there is colour, and grey levels where there is none; sums to 1. The middle counts
 /// most: the corners of a crop show what is behind.
-cv::Mat histogram_of(const cv::Mat& picture) {
+cv::Mat histogram_of(const cv::Mat& image) {
   constexpr int kHues = 12, kSaturations = 3, kGreys = 6;
   cv::Mat small, hsv;
-  cv::resize(picture, small, {32, 32}, 0, 0, cv::INTER_AREA);
+  cv::resize(image, small, {32, 32}, 0, 0, cv::INTER_AREA);
   cv::cvtColor(small, hsv, cv::COLOR_BGR2HSV);
   cv::Mat histogram = cv::Mat::zeros(1, kHues * kSaturations + kGreys, CV_32F);
   for (int v = 0; v < hsv.rows; ++v)
@@ -46,22 +46,22 @@ float shared(const cv::Mat& a, const cv::Mat& b) {
   return static_cast<float>(cv::sum(cv::min(a, b))[0]);
 }
 
-struct Picture {
+struct Image {
   cv::Mat histogram = {};
   Id scene = 0;
 };
 
-std::vector<Picture> pictures_of(const Snapshot& snapshot, Id object) {
-  std::vector<Picture> pictures;
+std::vector<Image> images_of(const Snapshot& snapshot, Id object) {
+  std::vector<Image> images;
   const std::vector<Sighting> sightings = snapshot.store().sightings(object, snapshot.as_of());
   for (auto sighting = sightings.rbegin(); sighting != sightings.rend(); ++sighting) {
     if (!sighting->observation.crop) continue;
     const std::string bytes = snapshot.store().blob(*sighting->observation.crop).bytes;
-    pictures.push_back({histogram_of(decode_image({bytes.begin(), bytes.end()}, object_name(object))),
+    images.push_back({histogram_of(decode_image({bytes.begin(), bytes.end()}, object_name(object))),
                         sighting->association.scene});
-    if (pictures.size() == kMostPictures) break;
+    if (images.size() == kMaxImages) break;
   }
-  return pictures;
+  return images;
 }
 
 }  // namespace
@@ -69,28 +69,28 @@ std::vector<Picture> pictures_of(const Snapshot& snapshot, Id object) {
 LikeAnswer ask(const Store& store, const LikeQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
   LikeAnswer answer{.asked = question.subject};
-  std::vector<Picture> wanted;
+  std::vector<Image> wanted;
   std::optional<Id> self;
-  if (question.picture.empty()) {
+  if (question.image.empty()) {
     self = snapshot.find_objects(question.subject).at(0);
     answer.asked = object_name(*self);
-    wanted = pictures_of(snapshot, *self);
+    wanted = images_of(snapshot, *self);
     if (wanted.empty())
-      throw Error(fmt::format("no picture of {} was kept", answer.asked), {},
-                  "give a picture with --picture");
+      throw Error(fmt::format("no image of {} was kept", answer.asked), {},
+                  "give an image with --image");
   } else {
-    answer.asked = question.picture.filename().string();
-    wanted.push_back({histogram_of(read_color(question.picture)), 0});
+    answer.asked = question.image.filename().string();
+    wanted.push_back({histogram_of(read_color(question.image)), 0});
   }
   for (const BeliefRow& belief : snapshot.beliefs()) {
     if (belief.object == self) continue;
     LikeObject like{.object = snapshot.state(belief)};
-    for (const Picture& picture : pictures_of(snapshot, belief.object))
-      for (const Picture& one : wanted)
-        if (const double likeness = static_cast<double>(shared(picture.histogram, one.histogram));
+    for (const Image& image : images_of(snapshot, belief.object))
+      for (const Image& one : wanted)
+        if (const double likeness = static_cast<double>(shared(image.histogram, one.histogram));
             !like.scene || likeness > like.likeness) {
           like.likeness = likeness;
-          like.scene = snapshot.scene_ref(picture.scene);
+          like.scene = snapshot.scene_ref(image.scene);
         }
     if (like.scene) answer.objects.push_back(std::move(like));
   }

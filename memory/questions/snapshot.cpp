@@ -380,9 +380,9 @@ std::vector<Id> Snapshot::there_now(Id place) const {
 
 std::string Snapshot::hint_for(const std::vector<std::string>& words, size_t unknown) const {
   const auto some_of = [](const std::vector<std::string>& names) {
-    constexpr size_t kMost = 12;
-    const auto end = names.begin() + static_cast<std::ptrdiff_t>(std::min(kMost, names.size()));
-    return fmt::format("{}{}", fmt::join(names.begin(), end, ", "), names.size() > kMost ? ", ..." : "");
+    constexpr size_t kMax = 12;
+    const auto end = names.begin() + static_cast<std::ptrdiff_t>(std::min(kMax, names.size()));
+    return fmt::format("{}{}", fmt::join(names.begin(), end, ", "), names.size() > kMax ? ", ..." : "");
   };
   // "red cup", where no cup is known: what is red may be meant.
   std::vector<std::string> known_words, meant;

@@ -75,7 +75,7 @@ std::string to_text(const KindAnswer& answer, const TimeWriter& times) {
 }
 
 std::string to_text(const LikeAnswer& answer, const TimeWriter& times) {
-  if (answer.objects.empty()) return fmt::format("Of no other object a picture was kept.\n");
+  if (answer.objects.empty()) return fmt::format("Of no other object an image was kept.\n");
   std::vector<std::string> lines = {fmt::format("Most like {}:", answer.asked)};
   for (const LikeObject& like : answer.objects)
     lines.push_back(fmt::format("  {}: {}", percent(like.likeness), state_text(like.object, times)));
@@ -158,7 +158,7 @@ Json to_json(const LikeAnswer& answer) {
   for (const LikeObject& like : answer.objects) {
     Json one = state_json(like.object);
     one["likeness"] = like.likeness;
-    if (like.scene) one["picture"] = scene_json(*like.scene);
+    if (like.scene) one["image"] = scene_json(*like.scene);
     json["objects"].push_back(one);
   }
   return json;

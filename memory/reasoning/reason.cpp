@@ -106,14 +106,14 @@ SceneRecord record_of(const Store& from, const SceneRow& row, const SceneReasoni
   record.view = reasoning.evidence.view;
   read_view(from, row, record.view);
   record.row.depth.reset();
-  record.row.picture.reset();
+  record.row.image.reset();
   record.row.kinds.reset();
   if (const std::optional<SceneKinds> kinds = scene_kinds(from, row))
     record.kinds = cv::Mat(kinds->height, kinds->width, CV_8U,
                            const_cast<SceneKind*>(kinds->pixels.data()))
                        .clone();  // only read
   record.log = from.log(row.id);
-  record.picture = blob_of(from, row.picture);
+  record.image = blob_of(from, row.image);
   record.seconds_to_next = reasoning.evidence.seconds_to_next;
   record.place_poses = reasoning.evidence.places;
   record.places = places;

@@ -21,7 +21,7 @@ struct ReasonResult {
 };
 
 /// Runs the identity reasoning again over everything that a memory observed, into a new memory. Depth is that
-/// of the thumbnails. Observations, pictures, searchable annotations, places and what is said of them come
+/// of the thumbnails. Observations, images, searchable annotations, places and what is said of them come
 /// along; feature structures and facts about objects, whose numbers change, stay behind. Where evidence was
 /// let go it begins with what is left, which the result says. Error when `other` exists, or when no evidence
 /// is left; `other` is there as a whole or not at all.

@@ -219,7 +219,7 @@ Why why_scene(const Store& store, Id id) {
               {"time", format_time(scene.time)},
               {"observations", Json::array()},
               {"unseen", Json::array()},
-              {"largest_error", reasoning->decisions.gate_bound}};
+              {"max_error", reasoning->decisions.gate_bound}};
   for (size_t k = 0; k < reasoning->decisions.observations.size(); ++k) {
     const Why one = explain(reasoning->decisions, k);
     why.text += one.text;

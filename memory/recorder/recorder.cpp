@@ -16,8 +16,8 @@
 namespace loci {
 namespace {
 
-constexpr double kSmallestShare = 0.01;
-constexpr double kLeastChosen = 1e-6;
+constexpr double kMinShare = 0.01;
+constexpr double kMinChosen = 1e-6;
 constexpr double kHidden = 0.99;  ///< what was so probably out of sight makes no row of association
 constexpr double kPlaceSeen = 0.01;
 
@@ -88,7 +88,7 @@ class Recorder::Writing {
       if (record_.kinds.size() == record_.view.depth.size())
         row.kinds = transaction_.add_blob(kind_sample(record_.kinds), kSceneKindsMedia);
     }
-    row.picture = blob(record_.picture);
+    row.image = blob(record_.image);
     result_.scene = transaction_.add_scene(row);
     for (size_t i = 0; i < record_.log.size(); ++i) {
       LogRow line = record_.log[i];
@@ -150,7 +150,7 @@ class Recorder::Writing {
       ObjectRow row;
       row.clock = clock(confirmed.first_seen);
       const Id id = transaction_.add_object(row);
-      recorder_.largest_object_ = std::max(recorder_.largest_object_, id);
+      recorder_.max_object_ = std::max(recorder_.max_object_, id);
       if (id != confirmed.object) another_writer("object", id, confirmed.object);
       for (const belief::PendingSighting& sighting : confirmed.earlier) {
         AssociationRow association;
@@ -168,14 +168,14 @@ class Recorder::Writing {
 
   void add_association(std::optional<Id> observation, std::optional<Id> object, Explanation explanation,
                        double probability, bool chosen) {
-    if (probability < kSmallestShare && !chosen) return;
+    if (probability < kMinShare && !chosen) return;
     AssociationRow row;
     row.scene = result_.scene;
     row.observation = observation;
     row.object = object;
     row.explanation = explanation_name(explanation);
     // Probability 0 means taken back: what was acted on is a sighting, however improbable by itself.
-    row.probability = std::clamp(probability, chosen ? kLeastChosen : 0.0, 1.0);
+    row.probability = std::clamp(probability, chosen ? kMinChosen : 0.0, 1.0);
     row.chosen = chosen;
     row.clock = clock();
     transaction_.add_association(row);
@@ -427,7 +427,7 @@ void Recorder::take_up() {
   for (const belief::ProtoObject& object : state_.objects)
     if (object.id != 0)
       if (std::optional<BeliefRow> row = store_.belief(object.id)) told_[object.id] = std::move(*row);
-  largest_object_ = store_.last_object();
+  max_object_ = store_.last_object();
   places_.clear();
   for (const PlaceRow& place : store_.places()) places_[place.name] = place.id;
   next_observation_ = store_.last_observation() + 1;
@@ -440,7 +440,7 @@ ResolvedScene Recorder::resolve(const SceneRecord& scene) const {
   resolved.scene = evidence_of(scene, next_observation_);
   resolved.after = state_;
   // Numbers that other writers gave to objects are not given again.
-  resolved.after.next_id = std::max(resolved.after.next_id, largest_object_ + 1);
+  resolved.after.next_id = std::max(resolved.after.next_id, max_object_ + 1);
   resolved.update = belief::advance(resolved.after, resolved.scene, options_);
   return resolved;
 }
@@ -453,7 +453,7 @@ RecordedScene Recorder::record(const SceneRecord& scene) {
   ResolvedScene resolved;
   resolved.scene = evidence_of(scene, next_observation_);
   resolved.after = std::move(state_);
-  resolved.after.next_id = std::max(resolved.after.next_id, largest_object_ + 1);
+  resolved.after.next_id = std::max(resolved.after.next_id, max_object_ + 1);
   std::optional<TimeNs> last = resolved.after.last_scene;
   state_ = {};
   state_.last_scene = last;  // what the writing needs of it

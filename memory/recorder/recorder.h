@@ -54,7 +54,7 @@ class Recorder {
   belief::BeliefState state_;
   Id next_observation_ = 1;
   std::map<Id, BeliefRow> told_;  ///< what the memory says about each object of the belief
-  Id largest_object_ = 0;         ///< of the memory
+  Id max_object_ = 0;         ///< of the memory
   CarriedBelief carried_;
   std::map<std::string, double> last_joints_;  ///< of the scene before
   std::map<std::string, Id> places_;           ///< that the memory knows
@@ -63,12 +63,12 @@ class Recorder {
 /// What the belief looks at in a record; observations get the numbers from `first_observation` on.
 belief::Scene evidence_of(const SceneRecord& record, int64_t first_observation = 0);
 
-/// A recording, known by what is in it: the times, poses and sizes of its frames and some of its pictures.
+/// A recording, known by what is in it: the times, poses and sizes of its frames and some of its images.
 struct FrameDigest {
   int64_t index = 0;
   TimeNs time = 0;
 };
 std::string recording_fingerprint(const std::vector<FrameDigest>& frames,
-                                  const std::vector<cv::Mat>& pictures);
+                                  const std::vector<cv::Mat>& images);
 
 }  // namespace loci

@@ -4,15 +4,15 @@
 namespace loci {
 
 std::string recording_fingerprint(const std::vector<FrameDigest>& frames,
-                                  const std::vector<cv::Mat>& pictures) {
+                                  const std::vector<cv::Mat>& images) {
   std::string bytes;
   for (const FrameDigest& frame : frames)
     bytes += std::to_string(frame.index) + " " + std::to_string(frame.time) + "\n";
-  for (const cv::Mat& picture : pictures) {
-    bytes += std::to_string(picture.cols) + "x" + std::to_string(picture.rows) + "\n";
-    for (int row = 0; row < picture.rows; ++row)
-      bytes.append(reinterpret_cast<const char*>(picture.ptr(row)),
-                   size_t(picture.cols) * picture.elemSize());
+  for (const cv::Mat& image : images) {
+    bytes += std::to_string(image.cols) + "x" + std::to_string(image.rows) + "\n";
+    for (int row = 0; row < image.rows; ++row)
+      bytes.append(reinterpret_cast<const char*>(image.ptr(row)),
+                   size_t(image.cols) * image.elemSize());
   }
   return content_hash(bytes);
 }

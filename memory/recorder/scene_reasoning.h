@@ -5,7 +5,7 @@
 
 namespace loci {
 
-/// What the belief was told about a scene, without pictures, and what it made of it: enough to explain it
+/// What the belief was told about a scene, without images, and what it made of it: enough to explain it
 /// later and to reason anew.
 struct SceneReasoning {
   belief::Scene evidence;  ///< view without camera and images, which the scene's row has

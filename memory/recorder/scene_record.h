@@ -17,7 +17,7 @@ struct AnnotationRecord {
   cas::FeatureStructure structure;  ///< all of it; may be null
 };
 
-/// A picture or other bytes with their media type; empty = none.
+/// An image or other bytes with their media type; empty = none.
 struct BlobRecord {
   std::string bytes;
   std::string media;
@@ -37,11 +37,11 @@ struct ObservationRecord {
 /// Everything about one moment, as it comes out of a pipeline or another detector.
 struct SceneRecord {
   std::string source = "perceive";  ///< who says so
-  SceneRow row;                     ///< without id, depth and picture, which the recorder fills in
+  SceneRow row;                     ///< without id, depth and image, which the recorder fills in
   belief::SceneView view;
   std::optional<double> seconds_to_next;
   std::vector<belief::PlacePose> place_poses;  ///< where moving places are now
-  BlobRecord picture;
+  BlobRecord image;
   std::vector<PlaceRow> places;  ///< in view or in the map
   std::vector<ObservationRecord> observations;
   std::vector<AnnotationRecord> annotations;      ///< about the scene as a whole

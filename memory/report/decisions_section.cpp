@@ -8,7 +8,7 @@
 namespace loci {
 namespace {
 
-constexpr size_t kLeastSure = 30;
+constexpr size_t kMinSure = 30;
 
 struct Decision {
   const SceneRow* scene = nullptr;
@@ -28,7 +28,7 @@ std::string decisions_section(const ReportData& data) {
   std::stable_sort(all.begin(), all.end(), [](const Decision& a, const Decision& b) {
     return a.taken.probability < b.taken.probability;
   });
-  if (all.size() > kLeastSure) all.resize(kLeastSure);
+  if (all.size() > kMinSure) all.resize(kMinSure);
   std::vector<std::vector<std::string>> rows;
   for (const Decision& decision : all)
     rows.push_back({data.times.text(decision.scene->time), fmt::format("scene {}", decision.scene->id),

@@ -9,7 +9,7 @@
 namespace loci {
 namespace {
 
-constexpr size_t kPictures = 4;
+constexpr size_t kImages = 4;
 constexpr size_t kStays = 20;
 
 std::string when_text(const TimeWriter& times, const Stay& stay) {
@@ -26,23 +26,23 @@ std::string state_text(const ObjectState& now) {
 }
 
 /// From stays at different times, the last first.
-std::string pictures_of(const ReportData& data, const ObjectHistory& history) {
-  std::string pictures;
+std::string images_of(const ReportData& data, const ObjectHistory& history) {
+  std::string images;
   size_t count = 0;
-  for (auto stay = history.stays.rbegin(); stay != history.stays.rend() && count < kPictures; ++stay) {
+  for (auto stay = history.stays.rbegin(); stay != history.stays.rend() && count < kImages; ++stay) {
     const Id scene = stay->scenes.back().scene;
     const TimeNs time = stay->scenes.back().time;
     for (const Sighting& sighting : data.store.sightings(history.now.object.id, {}, time, time)) {
       if (sighting.observation.scene != scene || !sighting.observation.crop) continue;
       const BlobRow blob = data.store.blob(*sighting.observation.crop);
       const auto* bytes = reinterpret_cast<const unsigned char*>(blob.bytes.data());
-      pictures += html_image({bytes, blob.bytes.size()}, blob.media,
+      images += html_image({bytes, blob.bytes.size()}, blob.media,
                              history.now.object.name + " at " + data.times.text(time));
       ++count;
       break;
     }
   }
-  return pictures.empty() ? "<p class=\"faint\">no picture is kept</p>" : pictures;
+  return images.empty() ? "<p class=\"faint\">no image is kept</p>" : images;
 }
 
 std::string stays_of(const ReportData& data, const ObjectHistory& history) {
@@ -61,7 +61,7 @@ std::string stays_of(const ReportData& data, const ObjectHistory& history) {
 std::string said_of(const ReportData& data, const ObjectHistory& history) {
   std::string body;
   const AboutAnswer about =
-      ask(data.store, AboutQuestion{.subject = history.now.object.name, .most_sightings = 50});
+      ask(data.store, AboutQuestion{.subject = history.now.object.name, .max_sightings = 50});
   for (const AboutObject& object : about.objects) {
     std::vector<std::vector<std::string>> rows;
     for (const Fact& fact : object.facts) rows.push_back({fact.key, fact.value, fact.source, ""});
@@ -79,7 +79,7 @@ std::string card(const ReportData& data, const ObjectHistory& history) {
       "<article class=\"card\" id=\"{}\"><h3><span style=\"color:{}\">●</span> "
       "{}</h3><p>{}</p>{}{}{}</article>\n",
       html_escape(now.object.name), object_css(now.object.id), html_escape(object_text(now.object)),
-      html_escape(state_text(now)), pictures_of(data, history), stays_of(data, history),
+      html_escape(state_text(now)), images_of(data, history), stays_of(data, history),
       said_of(data, history));
 }
 

@@ -9,13 +9,13 @@
 namespace loci {
 
 /// The points of an observation, as the depth camera saw them at its full resolution, rounded to millimetres
-/// of z-depth. Their colours are those of the scene's picture, which is kept as long.
+/// of z-depth. Their colours are those of the scene's image, which is kept as long.
 struct ClusterPoints {
   std::vector<int32_t> pixels;          ///< in the depth image, v * camera width + u, ascending
   std::vector<Eigen::Vector3f> points;  ///< camera frame, metres; one per pixel
 };
 
-/// Unset when none are kept: the memory was told not to, they were let go (with the pictures), forgotten, or
+/// Unset when none are kept: the memory was told not to, they were let go (with the images), forgotten, or
 /// written by an earlier version; also without camera, mask or region of interest. Error when the blob does
 /// not fit the mask.
 std::optional<ClusterPoints> cluster_points(const Store& store, const SceneRow& scene,

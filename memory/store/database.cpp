@@ -182,8 +182,8 @@ Id Store::Implementation::insert(const char* table, const SqlColumns& columns) {
 }
 
 void Store::Implementation::add_object_term(Id object, Id term, TimeNs time) {
-  constexpr size_t kMostKept = 20000;
-  if (called.size() > kMostKept) called.clear();
+  constexpr size_t kMaxKept = 20000;
+  if (called.size() > kMaxKept) called.clear();
   const auto [known, is_new] = called.try_emplace({object, term}, time);
   if (!is_new && known->second <= time) return;
   known->second = time;
@@ -268,8 +268,8 @@ Id Store::Implementation::add_fact(const FactRow& row, Id run, TimeNs known) {
 }
 
 Id Store::Implementation::add_term(const std::string& type, const std::string& value) {
-  constexpr size_t kMostKept = 10000;
-  if (terms.size() > kMostKept) terms.clear();
+  constexpr size_t kMaxKept = 10000;
+  if (terms.size() > kMaxKept) terms.clear();
   const auto [slot, fresh] = terms.try_emplace(type + '\n' + value, 0);
   if (!fresh) return slot->second;
   const std::vector<SqlValue> values = {sql(type), sql(value)};

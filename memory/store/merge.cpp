@@ -38,7 +38,7 @@ const std::vector<Joined>& joined_tables() {
        {{"recording", "recording"},
         {"map", "map"},
         {"depth", "blob"},
-        {"picture", "blob"},
+        {"image", "blob"},
         {"kinds", "blob"},
         {"run", "run"}},
        {}},
@@ -155,7 +155,7 @@ class Merger {
         "say where the second frame lies in the first with --transform x,y,z,yaw_deg (0,0,0,0 = the same)");
   }
 
-  /// Everything of the second memory that says where something is, but for the pictures, goes into the first
+  /// Everything of the second memory that says where something is, but for the images, goes into the first
   /// one's frame.
   void change_frame() {
     const double c = std::cos(frame_->yaw), s = std::sin(frame_->yaw);

@@ -290,7 +290,7 @@ INSERT INTO row_count (name, rows)
 const char* const kDropUnusedBlobs = R"sql(
 DELETE FROM blob WHERE id NOT IN (
   SELECT urdf FROM map UNION SELECT sidecar FROM map WHERE sidecar IS NOT NULL
-  UNION SELECT depth FROM scene WHERE depth IS NOT NULL UNION SELECT picture FROM scene WHERE picture IS NOT NULL
+  UNION SELECT depth FROM scene WHERE depth IS NOT NULL UNION SELECT image FROM scene WHERE image IS NOT NULL
   UNION SELECT kinds FROM scene WHERE kinds IS NOT NULL
   UNION SELECT crop FROM observation WHERE crop IS NOT NULL UNION SELECT mask FROM observation WHERE mask IS NOT NULL
   UNION SELECT cloud FROM observation WHERE cloud IS NOT NULL

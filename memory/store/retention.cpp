@@ -25,11 +25,11 @@ Json json_of(const std::optional<double>& seconds) {
 }  // namespace
 
 RetentionResult retain(const fs::path& memory, const RetentionRules& rules) {
-  if (!rules.pictures_s && !rules.crops_s && !rules.reasoning_s)
+  if (!rules.images_s && !rules.crops_s && !rules.reasoning_s)
     throw Error("nothing to let go of is named", {memory.string(), 0, {}}, "give an age");
-  if (rules.pictures_s && rules.crops_s && *rules.crops_s < *rules.pictures_s)
-    throw Error("crops would go before the pictures that they are of", {memory.string(), 0, {}},
-                "keep crops at least as long as pictures");
+  if (rules.images_s && rules.crops_s && *rules.crops_s < *rules.images_s)
+    throw Error("crops would go before the images that they are of", {memory.string(), 0, {}},
+                "keep crops at least as long as images");
   { const Store exists = Store::open_read(memory); }
   RetentionResult result;
   Store store = Store::open_write(memory);
@@ -43,14 +43,14 @@ RetentionResult retain(const fs::path& memory, const RetentionRules& rules) {
     database.setBusyTimeout(5000);
     database.exec("PRAGMA secure_delete = ON");
     SQLite::Transaction all(database, SQLite::TransactionBehavior::IMMEDIATE);
-    if (rules.pictures_s)
-      result.scenes_without_pictures = change(
+    if (rules.images_s)
+      result.scenes_without_images = change(
           database,
-          "UPDATE scene SET picture = NULL, depth = NULL, depth_width = NULL, depth_height = NULL, kinds = "
-          "NULL WHERE time < ? AND (picture IS NOT NULL OR depth IS NOT NULL)",
-          before(*rules.pictures_s));
-    // A cloud goes with the pictures, or with the mask that says where its points are.
-    for (const std::optional<double>& age : {rules.pictures_s, rules.crops_s})
+          "UPDATE scene SET image = NULL, depth = NULL, depth_width = NULL, depth_height = NULL, kinds = "
+          "NULL WHERE time < ? AND (image IS NOT NULL OR depth IS NOT NULL)",
+          before(*rules.images_s));
+    // A cloud goes with the images, or with the mask that says where its points are.
+    for (const std::optional<double>& age : {rules.images_s, rules.crops_s})
       if (age)
         result.observations_without_points +=
             change(database,
@@ -99,10 +99,10 @@ RetentionResult retain(const fs::path& memory, const RetentionRules& rules) {
   }
   result.bytes_after = static_cast<int64_t>(fs::file_size(memory));
   store.finish_run(store.begin_run("loci-memory retain",
-                                   Json{{"pictures_s", json_of(rules.pictures_s)},
+                                   Json{{"images_s", json_of(rules.images_s)},
                                         {"crops_s", json_of(rules.crops_s)},
                                         {"reasoning_s", json_of(rules.reasoning_s)},
-                                        {"scenes_without_pictures", result.scenes_without_pictures},
+                                        {"scenes_without_images", result.scenes_without_images},
                                         {"observations_without_crops", result.observations_without_crops},
                                         {"observations_without_points", result.observations_without_points},
                                         {"scenes_without_reasoning", result.scenes_without_reasoning},

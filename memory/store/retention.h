@@ -6,8 +6,8 @@ namespace loci {
 
 /// How long what was seen is kept how well; ages from the memory's last scene back. Unset = for ever.
 struct RetentionRules {
-  /// Older scenes lose whole pictures, depth thumbnails with their kinds, and clouds: crops remain.
-  std::optional<double> pictures_s = {};
+  /// Older scenes lose whole images, depth thumbnails with their kinds, and clouds: crops remain.
+  std::optional<double> images_s = {};
   /// Older ones lose crops, masks and large arrays too: numbers remain.
   std::optional<double> crops_s = {};
   /// Older ones lose what `why` and `reason` rest on (table reasoning): what was concluded remains.
@@ -15,7 +15,7 @@ struct RetentionRules {
 };
 
 struct RetentionResult {
-  int64_t scenes_without_pictures = 0, observations_without_points = 0, observations_without_crops = 0;
+  int64_t scenes_without_images = 0, observations_without_points = 0, observations_without_crops = 0;
   int64_t arrays = 0, scenes_without_reasoning = 0;
   int64_t bytes_before = 0, bytes_after = 0;  ///< of the file
 };

@@ -74,7 +74,7 @@ struct SceneRow {
   std::optional<Isometry3d> map_from_camera = {};
   std::optional<Id> depth = {};  ///< blob: depth thumbnail, see DepthThumbnail
   int depth_width = 0, depth_height = 0;
-  std::optional<Id> picture = {};  ///< blob: JPEG or PNG
+  std::optional<Id> image = {};  ///< blob: JPEG or PNG
   std::map<std::string, double> joints = {};
   std::optional<Id> kinds = {};  ///< blob: what the pixels of the thumbnail are, see SceneKinds
   TimeNs known_from = 0;

@@ -23,7 +23,7 @@ struct SceneKinds {
 };
 
 /// Unset when the scene was perceived without a map, was let go, or is of an earlier version. Error when the
-/// picture has another size than the thumbnail.
+/// image has another size than the thumbnail.
 std::optional<SceneKinds> scene_kinds(const Store& store, const SceneRow& scene);
 
 /// The media type of the blob, which is a byte per pixel.

@@ -67,7 +67,7 @@ Id SceneTransaction::add_scene(const SceneRow& row) {
                         {"depth", sql(row.depth)},
                         {"depth_width", row.depth ? sql(row.depth_width) : SqlValue()},
                         {"depth_height", row.depth ? sql(row.depth_height) : SqlValue()},
-                        {"picture", sql(row.picture)},
+                        {"image", sql(row.image)},
                         {"joints", sql(joints)},
                         {"kinds", sql(row.kinds)},
                         {"known_from", sql(known_)},

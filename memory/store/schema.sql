@@ -88,7 +88,7 @@ CREATE TABLE scene (
   x REAL, y REAL, z REAL, qx REAL, qy REAL, qz REAL, qw REAL,  -- map_from_camera; NULL = unknown
   depth INTEGER REFERENCES blob,   -- thumbnail: uint16 little endian, row by row, millimetres of z-depth, 0 = none
   depth_width INTEGER, depth_height INTEGER,                -- of the thumbnail; its intrinsics scale with it
-  picture INTEGER REFERENCES blob, -- JPEG or PNG
+  image INTEGER REFERENCES blob, -- JPEG or PNG
   joints TEXT,                     -- JSON {joint: position}
   known_from INTEGER NOT NULL,
   run INTEGER NOT NULL REFERENCES run,
@@ -128,7 +128,7 @@ CREATE TABLE observation (
   hue REAL, saturation REAL, value REAL,
   color TEXT,                      -- name of the dominant colour
   points INTEGER,                  -- depth points
-  crop INTEGER REFERENCES blob,    -- picture of it
+  crop INTEGER REFERENCES blob,    -- image of it
   mask INTEGER REFERENCES blob,    -- PNG, 8 bit, of the depth image's region of interest
   roi_x INTEGER, roi_y INTEGER, roi_width INTEGER, roi_height INTEGER,  -- pixels in the depth image
   sentence TEXT,                   -- where it is, in words

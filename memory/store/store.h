@@ -40,7 +40,7 @@ struct ForgetRequest {
 };
 struct ForgetResult {
   int64_t objects = 0, observations = 0;
-  int64_t scenes = 0;  ///< whose pictures are gone
+  int64_t scenes = 0;  ///< whose images are gone
 };
 struct ForgottenRow {
   std::optional<Id> object = {};
@@ -95,7 +95,7 @@ class Store {
   Id add_place(const PlaceRow& row, Id run);
   Id add_fact(const FactRow& row, Id run);
   /// Removes an object with everything that was seen of it, or everything of a time, from the file for good:
-  /// rows, words, crops, whole pictures that show it, its pixels of depth thumbnails. That it was
+  /// rows, words, crops, whole images that show it, its pixels of depth thumbnails. That it was
   /// forgotten stays known.
   ForgetResult forget(const ForgetRequest& request, Id run);
   std::vector<ForgottenRow> forgotten() const;

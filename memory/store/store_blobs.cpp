@@ -1,4 +1,4 @@
-// What is stored as bytes: pictures, checkpoints, reasons, feature structures.
+// What is stored as bytes: images, checkpoints, reasons, feature structures.
 
 #include "memory/store/reading.h"
 

@@ -1,4 +1,4 @@
-// What is forgotten is gone from the file: rows, pictures, words, and the places where they lay in the file.
+// What is forgotten is gone from the file: rows, images, words, and the places where they lay in the file.
 // That something was forgotten stays known.
 
 #include "memory/store/depth_thumbnail.h"
@@ -9,32 +9,32 @@
 namespace loci {
 namespace {
 
-/// What goes, in temporary tables: observations, objects of which nothing is left, scenes whose pictures go.
+/// What goes, in temporary tables: observations, objects of which nothing is left, scenes whose images go.
 constexpr const char* kOfObject = R"sql(
 INSERT INTO temp.gone_object VALUES (?1);
 INSERT INTO temp.gone_observation SELECT DISTINCT observation FROM association
   WHERE object = ?1 AND chosen = 1 AND observation IS NOT NULL;
-INSERT INTO temp.gone_picture SELECT DISTINCT o.scene FROM temp.gone_observation g JOIN observation o ON o.id = g.id;
+INSERT INTO temp.gone_image SELECT DISTINCT o.scene FROM temp.gone_observation g JOIN observation o ON o.id = g.id;
 )sql";
 
 constexpr const char* kOfInterval = R"sql(
-INSERT INTO temp.gone_picture SELECT id FROM scene WHERE time BETWEEN ?1 AND ?2;
-INSERT INTO temp.gone_observation SELECT o.id FROM observation o JOIN temp.gone_picture g ON g.id = o.scene;
+INSERT INTO temp.gone_image SELECT id FROM scene WHERE time BETWEEN ?1 AND ?2;
+INSERT INTO temp.gone_observation SELECT o.id FROM observation o JOIN temp.gone_image g ON g.id = o.scene;
 INSERT INTO temp.gone_object SELECT id FROM object o WHERE
   EXISTS (SELECT 1 FROM association a WHERE a.object = o.id AND a.observation IN (SELECT id FROM temp.gone_observation))
   AND NOT EXISTS (SELECT 1 FROM association a WHERE a.object = o.id AND a.chosen = 1 AND a.observation IS NOT NULL
     AND a.observation NOT IN (SELECT id FROM temp.gone_observation));
-DELETE FROM association WHERE scene IN (SELECT id FROM temp.gone_picture);
-DELETE FROM event WHERE scene IN (SELECT id FROM temp.gone_picture);
-DELETE FROM visibility WHERE scene IN (SELECT id FROM temp.gone_picture);
-DELETE FROM belief WHERE scene IN (SELECT id FROM temp.gone_picture);
-DELETE FROM annotation WHERE scene IN (SELECT id FROM temp.gone_picture);
+DELETE FROM association WHERE scene IN (SELECT id FROM temp.gone_image);
+DELETE FROM event WHERE scene IN (SELECT id FROM temp.gone_image);
+DELETE FROM visibility WHERE scene IN (SELECT id FROM temp.gone_image);
+DELETE FROM belief WHERE scene IN (SELECT id FROM temp.gone_image);
+DELETE FROM annotation WHERE scene IN (SELECT id FROM temp.gone_image);
 DELETE FROM feature_structure_blob WHERE feature_structure IN (SELECT id FROM feature_structure
-  WHERE scene IN (SELECT id FROM temp.gone_picture));
-DELETE FROM feature_structure WHERE scene IN (SELECT id FROM temp.gone_picture);
-DELETE FROM scene_log WHERE scene IN (SELECT id FROM temp.gone_picture);
+  WHERE scene IN (SELECT id FROM temp.gone_image));
+DELETE FROM feature_structure WHERE scene IN (SELECT id FROM temp.gone_image);
+DELETE FROM scene_log WHERE scene IN (SELECT id FROM temp.gone_image);
 UPDATE scene SET depth = NULL, depth_width = NULL, depth_height = NULL, kinds = NULL, joints = NULL, x = NULL, y = NULL, z = NULL,
-  qx = NULL, qy = NULL, qz = NULL, qw = NULL WHERE id IN (SELECT id FROM temp.gone_picture);
+  qx = NULL, qy = NULL, qz = NULL, qw = NULL WHERE id IN (SELECT id FROM temp.gone_image);
 )sql";
 
 constexpr const char* kOfBoth = R"sql(
@@ -49,13 +49,13 @@ UPDATE belief SET last_observation = NULL, last_scene = NULL
   WHERE last_observation IN (SELECT id FROM temp.gone_observation);
 DELETE FROM annotation WHERE observation IN (SELECT id FROM temp.gone_observation);
 DELETE FROM annotation WHERE term IN (SELECT id FROM term WHERE type = 'loci.memory.CarriedBelief');
-DELETE FROM reasoning WHERE scene IN (SELECT id FROM temp.gone_picture);
+DELETE FROM reasoning WHERE scene IN (SELECT id FROM temp.gone_image);
 DELETE FROM feature_structure_blob WHERE feature_structure IN (SELECT id FROM feature_structure
   WHERE observation IN (SELECT id FROM temp.gone_observation));
 DELETE FROM feature_structure WHERE observation IN (SELECT id FROM temp.gone_observation);
 DELETE FROM observation WHERE id IN (SELECT id FROM temp.gone_observation);
-UPDATE scene_log SET text = NULL WHERE scene IN (SELECT id FROM temp.gone_picture);
-UPDATE scene SET picture = NULL WHERE id IN (SELECT id FROM temp.gone_picture);
+UPDATE scene_log SET text = NULL WHERE scene IN (SELECT id FROM temp.gone_image);
+UPDATE scene SET image = NULL WHERE id IN (SELECT id FROM temp.gone_image);
 DELETE FROM term WHERE id NOT IN (SELECT term FROM annotation);
 )sql";
 
@@ -105,7 +105,7 @@ std::vector<Cut> cuts_of(Store::Implementation& store) {
   return cuts;
 }
 
-/// Sets to 0 what a cut holds of a picture of a scene (a column of that table) with so many bytes per pixel.
+/// Sets to 0 what a cut holds of an image of a scene (a column of that table) with so many bytes per pixel.
 void cut_out(Store::Implementation& store, const Cut& cut, const std::string& column, const char* media,
              int64_t pixel_bytes) {
   std::optional<Id> left;
@@ -169,7 +169,7 @@ ForgetResult Store::forget(const ForgetRequest& request, Id run) {
       s.statements.clear();
       for (const char* table : {"association", "event", "object", "belief", "fact"})
         database.exec(fmt::format("DROP TRIGGER {}_is_kept", table));
-      for (const char* table : {"gone_object", "gone_observation", "gone_picture"})
+      for (const char* table : {"gone_object", "gone_observation", "gone_image"})
         database.exec(fmt::format("CREATE TEMP TABLE {} (id INTEGER PRIMARY KEY)", table));
       if (request.object) {
         run_all(database, kOfObject, {sql(*request.object)});
@@ -183,7 +183,7 @@ ForgetResult Store::forget(const ForgetRequest& request, Id run) {
       database.exec(kCounting);
       result.objects = count(database, "temp.gone_object");
       result.observations = count(database, "temp.gone_observation");
-      result.scenes = count(database, "temp.gone_picture");
+      result.scenes = count(database, "temp.gone_image");
       run_all(database,
               "INSERT INTO forgotten (object, known_from, run) SELECT id, ?1, ?2 FROM temp.gone_object;",
               {sql(s.known_time()), sql(run)});
@@ -191,7 +191,7 @@ ForgetResult Store::forget(const ForgetRequest& request, Id run) {
         run_all(database,
                 "INSERT INTO forgotten (valid_from, valid_to, known_from, run) VALUES (?1, ?2, ?3, ?4);",
                 {sql(*request.from), sql(*request.to), sql(s.known_time()), sql(run)});
-      for (const char* table : {"gone_object", "gone_observation", "gone_picture"})
+      for (const char* table : {"gone_object", "gone_observation", "gone_image"})
         database.exec(fmt::format("DROP TABLE temp.{}", table));
       for (const std::string& trigger : triggers) database.exec(trigger);
       all.commit();

@@ -85,7 +85,7 @@ SceneRow scene_row(const SqlRow& row) {
   result.depth = row.optional_integer("depth");
   result.depth_width = static_cast<int>(row.optional_integer("depth_width").value_or(0));
   result.depth_height = static_cast<int>(row.optional_integer("depth_height").value_or(0));
-  result.picture = row.optional_integer("picture");
+  result.image = row.optional_integer("image");
   if (const auto text = row.optional_text("joints")) {
     const Json joints = parse_json(*text, "scene.joints");
     for (const auto& [joint, position] : joints.items()) result.joints[joint] = position.get<double>();

@@ -42,9 +42,9 @@ void add_annotators(AnnotatorRegistry& registry) {
   registry.add<BarcodeAnnotator>();
   registry.add<TextAnnotator>();
   registry.add<PclFeatureAnnotator>();
-  registry.add<PictureFeatureAnnotator>();
+  registry.add<ImageFeatureAnnotator>();
   registry.add<FeatureClassifier>();
-  registry.add("PictureClassifier", [] { return std::make_unique<FeatureClassifier>(true); });
+  registry.add("ImageClassifier", [] { return std::make_unique<FeatureClassifier>(true); });
   registry.add<PrimitiveShapeAnnotator>();
   registry.add<SizeAnnotator>();
   registry.add<RelationsAnnotator>();

@@ -118,7 +118,7 @@ class Cas {
   // Working on the side, and taking back (branch.cpp).
 
   /// A copy on which somebody works while others work on this one or on copies of their own. Buffers of
-  /// numbers are shared, so it costs what the structures do, not what the pictures do.
+  /// numbers are shared, so it costs what the structures do, not what the images do.
   std::unique_ptr<Cas> branch() const;
   /// Brings home what was done in a branch of this CAS, whatever has been done here meanwhile. New structures
   /// get the next ids, in their order; what both appended to one list comes one after the other; of a feature

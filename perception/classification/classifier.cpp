@@ -107,7 +107,7 @@ void ClassifierOptions::declare(OptionTable& table) {
   table.integer("k", k, "", "Neighbours that vote.", 1, 1000);
   table.number("c", c, "", "Cost of an example on the wrong side of a support vector machine.", 1e-3, 1e6);
   table.integer("trees", trees, "", "Trees of a forest.", 1, 10000);
-  table.integer("least_split", least_split, "", "Leaves with fewer examples are not split.", 2, 1000);
+  table.integer("min_split", min_split, "", "Leaves with fewer examples are not split.", 2, 1000);
 }
 
 std::vector<double> Classifier::scores(const FeatureVector& vector) const {

@@ -28,7 +28,7 @@ struct ClassifierOptions {
   int k = 10;
   double c = 10;
   int trees = 100;
-  int least_split = 4;
+  int min_split = 4;
 
   void declare(OptionTable& table);
 };

@@ -90,7 +90,7 @@ std::string local_name_of(const std::string& name) {
   return name.ends_with(kBag) ? name.substr(0, name.size() - kBag.size()) : std::string();
 }
 
-bool is_of_picture(const std::string& name) {
+bool is_of_image(const std::string& name) {
   return name == "HOG" || name.starts_with("SIFT") || name.starts_with("ORB");
 }
 
@@ -103,7 +103,7 @@ ThingFeatures thing_features(const std::vector<std::string>& names, const ThingV
       continue;
     }
     FeatureVector vector =
-        name == "HOG" ? hog_of(view.picture, view.mask) : shape_feature(name, view.surface);
+        name == "HOG" ? hog_of(view.image, view.mask) : shape_feature(name, view.surface);
     if (!vector.empty()) all.features[name] = std::move(vector);
   }
   return all;
@@ -143,14 +143,14 @@ std::string name_of(const ExpertSpec& expert) {
 }
 
 Eigen::MatrixXd Ensemble::inputs(const std::vector<std::vector<double>>& scores) const {
-  constexpr double kLeast = 0.01;
+  constexpr double kMin = 0.01;
   const auto classes = static_cast<Eigen::Index>(classes_.size());
   const auto experts = static_cast<Eigen::Index>(scores.size());
   Eigen::MatrixXd inputs(classes, experts + classes);
   inputs.rightCols(classes).setIdentity();
   for (Eigen::Index e = 0; e < experts; ++e)
     for (Eigen::Index c = 0; c < classes; ++c)
-      inputs(c, e) = std::log(std::max(scores[static_cast<size_t>(e)][static_cast<size_t>(c)], kLeast));
+      inputs(c, e) = std::log(std::max(scores[static_cast<size_t>(e)][static_cast<size_t>(c)], kMin));
   return inputs;
 }
 

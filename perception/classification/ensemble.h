@@ -37,8 +37,8 @@ std::vector<std::string> expert_feature_names();
 ThingFeatures thing_features(const std::vector<std::string>& names, const ThingView& view);
 /// "SIFT" of "SIFTBag": the descriptors that a bag is of. Empty for what is no bag.
 std::string local_name_of(const std::string& name);
-/// Whether a descriptor is taken of the picture rather than of the surface.
-bool is_of_picture(const std::string& name);
+/// Whether a descriptor is taken of the image rather than of the surface.
+bool is_of_image(const std::string& name);
 
 struct LabelledThing {
   std::string label;

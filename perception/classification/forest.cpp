@@ -51,8 +51,8 @@ class Forest : public Classifier {
 
 class Grower {
  public:
-  Grower(const LabelledVectors& data, size_t least_split, Random random)
-      : data_(data), least_split_(least_split), random_(std::move(random)) {}
+  Grower(const LabelledVectors& data, size_t min_split, Random random)
+      : data_(data), min_split_(min_split), random_(std::move(random)) {}
 
   Tree grow() {
     std::vector<size_t> all(data_.vectors.size());
@@ -75,7 +75,7 @@ class Grower {
     const std::vector<double> count = counted(first, last);
     const auto size = static_cast<size_t>(last - first);
     const bool pure = *std::max_element(count.begin(), count.end()) >= static_cast<double>(size);
-    const Split split = pure || size < least_split_ ? Split() : best_split(first, last);
+    const Split split = pure || size < min_split_ ? Split() : best_split(first, last);
     if (split.feature < 0) {
       for (const double each : count)
         tree_[at].shares.push_back(static_cast<float>(each / static_cast<double>(size)));
@@ -140,7 +140,7 @@ class Grower {
   }
 
   const LabelledVectors& data_;
-  size_t least_split_;
+  size_t min_split_;
   Random random_;
   Tree tree_;
 };
@@ -152,7 +152,7 @@ std::unique_ptr<Classifier> train_forest(const LabelledVectors& data, const Clas
   std::vector<Tree> trees;
   for (int i = 0; i < options.trees; ++i)
     trees.push_back(
-        Grower(data, static_cast<size_t>(options.least_split), random.fork(static_cast<uint64_t>(i))).grow());
+        Grower(data, static_cast<size_t>(options.min_split), random.fork(static_cast<uint64_t>(i))).grow());
   return std::make_unique<Forest>(std::move(trees), data.classes);
 }
 

@@ -14,21 +14,21 @@
 namespace loci {
 namespace {
 
-constexpr int kSide = 320;  // Pictures of things are scaled to it: SIFT then sees like scales.
-constexpr int kMostKeypoints = 500;
+constexpr int kSide = 320;  // Images of things are scaled to it: SIFT then sees like scales.
+constexpr int kMaxKeypoints = 500;
 
-cv::Mat grey_of(const cv::Mat& picture) {
-  cv::Mat grey = picture;
-  if (picture.channels() == 3) cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
+cv::Mat grey_of(const cv::Mat& image) {
+  cv::Mat grey = image;
+  if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
   return grey;
 }
 
-LocalFeatures of_picture(cv::Feature2D& detector, const ThingView& view) {
+LocalFeatures of_image(cv::Feature2D& detector, const ThingView& view) {
   LocalFeatures features;
-  if (view.picture.empty()) return features;
-  const double scale = static_cast<double>(kSide) / std::max(view.picture.cols, view.picture.rows);
+  if (view.image.empty()) return features;
+  const double scale = static_cast<double>(kSide) / std::max(view.image.cols, view.image.rows);
   cv::Mat grey, mask, values;
-  cv::resize(grey_of(view.picture), grey, {}, scale, scale, scale < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
+  cv::resize(grey_of(view.image), grey, {}, scale, scale, scale < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
   if (!view.mask.empty()) cv::resize(view.mask, mask, grey.size(), 0, 0, cv::INTER_NEAREST);
   std::vector<cv::KeyPoint> found;
   detector.detectAndCompute(grey, mask, found, values);
@@ -60,22 +60,22 @@ std::vector<std::string> local_feature_names() {
 }
 
 LocalFeatures local_features(const std::string& name, const ThingView& view) {
-  if (name == "SIFT") return of_picture(*cv::SIFT::create(kMostKeypoints, 3, 0.02, 12), view);
+  if (name == "SIFT") return of_image(*cv::SIFT::create(kMaxKeypoints, 3, 0.02, 12), view);
   if (name == "ORB")
-    return of_picture(*cv::ORB::create(kMostKeypoints, 1.2f, 6, 15, 0, 2, cv::ORB::HARRIS_SCORE, 31, 10),
+    return of_image(*cv::ORB::create(kMaxKeypoints, 1.2f, 6, 15, 0, 2, cv::ORB::HARRIS_SCORE, 31, 10),
                       view);
   if (name != "SHOT" && name != "FPFH")
     throw Error("there are no local descriptors " + name, {}, "there are SIFT, ORB, SHOT, FPFH");
-  constexpr size_t kLeastPoints = 20;
+  constexpr size_t kMinPoints = 20;
   const SurfacePoints thin = thinned_surface(view.surface);
-  if (thin.points.size() < kLeastPoints) return {};
+  if (thin.points.size() < kMinPoints) return {};
   const std::vector<int> at = feature_delegates::keypoints(thin);
   return name == "SHOT" ? feature_delegates::shot_at(thin, at) : feature_delegates::fpfh_at(thin, at);
 }
 
-FeatureVector hog_of(const cv::Mat& picture, const cv::Mat& mask) {
-  if (picture.empty()) return {};
-  cv::Mat grey = grey_of(picture).clone(), small;
+FeatureVector hog_of(const cv::Mat& image, const cv::Mat& mask) {
+  if (image.empty()) return {};
+  cv::Mat grey = grey_of(image).clone(), small;
   if (!mask.empty()) grey.setTo(cv::mean(grey, mask)[0], mask == 0);
   cv::resize(grey, small, {64, 64}, 0, 0, cv::INTER_AREA);
   const cv::HOGDescriptor hog({64, 64}, {32, 32}, {16, 16}, {16, 16}, 9);
@@ -104,7 +104,7 @@ size_t Vocabulary::nearest(const float* descriptor) const {
 Vocabulary Vocabulary::learn(const std::vector<const LocalFeatures*>& examples, size_t words,
                              const Random& random) {
   constexpr int kRounds = 10;
-  constexpr size_t kMost = 20000;  // Descriptors; more teach nothing.
+  constexpr size_t kMax = 20000;  // Descriptors; more teach nothing.
   std::vector<const float*> all;
   Vocabulary vocabulary;
   for (const LocalFeatures* each : examples) {
@@ -115,7 +115,7 @@ Vocabulary Vocabulary::learn(const std::vector<const LocalFeatures*>& examples, 
   if (all.empty()) throw Error("there are no key points to learn words from");
   Random draw = random;
   for (size_t i = 0; i + 1 < all.size(); ++i) std::swap(all[i], all[i + draw.index(all.size() - i)]);
-  if (all.size() > kMost) all.resize(kMost);
+  if (all.size() > kMax) all.resize(kMax);
   words = std::min(words, all.size());
   const size_t length = vocabulary.length_;
   for (size_t word = 0; word < words; ++word)

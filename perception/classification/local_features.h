@@ -15,29 +15,29 @@ namespace loci {
 /// What is seen of a thing. Either part may be empty.
 struct ThingView {
   SurfacePoints surface;
-  cv::Mat picture;  ///< CV_8UC3 (BGR) or CV_8UC1
-  cv::Mat mask;     ///< CV_8U, 255 = the thing; empty: all of the picture
+  cv::Mat image;  ///< CV_8UC3 (BGR) or CV_8UC1
+  cv::Mat mask;     ///< CV_8U, 255 = the thing; empty: all of the image
 };
 
 /// Descriptors of key points, each of `length` values.
 struct LocalFeatures {
   size_t length = 0;
   std::vector<float> values;            ///< one descriptor after the other
-  std::vector<Eigen::Vector3f> places;  ///< x, y, diameter in pixels of the picture, or x, y, z in metres
+  std::vector<Eigen::Vector3f> places;  ///< x, y, diameter in pixels of the image, or x, y, z in metres
 
   size_t count() const { return places.size(); }
 };
 
-/// "SIFT" (as RootSIFT) and "ORB" (its bits) of key points of the picture, "SHOT" and "FPFH" of
+/// "SIFT" (as RootSIFT) and "ORB" (its bits) of key points of the image, "SHOT" and "FPFH" of
 /// intrinsic-shape key points of the surface (Zhong 2009), or of points spread over it where there are fewer
 /// than 20 of these.
 std::vector<std::string> local_feature_names();
 /// Those of a view; none when it shows too little. Error for other names. The same for the same view.
 LocalFeatures local_features(const std::string& name, const ThingView& view);
 
-/// "HOG": histograms of oriented gradients (Dalal and Triggs, CVPR 2005) of the picture of a thing without
-/// its surroundings, scaled to 64 × 64 pixels. Empty when there is no picture.
-FeatureVector hog_of(const cv::Mat& picture, const cv::Mat& mask);
+/// "HOG": histograms of oriented gradients (Dalal and Triggs, CVPR 2005) of the image of a thing without
+/// its surroundings, scaled to 64 × 64 pixels. Empty when there is no image.
+FeatureVector hog_of(const cv::Mat& image, const cv::Mat& mask);
 /// Length of what hog_of() gives.
 inline constexpr size_t kHogLength = 324;
 

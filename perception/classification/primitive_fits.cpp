@@ -16,8 +16,8 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kWall = 0.006;       // What is seen of the inside of a vessel lies this far within, m.
 constexpr double kInside = 4;         // Cost of what lies within a vessel and faces up: its floor.
 constexpr double kTail = 0.01;        // Share of the points beyond either end of what is seen.
-constexpr double kLeastSlope = 0.05;  // What widens by less is a cylinder as well as anybody can tell.
-constexpr double kLeastFace = 0.05;   // Share of the points that makes a face.
+constexpr double kMinSlope = 0.05;  // What widens by less is a cylinder as well as anybody can tell.
+constexpr double kMinFace = 0.05;   // Share of the points that makes a face.
 
 struct Misfit {
   double distance = 0, cosine = 1;
@@ -206,7 +206,7 @@ Isometry3d pose_of(const Vector3d& centre, const Vector3d& x, const Vector3d& z)
 /// Where what is seen ends; `faces` holds points of a face at either end, by which that end is known better.
 std::pair<double, double> ends_of(std::vector<double> values, const std::vector<double>& low_face,
                                   const std::vector<double>& high_face) {
-  const double least = kLeastFace * static_cast<double>(values.size());
+  const double least = kMinFace * static_cast<double>(values.size());
   auto [low, high] = quantiles(values, kTail, 1 - kTail);
   if (static_cast<double>(low_face.size()) >= least) low = std::min(median(low_face), high);
   if (static_cast<double>(high_face.size()) >= least) high = std::max(median(high_face), low);
@@ -352,7 +352,7 @@ std::vector<PrimitiveShape> fit_standing(const Samples& samples) {
   for (const bool with_slope : {false, true}) {
     const std::optional<Circle> circle = refine(data, *first, with_slope);
     if (!circle) continue;
-    if (with_slope && std::abs(circle->slope) < kLeastSlope) continue;
+    if (with_slope && std::abs(circle->slope) < kMinSlope) continue;
     const PrimitiveShape shape = round_at(samples, {circle->centre.x(), circle->centre.y(), middle},
                                           Vector3d::UnitX(), Vector3d::UnitZ(), *circle);
     if (shape.size.z() > 0) shapes.push_back(shape);

@@ -13,8 +13,8 @@ namespace {
 using namespace primitive_fits;
 using Kind = PrimitiveShape::Kind;
 
-constexpr size_t kLeastPoints = 30;
-constexpr size_t kMostPoints = 800;
+constexpr size_t kMinPoints = 30;
+constexpr size_t kMaxPoints = 800;
 // So many points speak for themselves: the errors of neighbours are alike.
 constexpr double kIndependent = 60;
 
@@ -35,7 +35,7 @@ double numbers_of(Kind kind) {
 Samples samples_of(const SurfacePoints& surface, const Eigen::Matrix3d& upright, const Vector3d& origin,
                    const PrimitiveOptions& options) {
   Samples samples;
-  const size_t step = std::max<size_t>(1, surface.points.size() / kMostPoints);
+  const size_t step = std::max<size_t>(1, surface.points.size() / kMaxPoints);
   std::vector<double> heights;
   double distance = 0;
   for (size_t i = 0; i < surface.points.size(); i += step) {
@@ -46,7 +46,7 @@ Samples samples_of(const SurfacePoints& surface, const Eigen::Matrix3d& upright,
     heights.push_back(samples.points.back().z());
     distance += surface.points[i].cast<double>().norm();
   }
-  if (samples.points.size() < kLeastPoints) return {};
+  if (samples.points.size() < kMinPoints) return {};
   distance /= static_cast<double>(samples.points.size());
   samples.sigma_m = options.noise_m + options.noise_per_m2 * distance * distance;
   samples.sigma_angle = options.normal_deg * std::numbers::pi / 180;
@@ -89,7 +89,7 @@ std::optional<PrimitiveShape> fit_primitive(const SurfacePoints& surface, const 
       middle += point.cast<double>();
       ++count;
     }
-  if (count < static_cast<double>(kLeastPoints)) return std::nullopt;
+  if (count < static_cast<double>(kMinPoints)) return std::nullopt;
   middle /= count;
   const Vector3d up = ground.up.normalized();
   const Vector3d origin = middle - (up.dot(middle) - ground.height / ground.up.norm()) * up;

@@ -88,11 +88,11 @@ std::string shape_feature_signature(const std::string& name) {
 }
 
 std::vector<float> shape_feature(const std::string& name, const SurfacePoints& surface) {
-  constexpr size_t kLeastPoints = 20;
+  constexpr size_t kMinPoints = 20;
   const FeatureDelegate& wanted = delegate(name);
   if (surface.points.size() != surface.normals.size()) throw Error("points and normals are not as many");
   const SurfacePoints thin = thinned_surface(surface);
-  if (thin.points.size() < kLeastPoints) return {};
+  if (thin.points.size() < kMinPoints) return {};
   std::vector<float> values = wanted.compute(thin);
   const bool finite =
       std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); });

@@ -48,7 +48,7 @@ TFLinkBBoxROI bounding_box(const TFLinkROI& volume, const std::string& frame,
 TFLinkSphereROI bounding_sphere(const TFLinkROI& volume, const std::string& frame,
                                 const Isometry3d& frame_from_volume);
 
-/// A region of the scene's image with a picture of its own, and back into an image of the same camera.
+/// A region of the scene's image with an image of its own, and back into an image of the same camera.
 StandaloneImageROI standalone(const ReferenceImageROI& reference);
 ReferenceImageROI within(const StandaloneImageROI& alone, const Mat& image);
 

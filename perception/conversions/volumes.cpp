@@ -70,7 +70,7 @@ std::optional<ReferenceImageROI> image_roi(const TFLinkROI& volume, const Mat& i
                                            const PinholeCamera& camera, const Isometry3d& camera_from_frame) {
   std::vector<cv::Point2f> pixels;
   for (const Vector3d& point : outline_points(extent_of(volume), camera_from_frame)) {
-    // What is far out of the picture stays within what the filling of polygons can count.
+    // What is far out of the image stays within what the filling of polygons can count.
     const Vector2d pixel = camera.project(point).cwiseMax(-1e5).cwiseMin(1e5);
     pixels.emplace_back(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()));
   }

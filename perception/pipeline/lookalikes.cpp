@@ -13,7 +13,7 @@ void AlikeOptions::declare(OptionTable& table) {
   table.integer("bits", bits, "", "Perceptual hashes of 64 bits may differ in so many.", 0, 64);
   table.number("color", color, "", "Colours may differ by so much (CIE Lab, on average).", 0, 300);
   table.number("place_m", place_m, "m", "It may have moved by so much in the map.", 0, 1000);
-  table.number("growth", growth, "", "Its picture may be so many times as wide or high, or less.", 1, 100);
+  table.number("growth", growth, "", "Its image may be so many times as wide or high, or less.", 1, 100);
   table.integer("remembered", remembered, "", "So many looks are remembered.", 1, 1000000);
 }
 
@@ -65,7 +65,7 @@ bool Lookalikes::take_over(const types::Cluster& cluster) const {
     taken.taken_from.set(best->frame);
     cluster.annotations.push_back(taken);
   }
-  // Regions of the picture move with the cluster.
+  // Regions of the image move with the cluster.
   const double sx = now->width / best->look.width, sy = now->height / best->look.height;
   for (auto id = static_cast<uint32_t>(known + 1); id <= cluster.cas().size(); ++id)
     if (const auto rect = types::try_as<types::Rect>(cas::FeatureStructure(&cluster.cas(), id))) {

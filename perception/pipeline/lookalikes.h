@@ -41,7 +41,7 @@ class Lookalikes {
     uint64_t hash = 0;
     std::vector<float> colors;
     Vector3d place;
-    double x = 0, y = 0, width = 0, height = 0;  ///< region of the picture, px
+    double x = 0, y = 0, width = 0, height = 0;  ///< region of the image, px
   };
   struct Entry {
     Look look;

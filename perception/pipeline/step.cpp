@@ -57,7 +57,7 @@ bool all_finite(const cas::FeatureStructure& array) {
 }
 
 /// Throws Error for a number that is none: in any feature, or in an array that an annotation says. Arrays of
-/// clouds and pictures may hold NaN, which means no measurement, and matrices of pairs, for those that are
+/// clouds and images may hold NaN, which means no measurement, and matrices of pairs, for those that are
 /// not compared.
 void check_numbers(const cas::FeatureStructure& structure) {
   const bool annotation = types::is<types::Annotation>(structure) && !types::is<types::PairMatrix>(structure);

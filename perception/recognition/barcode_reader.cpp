@@ -38,7 +38,7 @@ std::string symbology_of(zbar::zbar_symbol_type_t type) {
   }
 }
 
-/// Whether a code carries enough checks to be taken from a changed picture.
+/// Whether a code carries enough checks to be taken from a changed image.
 bool is_checked(const Barcode& code) {
   return code.symbology.starts_with("EAN") || code.symbology == "UPC-A" || code.symbology == "QR" ||
          code.symbology == "Code 128";
@@ -51,11 +51,11 @@ std::vector<Barcode> scan(const cv::Mat& grey) {
   scanner.set_config(zbar::ZBAR_DATABAR, zbar::ZBAR_CFG_ENABLE, 0);
   scanner.set_config(zbar::ZBAR_DATABAR_EXP, zbar::ZBAR_CFG_ENABLE, 0);
   scanner.set_config(zbar::ZBAR_UPCA, zbar::ZBAR_CFG_ENABLE, 1);
-  zbar::Image picture(static_cast<unsigned>(image.cols), static_cast<unsigned>(image.rows), "Y800",
+  zbar::Image image(static_cast<unsigned>(image.cols), static_cast<unsigned>(image.rows), "Y800",
                       image.data, image.total());
-  scanner.scan(picture);
+  scanner.scan(image);
   std::vector<Barcode> codes;
-  for (auto symbol = picture.symbol_begin(); symbol != picture.symbol_end(); ++symbol) {
+  for (auto symbol = image.symbol_begin(); symbol != image.symbol_end(); ++symbol) {
     Barcode code{symbology_of(symbol->get_type()), symbol->get_data(), {}, {}};
     std::vector<cv::Point> outline;
     for (unsigned i = 0; i < static_cast<unsigned>(symbol->get_location_size()); ++i)
@@ -124,7 +124,7 @@ const std::vector<Frame>& frames() {
   return all;
 }
 
-/// The picture in a frame; `back` maps its pixels to those of the given one.
+/// The image in a frame; `back` maps its pixels to those of the given one.
 cv::Mat framed(const cv::Mat& grey, const Frame& frame, cv::Mat& back) {
   const cv::Point2f middle(static_cast<float>(grey.cols) / 2, static_cast<float>(grey.rows) / 2);
   cv::Mat map = cv::getRotationMatrix2D(middle, frame.turn_deg, frame.scale), result;
@@ -158,11 +158,11 @@ std::vector<Barcode> read_barcodes(const cv::Mat& image, bool thorough) {
   std::map<std::pair<std::string, std::string>, int> seen;
   for (const Frame& frame : frames()) {
     cv::Mat back;
-    const cv::Mat picture = framed(grey, frame, back);
-    if (std::min(picture.cols, picture.rows) < 16) continue;
+    const cv::Mat image = framed(grey, frame, back);
+    if (std::min(image.cols, image.rows) < 16) continue;
     for (const auto& [name, filter] : filters()) {
       std::vector<Barcode> agreed;
-      for (Barcode& code : scan(filter(picture))) {
+      for (Barcode& code : scan(filter(image))) {
         if (!is_checked(code) || ++seen[{code.symbology, code.code}] < 2) continue;
         code.region = mapped(code.region, back, grey.size());
         code.preparation = frame.name + (frame.name.empty() || name.empty() ? "" : ", ") + name;

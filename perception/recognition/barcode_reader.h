@@ -14,13 +14,13 @@ struct Barcode {
   std::string preparation;
 };
 
-/// Reads barcodes and QR codes with ZBar, from a picture (CV_8UC1 or CV_8UC3 BGR). What ZBar does not read in
-/// the picture as it is, is tried sharpened, with even light, as black and white, at other scales and turned;
-/// the first preparation that yields a code ends the search (`thorough` = false: only the picture as it is).
+/// Reads barcodes and QR codes with ZBar, from an image (CV_8UC1 or CV_8UC3 BGR). What ZBar does not read in
+/// the image as it is, is tried sharpened, with even light, as black and white, at other scales and turned;
+/// the first preparation that yields a code ends the search (`thorough` = false: only the image as it is).
 /// Every code once, in the order of their places.
 ///
-/// ZBar's digits of blurred pictures are sometimes wrong though their check sum is right (one in ten): what
-/// only a changed picture yields counts when two preparations agree on it.
+/// ZBar's digits of blurred images are sometimes wrong though their check sum is right (one in ten): what
+/// only a changed image yields counts when two preparations agree on it.
 std::vector<Barcode> read_barcodes(const cv::Mat& image, bool thorough = true);
 
 }  // namespace loci

@@ -28,7 +28,7 @@ struct ImageFeatures {
 };
 
 /// SIFT features of an image (CV_8UC3, BGR, or CV_8UC1). It is scaled so that its longer side has `side`
-/// pixels first: what small and large pictures show is then described at like scales. The strongest `most`
+/// pixels first: what small and large images show is then described at like scales. The strongest `most`
 /// are kept. A uniform image has none.
 ImageFeatures image_features(const cv::Mat& image, int side, int most);
 

@@ -125,14 +125,14 @@ std::vector<Product> read_table(const fs::path& file) {
   return products;
 }
 
-bool is_picture(const fs::path& path) {
+bool is_image(const fs::path& path) {
   const std::string ending = lower(path.extension().string());
   return ending == ".jpg" || ending == ".jpeg" || ending == ".png";
 }
 
-Properties properties_beside(const fs::path& picture) {
+Properties properties_beside(const fs::path& image) {
   Properties properties;
-  fs::path text = picture, json = picture;
+  fs::path text = image, json = image;
   if (fs::exists(json.replace_extension(".json"))) {
     const Json object = read_json(json);
     if (!object.is_object())
@@ -149,11 +149,11 @@ Properties properties_beside(const fs::path& picture) {
   return properties;
 }
 
-std::vector<Product> read_pictures(const fs::path& folder) {
+std::vector<Product> read_images(const fs::path& folder) {
   static const std::regex numbered("(.+)_[0-9]+");
   std::vector<Product> products;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (!is_picture(entry.path())) continue;
+    if (!is_image(entry.path())) continue;
     Product product;
     product.image = entry.path();
     product.name = std::regex_replace(entry.path().stem().string(), numbered, "$1");
@@ -200,14 +200,14 @@ Properties properties_of_text(const std::string& text) {
 
 std::vector<Product> read_catalogue(const fs::path& folder) {
   if (!fs::is_directory(folder))
-    throw Error("there is no such catalogue", {folder.string(), 0, {}}, "give a folder of pictures");
+    throw Error("there is no such catalogue", {folder.string(), 0, {}}, "give a folder of images");
   const fs::path table = folder / "catalogue.csv";
   std::vector<Product> products = fs::exists(table)           ? read_table(table)
                                   : has_product_pages(folder) ? read_product_pages(folder)
-                                                              : read_pictures(folder);
+                                                              : read_images(folder);
   if (products.empty())
     throw Error("the catalogue has no products", {folder.string(), 0, {}},
-                "it holds a catalogue.csv, saved web pages, or pictures named after what they show");
+                "it holds a catalogue.csv, saved web pages, or images named after what they show");
   return products;
 }
 

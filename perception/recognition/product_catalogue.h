@@ -32,10 +32,10 @@ struct Product {
 };
 
 /// Reads a catalogue: a folder with catalogue.csv (a column image; name, class_name, product or title;
-/// description; all others become properties), or of saved web pages (read_product_pages()), or of pictures
+/// description; all others become properties), or of saved web pages (read_product_pages()), or of images
 /// named after what they show, each perhaps with its description beside it in a file of the same name (.txt:
-/// text; .json: an object of keys and values). A product may have several pictures: those of the same name,
-/// or NAME_1.jpg, NAME_2.jpg. Error when there is no picture at all.
+/// text; .json: an object of keys and values). A product may have several images: those of the same name,
+/// or NAME_1.jpg, NAME_2.jpg. Error when there is no image at all.
 std::vector<Product> read_catalogue(const std::filesystem::path& folder);
 
 }  // namespace loci

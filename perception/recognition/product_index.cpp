@@ -16,15 +16,15 @@ namespace {
 constexpr int kCatalogueSide = 400;
 constexpr int kCatalogueKeypoints = 1500;
 constexpr int kCatalogueCells = 48;
-constexpr int kQueryCells = 128;  // A product fills a part of the picture.
-constexpr int kLargestDistance = 2 * 512 * 512;
+constexpr int kQueryCells = 128;  // A product fills a part of the image.
+constexpr int kMaxDistance = 2 * 512 * 512;
 // What votes count beside features that agree on a place, which decides when hardly any do.
 constexpr double kVoteShare = 0.05;
 constexpr double kUnknownColor = 0.25;
-// A picture with more features wins more of everything by chance, and that varies with the root of its
+// An image with more features wins more of everything by chance, and that varies with the root of its
 // number.
 constexpr double kManyFeatures = 1000;
-// Presence over log10 of the expected false alarms: logistic, fitted to pictures of products and of other
+// Presence over log10 of the expected false alarms: logistic, fitted to images of products and of other
 // things.
 constexpr double kPresenceOffset = -1.4, kPresenceSlope = -0.7;
 
@@ -87,7 +87,7 @@ std::vector<ProductMatch> ranked(std::vector<ProductMatch> matches, const std::v
 
 void RecognitionOptions::declare(OptionTable& table) {
   table.integer("side_px", side_px, "px", "Longer side that an image is scaled to.", 50, 4000);
-  table.integer("most_keypoints", most_keypoints, "", "Features of an image, the strongest.", 10, 100000);
+  table.integer("max_keypoints", max_keypoints, "", "Features of an image, the strongest.", 10, 100000);
   table.integer("neighbours", neighbours, "", "Features of the catalogue that one of the image may vote for.",
                 1, 1000);
   table.integer("checks", checks, "",
@@ -98,7 +98,7 @@ void RecognitionOptions::declare(OptionTable& table) {
       10000);
   table.number("tolerance", tolerance, "", "Largest error of a place, of the image's longer side.", 0.001,
                0.5);
-  table.number("least_presence", least_presence, "",
+  table.number("min_presence", min_presence, "",
                "Products are believed when their features agree by more than chance with this probability.",
                0, 1);
 }
@@ -131,7 +131,7 @@ ProductIndex ProductIndex::build(const std::vector<Product>& catalogue, int thre
     index.sizes_.push_back(image.size());
     index.products_.push_back(catalogue[i]);
   }
-  if (index.products_.empty()) throw Error("none of the catalogue's pictures can be read");
+  if (index.products_.empty()) throw Error("none of the catalogue's images can be read");
   progress.check(0.9, "vocabulary tree");
   index.tree_ = VocabularyTree::build(index.descriptors_, threads);
   const std::vector<uint32_t> order = index.tree_.order_by_leaves();
@@ -165,10 +165,10 @@ ProductIndex::Ballot ProductIndex::vote(const ImageFeatures& query, const Recogn
     if (nearest[i].empty()) continue;
     // Where the catalogue has nothing else to compare with, nothing is as far as can be.
     const bool enough = nearest[i].size() > static_cast<size_t>(options.neighbours);
-    const int background = enough ? nearest[i].back().distance : kLargestDistance;
+    const int background = enough ? nearest[i].back().distance : kMaxDistance;
     std::set<uint32_t> voted;
     for (const VocabularyTree::Neighbour& neighbour : nearest[i]) {
-      const double weight = static_cast<double>(background - neighbour.distance) / kLargestDistance;
+      const double weight = static_cast<double>(background - neighbour.distance) / kMaxDistance;
       if (weight <= 0) break;
       const uint32_t owner = owners_[neighbour.number];
       if (voted.insert(owner).second) ballot.votes[owner] += weight;
@@ -180,7 +180,7 @@ ProductIndex::Ballot ProductIndex::vote(const ImageFeatures& query, const Recogn
 
 std::vector<ProductMatch> ProductIndex::recognise(const cv::Mat& image, const RecognitionOptions& options,
                                                   int threads, size_t most) const {
-  const ImageFeatures query = image_features(image, options.side_px, options.most_keypoints);
+  const ImageFeatures query = image_features(image, options.side_px, options.max_keypoints);
   const Ballot ballot = vote(query, options, threads);
   std::vector<size_t> order;
   for (size_t i = 0; i < products_.size(); ++i)
@@ -201,7 +201,7 @@ std::vector<ProductMatch> ProductIndex::recognise(const cv::Mat& image, const Re
       match.product = product;
       match.inliers = static_cast<int>(fit.inliers.size());
       match.presence = presence_of(log_false_alarms(pairs, fit, tolerance_px, image.size(), order.size()));
-      match.verified = match.inliers > 0 && match.presence >= options.least_presence;
+      match.verified = match.inliers > 0 && match.presence >= options.min_presence;
       match.region = region_of(pairs, fit.inliers, image.size());
       const double root = std::sqrt(static_cast<double>(counts_[product]) / kManyFeatures);
       match.score = kUnknownColor * kVoteShare * ballot.votes[product] / root;

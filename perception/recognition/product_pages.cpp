@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kSmallestSide = 48;  // pixels; smaller pictures are decoration
+constexpr int kMinSide = 48;  // pixels; smaller images are decoration
 
 bool is_page(const fs::path& path) {
   return path.extension() == ".html" || path.extension() == ".htm";
@@ -226,9 +226,9 @@ bool is_below(const fs::path& path, const fs::path& folder) {
   return !relative.empty() && *relative.begin() != "..";
 }
 
-/// Where a picture was saved: at its address relative to the page, or by its name beside it or in a folder
+/// Where an image was saved: at its address relative to the page, or by its name beside it or in a folder
 /// that is named after the page; empty when it was not, or is none.
-fs::path saved_picture(const std::string& url, const fs::path& page) {
+fs::path saved_image(const std::string& url, const fs::path& page) {
   const std::string name = file_name_of(url);
   const fs::path last = fs::path(name).filename();
   std::vector<fs::path> places;
@@ -243,7 +243,7 @@ fs::path saved_picture(const std::string& url, const fs::path& page) {
       continue;
     try {
       const ImageHeader header = read_image_header(place);
-      if (std::min(header.width, header.height) >= kSmallestSide) return place;
+      if (std::min(header.width, header.height) >= kMinSide) return place;
     } catch (const Error&) {
       continue;
     }
@@ -251,16 +251,16 @@ fs::path saved_picture(const std::string& url, const fs::path& page) {
   return {};
 }
 
-fs::path picture_of(const Page& page, const fs::path& file) {
+fs::path image_of(const Page& page, const fs::path& file) {
   std::vector<std::string> named = page.named_images;
   for (const char* key : {"og:image", "twitter:image"})
     if (page.meta.contains(key)) named.push_back(page.meta.at(key));
   for (const std::string& url : named)
-    if (const fs::path saved = saved_picture(url, file); !saved.empty()) return saved;
+    if (const fs::path saved = saved_image(url, file); !saved.empty()) return saved;
   fs::path largest;
   int most = 0;
   for (const std::string& url : page.images) {
-    const fs::path saved = saved_picture(url, file);
+    const fs::path saved = saved_image(url, file);
     if (saved.empty()) continue;
     const ImageHeader header = read_image_header(saved);
     if (header.width * header.height <= most) continue;
@@ -279,7 +279,7 @@ std::string first_of(const std::vector<std::string>& texts) {
 Product product_of(const fs::path& file) {
   Page page = PageReader::read(read_file(file));
   Product product;
-  product.image = picture_of(page, file);
+  product.image = image_of(page, file);
   product.name = first_of({page.name, page.meta["og:title"], page.heading, page.title});
   product.properties = page.properties;
   const std::string description =

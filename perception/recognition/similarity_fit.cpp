@@ -9,11 +9,11 @@
 namespace loci {
 namespace {
 
-constexpr double kLargestTurn = 35 * std::numbers::pi / 180;  // between a key point's own turn and the map's
-constexpr double kLargestZoom = 1.8;                          // likewise, of the scale
+constexpr double kMaxTurn = 35 * std::numbers::pi / 180;  // between a key point's own turn and the map's
+constexpr double kMaxZoom = 1.8;                          // likewise, of the scale
 constexpr double kCoarse = 2;  // Similarities of single key points are less precise than the fitted map.
-constexpr double kLargestStretch = 2.5;  // of an affine map: a package seen from 66 degrees aside
-constexpr size_t kMost = 250;            // correspondences, the weightiest: the time grows with their square
+constexpr double kMaxStretch = 2.5;  // of an affine map: a package seen from 66 degrees aside
+constexpr size_t kMax = 250;            // correspondences, the weightiest: the time grows with their square
 
 cv::Matx23d similarity(const Keypoint& from, const Keypoint& to) {
   const double scale = static_cast<double>(to.size) / static_cast<double>(from.size);
@@ -41,8 +41,8 @@ bool agrees(const Correspondence& pair, const cv::Matx23d& map, const Shape& sha
   if (dx * dx + dy * dy > tolerance * tolerance) return false;
   const double zoom = static_cast<double>(pair.to.size) / (static_cast<double>(pair.from.size) * shape.scale);
   const auto turn = static_cast<double>(pair.to.angle - pair.from.angle);
-  return std::abs(std::log(zoom)) < std::log(kLargestZoom) &&
-         std::abs(std::remainder(turn - shape.turn, 2 * std::numbers::pi)) < kLargestTurn;
+  return std::abs(std::log(zoom)) < std::log(kMaxZoom) &&
+         std::abs(std::remainder(turn - shape.turn, 2 * std::numbers::pi)) < kMaxTurn;
 }
 
 /// Those that agree; of several with the same key point (of either image) the weightiest. `order` by weight.
@@ -85,7 +85,7 @@ bool affine_of(const std::vector<Correspondence>& pairs, const std::vector<size_
   if (cv::determinant(linear) <= 0) return false;
   cv::Vec2d stretch;
   cv::SVD::compute(linear, stretch);
-  if (stretch[0] > kLargestStretch * stretch[1]) return false;
+  if (stretch[0] > kMaxStretch * stretch[1]) return false;
   map = found;
   return true;
 }
@@ -99,7 +99,7 @@ ImageFit fit_images(const std::vector<Correspondence>& pairs, double tolerance) 
                    [&](size_t a, size_t b) { return pairs[a].weight > pairs[b].weight; });
   ImageFit best;
   double most = 0;
-  if (order.size() > kMost) order.resize(kMost);
+  if (order.size() > kMax) order.resize(kMax);
   for (const size_t seed : order) {
     const cv::Matx23d map = similarity(pairs[seed].from, pairs[seed].to);
     const Shape shape = shape_of(map);
@@ -127,14 +127,14 @@ double log_false_alarms(const std::vector<Correspondence>& pairs, const ImageFit
                         const cv::Size& to, size_t images) {
   constexpr double kScales = 16;  // between the smallest and the largest key points of an image
   const double place = std::numbers::pi * tolerance * tolerance / std::max(1, to.area());
-  const double turn = kLargestTurn / std::numbers::pi;
-  const double zoom = 2 * std::log(kLargestZoom) / std::log(kScales);
+  const double turn = kMaxTurn / std::numbers::pi;
+  const double zoom = 2 * std::log(kMaxZoom) / std::log(kScales);
   const double p = std::min(0.5, place * turn * zoom);
   std::set<std::pair<int, int>> places;
   for (const size_t i : fit.inliers)
     places.insert({static_cast<int>(static_cast<double>(pairs[i].to.x) / (2 * tolerance)),
                    static_cast<int>(static_cast<double>(pairs[i].to.y) / (2 * tolerance))});
-  const auto tried = static_cast<double>(std::min(pairs.size(), kMost));
+  const auto tried = static_cast<double>(std::min(pairs.size(), kMax));
   const double tests = static_cast<double>(images) * tried;
   const double k = static_cast<double>(places.size()) - 3, n = tried - 3;
   if (k <= 0 || n < k) return std::log10(std::max(1.0, tests));

@@ -19,9 +19,9 @@ constexpr std::array<double, 3> kTurnsDeg = {-12, 0, 12};
 constexpr int kDirections = 8;
 constexpr int kSpread = 8;            // Pixels by which a feature may be off.
 constexpr int kStep = 4;              // Places are tried this far apart.
-constexpr size_t kMostFeatures = 60;  // of each kind
-constexpr size_t kLeastFeatures = 15;
-constexpr double kLeastGradient = 40;    // Grey values over a Sobel mask, summed.
+constexpr size_t kMaxFeatures = 60;  // of each kind
+constexpr size_t kMinFeatures = 15;
+constexpr double kMinGradient = 40;    // Grey values over a Sobel mask, summed.
 constexpr float kSameSurface_m = 0.03f;  // Neighbours farther away tell nothing about a normal.
 constexpr uint8_t kBest = 4;
 
@@ -38,7 +38,7 @@ cv::Mat quantised_gradients(const cv::Mat& color, cv::Mat& strength) {
   cv::Mat bits = cv::Mat::zeros(grey.size(), CV_8U);
   for (int v = 0; v < grey.rows; ++v)
     for (int u = 0; u < grey.cols; ++u) {
-      if (static_cast<double>(strength.at<float>(v, u)) < kLeastGradient) continue;
+      if (static_cast<double>(strength.at<float>(v, u)) < kMinGradient) continue;
       double angle =
           std::atan2(static_cast<double>(dy.at<float>(v, u)), static_cast<double>(dx.at<float>(v, u)));
       if (angle < 0) angle += std::numbers::pi;
@@ -52,7 +52,7 @@ cv::Mat quantised_gradients(const cv::Mat& color, cv::Mat& strength) {
 /// have none.
 cv::Mat quantised_normals(const cv::Mat& depth) {
   constexpr int kReach = 5;
-  constexpr double kLeastLean =
+  constexpr double kMinLean =
       0.1;  // Metres of depth per metre of width, at a focal length of some 500 pixels.
   constexpr double kFocal = 525;
   cv::Mat bits = cv::Mat::zeros(depth.size(), CV_8U);
@@ -67,7 +67,7 @@ cv::Mat quantised_normals(const cv::Mat& depth) {
       const double width = 2 * kReach * static_cast<double>(here) / kFocal;
       const double x = static_cast<double>(right - left) / width,
                    y = static_cast<double>(below - above) / width;
-      if (std::hypot(x, y) < kLeastLean) continue;
+      if (std::hypot(x, y) < kMinLean) continue;
       const double turn = (std::atan2(y, x) / (2 * std::numbers::pi) + 1) * kDirections;
       bits.at<uint8_t>(v, u) = static_cast<uint8_t>(1 << (static_cast<int>(turn) % kDirections));
     }
@@ -114,7 +114,7 @@ struct TemplateDetector::View {
 };
 
 void TemplateOptions::declare(OptionTable& table) {
-  table.number("least_similarity", least_similarity, "", "Share of a template's features that must be there.",
+  table.number("min_similarity", min_similarity, "", "Share of a template's features that must be there.",
                0.1, 1);
   table.number("overlap", overlap, "", "Of matches that overlap by more the surest counts.", 0, 1);
 }
@@ -147,10 +147,10 @@ bool TemplateDetector::add_view(const std::string& name, const cv::Mat& color, c
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     // Far from each other first, nearer when there are not enough.
     std::vector<cv::Point> chosen;
-    for (double apart = std::sqrt(box.area() / 40.0); apart >= 2 && chosen.size() < kMostFeatures;
+    for (double apart = std::sqrt(box.area() / 40.0); apart >= 2 && chosen.size() < kMaxFeatures;
          apart *= 0.7)
       for (const auto& [rank, at] : places) {
-        if (chosen.size() >= kMostFeatures) break;
+        if (chosen.size() >= kMaxFeatures) break;
         if (std::all_of(chosen.begin(), chosen.end(),
                         [&](const cv::Point& other) { return cv::norm(at - other) >= apart; }))
           chosen.push_back(at);
@@ -159,7 +159,7 @@ bool TemplateDetector::add_view(const std::string& name, const cv::Mat& color, c
       view.features.push_back({at.x - box.x, at.y - box.y, kind,
                                std::countr_zero(maps[static_cast<size_t>(kind)].at<uint8_t>(at))});
   }
-  if (view.features.size() < kLeastFeatures) return false;
+  if (view.features.size() < kMinFeatures) return false;
   views_.push_back(std::move(view));
   return true;
 }
@@ -180,7 +180,7 @@ int TemplateDetector::add(const std::string& name, const cv::Mat& color, const c
       cv::warpAffine(depth, far, map, color.size(), cv::INTER_NEAREST, cv::BORDER_CONSTANT,
                      cv::Scalar(std::nan("")));
       cv::warpAffine(mask, part, map, color.size(), cv::INTER_NEAREST);
-      far /= scale;  // What is smaller in the picture is farther.
+      far /= scale;  // What is smaller in the image is farther.
       kept += add_view(name, seen, far, part) ? 1 : 0;
     }
   return kept;
@@ -223,7 +223,7 @@ std::vector<TemplateMatch> TemplateDetector::detect(const cv::Mat& color, const 
     const double most = kBest * static_cast<double>(view.features.size());
     for (int y = 0; y < down; ++y)
       for (int x = 0; x < across; ++x)
-        if (const double similarity = sum.at<uint16_t>(y, x) / most; similarity >= options.least_similarity)
+        if (const double similarity = sum.at<uint16_t>(y, x) / most; similarity >= options.min_similarity)
           all.push_back({view.name, similarity, cv::Rect({x * kStep, y * kStep}, view.size)});
   }
   std::stable_sort(all.begin(), all.end(), [](const TemplateMatch& a, const TemplateMatch& b) {

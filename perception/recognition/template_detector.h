@@ -10,20 +10,20 @@
 namespace loci {
 
 struct TemplateOptions {
-  double least_similarity = 0.88;
+  double min_similarity = 0.88;
   double overlap = 0.3;
 
   void declare(OptionTable& table);
 };
 
-/// Something that a picture shows as it was shown before.
+/// Something that an image shows as it was shown before.
 struct TemplateMatch {
   std::string name;
   double similarity = 0;  ///< share of the template's features that are there, 0 to 1
-  cv::Rect region;        ///< of the picture
+  cv::Rect region;        ///< of the image
 };
 
-/// Looks for things in whole pictures, without clusters, by templates of quantised gradients of colour and
+/// Looks for things in whole images, without clusters, by templates of quantised gradients of colour and
 /// normals of depth (in the manner of LINEMOD, Hinterstoisser et al. 2012). A template matches its own size
 /// and turn only, so each view is kept in several (add()).
 class TemplateDetector {
@@ -39,7 +39,7 @@ class TemplateDetector {
   int add(const std::string& name, const cv::Mat& color, const cv::Mat& depth, const cv::Mat& mask);
   size_t templates() const;
 
-  /// What is in a picture, surest first; of matches that overlap the surest. Error when colour and depth
+  /// What is in an image, surest first; of matches that overlap the surest. Error when colour and depth
   /// differ in size.
   std::vector<TemplateMatch> detect(const cv::Mat& color, const cv::Mat& depth,
                                     const TemplateOptions& options) const;

@@ -14,9 +14,9 @@ namespace loci {
 namespace {
 
 constexpr double kSide = 1200;  // pixels: letters of a package then are as high as those of a scanned page
-constexpr double kLargestZoom = 3;  // more adds no detail
+constexpr double kMaxZoom = 3;  // more adds no detail
 constexpr int kMargin = 12;         // letters at the border are not recognised
-constexpr size_t kLeastLetters = 3;
+constexpr size_t kMinLetters = 3;
 
 bool is_letter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || static_cast<unsigned char>(c) >= 0x80;
@@ -61,7 +61,7 @@ struct TextReader::Engine {
   tesseract::TessBaseAPI api;
 
   void look(tesseract::PageSegMode mode, const cv::Mat& grey, double zoom, const cv::Size& size,
-            double least_confidence, std::vector<TextWord>& words) {
+            double min_confidence, std::vector<TextWord>& words) {
     api.SetPageSegMode(mode);
     api.SetImage(grey.data, grey.cols, grey.rows, 1, static_cast<int>(grey.step));
     api.SetSourceResolution(300);
@@ -73,7 +73,7 @@ struct TextReader::Engine {
       TextWord word;
       word.confidence = static_cast<double>(it->Confidence(tesseract::RIL_WORD)) / 100;
       int left = 0, top = 0, right = 0, bottom = 0;
-      if (!text || word.confidence < least_confidence ||
+      if (!text || word.confidence < min_confidence ||
           !it->BoundingBox(tesseract::RIL_WORD, &left, &top, &right, &bottom))
         continue;
       word.text = text.get();
@@ -94,15 +94,15 @@ TextReader::TextReader(const std::string& language) : engine_(std::make_unique<E
 TextReader::~TextReader() = default;
 TextReader::TextReader(TextReader&&) noexcept = default;
 
-std::vector<TextWord> TextReader::read(const cv::Mat& image, double least_confidence) const {
+std::vector<TextWord> TextReader::read(const cv::Mat& image, double min_confidence) const {
   cv::Mat grey = image, large;
   if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  const double zoom = std::min(kLargestZoom, kSide / std::max(grey.cols, grey.rows));
+  const double zoom = std::min(kMaxZoom, kSide / std::max(grey.cols, grey.rows));
   cv::resize(grey, large, {}, zoom, zoom, zoom < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
   cv::copyMakeBorder(large, large, kMargin, kMargin, kMargin, kMargin, cv::BORDER_REPLICATE);
   std::vector<TextWord> words;
   for (const auto mode : {tesseract::PSM_SPARSE_TEXT, tesseract::PSM_SINGLE_BLOCK})
-    engine_->look(mode, large, zoom, image.size(), least_confidence, words);
+    engine_->look(mode, large, zoom, image.size(), min_confidence, words);
   return words;
 }
 
@@ -111,7 +111,7 @@ std::vector<RankedWord> rank_words(const std::vector<TextWord>& words, size_t mo
   for (const TextWord& word : words)
     for (const std::string& run : letter_runs(word.text)) {
       const std::string key = lower(run);
-      if (letters(run) < kLeastLetters || is_common(key)) continue;
+      if (letters(run) < kMinLetters || is_common(key)) continue;
       RankedWord& ranked = counts[key];
       if (ranked.count++ == 0) ranked.word = run;
       if (word.confidence <= ranked.confidence) continue;

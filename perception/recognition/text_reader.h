@@ -21,7 +21,7 @@ struct RankedWord {
   cv::Rect region;        ///< likewise
 };
 
-/// Reads printed text with Tesseract. One picture at a time.
+/// Reads printed text with Tesseract. One image at a time.
 class TextReader {
  public:
   /// `language` as Tesseract names it ("eng", "deu+eng"). Error when its data is not installed.
@@ -29,10 +29,10 @@ class TextReader {
   ~TextReader();
   TextReader(TextReader&&) noexcept;
 
-  /// Words of a picture (CV_8UC1 or CV_8UC3 BGR), small ones enlarged first, that Tesseract is sure of by at
-  /// least `least_confidence`. Two looks at it, for scattered words and for a block of text: a word may come
+  /// Words of an image (CV_8UC1 or CV_8UC3 BGR), small ones enlarged first, that Tesseract is sure of by at
+  /// least `min_confidence`. Two looks at it, for scattered words and for a block of text: a word may come
   /// twice.
-  std::vector<TextWord> read(const cv::Mat& image, double least_confidence = 0.5) const;
+  std::vector<TextWord> read(const cv::Mat& image, double min_confidence = 0.5) const;
 
  private:
   struct Engine;

@@ -105,7 +105,7 @@ TEST_F(BadInput, EmptyFolder) {
   expect_refused("loci-map interpret " + path("empty") + " -o " + path("map"), {"empty"});
 }
 
-TEST_F(BadInput, TruncatedPicture) {
+TEST_F(BadInput, TruncatedImage) {
   const fs::path rec = recording();
   for (const auto& entry : fs::recursive_directory_iterator(rec))
     if (entry.path().string().find("depth") != std::string::npos && entry.path().extension() == ".png")
@@ -113,7 +113,7 @@ TEST_F(BadInput, TruncatedPicture) {
   expect_refused("loci-perceive run " + rec.string() + " -m " + path("m.loci"), {".png"});
 }
 
-TEST_F(BadInput, AnEmptyDepthPictureIsSaidAndTheRestIsSeen) {
+TEST_F(BadInput, AnEmptyDepthImageIsSaidAndTheRestIsSeen) {
   const fs::path rec = recording();
   for (const auto& entry : fs::recursive_directory_iterator(rec))
     if (entry.path().string().find("000001_depth") != std::string::npos)
@@ -121,7 +121,7 @@ TEST_F(BadInput, AnEmptyDepthPictureIsSaidAndTheRestIsSeen) {
   for (const std::string& map : {std::string(), " --map " LOCI_SOURCE_DIR "/apps/samples/kitchen.urdf"s}) {
     const Outcome outcome = run("loci-perceive run " + rec.string() + map);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
-    EXPECT_THAT(outcome.error, HasSubstr("frame 1: the depth picture is empty")) << map;
+    EXPECT_THAT(outcome.error, HasSubstr("frame 1: the depth image is empty")) << map;
     EXPECT_THAT(outcome.out, HasSubstr("2 frames"));
   }
 }

@@ -81,14 +81,14 @@ TEST_F(MemoryFileCli, MergeReasonsOverWhatTwoHalvesSaw) {
   EXPECT_EQ(run("loci-memory verify -m " + folder_ + "/together.loci").exit_code, 0);
 }
 
-TEST_F(MemoryFileCli, RetainLetsOldPicturesGoAndKeepsTheAnswers) {
+TEST_F(MemoryFileCli, RetainLetsOldImagesGoAndKeepsTheAnswers) {
   const std::string smaller = folder_ + "/smaller.loci";
   const Json before = answer("objects -m " + file_);
-  const Json result = answer("retain --pictures 1h -m " + file_ + " -o " + smaller);
-  EXPECT_EQ(result["scenes_without_pictures"], 3);  // the last scene is at 10:30; at 09:30 it is an hour
+  const Json result = answer("retain --images 1h -m " + file_ + " -o " + smaller);
+  EXPECT_EQ(result["scenes_without_images"], 3);  // the last scene is at 10:30; at 09:30 it is an hour
   EXPECT_EQ(answer("objects -m " + smaller), before);
   EXPECT_EQ(run("loci-memory verify -m " + smaller).exit_code, 0);
-  EXPECT_EQ(run("loci-memory retain --pictures soon -m " + smaller).exit_code, 1);
+  EXPECT_EQ(run("loci-memory retain --images soon -m " + smaller).exit_code, 1);
 }
 
 TEST_F(MemoryFileCli, RetainLetsReasonsGoAndWhyAndReasonSaySo) {
@@ -139,7 +139,7 @@ TEST_F(FullDisk, WhatMakesAMemoryLeavesNothingBehind) {
   expect_one_line(
       run_limited(limit, "loci-memory merge " + file_ + " " + file_ + " -o " + folder_ + "/both.loci"));
   expect_one_line(
-      run_limited(limit, "loci-memory retain --pictures 1h -m " + file_ + " -o " + folder_ + "/less.loci"));
+      run_limited(limit, "loci-memory retain --images 1h -m " + file_ + " -o " + folder_ + "/less.loci"));
   EXPECT_EQ(files(), before);
 }
 

@@ -122,7 +122,7 @@ TEST_F(PerceiveIntoMemory, WhatItSawIsADatasetToTrainFrom) {
       memory("export --dataset " + dataset + " --recording " + recording.string() + " --json");
   ASSERT_EQ(written.exit_code, 0) << written.error;
   const Json classes = parse_json(written.out, "stdout").at("classes");
-  EXPECT_EQ(classes.at("cereal"), 1) << "what people label is one picture";
+  EXPECT_EQ(classes.at("cereal"), 1) << "what people label is one image";
   EXPECT_GT(classes.at("mug").get<int>(), 10);
   const std::string model = (folder / "things.model").string();
   const Outcome trained = loci::test::run(std::string(LOCI_BIN_DIR) + "/loci-perceive train " + dataset +

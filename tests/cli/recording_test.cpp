@@ -71,7 +71,7 @@ TEST(RecordAndInfo, BadRecordingsAreRefusedInOneLine) {
   const std::string depth = folder + "/rec/frames/000000_depth.png";
   fs::resize_file(depth, fs::file_size(depth) / 2);
   expect_one_line_refusal(run("loci-perceive info " + folder + "/rec"),
-                          "000000_depth.png: the picture is truncated");
+                          "000000_depth.png: the image is truncated");
 }
 
 TEST(RecordAndInfo, BadScenarioLeavesTheOldRecording) {

@@ -48,7 +48,7 @@ TEST_F(BrowserWindow, ClickInTheTreeSelectsInMapAndCard) {
   EXPECT_GE(window.card().history()->model()->rowCount(), 2);
 }
 
-TEST_F(BrowserWindow, ClickOnABoxInThePictureSelectsItsObject) {
+TEST_F(BrowserWindow, ClickOnABoxInTheImageSelectsItsObject) {
   go_to(sample_.first);
   const auto box = window.image().box_of(2);
   ASSERT_TRUE(box.has_value());

@@ -44,7 +44,7 @@ TEST_F(DocksInWindow, StatisticsCountWhatTheMemoryHolds) {
   EXPECT_EQ(value_of("How sure", "90–100 %"), 4);
 }
 
-TEST_F(DocksInWindow, StatisticsAreSavedAsTableAndPicture) {
+TEST_F(DocksInWindow, StatisticsAreSavedAsTableAndImage) {
   show("statistics");
   const auto csv = folder_.path / "s.csv", png = folder_.path / "s.png";
   window.statistics().save_csv(QString::fromStdString(csv.string()));
@@ -80,7 +80,7 @@ TEST_F(DocksInWindow, TheLogFollowsTheSceneAndTellsWhatAnnotatorsDidInIt) {
 
 TEST_F(DocksInWindow, ProblemsComeFirstAndTheirDetailsCanBeCopied) {
   show("log");
-  Q_EMIT window.browser().failed("picture of scene 2 is broken\nno PNG");
+  Q_EMIT window.browser().failed("image of scene 2 is broken\nno PNG");
   QTableView* table = window.log().table();
   table->setCurrentIndex(window.log().model().index(0, 0));
   window.log().copy_details();

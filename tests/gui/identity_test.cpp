@@ -81,11 +81,11 @@ TEST_F(IdentityInWindow, LinesLeadToTheEarlierSight) {
   EXPECT_TRUE(lines[0].chosen);
 }
 
-TEST_F(IdentityInWindow, TheCardShowsItsPicturesAndWhyItIsBelieved) {
+TEST_F(IdentityInWindow, TheCardShowsItsImagesAndWhyItIsBelieved) {
   choose(2);
   window.card().pages()->setCurrentIndex(1);
   settle();
-  EXPECT_EQ(window.card().pages()->pictures()->count(), 2) << "it was looked at from two sides";
+  EXPECT_EQ(window.card().pages()->images()->count(), 2) << "it was looked at from two sides";
   window.card().pages()->setCurrentIndex(3);
   settle();
   EXPECT_FALSE(window.card().pages()->why()->toPlainText().isEmpty());

@@ -20,7 +20,7 @@ constexpr TimeNs kBetweenScenes = 60 * kSecond;
 
 struct View {
   Isometry3d map_from_camera;
-  std::string picture, depth;
+  std::string image, depth;
 };
 
 std::vector<View> views_of(const RenderScene& scene, const PinholeCamera& camera, const Vector3d& middle) {
@@ -33,8 +33,8 @@ std::vector<View> views_of(const RenderScene& scene, const PinholeCamera& camera
     view.map_from_camera = looking_at(middle + Vector3d(std::cos(angle), std::sin(angle), 1.2),
                                       middle + Vector3d(3 * std::cos(angle), 3 * std::sin(angle), 0.4));
     const RenderedView seen = scene.render(camera, view.map_from_camera, options);
-    const auto picture = encode_image(seen.color, ".jpg");
-    view.picture.assign(picture.begin(), picture.end());
+    const auto image = encode_image(seen.color, ".jpg");
+    view.image.assign(image.begin(), image.end());
     std::vector<float> depth;
     for (int y = kThumbnailStep / 2; y < camera.height; y += kThumbnailStep)
       for (int x = kThumbnailStep / 2; x < camera.width; x += kThumbnailStep)
@@ -85,7 +85,7 @@ void write_large_memory(const std::filesystem::path& path, const std::filesystem
     row.map = map;
     row.camera = SceneCamera{camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, 0.5, 5};
     row.map_from_camera = view.map_from_camera;
-    row.picture = t.add_blob(view.picture, "image/jpeg");
+    row.image = t.add_blob(view.image, "image/jpeg");
     row.depth = t.add_blob(view.depth, kDepthThumbnailMedia);
     row.depth_width = camera.width / kThumbnailStep;
     row.depth_height = camera.height / kThumbnailStep;

@@ -1,4 +1,4 @@
-// What one looks at and by what it is chosen: values under the cursor, what annotators found in pictures,
+// What one looks at and by what it is chosen: values under the cursor, what annotators found in images,
 // filters, files.
 
 #include <QComboBox>
@@ -48,7 +48,7 @@ TEST(PixelValues, OfAColourPixelTakeTheCamerasOffsetIntoAccount) {
   EXPECT_FALSE(values_at_color(wall(), {-500, 480}).position.has_value());
 }
 
-TEST(PixelKinds, OfTheColourPictureAreThoseOfTheSamePlaces) {
+TEST(PixelKinds, OfTheColourImageAreThoseOfTheSamePlaces) {
   SceneContent content = wall();
   EXPECT_TRUE(kinds_in_color(content).empty()) << "not known";
   content.kinds = cv::Mat(content.depth.size(), CV_8U, cv::Scalar(static_cast<uint8_t>(PixelKind::known)));
@@ -62,7 +62,7 @@ TEST(PixelKinds, OfTheColourPictureAreThoseOfTheSamePlaces) {
   EXPECT_EQ(seen.at<uint8_t>(60, border + 4), static_cast<uint8_t>(PixelKind::of_interest));
 }
 
-TEST(PictureNotes, AreWhatHasARegionInThePicture) {
+TEST(ImageNotes, AreWhatHasARegionInTheImage) {
   const auto notes = notes_in(R"({"structures": [
     {"id": "#1", "type": "loci.annotation.LogoAnnotation",
      "features": {"name": "Milka", "source": "VisualSearch", "roi": "#2"}},
@@ -106,7 +106,7 @@ TEST_F(BrowserWindow, ValuesUnderTheCursorAreTold) {
   EXPECT_TRUE(window.image().values_at(QPointF(-5, -5)).isEmpty());
 }
 
-TEST_F(BrowserWindow, WhatBelongsToAThingIsOutlinedInBothPictures) {
+TEST_F(BrowserWindow, WhatBelongsToAThingIsOutlinedInBothImages) {
   go_to(sample_.first);
   const auto content = window.browser().moment().content;
   ASSERT_FALSE(content->boxes.empty());
@@ -134,16 +134,16 @@ TEST_F(BrowserWindow, WhatIsKnownAndOfInterestIsTinted) {
   EXPECT_EQ(window.image().grab().toImage(), plain);
 }
 
-TEST_F(BrowserWindow, WhatWasFoundInThePictureStandsBesideIt) {
-  EXPECT_TRUE(window.picture().notes()->isHidden()) << "nothing was found: no empty tree";
-  PictureNote note{"LogoAnnotation", "Milka", "VisualSearch", -1, {100, 100, 200, 100}};
-  window.picture().show_notes({note});
-  const QTreeWidget* tree = window.picture().notes();
+TEST_F(BrowserWindow, WhatWasFoundInTheImageStandsBesideIt) {
+  EXPECT_TRUE(window.image().notes()->isHidden()) << "nothing was found: no empty tree";
+  ImageNote note{"LogoAnnotation", "Milka", "VisualSearch", -1, {100, 100, 200, 100}};
+  window.image().show_notes({note});
+  const QTreeWidget* tree = window.image().notes();
   ASSERT_EQ(tree->topLevelItemCount(), 1);
   EXPECT_EQ(tree->topLevelItem(0)->text(0), "Logo");
   EXPECT_EQ(tree->topLevelItem(0)->child(0)->text(0), "Milka");
   const QImage before = window.image().grab().toImage();
-  window.picture().notes()->setCurrentItem(tree->topLevelItem(0)->child(0));
+  window.image().notes()->setCurrentItem(tree->topLevelItem(0)->child(0));
   EXPECT_NE(window.image().grab().toImage(), before) << "its box is marked";
 }
 
@@ -173,7 +173,7 @@ TEST_F(BrowserWindow, ThumbnailsStandInTheTreeOnceTheyAreRead) {
   };
   side();
   settle();
-  EXPECT_GT(side(), 14) << "a picture, larger than the swatch of its colour";
+  EXPECT_GT(side(), 14) << "an image, larger than the swatch of its colour";
 }
 
 TEST_F(BrowserWindow, AMemoryComparedWithItselfHasNoDifferences) {

@@ -18,7 +18,7 @@ class MapToolsInWindow : public test::BrowserWindow {
     settle();
   }
   MapTools& tools() { return window.map_tools(); }
-  QImage picture() { return window.map().picture(); }
+  QImage image() { return window.map().image(); }
 };
 
 TEST_F(MapToolsInWindow, TheWayOfTheChosenObjectGoesUntilTheChosenTime) {
@@ -70,7 +70,7 @@ TEST_F(MapToolsInWindow, PointsOfAnObjectLieOnItInItsColour) {
 
 TEST_F(MapToolsInWindow, MeasuresBetweenTwoClicksAndChoosesNothingMeanwhile) {
   window.map().look_from(MapViewpoint::front);
-  picture();
+  image();
   tools().ruler()->click();
   QWidget* canvas = &window.map().canvas();
   const QPoint one = canvas->rect().center() - QPoint(60, 0), other = canvas->rect().center() + QPoint(60, 0);
@@ -92,25 +92,25 @@ TEST_F(MapToolsInWindow, MeasuresBetweenTwoClicksAndChoosesNothingMeanwhile) {
 }
 
 TEST_F(MapToolsInWindow, ASectionCutsTheMapOpenAndGoesAgain) {
-  const QImage whole = picture();
+  const QImage whole = image();
   EXPECT_FALSE(tools().section_at()->isEnabled());
   tools().section()->setCurrentIndex(3);
   EXPECT_TRUE(tools().section_at()->isEnabled());
   tools().section_at()->setValue(20);
-  const QImage cut = picture();
+  const QImage cut = image();
   EXPECT_NE(cut, whole);
   tools().section()->setCurrentIndex(0);
-  EXPECT_EQ(picture(), whole);
+  EXPECT_EQ(image(), whole);
 }
 
 TEST_F(MapToolsInWindow, WhatIsCutAwayIsNotMeasured) {
   window.map().look_from(MapViewpoint::top);
-  picture();
+  image();
   const int x = window.map().canvas().width() / 2, y = window.map().canvas().height() / 2;
   const auto floor_or_table = window.map().scene().pick_point(x, y);
   ASSERT_TRUE(floor_or_table.has_value());
   window.map().set_section(MapSection{2, -10, true});
-  picture();
+  image();
   EXPECT_FALSE(window.map().scene().pick_point(x, y).has_value());
 }
 
@@ -118,10 +118,10 @@ TEST_F(MapToolsInWindow, ADrawerIsOpenedByHandUntilAnotherTimeIsChosen) {
   QSlider* drawer = tools().slider("drawer_2_front_joint");
   ASSERT_NE(drawer, nullptr);
   EXPECT_EQ(drawer->value(), drawer->minimum()) << "closed at the end";
-  const QImage closed = picture();
+  const QImage closed = image();
   drawer->setValue(drawer->maximum());
   EXPECT_GT(window.map().joints().at("drawer_2_front_joint"), 0.2);
-  EXPECT_NE(picture(), closed);
+  EXPECT_NE(image(), closed);
   go_to(sample_.second);
   EXPECT_NEAR(window.map().joints().at("drawer_2_front_joint"), 0.35, 1e-9) << "as it was believed then";
   EXPECT_GT(drawer->value(), drawer->minimum());
@@ -131,9 +131,9 @@ TEST_F(MapToolsInWindow, ADrawerIsOpenedByHandUntilAnotherTimeIsChosen) {
 
 TEST_F(MapToolsInWindow, AllCamerasAreALayerThatIsOffAtFirst) {
   EXPECT_FALSE(window.map().scene().layer(MapLayer::cameras));
-  const QImage before = picture();
+  const QImage before = image();
   window.map().set_layer(MapLayer::cameras, true);
-  EXPECT_NE(picture(), before);
+  EXPECT_NE(image(), before);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// loci-browse as a program: pictures with and without a screen, and what it says when it cannot.
+// loci-browse as a program: images with and without a screen, and what it says when it cannot.
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -38,7 +38,7 @@ class BrowseProgram : public testing::Test {
                                        .c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(stderr_file)};
   }
-  QImage picture(const std::string& name) { return QImage(QString::fromStdString((folder / name).string())); }
+  QImage image(const std::string& name) { return QImage(QString::fromStdString((folder / name).string())); }
   std::string out(const std::string& name) { return (folder / name).string(); }
 
   static size_t colors_in_the_middle(const QImage& image) {
@@ -52,46 +52,46 @@ class BrowseProgram : public testing::Test {
   std::string memory;
 };
 
-TEST_F(BrowseProgram, DrawsThePictureWithoutAnyScreen) {
+TEST_F(BrowseProgram, DrawsTheImageWithoutAnyScreen) {
   const Ran ran = run(memory + " --screenshot " + out("a.png"));
   EXPECT_EQ(ran.code, 0) << ran.error;
-  const QImage image = picture("a.png");
+  const QImage image = image("a.png");
   EXPECT_EQ(image.size(), QSize(1280, 800));
   EXPECT_GT(colors_in_the_middle(image), 100U);
 }
 
-TEST_F(BrowseProgram, DrawsThePictureUnderAnXServer) {
+TEST_F(BrowseProgram, DrawsTheImageUnderAnXServer) {
   const Ran ran = run(memory + " --screenshot " + out("a.png"), "env");
   EXPECT_EQ(ran.code, 0) << ran.error;
-  EXPECT_GT(colors_in_the_middle(picture("a.png")), 100U);
+  EXPECT_GT(colors_in_the_middle(image("a.png")), 100U);
 }
 
-TEST_F(BrowseProgram, TimeAndSelectionChangeThePicture) {
+TEST_F(BrowseProgram, TimeAndSelectionChangeTheImage) {
   EXPECT_EQ(run(memory + " --screenshot " + out("a.png") + " --at 07:00").code, 0);
   EXPECT_EQ(run(memory + " --screenshot " + out("b.png") + " --at 07:00 --select object_2").code, 0);
   EXPECT_EQ(run(memory + " --screenshot " + out("c.png") + " --at 07:00 --size 1000x700").code, 0);
-  EXPECT_NE(picture("a.png"), picture("b.png"));
-  EXPECT_EQ(picture("c.png").size(), QSize(1000, 700));
+  EXPECT_NE(image("a.png"), image("b.png"));
+  EXPECT_EQ(image("c.png").size(), QSize(1000, 700));
 }
 
 TEST_F(BrowseProgram, OnAScreenWithSmallPixelsEverythingHasTwiceAsMany) {
   EXPECT_EQ(run(memory + " --screenshot " + out("a.png"), "env -u DISPLAY QT_SCALE_FACTOR=2").code, 0);
-  EXPECT_EQ(picture("a.png").size(), QSize(2560, 1600));
+  EXPECT_EQ(image("a.png").size(), QSize(2560, 1600));
 }
 
-TEST_F(BrowseProgram, TwoMapsAndActionsOfTheMenusAreInThePictureWhenWished) {
+TEST_F(BrowseProgram, TwoMapsAndActionsOfTheMenusAreInTheImageWhenWished) {
   EXPECT_EQ(run(memory + " --screenshot " + out("a.png")).code, 0);
   EXPECT_EQ(run(memory + " --screenshot " + out("b.png") + " --beside 07:00").code, 0);
   EXPECT_EQ(run(memory + " --screenshot " + out("c.png") + " --beside " + memory).code, 0);
-  EXPECT_EQ(run(memory + " --screenshot " + out("d.png") + " --run 'Depth picture'").code, 0);
+  EXPECT_EQ(run(memory + " --screenshot " + out("d.png") + " --run 'Depth image'").code, 0);
   for (const char* name : {"b.png", "c.png", "d.png"}) {
-    EXPECT_NE(picture(name), picture("a.png")) << name;
-    EXPECT_EQ(picture(name).size(), QSize(1280, 800)) << name;
+    EXPECT_NE(image(name), image("a.png")) << name;
+    EXPECT_EQ(image(name).size(), QSize(1280, 800)) << name;
   }
   EXPECT_EQ(run(memory + " --screenshot " + out("e.png") + " --run 'Make tea'").code, 1);
 }
 
-TEST_F(BrowseProgram, SameMemorySamePicture) {
+TEST_F(BrowseProgram, SameMemorySameImage) {
   run(memory + " --screenshot " + out("a.png"));
   run(memory + " --screenshot " + out("b.png"));
   EXPECT_EQ(read_file(out("a.png")), read_file(out("b.png")));

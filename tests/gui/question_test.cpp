@@ -39,8 +39,8 @@ TEST(Suggestions, AreTheLastQuestionsWhenNothingIsTyped) {
 }
 
 TEST(Suggestions, FindActionsByAnyOfTheirWords) {
-  const SuggestionSources sources{{}, {}, {}, {"Depth picture", "Top"}};
-  EXPECT_EQ(texts(suggest("pict", sources, 9)), QStringList({"Depth picture"}));
+  const SuggestionSources sources{{}, {}, {}, {"Depth image", "Top"}};
+  EXPECT_EQ(texts(suggest("pict", sources, 9)), QStringList({"Depth image"}));
 }
 
 TEST(AnswerLinks, ObjectsPlacesAndTimesAreLinksAndTheRestIsEscaped) {

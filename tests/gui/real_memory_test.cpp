@@ -96,7 +96,7 @@ TEST_P(RealMemory, ShowsSomethingInEachViewAndFailsNowhere) {
   EXPECT_FALSE(window.compare().shown().empty()) << "things came or were moved";
   window.compare().beside_box()->setChecked(true);
   settle();
-  EXPECT_NO_THROW(window.maps().then()->picture());
+  EXPECT_NO_THROW(window.maps().then()->image());
   EXPECT_GE(window.statistics().charts().size(), 4U);
   EXPECT_GT(window.log().table()->model()->rowCount(), 5);
   window.question_bar().open();

@@ -74,9 +74,9 @@ class Writer {
     row.camera = SceneCamera{camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, 0.5, 5};
     row.map_from_camera = map_from_camera;
     row.joints = joints;
-    const auto picture = encode_image(view.color, ".png");
-    row.picture =
-        transaction.add_blob({reinterpret_cast<const char*>(picture.data()), picture.size()}, "image/png");
+    const auto image = encode_image(view.color, ".png");
+    row.image =
+        transaction.add_blob({reinterpret_cast<const char*>(image.data()), image.size()}, "image/png");
     std::vector<float> depth;
     for (int y = kThumbnailStep / 2; y < camera.height; y += kThumbnailStep)
       for (int x = kThumbnailStep / 2; x < camera.width; x += kThumbnailStep)

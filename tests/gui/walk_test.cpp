@@ -69,7 +69,7 @@ TEST_F(Walk, WhatWasSeenAtHalfPastSeven) {
   EXPECT_TRUE(window.image().box_of(2).has_value());
 }
 
-TEST_F(Walk, WhatIsThisInThePicture) {
+TEST_F(Walk, WhatIsThisInTheImage) {
   const auto box = window.image().box_of(3);
   ASSERT_TRUE(box.has_value());
   click_at(&window.image(), box->center().toPoint());
@@ -95,8 +95,8 @@ TEST_F(Walk, WhatHasChangedSinceTheBeginning) {
 
 TEST_F(Walk, WhatDoesItLookLikeFromOtherSides) {
   click_object(2);
-  click_tab("Pictures");
-  EXPECT_EQ(window.card().pages()->pictures()->count(), 2);
+  click_tab("Images");
+  EXPECT_EQ(window.card().pages()->images()->count(), 2);
 }
 
 TEST_F(Walk, WhyIsThatBelieved) {

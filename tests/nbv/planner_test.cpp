@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "nbv/pictures.h"
+#include "nbv/images.h"
 #include "tests/mapping/occupancy/box_room.h"
 
 namespace loci {
@@ -269,24 +269,24 @@ TEST(NextView, ChoosesFromAPoolWhatShowsMost) {
   const PoolChoice choice = choose_view(map, pool, LaserModel(), options);
   ASSERT_TRUE(choice.index) << choice.view.reason;
   EXPECT_EQ(*choice.index, 1U);  // Behind the cupboard.
-  options.gain_min = 50;
+  options.min_gain = 50;
   EXPECT_FALSE(choose_view(map, pool, LaserModel(), options).index);
   EXPECT_FALSE(choose_view(map, {}, LaserModel(), options).index);
 }
 
-TEST(ViewPictures, ShowFringeCostsOfEachOrientationAndTheChoice) {
+TEST(ViewImages, ShowFringeCostsOfEachOrientationAndTheChoice) {
   const OccupancyMap map = map_of(divided_room(), {kStart});
   const ViewPlan plan = plan_view(map, kStart, LaserModel(), {}, Random(1));
-  const std::vector<ViewPicture> pictures = view_pictures(plan, kStart);
-  EXPECT_EQ(pictures.size(), 4U + 8 + 1);
-  for (const ViewPicture& picture : pictures) {
-    EXPECT_EQ(picture.image.size(), pictures[0].image.size());
+  const std::vector<ViewImage> images = view_images(plan, kStart);
+  EXPECT_EQ(images.size(), 4U + 8 + 1);
+  for (const ViewImage& image : images) {
+    EXPECT_EQ(image.image.size(), images[0].image.size());
     cv::Scalar mean, deviation;
-    cv::meanStdDev(picture.image, mean, deviation);
-    EXPECT_GT(deviation[1], 1) << picture.name;  // Not blank.
+    cv::meanStdDev(image.image, mean, deviation);
+    EXPECT_GT(deviation[1], 1) << image.name;  // Not blank.
   }
   EXPECT_TRUE(
-      view_pictures(plan_view(OccupancyMap({0.05, 5, 1}), {}, LaserModel(), {}, Random(1)), {}).empty());
+      view_images(plan_view(OccupancyMap({0.05, 5, 1}), {}, LaserModel(), {}, Random(1)), {}).empty());
 }
 
 TEST(NextView, SaysThatNothingIsKnownOrNothingCanBeReached) {

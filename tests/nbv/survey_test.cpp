@@ -46,7 +46,7 @@ class Survey : public testing::Test {
                        bool resume = false, const PlanarPose& start = {0, -0.4, M_PI_2}) {
     SurveyOptions options;
     options.interact = true;
-    options.exploration.scans_max = 3;
+    options.exploration.max_scans = 3;
     options.exploration.threads = threads;
     ScannedWorldOptions simulated;
     simulated.threads = threads;

@@ -8,9 +8,9 @@ namespace loci::changes {
 namespace {
 
 constexpr double kReach = 0.25;          ///< metres; beyond that nearest does not look, and closeness fades
-constexpr double kLeastCombined = 0.2;   ///< RoboSherlock's
+constexpr double kMinCombined = 0.2;   ///< RoboSherlock's
 constexpr double kMoved = 0.05;          ///< metres between two looks; visible parts differ by less
-constexpr double kLeastSimilar = 0.5;    ///< below, it looks different
+constexpr double kMinSimilar = 0.5;    ///< below, it looks different
 constexpr double kNear = 0.3, kFar = 5;  ///< metres that a camera sees
 
 /// An object as it was seen last.
@@ -29,7 +29,7 @@ double distance(const Entry& old, const Sight& seen) {
   return (old.last.box.centre - seen.evidence.box.centre).norm();
 }
 
-bool in_picture(const Vector3d& point, const Moment& moment) {
+bool in_image(const Vector3d& point, const Moment& moment) {
   if (!moment.camera) return false;
   const Vector3d p = moment.map_from_camera.inverse() * point;
   if (p.z() < kNear || p.z() > kFar) return false;
@@ -39,7 +39,7 @@ bool in_picture(const Vector3d& point, const Moment& moment) {
 }
 
 Pairs greedy_pairs(const std::vector<Entry>& old, const std::vector<Sight>& seen) {
-  return mutual_best(old.size(), seen.size(), kLeastCombined, [&](size_t o, size_t k) {
+  return mutual_best(old.size(), seen.size(), kMinCombined, [&](size_t o, size_t k) {
     const double proximity = belief::gaussian_closeness(distance(old[o], seen[k]), kReach);
     return 0.5 * similar(old[o], seen[k]) + 0.5 * proximity;
   });
@@ -64,13 +64,13 @@ Story tell(const Moments& moments, PairUp pair_up) {
       told.object_of[sight.observation] = old[o].id;
       if (distance(old[o], sight) > kMoved)
         told.events[old[o].id].insert("moved");
-      else if (similar(old[o], sight) < kLeastSimilar)
+      else if (similar(old[o], sight) < kMinSimilar)
         told.events[old[o].id].insert("looks_different");
       old[o].last = sight.evidence;
     }
     std::vector<Entry> kept;
     for (size_t o = 0; o < old.size(); ++o) {
-      const bool gone = !found[o] && in_picture(old[o].last.box.centre, moment);
+      const bool gone = !found[o] && in_image(old[o].last.box.centre, moment);
       if (gone) told.events[old[o].id].insert("gone");
       if (!gone) kept.push_back(std::move(old[o]));
     }

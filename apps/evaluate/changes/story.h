@@ -43,7 +43,7 @@ Moments read_moments(const Store& store);
 Story memory_story(const Store& store, const Moments& moments);
 
 /// RoboSherlock's way: who is each other's best in half likeness, half closeness is the same, if alike
-/// enough. What stays alone is gone when the place of its centre is in the picture.
+/// enough. What stays alone is gone when the place of its centre is in the image.
 Story greedy_story(const Moments& moments);
 
 /// The nearest first, whatever it looks like.

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kMoved = 0.01;      ///< metres
 constexpr double kTurned = 0.09;     ///< radians
-constexpr int kVisiblePixels = 150;  ///< of the depth picture
+constexpr int kVisiblePixels = 150;  ///< of the depth image
 constexpr double kVisibleShare = 0.3;
 
 /// Scenes of the truth are numbered by whoever made it; in order they are the frames of the recording.

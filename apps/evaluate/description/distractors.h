@@ -9,7 +9,7 @@
 
 namespace loci::description_evaluation {
 
-/// Draws the front of a package that nobody sells: 198 × 198 pixels like a shop's pictures, a few coloured
+/// Draws the front of a package that nobody sells: 198 × 198 pixels like a shop's images, a few coloured
 /// shapes, a name in large letters, lines in small ones.
 cv::Mat invented_package(Random random);
 

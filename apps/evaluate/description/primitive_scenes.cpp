@@ -188,7 +188,7 @@ Primitive primitive_of(size_t kind, Random& draw) {
   }
 }
 
-/// What a Kinect's correlation window does to the disparity, as measured on the tables of real pictures: each
+/// What a Kinect's correlation window does to the disparity, as measured on the tables of real images: each
 /// value is that of the surface around it, which rounds edges and corners, and its error is shared by
 /// neighbours (their correlation falls linearly to nothing at 8 pixels).
 cv::Mat seen_through_window(const cv::Mat& depth, double focal_times_baseline, Random draw) {
@@ -263,7 +263,7 @@ Layout layout_of(Random& draw) {
   return layout;
 }
 
-struct Picture {
+struct Image {
   RgbdFrame frame;
   cv::Mat labels;
   std::vector<PrimitiveTruth> things;  ///< the objects 20, 30, ...
@@ -285,19 +285,19 @@ class PrimitiveScenes : public Recording {
   TimeNs time_of(size_t i) const override { return static_cast<TimeNs>(i) * kSecond; }
   int64_t index_of(size_t i) const override { return static_cast<int64_t>(i); }
   RgbdFrame frame(size_t i) const override {
-    last_ = picture(i);
+    last_ = image(i);
     return last_.frame;
   }
   /// What the frame that was read last shows.
-  const Picture& last() const { return last_; }
+  const Image& last() const { return last_; }
 
  private:
-  Picture picture(size_t number) const {
+  Image image(size_t number) const {
     Random draw = random_.fork(number);
     const Layout layout = layout_of(draw);
-    Picture picture;
-    picture.things = layout.things;
-    RgbdFrame& frame = picture.frame;
+    Image image;
+    image.things = layout.things;
+    RgbdFrame& frame = image.frame;
     frame.camera = info_.camera;
     frame.index = static_cast<int64_t>(number);
     frame.name = fmt::format("scene{}", number);
@@ -306,7 +306,7 @@ class PrimitiveScenes : public Recording {
     RenderOptions options;
     options.normals = true;
     const RenderedView view = layout.scene.render(frame.camera.depth, *frame.map_from_camera, options);
-    // Half of the pictures have the simulation's own noise, which differs from pixel to pixel.
+    // Half of the images have the simulation's own noise, which differs from pixel to pixel.
     KinectModel sensor;
     cv::Mat depth = view.depth;
     if (draw.uniform() < 0.5) {
@@ -314,17 +314,17 @@ class PrimitiveScenes : public Recording {
       sensor.disparity_sigma_px = 0;
     }
     frame.depth = measured_by_kinect(depth, view.normal, frame.camera.depth, sensor, draw.fork(0));
-    picture.labels = cv::Mat::zeros(frame.depth.size(), CV_16U);
+    image.labels = cv::Mat::zeros(frame.depth.size(), CV_16U);
     for (int v = 0; v < frame.depth.rows; ++v)
       for (int u = 0; u < frame.depth.cols; ++u)
         if (const int link = view.link.at<int>(v, u); link >= 0 && !std::isnan(frame.depth.at<float>(v, u)))
-          picture.labels.at<uint16_t>(v, u) = static_cast<uint16_t>(link == 0 ? 1 : 10 + 10 * link);
-    return picture;
+          image.labels.at<uint16_t>(v, u) = static_cast<uint16_t>(link == 0 ? 1 : 10 + 10 * link);
+    return image;
   }
 
   Random random_;
   RecordingInfo info_;
-  mutable Picture last_;
+  mutable Image last_;
 };
 
 }  // namespace
@@ -333,10 +333,10 @@ LabelledRecording primitive_scenes(size_t scenes, const Random& random) {
   const auto recording = std::make_shared<PrimitiveScenes>(scenes, random);
   LabelledRecording labelled;
   labelled.recording = recording;
-  const PrimitiveScenes* pictures = recording.get();
-  labelled.labels = [pictures](const std::string&) { return pictures->last().labels; };
-  labelled.class_of = [pictures](const std::string&, int object) {
-    const std::vector<PrimitiveTruth>& things = pictures->last().things;
+  const PrimitiveScenes* images = recording.get();
+  labelled.labels = [images](const std::string&) { return images->last().labels; };
+  labelled.class_of = [images](const std::string&, int object) {
+    const std::vector<PrimitiveTruth>& things = images->last().things;
     const auto number = static_cast<size_t>(object / 10 - 2);
     return number < things.size() ? things[number].label : std::string();
   };

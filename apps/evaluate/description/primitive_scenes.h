@@ -6,7 +6,7 @@
 namespace loci::description_evaluation {
 
 /// Tables with primitive shapes of random size on them, before a Kinect (pinned noise) somewhere around: a
-/// recording of `scenes` frames whose pictures are made when they are asked for. Classes: "box" (standing or
+/// recording of `scenes` frames whose images are made when they are asked for. Classes: "box" (standing or
 /// lying; no side below 45 mm, the middle one at most four times the smallest), "cylinder" (round about an
 /// axis: tins, cups with and without handle, tapered ones and bowls, upright or upside down, and full ones
 /// that lie), "flat" (boards and discs, 22 to 30 mm high and at least six times as wide) and "sphere". Things

@@ -42,7 +42,7 @@ class Counting {
   std::clock_t start_ = std::clock();
 };
 
-/// Every query feature against every catalogue picture.
+/// Every query feature against every catalogue image.
 class BruteForce {
  public:
   explicit BruteForce(const std::vector<Product>& catalogue) {
@@ -129,7 +129,7 @@ ProductsResult evaluate_products(const fs::path& folder, const ProductsOptions& 
   PartialProgress building(progress, 0, 0.2);
   const ProductIndex index = ProductIndex::build(catalogue, threads, building, warnings);
   result.index_seconds = watch.seconds();
-  result.pictures = index.products().size();
+  result.images = index.products().size();
   result.features = index.features();
   std::optional<BruteForce> peer;
   if (options.peer) peer.emplace(index.products());
@@ -157,8 +157,8 @@ ProductsResult evaluate_products(const fs::path& folder, const ProductsOptions& 
 }
 
 std::string ProductsResult::text() const {
-  std::string text = fmt::format("products: {} pictures, {} features, indexed in {:.1f} s; {} queries\n",
-                                 pictures, features, index_seconds, ours.queries);
+  std::string text = fmt::format("products: {} images, {} features, indexed in {:.1f} s; {} queries\n",
+                                 images, features, index_seconds, ours.queries);
   text += line("  ours", ours);
   if (brute_force.queries > 0) text += line("  brute-force SIFT", brute_force);
   text += fmt::format("  verified {:.1f} % of the first answers, {} of them wrong\n",
@@ -168,7 +168,7 @@ std::string ProductsResult::text() const {
 }
 
 Json ProductsResult::to_json() const {
-  Json json = {{"pictures", pictures},     {"features", features}, {"index_seconds", index_seconds},
+  Json json = {{"images", images},     {"features", features}, {"index_seconds", index_seconds},
                {"ours", score_json(ours)}, {"verified", believed}, {"verified_wrong", believed_wrong},
                {"mistakes", mistakes}};
   if (brute_force.queries > 0) json["brute_force"] = score_json(brute_force);

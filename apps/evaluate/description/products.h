@@ -26,7 +26,7 @@ struct ProductsScore {
 };
 
 struct ProductsResult {
-  size_t pictures = 0, features = 0;
+  size_t images = 0, features = 0;
   double index_seconds = 0;
   ProductsScore ours, brute_force;
   int believed = 0, believed_wrong = 0;  ///< our first answers that are verified
@@ -36,8 +36,8 @@ struct ProductsResult {
   Json to_json() const;
 };
 
-/// Recognises DIR/labels.csv's pictures (columns file, class_name) with the catalogue in DIR. Beside it plain
-/// brute-force SIFT: OpenCV's defaults, each catalogue picture by the number of matches that pass Lowe's
+/// Recognises DIR/labels.csv's images (columns file, class_name) with the catalogue in DIR. Beside it plain
+/// brute-force SIFT: OpenCV's defaults, each catalogue image by the number of matches that pass Lowe's
 /// ratio test (0.75).
 ProductsResult evaluate_products(const std::filesystem::path& folder, const ProductsOptions& options,
                                  const RecognitionOptions& recognition, int threads, Progress& progress,

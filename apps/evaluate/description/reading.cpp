@@ -79,7 +79,7 @@ ReadingResult evaluate_reading(const fs::path& folder, const fs::path& words, Pr
     const cv::Mat image = read_color(folder / "images" / table.cell(row, file));
     const std::string& truth = table.cell(row, text);
     CodesScore& score = result.codes[table.cell(row, symbology)];
-    ++score.pictures;
+    ++score.images;
     score.plain += holds(read_barcodes(image, false), truth);
     const Stopwatch watch;
     const std::vector<Barcode> codes = read_barcodes(image);
@@ -99,19 +99,19 @@ std::string ReadingResult::text() const {
   std::string text;
   CodesScore all;
   const auto line = [&](const std::string& name, const CodesScore& score) {
-    text += fmt::format("  {:10}{:>4} of {:>2} read, {:>2} of them in the picture as it is\n", name,
-                        score.right, score.pictures, score.plain);
+    text += fmt::format("  {:10}{:>4} of {:>2} read, {:>2} of them in the image as it is\n", name,
+                        score.right, score.images, score.plain);
   };
   text += "codes:\n";
   for (const auto& [name, score] : codes) {
     line(name, score);
-    all.pictures += score.pictures;
+    all.images += score.images;
     all.plain += score.plain;
     all.right += score.right;
   }
   line("all", all);
-  text += fmt::format("  {} wrong, {:.2f} s a picture; not read: {}\n", wrong,
-                      seconds / std::max(1, all.pictures), fmt::join(missed, ", "));
+  text += fmt::format("  {} wrong, {:.2f} s an image; not read: {}\n", wrong,
+                      seconds / std::max(1, all.images), fmt::join(missed, ", "));
   text += fmt::format("printed numbers: {} of {} read whole, {:.0f} % of the digits in one piece\n",
                       printed_read, printed, 100 * digits_read);
   if (words > 0) text += fmt::format("words on packages: {} of {} read\n", words_read, words);
@@ -123,7 +123,7 @@ Json ReadingResult::to_json() const {
                {"missed", missed},           {"printed", printed}, {"printed_read", printed_read},
                {"digits_read", digits_read}, {"words", words},     {"words_read", words_read}};
   for (const auto& [name, score] : codes)
-    json["codes"][name] = {{"pictures", score.pictures}, {"plain", score.plain}, {"right", score.right}};
+    json["codes"][name] = {{"images", score.images}, {"plain", score.plain}, {"right", score.right}};
   return json;
 }
 

@@ -10,20 +10,20 @@
 
 namespace loci::description_evaluation {
 
-/// Codes of one symbology that pictures show, and who read them.
+/// Codes of one symbology that images show, and who read them.
 struct CodesScore {
-  int pictures = 0;
-  int plain = 0;  ///< right in the picture as it is
+  int images = 0;
+  int plain = 0;  ///< right in the image as it is
   int right = 0;  ///< with preparations
 };
 
 struct ReadingResult {
   std::map<std::string, CodesScore> codes;  ///< by symbology
   int wrong = 0;                            ///< codes that are not there
-  double seconds = 0;                       ///< of all pictures, with preparations
+  double seconds = 0;                       ///< of all images, with preparations
   std::vector<std::string> missed;
   int printed = 0,
-      printed_read = 0;           ///< pictures with a number of digits, and those where it was read as text
+      printed_read = 0;           ///< images with a number of digits, and those where it was read as text
   double digits_read = 0;         ///< mean share of a number that was read in one piece
   int words = 0, words_read = 0;  ///< of visible_text.csv
 

@@ -28,7 +28,7 @@ struct Asked {
   std::set<std::string> relevant;  ///< empty: nobody says what it is called
 };
 
-std::vector<Asked> pictures_of(const fs::path& folder, const std::vector<Product>& catalogue, int every) {
+std::vector<Asked> images_of(const fs::path& folder, const std::vector<Product>& catalogue, int every) {
   std::map<std::string, std::set<std::string>> known, visible;
   for (const Product& product : catalogue) {
     std::set<std::string>& words = known[product.name];
@@ -77,7 +77,7 @@ void count(const Asked& asked, const SearchAnswer& answer, ServiceResult& result
   result.first_relevant += !terms.empty() && is_relevant(terms[0]);
   if (terms.size() < 5) return;
   ServiceResult::Example& example = result.examples.emplace_back();
-  example.picture = asked.file;
+  example.image = asked.file;
   for (const RankedWord& term : terms) example.terms.emplace_back(term.word, term.count);
 }
 
@@ -89,7 +89,7 @@ void thin_out(std::vector<ServiceResult::Example>& examples) {
   examples = std::move(few);
 }
 
-/// Whether a cache that knows all pictures before would have sent each.
+/// Whether a cache that knows all images before would have sent each.
 void try_cache(const std::vector<Asked>& asked, ServiceResult& result) {
   const SearchOptions options;
   SearchCache cache(options.alike_bits, options.alike_color, asked.size());
@@ -112,7 +112,7 @@ void try_cache(const std::vector<Asked>& asked, ServiceResult& result) {
 ServiceResult evaluate_service(const fs::path& folder, const fs::path& codes, int every, int threads,
                                Progress& progress, Warnings& warnings) {
   const std::vector<Product> catalogue = read_catalogue(folder);
-  std::vector<Asked> asked = pictures_of(folder, catalogue, every);
+  std::vector<Asked> asked = images_of(folder, catalogue, every);
   if (!codes.empty()) add_codes(codes, every, asked);
   PartialProgress building(progress, 0, 0.1);
   const SearchService service(ProductIndex::build(catalogue, threads, building, warnings), ServiceOptions());
@@ -126,11 +126,11 @@ ServiceResult evaluate_service(const fs::path& folder, const fs::path& codes, in
   SearchClient client(options);
   ServiceResult result;
   for (const Asked& each : asked) {
-    progress.check(0.1 + 0.9 * result.pictures / static_cast<double>(asked.size()), "searches");
+    progress.check(0.1 + 0.9 * result.images / static_cast<double>(asked.size()), "searches");
     const SearchClient::Outcome outcome = client.search(read_color(each.path));
     result.seconds.push_back(outcome.seconds);
     count(each, outcome.answer, result);
-    ++result.pictures;
+    ++result.images;
   }
   std::sort(result.seconds.begin(), result.seconds.end());
   thin_out(result.examples);
@@ -142,9 +142,9 @@ std::string ServiceResult::text() const {
   const auto share = [](size_t part, size_t whole) {
     return 100.0 * static_cast<double>(part) / static_cast<double>(std::max<size_t>(1, whole));
   };
-  const auto all = static_cast<size_t>(pictures);
-  std::string text = fmt::format("visual search: {} results for {} pictures, {:.1f} each\n", results,
-                                 pictures, static_cast<double>(results) / std::max(1, pictures));
+  const auto all = static_cast<size_t>(images);
+  std::string text = fmt::format("visual search: {} results for {} images, {:.1f} each\n", results,
+                                 images, static_cast<double>(results) / std::max(1, images));
   text += "  categories (Table 5.3)\n";
   std::vector<std::pair<std::string, int>> sorted(categories.begin(), categories.end());
   std::stable_sort(sorted.begin(), sorted.end(),
@@ -154,7 +154,7 @@ std::string ServiceResult::text() const {
                         share(static_cast<size_t>(times), static_cast<size_t>(results)));
   text += "  terms (Table 5.4)\n";
   for (const Example& example : examples) {
-    text += "    " + example.picture + ":";
+    text += "    " + example.image + ":";
     for (const auto& [term, times] : example.terms) text += fmt::format(" {} {}", times, term);
     text += "\n";
   }
@@ -181,13 +181,13 @@ std::string ServiceResult::text() const {
         std::accumulate(seconds.begin(), seconds.end(), 0.0) / static_cast<double>(seconds.size()),
         seconds.front(), seconds.back());
   return text + fmt::format(
-                    "  cache: of {} different pictures {} are taken for one seen before, {} of these show "
+                    "  cache: of {} different images {} are taken for one seen before, {} of these show "
                     "something else\n",
                     alike_asked, alike_remembered, alike_wrong);
 }
 
 Json ServiceResult::to_json() const {
-  Json json = {{"pictures", pictures},
+  Json json = {{"images", images},
                {"results", results},
                {"categories", categories},
                {"named", named},
@@ -199,7 +199,7 @@ Json ServiceResult::to_json() const {
   for (const Example& example : examples) {
     Json terms = Json::array();
     for (const auto& [term, times] : example.terms) terms.push_back({{"word", term}, {"count", times}});
-    json["examples"].push_back({{"picture", example.picture}, {"terms", terms}});
+    json["examples"].push_back({{"image", example.image}, {"terms", terms}});
   }
   return json;
 }

@@ -34,10 +34,10 @@ std::string class_of_category(const std::string& category) {
 LabelledRecording by_category(const fs::path& folder) {
   LabelledRecording labelled;
   labelled.recording = open_recording(folder);
-  const auto pictures = find_label_pictures(folder);
-  labelled.labels = [pictures](const std::string& frame) {
-    const auto found = pictures.find(frame);
-    return found == pictures.end() ? cv::Mat() : read_label_picture(found->second);
+  const auto images = find_label_images(folder);
+  labelled.labels = [images](const std::string& frame) {
+    const auto found = images.find(frame);
+    return found == images.end() ? cv::Mat() : read_label_image(found->second);
   };
   const CsvTable table = CsvTable::read(folder / "scenes.csv");
   std::map<int64_t, std::string> classes;

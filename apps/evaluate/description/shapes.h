@@ -47,7 +47,7 @@ struct ShapesResult {
 };
 
 /// Trains each expert alone and all fused on simulated clusters (primitive_scenes()), and tests them on other
-/// simulated ones and on recordings with label pictures and scenes.csv: objects of scenes whose category
+/// simulated ones and on recordings with label images and scenes.csv: objects of scenes whose category
 /// speaks of boxes are boxes, those of "cylindric" ones cylinders, others are left out. Everything is
 /// segmented by the tabletop pipeline.
 ShapesResult evaluate_shapes(const std::vector<std::string>& folders, const ShapesOptions& options,

@@ -58,26 +58,26 @@ TemplatesResult evaluate_templates(const std::filesystem::path& folder, Progress
       const Stopwatch watch;
       const std::vector<TemplateMatch> matches = detector.detect(frame.color, frame.depth, {});
       result.seconds += watch.seconds();
-      ++result.pictures;
+      ++result.images;
       for (const TemplateMatch& match : matches) judge(match, parts, frame.name, result);
     }
   }
-  result.seconds /= static_cast<double>(std::max<size_t>(1, result.pictures));
+  result.seconds /= static_cast<double>(std::max<size_t>(1, result.images));
   return result;
 }
 
 std::string TemplatesResult::text() const {
   std::string text = fmt::format(
-      "templates: {} of {} things found in {} pictures, {} wrong matches; {} templates in both halves, "
+      "templates: {} of {} things found in {} images, {} wrong matches; {} templates in both halves, "
       "{:.2f} s a "
-      "picture\n",
-      right, things, pictures, wrong, templates, seconds);
+      "image\n",
+      right, things, images, wrong, templates, seconds);
   for (const std::string& mistake : mistakes) text += "  " + mistake + "\n";
   return text;
 }
 
 Json TemplatesResult::to_json() const {
-  return {{"pictures", pictures}, {"templates", templates}, {"things", things},    {"right", right},
+  return {{"images", images}, {"templates", templates}, {"things", things},    {"right", right},
           {"wrong", wrong},       {"seconds", seconds},     {"mistakes", mistakes}};
 }
 

@@ -9,12 +9,12 @@
 
 namespace loci::description_evaluation {
 
-/// Templates of half of a recording's pictures, looked for in the other half.
+/// Templates of half of a recording's images, looked for in the other half.
 struct TemplatesResult {
-  size_t pictures = 0, templates = 0;
-  int things = 0;            ///< in the pictures tested, of which there are templates
+  size_t images = 0, templates = 0;
+  int things = 0;            ///< in the images tested, of which there are templates
   int right = 0, wrong = 0;  ///< matches: of the thing that is there, and others
-  double seconds = 0;        ///< a picture
+  double seconds = 0;        ///< an image
   std::vector<std::string> mistakes;
 
   std::string text() const;

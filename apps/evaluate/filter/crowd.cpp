@@ -27,9 +27,9 @@ std::string obj_text(const TriangleMesh& mesh) {
 
 }  // namespace
 
-TriangleMesh random_body(double half_least_m, double half_most_m, Random& random) {
+TriangleMesh random_body(double min_half_m, double max_half_m, Random& random) {
   Vector3d half;
-  for (double& side : half) side = random.uniform(half_least_m, half_most_m);
+  for (double& side : half) side = random.uniform(min_half_m, max_half_m);
   const double exponent = random.uniform(0.3, 1), phase = random.uniform(0, 6), lean = random.uniform(0, 6);
   const int waves = 2 + static_cast<int>(random.index(5));
   const auto at = [&](double theta, double phi) {

@@ -16,9 +16,9 @@ constexpr int kRobotMeshes = 45;
 
 /// Closed bodies of kMeshVertices vertices between ellipsoid and box with waves on them, half as long as
 /// [least, most] along each axis: the sizes of a robot's links.
-TriangleMesh random_body(double half_least_m, double half_most_m, Random& random);
+TriangleMesh random_body(double min_half_m, double max_half_m, Random& random);
 
-/// A pose at a random orientation whose origin is in the picture, 1 to 6 m away, uniform in depth.
+/// A pose at a random orientation whose origin is in the image, 1 to 6 m away, uniform in depth.
 Isometry3d random_pose_in_view(const PinholeCamera& camera, Random& random);
 
 /// A robot of 45 links with a mesh each, four arms of revolute joints on a base; meshes are written into a

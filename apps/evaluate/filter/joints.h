@@ -10,7 +10,7 @@
 
 namespace loci::filter_evaluation {
 
-/// How well the joints of a recording are told from its depth pictures alone. Truth is the recording's own
+/// How well the joints of a recording are told from its depth images alone. Truth is the recording's own
 /// joint states, which the estimate does not see.
 struct JointFits {
   std::string name;

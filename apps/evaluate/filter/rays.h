@@ -9,7 +9,7 @@
 
 namespace loci::filter_evaluation {
 
-/// The same picture by Embree: single rays into a tree of instances, on the calling thread.
+/// The same image by Embree: single rays into a tree of instances, on the calling thread.
 class InstanceRays {
  public:
   /// Instance i is mesh i modulo the number of meshes. The tree is built on one thread.

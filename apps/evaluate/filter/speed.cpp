@@ -111,21 +111,21 @@ std::vector<int> steps_to(int most, int steps) {
 void SpeedOptions::declare(OptionTable& table) {
   table.integer("meshes", meshes, "", "Most meshes in view.", 1, 100000);
   table.integer("robots", robots, "", "Most robots in view.", 1, 1000);
-  table.number("half_least_m", half_least_m, "m", "Least half length of a mesh along an axis.", 0.001, 10);
-  table.number("half_most_m", half_most_m, "m", "Largest half length of a mesh along an axis.", 0.001, 10);
-  table.integer("repeats", repeats, "", "Pictures of each kind; the best counts.", 1, 1000);
+  table.number("min_half_m", min_half_m, "m", "Least half length of a mesh along an axis.", 0.001, 10);
+  table.number("max_half_m", max_half_m, "m", "Largest half length of a mesh along an axis.", 0.001, 10);
+  table.integer("repeats", repeats, "", "Images of each kind; the best counts.", 1, 1000);
   table.integer("steps", steps, "", "Numbers of meshes and of robots that are tried.", 1, 100);
   table.flag("reference", reference, "Also without culling, and by Embree's rays.");
   table.integer("seed", seed, "", "Of meshes and poses.", 0, 1000000);
 }
 
 Speed measure_speed(const SpeedOptions& options, Progress& progress) {
-  if (options.half_least_m > options.half_most_m)
+  if (options.min_half_m > options.max_half_m)
     throw Error("the least size of a mesh is larger than the largest", {}, "--half-least-m, --half-most-m");
   Random random(static_cast<uint64_t>(options.seed));
   std::vector<TriangleMesh> meshes;
   for (int i = 0; i < std::min(kDistinctMeshes, options.meshes); ++i)
-    meshes.push_back(random_body(options.half_least_m, options.half_most_m, random));
+    meshes.push_back(random_body(options.min_half_m, options.max_half_m, random));
   std::vector<Isometry3d> poses;
   Random places = random.fork(1);
   for (int i = 0; i < options.meshes; ++i) poses.push_back(random_pose_in_view({}, places));

@@ -12,8 +12,8 @@ namespace loci::filter_evaluation {
 struct SpeedOptions {
   int meshes = 10000;
   int robots = 35;
-  double half_least_m = 0.02;
-  double half_most_m = 0.08;
+  double min_half_m = 0.02;
+  double max_half_m = 0.08;
   int repeats = 10;
   int steps = 5;
   bool reference = true;
@@ -38,7 +38,7 @@ struct CrowdTimes {
   int different = 0;        ///< pixels more than 2 mm apart from the rays'
 };
 
-/// So many robots, each with a joint state of its own in every picture.
+/// So many robots, each with a joint state of its own in every image.
 struct RobotTimes {
   int robots = 0;
   Time update;  ///< joint states to poses of links
@@ -57,7 +57,7 @@ struct Speed {
 /// in view (Fig. 4.16), beside Embree's rays in the same run.
 Speed measure_speed(const SpeedOptions& options, Progress& progress);
 
-/// Both figures as one picture.
+/// Both figures as one image.
 std::string speed_svg(const Speed& speed);
 
 }  // namespace loci::filter_evaluation

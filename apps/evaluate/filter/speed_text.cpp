@@ -19,27 +19,27 @@ struct Line {
   std::vector<std::pair<double, double>> points;
 };
 
-/// A panel of the picture: lines from 0, with the 30 ms that a picture may take.
+/// A panel of the image: lines from 0, with the 30 ms that an image may take.
 std::string panel(double left, const std::string& title, const std::string& below,
                   const std::vector<Line>& lines) {
-  double most_x = 1, most_y = 35;
+  double max_x = 1, max_y = 35;
   for (const Line& line : lines)
     for (const auto& [x, y] : line.points) {
-      most_x = std::max(most_x, x);
-      most_y = std::max(most_y, 1.05 * y);
+      max_x = std::max(max_x, x);
+      max_y = std::max(max_y, 1.05 * y);
     }
-  const auto at_x = [&](double x) { return left + kWidth * x / most_x; };
-  const auto at_y = [&](double y) { return kTop + kHeight * (1 - y / most_y); };
+  const auto at_x = [&](double x) { return left + kWidth * x / max_x; };
+  const auto at_y = [&](double y) { return kTop + kHeight * (1 - y / max_y); };
   std::string svg = fmt::format("<text x='{}' y='18' font-weight='bold'>{}</text>\n", left, title);
-  const double step = most_y > 300 ? 100 : most_y > 120 ? 50 : 10;
-  for (double y = 0; y <= most_y; y += step)
+  const double step = max_y > 300 ? 100 : max_y > 120 ? 50 : 10;
+  for (double y = 0; y <= max_y; y += step)
     svg += fmt::format(
         "<line x1='{0:.1f}' x2='{1:.1f}' y1='{2:.1f}' y2='{2:.1f}' stroke='#ddd'/>"
         "<text x='{3:.1f}' y='{4:.1f}' text-anchor='end'>{5:g}</text>\n",
         left, left + kWidth, at_y(y), left - 5, at_y(y) + 4, y);
   for (int i = 0; i <= 5; ++i)
-    svg += fmt::format("<text x='{:.1f}' y='{}' text-anchor='middle'>{:g}</text>\n", at_x(most_x * i / 5),
-                       kTop + kHeight + 16, most_x * i / 5);
+    svg += fmt::format("<text x='{:.1f}' y='{}' text-anchor='middle'>{:g}</text>\n", at_x(max_x * i / 5),
+                       kTop + kHeight + 16, max_x * i / 5);
   svg += fmt::format("<text x='{:.1f}' y='{}' text-anchor='middle'>{}</text>\n", left + kWidth / 2,
                      kTop + kHeight + 34, below);
   svg += fmt::format(

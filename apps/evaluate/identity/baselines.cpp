@@ -46,12 +46,12 @@ double combined(const Entry& old, const Measurement& seen) {
   const Closeness close = compare(old.last, seen, kEffectiveScale);
   return 0.5 * close.similar + 0.5 * close.proximity;
 }
-constexpr double kLeastCombined = 0.2;
+constexpr double kMinCombined = 0.2;
 
 /// RoboSherlock's ObjectIdentityResolution: who is each other's best is the same, if they are alike enough.
 class GreedyModel : public PairingModel {
   Pairs pair_up(const std::vector<Entry>& old, const std::vector<Measurement>& seen) const override {
-    return mutual_best(old.size(), seen.size(), kLeastCombined,
+    return mutual_best(old.size(), seen.size(), kMinCombined,
                        [&](size_t o, size_t k) { return combined(old[o], seen[k]); });
   }
 };
@@ -80,7 +80,7 @@ class HungarianModel : public PairingModel {
     for (size_t i = 0; i < rows; ++i)
       for (size_t j = 0; j < columns; ++j) {
         const size_t o = component.transposed ? j : i, k = component.transposed ? i : j;
-        const double gain = combined(old[o], seen[k]) - kLeastCombined;
+        const double gain = combined(old[o], seen[k]) - kMinCombined;
         component.log_ratio(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
             gain > 0 ? gain : kNever;
       }

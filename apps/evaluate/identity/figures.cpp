@@ -11,11 +11,11 @@ namespace loci::identity_experiment {
 namespace {
 
 constexpr double kWidth = 420, kHeight = 280, kMargin = 46;
-constexpr double kLeast = 0.6;  ///< of the vertical axis
+constexpr double kMin = 0.6;  ///< of the vertical axis
 constexpr const char* kColors[] = {"#1b7837", "#2166ac", "#e08214", "#b2182b", "#762a83", "#555555"};
 
 double y_of(double fraction) {
-  return kHeight - kMargin - (std::max(kLeast, fraction) - kLeast) / (1 - kLeast) * (kHeight - kMargin - 24);
+  return kHeight - kMargin - (std::max(kMin, fraction) - kMin) / (1 - kMin) * (kHeight - kMargin - 24);
 }
 
 double x_of(int number, int first, int last) {
@@ -26,7 +26,7 @@ double x_of(int number, int first, int last) {
 std::string axes(const std::string& title, const std::string& label, int first, int last) {
   std::string svg =
       fmt::format("<text x='{}' y='14' font-weight='bold'>{}</text>\n", kMargin, html_escape(title));
-  for (double tick = kLeast; tick <= 1.001; tick += 0.1)
+  for (double tick = kMin; tick <= 1.001; tick += 0.1)
     svg += fmt::format(
         "<line x1='{0}' x2='{1}' y1='{2:.1f}' y2='{2:.1f}' stroke='#ddd'/><text x='{3}' y='{4:.1f}' "
         "text-anchor='end'>{5:.0f} %</text>\n",

@@ -133,10 +133,10 @@ void WorldOptions::declare(OptionTable& table) {
   table.integer("start_objects", start_objects, "",
                 "Objects there before the first step; negative = a third of the limit.", -1, 100);
   table.integer("steps", steps, "", "Scenes of one sequence.", 1, 10000);
-  table.integer("fewest_objects", fewest_objects, "", "Smallest object limit.", 1, 100);
-  table.integer("most_objects", most_objects, "", "Largest object limit.", 1, 100);
-  table.integer("fewest_actions", fewest_actions, "", "Fewest actions between two scenes.", 0, 100);
-  table.integer("most_actions", most_actions, "", "Most actions between two scenes.", 0, 100);
+  table.integer("min_objects", min_objects, "", "Smallest object limit.", 1, 100);
+  table.integer("max_objects", max_objects, "", "Largest object limit.", 1, 100);
+  table.integer("min_actions", min_actions, "", "Fewest actions between two scenes.", 0, 100);
+  table.integer("max_actions", max_actions, "", "Most actions between two scenes.", 0, 100);
 }
 
 int start_objects(const WorldOptions& options, int limit) {
@@ -151,11 +151,11 @@ Sequence simulate(const WorldOptions& options, int limit, int actions, double si
 }
 
 std::vector<Sequence> simulate_level(const WorldOptions& options, double sigma, const Random& random) {
-  if (options.fewest_objects > options.most_objects || options.fewest_actions > options.most_actions)
+  if (options.min_objects > options.max_objects || options.min_actions > options.max_actions)
     throw Error("the fewest objects or actions are more than the most");
   std::vector<Sequence> sequences;
-  for (int limit = options.fewest_objects; limit <= options.most_objects; ++limit)
-    for (int actions = options.fewest_actions; actions <= options.most_actions; ++actions)
+  for (int limit = options.min_objects; limit <= options.max_objects; ++limit)
+    for (int actions = options.min_actions; actions <= options.max_actions; ++actions)
       sequences.push_back(simulate(options, limit, actions, sigma, random.fork(sequences.size())));
   return sequences;
 }

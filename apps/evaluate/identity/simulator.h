@@ -21,8 +21,8 @@ struct WorldOptions {
   double view_m = 1.0;
   int start_objects = -1;  ///< there before the first step; negative = a third of the limit, rounded down
   int steps = 20;
-  int fewest_objects = 3, most_objects = 10;
-  int fewest_actions = 1, most_actions = 5;
+  int min_objects = 3, max_objects = 10;
+  int min_actions = 1, max_actions = 5;
 
   void declare(OptionTable& table);
 };

@@ -221,7 +221,7 @@ class Asker {
   void time(const std::string& name, Ask ask_one) {
     QuestionFigures& figures = results_.emplace_back();
     figures.name = name;
-    const std::vector<double> times = milliseconds(ask_one, figures.most_rows);
+    const std::vector<double> times = milliseconds(ask_one, figures.max_rows);
     figures.median_ms = median(times);
     figures.p99_ms = quantile(times, 0.99);
   }
@@ -344,7 +344,7 @@ std::string text_of(const MemoryFigures& f) {
     text += fmt::format("  {:40} {:10.3f} {:10.3f}", q.name, q.median_ms, q.p99_ms);
     text += q.plain_median_ms < 0 ? fmt::format(" {:>12} {:>10}", "", "")
                                   : fmt::format(" {:12.3f} {:10.3f}", q.plain_median_ms, q.plain_p99_ms);
-    text += fmt::format(" {:6}\n", q.most_rows);
+    text += fmt::format(" {:6}\n", q.max_rows);
   }
   text.pop_back();
   return text;
@@ -354,7 +354,7 @@ Json json_of(const MemoryFigures& f) {
   Json questions = Json::array();
   for (const QuestionFigures& q : f.questions) {
     Json one = {
-        {"question", q.name}, {"median_ms", q.median_ms}, {"p99_ms", q.p99_ms}, {"most_rows", q.most_rows}};
+        {"question", q.name}, {"median_ms", q.median_ms}, {"p99_ms", q.p99_ms}, {"max_rows", q.max_rows}};
     if (q.plain_median_ms >= 0) one["plain"] = {{"median_ms", q.plain_median_ms}, {"p99_ms", q.plain_p99_ms}};
     questions.push_back(std::move(one));
   }

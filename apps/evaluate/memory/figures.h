@@ -26,7 +26,7 @@ struct QuestionFigures {
   std::string name;
   double median_ms = 0, p99_ms = 0;
   double plain_median_ms = -1, plain_p99_ms = -1;
-  size_t most_rows = 0;  ///< in an answer
+  size_t max_rows = 0;  ///< in an answer
 };
 
 struct MemoryFigures {

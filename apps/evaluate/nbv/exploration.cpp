@@ -41,14 +41,14 @@ Run run_of(const NamedStrategy& strategy, const PlanarPose& start, const Truth& 
   OccupancyMap map(options.occupancy);
   PlanarPose robot = start;
   while (true) {
-    progress.check(static_cast<double>(run.coverage.size()) / options.scans_max,
+    progress.check(static_cast<double>(run.coverage.size()) / options.max_scans,
                    fmt::format("{}: {:.1f} % known", strategy.name,
                                run.coverage.empty() ? 0 : 100 * run.coverage.back()));
     Isometry3d scanner = map_from_base(robot);
     scanner.translation().z() = laser.height_m;
     map.insert(simulate_sweep(scene, scanner, laser, random.fork(run.coverage.size()), options.threads));
     run.coverage.push_back(truth.coverage(map));
-    if (static_cast<int>(run.coverage.size()) == options.scans_max) return run;
+    if (static_cast<int>(run.coverage.size()) == options.max_scans) return run;
     const Decision decision = strategy.decide(map, robot, random);
     run.seconds.push_back(decision.seconds);
     run.processor_seconds.push_back(decision.processor_seconds);
@@ -66,7 +66,7 @@ Run run_of(const NamedStrategy& strategy, const PlanarPose& start, const Truth& 
 void ExplorationOptions::declare(OptionTable& table) {
   table.integer("starts", starts, "", "Random starts per world.", 1, 100);
   table.integer("seed", seed, "", "Seed of starts and noise.", 0, 1 << 30);
-  table.integer("scans_max", scans_max, "", "Scans of an exploration.", 1, 200);
+  table.integer("max_scans", max_scans, "", "Scans of an exploration.", 1, 200);
   table.number("exhaustive_s", exhaustive_s, "s", "Longest decision of the exhaustive planner.", 0.1, 1e5);
   table.number("goal", goal, "", "Coverage to reach.", 0.01, 1);
   planner.declare(table);

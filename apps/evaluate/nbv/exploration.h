@@ -15,7 +15,7 @@ namespace loci::nbv {
 struct ExplorationOptions {
   int starts = 5;
   int seed = 1;
-  int scans_max = 20;
+  int max_scans = 20;
   double exhaustive_s = 20;
   double goal = 0.98;
   int threads = 0;
@@ -35,7 +35,7 @@ struct Run {
   std::vector<double> seconds;            ///< of each decision
   std::vector<double> processor_seconds;  ///< of each decision, all threads
   std::vector<double> overlap;            ///< expected of each chosen view
-  bool stopped = false;                   ///< by its own rule, not by scans_max
+  bool stopped = false;                   ///< by its own rule, not by max_scans
   bool cut = false;                       ///< a decision was cut by the time limit
 
   /// Scans until the coverage was reached; 0 = never.

@@ -163,7 +163,7 @@ Decision exhaustive(const OccupancyMap& map, const PlanarPose& robot, const Lase
         const double yaw =
             std::remainder(2 * std::numbers::pi * k / options.orientations, 2 * std::numbers::pi);
         const ViewCounts counts = caster.part(panorama, yaw);
-        if (counts.fringe < options.gain_min || counts.fringe <= best.fringe) continue;
+        if (counts.fringe < options.min_gain || counts.fringe <= best.fringe) continue;
         best = counts;
         decision.pose = PlanarPose{place.x(), place.y(), yaw};
         decision.overlap = counts.overlap();

@@ -32,7 +32,7 @@ std::vector<std::string> planner_names();
 /// largest gain of any orientation (orientations share rays: it does no work twice). It is cut after
 /// `exhaustive_s` seconds per decision: places are taken in random order, and its time is then that of all of
 /// them by rule of three. All see the same map, floor and ways,
-/// and stop alike: when no pose is left or, where a gain is known, at options.gain_min.
+/// and stop alike: when no pose is left or, where a gain is known, at options.min_gain.
 std::vector<NamedStrategy> strategies(const LaserModel& laser, const PlannerOptions& options,
                                       double exhaustive_s);
 

@@ -35,7 +35,7 @@ double coverage_after(const std::vector<const Run*>& runs, size_t scans) {
 /// What a row of the table says about a strategy in a world.
 struct Row {
   double final_coverage = 0, lowest_coverage = 1, scans_made = 0, scans_to_goal = 0, seconds = 0,
-         seconds_max = 0, processor_seconds = 0, overlap = 0;
+         max_seconds = 0, processor_seconds = 0, overlap = 0;
   int reached = 0, runs = 0;
   bool cut = false;
 };
@@ -60,7 +60,7 @@ Row row_of(const std::vector<const Run*>& runs, double goal) {
   row.scans_made = mean(made);
   row.scans_to_goal = mean(to_goal);
   row.seconds = mean(seconds);
-  row.seconds_max = seconds.empty() ? 0 : *std::max_element(seconds.begin(), seconds.end());
+  row.max_seconds = seconds.empty() ? 0 : *std::max_element(seconds.begin(), seconds.end());
   row.processor_seconds = mean(processor);
   row.overlap = mean(overlap);
   return row;
@@ -84,7 +84,7 @@ std::string table_of_results(const std::vector<WorldResult>& results, double goa
           result.world, name, 100 * row.final_coverage, 100 * row.lowest_coverage, row.scans_made,
           row.reached > 0 ? fmt::format("{:.1f} ({} of {})", row.scans_to_goal, row.reached, row.runs)
                           : fmt::format("– (0 of {})", row.runs),
-          row.seconds, row.seconds_max, row.cut ? ", cut" : "", row.processor_seconds,
+          row.seconds, row.max_seconds, row.cut ? ", cut" : "", row.processor_seconds,
           ours > 0 ? row.processor_seconds / ours : 0);
     }
   }
@@ -105,7 +105,7 @@ Json json_of_results(const std::vector<WorldResult>& results, double goal) {
                                  {"runs_at_goal", row.reached},
                                  {"runs", row.runs},
                                  {"decision_s", row.seconds},
-                                 {"decision_max_s", row.seconds_max},
+                                 {"decision_max_s", row.max_seconds},
                                  {"decision_processor_s", row.processor_seconds},
                                  {"overlap", row.overlap},
                                  {"cut", row.cut}};

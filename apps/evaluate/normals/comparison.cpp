@@ -116,12 +116,12 @@ SetResult recorded_set(const std::filesystem::path& path, Contest& contest, cons
   for (size_t i = 0; i < all && set.frames < options.real_frames; i += step) {
     progress.check(static_cast<double>(i) / static_cast<double>(all), set.name);
     const RgbdFrame frame = recording->frame(i);
-    if (share_of_holes(frame.depth) < options.least_holes) continue;
+    if (share_of_holes(frame.depth) < options.min_holes) continue;
     contest.add(flat_areas(frame.depth, frame.camera.depth, sensor_of(normals, 0)), frame.camera.depth, set);
   }
   if (set.frames == 0)
-    throw Error(fmt::format("no frame has {:.0f} % holes", 100 * options.least_holes), {path.string(), 0, {}},
-                "lower --least-holes");
+    throw Error(fmt::format("no frame has {:.0f} % holes", 100 * options.min_holes), {path.string(), 0, {}},
+                "lower --min-holes");
   return set;
 }
 
@@ -132,7 +132,7 @@ void ComparisonOptions::declare(OptionTable& table) {
   table.integer("reference_frames", reference_frames, "",
                 "Frames of each set on which the slow PCL NormalEstimation is run.", 0, 100000);
   table.integer("real_frames", real_frames, "", "Frames of each recording.", 1, 100000);
-  table.number("least_holes", least_holes, "", "Share of pixels without depth that a real frame must have.",
+  table.number("min_holes", min_holes, "", "Share of pixels without depth that a real frame must have.",
                0, 1);
   table.flag("peers", peers, "Runs PCL's methods beside ours.");
   table.integer("seed", seed, "", "Seed of the planes and their noise.", 0, 1 << 30);

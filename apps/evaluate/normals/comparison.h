@@ -17,14 +17,14 @@ struct ComparisonOptions {
   int frames = 170;
   int reference_frames = 6;
   int real_frames = 30;
-  double least_holes = 0.1;
+  double min_holes = 0.1;
   bool peers = true;
   int seed = 1;
 
   void declare(OptionTable& table);
 };
 
-/// All methods over one set of pictures.
+/// All methods over one set of images.
 struct SetResult {
   std::string name;  ///< "planes, 1/8 px", "redkitchen_rgbd"
   bool synthetic = false;

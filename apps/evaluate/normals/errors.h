@@ -41,7 +41,7 @@ class InclinationHistogram {
   std::array<std::array<size_t, kColumns>, kRows> counts_ = {};
 };
 
-/// What one method did to a set of pictures.
+/// What one method did to a set of images.
 struct MethodErrors {
   ErrorHistogram to_truth;
   ErrorHistogram to_reference;  ///< against pcl::NormalEstimation, where that was run
@@ -50,11 +50,11 @@ struct MethodErrors {
   size_t normals = 0;  ///< of these, with a normal
   std::vector<double> seconds;
 
-  /// Counts a picture. `reference` may be empty. Signs do not count: a method may leave them open.
+  /// Counts an image. `reference` may be empty. Signs do not count: a method may leave them open.
   void add(const cv::Mat& normals, const cv::Mat& truth, const cv::Mat& reference);
   double density() const;
   double median_ms() const;
-  /// Time that this share of the pictures stays below, milliseconds.
+  /// Time that this share of the images stays below, milliseconds.
   double quantile_ms(double share) const;
 };
 

@@ -14,7 +14,7 @@ constexpr double kWidth = 560, kHeight = 320, kLeft = 52, kRight = 16, kTop = 30
 constexpr double kShownDeg = 15;
 constexpr const char* kColors[] = {"#b2182b", "#2166ac", "#1b7837", "#e08214", "#762a83"};
 
-/// One line of a picture.
+/// One line of an image.
 struct Line {
   std::string label;
   const ErrorHistogram* errors;

@@ -158,8 +158,8 @@ TourRow test_tour(const std::string& world, const std::vector<Scan>& scans, doub
     if (!result.connected[i]) continue;
     const double metres = metres_off(result.map_from_scan[i], scans[i].map_from_scan);
     const double degrees = degrees_off(result.map_from_scan[i], scans[i].map_from_scan);
-    row.largest_m = std::max(row.largest_m, metres);
-    row.largest_deg = std::max(row.largest_deg, degrees);
+    row.max_m = std::max(row.max_m, metres);
+    row.max_deg = std::max(row.max_deg, degrees);
     row.mean_m += metres / others;
     row.mean_deg += degrees / others;
   }
@@ -226,7 +226,7 @@ std::string Evaluation::text(bool verbose) const {
         "\n| world | scans | connected | largest error | mean error | time |\n|---|---|---|---|---|---|\n";
   for (const TourRow& row : tours)
     text += fmt::format("| {} | {} | {} | {:.1f} mm, {:.3f}° | {:.1f} mm, {:.3f}° | {:.1f} s |\n", row.world,
-                        row.scans, row.connected, 1000 * row.largest_m, row.largest_deg, 1000 * row.mean_m,
+                        row.scans, row.connected, 1000 * row.max_m, row.max_deg, 1000 * row.mean_m,
                         row.mean_deg, row.seconds);
   return text;
 }
@@ -260,8 +260,8 @@ Json Evaluation::to_json() const {
     json["tours"].push_back({{"world", row.world},
                              {"scans", row.scans},
                              {"connected", row.connected},
-                             {"largest_error_m", row.largest_m},
-                             {"largest_error_deg", row.largest_deg},
+                             {"max_error_m", row.max_m},
+                             {"max_error_deg", row.max_deg},
                              {"mean_error_m", row.mean_m},
                              {"mean_error_deg", row.mean_deg},
                              {"seconds", row.seconds}});

@@ -56,7 +56,7 @@ std::vector<VerdictRow> test_verdicts(const PairSet& set, double shift_m, double
 struct TourRow {
   std::string world;
   size_t scans = 0, connected = 0;
-  double largest_m = 0, largest_deg = 0, mean_m = 0, mean_deg = 0, seconds = 0;
+  double max_m = 0, max_deg = 0, mean_m = 0, mean_deg = 0, seconds = 0;
 };
 TourRow test_tour(const std::string& world, const std::vector<Scan>& scans, double shift_m, double turn_deg,
                   const RegistrationOptions& options, const Random& random, Progress& progress);

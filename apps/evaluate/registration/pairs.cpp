@@ -93,7 +93,7 @@ std::vector<Scan> simulated_scans(const SimulatedWorld& world, size_t count, con
   return scans;
 }
 
-PairSet pairs_among(std::string name, std::vector<Scan> scans, double overlap_min, size_t count,
+PairSet pairs_among(std::string name, std::vector<Scan> scans, double min_overlap, size_t count,
                     const Random& random) {
   PairSet set;
   set.name = std::move(name);
@@ -104,7 +104,7 @@ PairSet pairs_among(std::string name, std::vector<Scan> scans, double overlap_mi
       const Scan &target = set.scans[i], &source = set.scans[j];
       const Isometry3d truth = between(target, source);
       const double overlap = true_overlap(target, source, truth);
-      if (overlap < overlap_min) continue;
+      if (overlap < min_overlap) continue;
       set.pairs.push_back({target.name + " <- " + source.name, &target, &source, truth, true, overlap});
     }
   Random draw = random;

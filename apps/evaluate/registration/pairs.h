@@ -39,7 +39,7 @@ std::vector<Scan> simulated_scans(const SimulatedWorld& world, size_t count, con
                                   int threads, Warnings& warnings);
 
 /// All pairs of the scans of one world with at least this overlap, the first `count` in a random order.
-PairSet pairs_among(std::string name, std::vector<Scan> scans, double overlap_min, size_t count,
+PairSet pairs_among(std::string name, std::vector<Scan> scans, double min_overlap, size_t count,
                     const Random& random);
 
 /// Frames of a recording with poses and the frame `ahead` positions later, `count` of them spread evenly.

@@ -15,7 +15,7 @@
 #include "mapping/recording/recording.h"
 #include "perception/annotators/annotators.h"
 #include "perception/annotators/io/labelled_recording.h"
-#include "perception/annotators/io/pictures.h"
+#include "perception/annotators/io/images.h"
 #include "perception/pipeline/pipeline.h"
 
 namespace loci::segmentation_evaluation {
@@ -83,20 +83,20 @@ void ComparisonOptions::declare(OptionTable& table) {
   peer.declare(table);
 }
 
-LabelledPicture read_labels(const fs::path& path) {
-  const cv::Mat raw = read_label_picture(path);
-  LabelledPicture picture{cv::Mat::zeros(raw.size(), CV_16U), raw > 0};
+LabelledImage read_labels(const fs::path& path) {
+  const cv::Mat raw = read_label_image(path);
+  LabelledImage image{cv::Mat::zeros(raw.size(), CV_16U), raw > 0};
   for (int v = 0; v < raw.rows; ++v)
     for (int u = 0; u < raw.cols; ++u)
       if (const int label = raw.at<uint16_t>(v, u); label >= 20)
-        picture.object.at<uint16_t>(v, u) = static_cast<uint16_t>(label / 10 - 1);
-  return picture;
+        image.object.at<uint16_t>(v, u) = static_cast<uint16_t>(label / 10 - 1);
+  return image;
 }
 
-Comparison compare(const fs::path& folder, const fs::path& pipeline, const fs::path& pictures,
+Comparison compare(const fs::path& folder, const fs::path& pipeline, const fs::path& images,
                    const ComparisonOptions& options, Progress& progress, Warnings& warnings) {
   const std::shared_ptr<Recording> recording = open_recording(folder);
-  const std::map<std::string, fs::path> label_files = find_label_pictures(folder);
+  const std::map<std::string, fs::path> label_files = find_label_images(folder);
   const std::map<int64_t, std::string> categories = read_categories(folder);
   if (label_files.empty())
     throw Error("there are no labels", {folder.string(), 0, {}},
@@ -114,15 +114,15 @@ Comparison compare(const fs::path& folder, const fs::path& pipeline, const fs::p
     peers.push_back(pcl_lccp(options.peer, false));
     peers.push_back(pcl_lccp(options.peer, true));
   }
-  if (!pictures.empty()) make_folder(pictures);
+  if (!images.empty()) make_folder(images);
   for (size_t i = 0; i < recording->size(); ++i) {
     const RgbdFrame frame = recording->frame(i);
     progress.check(static_cast<double>(i) / static_cast<double>(recording->size()), frame.name);
     const auto label_file = label_files.find(frame.name);
     if (label_file == label_files.end()) continue;
-    const LabelledPicture truth = read_labels(label_file->second);
+    const LabelledImage truth = read_labels(label_file->second);
     if (truth.object.size() != frame.depth.size())
-      throw Error("the label picture is not as large as the depth picture",
+      throw Error("the label image is not as large as the depth image",
                   {label_file->second.string(), 0, {}}, "");
     std::vector<Segmentation> results = {found.at(frame.name)};
     for (const auto& peer : peers) results.push_back(peer->segment(frame.depth, frame.camera.depth));
@@ -139,10 +139,10 @@ Comparison compare(const fs::path& folder, const fs::path& pipeline, const fs::p
       method.seconds.push_back(results[m].seconds);
       segments.push_back(results[m].segments);
     }
-    if (pictures.empty()) continue;
+    if (images.empty()) continue;
     const cv::Mat color = frame.color.empty() ? cv::Mat(frame.depth.size(), CV_8UC3, cv::Scalar::all(128))
                                               : color_in_depth(frame);
-    write_image(pictures / (frame.name + ".png"), strip(color, truth.object, segments, 0.5));
+    write_image(images / (frame.name + ".png"), strip(color, truth.object, segments, 0.5));
   }
   if (comparison.frames.empty())
     throw Error("no frame has labels", {folder.string(), 0, {}},

@@ -41,14 +41,14 @@ struct Comparison {
   Json to_json() const;
 };
 
-/// The labels of a picture: 0 = not judged, 1 to 19 the table, from 20 on label / 10 is the object.
-LabelledPicture read_labels(const std::filesystem::path& path);
+/// The labels of an image: 0 = not judged, 1 to 19 the table, from 20 on label / 10 is the object.
+LabelledImage read_labels(const std::filesystem::path& path);
 
 /// Segments every frame of a recording that has a FRAME_label.png beside its depth: our pipeline (`pipeline`:
-/// a YAML file; empty = the default one) without a map, and PCL's methods; one thread. With `pictures` a
+/// a YAML file; empty = the default one) without a map, and PCL's methods; one thread. With `images` a
 /// strip per frame goes there: colour, truth, and each method.
 Comparison compare(const std::filesystem::path& folder, const std::filesystem::path& pipeline,
-                   const std::filesystem::path& pictures, const ComparisonOptions& options,
+                   const std::filesystem::path& images, const ComparisonOptions& options,
                    Progress& progress, Warnings& warnings);
 
 }  // namespace loci::segmentation_evaluation

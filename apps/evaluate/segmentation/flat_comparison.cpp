@@ -14,20 +14,20 @@
 namespace loci::segmentation_evaluation {
 namespace {
 
-/// What two stages find, as segments of the colour picture.
-cv::Mat two_stages(const FlatPicture& picture, const RgbdCamera& camera, const FlatSurface& surface,
+/// What two stages find, as segments of the colour image.
+cv::Mat two_stages(const FlatImage& image, const RgbdCamera& camera, const FlatSurface& surface,
                    const FlatOptions& options) {
-  cv::Mat segments = cv::Mat::zeros(picture.color.size(), CV_16U);
+  cv::Mat segments = cv::Mat::zeros(image.color.size(), CV_16U);
   int number = 0;
-  for (const FlatObject& object : find_flat_objects(picture.depth, picture.color, camera, surface, options))
+  for (const FlatObject& object : find_flat_objects(image.depth, image.color, camera, surface, options))
     segments(object.box).setTo(++number, object.mask);
   return segments;
 }
 
 /// Connected pixels that are higher than the middle between table and object.
-cv::Mat threshold(const FlatPicture& picture, const RgbdCamera& camera, const FlatSurface& surface,
+cv::Mat threshold(const FlatImage& image, const RgbdCamera& camera, const FlatSurface& surface,
                   const FlatOptions& options) {
-  const cv::Mat heights = heights_over_surface(picture.depth, camera.depth, surface, options);
+  const cv::Mat heights = heights_over_surface(image.depth, camera.depth, surface, options);
   const cv::Mat in_color = seen_by_color(heights, camera, surface, std::numeric_limits<double>::quiet_NaN());
   const double middle = (options.table_m + options.object_m) / 2;
   cv::Mat mask = in_color > middle;
@@ -37,9 +37,9 @@ cv::Mat threshold(const FlatPicture& picture, const RgbdCamera& camera, const Fl
   cv::Mat centres;
   const int count = cv::connectedComponentsWithStats(mask, labels, stats, centres, 8);
   cv::Mat segments = cv::Mat::zeros(mask.size(), CV_16U);
-  constexpr int kLeastPixels = 200;
+  constexpr int kMinPixels = 200;
   for (int label = 1, number = 0; label < count; ++label)
-    if (stats.at<int>(label, cv::CC_STAT_AREA) >= kLeastPixels) segments.setTo(++number, labels == label);
+    if (stats.at<int>(label, cv::CC_STAT_AREA) >= kMinPixels) segments.setTo(++number, labels == label);
   return segments;
 }
 
@@ -47,8 +47,8 @@ cv::Mat threshold(const FlatPicture& picture, const RgbdCamera& camera, const Fl
 
 void FlatComparisonOptions::declare(OptionTable& table) {
   table.integer("flat_workspaces", workspaces, "", "Simulated workspaces, from near to far.", 1, 1000);
-  table.integer("flat_pictures", pictures, "", "Pictures of each, under changing light.", 1, 1000);
-  table.integer("flat_empty", empty_pictures, "", "Pictures of the empty tables for the calibration.", 1,
+  table.integer("flat_images", images, "", "Images of each, under changing light.", 1, 1000);
+  table.integer("flat_empty", empty_images, "", "Images of the empty tables for the calibration.", 1,
                 10000);
   table.number("flat_nearest_m", nearest_m, "m", "Distance of the nearest camera.", 0.5, 4);
   table.number("flat_farthest_m", farthest_m, "m", "Distance of the farthest camera.", 0.5, 4);
@@ -56,7 +56,7 @@ void FlatComparisonOptions::declare(OptionTable& table) {
 }
 
 FlatComparison compare_flat(const FlatComparisonOptions& options, const FlatOptions& flat,
-                            const std::filesystem::path& pictures, Progress& progress) {
+                            const std::filesystem::path& images, Progress& progress) {
   FlatComparison comparison;
   comparison.workspaces = options.workspaces;
   comparison.methods = {{"two stages, calibrated", {}, {}},
@@ -67,36 +67,36 @@ FlatComparison compare_flat(const FlatComparisonOptions& options, const FlatOpti
   FlatOptions over_plane = flat;
   over_plane.background_m = 0;
   const Random random(static_cast<uint64_t>(options.seed));
-  if (!pictures.empty()) make_folder(pictures);
+  if (!images.empty()) make_folder(images);
   for (int w = 0; w < options.workspaces; ++w) {
     const double part = options.workspaces == 1 ? 0.5 : static_cast<double>(w) / (options.workspaces - 1);
     const double distance = options.nearest_m + part * (options.farthest_m - options.nearest_m);
     const FlatWorkspace workspace(distance, random.fork(static_cast<uint64_t>(w)));
     SurfaceCalibration calibration;
-    for (int i = 0; i < options.empty_pictures; ++i) {
-      progress.check((w + 0.5 * i / options.empty_pictures) / options.workspaces, "empty tables");
+    for (int i = 0; i < options.empty_images; ++i) {
+      progress.check((w + 0.5 * i / options.empty_images) / options.workspaces, "empty tables");
       calibration.add(workspace.empty_depth(static_cast<uint64_t>(i)));
     }
     const FlatSurface plain{workspace.normal(), workspace.offset(), workspace.inside(), {}};
     FlatSurface calibrated = plain;
     calibrated.empty_depth = calibration.mean();
     for (FlatMethod& method : comparison.methods) method.by_distance.emplace_back(distance, Scores());
-    for (int i = 0; i < options.pictures; ++i) {
-      progress.check((w + 0.5 + 0.5 * i / options.pictures) / options.workspaces, "pictures");
-      const FlatPicture picture = workspace.picture(static_cast<uint64_t>(i));
+    for (int i = 0; i < options.images; ++i) {
+      progress.check((w + 0.5 + 0.5 * i / options.images) / options.workspaces, "images");
+      const FlatImage image = workspace.image(static_cast<uint64_t>(i));
       const RgbdCamera& camera = workspace.camera();
       const std::vector<cv::Mat> found = {
-          two_stages(picture, camera, calibrated, flat), threshold(picture, camera, calibrated, flat),
-          two_stages(picture, camera, plain, flat), threshold(picture, camera, plain, flat),
-          threshold(picture, camera, plain, over_plane)};
+          two_stages(image, camera, calibrated, flat), threshold(image, camera, calibrated, flat),
+          two_stages(image, camera, plain, flat), threshold(image, camera, plain, flat),
+          threshold(image, camera, plain, over_plane)};
       for (size_t m = 0; m < found.size(); ++m) {
-        comparison.methods[m].all.add(picture.truth, found[m]);
-        comparison.methods[m].by_distance.back().second.add(picture.truth, found[m]);
+        comparison.methods[m].all.add(image.truth, found[m]);
+        comparison.methods[m].by_distance.back().second.add(image.truth, found[m]);
       }
-      ++comparison.pictures;
-      if (i + 1 == options.pictures && !pictures.empty())
-        write_image(pictures / fmt::format("flat_{}.png", w + 1),
-                    strip(picture.color, picture.truth.object, found, 0.25));
+      ++comparison.images;
+      if (i + 1 == options.images && !images.empty())
+        write_image(images / fmt::format("flat_{}.png", w + 1),
+                    strip(image.color, image.truth.object, found, 0.25));
     }
   }
   return comparison;
@@ -104,8 +104,8 @@ FlatComparison compare_flat(const FlatComparisonOptions& options, const FlatOpti
 
 std::string FlatComparison::text() const {
   std::string text = fmt::format(
-      "{} workspaces, {} pictures, {} pieces of 10 mm\n  {:<30}{:>9}{:>9}{:>9}{:>9}   IoU by distance\n",
-      workspaces, pictures, methods.front().all.objects(), "", "IoU", "F1", "prec.", "recall");
+      "{} workspaces, {} images, {} pieces of 10 mm\n  {:<30}{:>9}{:>9}{:>9}{:>9}   IoU by distance\n",
+      workspaces, images, methods.front().all.objects(), "", "IoU", "F1", "prec.", "recall");
   for (const FlatMethod& method : methods) {
     text += fmt::format("  {:<30}{:>9.3f}{:>7.1f} %{:>7.1f} %{:>7.1f} %  ", method.name,
                         method.all.mean_overlap(), 100 * method.all.f1(), 100 * method.all.precision(),
@@ -118,7 +118,7 @@ std::string FlatComparison::text() const {
 }
 
 Json FlatComparison::to_json() const {
-  Json json = {{"workspaces", workspaces}, {"pictures", pictures}, {"methods", Json::array()}};
+  Json json = {{"workspaces", workspaces}, {"images", images}, {"methods", Json::array()}};
   for (const FlatMethod& method : methods) {
     Json each = method.all.to_json();
     each["method"] = method.name;

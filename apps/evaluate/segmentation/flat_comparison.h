@@ -13,8 +13,8 @@ namespace loci::segmentation_evaluation {
 
 struct FlatComparisonOptions {
   int workspaces = 6;
-  int pictures = 8;
-  int empty_pictures = 100;
+  int images = 8;
+  int empty_images = 100;
   double nearest_m = 1.0;
   double farthest_m = 1.5;
   int seed = 1;
@@ -31,7 +31,7 @@ struct FlatMethod {
 
 struct FlatComparison {
   int workspaces = 0;
-  int pictures = 0;
+  int images = 0;
   std::vector<FlatMethod> methods;
 
   std::string text() const;
@@ -39,10 +39,10 @@ struct FlatComparison {
 };
 
 /// Simulated workspaces (FlatWorkspace): the two-stage method and a threshold of 5 mm, each with and without
-/// calibration on pictures of the empty tables, and that threshold over the tables' ideal plane. Masks are
-/// compared in the colour picture. With `pictures` the last picture of each workspace goes there, with the
+/// calibration on images of the empty tables, and that threshold over the tables' ideal plane. Masks are
+/// compared in the colour image. With `images` the last image of each workspace goes there, with the
 /// truth and what both methods found.
 FlatComparison compare_flat(const FlatComparisonOptions& options, const FlatOptions& flat,
-                            const std::filesystem::path& pictures, Progress& progress);
+                            const std::filesystem::path& images, Progress& progress);
 
 }  // namespace loci::segmentation_evaluation

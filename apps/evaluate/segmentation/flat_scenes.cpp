@@ -52,20 +52,20 @@ cv::Mat lit(const cv::Mat& colors, Random& draw) {
       const double corner = (x - 0.5) * (x - 0.5) + (y - 0.5) * (y - 0.5);
       light.at<float>(v, u) = static_cast<float>((1 - 0.3 * corner) * (1 + strength * in_strip));
     }
-  cv::Mat picture;
-  colors.convertTo(picture, CV_32FC3);
-  for (int v = 0; v < picture.rows; ++v)
-    for (int u = 0; u < picture.cols; ++u)
+  cv::Mat image;
+  colors.convertTo(image, CV_32FC3);
+  for (int v = 0; v < image.rows; ++v)
+    for (int u = 0; u < image.cols; ++u)
       for (int c = 0; c < 3; ++c)
-        picture.at<cv::Vec3f>(v, u)[c] *= light.at<float>(v, u) * static_cast<float>(tint[c]);
+        image.at<cv::Vec3f>(v, u)[c] *= light.at<float>(v, u) * static_cast<float>(tint[c]);
   // The camera aims at a mean brightness and clips what is brighter than it can show.
   cv::Mat nothing;
   cv::inRange(colors, cv::Scalar::all(0), cv::Scalar::all(0), nothing);
-  const cv::Scalar mean = cv::mean(picture, ~nothing);
-  picture *= draw.uniform(100, 150) / std::max(1.0, (mean[0] + mean[1] + mean[2]) / 3);
-  picture.convertTo(picture, CV_8UC3);
-  cv::GaussianBlur(picture, picture, {3, 3}, 0);
-  return picture;
+  const cv::Scalar mean = cv::mean(image, ~nothing);
+  image *= draw.uniform(100, 150) / std::max(1.0, (mean[0] + mean[1] + mean[2]) / 3);
+  image.convertTo(image, CV_8UC3);
+  cv::GaussianBlur(image, image, {3, 3}, 0);
+  return image;
 }
 
 }  // namespace
@@ -184,7 +184,7 @@ cv::Mat FlatWorkspace::empty_depth(uint64_t number) const {
   return measured(empty_view_, random_.fork(2).fork(number));
 }
 
-FlatPicture FlatWorkspace::picture(uint64_t number) const {
+FlatImage FlatWorkspace::image(uint64_t number) const {
   Random draw = random_.fork(3).fork(number);
   RenderScene scene;
   scene.add("tables", tables(), Isometry3d::Identity());
@@ -199,19 +199,19 @@ FlatPicture FlatWorkspace::picture(uint64_t number) const {
   }
   RenderOptions options;
   options.normals = true;
-  FlatPicture picture;
-  picture.depth = measured(scene.render(camera_.depth, map_from_camera_, options), draw.fork(0));
+  FlatImage image;
+  image.depth = measured(scene.render(camera_.depth, map_from_camera_, options), draw.fork(0));
   options.colors = true;
   const RenderedView view = scene.render(camera_.color, map_from_camera_ * camera_.depth_from_color, options);
-  picture.color = lit(view.color, draw);
-  add_color_noise(picture.color, KinectModel(), draw.fork(1));
+  image.color = lit(view.color, draw);
+  add_color_noise(image.color, KinectModel(), draw.fork(1));
   // Links: the tables are 0, the pieces follow.
-  picture.truth.object = cv::Mat(view.link.size(), CV_16U);
+  image.truth.object = cv::Mat(view.link.size(), CV_16U);
   for (int v = 0; v < view.link.rows; ++v)
     for (int u = 0; u < view.link.cols; ++u)
-      picture.truth.object.at<uint16_t>(v, u) = static_cast<uint16_t>(std::max(0, view.link.at<int>(v, u)));
-  picture.truth.judged = view.link >= 0;
-  return picture;
+      image.truth.object.at<uint16_t>(v, u) = static_cast<uint16_t>(std::max(0, view.link.at<int>(v, u)));
+  image.truth.judged = view.link >= 0;
+  return image;
 }
 
 }  // namespace loci::segmentation_evaluation

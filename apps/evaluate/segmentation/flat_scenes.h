@@ -10,15 +10,15 @@
 
 namespace loci::segmentation_evaluation {
 
-/// One picture of a flat scene.
-struct FlatPicture {
+/// One image of a flat scene.
+struct FlatImage {
   cv::Mat depth;          ///< CV_32F, as the sensor measures it
   cv::Mat color;          ///< CV_8UC3, twice as large
-  LabelledPicture truth;  ///< of the colour picture: which piece
+  LabelledImage truth;  ///< of the colour image: which piece
 };
 
 /// A workspace of two tables side by side, uneven by some millimetres, before a Kinect that stands still and
-/// has a colour picture of twice the depth picture's size (§4.3). Pieces of a toy train's track, 10 mm high,
+/// has a colour image of twice the depth image's size (§4.3). Pieces of a toy train's track, 10 mm high,
 /// lie on it.
 class FlatWorkspace {
  public:
@@ -36,7 +36,7 @@ class FlatWorkspace {
   cv::Mat empty_depth(uint64_t number) const;
   /// Some pieces anew, under light of another strength and tint, with a bright strip somewhere, as an
   /// automatic exposure shows it.
-  FlatPicture picture(uint64_t number) const;
+  FlatImage image(uint64_t number) const;
 
  private:
   cv::Mat measured(const RenderedView& view, const Random& random) const;

@@ -21,7 +21,7 @@ struct PeerOptions {
   void declare(OptionTable& table);
 };
 
-/// What a method made of one picture.
+/// What a method made of one image.
 struct Segmentation {
   cv::Mat segments;  ///< CV_16U, 0 = none
   double seconds = 0;
@@ -39,7 +39,7 @@ class Peer {
 /// EuclideanClusterExtraction.
 std::unique_ptr<Peer> pcl_euclidean(const PeerOptions& options);
 
-/// SupervoxelClustering and LCCPSegmentation of the whole picture; segments that lie in the largest plane for
+/// SupervoxelClustering and LCCPSegmentation of the whole image; segments that lie in the largest plane for
 /// the most part are the table. With `above_plane` only what is above that plane is segmented. Extended
 /// convexity and the sanity criterion keep things apart from the table, and without one only tear them: each
 /// way as it does best.

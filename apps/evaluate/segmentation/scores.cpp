@@ -7,7 +7,7 @@
 
 namespace loci::segmentation_evaluation {
 
-void Scores::add(const LabelledPicture& truth, const cv::Mat& segments) {
+void Scores::add(const LabelledImage& truth, const cv::Mat& segments) {
   constexpr double kFound = 0.75;
   std::map<int, double> of_object;
   std::map<int, double> of_segment;

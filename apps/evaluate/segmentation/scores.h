@@ -6,13 +6,13 @@
 
 namespace loci::segmentation_evaluation {
 
-/// What of a picture is which object.
-struct LabelledPicture {
+/// What of an image is which object.
+struct LabelledImage {
   cv::Mat object;  ///< CV_16U, 0 = no object (the table), n = object n
   cv::Mat judged;  ///< CV_8U, 0 = nobody knows what the pixel shows
 };
 
-/// Segments beside labelled objects, over any number of pictures. Only judged pixels count. With objects G
+/// Segments beside labelled objects, over any number of images. Only judged pixels count. With objects G
 /// and segments S as sets of pixels:
 ///
 /// - weighted overlap (Silberman et al. 2012, Stein et al. 2014): the mean over the objects, weighted by
@@ -25,7 +25,7 @@ struct LabelledPicture {
 class Scores {
  public:
   /// `segments`: CV_16U, 0 = none. Sizes are those of the truth.
-  void add(const LabelledPicture& truth, const cv::Mat& segments);
+  void add(const LabelledImage& truth, const cv::Mat& segments);
 
   int objects() const { return objects_; }
   int segments() const { return segments_; }

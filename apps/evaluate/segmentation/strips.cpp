@@ -8,9 +8,9 @@ namespace loci::segmentation_evaluation {
 namespace {
 
 cv::Mat painted(const cv::Mat& labels, const cv::Mat& background) {
-  cv::Mat picture;
-  cv::cvtColor(background, picture, cv::COLOR_BGR2GRAY);
-  cv::cvtColor(picture, picture, cv::COLOR_GRAY2BGR);
+  cv::Mat image;
+  cv::cvtColor(background, image, cv::COLOR_BGR2GRAY);
+  cv::cvtColor(image, image, cv::COLOR_GRAY2BGR);
   for (int v = 0; v < labels.rows; ++v)
     for (int u = 0; u < labels.cols; ++u) {
       const int label = labels.at<uint16_t>(v, u);
@@ -21,25 +21,25 @@ cv::Mat painted(const cv::Mat& labels, const cv::Mat& background) {
         const double k = std::fmod(offset + hue, 6.0);
         return static_cast<unsigned char>(255 * (1 - std::clamp(std::min(k, 4 - k), 0.0, 1.0)));
       };
-      picture.at<cv::Vec3b>(v, u) =
-          0.35 * picture.at<cv::Vec3b>(v, u) + 0.65 * cv::Vec3b(part(1), part(3), part(5));
+      image.at<cv::Vec3b>(v, u) =
+          0.35 * image.at<cv::Vec3b>(v, u) + 0.65 * cv::Vec3b(part(1), part(3), part(5));
     }
-  return picture;
+  return image;
 }
 
 }  // namespace
 
 cv::Mat strip(const cv::Mat& color, const cv::Mat& truth, const std::vector<cv::Mat>& segments,
               double scale) {
-  std::vector<cv::Mat> pictures = {color, painted(truth, color)};
-  for (const cv::Mat& each : segments) pictures.push_back(painted(each, color));
-  for (cv::Mat& each : pictures) {
+  std::vector<cv::Mat> images = {color, painted(truth, color)};
+  for (const cv::Mat& each : segments) images.push_back(painted(each, color));
+  for (cv::Mat& each : images) {
     cv::Mat smaller;
     cv::resize(each, smaller, {}, scale, scale, cv::INTER_AREA);
     each = smaller;
   }
   cv::Mat all;
-  cv::hconcat(pictures, all);
+  cv::hconcat(images, all);
   return all;
 }
 

@@ -20,7 +20,7 @@ namespace loci::system_evaluation {
 namespace {
 
 constexpr double kMargin = 0.01;  ///< metres, for the noise of the sensor
-constexpr double kLeastOverlap = 0.5;
+constexpr double kMinOverlap = 0.5;
 constexpr int kVisiblePixels = 150;  ///< fewer are not asked for
 constexpr double kVisibleShare = 0.3;
 
@@ -126,7 +126,7 @@ class Tally {
       ++result_.kinds[thing.thing->kind].clusters;
       const double common = std::min(inside[best], thing.pixels);
       const double both = static_cast<double>(points.size()) + thing.pixels - common;
-      if (common >= kLeastOverlap * both) found[best] = true;
+      if (common >= kMinOverlap * both) found[best] = true;
     }
     for (size_t i = 0; i < things.size(); ++i) {
       KindScore& kind = result_.kinds[things[i].thing->kind];

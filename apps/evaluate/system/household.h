@@ -17,8 +17,8 @@ struct HouseholdThing {
   ObjectSpec spec;
 };
 
-/// Crockery, food, packages, cutlery, books: nothing transparent, as in §8.2. Pictures for labels are looked
-/// for in `labels`; a package whose picture is not there is plain.
+/// Crockery, food, packages, cutlery, books: nothing transparent, as in §8.2. Images for labels are looked
+/// for in `labels`; a package whose image is not there is plain.
 std::vector<HouseholdThing> household(const std::filesystem::path& labels);
 
 /// Scenes as §8.2 has them: somebody clears one of the counters (links named counter…) and sets up so many

@@ -11,12 +11,12 @@
 namespace loci::system_evaluation {
 namespace {
 
-constexpr size_t kMostNumbers = 8;  ///< of an array that are shown
+constexpr size_t kMaxNumbers = 8;  ///< of an array that are shown
 
 std::string numbers_of(const cas::FeatureStructure& array) {
   std::vector<std::string> shown;
   const auto add = [&](const auto& values, const char* format) {
-    for (size_t i = 0; i < std::min(kMostNumbers, values.size()); ++i)
+    for (size_t i = 0; i < std::min(kMaxNumbers, values.size()); ++i)
       shown.push_back(fmt::format(fmt::runtime(format), values[i]));
   };
   switch (array.type().component_kind()) {
@@ -32,7 +32,7 @@ std::string numbers_of(const cas::FeatureStructure& array) {
     default:
       return fmt::format("{} elements", array.array_size());
   }
-  return fmt::format("{}{}", fmt::join(shown, ", "), array.array_size() > kMostNumbers ? ", …" : "");
+  return fmt::format("{}{}", fmt::join(shown, ", "), array.array_size() > kMaxNumbers ? ", …" : "");
 }
 
 /// A line per value; structures below are gone into, `deep` levels.
@@ -77,7 +77,7 @@ size_t richness(const types::Cluster& cluster) {
 }
 
 std::string object_svg(const types::Cluster& cluster) {
-  constexpr int kLine = 15, kPicture = 220, kLeft = 250;
+  constexpr int kLine = 15, kImage = 220, kLeft = 250;
   std::string text;
   int y = 20;
   for (const types::Annotation& annotation : cluster.annotations) {
@@ -94,19 +94,19 @@ std::string object_svg(const types::Cluster& cluster) {
     }
     y += kLine / 2;
   }
-  std::string picture;
+  std::string image;
   if (const auto roi = cluster.hypotheses.first<types::StandaloneImageROI>()) {
     const std::vector<unsigned char> png = encode_image(types::from<cv::Mat>(roi.image.get()), ".png");
-    picture = fmt::format(
+    image = fmt::format(
         "<image x='15' y='15' width='{0}' height='{0}' preserveAspectRatio='xMidYMin' "
         "href='data:image/png;base64,{1}'/>\n",
-        kPicture, base64_from_bytes(std::string_view(reinterpret_cast<const char*>(png.data()), png.size())));
+        kImage, base64_from_bytes(std::string_view(reinterpret_cast<const char*>(png.data()), png.size())));
   }
   return fmt::format(
              "<svg xmlns='http://www.w3.org/2000/svg' width='{0}' height='{1}' viewBox='0 0 {0} {1}' "
              "font-family='sans-serif' font-size='11'>\n<rect width='100%' height='100%' fill='white'/>\n",
-             820, std::max(y, kPicture + 30)) +
-         picture + text + "</svg>\n";
+             820, std::max(y, kImage + 30)) +
+         image + text + "</svg>\n";
 }
 
 }  // namespace loci::system_evaluation

@@ -12,7 +12,7 @@ namespace {
 
 constexpr size_t kBin = 1000;  ///< points, of table 8.4
 constexpr size_t kBins = 13;   ///< the last is open
-constexpr size_t kMost = 25;   ///< lines of table 8.6
+constexpr size_t kMax = 25;   ///< lines of table 8.6
 
 double share(size_t part, size_t whole) {
   return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
@@ -82,7 +82,7 @@ std::vector<std::pair<size_t, std::pair<std::string, std::string>>> most_frequen
   std::vector<std::pair<size_t, std::pair<std::string, std::string>>> list;
   for (const auto& [what, count] : result.results) list.emplace_back(count, what);
   std::stable_sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  if (list.size() > kMost) list.resize(kMost);
+  if (list.size() > kMax) list.resize(kMax);
   return list;
 }
 

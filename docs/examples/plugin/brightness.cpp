@@ -27,7 +27,7 @@ class BrightnessAnnotator : public Annotator {
   void process(cas::Cas& cas, Context& /*context*/) override {
     for (const types::Cluster& cluster : types::SceneCas(cas).clusters()) {
       const auto region = cluster.hypotheses.first<types::StandaloneImageROI>();
-      if (!region) continue;  // Not in the colour picture.
+      if (!region) continue;  // Not in the colour image.
       cv::Mat grey;
       cv::cvtColor(types::from<cv::Mat>(region.image.get()), grey, cv::COLOR_BGR2GRAY);
       const double mean = cv::mean(grey, types::from<cv::Mat>(region.mask.get()))[0] / 255;

@@ -58,7 +58,7 @@ AnnotatorDescriptor ColorNameAnnotator::descriptor() const {
 }
 
 void ColorNameAnnotator::declare(OptionTable& table) {
-  table.number("least_fraction", least_fraction_, "", "Colours of fewer pixels are not named.", 0, 1);
+  table.number("min_fraction", min_fraction_, "", "Colours of fewer pixels are not named.", 0, 1);
 }
 
 void ColorNameAnnotator::process(cas::Cas& cas, Context& /*context*/) {
@@ -66,7 +66,7 @@ void ColorNameAnnotator::process(cas::Cas& cas, Context& /*context*/) {
     const auto roi = cluster.hypotheses.first<types::StandaloneImageROI>();
     if (!roi) continue;
     const NamedColors colors = name_colors(types::from<cv::Mat>(roi.image.get()),
-                                           inner_mask(types::from<cv::Mat>(roi.mask.get())), least_fraction_);
+                                           inner_mask(types::from<cv::Mat>(roi.mask.get())), min_fraction_);
     if (colors.names.empty()) continue;
     const auto annotation = types::ColorAnnotation::create(cas);
     annotation.source.set(descriptor().name);

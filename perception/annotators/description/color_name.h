@@ -28,7 +28,7 @@ class ColorNameAnnotator : public Annotator {
   void process(cas::Cas& cas, Context& context) override;
 
  private:
-  double least_fraction_ = 0.05;
+  double min_fraction_ = 0.05;
 };
 
 }  // namespace loci

@@ -54,7 +54,7 @@ void ObjectViews::declare(OptionTable& table) {
   table.number("place_m", place_m_, "m",
                "Untracked things are the same when the one's centre lies this near to the other's box.", 0,
                1);
-  table.integer("most_points", most_points_, "", "So many points are kept of each view.", 10, 1000000);
+  table.integer("max_points", max_points_, "", "So many points are kept of each view.", 10, 1000000);
   table.integer("forget", forget_, "", "Objects that were not seen for so many scenes are forgotten.", 1,
                 1000000);
 }
@@ -66,7 +66,7 @@ ObjectViews::View ObjectViews::view_of(const types::SceneCas& scene, const types
   view.seen_from = pose.translation();
   const cv::Mat points = cloud_points(scene), normals = cloud_normals(scene);
   const cas::Buffer<int32_t> indices = cluster_indices(cluster);
-  const size_t step = 1 + indices.size() / static_cast<size_t>(most_points_);
+  const size_t step = 1 + indices.size() / static_cast<size_t>(max_points_);
   for (size_t i = 0; i < indices.size(); i += step) {
     const Eigen::Vector3f point = vector(points.ptr<cv::Vec3f>()[indices[i]]);
     const Eigen::Vector3f normal = vector(normals.ptr<cv::Vec3f>()[indices[i]]);

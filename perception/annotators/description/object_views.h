@@ -11,11 +11,11 @@
 namespace loci {
 
 /// Collects the views of each object over time, and makes a CAS of the object alone (§2.1): annotators that
-/// run on it see what no single picture shows. Which clusters are the same thing says a TrackingAnnotation,
+/// run on it see what no single image shows. Which clusters are the same thing says a TrackingAnnotation,
 /// or where they are.
 ///
 /// `as: whole`: one cluster that holds the points of all views, in the camera of the newest, with its
-/// picture. `as: views`: one cluster per view, the newest first, each with its points, picture and
+/// image. `as: views`: one cluster per view, the newest first, each with its points, image and
 /// annotations.
 class ObjectViews : public CasMultiplier {
  public:
@@ -56,7 +56,7 @@ class ObjectViews : public CasMultiplier {
   int last_ = 8;
   double apart_deg_ = 10;
   double place_m_ = 0.05;
-  int most_points_ = 3000;
+  int max_points_ = 3000;
   int forget_ = 100;
 
   int64_t scene_ = 0;

@@ -4,7 +4,7 @@
 
 namespace loci {
 
-/// Makes regions of the picture comparable (§3.2.2): a perceptual hash, and what that does not tell, colours.
+/// Makes regions of the image comparable (§3.2.2): a perceptual hash, and what that does not tell, colours.
 class PerceptualHashAnnotator : public Annotator {
  public:
   AnnotatorDescriptor descriptor() const override;

@@ -16,7 +16,7 @@ AnnotatorDescriptor PrimitiveShapeAnnotator::descriptor() const {
 
 void PrimitiveShapeAnnotator::declare(OptionTable& table) {
   options_.declare(table);
-  table.number("least_explained", least_explained_, "",
+  table.number("min_explained", min_explained_, "",
                "Objects of which less lies on the best shape get none.", 0, 1);
 }
 
@@ -25,7 +25,7 @@ void PrimitiveShapeAnnotator::process(cas::Cas& cas, Context& /*context*/) {
   for (const types::Cluster& cluster : scene.clusters()) {
     const std::optional<PrimitiveShape> shape =
         fit_primitive(cluster_surface(scene, cluster), cluster_ground(scene, cluster), options_);
-    if (!shape || shape->explained < least_explained_) continue;
+    if (!shape || shape->explained < min_explained_) continue;
     const auto annotation = types::PrimitiveShapeAnnotation::create(cas);
     annotation.source.set(descriptor().name);
     annotation.confidence.set(shape->probability * shape->explained);

@@ -14,7 +14,7 @@ class PrimitiveShapeAnnotator : public Annotator {
 
  private:
   PrimitiveOptions options_;
-  double least_explained_ = 0.6;
+  double min_explained_ = 0.6;
 };
 
 /// Size in words by the largest extent: what a hand closes around, what one hand holds, what takes two.

@@ -9,15 +9,15 @@
 namespace loci {
 namespace {
 
-/// Calls task(cluster, picture, corner) for every cluster with a picture; corner: where it lies in the
+/// Calls task(cluster, image, corner) for every cluster with an image; corner: where it lies in the
 /// scene's image.
 template <class Task>
-void for_each_picture(cas::Cas& cas, const Task& task) {
+void for_each_image(cas::Cas& cas, const Task& task) {
   for (const types::Cluster& cluster : types::SceneCas(cas).clusters()) {
     const auto roi = cluster.hypotheses.first<types::StandaloneImageROI>();
     if (!roi) continue;
-    const cv::Mat picture = types::from<cv::Mat>(roi.image.get());
-    if (!picture.empty()) task(cluster, picture, types::from<cv::Rect>(roi.roi.get()).tl());
+    const cv::Mat image = types::from<cv::Mat>(roi.image.get());
+    if (!image.empty()) task(cluster, image, types::from<cv::Rect>(roi.roi.get()).tl());
   }
 }
 
@@ -31,7 +31,7 @@ std::string category_of(const Product& product) {
 
 AnnotatorDescriptor ProductAnnotator::descriptor() const {
   AnnotatorDescriptor descriptor{"ProductRecognition",
-                                 "Recognises products of a catalogue by their pictures.",
+                                 "Recognises products of a catalogue by their images.",
                                  {"Cluster", "StandaloneImageROI"},
                                  {"ProductAnnotation", "ClassificationAnnotation"}};
   descriptor.needs_options = true;
@@ -50,8 +50,8 @@ void ProductAnnotator::start(Context& /*context*/) {
 }
 
 void ProductAnnotator::process(cas::Cas& cas, Context& context) {
-  for_each_picture(cas, [&](const types::Cluster& cluster, const cv::Mat& picture, cv::Point /*corner*/) {
-    const std::vector<ProductMatch> matches = index_->recognise(picture, options_, context.threads, 1);
+  for_each_image(cas, [&](const types::Cluster& cluster, const cv::Mat& image, cv::Point /*corner*/) {
+    const std::vector<ProductMatch> matches = index_->recognise(image, options_, context.threads, 1);
     if (matches.empty() || !matches[0].verified) return;
     const Product& product = index_->products()[matches[0].product];
     const auto annotation = types::ProductAnnotation::create(cas);
@@ -83,12 +83,12 @@ AnnotatorDescriptor BarcodeAnnotator::descriptor() const {
 }
 
 void BarcodeAnnotator::declare(OptionTable& table) {
-  table.flag("thorough", thorough_, "Try changed pictures, too: slow where there is no code.");
+  table.flag("thorough", thorough_, "Try changed images, too: slow where there is no code.");
 }
 
 void BarcodeAnnotator::process(cas::Cas& cas, Context& /*context*/) {
-  for_each_picture(cas, [&](const types::Cluster& cluster, const cv::Mat& picture, cv::Point corner) {
-    for (const Barcode& code : read_barcodes(picture, thorough_)) {
+  for_each_image(cas, [&](const types::Cluster& cluster, const cv::Mat& image, cv::Point corner) {
+    for (const Barcode& code : read_barcodes(image, thorough_)) {
       const auto annotation = types::BarcodeAnnotation::create(cas);
       annotation.source.set(descriptor().name);
       annotation.symbology.set(code.symbology);
@@ -108,8 +108,8 @@ AnnotatorDescriptor TextAnnotator::descriptor() const {
 
 void TextAnnotator::declare(OptionTable& table) {
   table.text("language", language_, "As Tesseract names it.");
-  table.number("least_confidence", least_confidence_, "", "Words that are less sure are left out.", 0, 1);
-  table.integer("most_words", most_words_, "", "So many words of each object.", 1, 1000);
+  table.number("min_confidence", min_confidence_, "", "Words that are less sure are left out.", 0, 1);
+  table.integer("max_words", max_words_, "", "So many words of each object.", 1, 1000);
 }
 
 void TextAnnotator::start(Context& /*context*/) {
@@ -117,9 +117,9 @@ void TextAnnotator::start(Context& /*context*/) {
 }
 
 void TextAnnotator::process(cas::Cas& cas, Context& /*context*/) {
-  for_each_picture(cas, [&](const types::Cluster& cluster, const cv::Mat& picture, cv::Point corner) {
+  for_each_image(cas, [&](const types::Cluster& cluster, const cv::Mat& image, cv::Point corner) {
     for (const RankedWord& word :
-         rank_words(reader_->read(picture, least_confidence_), static_cast<size_t>(most_words_))) {
+         rank_words(reader_->read(image, min_confidence_), static_cast<size_t>(max_words_))) {
       const auto annotation = types::TextAnnotation::create(cas);
       annotation.source.set(descriptor().name);
       annotation.confidence.set(word.confidence);

@@ -44,8 +44,8 @@ class TextAnnotator : public Annotator {
 
  private:
   std::string language_ = "eng";
-  double least_confidence_ = 0.6;
-  int most_words_ = 5;
+  double min_confidence_ = 0.6;
+  int max_words_ = 5;
   std::optional<TextReader> reader_;
 };
 

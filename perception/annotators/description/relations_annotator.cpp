@@ -99,19 +99,19 @@ void RelationsAnnotator::declare(OptionTable& table) {
   table.number("near_m", near_m_, "m", "Things are near with probability one half at this distance.", 0.005,
                10);
   table.number("reach_m", reach_m_, "m", "Things farther apart have no direction to each other.", 0.01, 10);
-  table.number("least_probability", least_probability_, "", "What is less probable is not said.", 0, 1);
+  table.number("min_probability", min_probability_, "", "What is less probable is not said.", 0, 1);
 }
 
 void RelationsAnnotator::process(cas::Cas& cas, Context& /*context*/) {
   const types::SceneCas scene(cas);
   const std::vector<Thing> things = things_of(scene);
   const Vector2d view = map_from_camera(scene.scene()).linear().col(2).head<2>();
-  // A camera that looks straight down sees its picture's top as away.
+  // A camera that looks straight down sees its image's top as away.
   const Vector2d top = -map_from_camera(scene.scene()).linear().col(1).head<2>();
   const Vector2d away = (view.norm() > 0.1 ? view : top).normalized();
   const auto say = [&](const char* name, const types::Identifiable& a, const types::Identifiable& b,
                        double probability) {
-    if (probability < least_probability_) return;
+    if (probability < min_probability_) return;
     const auto relation = types::Relation::create(cas);
     relation.source.set(descriptor().name);
     relation.name.set(name);

@@ -38,7 +38,7 @@ class RelationsAnnotator : public Annotator {
  private:
   double near_m_ = 0.1;
   double reach_m_ = 0.6;
-  double least_probability_ = 0.1;
+  double min_probability_ = 0.1;
 };
 
 }  // namespace loci

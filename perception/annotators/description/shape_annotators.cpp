@@ -54,12 +54,12 @@ void annotate_local(cas::Cas& cas, const types::Cluster& cluster, const std::str
   cluster.annotations.push_back(annotation);
 }
 
-/// Brightness of the colour picture where each point falls on it; empty when the scene has none.
+/// Brightness of the colour image where each point falls on it; empty when the scene has none.
 std::vector<float> brightness_of(const types::SceneCas& scene, const std::vector<Eigen::Vector3f>& points) {
   if (!scene.has(types::SceneCas::kColor) || !scene.has_camera("color") || !scene.has_camera("depth"))
     return {};
-  const cv::Mat picture = types::view_image(scene, types::SceneCas::kColor);
-  if (picture.type() != CV_8UC3) return {};
+  const cv::Mat image = types::view_image(scene, types::SceneCas::kColor);
+  if (image.type() != CV_8UC3) return {};
   const RgbdCamera camera = types::cameras(scene);
   const Isometry3d color_from_depth = camera.depth_from_color.inverse();
   std::vector<float> brightness;
@@ -68,8 +68,8 @@ std::vector<float> brightness_of(const types::SceneCas& scene, const std::vector
     const bool before = in_color.z() > 0;
     const Vector2d at = before ? camera.color.project(in_color) : Vector2d(-1, -1);
     const cv::Point pixel(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())));
-    const bool inside = before && cv::Rect({}, picture.size()).contains(pixel);
-    const cv::Vec3b color = inside ? picture.at<cv::Vec3b>(pixel) : cv::Vec3b();
+    const bool inside = before && cv::Rect({}, image.size()).contains(pixel);
+    const cv::Vec3b color = inside ? image.at<cv::Vec3b>(pixel) : cv::Vec3b();
     brightness.push_back(0.114f * color[0] + 0.587f * color[1] + 0.299f * color[2]);
   }
   return brightness;
@@ -101,9 +101,9 @@ ThingView cluster_view(const types::SceneCas& scene, const types::Cluster& clust
   if (scene.has(types::SceneCas::kCloud) && scene.has(types::SceneCas::kNormals))
     view.surface = cluster_surface(scene, cluster);
   if (const auto roi = cluster.hypotheses.first<types::StandaloneImageROI>()) {
-    view.picture = types::from<cv::Mat>(roi.image.get());
+    view.image = types::from<cv::Mat>(roi.image.get());
     if (roi.mask.is_set()) view.mask = types::from<cv::Mat>(roi.mask.get());
-    if (view.mask.size() != view.picture.size()) view.mask.release();
+    if (view.mask.size() != view.image.size()) view.mask.release();
   }
   return view;
 }
@@ -145,8 +145,8 @@ void PclFeatureAnnotator::declare(OptionTable& table) {
 void PclFeatureAnnotator::start(Context& /*context*/) {
   for (const std::string& name : features_) shape_feature_signature(name);
   for (const std::string& name : keypoints_)
-    if (is_of_picture(name))
-      throw Error("PclFeature knows no key points of pictures", {}, "there are SHOT, FPFH");
+    if (is_of_image(name))
+      throw Error("PclFeature knows no key points of images", {}, "there are SHOT, FPFH");
     else
       local_features(name, {});
 }
@@ -167,24 +167,24 @@ void PclFeatureAnnotator::process(cas::Cas& cas, Context& /*context*/) {
   }
 }
 
-AnnotatorDescriptor PictureFeatureAnnotator::descriptor() const {
-  return {"PictureFeature",
-          "Describes each object's picture: oriented gradients, SIFT and ORB key points.",
+AnnotatorDescriptor ImageFeatureAnnotator::descriptor() const {
+  return {"ImageFeature",
+          "Describes each object's image: oriented gradients, SIFT and ORB key points.",
           {"Cluster", "StandaloneImageROI"},
           {"ImageFeatureAnnotation", "LocalFeaturesAnnotation"}};
 }
 
-void PictureFeatureAnnotator::declare(OptionTable& table) {
+void ImageFeatureAnnotator::declare(OptionTable& table) {
   table.texts("features", features_, "Descriptors: HOG, SIFT, ORB.");
 }
 
-void PictureFeatureAnnotator::start(Context& /*context*/) {
+void ImageFeatureAnnotator::start(Context& /*context*/) {
   for (const std::string& name : features_)
-    if (!is_of_picture(name))
-      throw Error("there is no descriptor " + name + " of pictures", {}, "there are HOG, SIFT, ORB");
+    if (!is_of_image(name))
+      throw Error("there is no descriptor " + name + " of images", {}, "there are HOG, SIFT, ORB");
 }
 
-void PictureFeatureAnnotator::process(cas::Cas& cas, Context& /*context*/) {
+void ImageFeatureAnnotator::process(cas::Cas& cas, Context& /*context*/) {
   const types::SceneCas scene(cas);
   for (const types::Cluster& cluster : scene.clusters()) {
     ThingView view = cluster_view(scene, cluster);
@@ -194,7 +194,7 @@ void PictureFeatureAnnotator::process(cas::Cas& cas, Context& /*context*/) {
         annotate_local(cas, cluster, descriptor().name, name, local_features(name, view));
         continue;
       }
-      const FeatureVector values = hog_of(view.picture, view.mask);
+      const FeatureVector values = hog_of(view.image, view.mask);
       if (values.empty()) continue;
       const auto annotation = types::ImageFeatureAnnotation::create(cas);
       annotation.source.set(descriptor().name);
@@ -207,15 +207,15 @@ void PictureFeatureAnnotator::process(cas::Cas& cas, Context& /*context*/) {
 
 AnnotatorDescriptor FeatureClassifier::descriptor() const {
   AnnotatorDescriptor descriptor;
-  descriptor.name = pictures_only_ ? "PictureClassifier" : "FeatureClassifier";
-  descriptor.sentence = pictures_only_
-                            ? "Classifies objects by descriptors of their pictures with a trained model."
-                            : "Classifies objects by descriptors of shape and picture with a trained model.";
+  descriptor.name = images_only_ ? "ImageClassifier" : "FeatureClassifier";
+  descriptor.sentence = images_only_
+                            ? "Classifies objects by descriptors of their images with a trained model."
+                            : "Classifies objects by descriptors of shape and image with a trained model.";
   descriptor.needs = {"Cluster", "StandaloneImageROI"};
-  if (!pictures_only_) descriptor.needs = {"Cluster", "ReferenceClusterPoints", "view:cloud", "view:normals"};
+  if (!images_only_) descriptor.needs = {"Cluster", "ReferenceClusterPoints", "view:cloud", "view:normals"};
   descriptor.makes = {"ClassificationAnnotation"};
   descriptor.uses = {"ImageFeatureAnnotation", "LocalFeaturesAnnotation"};
-  if (!pictures_only_)
+  if (!images_only_)
     descriptor.uses = {"PclFeatureAnnotation",
                        "ImageFeatureAnnotation",
                        "LocalFeaturesAnnotation",
@@ -229,7 +229,7 @@ AnnotatorDescriptor FeatureClassifier::descriptor() const {
 void FeatureClassifier::declare(OptionTable& table) {
   table.text("model", path_, "Made by `loci-perceive train`.");
   table.text("kind", kind_, "What the classes are: shape, object, ...");
-  table.number("least_confidence", least_confidence_, "",
+  table.number("min_confidence", min_confidence_, "",
                "Objects whose best class is less probable get none.", 0, 1);
 }
 
@@ -238,8 +238,8 @@ void FeatureClassifier::start(Context& /*context*/) {
     throw Error(descriptor().name + " has no model", {}, "give `model: FILE`, made by `loci-perceive train`");
   model_ = Ensemble::load(path_);
   const std::vector<std::string> names = model_->features();
-  const auto other = std::find_if_not(names.begin(), names.end(), is_of_picture);
-  if (pictures_only_ && other != names.end())
+  const auto other = std::find_if_not(names.begin(), names.end(), is_of_image);
+  if (images_only_ && other != names.end())
     throw Error("the model needs " + *other + " of clouds", {path_, 0, {}}, "use FeatureClassifier");
 }
 
@@ -258,7 +258,7 @@ void FeatureClassifier::process(cas::Cas& cas, Context& /*context*/) {
     }
     if (!model_->knows_enough(known.features, known.local)) continue;  // Too little is seen for a descriptor.
     const Classification result = model_->classify(known.features, known.local);
-    if (result.probabilities[result.best] < least_confidence_) continue;
+    if (result.probabilities[result.best] < min_confidence_) continue;
     const auto annotation = types::ClassificationAnnotation::create(cas);
     annotation.source.set(descriptor().name);
     annotation.confidence.set(result.probabilities[result.best]);

@@ -10,10 +10,10 @@
 namespace loci {
 
 /// What a cluster shows of its surface: points with normals in the camera frame, with the brightness of the
-/// colour picture where there is one.
+/// colour image where there is one.
 SurfacePoints cluster_surface(const types::SceneCas& scene, const types::Cluster& cluster);
 
-/// What it shows: its surface where the scene has a cloud, its picture where it has one.
+/// What it shows: its surface where the scene has a cloud, its image where it has one.
 ThingView cluster_view(const types::SceneCas& scene, const types::Cluster& cluster);
 
 /// What a cluster's support is in the frame of these points; without one the map's horizontal through its
@@ -34,8 +34,8 @@ class PclFeatureAnnotator : public Annotator {
   std::vector<std::string> keypoints_;
 };
 
-/// Descriptors of each cluster's picture: of all of it, or of its key points.
-class PictureFeatureAnnotator : public Annotator {
+/// Descriptors of each cluster's image: of all of it, or of its key points.
+class ImageFeatureAnnotator : public Annotator {
  public:
   AnnotatorDescriptor descriptor() const override;
   void declare(OptionTable& table) override;
@@ -50,18 +50,18 @@ class PictureFeatureAnnotator : public Annotator {
 /// annotated are computed, but not annotated.
 class FeatureClassifier : public Annotator {
  public:
-  /// By pictures alone: no cloud is needed.
-  explicit FeatureClassifier(bool pictures_only = false) : pictures_only_(pictures_only) {}
+  /// By images alone: no cloud is needed.
+  explicit FeatureClassifier(bool images_only = false) : images_only_(images_only) {}
   AnnotatorDescriptor descriptor() const override;
   void declare(OptionTable& table) override;
   void start(Context& context) override;
   void process(cas::Cas& cas, Context& context) override;
 
  private:
-  bool pictures_only_;
+  bool images_only_;
   std::string path_;
   std::string kind_ = "shape";
-  double least_confidence_ = 0;
+  double min_confidence_ = 0;
   std::optional<Ensemble> model_;
 };
 

@@ -9,7 +9,7 @@
 namespace loci {
 namespace {
 
-/// The cluster whose picture overlaps a region most, by at least `least` of both together; null = none.
+/// The cluster whose image overlaps a region most, by at least `least` of both together; null = none.
 types::Cluster cluster_at(const types::SceneCas& scene, const cv::Rect& region, double least) {
   types::Cluster best;
   for (const types::Cluster& cluster : scene.clusters()) {
@@ -27,7 +27,7 @@ types::Cluster cluster_at(const types::SceneCas& scene, const cv::Rect& region, 
 
 types::Cluster new_cluster(const types::SceneCas& scene, const cv::Rect& region, const std::string& source) {
   const auto cluster = types::Cluster::create(scene.cas());
-  add_picture(cluster, source, {region, cv::Mat(region.size(), CV_8U, cv::Scalar(255))}, scene);
+  add_image(cluster, source, {region, cv::Mat(region.size(), CV_8U, cv::Scalar(255))}, scene);
   scene.add_cluster(cluster);
   return cluster;
 }
@@ -36,7 +36,7 @@ types::Cluster new_cluster(const types::SceneCas& scene, const cv::Rect& region,
 
 AnnotatorDescriptor TemplateAnnotator::descriptor() const {
   AnnotatorDescriptor descriptor{"TemplateDetector",
-                                 "Finds known views of things in the whole picture (LINEMOD).",
+                                 "Finds known views of things in the whole image (LINEMOD).",
                                  {"Scene", "view:color", "view:depth"},
                                  {"ClassificationAnnotation", "Cluster", "StandaloneImageROI"},
                                  {"Cluster", "StandaloneImageROI"}};

@@ -7,7 +7,7 @@
 
 namespace loci {
 
-/// Finds things in the whole picture as they were shown before (LINEMOD): what a cluster shows is annotated,
+/// Finds things in the whole image as they were shown before (LINEMOD): what a cluster shows is annotated,
 /// elsewhere a match is a hypothesis of its own.
 class TemplateAnnotator : public Annotator {
  public:

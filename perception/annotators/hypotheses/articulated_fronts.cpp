@@ -15,10 +15,10 @@ namespace {
 constexpr double kSpacing = 0.025;    ///< metres between points of a front
 constexpr double kTolerance = 0.015;  ///< metres, plus twice the noise
 constexpr double kThrough = 3;        ///< cost of a point in free space; one off by the tolerance costs 1
-constexpr double kLeastOn = 0.25;     ///< share of a front that must be seen for it to be determined
-constexpr double kMostThrough = 0.1;  ///< of those seen, that may lie in free space
-constexpr double kLeastGain = 0.1;    ///< of cost, for the given position to be given up
-constexpr double kLeastMotion =
+constexpr double kMinOn = 0.25;     ///< share of a front that must be seen for it to be determined
+constexpr double kMaxThrough = 0.1;  ///< of those seen, that may lie in free space
+constexpr double kMinGain = 0.1;    ///< of cost, for the given position to be given up
+constexpr double kMinMotion =
     0.03;  ///< metres of its farthest point; less may be the map's or pose's error
 constexpr int kFewPoints = 25;
 constexpr int kPositions = 60;   ///< of a joint, tried first
@@ -40,13 +40,13 @@ int pixel_of(const Vector3d& point, const PinholeCamera& camera) {
 
 }  // namespace
 
-/// A front at a position against a picture.
+/// A front at a position against an image.
 struct ArticulatedFronts::Match {
   int in_view = 0, on = 0, through = 0;
   double cost = 0;  ///< mean over those in view
 
   bool sure() const {
-    return in_view >= kFewPoints && on >= kLeastOn * in_view && through <= kMostThrough * on;
+    return in_view >= kFewPoints && on >= kMinOn * in_view && through <= kMaxThrough * on;
   }
 };
 
@@ -97,8 +97,8 @@ ArticulatedFronts::Match ArticulatedFronts::match(const Front& front, const Isom
   const auto* measured = points.ptr<cv::Vec3f>();
   auto left = static_cast<int>(front.samples.size());
   for (const Sample& sample : front.samples) {
-    // What stands open in the picture's free space is soon found out.
-    if (only_if_sure && match.through > kMostThrough * (match.on + left)) return {};
+    // What stands open in the image's free space is soon found out.
+    if (only_if_sure && match.through > kMaxThrough * (match.on + left)) return {};
     --left;
     const Vector3d point = camera_from_link * sample.point;
     const int pixel = pixel_of(point, camera);
@@ -152,8 +152,8 @@ std::vector<FrontState> ArticulatedFronts::estimate(const cv::Mat& points, const
       consider(around + fine);
     }
     state.determined = best.sure();
-    state.moved = best.sure() && (!given.sure() || best.cost < given.cost - kLeastGain) &&
-                  state.reach * std::abs(state.position - state.given) >= kLeastMotion;
+    state.moved = best.sure() && (!given.sure() || best.cost < given.cost - kMinGain) &&
+                  state.reach * std::abs(state.position - state.given) >= kMinMotion;
     if (!state.moved) state.position = state.given;
     const Match& kept = state.moved ? best : given;
     state.in_view = kept.in_view;

@@ -11,14 +11,14 @@
 
 namespace loci {
 
-/// How a front (of a drawer or a door) stands in one depth picture.
+/// How a front (of a drawer or a door) stands in one depth image.
 struct FrontState {
   std::string joint;
   double reach = 1;         ///< metres that its farthest point moves per metre or radian
   double given = 0;         ///< position that was assumed, metres or radians
-  double position = 0;      ///< as the picture shows it; the given one where it does not
+  double position = 0;      ///< as the image shows it; the given one where it does not
   bool determined = false;  ///< enough of the front is seen at that position
-  bool moved = false;       ///< the picture shows it elsewhere than given
+  bool moved = false;       ///< the image shows it elsewhere than given
   int in_view = 0;          ///< points of the front that face the camera and have a depth in their pixel
   int on = 0;               ///< of these, where the depth is the front's
 };
@@ -30,7 +30,7 @@ struct Obstacle {
   double share = 0;       ///< of the front that it hides
 };
 
-/// The fronts of a world's drawers and doors as points, to be compared with depth pictures.
+/// The fronts of a world's drawers and doors as points, to be compared with depth images.
 class ArticulatedFronts {
  public:
   /// Joints with limits that slide or turn, and the surfaces of the links that they carry.

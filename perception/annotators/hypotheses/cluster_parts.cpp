@@ -21,7 +21,7 @@ void set_points(const types::Cluster& cluster, const std::string& source, const 
   cluster.centroid.set(types::to(scene.cas(), Vector3d(pose * (sum / static_cast<double>(pixels.size())))));
 }
 
-void add_picture(const types::Cluster& cluster, const std::string& source, const ColorRegion& region,
+void add_image(const types::Cluster& cluster, const std::string& source, const ColorRegion& region,
                  const types::SceneCas& scene) {
   if (region.box.empty()) return;
   cas::Cas& cas = scene.cas();

@@ -15,8 +15,8 @@ namespace loci {
 void set_points(const types::Cluster& cluster, const std::string& source, const std::vector<int>& pixels,
                 const types::SceneCas& scene, const Isometry3d& pose);
 
-/// Its picture, cut out of the colour view with its mask. Nothing where it lies outside that view.
-void add_picture(const types::Cluster& cluster, const std::string& source, const ColorRegion& region,
+/// Its image, cut out of the colour view with its mask. Nothing where it lies outside that view.
+void add_image(const types::Cluster& cluster, const std::string& source, const ColorRegion& region,
                  const types::SceneCas& scene);
 
 }  // namespace loci

@@ -87,7 +87,7 @@ struct Cells {
     uint64_t last_key = 0;
     for (size_t i = 0; i < points.size(); ++i) {
       const uint64_t key = cell_key(points[i], 1.0f / size);
-      // Neighbours in the picture mostly share a cell.
+      // Neighbours in the image mostly share a cell.
       if (i > 0 && key == last_key) {
         cell_of[i] = cell_of[i - 1];
         continue;

@@ -66,7 +66,7 @@ void set_depth(cv::Mat& depth, const DisparityImage& disparity, float scale) {
     depth_of_disparity(disparity.row(v), depth.ptr<float>(v), depth.cols, scale);
 }
 
-/// Standard deviation of the noise of a picture's disparity, its quantisation included: neighbours in a row
+/// Standard deviation of the noise of an image's disparity, its quantisation included: neighbours in a row
 /// lie on one line but for noise. The median does not care about edges. 0 when there is too little to tell.
 double noise_of(const cv::Mat& depth, float scale) {
   constexpr int kEveryRow = 12, kEveryColumn = 7;
@@ -103,7 +103,7 @@ std::vector<Iteration> iterations_for(double noise_px, const NormalOptions& opti
   return result;
 }
 
-/// Takes the disparities of a picture and smooths them along rows, one row after the other while it is in the
+/// Takes the disparities of an image and smooths them along rows, one row after the other while it is in the
 /// processor's cache.
 void measure_and_smooth_rows(const cv::Mat& depth, float scale, DisparityImage& measured,
                              DisparityImage& value, const std::vector<Iteration>& iterations) {

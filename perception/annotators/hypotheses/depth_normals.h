@@ -8,7 +8,7 @@
 
 namespace loci {
 
-/// How a depth picture is smoothed before normals are taken (§4.2.1). The defaults are a Kinect's.
+/// How a depth image is smoothed before normals are taken (§4.2.1). The defaults are a Kinect's.
 struct NormalOptions {
   double disparity_quantum_px = 0.125;  ///< a of Eq. 4.4
   double noise_quanta = 2;              ///< the clamp is this many quanta wide to each side
@@ -21,7 +21,7 @@ struct NormalOptions {
 
   void declare(OptionTable& table);
 
-  /// Narrower, for pictures of small things: the concave edge between two boxes that touch bends by no more
+  /// Narrower, for images of small things: the concave edge between two boxes that touch bends by no more
   /// than a step of the sensor's disparity. Large planes get somewhat noisier normals.
   static NormalOptions for_objects();
 };
@@ -38,7 +38,7 @@ cv::Mat smooth_depth(const cv::Mat& depth, const PinholeCamera& camera, const No
 /// CV_32FC3, metres, camera frame; NaN where there is no depth.
 cv::Mat points_from_depth(const cv::Mat& depth, const PinholeCamera& camera);
 
-/// Unit normals towards the camera (CV_32FC3, camera frame) of a smoothed depth picture: the cross product of
+/// Unit normals towards the camera (CV_32FC3, camera frame) of a smoothed depth image: the cross product of
 /// the vectors between left and right, upper and lower neighbour, written in disparity, where a plane is
 /// linear. A missing neighbour is replaced by the point itself; NaN where both of an axis are missing.
 /// Neighbours 2 · half_reach_px away are taken where the surface is straight so far, otherwise direct ones,

@@ -8,8 +8,8 @@
 namespace loci {
 namespace {
 
-constexpr float kMostByColor = 4;
-constexpr float kMostByHeight = 3;
+constexpr float kMaxByColor = 4;
+constexpr float kMaxByHeight = 3;
 
 /// Shares of the pixels per bin of saturation (rows) and hue (columns), blurred so that the noise of the
 /// colours does not matter.
@@ -54,7 +54,7 @@ cv::Mat color_log_odds(const cv::Mat& bin_of, const FlatSeeds& seeds, int bins) 
   std::vector<float> odds_of(static_cast<size_t>(bins * bins));
   for (size_t i = 0; i < odds_of.size(); ++i) {
     const float ratio = (object.ptr<float>()[i] + unseen) / (table.ptr<float>()[i] + unseen);
-    odds_of[i] = std::clamp(std::log(ratio), -kMostByColor, kMostByColor);
+    odds_of[i] = std::clamp(std::log(ratio), -kMaxByColor, kMaxByColor);
   }
   cv::Mat odds(bin_of.size(), CV_32F);
   for (int v = 0; v < odds.rows; ++v)
@@ -71,7 +71,7 @@ cv::Mat height_log_odds(const cv::Mat& heights, double table_m, double object_m,
     for (int u = 0; u < odds.cols; ++u) {
       const float height = heights.ptr<float>(v)[u];
       odds.ptr<float>(v)[u] =
-          std::isnan(height) ? 0 : std::clamp(slope * (height - middle), -kMostByHeight, kMostByHeight);
+          std::isnan(height) ? 0 : std::clamp(slope * (height - middle), -kMaxByHeight, kMaxByHeight);
     }
   return odds;
 }

@@ -4,13 +4,13 @@
 
 namespace loci {
 
-/// What is certain by its height alone; CV_8U, of the colour picture's size.
+/// What is certain by its height alone; CV_8U, of the colour image's size.
 struct FlatSeeds {
   cv::Mat table;
   cv::Mat object;
 };
 
-/// Bin of each pixel of a picture (CV_8UC3): saturation · bins + hue; CV_16U.
+/// Bin of each pixel of an image (CV_8UC3): saturation · bins + hue; CV_16U.
 cv::Mat color_bins(const cv::Mat& color, int bins);
 
 /// How much more likely a pixel's hue and saturation are among the object seeds than among the table seeds,

@@ -25,9 +25,9 @@ void add_cluster(const FlatObject& object, const types::PlanarSupport& support, 
                  const Isometry3d& pose) {
   const auto cluster = types::Cluster::create(scene.cas());
   set_points(cluster, kName, object.pixels, scene, pose);
-  add_picture(cluster, kName, {object.box, object.mask}, scene);
-  const cv::Size picture = cloud_points(scene).size();
-  cluster.at_image_border.set(is_at_image_border(box_of(object.pixels, picture), picture));
+  add_image(cluster, kName, {object.box, object.mask}, scene);
+  const cv::Size image = cloud_points(scene).size();
+  cluster.at_image_border.set(is_at_image_border(box_of(object.pixels, image), image));
   cluster.at_support_border.set(false);
   cluster.partly_hidden.set(false);
   cluster.support.set(support);
@@ -39,7 +39,7 @@ void add_cluster(const FlatObject& object, const types::PlanarSupport& support, 
 AnnotatorDescriptor FlatObjectExtractor::descriptor() const {
   return {
       kName,
-      "Finds flat things on supports by height and colour, in two stages, with masks in the colour picture.",
+      "Finds flat things on supports by height and colour, in two stages, with masks in the colour image.",
       {"Scene", "CameraInfo", "view:depth", "view:color", "view:cloud", "PlanarSupport"},
       {"Cluster", "ReferenceClusterPoints", "StandaloneImageROI"},
       {"Cluster"}};
@@ -49,7 +49,7 @@ void FlatObjectExtractor::declare(OptionTable& table) {
   options_.declare(table);
   table.text(
       "calibration", calibration_,
-      "Picture of the empty surface, made by `loci-perceive surface`, for a camera that stands still.");
+      "Image of the empty surface, made by `loci-perceive surface`, for a camera that stands still.");
 }
 
 void FlatObjectExtractor::start(Context& /*context*/) {
@@ -59,7 +59,7 @@ void FlatObjectExtractor::start(Context& /*context*/) {
 void FlatObjectExtractor::process(cas::Cas& cas, Context& /*context*/) {
   const types::SceneCas scene(cas);
   if (!scene.scene().map_from_camera.is_set() || !scene.has(types::SceneCas::kColor)) {
-    scene.log(kName, "info", "flat things need a pose and a colour picture");
+    scene.log(kName, "info", "flat things need a pose and a colour image");
     return;
   }
   const Isometry3d pose = map_from_camera(scene.scene());
@@ -67,7 +67,7 @@ void FlatObjectExtractor::process(cas::Cas& cas, Context& /*context*/) {
   const cv::Mat depth = types::view_image(scene, types::SceneCas::kDepth);
   const cv::Mat color = types::view_image(scene, types::SceneCas::kColor);
   if (!empty_depth_.empty() && empty_depth_.size() != depth.size())
-    throw Error("the empty surface is not as large as the depth picture", {calibration_, 0, {}},
+    throw Error("the empty surface is not as large as the depth image", {calibration_, 0, {}},
                 "make it from a recording of the same camera");
   cv::Mat taken = pixels_of_clusters(scene, depth.size(), kMargin);
   const cv::Mat map_depth = scene.has(kMapDepthView) ? types::view_image(scene, kMapDepthView) : cv::Mat();
@@ -82,7 +82,7 @@ void FlatObjectExtractor::process(cas::Cas& cas, Context& /*context*/) {
     for (const FlatObject& object : find_flat_objects(depth, color, camera, surface, options_)) {
       if (object.pixels.empty()) continue;
       add_cluster(object, support, scene, pose);
-      // Of two supports that overlap in the picture one has it.
+      // Of two supports that overlap in the image one has it.
       for (const int pixel : object.pixels) taken.ptr<unsigned char>()[pixel] = 255;
       ++found;
     }

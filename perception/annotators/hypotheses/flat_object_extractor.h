@@ -8,7 +8,7 @@
 
 namespace loci {
 
-/// Flat things on the supports that were found before it, one cluster each, with a mask in the colour picture
+/// Flat things on the supports that were found before it, one cluster each, with a mask in the colour image
 /// (§4.3): what is too low to be told from the support by its height alone. What already is a cluster is left
 /// alone.
 class FlatObjectExtractor : public Annotator {

@@ -94,7 +94,7 @@ Leveled leveled(const cv::Mat& smooth, const PinholeCamera& camera, const FlatSu
 }
 
 /// A step in height that the sensor tells from steps of its disparity, metres: one and a half of them.
-double least_step(const cv::Mat& depth, const PinholeCamera& camera, const FlatSurface& surface,
+double min_step(const cv::Mat& depth, const PinholeCamera& camera, const FlatSurface& surface,
                   const std::vector<int>& pixels, const FlatOptions& options) {
   constexpr double kNoises = 3;
   const int middle = pixels[pixels.size() / 2];
@@ -157,7 +157,7 @@ void SurfaceCalibration::add(const cv::Mat& depth) {
     sum_ = cv::Mat::zeros(depth.size(), CV_64F);
     count_ = cv::Mat::zeros(depth.size(), CV_32S);
   }
-  if (depth.size() != sum_.size()) throw Error("pictures of different sizes cannot be averaged");
+  if (depth.size() != sum_.size()) throw Error("images of different sizes cannot be averaged");
   for (int v = 0; v < depth.rows; ++v)
     for (int u = 0; u < depth.cols; ++u) {
       const float z = depth.at<float>(v, u);
@@ -183,9 +183,9 @@ cv::Mat heights_over_surface(const cv::Mat& depth, const PinholeCamera& camera, 
       .uneven;
 }
 
-cv::Mat seen_by_color(const cv::Mat& picture, const RgbdCamera& camera, const FlatSurface& surface,
+cv::Mat seen_by_color(const cv::Mat& image, const RgbdCamera& camera, const FlatSurface& surface,
                       double outside) {
-  return PlaneRegistration(camera, surface.normal, surface.offset).seen_by_color(picture, outside);
+  return PlaneRegistration(camera, surface.normal, surface.offset).seen_by_color(image, outside);
 }
 
 std::vector<FlatObject> find_flat_objects(const cv::Mat& depth, const cv::Mat& color,
@@ -203,7 +203,7 @@ std::vector<FlatObject> find_flat_objects(const cv::Mat& depth, const cv::Mat& c
     for (FlatObject& thin : search.find(heights.bent, options.thin_m))
       if (!thin.pixels.empty() &&
           rises_all_around(raw, thin.pixels, search.open_ground(),
-                           least_step(part.depth, part.camera.depth, surface, thin.pixels, options)))
+                           min_step(part.depth, part.camera.depth, surface, thin.pixels, options)))
         objects.push_back(std::move(thin));
   }
   for (FlatObject& object : objects) part.to_whole(object, depth.cols);

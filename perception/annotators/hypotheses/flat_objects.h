@@ -35,13 +35,13 @@ struct FlatSurface {
 };
 
 struct FlatObject {
-  cv::Rect box;             ///< in the colour picture
+  cv::Rect box;             ///< in the colour image
   cv::Mat mask;             ///< CV_8U, of the box's size: 255 = object
-  std::vector<int> pixels;  ///< of the depth picture, row · width + column, ascending
+  std::vector<int> pixels;  ///< of the depth image, row · width + column, ascending
   double height = 0;        ///< median over the surface, metres
 };
 
-/// The empty workspace before a camera that stands still: the mean of its depth pictures, pixel by pixel, so
+/// The empty workspace before a camera that stands still: the mean of its depth images, pixel by pixel, so
 /// that the unevenness of the surface and the distortion of the sensor both are in it. (§4.3 keeps deviations
 /// from a plane in a rectified top view; the distortion belongs to the pixel, and nothing needs interpolation
 /// here.)
@@ -50,7 +50,7 @@ class SurfaceCalibration {
   /// CV_32F, metres, NaN = none; all of one size.
   void add(const cv::Mat& depth);
   int frames() const { return frames_; }
-  /// CV_32F, metres; NaN where fewer than half of the pictures measured anything.
+  /// CV_32F, metres; NaN where fewer than half of the images measured anything.
   cv::Mat mean() const;
 
  private:
@@ -59,21 +59,21 @@ class SurfaceCalibration {
   cv::Mat count_;  ///< CV_32S
 };
 
-/// Heights over the surface (CV_32F, metres, depth picture, NaN = none), smoothed over as many pixels as
-/// bring the noise of this picture below noise_m. Without calibration the surface is what most
-/// pixels show, bent as a whole; where that does not explain it, the lower envelope of the picture's own
+/// Heights over the surface (CV_32F, metres, depth image, NaN = none), smoothed over as many pixels as
+/// bring the noise of this image below noise_m. Without calibration the surface is what most
+/// pixels show, bent as a whole; where that does not explain it, the lower envelope of the image's own
 /// heights, wider than background_m.
 cv::Mat heights_over_surface(const cv::Mat& depth, const PinholeCamera& camera, const FlatSurface& surface,
                              const FlatOptions& options);
 
-/// A picture of the depth camera as the colour camera would see it if it were painted on the surface's plane
-/// (nearest pixel; `outside` where the depth picture does not reach). Flat things move by less than a pixel.
-cv::Mat seen_by_color(const cv::Mat& picture, const RgbdCamera& camera, const FlatSurface& surface,
+/// An image of the depth camera as the colour camera would see it if it were painted on the surface's plane
+/// (nearest pixel; `outside` where the depth image does not reach). Flat things move by less than a pixel.
+cv::Mat seen_by_color(const cv::Mat& image, const RgbdCamera& camera, const FlatSurface& surface,
                       double outside);
 
 /// Flat things in two stages: what is certainly surface (below table_m) and certainly object (above object_m)
-/// trains histograms of hue and saturation, anew for every picture, so that the light may change; every pixel
-/// of the colour picture, which may be the larger one, is then decided by its colour and its height together.
+/// trains histograms of hue and saturation, anew for every image, so that the light may change; every pixel
+/// of the colour image, which may be the larger one, is then decided by its colour and its height together.
 /// What is left is searched once more for things that are too thin to be certain (above thin_m, over the
 /// plane as it bends as a whole): these must rise over what is next to them by step_m along their whole
 /// border, see rises_all_around(). `color`: CV_8UC3 of camera.color's size.

@@ -36,7 +36,7 @@ FlatSearch::FlatSearch(const cv::Mat& depth, const cv::Mat& color, const RgbdCam
       bin_of_color_(color_bins(color, options.bins)),
       open_(surface.inside.clone()) {}
 
-/// What the plane's normal and depth make of one pixel of the colour picture, m².
+/// What the plane's normal and depth make of one pixel of the colour image, m².
 double FlatSearch::pixel_area(const cv::Point& pixel) const {
   const Vector3d ray = camera_.depth_from_color.linear() * camera_.color.unproject(pixel.x, pixel.y, 1);
   const double slope = std::abs(surface_.normal.dot(ray));
@@ -105,7 +105,7 @@ std::vector<FlatObject> FlatSearch::find(const cv::Mat& over_depth, double objec
   return objects;
 }
 
-/// The objects' depth pixels: those that fall into an object's mask in the colour picture.
+/// The objects' depth pixels: those that fall into an object's mask in the colour image.
 void FlatSearch::assign_depth_pixels(const cv::Mat& heights, const cv::Mat& object_of_color,
                                      std::vector<FlatObject>& objects) const {
   if (objects.empty()) return;

@@ -11,14 +11,14 @@ namespace loci {
 /// surface.
 double pixel_noise(const cv::Mat& heights);
 
-/// The two stages of find_flat_objects() over one picture, and over what is left of it.
+/// The two stages of find_flat_objects() over one image, and over what is left of it.
 class FlatSearch {
  public:
   FlatSearch(const cv::Mat& depth, const cv::Mat& color, const RgbdCamera& camera, const FlatSurface& surface,
              const FlatOptions& options);
 
-  /// Things of which at least a quarter is higher than `object_m`, with the pixels of both pictures.
-  /// `heights`: over the surface, CV_32F, metres, of the depth picture.
+  /// Things of which at least a quarter is higher than `object_m`, with the pixels of both images.
+  /// `heights`: over the surface, CV_32F, metres, of the depth image.
   std::vector<FlatObject> find(const cv::Mat& heights, double object_m) const;
   /// What was found, and what is next to it, is not looked at again.
   void leave_out(const std::vector<FlatObject>& objects);

@@ -60,7 +60,7 @@ int region_of(const Vector3d& point, const std::vector<Prism>& prisms, const Kno
   return best;
 }
 
-/// Of a part of the picture.
+/// Of a part of the image.
 struct Counts {
   explicit Counts(size_t regions) : pixels(regions, 0) {}
   int known = 0, outside = 0;

@@ -49,7 +49,7 @@ struct KnownStructure {
   int outside = 0;  ///< pixels in no region
 };
 
-/// Compares a depth picture with what the map, its joints as they are now, would look like from
+/// Compares a depth image with what the map, its joints as they are now, would look like from
 /// `map_from_camera`. A point is known structure when d_model − z ≤ ε (one-sided: what lies behind a known
 /// surface goes too; ε grows with the noise of the depth). The tops of the surfaces themselves stay: within
 /// the tolerance around a surface's height a point belongs to its region, so that neither flat objects nor a

@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-/// A plane through the middle of a small picture as the sensor would measure it.
-cv::Mat plane_picture(const PinholeCamera& camera, const NormalOptions& options, const Vector3d& normal,
+/// A plane through the middle of a small image as the sensor would measure it.
+cv::Mat plane_image(const PinholeCamera& camera, const NormalOptions& options, const Vector3d& normal,
                       double distance, Random& random) {
   const double bf = options.baseline_m * camera.fx;
   const double quantum = options.disparity_quantum_px;
@@ -52,7 +52,7 @@ double mean_of_peak(const std::vector<double>& values) {
 }  // namespace
 
 InclinationBias measure_inclination_bias(const PinholeCamera& camera, const NormalOptions& options) {
-  constexpr int kTurns = 4, kSize = 64, kLeast = 200;
+  constexpr int kTurns = 4, kSize = 64, kMin = 200;
   constexpr double kMiddle = 1.2;
   PinholeCamera small = camera;
   small.width = small.height = kSize;
@@ -66,7 +66,7 @@ InclinationBias measure_inclination_bias(const PinholeCamera& camera, const Norm
       const double sine = std::sin(inclination * kDegree);
       const Vector3d normal(sine * std::cos(azimuth), sine * std::sin(azimuth),
                             -std::cos(inclination * kDegree));
-      const cv::Mat depth = plane_picture(small, options, normal, kMiddle, random);
+      const cv::Mat depth = plane_image(small, options, normal, kMiddle, random);
       smooth_depth_and_normals(depth, small, options, InclinationBias(), found);
       for (int v = 0; v < kSize; ++v)
         for (int u = 0; u < kSize; ++u) {
@@ -80,7 +80,7 @@ InclinationBias measure_inclination_bias(const PinholeCamera& camera, const Norm
     }
   InclinationBias::Table table = {};
   for (size_t bin = 0; bin < table.size(); ++bin)
-    if (missing[bin].size() >= kLeast) table[bin] = mean_of_peak(missing[bin]);
+    if (missing[bin].size() >= kMin) table[bin] = mean_of_peak(missing[bin]);
   return InclinationBias(table);
 }
 

@@ -8,7 +8,7 @@ namespace loci {
 
 AnnotatorDescriptor NormalEstimator::descriptor() const {
   return {"NormalEstimator",
-          "Smooths the depth picture within what its measurements allow, and gives every point a normal.",
+          "Smooths the depth image within what its measurements allow, and gives every point a normal.",
           {"Scene", "view:depth", "CameraInfo"},
           {"view:smoothed_depth", "view:cloud", "view:normals"}};
 }

@@ -7,7 +7,7 @@
 
 namespace loci {
 
-/// Smoothed depth, cloud and normals of the depth picture (§4.2.1).
+/// Smoothed depth, cloud and normals of the depth image (§4.2.1).
 class NormalEstimator : public Annotator {
  public:
   AnnotatorDescriptor descriptor() const override;

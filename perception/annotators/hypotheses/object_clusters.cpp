@@ -11,24 +11,24 @@
 
 namespace loci {
 
-cv::Rect box_of(const std::vector<int>& pixels, const cv::Size& picture) {
-  int left = picture.width;
+cv::Rect box_of(const std::vector<int>& pixels, const cv::Size& image) {
+  int left = image.width;
   int right = 0;
-  int top = picture.height;
+  int top = image.height;
   int bottom = 0;
   for (const int pixel : pixels) {
-    left = std::min(left, pixel % picture.width);
-    right = std::max(right, pixel % picture.width);
-    top = std::min(top, pixel / picture.width);
-    bottom = std::max(bottom, pixel / picture.width);
+    left = std::min(left, pixel % image.width);
+    right = std::max(right, pixel % image.width);
+    top = std::min(top, pixel / image.width);
+    bottom = std::max(bottom, pixel / image.width);
   }
   return {left, top, right - left + 1, bottom - top + 1};
 }
 
-bool is_at_image_border(const cv::Rect& box, const cv::Size& picture) {
+bool is_at_image_border(const cv::Rect& box, const cv::Size& image) {
   constexpr int kBorder = 4;  // Kinects leave the outermost columns empty.
-  return box.x < kBorder || box.y < kBorder || box.x + box.width > picture.width - kBorder - 8 ||
-         box.y + box.height > picture.height - kBorder;
+  return box.x < kBorder || box.y < kBorder || box.x + box.width > image.width - kBorder - 8 ||
+         box.y + box.height > image.height - kBorder;
 }
 namespace {
 
@@ -197,7 +197,7 @@ class ClusterMaker {
     return cluster;
   }
 
-  /// Adds what is enclosed by the thing in the picture and lies within its footprint, though it is as low as
+  /// Adds what is enclosed by the thing in the image and lies within its footprint, though it is as low as
   /// the support: the bottom of a pot. `taken` marks the pixels of all things.
   void fill_holes(ObjectCluster& cluster, const cv::Mat& taken) const {
     cv::Mat outside(cluster.box.height + 2, cluster.box.width + 2, CV_8U, cv::Scalar(255));

@@ -28,19 +28,19 @@ struct ClusterOptions {
   void declare(OptionTable& table);
 };
 
-/// The box around pixels (row · width + column) of a depth picture.
-cv::Rect box_of(const std::vector<int>& pixels, const cv::Size& picture);
-/// Whether the edge of the depth picture, or what a Kinect leaves empty there, cuts it off.
-bool is_at_image_border(const cv::Rect& box, const cv::Size& picture);
+/// The box around pixels (row · width + column) of a depth image.
+cv::Rect box_of(const std::vector<int>& pixels, const cv::Size& image);
+/// Whether the edge of the depth image, or what a Kinect leaves empty there, cuts it off.
+bool is_at_image_border(const cv::Rect& box, const cv::Size& image);
 
-/// One thing on a support, as the pixels of the depth picture that show it.
+/// One thing on a support, as the pixels of the depth image that show it.
 struct ObjectCluster {
   int support = 0;                   ///< index into the supports
   std::vector<int> pixels;           ///< row · width + column, ascending
   cv::Rect box;                      ///< around the pixels
   double bottom = 0;                 ///< lowest and
   double top = 0;                    ///< highest point over the support (2nd and 98th percentile), metres
-  bool at_image_border = false;      ///< cut off by the edge of the picture
+  bool at_image_border = false;      ///< cut off by the edge of the image
   bool at_region_border = false;     ///< reaches over the edge of the support
   bool partly_hidden = false;        ///< something nearer covers a part of it
   int stands_on = -1;                ///< index of the cluster below it; -1 = the support itself

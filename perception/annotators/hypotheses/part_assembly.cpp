@@ -161,8 +161,8 @@ class Assembly {
   /// those of `b`, too, or away from it. Walls of boxes that meet in a corner are flat and face past each
   /// other.
   bool around_one_axis(const Piece& a, const Piece& b, bool b_faces_it) const {
-    constexpr float kLeastSlope = 0.2f;  // What lies level faces nowhere.
-    constexpr float kLeastSpread = 0.05f;
+    constexpr float kMinSlope = 0.2f;  // What lies level faces nowhere.
+    constexpr float kMinSpread = 0.05f;
     std::vector<Vector2f> places;
     std::vector<Vector2f> facing;
     Eigen::Matrix2f across = Eigen::Matrix2f::Zero();
@@ -170,7 +170,7 @@ class Assembly {
     for (const Piece* piece : {&a, &b})
       for (const int i : piece->points) {
         const Vector2f normal = cloud_.normals[static_cast<size_t>(i)].head<2>();
-        if (!(normal.norm() > kLeastSlope)) continue;
+        if (!(normal.norm() > kMinSlope)) continue;
         facing.push_back((piece == &b && !b_faces_it ? -1 : 1) * normal.normalized());
         places.push_back(cloud_.points[static_cast<size_t>(i)].head<2>());
         const Eigen::Matrix2f beside =
@@ -180,7 +180,7 @@ class Assembly {
       }
     if (2 * places.size() < a.points.size() + b.points.size()) return false;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2f> solver(across);
-    if (solver.eigenvalues()[0] < kLeastSpread * solver.eigenvalues()[1]) return false;
+    if (solver.eigenvalues()[0] < kMinSpread * solver.eigenvalues()[1]) return false;
     const Vector2f axis = across.ldlt().solve(sum);
     std::vector<float> past;
     std::vector<float> ahead;
@@ -332,7 +332,7 @@ class Assembly {
 
   enum class Space { free, taken, hidden, unknown };
 
-  /// What the picture says about a position in the plane's frame.
+  /// What the image says about a position in the plane's frame.
   Space space_at(const Vector3f& position) const {
     const Vector3d p = cloud_.camera_from_plane * position.cast<double>();
     if (p.z() <= 0.1) return Space::unknown;

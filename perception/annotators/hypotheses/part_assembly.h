@@ -32,7 +32,7 @@ struct PlaneCloud {
   const Isometry3d& camera_from_plane;
   const PinholeCamera& camera;
   const cv::Mat&
-      image_points;  ///< CV_32FC3, the whole picture in the camera frame: what is free, what hidden
+      image_points;  ///< CV_32FC3, the whole image in the camera frame: what is free, what hidden
 };
 
 /// Puts convex parts together to things:

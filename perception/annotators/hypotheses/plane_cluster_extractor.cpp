@@ -54,8 +54,8 @@ SupportPlane support_of_region(const types::PlanarSupport& known, int label, con
                            offset + static_cast<double>(median(std::move(heights))), small);
   }
   // A fit to few points may tilt away from what the map says.
-  constexpr double kLeastCosine = 0.985;
-  if (!plane || plane->normal.dot(normal) < kLeastCosine) {
+  constexpr double kMinCosine = 0.985;
+  if (!plane || plane->normal.dot(normal) < kMinCosine) {
     plane.emplace();
     plane->normal = normal;
     plane->offset = offset;
@@ -69,7 +69,7 @@ SupportPlane support_of_region(const types::PlanarSupport& known, int label, con
   return *plane;
 }
 
-/// Share of the outline that the picture shows: in view, and not hidden behind something that does not stand
+/// Share of the outline that the image shows: in view, and not hidden behind something that does not stand
 /// there.
 double covered_fraction(const SupportPlane& plane, const cv::Mat& points, const PinholeCamera& camera) {
   Eigen::AlignedBox2d extent;
@@ -139,7 +139,7 @@ types::Cluster make_cluster(const ObjectCluster& found, const types::SceneCas& s
   cluster.partly_hidden.set(found.partly_hidden);
   if (!scene.has(types::SceneCas::kColor)) return cluster;
   const cv::Mat color = types::view_image(scene, types::SceneCas::kColor);
-  add_picture(cluster, kName, color_region(points, found.pixels, types::cameras(scene), color.size()), scene);
+  add_image(cluster, kName, color_region(points, found.pixels, types::cameras(scene), color.size()), scene);
   return cluster;
 }
 

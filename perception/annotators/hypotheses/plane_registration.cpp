@@ -40,9 +40,9 @@ PlaneRegistration::PlaneRegistration(const RgbdCamera& camera, const Vector3d& n
   }
 }
 
-cv::Mat PlaneRegistration::seen_by_color(const cv::Mat& picture, double outside) const {
+cv::Mat PlaneRegistration::seen_by_color(const cv::Mat& image, double outside) const {
   cv::Mat result;
-  cv::remap(picture, result, columns_, rows_, cv::INTER_NEAREST, cv::BORDER_CONSTANT, cv::Scalar(outside));
+  cv::remap(image, result, columns_, rows_, cv::INTER_NEAREST, cv::BORDER_CONSTANT, cv::Scalar(outside));
   return result;
 }
 

@@ -14,19 +14,19 @@ class PlaneRegistration {
  public:
   PlaneRegistration(const RgbdCamera& camera, const Vector3d& normal, double offset);
 
-  /// A picture of the depth camera as the colour camera would see it if it were painted on the plane (nearest
-  /// pixel; `outside` where the depth picture does not reach).
-  cv::Mat seen_by_color(const cv::Mat& picture, double outside) const;
+  /// An image of the depth camera as the colour camera would see it if it were painted on the plane (nearest
+  /// pixel; `outside` where the depth image does not reach).
+  cv::Mat seen_by_color(const cv::Mat& image, double outside) const;
 
  private:
-  cv::Mat columns_, rows_;  ///< CV_32F, of the colour picture's size
+  cv::Mat columns_, rows_;  ///< CV_32F, of the colour image's size
 };
 
-/// The pixels of the colour picture that may show those of `box` of the depth picture, some more included;
+/// The pixels of the colour image that may show those of `box` of the depth image, some more included;
 /// all of it when the box looks beside the plane.
 cv::Rect box_in_color(const cv::Rect& box, const RgbdCamera& camera, const Vector3d& normal, double offset);
 
-/// The camera of a part of its picture.
+/// The camera of a part of its image.
 PinholeCamera cropped(const PinholeCamera& camera, const cv::Rect& box);
 
 }  // namespace loci

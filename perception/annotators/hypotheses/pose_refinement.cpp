@@ -21,8 +21,8 @@ constexpr int kSteps = 12;            ///< at most
 constexpr double kLastGate = 0.03;    ///< metres: what is further from the map at the end is not on it
 constexpr double kOnSurface = 0.02;   ///< metres, plus twice the noise: the filter's own tolerance
 constexpr double kSameNormal = 0.8;   ///< cosine
-constexpr double kLeastShare = 0.15;  ///< of the points on the map's surfaces, for a fit to mean anything
-constexpr double kLeastGain = 0.02;   ///< more of the points explained, for the given pose to be given up
+constexpr double kMinShare = 0.15;  ///< of the points on the map's surfaces, for a fit to mean anything
+constexpr double kMinGain = 0.02;   ///< more of the points explained, for the given pose to be given up
 /// A direction is determined when a unit motion moves this share of the points (in the mean square) towards
 /// or away from their surfaces: an error of the sensor in them is at most its tenfold along it.
 constexpr double kDetermined = 0.01;
@@ -87,7 +87,7 @@ class Fit {
     return {static_cast<double>(value[0]), static_cast<double>(value[1]), static_cast<double>(value[2])};
   }
 
-  /// A measured point and where it is in the coarse picture.
+  /// A measured point and where it is in the coarse image.
   struct Sample {
     int u, v;
     Vector3d point, normal;
@@ -179,7 +179,7 @@ PoseRefinement refine_pose(const cv::Mat& points, const cv::Mat& normals, const 
   double gate = options.pose_error_m + std::sin(options.pose_error_deg * std::numbers::pi / 180) * 2;
   Isometry3d pose = map_from_camera;
   for (int i = 0; i < kSteps; ++i) {
-    if (static_cast<double>(pairs.size()) < kLeastShare * static_cast<double>(fit.measured()) ||
+    if (static_cast<double>(pairs.size()) < kMinShare * static_cast<double>(fit.measured()) ||
         pairs.size() < 100) {
       result.verdict = "too little of the map is in view";
       return result;
@@ -195,9 +195,9 @@ PoseRefinement refine_pose(const cv::Mat& points, const cv::Mat& normals, const 
   const double explained = fit.explained(fit.pairs(pose));
   const double shift = (pose.translation() - map_from_camera.translation()).norm();
   const double turn = turn_deg(map_from_camera, pose);
-  if (explained < kLeastShare) {
-    result.verdict = "the picture does not fit the map";
-  } else if (explained < result.explained_before + kLeastGain) {
+  if (explained < kMinShare) {
+    result.verdict = "the image does not fit the map";
+  } else if (explained < result.explained_before + kMinGain) {
     result.verdict = "the given pose explains as much";
   } else if (shift > 1.5 * options.pose_error_m || turn > 1.5 * options.pose_error_deg) {
     result.verdict = fmt::format("the map would be {:.0f} cm and {:.1f}° away", 100 * shift, turn);

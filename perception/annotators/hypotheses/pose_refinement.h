@@ -32,10 +32,10 @@ struct PoseRefinement {
   std::string verdict;  ///< in words
 };
 
-/// Fits the points of a depth picture (CV_32FC3, camera frame, NaN = none) and their normals (likewise) to
+/// Fits the points of a depth image (CV_32FC3, camera frame, NaN = none) and their normals (likewise) to
 /// what the scene, its joints as they are, looks like from the given pose: point to plane, pixel by pixel,
 /// drawn anew after every step. Points that are not on the map (things, people) lose their weight. The given
-/// pose stays when it explains the picture as well, when too little of the map is in view, and when the map
+/// pose stays when it explains the image as well, when too little of the map is in view, and when the map
 /// would have to be further away than the expected error.
 PoseRefinement refine_pose(const cv::Mat& points, const cv::Mat& normals, const PinholeCamera& camera,
                            const Isometry3d& map_from_camera, const RenderScene& scene,

@@ -26,7 +26,7 @@ double share_inside(const std::vector<Vector3d>& points, const Vector3d& center,
 
 AnnotatorDescriptor SuperpixelExtractor::descriptor() const {
   return {"SuperpixelExtractor",
-          "Parts the picture into patches of about one size in space, of one colour and direction.",
+          "Parts the image into patches of about one size in space, of one colour and direction.",
           {"Scene", "CameraInfo", "view:color", "view:cloud", "view:normals"},
           {"view:superpixels"}};
 }
@@ -50,7 +50,7 @@ void SaliencyDetector::declare(OptionTable& table) {
   table.number("reach_m", reach_m_, "m", "What is nearer than this is what something stands out from.", 0.01,
                10);
   table.number("share", share_, "", "Parts this salient, relative to the peak, belong to it.", 0.05, 1);
-  table.number("most_radius_m", most_radius_m_, "m", "Larger balls are left out.", 0.01, 10);
+  table.number("max_radius_m", max_radius_m_, "m", "Larger balls are left out.", 0.01, 10);
   table.integer("most", most_, "", "So many balls, the most salient ones.", 1, 1000);
 }
 
@@ -58,14 +58,14 @@ void SaliencyDetector::process(cas::Cas& cas, Context& /*context*/) {
   const types::SceneCas scene(cas);
   const Superpixels superpixels = superpixels_of(scene, superpixels_);
   const std::vector<double> values = saliency(superpixels, reach_m_);
-  cv::Mat picture = cv::Mat::zeros(superpixels.labels.size(), CV_8U);
-  for (int i = 0; i < picture.rows * picture.cols; ++i)
+  cv::Mat image = cv::Mat::zeros(superpixels.labels.size(), CV_8U);
+  for (int i = 0; i < image.rows * image.cols; ++i)
     if (const int label = superpixels.labels.ptr<uint16_t>()[i]; label > 0)
-      picture.ptr<uint8_t>()[i] = static_cast<uint8_t>(255 * values[static_cast<size_t>(label - 1)]);
-  types::set_view_image(scene, kSaliencyView, picture);
+      image.ptr<uint8_t>()[i] = static_cast<uint8_t>(255 * values[static_cast<size_t>(label - 1)]);
+  types::set_view_image(scene, kSaliencyView, image);
   const Isometry3d pose = map_from_camera(scene.scene());
   for (const SalientBall& ball : salient_balls(superpixels, values, share_, 2.5 * superpixels_.radius_m,
-                                               most_radius_m_, static_cast<size_t>(most_))) {
+                                               max_radius_m_, static_cast<size_t>(most_))) {
     const auto sphere = types::TFLinkSphereROI::create(cas);
     sphere.source.set("SaliencyDetector");
     sphere.tf_frame.set("map");

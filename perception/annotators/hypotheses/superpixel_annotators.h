@@ -8,7 +8,7 @@ namespace loci {
 /// Where the hypotheses of SaliencyDetector are indexed.
 inline constexpr std::string_view kSaliencyView = "saliency";
 
-/// Parts the picture into patches of about one size in space, in the view "superpixels".
+/// Parts the image into patches of about one size in space, in the view "superpixels".
 class SuperpixelExtractor : public Annotator {
  public:
   AnnotatorDescriptor descriptor() const override;
@@ -29,7 +29,7 @@ class SaliencyDetector : public Annotator {
 
  private:
   SuperpixelOptions superpixels_;
-  double reach_m_ = 0.25, share_ = 0.6, most_radius_m_ = 0.2;
+  double reach_m_ = 0.25, share_ = 0.6, max_radius_m_ = 0.2;
   int most_ = 10;
 };
 

@@ -12,9 +12,9 @@ namespace loci {
 namespace {
 
 constexpr double kColorScale = 25;  ///< Lab: colours this far apart count as much as one radius
-constexpr double kLeastCosine = 0.15;
-constexpr int kMostSuperpixels = 65000;
-constexpr int kMostRounds = 8;
+constexpr double kMinCosine = 0.15;
+constexpr int kMaxSuperpixels = 65000;
+constexpr int kMaxRounds = 8;
 constexpr double kOutlier = 3;      ///< standard deviations above the scene's median stand out
 constexpr double kFragment = 0.25;  ///< of a superpixel's expected pixels: smaller pieces go to a neighbour
 
@@ -49,7 +49,7 @@ class Growing {
       update(labels);
     }
     // A piece may go to one that itself goes elsewhere.
-    for (int round = 0; round < kMostRounds && connect(labels) > 0; ++round) update(labels);
+    for (int round = 0; round < kMaxRounds && connect(labels) > 0; ++round) update(labels);
     Superpixels found;
     found.all = centers_;
     labels += 1;
@@ -69,7 +69,7 @@ class Growing {
       if (!measured(i)) continue;
       const Vector3d point = vector(points_[i]);
       const double cosine =
-          std::max(kLeastCosine, std::abs(vector(normals_[i]).dot(point)) / std::max(1e-9, point.norm()));
+          std::max(kMinCosine, std::abs(vector(normals_[i]).dot(point)) / std::max(1e-9, point.norm()));
       density_.ptr<float>()[i] = static_cast<float>(
           std::min(1.0, point.z() * point.z() / (camera_.fx * camera_.fy * cosine * area)));
     }
@@ -95,7 +95,7 @@ class Growing {
       return;
     }
     left += here;
-    if (left < 0.5 || static_cast<int>(centers_.size()) >= kMostSuperpixels) return;
+    if (left < 0.5 || static_cast<int>(centers_.size()) >= kMaxSuperpixels) return;
     int nearest = -1, least = std::numeric_limits<int>::max();
     for (int v = cell.y; v < cell.br().y; ++v)
       for (int u = cell.x; u < cell.br().x; ++u) {
@@ -201,7 +201,7 @@ class Growing {
       double expected = 0;
       for (const int i : pieces[p]) expected += static_cast<double>(density_.ptr<float>()[i]);
       int next = expected < kFragment ? neighbour(labels, pieces[p]) : -1;
-      if (next < 0 && static_cast<int>(centers_.size()) < kMostSuperpixels) {
+      if (next < 0 && static_cast<int>(centers_.size()) < kMaxSuperpixels) {
         next = static_cast<int>(centers_.size());
         centers_.emplace_back();
       }
@@ -330,7 +330,7 @@ std::vector<double> saliency(const Superpixels& superpixels, double reach) {
 }
 
 std::vector<SalientBall> salient_balls(const Superpixels& superpixels, const std::vector<double>& saliency,
-                                       double share, double step, double most_radius, size_t most) {
+                                       double share, double step, double max_radius, size_t most) {
   const std::vector<Superpixel>& all = superpixels.all;
   std::vector<size_t> order(all.size());
   std::iota(order.begin(), order.end(), size_t{0});
@@ -358,7 +358,7 @@ std::vector<SalientBall> salient_balls(const Superpixels& superpixels, const std
     for (const size_t j : members) ball.center += all[j].position / static_cast<double>(members.size());
     for (const size_t j : members)
       ball.radius = std::max(ball.radius, (all[j].position - ball.center).norm() + step / 2);
-    if (ball.radius <= most_radius) balls.push_back(ball);
+    if (ball.radius <= max_radius) balls.push_back(ball);
   }
   return balls;
 }

@@ -35,13 +35,13 @@ struct Superpixels {
 };
 
 /// Depth-adaptive superpixels (§4.4; Weikersdorfer, Gossow, Beetz 2012): k-means over place in space,
-/// direction of the surface and colour, from seeds that are as dense in the picture as patches of one size
-/// are there. Each is connected in the picture. `points`, `normals`: CV_32FC3, camera frame, NaN = none;
+/// direction of the surface and colour, from seeds that are as dense in the image as patches of one size
+/// are there. Each is connected in the image. `points`, `normals`: CV_32FC3, camera frame, NaN = none;
 /// `lab`: CV_32FC3, colour of each of these pixels in CIE Lab, NaN = none (then colour does not count).
 Superpixels find_superpixels(const cv::Mat& points, const cv::Mat& normals, const cv::Mat& lab,
                              const PinholeCamera& camera, const SuperpixelOptions& options);
 
-/// The colour picture as the depth camera's pixels see it, in CIE Lab: CV_32FC3, NaN where unknown.
+/// The colour image as the depth camera's pixels see it, in CIE Lab: CV_32FC3, NaN where unknown.
 cv::Mat lab_of_points(const cv::Mat& points, const cv::Mat& color, const RgbdCamera& camera);
 
 /// How much each superpixel stands out from what surrounds it (region contrast after Cheng et al. 2011, with
@@ -57,9 +57,9 @@ struct SalientBall {
 };
 
 /// From the most salient on, as long as they stand out from most of the scene: superpixels at least `share`
-/// as salient as the peak, connected by steps of at most `step` metres. Balls above `most_radius` are left
+/// as salient as the peak, connected by steps of at most `step` metres. Balls above `max_radius` are left
 /// out, and peaks that lie in a ball before.
 std::vector<SalientBall> salient_balls(const Superpixels& superpixels, const std::vector<double>& saliency,
-                                       double share, double step, double most_radius, size_t most);
+                                       double share, double step, double max_radius, size_t most);
 
 }  // namespace loci

@@ -12,7 +12,7 @@ namespace loci {
 /// = map_from_camera.
 std::pair<Vector3d, double> plane_in_camera(const types::PlanarSupport& support, const Isometry3d& pose);
 
-/// Pixels of the depth picture within the outline of a support, CV_8U, 255 = inside.
+/// Pixels of the depth image within the outline of a support, CV_8U, 255 = inside.
 cv::Mat pixels_over(const types::PlanarSupport& support, const Isometry3d& camera_from_map,
                     const PinholeCamera& camera);
 

@@ -317,7 +317,7 @@ std::vector<SupportPlane> horizontal_supports(const cv::Mat& points, const cv::M
   return result;
 }
 
-/// The direction of the plane that most of what looks upwards in the picture agrees with.
+/// The direction of the plane that most of what looks upwards in the image agrees with.
 std::optional<Vector3d> dominant_plane(const cv::Mat& points, const cv::Mat& normals, double inlier,
                                        double cosine, double& offset) {
   std::vector<Sample> samples;

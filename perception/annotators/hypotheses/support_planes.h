@@ -81,7 +81,7 @@ std::optional<SupportPlane> refine_support(const cv::Mat& points, const cv::Mat&
                                            double offset, const SupportOptions& options);
 
 /// All horizontal supports in view, nearest to the camera's height last, when `up` (unit, camera frame) is
-/// known; otherwise the one plane that dominates the picture and looks upwards in it.
+/// known; otherwise the one plane that dominates the image and looks upwards in it.
 std::vector<SupportPlane> find_supports(const cv::Mat& points, const cv::Mat& normals,
                                         const std::optional<Vector3d>& up, const SupportOptions& options);
 

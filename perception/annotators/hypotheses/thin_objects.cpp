@@ -18,7 +18,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 /// Where on the plane a pixel looks.
 class Terms {
  public:
-  /// A row of the picture: both coordinates are quotients of what grows evenly along it.
+  /// A row of the image: both coordinates are quotients of what grows evenly along it.
   struct Row {
     float x_start, x_step, y_start, y_step, slope_start, slope_step;
 
@@ -98,7 +98,7 @@ BorderPiece border_piece(const cv::Mat& heights, const cv::Mat& ground, const cv
                          const cv::Mat& within) {
   constexpr float kGap = 3;  // Pixels at an edge show a bit of both.
   constexpr float kNear = 10;
-  constexpr int kLeast = 8;  // Fewer pixels have no mean to speak of.
+  constexpr int kMin = 8;  // Fewer pixels have no mean to speak of.
   BorderPiece piece;
   float inner = 0;
   float outer = 0;
@@ -119,7 +119,7 @@ BorderPiece border_piece(const cv::Mat& heights, const cv::Mat& ground, const cv
         ++outer_count;
       }
     }
-  if (inner_count >= kLeast && outer_count >= kLeast)
+  if (inner_count >= kMin && outer_count >= kMin)
     piece.step = inner / static_cast<float>(inner_count) - outer / static_cast<float>(outer_count);
   return piece;
 }

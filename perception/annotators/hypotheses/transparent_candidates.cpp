@@ -7,8 +7,8 @@
 namespace loci {
 namespace {
 
-constexpr double kMostShadow = 0.3;  ///< of a hole's rows
-constexpr int kBorder = 8;           ///< Kinects measure nothing at the edges of their pictures
+constexpr double kMaxShadow = 0.3;  ///< of a hole's rows
+constexpr int kBorder = 8;           ///< Kinects measure nothing at the edges of their images
 
 /// Where a pixel's ray meets the surface.
 Vector3d on_surface(const PinholeCamera& camera, const HoleSurface& surface, double u, double v) {
@@ -83,10 +83,10 @@ double shadow_share(const cv::Mat& hole, const cv::Rect& box, const cv::Mat& dep
 }  // namespace
 
 void TransparentOptions::declare(OptionTable& table) {
-  table.number("least_width_m", least_width_m, "m", "Narrower holes are none.", 0.005, 1);
-  table.number("most_width_m", most_width_m, "m", "Wider holes are none.", 0.01, 2);
-  table.number("least_height_m", least_height_m, "m", "What would be lower is none.", 0.005, 1);
-  table.number("most_height_m", most_height_m, "m", "What would be higher is none.", 0.01, 2);
+  table.number("min_width_m", min_width_m, "m", "Narrower holes are none.", 0.005, 1);
+  table.number("max_width_m", max_width_m, "m", "Wider holes are none.", 0.01, 2);
+  table.number("min_height_m", min_height_m, "m", "What would be lower is none.", 0.005, 1);
+  table.number("max_height_m", max_height_m, "m", "What would be higher is none.", 0.01, 2);
   table.number("surrounded", surrounded, "",
                "Share of what is seen around a hole that must be the surface itself.", 0, 1);
   table.number("baseline_m", baseline_m, "m", "Distance between projector and camera: it makes shadows.", 0,
@@ -105,29 +105,29 @@ std::vector<TransparentCandidate> find_transparent(const cv::Mat& depth, const P
   cv::Mat stats;
   cv::Mat centres;
   const int count = cv::connectedComponentsWithStats(holes, labels, stats, centres, 8);
-  const cv::Rect picture({0, 0}, depth.size());
+  const cv::Rect image({0, 0}, depth.size());
   std::vector<TransparentCandidate> found;
   for (int label = 1; label < count; ++label) {
     const cv::Rect own(stats.at<int>(label, cv::CC_STAT_LEFT), stats.at<int>(label, cv::CC_STAT_TOP),
                        stats.at<int>(label, cv::CC_STAT_WIDTH), stats.at<int>(label, cv::CC_STAT_HEIGHT));
     const cv::Rect box(own.x - kBorder, own.y - kBorder, own.width + 2 * kBorder, own.height + 2 * kBorder);
-    if ((box & picture) != box) continue;
+    if ((box & image) != box) continue;
     TransparentCandidate candidate;
     const double middle = own.x + 0.5 * (own.width - 1);
     const Vector3d front = on_surface(camera, surface, middle, own.y + own.height - 1);
     candidate.width = own.width * front.z() / camera.fx;
-    if (candidate.width < options.least_width_m || candidate.width > options.most_width_m) continue;
+    if (candidate.width < options.min_width_m || candidate.width > options.max_width_m) continue;
     // What is seen first of a foot is its front.
     const Vector3d ahead = (front - surface.normal.dot(front) * surface.normal).normalized();
     candidate.foot = front + 0.5 * candidate.width * ahead;
     // The uppermost pixel shows the far side of its rim.
     candidate.height =
         height_over(front + candidate.width * ahead, surface.normal, camera.unproject(middle, own.y, 1));
-    if (candidate.height < options.least_height_m || candidate.height > options.most_height_m) continue;
+    if (candidate.height < options.min_height_m || candidate.height > options.max_height_m) continue;
     const cv::Mat hole = labels(box) == label;
     candidate.surrounded = surface_around(hole, box, depth, camera, surface, options.surface_m);
     if (candidate.surrounded < options.surrounded) continue;
-    if (shadow_share(hole, box, depth, camera, options.baseline_m) > kMostShadow) continue;
+    if (shadow_share(hole, box, depth, camera, options.baseline_m) > kMaxShadow) continue;
     for (int v = 0; v < box.height; ++v)
       for (int u = 0; u < box.width; ++u)
         if (hole.at<unsigned char>(v, u)) candidate.pixels.push_back((v + box.y) * depth.cols + u + box.x);

@@ -9,12 +9,12 @@
 
 namespace loci {
 
-/// What a hole in the depth picture must be like to be taken for something transparent (§4.3).
+/// What a hole in the depth image must be like to be taken for something transparent (§4.3).
 struct TransparentOptions {
-  double least_width_m = 0.03;
-  double most_width_m = 0.15;
-  double least_height_m = 0.04;
-  double most_height_m = 0.35;
+  double min_width_m = 0.03;
+  double max_width_m = 0.15;
+  double min_height_m = 0.04;
+  double max_height_m = 0.35;
   double surrounded = 0.7;
   double baseline_m = 0.075;
   double surface_m = 0.012;

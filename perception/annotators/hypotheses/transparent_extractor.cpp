@@ -21,8 +21,8 @@ Isometry3d map_from_box(const TransparentCandidate& candidate, const Vector3d& f
   return pose;
 }
 
-/// The hole in the colour picture, as if it were as far away as the foot.
-void picture_candidate(const TransparentCandidate& candidate, const types::Cluster& cluster,
+/// The hole in the colour image, as if it were as far away as the foot.
+void image_candidate(const TransparentCandidate& candidate, const types::Cluster& cluster,
                        const types::SceneCas& scene, const RgbdCamera& camera) {
   if (!scene.has(types::SceneCas::kColor)) return;
   const cv::Mat color = types::view_image(scene, types::SceneCas::kColor);
@@ -32,7 +32,7 @@ void picture_candidate(const TransparentCandidate& candidate, const types::Clust
     points.ptr<cv::Vec3f>()[pixel] = {static_cast<float>(p.x()), static_cast<float>(p.y()),
                                       static_cast<float>(p.z())};
   }
-  add_picture(cluster, kName, color_region(points, candidate.pixels, camera, color.size()), scene);
+  add_image(cluster, kName, color_region(points, candidate.pixels, camera, color.size()), scene);
 }
 
 void add_cluster(const TransparentCandidate& candidate, const types::PlanarSupport& support,
@@ -42,7 +42,7 @@ void add_cluster(const TransparentCandidate& candidate, const types::PlanarSuppo
   const Isometry3d map_from_object = map_from_box(candidate, pose * candidate.foot, map_from_support);
   const Vector3d size(candidate.width, candidate.width, candidate.height);
   const auto cluster = types::Cluster::create(cas);
-  picture_candidate(candidate, cluster, scene, camera);
+  image_candidate(candidate, cluster, scene, camera);
   const auto box = types::TFLinkBBoxROI::create(cas);
   box.source.set(kName);
   box.tf_frame.set(scene.scene().map_from_camera.get().frame_id.get());
@@ -100,7 +100,7 @@ void TransparentExtractor::process(cas::Cas& cas, Context& /*context*/) {
     const HoleSurface surface = {normal, offset, pixels_over(support, pose.inverse(), camera.depth), taken};
     for (const TransparentCandidate& candidate : find_transparent(depth, camera.depth, surface, options_)) {
       add_cluster(candidate, support, scene, pose, camera);
-      // Of two supports that overlap in the picture one has it.
+      // Of two supports that overlap in the image one has it.
       for (const int pixel : candidate.pixels) taken.ptr<unsigned char>()[pixel] = 255;
       ++found;
     }

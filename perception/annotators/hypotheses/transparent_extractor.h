@@ -6,7 +6,7 @@
 namespace loci {
 
 /// Holes in depth as candidates for glasses: clusters without points, with a box, a region of the colour
-/// picture, and a classification of kind "material" that says "transparent" and how much speaks for it.
+/// image, and a classification of kind "material" that says "transparent" and how much speaks for it.
 class TransparentExtractor : public Annotator {
  public:
   AnnotatorDescriptor descriptor() const override;

@@ -11,9 +11,9 @@ namespace loci {
 namespace {
 
 constexpr double kCell = 0.005;  ///< of the top view, metres
-constexpr int kMostCells = 2000;
+constexpr int kMaxCells = 2000;
 
-/// Where each pixel of the picture falls in the top view of a plane.
+/// Where each pixel of the image falls in the top view of a plane.
 struct TopView {
   cv::Mat cell;  ///< CV_32SC2 per pixel, (-1, -1) = outside
   cv::Size size;
@@ -36,7 +36,7 @@ TopView top_view(const cv::Mat& heights, const PinholeCamera& camera, const Vect
   TopView view{cv::Mat(heights.size(), CV_32SC2, cv::Scalar(-1, -1)), {}};
   if (extent.isEmpty()) return view;
   const auto cells = [&](int axis) {
-    return std::min(kMostCells, static_cast<int>(extent.sizes()[axis] / kCell) + 1);
+    return std::min(kMaxCells, static_cast<int>(extent.sizes()[axis] / kCell) + 1);
   };
   view.size = {cells(0), cells(1)};
   for (int v = 0; v < heights.rows; ++v)

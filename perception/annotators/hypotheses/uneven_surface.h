@@ -7,8 +7,8 @@
 
 namespace loci {
 
-/// Heights over a plane (CV_32F, metres, picture of a depth camera, NaN = none) made heights over the uneven
-/// surface that lies about the plane, as far as one picture tells: in a top view the heights are opened
+/// Heights over a plane (CV_32F, metres, image of a depth camera, NaN = none) made heights over the uneven
+/// surface that lies about the plane, as far as one image tells: in a top view the heights are opened
 /// morphologically with a disc of diameter `window_m`, which takes away what is narrower; what then is lower
 /// than `object_m` is the surface and is averaged over its surroundings.
 cv::Mat over_uneven_surface(const cv::Mat& heights, const PinholeCamera& camera, const Vector3d& normal,

@@ -11,7 +11,7 @@ struct OutlineBand {
   float width = 0;     ///< between the outermost points to the left and to the right, metres
   float distance = 0;  ///< of the mean from the viewpoint, in the plane, metres
   Eigen::Vector2f middle = Eigen::Vector2f::Zero();  ///< between those two points, in the plane
-  Eigen::Vector2f across = Eigen::Vector2f::Zero();  ///< unit vector to the left in the picture
+  Eigen::Vector2f across = Eigen::Vector2f::Zero();  ///< unit vector to the left in the image
 };
 
 /// The band between the heights `low` and `high` of the points `members` of a cloud over a support (z =

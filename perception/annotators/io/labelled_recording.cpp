@@ -8,7 +8,7 @@
 #include "mapping/image/image_io.h"
 #include "perception/annotators/annotators.h"
 #include "perception/annotators/description/shape_annotators.h"
-#include "perception/annotators/io/pictures.h"
+#include "perception/annotators/io/images.h"
 #include "perception/pipeline/pipeline.h"
 
 namespace loci {
@@ -49,7 +49,7 @@ int object_of(const Overlaps& overlaps, int cluster) {
 
 }  // namespace
 
-std::map<std::string, fs::path> find_label_pictures(const fs::path& folder) {
+std::map<std::string, fs::path> find_label_images(const fs::path& folder) {
   constexpr std::string_view kEnding = "_label.png";
   std::map<std::string, fs::path> files;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
@@ -61,11 +61,11 @@ std::map<std::string, fs::path> find_label_pictures(const fs::path& folder) {
   return files;
 }
 
-cv::Mat read_label_picture(const fs::path& path) {
+cv::Mat read_label_image(const fs::path& path) {
   const std::string text = read_file(path);
   cv::Mat raw = decode_image(std::vector<unsigned char>(text.begin(), text.end()), path.string());
   if (raw.channels() != 1)
-    throw Error("a label picture has one channel", {path.string(), 0, {}},
+    throw Error("a label image has one channel", {path.string(), 0, {}},
                 "labels: 0 not judged, 1 to 19 table, from 20 on tens are objects");
   raw.convertTo(raw, CV_16U);
   return raw;
@@ -82,13 +82,13 @@ int64_t scene_number(const std::string& frame_name) {
 LabelledRecording open_labelled_recording(const fs::path& folder) {
   LabelledRecording labelled;
   labelled.recording = open_recording(folder);
-  const auto pictures = find_label_pictures(folder);
-  if (pictures.empty())
+  const auto images = find_label_images(folder);
+  if (images.empty())
     throw Error("there are no labels", {folder.string(), 0, {}},
                 "FRAME_label.png belongs beside FRAME_depth.png");
-  labelled.labels = [pictures](const std::string& frame) {
-    const auto found = pictures.find(frame);
-    return found == pictures.end() ? cv::Mat() : read_label_picture(found->second);
+  labelled.labels = [images](const std::string& frame) {
+    const auto found = images.find(frame);
+    return found == images.end() ? cv::Mat() : read_label_image(found->second);
   };
   const CsvTable table = CsvTable::read(folder / "objects.csv");
   const size_t scene = table.require_column("scene"), group = table.require_column("label_group");
@@ -134,7 +134,7 @@ LabelledSurfaces labelled_surfaces(const LabelledRecording& labelled, Progress& 
     if (labels.empty()) return;
     const cv::Mat numbers = label_image(scene);
     if (labels.size() != numbers.size())
-      throw Error("the label picture of frame " + frame + " is not as large as its depth picture");
+      throw Error("the label image of frame " + frame + " is not as large as its depth image");
     const Overlaps overlaps = overlaps_of(numbers, labels);
     for (const auto& [object, pixels] : overlaps.of_object)
       surfaces.objects += labelled.class_of(frame, object).empty() ? 0 : 1;

@@ -15,12 +15,12 @@
 
 namespace loci {
 
-/// Label pictures (FRAME_label.png) anywhere in a folder, by the names of their frames.
-std::map<std::string, std::filesystem::path> find_label_pictures(const std::filesystem::path& folder);
+/// Label images (FRAME_label.png) anywhere in a folder, by the names of their frames.
+std::map<std::string, std::filesystem::path> find_label_images(const std::filesystem::path& folder);
 
 /// CV_16U: 0 = not judged, 1 to 19 = the table, from 20 on label / 10 is the object. Error when it is no
-/// picture with one channel.
-cv::Mat read_label_picture(const std::filesystem::path& path);
+/// image with one channel.
+cv::Mat read_label_image(const std::filesystem::path& path);
 
 /// The number at the end of a frame's name ("learn07", "frame-000012"), which tables call its scene; -1 =
 /// none.
@@ -35,16 +35,16 @@ struct LabelledSurface {
   Ground ground;  ///< what it stands on, camera frame
 };
 
-/// A recording whose pictures are labelled.
+/// A recording whose images are labelled.
 struct LabelledRecording {
   std::shared_ptr<Recording> recording;
-  /// The label picture of a frame; empty = the frame has none.
+  /// The label image of a frame; empty = the frame has none.
   std::function<cv::Mat(const std::string& frame)> labels;
   /// Class of an object (label rounded down to tens) of a frame; "" = nobody knows.
   std::function<std::string(const std::string& frame, int object)> class_of;
 };
 
-/// A folder with a recording, label pictures and objects.csv with the columns scene (scene_number()),
+/// A folder with a recording, label images and objects.csv with the columns scene (scene_number()),
 /// label_group (label rounded down to tens), and class or object: what it is.
 LabelledRecording open_labelled_recording(const std::filesystem::path& folder);
 
@@ -54,7 +54,7 @@ struct LabelledSurfaces {
   size_t objects = 0;                  ///< all
 };
 
-/// An object of a picture whose class is known.
+/// An object of an image whose class is known.
 struct LabelledPart {
   std::string label;
   cv::Mat mask;  ///< CV_8U, 255 = the object

@@ -86,9 +86,9 @@ void RecordingReader::read_next(cas::Cas& cas, Context& context) {
   const types::SceneCas facade(cas);
   const types::Scene scene = facade.create_scene();
   if (!measures_anything(frame.depth)) {
-    facade.log("RecordingReader", "warning", "the depth picture is empty");
+    facade.log("RecordingReader", "warning", "the depth image is empty");
     context.warnings.add("frame " + std::to_string(frame.index) +
-                         ": the depth picture is empty; nothing is found there, nor missed");
+                         ": the depth image is empty; nothing is found there, nor missed");
   }
   scene.timestamp.set(frame.time_ns);
   scene.time_assumed.set(info.time_assumed);

@@ -12,13 +12,13 @@ namespace {
 using Eigen::Matrix3f;
 using Eigen::Vector3f;
 
-constexpr size_t kMost = 400;             ///< points whose normals are compared with one another
+constexpr size_t kMax = 400;             ///< points whose normals are compared with one another
 constexpr float kSameDirection = 0.978f;  ///< cosine of 12 degrees
 constexpr float kOtherDirection = 0.94f;  ///< cosine of 20 degrees
 
 std::vector<Vector3f> some_of(const std::vector<Vector3f>& vectors) {
   std::vector<Vector3f> some;
-  const size_t step = std::max<size_t>(1, vectors.size() / kMost);
+  const size_t step = std::max<size_t>(1, vectors.size() / kMax);
   for (size_t i = 0; i < vectors.size(); i += step) some.push_back(vectors[i]);
   return some;
 }

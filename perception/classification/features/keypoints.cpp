@@ -6,7 +6,7 @@ namespace loci::feature_delegates {
 
 std::vector<int> keypoints(const SurfacePoints& surface) {
   constexpr double kRadius = 0.025;
-  constexpr size_t kLeast = 20;
+  constexpr size_t kMin = 20;
   const PclClouds clouds(surface);
   pcl::ISSKeypoint3D<pcl::PointXYZ, pcl::PointXYZ> detector;
   detector.setInputCloud(clouds.points);
@@ -18,7 +18,7 @@ std::vector<int> keypoints(const SurfacePoints& surface) {
   detector.compute(found);
   const pcl::PointIndicesConstPtr indices = detector.getKeypointsIndices();
   std::vector<int> at(indices->indices.begin(), indices->indices.end());
-  if (at.size() >= kLeast) return at;
+  if (at.size() >= kMin) return at;
   const pcl::IndicesPtr spread = some_of(clouds, kFew);
   return {spread->begin(), spread->end()};
 }

@@ -44,7 +44,7 @@ Thermometer thermometer = types::as<Thermometer>(feature_structure);   // checke
 **Types of your own** need no code: `types::type_system_with({"climate.xml"})` merges them with ours (they may inherit from
 `loci.core.Annotation`, refer to any type, or add features to it by declaring it again), and everything works by name:
 `fs.set("degrees", 21.5)`, JSON and the memory included. `loci-perceive types climate.xml --with-loci` checks them. For
-proxies of your own: `loci_proxies(FOLDER NAMESPACE climate.xml)` in CMake.
+proxies of your own: `loci_generate_types(FOLDER NAMESPACE climate.xml)` in CMake.
 )";
 
 /// Bars would end a cell.

@@ -204,7 +204,7 @@ TEST(Grid, WhatARobotDrivesOverOrUnderIsNoObstacle) {
   EXPECT_EQ(at(occupancy_grid(triangles_of(map.world), options, warnings), 0, 1.7), Occupancy::free);
 }
 
-TEST(Grid, MapServersPictureHasTheHighestRowFirst) {
+TEST(Grid, MapServersImageHasTheHighestRowFirst) {
   OccupancyGrid grid;
   grid.width = 2;
   grid.height = 2;

@@ -70,7 +70,7 @@ TEST_F(ImageIo, HeaderTellsSizeAndKindWithoutDecoding) {
   EXPECT_EQ(color.bits, 8);
 }
 
-TEST_F(ImageIo, TruncatedPicturesAreRefusedWhereverTheyEnd) {
+TEST_F(ImageIo, TruncatedImagesAreRefusedWhereverTheyEnd) {
   for (const char* name : {"a.png", "a.jpg"}) {
     write_image(folder_ / name, gradient(CV_8UC3));
     const std::string whole = read_file(folder_ / name);
@@ -93,7 +93,7 @@ TEST_F(ImageIo, FlippedBitInPngIsFound) {
 }
 
 TEST_F(ImageIo, OtherFilesAndOtherKindsAreRefused) {
-  write_file_atomically(folder_ / "text.png", "no picture");
+  write_file_atomically(folder_ / "text.png", "no image");
   EXPECT_THAT(message_of([&] { read_color(folder_ / "text.png"); }), HasSubstr("not a PNG or JPEG"));
   EXPECT_THAT(message_of([&] { read_color(folder_ / "absent.png"); }), HasSubstr("absent.png: no such file"));
   write_image(folder_ / "c.png", gradient(CV_8UC3));

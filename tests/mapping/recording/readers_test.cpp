@@ -78,7 +78,7 @@ TEST_F(Tum, FramesTakeTheNearestColourAndThePoseBetweenItsNeighbours) {
   ASSERT_TRUE(first.map_from_camera);
   EXPECT_NEAR(first.map_from_camera->translation().x(), 0.5, 1e-9);
   EXPECT_NEAR(Eigen::AngleAxisd(first.map_from_camera->linear()).angle(), M_PI / 4, 1e-6);
-  // The second has neither a colour picture nor a pose within 20 ms.
+  // The second has neither a colour image nor a pose within 20 ms.
   EXPECT_TRUE(recording->frame(1).color.empty());
   EXPECT_FALSE(recording->frame(1).map_from_camera);
 }
@@ -147,7 +147,7 @@ TEST_F(Pcd, OneFileWithZBackwardsIsTurnedAndItsNameIsItsTime) {
   EXPECT_GT(recording->info().camera.depth.fy, 0);
 }
 
-TEST_F(Pcd, CloudsThatAreNoPicturesAreRefused) {
+TEST_F(Pcd, CloudsThatAreNoImagesAreRefused) {
   write("b.pcd", false, 1);
   EXPECT_THAT(refusal(root_), HasSubstr("not organised"));
   write("a.pcd");
@@ -239,7 +239,7 @@ TEST_F(Bag, GivesPosedFramesWhateverItsCompression) {
 TEST_F(Bag, WithoutDepthSaysWhatIsThere) {
   write_bag(bag_,
             {{"/chatter", kSecond, {"std_msgs/String", "string data\n", std::string("\3\0\0\0abc", 7)}}});
-  EXPECT_THAT(refusal(bag_), HasSubstr("no depth pictures"));
+  EXPECT_THAT(refusal(bag_), HasSubstr("no depth images"));
   EXPECT_THAT(refusal(bag_), HasSubstr("/chatter (std_msgs/String)"));
 }
 

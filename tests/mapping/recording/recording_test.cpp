@@ -167,11 +167,11 @@ TEST_F(RecordingFiles, BadRowsAreRefusedWithTheirLine) {
     write_file_atomically(rec_ / "frames.csv", "index,time_ns,color,depth,x,y,z,qx,qy,qz,qw\n" + row + "\n");
     return refusal();
   };
-  const std::string pictures = "0,1,frames/000000_color.png,frames/000000_depth.png,";
-  EXPECT_THAT(with_row(pictures + "nan,0,0,0,0,0,1"), HasSubstr("frames.csv:2"));
-  EXPECT_THAT(with_row(pictures + "0,0,0,0.5,0,0,1"), HasSubstr("not of unit length"));
-  EXPECT_THAT(with_row(pictures + "0,0,0,,,,"), HasSubstr("the pose is not complete"));
-  EXPECT_THAT(with_row("0,1,,frames/absent.png,,,,,,,"), HasSubstr("absent.png: no such picture"));
+  const std::string images = "0,1,frames/000000_color.png,frames/000000_depth.png,";
+  EXPECT_THAT(with_row(images + "nan,0,0,0,0,0,1"), HasSubstr("frames.csv:2"));
+  EXPECT_THAT(with_row(images + "0,0,0,0.5,0,0,1"), HasSubstr("not of unit length"));
+  EXPECT_THAT(with_row(images + "0,0,0,,,,"), HasSubstr("the pose is not complete"));
+  EXPECT_THAT(with_row("0,1,,frames/absent.png,,,,,,,"), HasSubstr("absent.png: no such image"));
   EXPECT_THAT(with_row("0,1,,frames/000000_color.png,,,,,,,"), HasSubstr("16-bit grey"));
   write_file_atomically(rec_ / "frames.csv", "index,time_ns,color,dpth\n");
   EXPECT_THAT(refusal(), HasSubstr("the column 'depth' is missing; did you mean 'dpth'?"));
@@ -187,15 +187,15 @@ TEST_F(RecordingFiles, SlightlyLongQuaternionIsNormalised) {
   EXPECT_TRUE(open_recording(rec_)->frame(0).map_from_camera->linear().isIdentity(1e-12));
 }
 
-TEST_F(RecordingFiles, TruncatedPictureIsNamedWhenOpening) {
+TEST_F(RecordingFiles, TruncatedImageIsNamedWhenOpening) {
   write_small();
-  const fs::path picture = rec_ / "frames/000001_depth.png";
-  const std::string bytes = read_file(picture);
-  write_file_atomically(picture, bytes.substr(0, bytes.size() / 2));
-  EXPECT_THAT(refusal(), HasSubstr("000001_depth.png: the picture is truncated"));
+  const fs::path image = rec_ / "frames/000001_depth.png";
+  const std::string bytes = read_file(image);
+  write_file_atomically(image, bytes.substr(0, bytes.size() / 2));
+  EXPECT_THAT(refusal(), HasSubstr("000001_depth.png: the image is truncated"));
 }
 
-TEST_F(RecordingFiles, PictureThatBreaksLaterIsNamedWhenAskedFor) {
+TEST_F(RecordingFiles, ImageThatBreaksLaterIsNamedWhenAskedFor) {
   write_small();
   const auto recording = open_recording(rec_);
   fs::remove(rec_ / "frames/000001_color.png");
@@ -207,7 +207,7 @@ TEST_F(RecordingFiles, PictureThatBreaksLaterIsNamedWhenAskedFor) {
   }
 }
 
-TEST_F(RecordingFiles, PicturesOfAnotherSizeDoNotBelong) {
+TEST_F(RecordingFiles, ImagesOfAnotherSizeDoNotBelong) {
   write_small();
   write_image(rec_ / "frames/000001_color.png", cv::Mat(12, 16, CV_8UC3, cv::Scalar(0, 0, 0)));
   EXPECT_THAT(refusal(), HasSubstr("16 x 12, the colour camera 8 x 6"));
@@ -240,7 +240,7 @@ TEST_F(RecordingFiles, SevenScenesPartsMustBelongTogether) {
   fs::rename(rec_ / "frame-000003.color.png", rec_ / "frame-000004.color.png");
   EXPECT_THAT(refusal(), HasSubstr("do not belong together"));
   fs::remove(rec_ / "frame-000004.color.png");
-  EXPECT_THAT(refusal(), HasSubstr("frame-000003 has no colour picture (3 depth, 2 colour files)"));
+  EXPECT_THAT(refusal(), HasSubstr("frame-000003 has no colour image (3 depth, 2 colour files)"));
 }
 
 TEST_F(RecordingFiles, SevenScenesPosesAreChecked) {

@@ -85,7 +85,7 @@ TEST(Render, TiltedPlaneHasAnalyticDepthAndNormalEverywhere) {
 
 TEST(Render, PixelCentresAreAtIntegers) {
   RenderScene scene;
-  // A square whose picture covers [49.6, 60.4] × [39.4, 50.6]: pixels 50 to 60 and 40 to 50.
+  // A square whose image covers [49.6, 60.4] × [39.4, 50.6]: pixels 50 to 60 and 40 to 50.
   PinholeCamera camera{100, 100, 100, 100, 0, 0};
   TriangleMesh mesh = square(1);
   for (Eigen::Vector3f& p : mesh.vertices)

@@ -124,7 +124,7 @@ TEST(Scenario, CameraLooksWhereItIsTold) {
   EXPECT_NEAR(target.x(), 0, 1e-12);
   EXPECT_NEAR(target.y(), 0, 1e-12);
   EXPECT_GT(target.z(), 0);
-  EXPECT_LT((pose.inverse() * Vector3d(1, 3, 1)).y(), 0) << "what is higher is further up in the picture";
+  EXPECT_LT((pose.inverse() * Vector3d(1, 3, 1)).y(), 0) << "what is higher is further up in the image";
   EXPECT_GT((pose.inverse() * Vector3d(2, 3, 0.5)).x(), 0) << "east is right when looking north";
   EXPECT_NEAR(pose.linear().determinant(), 1, 1e-12);
 }

@@ -73,7 +73,7 @@ TEST_F(DatasetTest, LabelsOfPeopleComeFirstThenFactsThenAnnotators) {
   EXPECT_EQ(class_of(store, first, 1).by, "fact");
   label_observation(store, 1, 0, "cup");
   EXPECT_EQ(class_of(store, first, 1).name, "cup");
-  EXPECT_EQ(class_of(store, store.observations(2).front(), 1).name, "mug") << "a label is of one picture";
+  EXPECT_EQ(class_of(store, store.observations(2).front(), 1).name, "mug") << "a label is of one image";
 }
 
 TEST_F(DatasetTest, IsARecordingWhoseLabelsSayWhatIsWhere) {

@@ -170,13 +170,13 @@ TEST_F(ObjectModelTest, WhatCannotBeRegisteredSaysSo) {
   EXPECT_EQ(model.report()["views"].size(), 2U);
 }
 
-TEST_F(ObjectModelTest, ALabelPictureHasTheNumbersOfTheObjectsWhereTheirMasksAre) {
+TEST_F(ObjectModelTest, ALabelImageHasTheNumbersOfTheObjectsWhereTheirMasksAre) {
   {
     Store store = Store::open_write(file_);
     add_view(store, store.begin_run("test", "{}"), 0, {1, 2, 0.8}, "tea");
   }
   const Store store = Store::open_read(file_);
-  const cv::Mat labels = label_picture(store, store.scene(1));
+  const cv::Mat labels = label_image(store, store.scene(1));
   ASSERT_EQ(labels.type(), CV_16U);
   EXPECT_EQ(labels.size(), cv::Size(kWidth, kHeight));
   EXPECT_EQ(labels.at<uint16_t>(kHeight / 2, kWidth / 2), 1);

@@ -39,7 +39,7 @@ void remember_three(const std::filesystem::path& file) {
   store.finish_run(run);
 }
 
-TEST_F(Likeness, OfAnObjectIsByItsPictures) {
+TEST_F(Likeness, OfAnObjectIsByItsImages) {
   remember_three(file_);
   const Store store = Store::open_read(file_);
   const LikeAnswer answer = ask(store, LikeQuestion{.subject = "object_1"});
@@ -49,13 +49,13 @@ TEST_F(Likeness, OfAnObjectIsByItsPictures) {
   EXPECT_LT(answer.objects[1].likeness, 0.1);
 }
 
-TEST_F(Likeness, OfAPictureIsTheSame) {
+TEST_F(Likeness, OfAImageIsTheSame) {
   remember_three(file_);
-  const std::filesystem::path picture = file_.parent_path() / "blue.png";
-  write_image(picture, colored({200, 45, 35}));
+  const std::filesystem::path image = file_.parent_path() / "blue.png";
+  write_image(image, colored({200, 45, 35}));
   const Store store = Store::open_read(file_);
-  EXPECT_EQ(ask(store, LikeQuestion{.picture = picture}).objects.at(0).object.object.id, 3);
-  EXPECT_THROW(ask(store, LikeQuestion{.picture = "missing.png"}), Error);
+  EXPECT_EQ(ask(store, LikeQuestion{.image = image}).objects.at(0).object.object.id, 3);
+  EXPECT_THROW(ask(store, LikeQuestion{.image = "missing.png"}), Error);
 }
 
 }  // namespace

@@ -137,11 +137,11 @@ TEST_F(RecorderTest, FeatureStructuresComeBackIdenticalWithTheStoredTypeSystem) 
 }
 
 TEST(RecordingFingerprint, DependsOnContentOnly) {
-  const cv::Mat picture(4, 4, CV_32F, cv::Scalar(1.0)), other(4, 4, CV_32F, cv::Scalar(2.0));
+  const cv::Mat image(4, 4, CV_32F, cv::Scalar(1.0)), other(4, 4, CV_32F, cv::Scalar(2.0));
   const std::vector<FrameDigest> frames = {{0, 1}, {1, 2}};
-  EXPECT_EQ(recording_fingerprint(frames, {picture}), recording_fingerprint(frames, {picture.clone()}));
-  EXPECT_NE(recording_fingerprint(frames, {picture}), recording_fingerprint(frames, {other}));
-  EXPECT_NE(recording_fingerprint(frames, {picture}), recording_fingerprint({{0, 1}, {1, 3}}, {picture}));
+  EXPECT_EQ(recording_fingerprint(frames, {image}), recording_fingerprint(frames, {image.clone()}));
+  EXPECT_NE(recording_fingerprint(frames, {image}), recording_fingerprint(frames, {other}));
+  EXPECT_NE(recording_fingerprint(frames, {image}), recording_fingerprint({{0, 1}, {1, 3}}, {image}));
 }
 
 }  // namespace

@@ -124,8 +124,8 @@ TEST(ClusterDepth, AnyDepthComesBackToTheMillimetre) {
 
 TEST_F(Kept, GoesByTheRulesOfRetention) {
   make();
-  const RetentionResult result = retain(file_, {.pictures_s = 150, .reasoning_s = 50});
-  EXPECT_EQ(result.scenes_without_pictures, 1);
+  const RetentionResult result = retain(file_, {.images_s = 150, .reasoning_s = 50});
+  EXPECT_EQ(result.scenes_without_images, 1);
   EXPECT_EQ(result.observations_without_points, 1);
   EXPECT_EQ(result.scenes_without_reasoning, 2);
   const Store store = Store::open_read(file_);

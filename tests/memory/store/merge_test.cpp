@@ -39,12 +39,12 @@ class MergeTest : public testing_support::TemporaryFolder {
                                         .class_name = "table",
                                         .height = at.z(),
                                         .outline = {{at.x() - 1, at.y() - 1}, {at.x() + 1, at.y() + 1}}});
-      const Id picture = scene.add_blob("picture of " + name + std::to_string(times[i]), "image/jpeg");
+      const Id image = scene.add_blob("image of " + name + std::to_string(times[i]), "image/jpeg");
       const Id id = scene.add_scene({.recording = source,
                                      .frame_index = static_cast<int64_t>(i),
                                      .time = times[i],
                                      .map_from_camera = Isometry3d(Eigen::Translation3d(at)),
-                                     .picture = picture});
+                                     .image = image});
       if (object == 0) object = scene.add_object({});
       const Id seen = scene.add_observation({.scene = id,
                                              .number = 0,
@@ -158,21 +158,21 @@ TEST_F(MergeTest, BringsTheSecondIntoTheFirstOnesFrame) {
   EXPECT_EQ(rows(out), rows(folder_ / "again.loci"));
 }
 
-TEST_F(MergeTest, OldPicturesGoAndNumbersStay) {
+TEST_F(MergeTest, OldImagesGoAndNumbersStay) {
   const fs::path file = robot("ada", {1, 0, 0.8}, {0, 100 * kSecond, 200 * kSecond}, "rec a");
-  const RetentionResult result = retain(file, {.pictures_s = 50, .crops_s = 150});
-  EXPECT_EQ(result.scenes_without_pictures, 2);
+  const RetentionResult result = retain(file, {.images_s = 50, .crops_s = 150});
+  EXPECT_EQ(result.scenes_without_images, 2);
   EXPECT_EQ(result.observations_without_crops, 1);
   EXPECT_THAT(problems(file), IsEmpty());
   const std::string bytes = read_file(file);
-  EXPECT_EQ(bytes.find("picture of ada0"), std::string::npos);
-  EXPECT_NE(bytes.find("picture of ada200"), std::string::npos);
+  EXPECT_EQ(bytes.find("image of ada0"), std::string::npos);
+  EXPECT_NE(bytes.find("image of ada200"), std::string::npos);
   EXPECT_NE(bytes.find("crop of ada"), std::string::npos) << "younger observations have the same crop";
   const Store store = Store::open_read(file);
   EXPECT_EQ(store.sightings(1).size(), 3U);
   EXPECT_EQ(store.runs().back().program, "loci-memory retain") << "it is logged";
-  EXPECT_THAT(store.runs().back().configuration, HasSubstr("\"scenes_without_pictures\":2"));
-  EXPECT_THAT([&] { retain(file, {.pictures_s = 9, .crops_s = 1}); },
+  EXPECT_THAT(store.runs().back().configuration, HasSubstr("\"scenes_without_images\":2"));
+  EXPECT_THAT([&] { retain(file, {.images_s = 9, .crops_s = 1}); },
               ThrowsMessage<Error>(HasSubstr("crops would go before")));
 }
 

@@ -198,7 +198,7 @@ TEST(Clusters, ThingsOnTwoLevelsStandOnTheirOwnSupports) {
   for (int label = 2; label <= 3; ++label) EXPECT_GT(best_overlap(found, label), 0.8) << label;
 }
 
-TEST(Clusters, WhatThePictureCutsOffSaysSo) {
+TEST(Clusters, WhatTheImageCutsOffSaysSo) {
   SyntheticTable table;
   table.boxes = {{{-0.49, 0.0, 0.05}, {0.12, 0.10, 0.10}}, {{0.05, 0.0, 0.05}, {0.08, 0.08, 0.10}}};
   const Found found = find(table, 0, table.up());

@@ -69,11 +69,11 @@ TriangleMesh cube(double side) {
   return triangulate(Box{Vector3d(side, side, side)}, {}, warnings);
 }
 
-struct Picture {
+struct Image {
   cv::Mat points, normals;
 };
 
-Picture picture_of(const RenderScene& scene, const Isometry3d& map_from_camera) {
+Image image_of(const RenderScene& scene, const Isometry3d& map_from_camera) {
   const cv::Mat depth = scene.render(kCamera, map_from_camera).depth;
   return {points_from_depth(depth, kCamera), normals_from_depth(depth, kCamera)};
 }
@@ -90,14 +90,14 @@ TEST(PoseRefinement, FindsTheCameraThoughThingsStandAround) {
   const Isometry3d truth = looking({-0.5, -0.8, 1.5}, {0.5, 1.2, 0.8});
   RenderScene seen = scene_of(kitchen());
   for (int i = 0; i < 5; ++i) seen.add("thing", cube(0.2), at({-0.6 + 0.3 * i, 1.0, 0.95}));
-  const Picture picture = picture_of(seen, truth);
+  const Image image = image_of(seen, truth);
   const RenderScene map = scene_of(kitchen());
   for (const double cm : {2.0, 5.0}) {
     Isometry3d given = truth;
     given.translation() += 0.01 * cm * Vector3d(0.6, -0.64, 0.48);
     given.rotate(Eigen::AngleAxisd(0.4 * cm * std::numbers::pi / 180, Vector3d(0.6, 0.64, -0.48)));
     const PoseRefinement found =
-        refine_pose(picture.points, picture.normals, kCamera, given, map, PoseRefinementOptions(), 1);
+        refine_pose(image.points, image.normals, kCamera, given, map, PoseRefinementOptions(), 1);
     EXPECT_TRUE(found.moved) << found.verdict;
     EXPECT_EQ(found.constrained, 6);
     EXPECT_LT((found.map_from_camera.translation() - truth.translation()).norm(), 0.005) << cm;
@@ -109,11 +109,11 @@ TEST(PoseRefinement, LeavesDirectionsThatASingleWallDoesNotDetermine) {
   const World wall = world_of("<link name=\"map\"/>" + box("wall", "40 0.1 40") + fixed("wall", "0 1.5 0"));
   const RenderScene map = scene_of(wall);
   const Isometry3d truth = looking({0, 0, 0}, {0.1, 1.5, 0.1});
-  const Picture picture = picture_of(map, truth);
+  const Image image = image_of(map, truth);
   Isometry3d given = truth;
   given.translation() += Vector3d(0.03, 0.05, 0.04);
   const PoseRefinement found =
-      refine_pose(picture.points, picture.normals, kCamera, given, map, PoseRefinementOptions(), 1);
+      refine_pose(image.points, image.normals, kCamera, given, map, PoseRefinementOptions(), 1);
   EXPECT_EQ(found.constrained, 3);
   EXPECT_TRUE(found.moved);
   EXPECT_NE(found.verdict.find("3 of 6"), std::string::npos) << found.verdict;
@@ -126,14 +126,14 @@ TEST(PoseRefinement, LeavesDirectionsThatASingleWallDoesNotDetermine) {
 TEST(PoseRefinement, KeepsThePoseThatIsRightAndThatOfAnotherPlace) {
   const RenderScene map = scene_of(kitchen());
   const Isometry3d truth = looking({-0.5, -0.8, 1.5}, {0.5, 1.2, 0.8});
-  const Picture picture = picture_of(map, truth);
+  const Image image = image_of(map, truth);
   const PoseRefinement right =
-      refine_pose(picture.points, picture.normals, kCamera, truth, map, PoseRefinementOptions(), 1);
+      refine_pose(image.points, image.normals, kCamera, truth, map, PoseRefinementOptions(), 1);
   EXPECT_FALSE(right.moved);
   EXPECT_TRUE(right.map_from_camera.isApprox(truth));
   const Isometry3d elsewhere = looking({0, 0, 1.5}, {0, -3, 8});  // Nothing of the map is there.
   const PoseRefinement lost =
-      refine_pose(picture.points, picture.normals, kCamera, elsewhere, map, PoseRefinementOptions(), 1);
+      refine_pose(image.points, image.normals, kCamera, elsewhere, map, PoseRefinementOptions(), 1);
   EXPECT_FALSE(lost.moved);
   EXPECT_EQ(lost.verdict, "too little of the map is in view");
 }
@@ -148,8 +148,8 @@ TEST(ArticulatedFronts, DrawersAndDoorsAreFoundWhereTheyStand) {
   const Isometry3d camera = looking({-0.3, -0.9, 1.4}, {0, 0.8, 0.5});
   for (const JointState& truth : {JointState{{"drawer_joint", 0.31}, {"door_joint", 0.9}}, JointState{},
                                   JointState{{"drawer_joint", 0.12}}}) {
-    const Picture picture = picture_of(scene_of(world, truth), camera);
-    const auto states = fronts.estimate(picture.points, kCamera, camera, {});
+    const Image image = image_of(scene_of(world, truth), camera);
+    const auto states = fronts.estimate(image.points, kCamera, camera, {});
     for (const auto& [joint, tolerance] : {std::pair("drawer_joint", 0.005), std::pair("door_joint", 0.03)}) {
       const FrontState& state = state_of(states, joint);
       const double expected = truth.contains(joint) ? truth.at(joint) : 0;
@@ -167,20 +167,20 @@ TEST(ArticulatedFronts, WhatHidesAFrontLeavesItsJointAndIsReported) {
   RenderScene seen = scene_of(world);
   Warnings warnings;
   seen.add("board", triangulate(Box{Vector3d(0.6, 0.04, 0.6)}, {}, warnings), at({-0.4, 0.31, 0.6}));
-  const Picture picture = picture_of(seen, camera);
-  const FrontState drawer = state_of(fronts.estimate(picture.points, kCamera, camera, {}), "drawer_joint");
+  const Image image = image_of(seen, camera);
+  const FrontState drawer = state_of(fronts.estimate(image.points, kCamera, camera, {}), "drawer_joint");
   EXPECT_FALSE(drawer.determined);
   EXPECT_EQ(drawer.position, 0);
   const cv::Mat map_depth = scene_of(world).render(kCamera, camera).depth;
   cv::Mat unknown(kCamera.height, kCamera.width, CV_8U);
   for (int i = 0; i < unknown.rows * unknown.cols; ++i)
-    unknown.ptr<uint8_t>()[i] = map_depth.ptr<float>()[i] - picture.points.ptr<cv::Vec3f>()[i][2] > 0.03f;
-  const auto obstacles = fronts.obstacles(picture.points, unknown, kCamera, camera, {});
+    unknown.ptr<uint8_t>()[i] = map_depth.ptr<float>()[i] - image.points.ptr<cv::Vec3f>()[i][2] > 0.03f;
+  const auto obstacles = fronts.obstacles(image.points, unknown, kCamera, camera, {});
   ASSERT_EQ(obstacles.size(), 1U);
   EXPECT_EQ(obstacles[0].joint, "drawer_joint");
   EXPECT_NEAR(obstacles[0].distance_m, 0.77 - 0.29, 0.01);
   EXPECT_GT(obstacles[0].share, 0.8);
-  const Picture free = picture_of(scene_of(world), camera);
+  const Image free = image_of(scene_of(world), camera);
   EXPECT_TRUE(
       fronts.obstacles(free.points, cv::Mat::zeros(unknown.size(), CV_8U), kCamera, camera, {}).empty());
 }

@@ -22,7 +22,7 @@ Vector3d leaning(double inclination_deg, double azimuth_deg) {
           -std::cos(inclination_deg * kDegree)};
 }
 
-/// A plane through the middle of the picture as a Kinect measures it: noise, then steps of 1/8 px of
+/// A plane through the middle of the image as a Kinect measures it: noise, then steps of 1/8 px of
 /// disparity.
 cv::Mat plane(const Vector3d& normal, double distance, double sigma, uint64_t seed = 5) {
   Random random(seed);
@@ -143,7 +143,7 @@ TEST(Normals, AreTheSameBytesEveryTime) {
   const InclinationBias bias = measure_inclination_bias(kCamera, {});
   EXPECT_EQ(bias.correction_deg(), measure_inclination_bias(kCamera, {}).correction_deg());
   const DepthNormals first = estimate(depth, {}, bias);
-  estimate(plane(leaning(10, 0), 2, 0.1));  // Another picture between them leaves nothing behind.
+  estimate(plane(leaning(10, 0), 2, 0.1));  // Another image between them leaves nothing behind.
   const DepthNormals second = estimate(depth, {}, bias);
   EXPECT_EQ(std::memcmp(first.normals.data, second.normals.data, first.normals.total() * sizeof(cv::Vec3f)),
             0);

@@ -125,7 +125,7 @@ std::vector<std::vector<Box>> boxes(const std::string& flow) {
   return found;
 }
 
-TEST(ObjectViews, MeasureWhatNoSinglePictureShows) {
+TEST(ObjectViews, MeasureWhatNoSingleImageShows) {
   const auto alone = boxes("flow: [GeometryAnnotator]");
   EXPECT_LT(alone[0][0].size.y(), 0.01) << "the front alone has no depth";
   const auto found = boxes("flow: [{multiply: {ObjectViews: {place_m: 0.2}}, do: [GeometryAnnotator]}]");

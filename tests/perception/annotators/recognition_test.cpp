@@ -16,19 +16,19 @@ namespace fs = std::filesystem;
 
 const fs::path kData = fs::path(LOCI_SOURCE_DIR) / "tests/data";
 
-/// A scene of one cluster with this picture, cut out at (10, 20) of the image.
-void show(cas::Cas& cas, const cv::Mat& picture) {
+/// A scene of one cluster with this image, cut out at (10, 20) of the image.
+void show(cas::Cas& cas, const cv::Mat& image) {
   const types::SceneCas scene(cas);
   scene.create_scene();
   const auto roi = types::StandaloneImageROI::create(cas);
-  roi.roi.set(types::to(cas, cv::Rect(10, 20, picture.cols, picture.rows)));
-  roi.image.set(types::to(cas, picture));
+  roi.roi.set(types::to(cas, cv::Rect(10, 20, image.cols, image.rows)));
+  roi.image.set(types::to(cas, image));
   const auto cluster = types::Cluster::create(cas);
   cluster.hypotheses.push_back(roi);
   scene.add_cluster(cluster);
 }
 
-types::Cluster annotated(const std::string& name, const Json& options, const cv::Mat& picture,
+types::Cluster annotated(const std::string& name, const Json& options, const cv::Mat& image,
                          cas::Cas& cas) {
   AnnotatorRegistry registry;
   add_annotators(registry);
@@ -36,7 +36,7 @@ types::Cluster annotated(const std::string& name, const Json& options, const cv:
   OptionTable table;
   annotator->declare(table);
   table.read(Config::parse(options.dump(), "options"));
-  show(cas, picture);
+  show(cas, image);
   Resources resources;
   Warnings warnings;
   Context context{resources, warnings, 2, {}};
@@ -52,7 +52,7 @@ TEST(RecognitionAnnotators, AProductComesWithWhatTheCatalogueSays) {
   ProductIndex::build(read_catalogue(kData / "products"), 2, progress, warnings).save(index);
   cas::Cas cas(types::type_system());
   const auto cluster = annotated("ProductRecognition", {{"index", index.string()}},
-                                 read_color(kData / "pictures/Alpro-Blueberry-Soyghurt_001.jpg"), cas);
+                                 read_color(kData / "images/Alpro-Blueberry-Soyghurt_001.jpg"), cas);
   const auto product = cluster.annotations.first<types::ProductAnnotation>();
   ASSERT_TRUE(product);
   EXPECT_EQ(product.name.get(), "Alpro-Blueberry-Soyghurt");
@@ -69,7 +69,7 @@ TEST(RecognitionAnnotators, AProductNeedsAnIndex) {
 TEST(RecognitionAnnotators, ABarcodeLiesInTheSceneWhereItIsOnTheObject) {
   cas::Cas cas(types::type_system());
   const auto cluster =
-      annotated("BarcodeReader", {{"thorough", true}}, read_color(kData / "pictures/ean13.png"), cas);
+      annotated("BarcodeReader", {{"thorough", true}}, read_color(kData / "images/ean13.png"), cas);
   const auto code = cluster.annotations.first<types::BarcodeAnnotation>();
   ASSERT_TRUE(code);
   EXPECT_EQ(code.code.get(), "9780441014989");
@@ -78,8 +78,8 @@ TEST(RecognitionAnnotators, ABarcodeLiesInTheSceneWhereItIsOnTheObject) {
 
 TEST(RecognitionAnnotators, OneTextForEachWord) {
   cas::Cas cas(types::type_system());
-  const cv::Mat picture = read_color(kData / "products/Oatly-Oat-Milk.jpg");
-  const auto cluster = annotated("TextReader", {{"least_confidence", 0}}, picture, cas);
+  const cv::Mat image = read_color(kData / "products/Oatly-Oat-Milk.jpg");
+  const auto cluster = annotated("TextReader", {{"min_confidence", 0}}, image, cas);
   const auto text = cluster.annotations.first<types::TextAnnotation>();
   ASSERT_TRUE(text);
   EXPECT_EQ(text.words.size(), 1u);

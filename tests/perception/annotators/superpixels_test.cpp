@@ -212,7 +212,7 @@ TEST(SaliencyDetector, BallsAreHypothesesInTheMapFrame) {
   EXPECT_FALSE(wall.hypotheses.first<types::TFLinkSphereROI>());
 }
 
-/// A picture of a table whose objects are labelled (tens of the label from 20 on), and what stands out in it.
+/// An image of a table whose objects are labelled (tens of the label from 20 on), and what stands out in it.
 struct LabelledTable {
   cv::Mat points, labels;
   std::vector<SalientBall> balls;

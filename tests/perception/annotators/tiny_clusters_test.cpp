@@ -9,7 +9,7 @@
 namespace loci {
 namespace {
 
-/// One frame: a plane at z = 1 m, of which some pixels are a cluster with a picture of one pixel.
+/// One frame: a plane at z = 1 m, of which some pixels are a cluster with an image of one pixel.
 class TinyReader : public Reader {
  public:
   explicit TinyReader(std::vector<int32_t> pixels = {}) : pixels_(std::move(pixels)) {}

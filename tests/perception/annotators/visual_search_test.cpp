@@ -20,7 +20,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// A server that answers every picture with the same results.
+/// A server that answers every image with the same results.
 class Server {
  public:
   explicit Server(const std::vector<SearchResult>& results, int status = 200)
@@ -36,18 +36,18 @@ class Server {
   testing_support::LocalServer server_;
 };
 
-cv::Mat picture(int seed) {
+cv::Mat image(int seed) {
   cv::Mat small(6, 8, CV_8UC3), image;
   cv::RNG(static_cast<uint64_t>(seed)).fill(small, cv::RNG::UNIFORM, 0, 255);
   cv::resize(small, image, {160, 120}, 0, 0, cv::INTER_CUBIC);
   return image;
 }
 
-/// A scene of clusters with these pictures, cut out at (10, 20) of the image.
-void show(cas::Cas& cas, const std::vector<cv::Mat>& pictures) {
+/// A scene of clusters with these images, cut out at (10, 20) of the image.
+void show(cas::Cas& cas, const std::vector<cv::Mat>& images) {
   const types::SceneCas scene(cas);
   scene.create_scene();
-  for (const cv::Mat& image : pictures) {
+  for (const cv::Mat& image : images) {
     const auto roi = types::StandaloneImageROI::create(cas);
     roi.roi.set(types::to(cas, cv::Rect(10, 20, image.cols, image.rows)));
     roi.image.set(types::to(cas, image));
@@ -99,11 +99,11 @@ TEST(VisualSearchAnnotator, EveryCategoryBecomesAnAnnotation) {
        result_of(SearchCategory::kLogo, "Kaba"),
        result_of(SearchCategory::kLandmark, "Tower", {{"location", "Paris"}}),
        result_of(SearchCategory::kSimilarImage, "Tin",
-                 {{"picture_url", "http://p"}, {"picture_site", "http://s"}}),
+                 {{"image_url", "http://p"}, {"image_site", "http://s"}}),
        code,
        result_of(SearchCategory::kUserSubmitted, "my tin", {{"uploader", "Ann"}, {"user_text", "yellow"}})});
   cas::Cas cas(types::type_system());
-  show(cas, {picture(1)});
+  show(cas, {image(1)});
   EXPECT_THAT(run(step(server.url()), cas), ElementsAre());
   const types::Cluster cluster = types::SceneCas(cas).clusters().at(0);
   const auto& annotations = cluster.annotations;
@@ -136,7 +136,7 @@ TEST(VisualSearchAnnotator, EveryCategoryBecomesAnAnnotation) {
 TEST(VisualSearchAnnotator, RunsBesideTheOthers) {
   const Server server({result_of(SearchCategory::kLogo, "Kaba")});
   cas::Cas first(types::type_system());
-  show(first, {picture(1), picture(2), picture(3)});
+  show(first, {image(1), image(2), image(3)});
   EXPECT_THAT(run(step(server.url(), "    asynchronous: true\n  - BarcodeReader\n"), first), ElementsAre());
   EXPECT_EQ(server.requests, 3);
   for (const types::Cluster& cluster : types::SceneCas(first).clusters()) {
@@ -152,17 +152,17 @@ TEST(VisualSearchAnnotator, AServerThatIsAwayIsLeftToThePolicy) {
     url = server.url();
   }
   cas::Cas cas(types::type_system());
-  show(cas, {picture(1)});
+  show(cas, {image(1)});
   EXPECT_THROW(run(step(url), cas), Error);
   cas::Cas again(types::type_system());
-  show(again, {picture(1)});
+  show(again, {image(1)});
   EXPECT_THAT(run(step(url, "    on_error: skip\n"), again), ElementsAre(HasSubstr("cannot be reached")));
 }
 
-TEST(VisualSearchAnnotator, APictureThatIsRefusedIsAWarning) {
+TEST(VisualSearchAnnotator, AImageThatIsRefusedIsAWarning) {
   const Server server({}, 400);
   cas::Cas cas(types::type_system());
-  show(cas, {picture(1)});
+  show(cas, {image(1)});
   EXPECT_THAT(run(step(server.url()), cas), ElementsAre(HasSubstr("answered 400")));
 }
 

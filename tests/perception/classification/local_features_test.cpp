@@ -12,30 +12,30 @@
 namespace loci {
 namespace {
 
-/// Stripes or rings, somewhere in the picture.
+/// Stripes or rings, somewhere in the image.
 cv::Mat drawn(bool rings, uint64_t seed) {
   Random draw(seed);
-  cv::Mat picture(160, 160, CV_8UC3, cv::Scalar(200, 200, 200));
+  cv::Mat image(160, 160, CV_8UC3, cv::Scalar(200, 200, 200));
   const int x = 60 + static_cast<int>(draw.index(40)), y = 60 + static_cast<int>(draw.index(40));
   const int step = 12 + static_cast<int>(draw.index(4));
   for (int i = 1; i <= 4; ++i) {
     const cv::Scalar color(30 * i, 20, 40);
     if (rings)
-      cv::circle(picture, {x, y}, step * i, color, 3);
+      cv::circle(image, {x, y}, step * i, color, 3);
     else
-      cv::rectangle(picture, {x - step * i, y - 50}, {x - step * i + 4, y + 50}, color, cv::FILLED);
+      cv::rectangle(image, {x - step * i, y - 50}, {x - step * i + 4, y + 50}, color, cv::FILLED);
   }
-  return picture;
+  return image;
 }
 
-ThingView shown(const cv::Mat& picture, const cv::Mat& mask = {}) {
+ThingView shown(const cv::Mat& image, const cv::Mat& mask = {}) {
   ThingView view;
-  view.picture = picture;
+  view.image = image;
   view.mask = mask;
   return view;
 }
 
-std::vector<LabelledThing> pictures(const std::vector<std::string>& features, size_t count, uint64_t seed) {
+std::vector<LabelledThing> images(const std::vector<std::string>& features, size_t count, uint64_t seed) {
   std::vector<LabelledThing> things;
   for (size_t i = 0; i < count; ++i) {
     const bool rings = i % 2 == 0;
@@ -77,13 +77,13 @@ TEST(LocalFeatures, of_a_surface_lie_on_it) {
 }
 
 TEST(Hog, does_not_see_what_is_outside_of_the_mask) {
-  const cv::Mat picture = drawn(false, 2);
-  cv::Mat other = picture.clone(), mask = cv::Mat::zeros(160, 160, CV_8U);
+  const cv::Mat image = drawn(false, 2);
+  cv::Mat other = image.clone(), mask = cv::Mat::zeros(160, 160, CV_8U);
   mask(cv::Rect(20, 20, 100, 100)).setTo(255);
   cv::line(other, {130, 0}, {130, 159}, cv::Scalar(0, 0, 0), 5);
-  EXPECT_EQ(hog_of(picture, mask).size(), kHogLength);
-  EXPECT_EQ(hog_of(picture, mask), hog_of(other, mask));
-  EXPECT_NE(hog_of(picture, {}), hog_of(other, {}));
+  EXPECT_EQ(hog_of(image, mask).size(), kHogLength);
+  EXPECT_EQ(hog_of(image, mask), hog_of(other, mask));
+  EXPECT_NE(hog_of(image, {}), hog_of(other, {}));
   EXPECT_TRUE(hog_of({}, {}).empty());
 }
 
@@ -103,7 +103,7 @@ TEST(Vocabulary, tells_apart_what_it_was_learned_from) {
 
 TEST(Ensemble, learns_words_of_key_points_and_keeps_them) {
   const std::vector<std::string> names = {"SIFTBag", "ORBBag", "HOG"};
-  const auto examples = pictures(names, 24, 100), tests = pictures(names, 12, 500);
+  const auto examples = images(names, 24, 100), tests = images(names, 12, 500);
   std::vector<ExpertSpec> experts;
   for (const std::string& name : names) experts.push_back(parse_expert(name + ":svm"));
   NoProgress progress;

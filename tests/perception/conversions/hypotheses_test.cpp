@@ -94,8 +94,8 @@ TEST_F(Hypotheses, AreTheSameInAColourCameraOfAnotherSizeAndPlace) {
   const PinholeCamera color{1280, 960, 1100, 1080, 650, 470};
   Isometry3d color_from_depth(Eigen::AngleAxisd(4 * std::numbers::pi / 180, Vector3d::UnitY()));
   color_from_depth.translation() = Vector3d(0.05, -0.01, 0.003);
-  const Mat picture = to(cas, cv::Mat(color.height, color.width, CV_8UC3, cv::Scalar(4, 5, 6)));
-  const auto roi = image_roi(cluster, picture, color, color_from_depth, 4);
+  const Mat image = to(cas, cv::Mat(color.height, color.width, CV_8UC3, cv::Scalar(4, 5, 6)));
+  const auto roi = image_roi(cluster, image, color, color_from_depth, 4);
   ASSERT_TRUE(roi);
   const cv::Rect region = from<cv::Rect>(roi->roi.get());
   for (const Vector3d& point : positions_of(cluster)) {
@@ -123,7 +123,7 @@ TEST_F(Hypotheses, PointsOfTheirOwnAreFoundAgainInTheScene) {
   EXPECT_TRUE(indices_of(within(alone, cloud, away, 0.005)).empty());
 }
 
-TEST_F(Hypotheses, PicturesOfTheirOwnAreRegionsOfTheSceneAgain) {
+TEST_F(Hypotheses, ImagesOfTheirOwnAreRegionsOfTheSceneAgain) {
   const auto roi = image_roi(cluster, image, camera, same, 1);
   const ReferenceImageROI back = within(standalone(*roi), image);
   EXPECT_EQ(from<cv::Rect>(back.roi.get()), from<cv::Rect>(roi->roi.get()));
@@ -153,7 +153,7 @@ TEST_F(Hypotheses, VolumesCoverThePixelsOfWhatIsInThem) {
   }
 }
 
-TEST_F(Hypotheses, AVolumeAroundTheCameraCoversThePicture) {
+TEST_F(Hypotheses, AVolumeAroundTheCameraCoversTheImage) {
   const auto sphere = TFLinkSphereROI::create(cas);
   sphere.center.set(to(cas, Vector3d(0, 0, 0)));
   sphere.radius.set(1);

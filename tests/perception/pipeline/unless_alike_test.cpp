@@ -18,7 +18,7 @@ struct Look {
 };
 
 /// A registry with Looker, which gives the first cluster of frames 10, 11, 12 these looks (the others get
-/// none), and Counter, which counts what it is asked about, and says "heard N" and where in the picture.
+/// none), and Counter, which counts what it is asked about, and says "heard N" and where in the image.
 class UnlessAlike : public testing::Test {
  protected:
   UnlessAlike() {
@@ -102,7 +102,7 @@ TEST_F(UnlessAlike, SmallStepsDoNotCreepIn) {
   EXPECT_THAT(first(), ElementsAre("heard 10", "heard 10", "heard 12"));
 }
 
-TEST_F(UnlessAlike, RegionsMoveWithThePicture) {
+TEST_F(UnlessAlike, RegionsMoveWithTheImage) {
   looks[1].width = 44;
   first();
   EXPECT_THAT(run.json[1], HasSubstr(R"("x":111,"y":-10,"width":11)"));

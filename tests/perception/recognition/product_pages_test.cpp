@@ -70,7 +70,7 @@ TEST_F(ProductPages, DataForMachinesCountsFirst) {
     EXPECT_THAT(product.properties, Contains(Pair(key, value)));
 }
 
-TEST_F(ProductPages, PagesWithoutDataAreReadByHeadingTablesAndTheLargestPicture) {
+TEST_F(ProductPages, PagesWithoutDataAreReadByHeadingTablesAndTheLargestImage) {
   draw("tea_files/logo.png", 60, 60);
   draw("tea_files/tea.png", 300, 400);
   draw("tea_files/dot.png", 1, 1);
@@ -96,7 +96,7 @@ TEST_F(ProductPages, MicrodataIsReadToo) {
   EXPECT_THAT(product.properties, Contains(Pair("price", "2.49")));
 }
 
-TEST_F(ProductPages, PagesWithoutAPictureAndPicturesOutsideAreLeftOut) {
+TEST_F(ProductPages, PagesWithoutAImageAndImagesOutsideAreLeftOut) {
   draw("pages/in.png", 80, 80);
   draw("outside.png", 80, 80);
   write("pages/contact.html", "<title>Contact</title>");
@@ -107,10 +107,10 @@ TEST_F(ProductPages, PagesWithoutAPictureAndPicturesOutsideAreLeftOut) {
   EXPECT_EQ(read_catalogue(folder_ / "pages").size(), 1U);
 }
 
-TEST_F(ProductPages, BrokenPagesAndPicturesStopNobody) {
+TEST_F(ProductPages, BrokenPagesAndImagesStopNobody) {
   write("a.html", "<");
   write("b.html", "<img src=\"b.png");
-  write("b.png", "no picture");
+  write("b.png", "no image");
   write("c.html",
         "<script type='application/ld+json'>{\"@type\": [[[[</script><title>c</title><img "
         "src=c.png><td>&#xffffffff;&bogus;&");

@@ -34,12 +34,12 @@ fs::path scratch(const std::string& name) {
 }
 
 /// A product held obliquely, small, before something else.
-cv::Mat seen_obliquely(const cv::Mat& picture, double turn_deg, double scale) {
+cv::Mat seen_obliquely(const cv::Mat& image, double turn_deg, double scale) {
   cv::Mat scene(480, 640, CV_8UC3, cv::Scalar(90, 110, 120)), map;
   map = cv::getRotationMatrix2D(cv::Point2f(99, 99), turn_deg, scale);
   map.at<double>(0, 2) += 200;
   map.at<double>(1, 2) += 120;
-  cv::warpAffine(picture, scene, map, scene.size(), cv::INTER_AREA, cv::BORDER_TRANSPARENT);
+  cv::warpAffine(image, scene, map, scene.size(), cv::INTER_AREA, cv::BORDER_TRANSPARENT);
   return scene;
 }
 
@@ -100,10 +100,10 @@ TEST(SimilarityFit, ChanceBringsFewInliersButNotMany) {
   EXPECT_LT(log_false_alarms(pairs, shifted, 6, {200, 200}, 40), -5);
 }
 
-TEST(Products, APhotographIsRecognisedAndAnEmptyPictureIsNothing) {
+TEST(Products, APhotographIsRecognisedAndAnEmptyImageIsNothing) {
   const ProductIndex index = sample_index();
   const auto matches =
-      index.recognise(read_color(kData / "pictures/Alpro-Blueberry-Soyghurt_001.jpg"), {}, 2);
+      index.recognise(read_color(kData / "images/Alpro-Blueberry-Soyghurt_001.jpg"), {}, 2);
   ASSERT_FALSE(matches.empty());
   EXPECT_EQ(index.products()[matches[0].product].name, "Alpro-Blueberry-Soyghurt");
   EXPECT_TRUE(index.recognise(cv::Mat(100, 100, CV_8UC3, cv::Scalar(200, 10, 10)), {}, 2).empty());
@@ -116,7 +116,7 @@ TEST(Products, TheAnswerDependsOnNoThreadsAndAKeptIndexAnswersAlike) {
   other.save(two);
   EXPECT_EQ(read_file(one), read_file(two));
   const ProductIndex loaded = ProductIndex::load(one);
-  const cv::Mat image = read_color(kData / "pictures/Alpro-Blueberry-Soyghurt_001.jpg");
+  const cv::Mat image = read_color(kData / "images/Alpro-Blueberry-Soyghurt_001.jpg");
   const auto a = index.recognise(image, {}, 1), b = loaded.recognise(image, {}, 3);
   ASSERT_EQ(a.size(), b.size());
   for (size_t i = 0; i < a.size(); ++i) {
@@ -137,10 +137,10 @@ TEST(Products, ADamagedIndexAndOtherFilesAreRefused) {
   EXPECT_THROW(ProductIndex::load(path), Error);
 }
 
-TEST(Products, ABrokenPictureIsLeftOutWithAWarning) {
+TEST(Products, ABrokenImageIsLeftOutWithAWarning) {
   std::vector<Product> catalogue = read_catalogue(kData / "products");
   const fs::path broken = scratch("broken.jpg");
-  write_file_atomically(broken, "no picture");
+  write_file_atomically(broken, "no image");
   catalogue.push_back({"Broken", {}, broken});
   NoProgress progress;
   Warnings warnings;

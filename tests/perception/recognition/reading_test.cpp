@@ -16,10 +16,10 @@ using ::testing::Field;
 
 /// A photograph, blurred, in which ZBar alone finds nothing.
 cv::Mat hard_barcode() {
-  return read_color(std::filesystem::path(LOCI_SOURCE_DIR) / "tests/data/pictures/ean13.png");
+  return read_color(std::filesystem::path(LOCI_SOURCE_DIR) / "tests/data/images/ean13.png");
 }
 
-TEST(Barcodes, APreparedPictureIsReadWhereItIsNotAsItIs) {
+TEST(Barcodes, APreparedImageIsReadWhereItIsNotAsItIs) {
   const cv::Mat image = hard_barcode();
   EXPECT_TRUE(read_barcodes(image, false).empty());
   const auto codes = read_barcodes(image);
@@ -37,10 +37,10 @@ TEST(Barcodes, NoiseHoldsNone) {
 }
 
 TEST(Text, PrintedWordsAreReadWhereTheyStand) {
-  cv::Mat picture(200, 500, CV_8UC3, cv::Scalar(255, 255, 255));
-  cv::putText(picture, "Vanilla", {60, 110}, cv::FONT_HERSHEY_SIMPLEX, 2, cv::Scalar(0, 0, 0), 3,
+  cv::Mat image(200, 500, CV_8UC3, cv::Scalar(255, 255, 255));
+  cv::putText(image, "Vanilla", {60, 110}, cv::FONT_HERSHEY_SIMPLEX, 2, cv::Scalar(0, 0, 0), 3,
               cv::LINE_AA);
-  const auto words = TextReader().read(picture);
+  const auto words = TextReader().read(image);
   ASSERT_THAT(words, Contains(Field(&TextWord::text, "Vanilla")));
   for (const TextWord& word : words)
     if (word.text == "Vanilla") {

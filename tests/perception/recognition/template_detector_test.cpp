@@ -65,7 +65,7 @@ TEST(TemplateDetector, finds_nothing_on_an_empty_table_and_learns_nothing_from_n
   EXPECT_THROW(learned().detect(empty.color, cv::Mat(240, 320, CV_32F), {}), Error);
 }
 
-TEST(TemplateDetector, takes_pictures_of_any_size) {
+TEST(TemplateDetector, takes_images_of_any_size) {
   Shown scene;
   scene.put(true, {150, 200}, 60);
   const cv::Rect part(0, 0, 333, 301);

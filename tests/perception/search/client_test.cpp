@@ -71,7 +71,7 @@ class RawServer {
   std::thread thread_;
 };
 
-cv::Mat picture(int seed = 1) {
+cv::Mat image(int seed = 1) {
   cv::Mat image(120, 160, CV_8UC3);
   cv::RNG random(static_cast<uint64_t>(seed));
   cv::Mat small(6, 8, CV_8UC3);
@@ -91,7 +91,7 @@ SearchOptions options_for(const std::string& url) {
 std::string failure_of(const SearchOptions& options) {
   SearchClient client(options);
   try {
-    client.search(picture());
+    client.search(image());
   } catch (const Error& error) {
     return error.what();
   }
@@ -108,7 +108,7 @@ TEST(SearchClient, SendsAJpegAndReadsTheAnswer) {
     response.set_content(kLogo, "application/x-protobuf");
   });
   SearchClient client(options_for(server.url()));
-  const auto outcome = client.search(picture());
+  const auto outcome = client.search(image());
   ASSERT_EQ(outcome.answer.results.size(), 1U);
   EXPECT_EQ(outcome.answer.results[0].title, "Kaba");
   EXPECT_EQ(outcome.answer.results[0].region, cv::Rect(10, 20, 30, 40));
@@ -117,25 +117,25 @@ TEST(SearchClient, SendsAJpegAndReadsTheAnswer) {
   EXPECT_TRUE(decode_request(sent).details);
 }
 
-TEST(SearchClient, LargePicturesAreSentSmallerAndPlacesAreThoseOfTheLargeOne) {
+TEST(SearchClient, LargeImagesAreSentSmallerAndPlacesAreThoseOfTheLargeOne) {
   const Server server(
       [&](const httplib::Request&, httplib::Response& response) { response.set_content(kLogo, "x"); });
   SearchOptions options = options_for(server.url());
   options.side_px = 80;
   SearchClient client(options);
-  // 80 x 60 were sent, and of the region only a part lies in the picture.
-  EXPECT_EQ(client.search(picture()).answer.results[0].region, cv::Rect(20, 40, 60, 80));
+  // 80 x 60 were sent, and of the region only a part lies in the image.
+  EXPECT_EQ(client.search(image()).answer.results[0].region, cv::Rect(20, 40, 60, 80));
 }
 
-TEST(SearchClient, AnAlikePictureIsNotSentAgain) {
+TEST(SearchClient, AnAlikeImageIsNotSentAgain) {
   std::atomic<int> requests = 0;
   const Server server([&](const httplib::Request&, httplib::Response& response) {
     ++requests;
     response.set_content(kLogo, "x");
   });
   SearchClient client(options_for(server.url()));
-  client.search(picture());
-  cv::Mat noisy = picture(), noise(noisy.size(), CV_8UC3);
+  client.search(image());
+  cv::Mat noisy = image(), noise(noisy.size(), CV_8UC3);
   cv::RNG(7).fill(noise, cv::RNG::UNIFORM, 0, 12);
   noisy += noise;
   cv::resize(noisy, noisy, {}, 0.5, 0.5, cv::INTER_AREA);
@@ -143,10 +143,10 @@ TEST(SearchClient, AnAlikePictureIsNotSentAgain) {
   EXPECT_TRUE(outcome.remembered);
   EXPECT_EQ(outcome.answer.results.at(0).region, cv::Rect(5, 10, 15, 20));
   EXPECT_EQ(requests, 1);
-  EXPECT_FALSE(client.search(picture(2)).remembered);
+  EXPECT_FALSE(client.search(image(2)).remembered);
   // The same in other colours is another flavour.
   cv::Mat other;
-  cv::cvtColor(picture(), other, cv::COLOR_BGR2RGB);
+  cv::cvtColor(image(), other, cv::COLOR_BGR2RGB);
   EXPECT_FALSE(client.search(other).remembered);
   EXPECT_EQ(requests, 3);
 }
@@ -160,7 +160,7 @@ TEST(SearchClient, ABusyServerIsAskedAgain) {
       response.set_content(kLogo, "x");
   });
   SearchClient client(options_for(server.url()));
-  const auto outcome = client.search(picture());
+  const auto outcome = client.search(image());
   EXPECT_EQ(outcome.attempts, 3);
   EXPECT_EQ(outcome.answer.results.size(), 1U);
 }
@@ -181,9 +181,9 @@ TEST(SearchClient, ARefusalIsNotTriedAgainAndItsReasonTold) {
   const Server server([&](const httplib::Request&, httplib::Response& response) {
     ++requests;
     response.status = 400;
-    response.set_content("the picture is no JPEG\n", "text/plain");
+    response.set_content("the image is no JPEG\n", "text/plain");
   });
-  EXPECT_THAT(failure_of(options_for(server.url())), HasSubstr("answered 400: the picture is no JPEG"));
+  EXPECT_THAT(failure_of(options_for(server.url())), HasSubstr("answered 400: the image is no JPEG"));
   EXPECT_EQ(requests, 1);
 }
 
@@ -197,7 +197,7 @@ TEST(SearchClient, AnswersThatAreTooLargeAreRefused) {
     response.set_content(std::string(100000, 'x'), "x");
   });
   SearchOptions options = options_for(server.url());
-  options.most_mb = 0.05;
+  options.max_mb = 0.05;
   EXPECT_THAT(failure_of(options), HasSubstr("more than 50000 bytes"));
 }
 
@@ -252,7 +252,7 @@ TEST(SearchClient, AnswersWithUnknownFieldsAreKept) {
   const fs::path folder = fs::temp_directory_path() / ("loci_unknown_" + std::to_string(::getpid()));
   options.unknown = folder.string();
   SearchClient client(options);
-  EXPECT_THAT(client.search(picture()).answer.unknown, ElementsAre("77: varint 5"));
+  EXPECT_THAT(client.search(image()).answer.unknown, ElementsAre("77: varint 5"));
   int files = 0;
   for (const auto& entry : fs::directory_iterator(folder)) {
     ++files;

@@ -79,8 +79,8 @@ TEST(SearchProtocol, EveryNumberOfTheTableIsWhereTheSchemaHasIt) {
   EXPECT_EQ(result.preview_url, "show");
   for (const auto& [key, value] :
        std::vector<std::pair<std::string, std::string>>{{"additional_info", "more"},
-                                                        {"picture_url", "high"},
-                                                        {"picture_site", "site"},
+                                                        {"image_url", "high"},
+                                                        {"image_site", "site"},
                                                         {"price", "1-2 EUR"},
                                                         {"authors", "A. Uthor"},
                                                         {"publisher", "Press"},
@@ -94,7 +94,7 @@ TEST(SearchProtocol, EveryNumberOfTheTableIsWhereTheSchemaHasIt) {
                                                         {"weight", "500 g"},
                                                         {"uploader", "Ann"},
                                                         {"uploader_url", "http://ann"},
-                                                        {"uploader_picture", "http://ann.jpg"},
+                                                        {"uploader_image", "http://ann.jpg"},
                                                         {"user_text", "my cup"},
                                                         {"location", "Paris"},
                                                         {"comment", "said"}})
@@ -220,7 +220,7 @@ TEST(SearchProtocol, DescriptiveTermsAreTheWordsThatAnAnswerRepeats) {
   SearchResult text, product, similar;
   text.title = text.text = "Kaba Traubenzucker und Vitamine";
   product.title = "Kaba Banane";
-  product.properties = {{"manufacturer", "Kaba"}, {"picture_url", "http://www.kaba.de/kaba/kaba.jpg"}};
+  product.properties = {{"manufacturer", "Kaba"}, {"image_url", "http://www.kaba.de/kaba/kaba.jpg"}};
   product.links = {{"Translate", "http://t"}, {"Translate", "http://u"}};
   similar.title = "kaba Vitamine 4";
   const std::vector<RankedWord> terms = terms_of({{text, product, similar}, {}}, 2);

@@ -21,7 +21,7 @@ using testing::HasSubstr;
 
 const fs::path kData = fs::path(LOCI_SOURCE_DIR) / "tests/data";
 
-/// The products of the tests, and the same pictures as other kinds of things.
+/// The products of the tests, and the same images as other kinds of things.
 ProductIndex index_of(const std::vector<Product>& more = {}) {
   std::vector<Product> catalogue = read_catalogue(kData / "products");
   catalogue.insert(catalogue.end(), more.begin(), more.end());
@@ -41,8 +41,8 @@ class SearchServing : public testing::Test {
     service_ = std::make_unique<SearchService>(index_of(), ServiceOptions());
     ServerOptions options;
     options.port = 0;
-    options.most_mb = 0.5;
-    options.most_megapixels = 2;
+    options.max_mb = 0.5;
+    options.max_megapixels = 2;
     server_ = std::make_unique<SearchServer>(*service_, options, 2);
   }
   static void TearDownTestSuite() {
@@ -74,7 +74,7 @@ TEST_F(SearchServing, AProductIsRecognisedWithWhatTheCatalogueSays) {
   options.timeout_s = 60;
   SearchClient client(options);
   const SearchAnswer answer =
-      client.search(read_color(kData / "pictures/Alpro-Blueberry-Soyghurt_001.jpg")).answer;
+      client.search(read_color(kData / "images/Alpro-Blueberry-Soyghurt_001.jpg")).answer;
   EXPECT_TRUE(answer.unknown.empty());
   ASSERT_FALSE(answer.results.empty());
   const SearchResult& first = answer.results[0];
@@ -83,7 +83,7 @@ TEST_F(SearchServing, AProductIsRecognisedWithWhatTheCatalogueSays) {
   EXPECT_EQ(first.property("category"), "soyghurt");
   EXPECT_GT(std::stod(first.property("confidence")), 0.5);
   EXPECT_FALSE(first.region.empty());
-  // Its picture is at the address that it names.
+  // Its image is at the address that it names.
   httplib::Client web(server_->url());
   const httplib::Result shown = web.Get(first.preview_url.substr(server_->url().size()));
   ASSERT_TRUE(shown);
@@ -93,7 +93,7 @@ TEST_F(SearchServing, AProductIsRecognisedWithWhatTheCatalogueSays) {
 
 TEST_F(SearchServing, ARequestByHandIsAnsweredWithTitlesAloneUnlessItAsksForMore) {
   const std::string image =
-      wire::text(1, wire::text(1, wire::text(1, jpeg_of(read_color(kData / "pictures/ean13.png")))));
+      wire::text(1, wire::text(1, wire::text(1, jpeg_of(read_color(kData / "images/ean13.png")))));
   const httplib::Result brief = post(image);
   ASSERT_TRUE(brief);
   EXPECT_EQ(brief->status, 200);
@@ -116,11 +116,11 @@ TEST_F(SearchServing, ARequestByHandIsAnsweredWithTitlesAloneUnlessItAsksForMore
 
 TEST_F(SearchServing, WhatIsNoRequestIsRefusedWithTheReason) {
   expect_refused("<html>", 400, "no request of the visual-search protocol");
-  expect_refused("", 400, "holds no picture");
+  expect_refused("", 400, "holds no image");
   expect_refused(encode(SearchRequest{"GIF89a", "en", "US", true}), 400, "no JPEG");
   const std::string jpeg = jpeg_of(cv::Mat(100, 100, CV_8UC3, cv::Scalar(9, 9, 9)));
   expect_refused(encode(SearchRequest{jpeg.substr(0, jpeg.size() / 2), "en", "US", true}), 400,
-                 "the picture");
+                 "the image");
   expect_refused(
       encode(SearchRequest{jpeg_of(cv::Mat(1500, 1500, CV_8UC3, cv::Scalar(9, 9, 9))), "en", "US", true}),
       400, "too many");
@@ -132,14 +132,14 @@ TEST_F(SearchServing, OtherPathsAreNotFound) {
   ASSERT_TRUE(result);
   EXPECT_EQ(result->status, 404);
   httplib::Client web(server_->url());
-  EXPECT_EQ(web.Get("/picture/999999")->status, 404);
+  EXPECT_EQ(web.Get("/image/999999")->status, 404);
   EXPECT_EQ(web.Get("/../setup")->status, 404);
   EXPECT_THAT(web.Get("/")->body, HasSubstr("visual-search server"));
 }
 
 TEST_F(SearchServing, SeveralAreAnsweredAtTheSameTime) {
   const std::string body =
-      encode(SearchRequest{jpeg_of(read_color(kData / "pictures/ean13.png")), "en", "US", true});
+      encode(SearchRequest{jpeg_of(read_color(kData / "images/ean13.png")), "en", "US", true});
   const std::string expected = post(body)->body;
   std::vector<std::string> answers(4);
   std::vector<std::thread> threads;
@@ -164,8 +164,8 @@ std::vector<SearchResult> looked(const std::vector<Product>& more, const cv::Mat
 }
 
 SearchCategory category_of_entry(const Properties& properties) {
-  const fs::path picture = kData / "pictures/ean13.png";
-  const auto results = looked({{"entry", properties, picture}}, read_color(picture));
+  const fs::path image = kData / "images/ean13.png";
+  const auto results = looked({{"entry", properties, image}}, read_color(image));
   for (const SearchResult& result : results)
     if (result.title == "entry") return result.category;
   return SearchCategory::kOther;
@@ -180,8 +180,8 @@ TEST(SearchService, EntriesOfTheIndexAreWhatTheySayTheyAre) {
 }
 
 TEST(SearchService, ABrandOfTheCatalogueIsALogo) {
-  const fs::path picture = kData / "pictures/ean13.png";
-  const auto results = looked({{"entry", {{"brand", "Marca"}}, picture}}, read_color(picture));
+  const fs::path image = kData / "images/ean13.png";
+  const auto results = looked({{"entry", {{"brand", "Marca"}}, image}}, read_color(image));
   const auto logo = std::find_if(results.begin(), results.end(),
                                  [](const auto& result) { return result.category == SearchCategory::kLogo; });
   ASSERT_NE(logo, results.end());
@@ -189,7 +189,7 @@ TEST(SearchService, ABrandOfTheCatalogueIsALogo) {
 }
 
 TEST(SearchService, ABarcodeBringsTheProductThatItMarks) {
-  const cv::Mat image = read_color(kData / "pictures/ean13.png");
+  const cv::Mat image = read_color(kData / "images/ean13.png");
   const auto alone = looked({}, image);
   const auto code = std::find_if(alone.begin(), alone.end(), [](const auto& result) {
     return result.category == SearchCategory::kBarcode;

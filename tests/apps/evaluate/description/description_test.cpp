@@ -26,31 +26,31 @@ TEST(DescriptionEvaluation, WordsAreComparedWithoutCaseAndSigns) {
 TEST(DescriptionEvaluation, CodesThatAreReadMissedAndWrongAreCounted) {
   const fs::path folder = fs::temp_directory_path() / "loci_codes_evaluation";
   fs::create_directories(folder / "images");
-  fs::copy_file(kData / "pictures/ean13.png", folder / "images/right.png",
+  fs::copy_file(kData / "images/ean13.png", folder / "images/right.png",
                 fs::copy_options::overwrite_existing);
-  fs::copy_file(kData / "pictures/ean13.png", folder / "images/other.png",
+  fs::copy_file(kData / "images/ean13.png", folder / "images/other.png",
                 fs::copy_options::overwrite_existing);
   write_file_atomically(
       folder / "expected.csv",
       "file,symbology,text\nright.png,EAN-13,9780441014989\nother.png,EAN-13,4000000000006\n");
   NoProgress progress;
   const ReadingResult result = evaluate_reading(folder, "", progress);
-  EXPECT_EQ(result.codes.at("EAN-13").pictures, 2);
+  EXPECT_EQ(result.codes.at("EAN-13").images, 2);
   EXPECT_EQ(result.codes.at("EAN-13").right, 1);
   EXPECT_EQ(result.wrong, 1);
   EXPECT_THAT(result.missed, ElementsAre("other.png"));
   fs::remove_all(folder);
 }
 
-TEST(DescriptionEvaluation, OurServiceIsAskedAboutEveryPicture) {
+TEST(DescriptionEvaluation, OurServiceIsAskedAboutEveryImage) {
   NoProgress progress;
   Warnings warnings;
   const ServiceResult result = evaluate_service(kData / "products", "", 1, 2, progress, warnings);
-  EXPECT_GT(result.pictures, 0);
-  EXPECT_EQ(static_cast<int>(result.seconds.size()), result.pictures);
-  EXPECT_EQ(std::accumulate(result.relevant.begin(), result.relevant.end(), 0), result.pictures);
+  EXPECT_GT(result.images, 0);
+  EXPECT_EQ(static_cast<int>(result.seconds.size()), result.images);
+  EXPECT_EQ(std::accumulate(result.relevant.begin(), result.relevant.end(), 0), result.images);
   EXPECT_GT(result.categories.at("Product"), 0);
-  EXPECT_EQ(result.alike_asked, result.pictures);
+  EXPECT_EQ(result.alike_asked, result.images);
 }
 
 }  // namespace

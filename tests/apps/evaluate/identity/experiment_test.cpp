@@ -105,7 +105,7 @@ TEST(IdentityExperiment, RefusesLevelsAndConditionsThatDoNotExist) {
   ExperimentOptions options;
   options.runs = 1;
   WorldOptions world;
-  world.fewest_objects = 11;
+  world.min_objects = 11;
   EXPECT_THROW(run_experiment(world, options, 1, progress), Error);
   options.levels = "0.05,x";
   EXPECT_THROW(run_experiment({}, options, 1, progress), Error);

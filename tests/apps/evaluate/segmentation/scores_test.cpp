@@ -9,7 +9,7 @@ namespace {
 Scores scores_of(const std::vector<int>& objects, const std::vector<int>& segments,
                  const std::vector<int>& judged = {}) {
   const auto width = static_cast<int>(objects.size());
-  LabelledPicture truth{cv::Mat(1, width, CV_16U), cv::Mat(1, width, CV_8U, cv::Scalar(255))};
+  LabelledImage truth{cv::Mat(1, width, CV_16U), cv::Mat(1, width, CV_8U, cv::Scalar(255))};
   cv::Mat found(1, width, CV_16U);
   for (int i = 0; i < width; ++i) {
     truth.object.at<uint16_t>(0, i) = static_cast<uint16_t>(objects.at(static_cast<size_t>(i)));

@@ -7,7 +7,7 @@
 
 namespace loci {
 
-/// Which object each pixel of the depth picture shows: 0 = none, n = the scene's n-th cluster (from 1), or
+/// Which object each pixel of the depth image shows: 0 = none, n = the scene's n-th cluster (from 1), or
 /// the number that `numbers` gives that cluster (0 = leave out).
 cv::Mat label_image(const types::SceneCas& scene, const std::vector<int>& numbers = {});
 
@@ -19,7 +19,7 @@ std::vector<int> tracked_numbers(const types::SceneCas& scene);
 void write_label_image(const types::SceneCas& scene, const std::filesystem::path& folder,
                        const std::vector<int>& numbers = {});
 
-/// Writes FOLDER/FRAME.png: the colour picture with the clusters in colours, their boxes and numbers.
+/// Writes FOLDER/FRAME.png: the colour image with the clusters in colours, their boxes and numbers.
 void write_overlay(const types::SceneCas& scene, const std::filesystem::path& folder);
 
 }  // namespace loci

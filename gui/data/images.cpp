@@ -1,4 +1,4 @@
-#include "gui/data/pictures.h"
+#include "gui/data/images.h"
 
 #include <fmt/format.h>
 
@@ -10,13 +10,13 @@
 
 namespace loci {
 
-cv::Mat read_picture(const Store& store, Id blob) {
-  const std::string name = fmt::format("{}: picture {}", store.path().string(), blob);
+cv::Mat read_image(const Store& store, Id blob) {
+  const std::string name = fmt::format("{}: image {}", store.path().string(), blob);
   const BlobRow row = store.blob(blob);
   const std::vector<unsigned char> bytes(row.bytes.begin(), row.bytes.end());
   const cv::Mat image = decode_image(bytes, name);
   if (image.type() == CV_8UC3) return image;
-  if (image.depth() != CV_8U) throw Error("a picture with more than 8 bits", {name, 0, {}});
+  if (image.depth() != CV_8U) throw Error("an image with more than 8 bits", {name, 0, {}});
   cv::Mat color;
   cv::cvtColor(image, color, image.channels() == 4 ? cv::COLOR_BGRA2BGR : cv::COLOR_GRAY2BGR);
   return color;

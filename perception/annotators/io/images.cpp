@@ -1,4 +1,4 @@
-#include "perception/annotators/io/pictures.h"
+#include "perception/annotators/io/images.h"
 
 #include <algorithm>
 #include <array>
@@ -53,22 +53,22 @@ void write_label_image(const types::SceneCas& scene, const std::filesystem::path
 
 void write_overlay(const types::SceneCas& scene, const std::filesystem::path& folder) {
   if (!scene.has(types::SceneCas::kColor)) return;
-  cv::Mat picture = types::view_image(scene, types::SceneCas::kColor).clone();
+  cv::Mat image = types::view_image(scene, types::SceneCas::kColor).clone();
   int number = 0;
   for (const types::Cluster& cluster : scene.clusters()) {
     const cv::Scalar color = kPalette[static_cast<size_t>(number++) % kPalette.size()];
     const auto roi = cluster.hypotheses.first<types::StandaloneImageROI>();
     if (!roi) continue;
     const cv::Rect box = types::from<cv::Rect>(roi.roi.get());
-    cv::Mat part = picture(box);
+    cv::Mat part = image(box);
     cv::Mat tinted(part.size(), part.type(), color);
     cv::addWeighted(part, 0.5, tinted, 0.5, 0, tinted);
     tinted.copyTo(part, types::from<cv::Mat>(roi.mask.get()));
-    cv::rectangle(picture, box, color);
-    cv::putText(picture, std::to_string(number), box.tl() + cv::Point(2, 14), cv::FONT_HERSHEY_SIMPLEX, 0.5,
+    cv::rectangle(image, box, color);
+    cv::putText(image, std::to_string(number), box.tl() + cv::Point(2, 14), cv::FONT_HERSHEY_SIMPLEX, 0.5,
                 cv::Scalar(255, 255, 255), 1, cv::LINE_AA);
   }
-  write_image(folder / (std::to_string(scene.scene().frame_index.get()) + ".png"), picture);
+  write_image(folder / (std::to_string(scene.scene().frame_index.get()) + ".png"), image);
 }
 
 }  // namespace loci

@@ -10,7 +10,7 @@
 
 namespace loci::description_evaluation {
 
-struct PicturesOptions {
+struct ImagesOptions {
   std::vector<std::string> experts = {"SIFTBag:svm", "ORBBag:svm", "HOG:svm"};
   int parts = 3;
   int seed = 0;
@@ -18,8 +18,8 @@ struct PicturesOptions {
   void declare(OptionTable& table);
 };
 
-/// Each expert alone, and all fused, on pictures that they have not learned.
-struct PicturesResult {
+/// Each expert alone, and all fused, on images that they have not learned.
+struct ImagesResult {
   struct Row {
     std::string name;
     int right = 0, things = 0;
@@ -32,9 +32,9 @@ struct PicturesResult {
   Json to_json() const;
 };
 
-/// Experts of pictures (bags of words of key points, gradients) learn what DIR/labels.csv's pictures show
+/// Experts of images (bags of words of key points, gradients) learn what DIR/labels.csv's images show
 /// (columns file, class_name) from all parts but one and are tested on that one, each in its turn.
-PicturesResult evaluate_pictures(const std::filesystem::path& folder, const PicturesOptions& options,
+ImagesResult evaluate_images(const std::filesystem::path& folder, const ImagesOptions& options,
                                  int threads, Progress& progress);
 
 }  // namespace loci::description_evaluation

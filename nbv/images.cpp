@@ -1,4 +1,4 @@
-#include "nbv/pictures.h"
+#include "nbv/images.h"
 
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@ const cv::Scalar kUnknown(225, 225, 225), kFree(170, 220, 170), kOccupied(60, 60
 
 constexpr double kMargin = 0.4;  ///< metres around what is known: the robot may stand at its edge
 
-/// A picture of the floor, some pixels per cell.
+/// An image of the floor, some pixels per cell.
 class Sheet {
  public:
   explicit Sheet(const FloorGrid& floor)
@@ -97,7 +97,7 @@ void for_voxels(const ViewPlan& plan, ViewVoxel kind, const Task& task) {
         if (plan.fringe.states[voxels.index({x, y, z})] == kind) task(voxels.center({x, y, z}));
 }
 
-cv::Mat fringe_picture(const ViewPlan& plan, const PlanarPose& robot) {
+cv::Mat fringe_image(const ViewPlan& plan, const PlanarPose& robot) {
   Sheet sheet(plan.floor);
   const double edge = plan.voxels.resolution;
   sheet.square(plan.floor.center(plan.floor.width / 2, plan.floor.height / 2), 1e3, kUnknown);
@@ -108,7 +108,7 @@ cv::Mat fringe_picture(const ViewPlan& plan, const PlanarPose& robot) {
 }
 
 /// Surfaces from above, dark = low.
-cv::Mat occupied_picture(const ViewPlan& plan, const PlanarPose& robot) {
+cv::Mat occupied_image(const ViewPlan& plan, const PlanarPose& robot) {
   Sheet sheet(plan.floor);
   for_voxels(plan, ViewVoxel::occupied, [&](const Vector3d& p) {
     const double share = std::clamp(p.z() / 2.2, 0.0, 1.0);
@@ -120,7 +120,7 @@ cv::Mat occupied_picture(const ViewPlan& plan, const PlanarPose& robot) {
   return sheet.image();
 }
 
-cv::Mat cost_picture(const ViewPlan& plan, const std::vector<float>& costs, const PlanarPose& robot) {
+cv::Mat cost_image(const ViewPlan& plan, const std::vector<float>& costs, const PlanarPose& robot) {
   Sheet sheet(plan.floor);
   sheet.costs(costs);
   sheet.obstacles();
@@ -129,7 +129,7 @@ cv::Mat cost_picture(const ViewPlan& plan, const std::vector<float>& costs, cons
 }
 
 /// Fig. 7.4: a sample per place, in its best orientation.
-cv::Mat samples_picture(const ViewPlan& plan, const PlanarPose& robot) {
+cv::Mat samples_image(const ViewPlan& plan, const PlanarPose& robot) {
   Sheet sheet(plan.floor);
   sheet.costs(summed(plan.costs));
   sheet.obstacles();
@@ -154,33 +154,33 @@ cv::Mat samples_picture(const ViewPlan& plan, const PlanarPose& robot) {
 
 }  // namespace
 
-std::vector<ViewPicture> view_pictures(const ViewPlan& plan, const PlanarPose& robot) {
-  std::vector<ViewPicture> pictures;
-  if (plan.voxels.states.empty() || plan.costs.layers.empty()) return pictures;
-  pictures.push_back(
-      {"fringe", "Free space (green) and fringe (red) from above", fringe_picture(plan, robot)});
-  pictures.push_back({"occupied", "Surfaces by height", occupied_picture(plan, robot)});
-  pictures.push_back({"costs_fringe", "C_F, all orientations: dark = many; obstacles in blue",
-                      cost_picture(plan, summed(plan.fringe_costs), robot)});
-  pictures.push_back({"costs_occupied", "C_O, all orientations: dark = many; obstacles in blue",
-                      cost_picture(plan, summed(plan.occupied_costs), robot)});
+std::vector<ViewImage> view_images(const ViewPlan& plan, const PlanarPose& robot) {
+  std::vector<ViewImage> images;
+  if (plan.voxels.states.empty() || plan.costs.layers.empty()) return images;
+  images.push_back(
+      {"fringe", "Free space (green) and fringe (red) from above", fringe_image(plan, robot)});
+  images.push_back({"occupied", "Surfaces by height", occupied_image(plan, robot)});
+  images.push_back({"costs_fringe", "C_F, all orientations: dark = many; obstacles in blue",
+                      cost_image(plan, summed(plan.fringe_costs), robot)});
+  images.push_back({"costs_occupied", "C_O, all orientations: dark = many; obstacles in blue",
+                      cost_image(plan, summed(plan.occupied_costs), robot)});
   for (size_t layer = 0; layer < plan.costs.layers.size(); ++layer) {
     const int degrees = static_cast<int>(std::lround(plan.costs.yaw(layer) * 180 / std::numbers::pi));
-    pictures.push_back({fmt::format("costs_{:03}", degrees),
+    images.push_back({fmt::format("costs_{:03}", degrees),
                         fmt::format("C for poses that look along {}°", degrees),
-                        cost_picture(plan, plan.costs.layers[layer], robot)});
+                        cost_image(plan, plan.costs.layers[layer], robot)});
   }
-  pictures.push_back({"samples", "C, fringe, samples and the choice (red)", samples_picture(plan, robot)});
-  return pictures;
+  images.push_back({"samples", "C, fringe, samples and the choice (red)", samples_image(plan, robot)});
+  return images;
 }
 
-std::vector<std::filesystem::path> write_view_pictures(const ViewPlan& plan, const PlanarPose& robot,
+std::vector<std::filesystem::path> write_view_images(const ViewPlan& plan, const PlanarPose& robot,
                                                        const std::filesystem::path& folder) {
   make_folder(folder);
   std::vector<std::filesystem::path> files;
-  for (const ViewPicture& picture : view_pictures(plan, robot)) {
-    files.push_back(folder / (picture.name + ".png"));
-    write_image(files.back(), picture.image);
+  for (const ViewImage& image : view_images(plan, robot)) {
+    files.push_back(folder / (image.name + ".png"));
+    write_image(files.back(), image.image);
   }
   return files;
 }

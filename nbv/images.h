@@ -9,21 +9,21 @@
 
 namespace loci {
 
-/// A picture of a decision, seen from above: north (y) up, BGR.
-struct ViewPicture {
+/// An image of a decision, seen from above: north (y) up, BGR.
+struct ViewImage {
   std::string name;   ///< file name without ending
   std::string title;  ///< what it shows, one line
   cv::Mat image;
 };
 
-/// The pictures of Fig. 7.2 and 7.4: known space and fringe; surfaces by height; C_F and C_O summed over
+/// The images of Fig. 7.2 and 7.4: known space and fringe; surfaces by height; C_F and C_O summed over
 /// orientations; C per orientation; and C summed, with fringe (black dots), samples (blue arrows), the sample
 /// that sees most fringe (green), the chosen one (red), the robot and its way. Costs: white = 0, black = the
 /// largest. None when nothing is known.
-std::vector<ViewPicture> view_pictures(const ViewPlan& plan, const PlanarPose& robot);
+std::vector<ViewImage> view_images(const ViewPlan& plan, const PlanarPose& robot);
 
 /// Writes them as PNG into a folder; returns the files.
-std::vector<std::filesystem::path> write_view_pictures(const ViewPlan& plan, const PlanarPose& robot,
+std::vector<std::filesystem::path> write_view_images(const ViewPlan& plan, const PlanarPose& robot,
                                                        const std::filesystem::path& folder);
 
 }  // namespace loci

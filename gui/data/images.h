@@ -8,7 +8,7 @@ namespace loci {
 
 class Store;
 
-/// A picture of the memory as CV_8UC3, BGR. Error when it is broken.
-cv::Mat read_picture(const Store& store, Id blob);
+/// An image of the memory as CV_8UC3, BGR. Error when it is broken.
+cv::Mat read_image(const Store& store, Id blob);
 
 }  // namespace loci

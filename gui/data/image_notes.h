@@ -10,20 +10,20 @@ namespace loci {
 
 class Store;
 
-/// Something that an annotator read or recognised in a part of a picture: a text, a barcode, a logo, an
+/// Something that an annotator read or recognised in a part of an image: a text, a barcode, a logo, an
 /// answer of a visual search.
-struct PictureNote {
+struct ImageNote {
   std::string type = {};    ///< without its package: "BarcodeAnnotation"
   std::string text = {};    ///< what it says; empty = only where
   std::string expert = {};  ///< the annotator; empty = unknown
   int64_t observation = 0;  ///< number of the observation it is about within its scene; -1 = of none
-  cv::Rect2d region = {};   ///< pixels of the colour picture
+  cv::Rect2d region = {};   ///< pixels of the colour image
 };
 
 /// All annotations of a scene that have an image region of their own, as they stand in the memory.
-std::vector<PictureNote> picture_notes(const Store& store, Id scene);
+std::vector<ImageNote> image_notes(const Store& store, Id scene);
 
 /// The same from the JSON of one feature structure.
-std::vector<PictureNote> notes_in(const std::string& json);
+std::vector<ImageNote> notes_in(const std::string& json);
 
 }  // namespace loci

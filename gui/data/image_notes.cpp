@@ -1,4 +1,4 @@
-#include "gui/data/picture_notes.h"
+#include "gui/data/image_notes.h"
 
 #include <map>
 
@@ -28,8 +28,8 @@ std::string text_of(const Json& features) {
 
 }  // namespace
 
-std::vector<PictureNote> notes_in(const std::string& text) {
-  std::vector<PictureNote> notes;
+std::vector<ImageNote> notes_in(const std::string& text) {
+  std::vector<ImageNote> notes;
   if (text.find("\"roi\"") == std::string::npos) return notes;
   const Json structures = parse_json(text, "feature_structure").value("structures", Json::array());
   std::map<std::string, Json> by_id;
@@ -44,7 +44,7 @@ std::vector<PictureNote> notes_in(const std::string& text) {
     const auto number = [&](const char* name) {
       return rect.contains(name) && rect[name].is_number() ? rect[name].get<double>() : 0;
     };
-    PictureNote note{type.substr(type.rfind('.') + 1),
+    ImageNote note{type.substr(type.rfind('.') + 1),
                      text_of(features),
                      features.value("source", std::string()),
                      -1,
@@ -54,12 +54,12 @@ std::vector<PictureNote> notes_in(const std::string& text) {
   return notes;
 }
 
-std::vector<PictureNote> picture_notes(const Store& store, Id scene) {
-  std::vector<PictureNote> all;
+std::vector<ImageNote> image_notes(const Store& store, Id scene) {
+  std::vector<ImageNote> all;
   std::map<Id, int64_t> numbers;
   for (const ObservationRow& row : store.observations(scene)) numbers[row.id] = row.number;
   for (const FeatureStructureRow& row : store.feature_structures(scene))
-    for (PictureNote& note : notes_in(row.json)) {
+    for (ImageNote& note : notes_in(row.json)) {
       if (row.observation) note.observation = numbers[*row.observation];
       all.push_back(std::move(note));
     }

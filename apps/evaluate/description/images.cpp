@@ -1,4 +1,4 @@
-#include "apps/evaluate/description/pictures.h"
+#include "apps/evaluate/description/images.h"
 
 #include <fmt/format.h>
 
@@ -26,7 +26,7 @@ std::vector<LabelledThing> described(const std::filesystem::path& folder,
   parallel_for(things.size(), threads, [&](size_t begin, size_t end) {
     for (size_t row = begin; row < end; ++row) {
       ThingView view;
-      view.picture = read_color(folder / table.cell(row, file));
+      view.image = read_color(folder / table.cell(row, file));
       ThingFeatures of = thing_features(features, view);
       things[row] = {table.cell(row, name), std::move(of.features), std::move(of.local)};
     }
@@ -45,7 +45,7 @@ std::vector<int> parts_of(std::vector<LabelledThing>& things, int parts) {
   return part;
 }
 
-void test(const Ensemble& model, const LabelledThing& thing, PicturesResult::Row& row) {
+void test(const Ensemble& model, const LabelledThing& thing, ImagesResult::Row& row) {
   ++row.things;
   const auto truth = std::find(model.classes().begin(), model.classes().end(), thing.label);
   if (!model.knows_enough(thing.features, thing.local) || truth == model.classes().end()) return;
@@ -57,13 +57,13 @@ void test(const Ensemble& model, const LabelledThing& thing, PicturesResult::Row
 
 }  // namespace
 
-void PicturesOptions::declare(OptionTable& table) {
-  table.texts("picture_experts", experts, "DESCRIPTOR:CLASSIFIER[:DISTANCE] of each, on pictures.");
-  table.integer("picture_parts", parts, "", "Each part of the pictures is tested once.", 2, 100);
-  table.integer("picture_seed", seed, "", "Seed of the words.", 0, 1 << 30);
+void ImagesOptions::declare(OptionTable& table) {
+  table.texts("image_experts", experts, "DESCRIPTOR:CLASSIFIER[:DISTANCE] of each, on images.");
+  table.integer("image_parts", parts, "", "Each part of the images is tested once.", 2, 100);
+  table.integer("image_seed", seed, "", "Seed of the words.", 0, 1 << 30);
 }
 
-PicturesResult evaluate_pictures(const std::filesystem::path& folder, const PicturesOptions& options,
+ImagesResult evaluate_images(const std::filesystem::path& folder, const ImagesOptions& options,
                                  int threads, Progress& progress) {
   std::vector<std::vector<ExpertSpec>> groups;
   std::vector<ExpertSpec> all;
@@ -77,13 +77,13 @@ PicturesResult evaluate_pictures(const std::filesystem::path& folder, const Pict
   progress.check(0, "features");
   std::vector<LabelledThing> things = described(folder, features, threads);
   const std::vector<int> part = parts_of(things, options.parts);
-  PicturesResult result;
+  ImagesResult result;
   std::set<std::string> classes;
   for (const LabelledThing& thing : things) classes.insert(thing.label);
   result.classes = classes.size();
   const Random random(static_cast<uint64_t>(options.seed));
   for (size_t g = 0; g < groups.size(); ++g) {
-    PicturesResult::Row& row = result.rows.emplace_back();
+    ImagesResult::Row& row = result.rows.emplace_back();
     row.name = g < all.size() ? name_of(all[g]) : "fused";
     for (int tested = 0; tested < options.parts; ++tested) {
       progress.check(0.2 + 0.8 * static_cast<double>(g) / static_cast<double>(groups.size()), row.name);
@@ -100,8 +100,8 @@ PicturesResult evaluate_pictures(const std::filesystem::path& folder, const Pict
   return result;
 }
 
-std::string PicturesResult::text() const {
-  std::string text = fmt::format("pictures: {} of {} classes, each tested by who has not learned it\n",
+std::string ImagesResult::text() const {
+  std::string text = fmt::format("images: {} of {} classes, each tested by who has not learned it\n",
                                  rows.empty() ? 0 : rows.front().things, classes);
   for (const Row& row : rows)
     text += fmt::format("  {:<28}{:>7.1f} %{:>11.3f} log loss\n", row.name,
@@ -109,7 +109,7 @@ std::string PicturesResult::text() const {
   return text;
 }
 
-Json PicturesResult::to_json() const {
+Json ImagesResult::to_json() const {
   Json json = {{"classes", classes}, {"experts", Json::array()}};
   for (const Row& row : rows)
     json["experts"].push_back(
