@@ -94,7 +94,7 @@ QDockWidget* MainWindow::add_dock(const QString& title, const QString& name, QWi
 
 void MainWindow::build_docks() {
   tree_ = new ObjectsTree(browser_, this);
-  image_ = new SceneView(browser_, this);
+  scene_view_ = new SceneView(browser_, this);
   card_ = new ObjectCard(browser_, this);
   time_ = new TimeBar(browser_, this);
   setCorner(Qt::BottomLeftCorner, Qt::BottomDockWidgetArea);
@@ -104,13 +104,13 @@ void MainWindow::build_docks() {
   map_tools_ = new MapTools(browser_, *map_, this);
   tabifyDockWidget(objects, add_dock("Map tools", "tools3d", map_tools_, Qt::LeftDockWidgetArea));
   objects->raise();
-  image_dock_ = add_dock("Scene", "scene", image_, Qt::RightDockWidgetArea);
+  image_dock_ = add_dock("Scene", "scene", scene_view_, Qt::RightDockWidgetArea);
   fill_corner();
   add_dock("Time", "time", time_, Qt::BottomDockWidgetArea);
 }
 
 SceneImage& MainWindow::image() {
-  return image_->image();
+  return scene_view_->image();
 }
 
 void MainWindow::build_questions() {

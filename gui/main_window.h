@@ -56,7 +56,7 @@ class MainWindow : public QMainWindow {
   ObjectsTree& tree() { return *tree_; }
   MapTools& map_tools() { return *map_tools_; }
   SceneImage& image();
-  SceneView& image() { return *image_; }
+  SceneView& scene_view() { return *scene_view_; }
   TimeBar& time_bar() { return *time_; }
   ObjectCard& card() { return *card_; }
   QuestionBar& question_bar() { return *questions_; }
@@ -143,7 +143,7 @@ class MainWindow : public QMainWindow {
   MapView* map_;
   ObjectsTree* tree_ = nullptr;
   MapTools* map_tools_ = nullptr;
-  SceneView* image_ = nullptr;
+  SceneView* scene_view_ = nullptr;
   TimeBar* time_ = nullptr;
   ObjectCard* card_ = nullptr;
   QuestionBar* questions_ = nullptr;

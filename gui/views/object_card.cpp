@@ -189,9 +189,9 @@ void ObjectCard::show_image() {
       [object, time = browser_.selection().time()](const BrowserData& memory) {
         return memory.image(object, time);
       },
-      [this, object](const cv::Mat& image) {
+      [this, object](const cv::Mat& pixels) {
         imaged_ = object;
-        const QImage image = image_of(image);
+        const QImage image = image_of(pixels);
         image_->setVisible(!image.isNull() && !rows_->isHidden());
         if (!image.isNull())
           image_->setPixmap(QPixmap::fromImage(

@@ -18,7 +18,7 @@
 namespace loci {
 namespace {
 
-cv::Mat image(const Store& store, Id id) {
+cv::Mat stored_image(const Store& store, Id id) {
   const BlobRow blob = store.blob(id);
   return decode_image({blob.bytes.begin(), blob.bytes.end()}, blob.hash);
 }
@@ -27,9 +27,9 @@ cv::Mat image(const Store& store, Id id) {
 void add_image(const Store& store, const ObservationRow& row, const types::Cluster& cluster) {
   if (!row.crop) return;
   cas::Cas& cas = cluster.cas();
-  const cv::Mat image = image(store, *row.crop);
+  const cv::Mat image = stored_image(store, *row.crop);
   cv::Mat mask(image.size(), CV_8U, cv::Scalar(255));
-  if (row.mask) cv::resize(image(store, *row.mask), mask, image.size(), 0, 0, cv::INTER_NEAREST);
+  if (row.mask) cv::resize(stored_image(store, *row.mask), mask, image.size(), 0, 0, cv::INTER_NEAREST);
   const auto roi = types::StandaloneImageROI::create(cas);
   roi.source.set("MemoryReader");
   roi.roi.set(types::to(cas, cv::Rect(cv::Point(), image.size())));

@@ -25,14 +25,14 @@ struct PluginInfo {
 ///
 ///     LOCI_PLUGIN("warmth", add_annotators, warmth::type_sources)
 ///
-/// with void add_annotators(loci::AnnotatorRegistry&), and the generated type_sources or nullptr.
-#define LOCI_PLUGIN(plugin_name, add_function, types_function) \
-  extern "C" const loci::PluginInfo* loci_plugin() {           \
-    static loci::PluginInfo info;                              \
-    info.name = plugin_name;                                   \
-    info.add = add_function;                                   \
-    info.types = types_function;                               \
-    return &info;                                              \
+/// with void add_annotators(loci::perception::AnnotatorRegistry&), and the generated type_sources or nullptr.
+#define LOCI_PLUGIN(plugin_name, add_function, types_function)   \
+  extern "C" const loci::perception::PluginInfo* loci_plugin() { \
+    static loci::perception::PluginInfo info;                    \
+    info.name = plugin_name;                                     \
+    info.add = add_function;                                     \
+    info.types = types_function;                                 \
+    return &info;                                                \
   }
 
 struct LoadedPlugin {

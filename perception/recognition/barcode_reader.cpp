@@ -45,14 +45,14 @@ bool is_checked(const Barcode& code) {
 }
 
 std::vector<Barcode> scan(const cv::Mat& grey) {
-  const cv::Mat image = grey.isContinuous() ? grey : grey.clone();
+  const cv::Mat pixels = grey.isContinuous() ? grey : grey.clone();
   zbar::ImageScanner scanner;
   scanner.set_config(zbar::ZBAR_NONE, zbar::ZBAR_CFG_ENABLE, 1);
   scanner.set_config(zbar::ZBAR_DATABAR, zbar::ZBAR_CFG_ENABLE, 0);
   scanner.set_config(zbar::ZBAR_DATABAR_EXP, zbar::ZBAR_CFG_ENABLE, 0);
   scanner.set_config(zbar::ZBAR_UPCA, zbar::ZBAR_CFG_ENABLE, 1);
-  zbar::Image image(static_cast<unsigned>(image.cols), static_cast<unsigned>(image.rows), "Y800",
-                      image.data, image.total());
+  zbar::Image image(static_cast<unsigned>(pixels.cols), static_cast<unsigned>(pixels.rows), "Y800",
+                    pixels.data, pixels.total());
   scanner.scan(image);
   std::vector<Barcode> codes;
   for (auto symbol = image.symbol_begin(); symbol != image.symbol_end(); ++symbol) {
@@ -158,11 +158,11 @@ std::vector<Barcode> read_barcodes(const cv::Mat& image, bool thorough) {
   std::map<std::pair<std::string, std::string>, int> seen;
   for (const Frame& frame : frames()) {
     cv::Mat back;
-    const cv::Mat image = framed(grey, frame, back);
-    if (std::min(image.cols, image.rows) < 16) continue;
+    const cv::Mat framed_image = framed(grey, frame, back);
+    if (std::min(framed_image.cols, framed_image.rows) < 16) continue;
     for (const auto& [name, filter] : filters()) {
       std::vector<Barcode> agreed;
-      for (Barcode& code : scan(filter(image))) {
+      for (Barcode& code : scan(filter(framed_image))) {
         if (!is_checked(code) || ++seen[{code.symbology, code.code}] < 2) continue;
         code.region = mapped(code.region, back, grey.size());
         code.preparation = frame.name + (frame.name.empty() || name.empty() ? "" : ", ") + name;

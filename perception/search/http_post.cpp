@@ -71,7 +71,7 @@ HttpAddress HttpAddress::parse(const std::string& url) {
 }
 
 HttpAnswer http_post(const HttpAddress& address, const std::string& body, double timeout_s,
-                     size_t most_bytes) {
+                     size_t max_bytes) {
   httplib::Client client(address.server);
   const Seconds limit(timeout_s);
   client.set_connection_timeout(limit);
@@ -85,13 +85,13 @@ HttpAnswer http_post(const HttpAddress& address, const std::string& body, double
   request.headers = {{"Content-Type", "application/x-protobuf"}, {"Accept", "application/x-protobuf"}};
   request.body = body;
   request.content_receiver = [&](const char* data, size_t length, uint64_t, uint64_t) {
-    too_large = length > most_bytes - received.size();
+    too_large = length > max_bytes - received.size();
     if (!too_large) received.append(data, length);
     return !too_large;
   };
   Deadline deadline(client, limit);
   const httplib::Result result = client.send(request);
-  if (too_large) throw Error(fmt::format("{} answered with more than {} bytes", address.server, most_bytes));
+  if (too_large) throw Error(fmt::format("{} answered with more than {} bytes", address.server, max_bytes));
   if (result) return {result->status, std::move(received)};
   if (deadline.is_over())
     throw ServerAway(fmt::format("{} did not answer within {} s", address.server, timeout_s));

@@ -26,8 +26,8 @@ struct HttpAddress {
 };
 
 /// Sends `body` and waits for the answer, at most `timeout_s` for all of it, however slowly it drips in.
-/// Throws ServerAway, or Error when the answer has more than `most_bytes`.
+/// Throws ServerAway, or Error when the answer has more than `max_bytes`.
 HttpAnswer http_post(const HttpAddress& address, const std::string& body, double timeout_s,
-                     size_t most_bytes);
+                     size_t max_bytes);
 
 }  // namespace loci

@@ -26,10 +26,10 @@ constexpr std::array<TextField, 6> kProductTexts = {{{"authors", "authors"},
                                                      {"isbn", "isbn"},
                                                      {"manufacturer", "manufacturer"},
                                                      {"product_id", "product_cid"}}};
-constexpr std::array<TextField, 2> kPictureTexts = {
-    {{"picture_url", "image_highres"}, {"picture_site", "image_site"}}};
+constexpr std::array<TextField, 2> kImageTexts = {
+    {{"image_url", "image_highres"}, {"image_site", "image_site"}}};
 constexpr std::array<TextField, 3> kUploaderTexts = {
-    {{"uploader", "name"}, {"uploader_url", "user_url"}, {"uploader_picture", "image_url"}}};
+    {{"uploader", "name"}, {"uploader_url", "user_url"}, {"uploader_image", "image_url"}}};
 constexpr std::array<TextField, 1> kUploadTexts = {{{"user_text", "text"}}};
 constexpr std::array<TextField, 1> kUiTexts = {{{"location", "location"}}};
 constexpr std::array<TextField, 1> kPriceTexts = {{{"price", "range"}}};
@@ -83,7 +83,7 @@ bool holds(const std::array<TextField, N>& texts, const std::string& key) {
 
 /// Whether a field of its own carries the property.
 bool has_field(const std::string& key) {
-  return holds(kProductTexts, key) || holds(kPictureTexts, key) || holds(kUploaderTexts, key) ||
+  return holds(kProductTexts, key) || holds(kImageTexts, key) || holds(kUploaderTexts, key) ||
          holds(kUploadTexts, key) || holds(kUiTexts, key) || holds(kPriceTexts, key) ||
          holds(kCommentTexts, key) || holds(kStoreTexts, key) || holds(kGroupTexts, key);
 }
@@ -167,7 +167,7 @@ SearchResult read_info(const goggles::Info& info) {
   result.preview_url = mended(ui.image_urls().image_show());
   add_property(result, "additional_info", ui.additional_info());
   read_product(ui, result);
-  read_texts(ui.image_urls(), kPictureTexts, result);
+  read_texts(ui.image_urls(), kImageTexts, result);
   read_texts(ui.uploaded_info().uploader(), kUploaderTexts, result);
   read_texts(ui.uploaded_info(), kUploadTexts, result);
   read_texts(ui, kUiTexts, result);
@@ -188,7 +188,7 @@ void write_properties(const SearchResult& result, goggles::UIInfo& ui) {
   write_texts(result, kPriceTexts, [&] { return product()->mutable_price_range(); });
   write_texts(result, kStoreTexts, [&] { return product()->add_match(); });
   write_texts(result, kGroupTexts, [&] { return product()->add_hierarchy(); });
-  write_texts(result, kPictureTexts, [&] { return ui.mutable_image_urls(); });
+  write_texts(result, kImageTexts, [&] { return ui.mutable_image_urls(); });
   write_texts(result, kUploaderTexts, [&] { return ui.mutable_uploaded_info()->mutable_uploader(); });
   write_texts(result, kUploadTexts, [&] { return ui.mutable_uploaded_info(); });
   write_texts(result, kUiTexts, [&] { return &ui; });

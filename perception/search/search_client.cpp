@@ -57,18 +57,18 @@ void SearchOptions::declare(OptionTable& table) {
   table.integer("retry", retry, "", "How often a server that is away, busy or confused is asked again.", 0,
                 100);
   table.number("pause_s", pause_s, "s", "Wait before it is asked again; doubles each time.", 0, 60);
-  table.integer("side_px", side_px, "px", "Pictures whose longer side is longer are sent smaller.", 32,
+  table.integer("side_px", side_px, "px", "Images whose longer side is longer are sent smaller.", 32,
                 10000);
   table.text("language", language, "Of the answers.");
   table.text("country", country, "For the answers.");
   table.integer(
       "alike_bits", alike_bits, "",
-      "Pictures whose perceptual hashes differ in so many bits of 64 are not sent again; -1 = each is sent.",
+      "Images whose perceptual hashes differ in so many bits of 64 are not sent again; -1 = each is sent.",
       -1, 64);
   table.number("alike_color", alike_color, "", "Unless their colours differ by more (CIE Lab, on average).",
                0, 200);
   table.integer("remembered", remembered, "", "Answers that are remembered for that.", 1, 1000000);
-  table.number("most_mb", most_mb, "MB", "Larger answers are refused.", 0.001, 1000);
+  table.number("max_mb", max_mb, "MB", "Larger answers are refused.", 0.001, 1000);
   table.text("unknown", unknown,
              "Folder for answers with fields that the protocol does not name, and a list of these.");
 }
@@ -108,11 +108,11 @@ SearchClient::SearchClient(const SearchOptions& options)
       cache_(options.alike_bits, options.alike_color, static_cast<size_t>(options.remembered)) {}
 
 SearchClient::Outcome SearchClient::search(const cv::Mat& image) {
-  if (image.empty() || image.type() != CV_8UC3) throw Error("a visual search is asked for colour pictures");
+  if (image.empty() || image.type() != CV_8UC3) throw Error("a visual search is asked for colour images");
   const Stopwatch watch;
   Outcome outcome;
   const SearchCache::Look look = SearchCache::look_at(image);
-  // Remembered regions are parts of one, as alike pictures may differ in size.
+  // Remembered regions are parts of one, as alike images may differ in size.
   constexpr int kUnit = 1 << 20;
   const cv::Size unit(kUnit, kUnit);
   const double per_column = static_cast<double>(image.cols) / kUnit,
@@ -131,21 +131,21 @@ SearchClient::Outcome SearchClient::search(const cv::Mat& image) {
 }
 
 SearchAnswer SearchClient::ask(const cv::Mat& image, int& attempts) const {
-  cv::Mat picture = image;
+  cv::Mat sent = image;
   const double scale = static_cast<double>(options_.side_px) / std::max(image.cols, image.rows);
   if (scale < 1)
-    cv::resize(image, picture,
+    cv::resize(image, sent,
                {std::max(1, cvRound(image.cols * scale)), std::max(1, cvRound(image.rows * scale))}, 0, 0,
                cv::INTER_AREA);
-  const std::vector<unsigned char> jpeg = encode_image(picture, ".jpg");
+  const std::vector<unsigned char> jpeg = encode_image(sent, ".jpg");
   const std::string request = encode({{jpeg.begin(), jpeg.end()}, options_.language, options_.country, true});
   double pause_s = options_.pause_s;
   for (int left = options_.retry;; --left) {
     ++attempts;
     try {
       SearchAnswer answer = try_once(request);
-      scale_regions(answer, static_cast<double>(image.cols) / picture.cols,
-                    static_cast<double>(image.rows) / picture.rows, image.size());
+      scale_regions(answer, static_cast<double>(image.cols) / sent.cols,
+                    static_cast<double>(image.rows) / sent.rows, image.size());
       return answer;
     } catch (const ServerAway&) {
       if (left <= 0) throw;
@@ -159,7 +159,7 @@ SearchAnswer SearchClient::ask(const cv::Mat& image, int& attempts) const {
 
 SearchAnswer SearchClient::try_once(const std::string& request) const {
   const HttpAnswer reply = http_post(address_, request, options_.timeout_s,
-                                     static_cast<size_t>(options_.most_mb * kBytesPerMegabyte));
+                                     static_cast<size_t>(options_.max_mb * kBytesPerMegabyte));
   const std::string says =
       fmt::format("{} answered {}{}", options_.server, reply.status, line_of(reply.body));
   if (reply.status >= 500 || reply.status == 429) throw TryAgain(says);

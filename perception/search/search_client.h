@@ -20,13 +20,13 @@ struct SearchOptions {
   int alike_bits = 4;
   double alike_color = 8;
   int remembered = 500;
-  double most_mb = 16;
+  double max_mb = 16;
   std::string unknown;
 
   void declare(OptionTable& table);
 };
 
-/// Answers by what pictures look like (§5.4.5): a perceptual hash of few different bits, and like colours.
+/// Answers by what images look like (§5.4.5): a perceptual hash of few different bits, and like colours.
 class SearchCache {
  public:
   SearchCache(int alike_bits, double alike_color, size_t most);
@@ -35,7 +35,7 @@ class SearchCache {
     cv::Mat colors;  ///< CV_32FC3, Lab, small
   };
   static Look look_at(const cv::Mat& image);
-  /// The answer to the picture that is most alike; false when none is alike.
+  /// The answer to the image that is most alike; false when none is alike.
   bool find(const Look& look, SearchAnswer& answer) const;
   /// The oldest ones are forgotten.
   void remember(const Look& look, const SearchAnswer& answer);
@@ -48,19 +48,19 @@ class SearchCache {
   std::list<std::pair<Look, SearchAnswer>> entries_;  ///< the newest first
 };
 
-/// Asks a visual-search server about pictures (§5.4). Any number of threads may ask at the same time.
+/// Asks a visual-search server about images (§5.4). Any number of threads may ask at the same time.
 class SearchClient {
  public:
   /// Error for an address that is none.
   explicit SearchClient(const SearchOptions& options);
 
   struct Outcome {
-    SearchAnswer answer;      ///< with regions in pixels of the given picture, and within it
+    SearchAnswer answer;      ///< with regions in pixels of the given image, and within it
     bool remembered = false;  ///< from the cache
     int attempts = 0;
     double seconds = 0;
   };
-  /// What the server says about a picture (CV_8UC3, BGR; sent as JPEG, larger ones made smaller). Tried
+  /// What the server says about an image (CV_8UC3, BGR; sent as JPEG, larger ones made smaller). Tried
   /// again, with longer and longer pauses, when the server is away, busy, or answers what is no response.
   /// Throws ServerAway or Error when it stays so; Error at once when the server refuses.
   Outcome search(const cv::Mat& image);

@@ -9,7 +9,7 @@ namespace {
 /// Keys whose values are no words about the thing.
 bool is_address(const std::string& key) {
   return key.ends_with("_url") || key.ends_with("_site") || key == "confidence" ||
-         key == "uploader_picture" || key == "product_id";
+         key == "uploader_image" || key == "product_id";
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ const std::string& name_of(SearchCategory category);
 
 struct SearchWord {
   std::string text;
-  cv::Rect region;                   ///< pixels of the picture that was sent
+  cv::Rect region;                   ///< pixels of the image that was sent
   std::vector<cv::Rect> characters;  ///< of its characters, where the server tells
 };
 
@@ -38,14 +38,14 @@ struct SearchResult {
   /// As the server words it ("EAN-13 Barcode"): a subtitle of the title, at times the name of a web site.
   std::string category_text;
   std::string title;     ///< product, brand, number of the barcode, what is read
-  cv::Rect region;       ///< pixels of the picture that was sent; empty = not told
+  cv::Rect region;       ///< pixels of the image that was sent; empty = not told
   std::string language;  ///< "en"
   std::string text;      ///< further text
   std::string description;
-  std::string preview_url;                                 ///< a picture of the result
+  std::string preview_url;                                 ///< an image of the result
   std::vector<std::pair<std::string, std::string>> links;  ///< name and address
   /// What else the category brings: manufacturer, price, store, category; authors, publisher, year, isbn;
-  /// location; uploader, uploader_url, picture_url, comment; and what the server adds.
+  /// location; uploader, uploader_url, image_url, comment; and what the server adds.
   Properties properties;
   std::vector<SearchWord> words;
   std::vector<std::string> translations;

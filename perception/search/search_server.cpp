@@ -25,15 +25,15 @@ class BadRequest : public Error {
   using Error::Error;
 };
 
-cv::Mat picture_of(const std::string& jpeg, double most_megapixels) {
-  if (jpeg.empty()) throw BadRequest("the request holds no picture");
-  if (!jpeg.starts_with("\xff\xd8\xff")) throw BadRequest("the picture is no JPEG");
+cv::Mat image_of(const std::string& jpeg, double max_megapixels) {
+  if (jpeg.empty()) throw BadRequest("the request holds no image");
+  if (!jpeg.starts_with("\xff\xd8\xff")) throw BadRequest("the image is no JPEG");
   try {
-    const ImageHeader header = parse_image_header(jpeg, "the picture");
-    if (1e-6 * header.width * header.height > most_megapixels)
+    const ImageHeader header = parse_image_header(jpeg, "the image");
+    if (1e-6 * header.width * header.height > max_megapixels)
       throw BadRequest(
-          fmt::format("the picture has {} x {} pixels, which are too many", header.width, header.height));
-    const cv::Mat image = decode_image({jpeg.begin(), jpeg.end()}, "the picture");
+          fmt::format("the image has {} x {} pixels, which are too many", header.width, header.height));
+    const cv::Mat image = decode_image({jpeg.begin(), jpeg.end()}, "the image");
     if (image.channels() == 3) return image;
     cv::Mat color;
     cv::cvtColor(image, color, image.channels() == 1 ? cv::COLOR_GRAY2BGR : cv::COLOR_BGRA2BGR);
@@ -58,8 +58,8 @@ std::string url_of(const std::string& address, int port) {
 void ServerOptions::declare(OptionTable& table) {
   table.text("address", address, "Of this machine; 127.0.0.1 is reached from this machine alone.");
   table.integer("port", port, "", "0 = any that is free.", 0, 65535);
-  table.number("most_mb", most_mb, "MB", "Larger requests are refused.", 0.001, 1000);
-  table.number("most_megapixels", most_megapixels, "MP", "Larger pictures are refused.", 0.01, 1000);
+  table.number("max_mb", max_mb, "MB", "Larger requests are refused.", 0.001, 1000);
+  table.number("max_megapixels", max_megapixels, "MP", "Larger images are refused.", 0.01, 1000);
 }
 
 struct SearchServer::Running {
@@ -76,7 +76,7 @@ struct SearchServer::Running {
       : service(its_service), options(its_options), threads(its_threads), log(std::move(its_log)) {}
 
   void set_up() {
-    server.set_payload_max_length(static_cast<size_t>(options.most_mb * 1e6));
+    server.set_payload_max_length(static_cast<size_t>(options.max_mb * 1e6));
     server.set_keep_alive_max_count(1);  // Nobody keeps the server from stopping.
     // The library would share the port with another server, which then gets half of the requests.
     server.set_socket_options([](socket_t socket) {
@@ -89,8 +89,8 @@ struct SearchServer::Running {
     server.Get("/", [](const httplib::Request&, httplib::Response& response) {
       response.set_content(kWelcome, "text/plain");
     });
-    server.Get(R"(/picture/(\d{1,9}))", [this](const httplib::Request& request, httplib::Response& response) {
-      show_picture(std::stoul(request.matches[1]), response);
+    server.Get(R"(/image/(\d{1,9}))", [this](const httplib::Request& request, httplib::Response& response) {
+      show_image(std::stoul(request.matches[1]), response);
     });
     server.set_exception_handler(
         [](const httplib::Request&, httplib::Response& response, const std::exception_ptr& failure) {
@@ -128,8 +128,8 @@ struct SearchServer::Running {
       } catch (const Error& error) {
         throw BadRequest(error.what());
       }
-      const cv::Mat image = picture_of(asked.jpeg, options.most_megapixels);
-      const std::vector<SearchResult> results = service.look(image, threads, url + "/picture/");
+      const cv::Mat image = image_of(asked.jpeg, options.max_megapixels);
+      const std::vector<SearchResult> results = service.look(image, threads, url + "/image/");
       response.set_content(encode(results, asked.details), kContentType);
       say(fmt::format("{}: {} x {} pixels, {} results, {:.2f} s", request.remote_addr, image.cols, image.rows,
                       results.size(), watch.seconds()));
@@ -139,13 +139,13 @@ struct SearchServer::Running {
     }
   }
 
-  void show_picture(size_t number, httplib::Response& response) {
-    if (number >= service.pictures()) return refuse(response, 404, "there is no such picture");
+  void show_image(size_t number, httplib::Response& response) {
+    if (number >= service.images()) return refuse(response, 404, "there is no such image");
     try {
-      const std::filesystem::path& path = service.picture(number);
+      const std::filesystem::path& path = service.image(number);
       response.set_content(read_file(path), path.extension() == ".png" ? "image/png" : "image/jpeg");
     } catch (const Error&) {
-      refuse(response, 404, "the picture is not where it was when the index was made");
+      refuse(response, 404, "the image is not where it was when the index was made");
     }
   }
 };

@@ -11,14 +11,14 @@ namespace loci {
 struct ServerOptions {
   std::string address = "127.0.0.1";
   int port = 8600;
-  double most_mb = 16;
-  double most_megapixels = 50;
+  double max_mb = 16;
+  double max_megapixels = 50;
 
   void declare(OptionTable& table);
 };
 
-/// Answers the visual-search protocol over HTTP: requests are POSTed to "/", pictures of the index are at
-/// "/picture/NUMBER". It answers 400 to what is no request with a JPEG, 404, 413 (too large), 500, each with
+/// Answers the visual-search protocol over HTTP: requests are POSTed to "/", images of the index are at
+/// "/image/NUMBER". It answers 400 to what is no request with a JPEG, 404, 413 (too large), 500, each with
 /// a line of text that says why.
 class SearchServer {
  public:

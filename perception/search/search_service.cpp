@@ -91,9 +91,9 @@ void set_confidence(SearchResult& result, double confidence) {
 void ServiceOptions::declare(OptionTable& table) {
   recognition.declare(table);
   table.text("language", language, "Of printed text, as Tesseract names it.");
-  table.number("least_confidence", least_confidence, "", "Words that are less sure are left out.", 0, 1);
+  table.number("min_confidence", min_confidence, "", "Words that are less sure are left out.", 0, 1);
   table.flag("text", text, "Read printed text.");
-  table.flag("thorough", thorough, "Look for barcodes in changed pictures, too.");
+  table.flag("thorough", thorough, "Look for barcodes in changed images, too.");
   table.integer("similar", similar, "", "Most similar images of an answer.", 0, 9);
 }
 
@@ -103,17 +103,17 @@ SearchService::SearchService(ProductIndex index, const ServiceOptions& options)
 }
 
 std::vector<SearchResult> SearchService::look(const cv::Mat& image, int threads,
-                                              const std::string& pictures) const {
+                                              const std::string& images) const {
   // Reading takes as long as everything else.
   auto reading =
       std::async(threads == 1 ? std::launch::deferred : std::launch::async, [&] { return read_text(image); });
-  std::vector<SearchResult> results = look_for_products(image, threads, pictures);
-  for (SearchResult& result : look_for_codes(image, pictures)) results.push_back(std::move(result));
+  std::vector<SearchResult> results = look_for_products(image, threads, images);
+  for (SearchResult& result : look_for_codes(image, images)) results.push_back(std::move(result));
   if (auto text = reading.get()) results.push_back(std::move(*text));
   return results;
 }
 
-SearchResult SearchService::result_of(size_t number, const std::string& pictures) const {
+SearchResult SearchService::result_of(size_t number, const std::string& images) const {
   const Product& product = index_.products()[number];
   SearchResult result;
   result.category = category_of(product);
@@ -124,17 +124,17 @@ SearchResult SearchService::result_of(size_t number, const std::string& pictures
     else if (key != "kind" && key != "confidence")
       result.properties.emplace_back(key, value);
   }
-  if (!pictures.empty()) result.preview_url = pictures + std::to_string(number);
+  if (!images.empty()) result.preview_url = images + std::to_string(number);
   return result;
 }
 
 std::vector<SearchResult> SearchService::look_for_products(const cv::Mat& image, int threads,
-                                                           const std::string& pictures) const {
+                                                           const std::string& images) const {
   std::vector<ProductMatch> matches = index_.recognise(image, options_.recognition, threads, kCandidates);
   std::erase_if(matches, [](const ProductMatch& match) { return !match.verified; });
   std::vector<SearchResult> results;
   for (size_t i = 0; i < matches.size() && i <= static_cast<size_t>(options_.similar); ++i) {
-    SearchResult result = result_of(matches[i].product, pictures);
+    SearchResult result = result_of(matches[i].product, images);
     if (i > 0) result.category = SearchCategory::kSimilarImage;
     result.region = matches[i].region;
     set_confidence(result, matches[i].confidence());
@@ -172,7 +172,7 @@ std::optional<SearchResult> SearchService::logo_of(const std::vector<ProductMatc
 }
 
 std::vector<SearchResult> SearchService::look_for_codes(const cv::Mat& image,
-                                                        const std::string& pictures) const {
+                                                        const std::string& images) const {
   std::vector<SearchResult> results;
   for (const Barcode& code : read_barcodes(image, options_.thorough)) {
     SearchResult result;
@@ -187,7 +187,7 @@ std::vector<SearchResult> SearchService::look_for_codes(const cv::Mat& image,
       if (!same_code(property_of(product, "barcode"), code.code) &&
           !(is_isbn(code) && same_code(digits_of(property_of(product, "isbn")), code.code)))
         continue;
-      results.push_back(result_of(i, pictures));
+      results.push_back(result_of(i, images));
       results.back().region = code.region;
       break;
     }
@@ -206,7 +206,7 @@ std::optional<SearchResult> SearchService::read_text(const cv::Mat& image) const
   std::vector<TextWord> words;
   {
     const std::lock_guard lock(reading_);
-    words = reader_->read(image, options_.least_confidence);
+    words = reader_->read(image, options_.min_confidence);
   }
   std::erase_if(words, [](const TextWord& word) { return !is_word(word.text); });
   if (words.empty()) return {};
@@ -214,7 +214,7 @@ std::optional<SearchResult> SearchService::read_text(const cv::Mat& image) const
   result.category = SearchCategory::kText;
   double confidence = 0;
   for (const TextWord& word : words) {
-    // Two looks at the picture read most words twice; told is the first.
+    // Two looks at the image read most words twice; told is the first.
     const bool known = std::any_of(result.words.begin(), result.words.end(), [&](const SearchWord& other) {
       return other.text == word.text && !(other.region & word.region).empty();
     });

@@ -13,7 +13,7 @@ namespace loci {
 struct ServiceOptions {
   RecognitionOptions recognition;
   std::string language = "eng";
-  double least_confidence = 0.6;
+  double min_confidence = 0.6;
   bool text = true;
   bool thorough = true;
   int similar = 3;
@@ -26,7 +26,7 @@ struct ServiceOptions {
 ///
 /// What an entry of the index is follows from its property `kind` ("book", "logo", "landmark", "user
 /// submitted"); entries with isbn or authors are books, others products. A Product (…) result is given for
-/// the best picture that is believed, a Similar Image for the next ones. A Logo, besides entries that are
+/// the best image that is believed, a Similar Image for the next ones. A Logo, besides entries that are
 /// one, is the brand that a believed product has (`brand`), or what the names of several believed products
 /// begin with. A Text has all words with their places, a Barcode its number; a product or book with that
 /// `barcode` or `isbn` follows.
@@ -36,24 +36,24 @@ class SearchService {
  public:
   SearchService(ProductIndex index, const ServiceOptions& options);
 
-  /// For a picture (CV_8UC3). `threads` = 0: all cores. `pictures` is the address below which the pictures of
-  /// the index are found by their numbers ("http://127.0.0.1:8600/picture/").
-  std::vector<SearchResult> look(const cv::Mat& image, int threads, const std::string& pictures = {}) const;
+  /// For an image (CV_8UC3). `threads` = 0: all cores. `images` is the address below which the images of
+  /// the index are found by their numbers ("http://127.0.0.1:8600/image/").
+  std::vector<SearchResult> look(const cv::Mat& image, int threads, const std::string& images = {}) const;
 
-  size_t pictures() const { return index_.products().size(); }
-  const std::filesystem::path& picture(size_t number) const { return index_.products()[number].image; }
+  size_t images() const { return index_.products().size(); }
+  const std::filesystem::path& image(size_t number) const { return index_.products()[number].image; }
 
  private:
-  SearchResult result_of(size_t product, const std::string& pictures) const;
+  SearchResult result_of(size_t product, const std::string& images) const;
   std::vector<SearchResult> look_for_products(const cv::Mat& image, int threads,
-                                              const std::string& pictures) const;
+                                              const std::string& images) const;
   std::optional<SearchResult> logo_of(const std::vector<ProductMatch>& believed) const;
-  std::vector<SearchResult> look_for_codes(const cv::Mat& image, const std::string& pictures) const;
+  std::vector<SearchResult> look_for_codes(const cv::Mat& image, const std::string& images) const;
   std::optional<SearchResult> read_text(const cv::Mat& image) const;
 
   ProductIndex index_;
   ServiceOptions options_;
-  mutable std::mutex reading_;  ///< Tesseract reads one picture at a time
+  mutable std::mutex reading_;  ///< Tesseract reads one image at a time
   std::optional<TextReader> reader_;
 };
 

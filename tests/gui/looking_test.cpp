@@ -135,15 +135,15 @@ TEST_F(BrowserWindow, WhatIsKnownAndOfInterestIsTinted) {
 }
 
 TEST_F(BrowserWindow, WhatWasFoundInTheImageStandsBesideIt) {
-  EXPECT_TRUE(window.image().notes()->isHidden()) << "nothing was found: no empty tree";
+  EXPECT_TRUE(window.scene_view().notes()->isHidden()) << "nothing was found: no empty tree";
   ImageNote note{"LogoAnnotation", "Milka", "VisualSearch", -1, {100, 100, 200, 100}};
-  window.image().show_notes({note});
-  const QTreeWidget* tree = window.image().notes();
+  window.scene_view().show_notes({note});
+  const QTreeWidget* tree = window.scene_view().notes();
   ASSERT_EQ(tree->topLevelItemCount(), 1);
   EXPECT_EQ(tree->topLevelItem(0)->text(0), "Logo");
   EXPECT_EQ(tree->topLevelItem(0)->child(0)->text(0), "Milka");
   const QImage before = window.image().grab().toImage();
-  window.image().notes()->setCurrentItem(tree->topLevelItem(0)->child(0));
+  window.scene_view().notes()->setCurrentItem(tree->topLevelItem(0)->child(0));
   EXPECT_NE(window.image().grab().toImage(), before) << "its box is marked";
 }
 

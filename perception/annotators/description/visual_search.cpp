@@ -14,10 +14,10 @@
 namespace loci {
 namespace {
 
-/// One object's picture, what became of the question, and where the picture lies in the scene's.
+/// One object's image, what became of the question, and where the image lies in the scene's.
 struct Question {
   types::Cluster cluster;
-  cv::Mat picture;
+  cv::Mat image;
   cv::Point corner;
   std::optional<SearchClient::Outcome> outcome;
   std::string refused;
@@ -28,10 +28,10 @@ std::vector<Question> questions(cas::Cas& cas) {
   for (const types::Cluster& cluster : types::SceneCas(cas).clusters()) {
     const auto roi = cluster.hypotheses.first<types::StandaloneImageROI>();
     if (!roi) continue;
-    const cv::Mat picture = types::from<cv::Mat>(roi.image.get());
-    if (picture.empty() || picture.type() != CV_8UC3) continue;
-    if (!roi.phash.is_set()) roi.phash.set(static_cast<int64_t>(perceptual_hash(picture)));
-    all.push_back({cluster, picture, types::from<cv::Rect>(roi.roi.get()).tl(), {}, {}});
+    const cv::Mat image = types::from<cv::Mat>(roi.image.get());
+    if (image.empty() || image.type() != CV_8UC3) continue;
+    if (!roi.phash.is_set()) roi.phash.set(static_cast<int64_t>(perceptual_hash(image)));
+    all.push_back({cluster, image, types::from<cv::Rect>(roi.roi.get()).tl(), {}, {}});
   }
   return all;
 }
@@ -62,8 +62,8 @@ class Writer {
       case SearchCategory::kSimilarImage: {
         const auto similar = placed<types::SimilarImageAnnotation>(result);
         similar.name.set(result.title);
-        set(similar.image_url, picture_of(result));
-        return set(similar.site_url, result.property("picture_site"));
+        set(similar.image_url, image_of(result));
+        return set(similar.site_url, result.property("image_site"));
       }
       case SearchCategory::kBarcode: {
         const auto code = placed<types::BarcodeAnnotation>(result);
@@ -115,8 +115,8 @@ class Writer {
     if (!text.empty()) feature.set(text);
   }
 
-  static std::string picture_of(const SearchResult& result) {
-    const std::string large = result.property("picture_url");
+  static std::string image_of(const SearchResult& result) {
+    const std::string large = result.property("image_url");
     return large.empty() ? result.preview_url : large;
   }
 
@@ -183,7 +183,7 @@ class Writer {
     set(submitted.text, result.property("user_text"));
     set(submitted.uploader, result.property("uploader"));
     set(submitted.uploader_url, result.property("uploader_url"));
-    set(submitted.image_url, picture_of(result));
+    set(submitted.image_url, image_of(result));
   }
 
   cas::Cas& cas_;
@@ -195,7 +195,7 @@ class Writer {
 AnnotatorDescriptor VisualSearch::descriptor() const {
   AnnotatorDescriptor descriptor{
       "VisualSearch",
-      "Asks a visual-search server about each object's picture.",
+      "Asks a visual-search server about each object's image.",
       {"Cluster", "StandaloneImageROI"},
       {"VisualSearchAnnotation", "ProductAnnotation", "BookAnnotation", "TextAnnotation", "LogoAnnotation",
        "LandmarkAnnotation", "SimilarImageAnnotation", "BarcodeAnnotation", "UserSubmittedAnnotation",
@@ -207,8 +207,8 @@ AnnotatorDescriptor VisualSearch::descriptor() const {
 
 void VisualSearch::declare(OptionTable& table) {
   options_.declare(table);
-  table.integer("at_once", at_once_, "", "So many pictures are asked about at the same time.", 1, 64);
-  table.integer("most_terms", most_terms_, "", "So many words that describe each object.", 1, 1000);
+  table.integer("at_once", at_once_, "", "So many images are asked about at the same time.", 1, 64);
+  table.integer("max_terms", max_terms_, "", "So many words that describe each object.", 1, 1000);
 }
 
 void VisualSearch::start(Context& /*context*/) {
@@ -222,7 +222,7 @@ void VisualSearch::process(cas::Cas& cas, Context& context) {
   std::vector<Question> all = questions(cas);
   parallel_each(all.size(), at_once_, [&](size_t i) {
     try {
-      all[i].outcome = client_->search(all[i].picture);
+      all[i].outcome = client_->search(all[i].image);
     } catch (const ServerAway&) {
       throw;
     } catch (const Error& error) {
@@ -237,7 +237,7 @@ void VisualSearch::process(cas::Cas& cas, Context& context) {
     const Writer writer(cas, question);
     const SearchAnswer& answer = question.outcome->answer;
     for (const SearchResult& result : answer.results) writer.write(result);
-    writer.write_terms(terms_of(answer, static_cast<size_t>(most_terms_)));
+    writer.write_terms(terms_of(answer, static_cast<size_t>(max_terms_)));
     for (const std::string& unknown : answer.unknown)
       context.warnings.add("VisualSearch: the protocol does not name " + unknown);
   }

@@ -18,7 +18,7 @@ What annotators can say. The types are declared in perception/types/*.xml, in UI
 them by `ninja -C build/release type_system_docs`. Metres, radians, nanoseconds since 1970 (UTC); `map_from_x` takes
 coordinates of x to the map.
 
-**Typed access.** The build turns the files into C++ proxies (`loci::types`), so that code has no string identifiers:
+**Typed access.** The build turns the files into C++ proxies (`loci::perception::types`), so that code has no string identifiers:
 
 ```cpp
 cas::Cas cas(types::type_system());

@@ -72,12 +72,14 @@ class Generator {
     text += "#include \"perception/types/proxy.h\"\n";
     if (target_.include_folder != "perception/types") text += "#include \"perception/types/types.h\"\n";
     text += fmt::format("\nnamespace {} {{\n\n", target_.name_space);
-    if (!target_.name_space.starts_with("loci::")) text += "namespace cas = loci::cas;\n";
-    if (target_.name_space != "loci::types")
+    if (!target_.name_space.starts_with("loci::perception"))
+      text += "namespace cas = loci::perception::cas;\n";
+    if (target_.name_space != "loci::perception::types")
       text +=
-          "using loci::types::ArrayFeature;\nusing loci::types::ListFeature;\nusing "
-          "loci::types::PrimitiveFeature;\n"
-          "using loci::types::ReferenceFeature;\nusing loci::types::ValueListFeature;\n\n";
+          "using loci::perception::types::ArrayFeature;\nusing loci::perception::types::ListFeature;\nusing "
+          "loci::perception::types::PrimitiveFeature;\n"
+          "using loci::perception::types::ReferenceFeature;\nusing "
+          "loci::perception::types::ValueListFeature;\n\n";
     for (const Type& type : own_) text += fmt::format("class {};\n", type.short_name());
     for (const Type& type : own_) text += class_text(type);  // supertypes come first
     text +=
@@ -105,8 +107,8 @@ class Generator {
  private:
   std::string class_name(Type type) const {
     if (own_names_.contains(type.name())) return type.short_name();
-    if (type.name().starts_with("loci.")) return "loci::types::" + type.short_name();
-    return "loci::types::Top";
+    if (type.name().starts_with("loci.")) return "loci::perception::types::" + type.short_name();
+    return "loci::perception::types::Top";
   }
 
   std::string feature_type(const Feature& feature) const {
