@@ -25,7 +25,7 @@
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 /// Enough for the window to be laid out and painted.
@@ -226,4 +226,4 @@ int run_browser(const BrowseOptions& options, const std::string& program) {
   return image ? take_image(options, std::move(data), backend) : show_window(options, backend);
 }
 
-}  // namespace loci
+}  // namespace loci::gui

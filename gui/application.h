@@ -6,7 +6,7 @@
 
 #include "gui/theme.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// What to open and how.
 struct BrowseOptions {
@@ -32,4 +32,4 @@ struct BrowseOptions {
 /// memory cannot be read, when nothing can be drawn, or when a window is wanted and there is no screen.
 int run_browser(const BrowseOptions& options, const std::string& program);
 
-}  // namespace loci
+}  // namespace loci::gui

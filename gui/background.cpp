@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace loci {
+namespace loci::gui {
 namespace {
 uint64_t started = 0;  // work is only started in the thread of the windows
 }
@@ -38,4 +38,4 @@ void finish_background() {
   } while (started != before);
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -8,7 +8,7 @@
 #include <functional>
 #include <memory>
 
-namespace loci {
+namespace loci::gui {
 
 /// Counts what is started in the background, for finish_background().
 void note_background_work();
@@ -48,4 +48,4 @@ QThreadPool& reading_pool();
 /// Waits until nothing runs in the background and what is done has been told, with all that follows from it.
 void finish_background();
 
-}  // namespace loci
+}  // namespace loci::gui

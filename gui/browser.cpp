@@ -5,7 +5,7 @@
 
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 /// The neighbour of `time` in sorted `times`; `time` itself at the ends.
@@ -135,4 +135,4 @@ void Browser::to_last() {
   if (data_ && !data_->scenes().empty()) selection_.set_time(data_->scenes().back().time);
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -8,7 +8,7 @@
 #include "gui/memory_reader.h"
 #include "gui/selection.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// What is shown of one time.
 struct Moment {
@@ -74,4 +74,4 @@ class Browser : public QObject {
   Moment moment_;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -3,7 +3,7 @@
 #include "gui/background.h"
 #include "memory/edits/edits.h"
 
-namespace loci {
+namespace loci::gui {
 
 void EditHistory::set_memory(const QString& path) {
   if (path == path_) return;
@@ -23,7 +23,7 @@ void EditHistory::take(const EditState& state) {
   Q_EMIT changed();
 }
 
-void EditHistory::write(const std::function<Edit(Store&)>& edit, const QString& prefix) {
+void EditHistory::write(const std::function<memory::Edit(memory::Store&)>& edit, const QString& prefix) {
   if (busy_ || path_.isEmpty()) return;
   busy_ = true;
   Q_EMIT changed();
@@ -42,35 +42,35 @@ void EditHistory::write(const std::function<Edit(Store&)>& edit, const QString& 
 }
 
 void EditHistory::say(const std::string& about, const std::string& key, const std::string& value) {
-  write([=](Store& store) { return loci::say(store, about, key, value); });
+  write([=](memory::Store& store) { return loci::memory::say(store, about, key, value); });
 }
 
 void EditHistory::name_part(const std::string& part, const std::string& name) {
-  write([=](Store& store) { return loci::name_part(store, part, name); });
+  write([=](memory::Store& store) { return loci::memory::name_part(store, part, name); });
 }
 
 void EditHistory::merge(int64_t one, int64_t other) {
-  write([=](Store& store) { return merge_objects(store, one, other); });
+  write([=](memory::Store& store) { return merge_objects(store, one, other); });
 }
 
 void EditHistory::split(int64_t object, int64_t from) {
-  write([=](Store& store) { return split_object(store, object, from); });
+  write([=](memory::Store& store) { return split_object(store, object, from); });
 }
 
 void EditHistory::label(int64_t scene, int64_t observation, const std::string& class_name) {
-  write([=](Store& store) { return label_observation(store, scene, observation, class_name); });
+  write([=](memory::Store& store) { return label_observation(store, scene, observation, class_name); });
 }
 
 void EditHistory::joint(const std::string& name, const std::string& type) {
-  write([=](Store& store) { return set_joint_type(store, name, type); });
+  write([=](memory::Store& store) { return set_joint_type(store, name, type); });
 }
 
 void EditHistory::undo() {
-  if (can_undo()) write([](Store& store) { return loci::undo(store); }, "Undone: ");
+  if (can_undo()) write([](memory::Store& store) { return loci::memory::undo(store); }, "Undone: ");
 }
 
 void EditHistory::redo() {
-  if (can_redo()) write([](Store& store) { return loci::redo(store); }, "Redone: ");
+  if (can_redo()) write([](memory::Store& store) { return loci::memory::redo(store); }, "Redone: ");
 }
 
-}  // namespace loci
+}  // namespace loci::gui

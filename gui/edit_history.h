@@ -7,7 +7,7 @@
 
 #include "gui/data/memory_edits.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// Corrections of the open memory, with undo and redo, which the memory itself remembers. Writing goes on in
 /// the background, one edit at a time; an edit that fails is told and forgotten.
@@ -37,7 +37,7 @@ class EditHistory : public QObject {
   void failed(const QString& message);
 
  private:
-  void write(const std::function<Edit(Store&)>& edit, const QString& prefix = {});
+  void write(const std::function<memory::Edit(memory::Store&)>& edit, const QString& prefix = {});
   void take(const EditState& state);
 
   QString path_;
@@ -45,4 +45,4 @@ class EditHistory : public QObject {
   bool busy_ = false;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

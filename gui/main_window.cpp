@@ -26,7 +26,7 @@
 #include "gui/views/time_track.h"
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr int kMessageMs = 8000;
@@ -215,4 +215,4 @@ void MainWindow::closeEvent(QCloseEvent* event) {
   QMainWindow::closeEvent(event);
 }
 
-}  // namespace loci
+}  // namespace loci::gui

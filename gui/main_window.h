@@ -15,7 +15,7 @@ class QLabel;
 class QProgressBar;
 class QToolButton;
 
-namespace loci {
+namespace loci::gui {
 
 class ObjectCard;
 class ObjectsTree;
@@ -162,4 +162,4 @@ class MainWindow : public QMainWindow {
   QByteArray default_state_;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -23,7 +23,7 @@
 #include "gui/views/time_bar.h"
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::gui {
 
 QAction* MainWindow::add_action(QMenu* menu, const Key& key, const std::function<void()>& run) {
   QAction* action = menu->addAction(key.text);
@@ -191,13 +191,12 @@ void MainWindow::build_view_menu() {
                       [this](bool on) { image().show_depth(on); });
   add_check(menu, {"Masks", {QKeySequence("N")}, "Around what belongs to each thing in the image"}, true,
             [this](bool on) { image().show_masks(on); });
-  add_check(
-      menu,
-      {"Known, irrelevant, of interest",
-       {QKeySequence("I")},
-       "Tints the image: what the map explains, what is in no region of interest, and where things are "
-       "looked for"},
-      false, [this](bool on) { image().show_kinds(on); });
+  add_check(menu,
+            {"Known, irrelevant, of interest",
+             {QKeySequence("I")},
+             "Tints the image: what the map explains, what is in no region of interest, and where things are "
+             "looked for"},
+            false, [this](bool on) { image().show_kinds(on); });
   add_action(menu, {"Larger points", {QKeySequence("+")}, ""}, [this] { maps_->change_point_size(1); });
   add_action(menu, {"Smaller points", {QKeySequence("-")}, ""}, [this] { maps_->change_point_size(-1); });
   menu->addSeparator();
@@ -252,4 +251,4 @@ void MainWindow::show_keys() {
   sheet.exec();
 }
 
-}  // namespace loci
+}  // namespace loci::gui

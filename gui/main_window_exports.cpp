@@ -17,7 +17,7 @@
 #include "memory/report/memory_report.h"
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 /// What is believed of the chosen object, or of what is at the chosen place; everything when nothing is
@@ -46,8 +46,7 @@ void MainWindow::build_export_menu(QMenu* file) {
       &MainWindow::export_table);
   add("&Images of the object…", "The chosen object's images from all sides: loci-memory model OBJECT",
       &MainWindow::export_images);
-  add("&Scene's image…", "Colour image of the chosen scene: loci-memory report",
-      &MainWindow::export_scene);
+  add("&Scene's image…", "Colour image of the chosen scene: loci-memory report", &MainWindow::export_scene);
   add("Measured &points…",
       "The points of the chosen scene as PLY in the map frame, or of the chosen object as it was seen "
       "last, as fine as they are kept: loci-memory export -o FOLDER --clouds, loci-memory model OBJECT",
@@ -89,8 +88,8 @@ void MainWindow::export_images() {
        path = std::filesystem::path(folder.toStdString())] {
         const std::vector<ObjectImage> images = memory->details(id, time).images;
         for (size_t i = 0; i < images.size(); ++i)
-          write_image(path / ("object_" + std::to_string(id) + "_" + std::to_string(i + 1) + ".png"),
-                      images[i].image);
+          mapping::write_image(path / ("object_" + std::to_string(id) + "_" + std::to_string(i + 1) + ".png"),
+                               images[i].image);
         return images.size();
       },
       [this, folder](size_t& count) { tell(QString("Saved %1 images in %2").arg(count).arg(folder)); },
@@ -101,7 +100,7 @@ void MainWindow::export_scene() {
   const auto content = browser_.moment().content;
   if (content == nullptr || content->color.empty()) return tell("No image was kept for this scene");
   export_to("scene.png", "Images (*.png)", [content](const std::string&) {
-    const auto bytes = encode_image(content->color, ".png");
+    const auto bytes = mapping::encode_image(content->color, ".png");
     return std::string(bytes.begin(), bytes.end());
   });
 }
@@ -113,7 +112,7 @@ void MainWindow::export_cloud() {
                       known_at = browser_.selection().known_at()](const std::string&) {
                        const ColoredCloud cloud = memory->object_cloud(id, time, known_at);
                        if (cloud.points.empty())
-                         throw Error(object_name(id) + " has no points: no depth was kept of it");
+                         throw Error(memory::object_name(id) + " has no points: no depth was kept of it");
                        return cloud_ply(cloud);
                      });
   const auto cloud = browser_.moment().cloud;
@@ -130,8 +129,8 @@ void MainWindow::export_map() {
 void MainWindow::export_report() {
   export_to("memory.html", "Pages (*.html)", [path = browser_.data()->info().path](const std::string&) {
     NoProgress progress;
-    return memory_report(Store::open_read(path), std::nullopt, {}, progress);
+    return memory_report(memory::Store::open_read(path), std::nullopt, {}, progress);
   });
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -18,7 +18,7 @@
 #include "gui/data/memory_verify.h"
 #include "gui/main_window.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr int kRecentFiles = 8;
@@ -254,14 +254,14 @@ void MainWindow::label_selected() {
 }
 
 QString MainWindow::asked_joint() {
-  const World* world = browser_.data() == nullptr ? nullptr : browser_.data()->world();
+  const mapping::World* world = browser_.data() == nullptr ? nullptr : browser_.data()->world();
   if (!can_edit() || world == nullptr) {
     tell(world == nullptr ? "This memory has no map" : "This file is read-only");
     return {};
   }
   QStringList joints;
   int present = 0;
-  for (const Joint& joint : world->joints) {
+  for (const mapping::Joint& joint : world->joints) {
     if (joint.child == browser_.selection().place()) present = joints.size();
     joints << QString::fromStdString(joint.name);
   }
@@ -290,4 +290,4 @@ void MainWindow::correct_joint() {
   if (taken) edits_.joint(joint.toStdString(), type.toStdString());
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -14,7 +14,7 @@
 #include "gui/background.h"
 #include "gui/main_window.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr int kMouseMs = 8;
@@ -184,4 +184,4 @@ std::string text_of(const WindowFigures& figures) {
       figures.frame_cpu_ms, task(figures.open_task), task(figures.scrub_task), task(figures.select_task));
 }
 
-}  // namespace loci
+}  // namespace loci::gui

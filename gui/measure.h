@@ -4,7 +4,7 @@
 #include <chrono>
 #include <string>
 
-namespace loci {
+namespace loci::gui {
 
 class MainWindow;
 
@@ -59,4 +59,4 @@ WindowFigures measure_window(TimedApplication& application, MainWindow& window, 
                              double seconds);
 std::string text_of(const WindowFigures& figures);
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -7,7 +7,7 @@
 #include "gui/background.h"
 #include "gui/measure.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr int kLookMs = 1500;
@@ -125,4 +125,4 @@ void MemoryLoader::check() {
       true);
 }
 
-}  // namespace loci
+}  // namespace loci::gui

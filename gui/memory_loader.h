@@ -11,7 +11,7 @@
 #include "gui/data/browser_data.h"
 #include "mapping/base/progress.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// Opens a memory by path; throws Error, Interrupted when it is told to stop.
 using MemoryOpener = std::function<std::unique_ptr<BrowserData>(const std::string& path, Progress& progress)>;
@@ -55,4 +55,4 @@ class MemoryLoader : public QObject {
   QTimer timer_;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

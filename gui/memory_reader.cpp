@@ -9,7 +9,7 @@
 #include "gui/background.h"
 #include "gui/measure.h"
 
-namespace loci {
+namespace loci::gui {
 
 struct MemoryReader::Shared {
   mutable std::mutex mutex;
@@ -124,4 +124,4 @@ void MemoryReader::finish(const Job& job, const std::function<void()>& deliver, 
   Q_EMIT waiting_changed();
 }
 
-}  // namespace loci
+}  // namespace loci::gui

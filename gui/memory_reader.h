@@ -10,7 +10,7 @@
 
 #include "gui/data/browser_data.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// What is read first.
 enum class Urgency {
@@ -80,4 +80,4 @@ class MemoryReader : public QObject {
   std::shared_ptr<Shared> shared_;  ///< with the reading thread, which may outlast this
 };
 
-}  // namespace loci
+}  // namespace loci::gui

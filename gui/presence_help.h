@@ -1,6 +1,6 @@
 #pragma once
 
-namespace loci {
+namespace loci::gui {
 
 /// What the states of objects mean, for tooltips.
 inline constexpr const char* kPresenceHelp =
@@ -10,4 +10,4 @@ inline constexpr const char* kPresenceHelp =
     "missed: looked for and not found, but it may still be there\n"
     "gone: looked for, and not there";
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -1,6 +1,6 @@
 #include "gui/selection.h"
 
-namespace loci {
+namespace loci::gui {
 
 void SelectionModel::select_object(std::optional<int64_t> object) {
   if (object_ == object && place_.empty()) return;
@@ -32,4 +32,4 @@ void SelectionModel::clear() {
   select_object(std::nullopt);
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -6,7 +6,7 @@
 
 #include "mapping/base/time.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// What is chosen, for all views at once: an object or a place (never both), and a time.
 class SelectionModel : public QObject {
@@ -40,4 +40,4 @@ class SelectionModel : public QObject {
   std::optional<TimeNs> known_at_;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

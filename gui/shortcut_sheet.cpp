@@ -6,7 +6,7 @@
 #include <QMenu>
 #include <array>
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 QString keys_of(const QAction& action) {
@@ -72,4 +72,4 @@ QStringList ShortcutSheet::lines_of(const QList<QMenu*>& menus) {
   return lines;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

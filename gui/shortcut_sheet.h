@@ -5,7 +5,7 @@
 
 class QMenu;
 
-namespace loci {
+namespace loci::gui {
 
 /// The keys of all actions in the given menus, and what the mouse does: made from the actions themselves, so
 /// that it is always true.
@@ -19,4 +19,4 @@ class ShortcutSheet : public QDialog {
   static QStringList lines_of(const QList<QMenu*>& menus);
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr TimeNs kMinute = 60 * kSecond;
@@ -74,4 +74,4 @@ QImage image_of(const cv::Mat& bgr) {
   return QImage(bgr.data, bgr.cols, bgr.rows, static_cast<int>(bgr.step), QImage::Format_BGR888).copy();
 }
 
-}  // namespace loci
+}  // namespace loci::gui

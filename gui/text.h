@@ -8,7 +8,7 @@
 
 #include "gui/data/browser_data.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// "2026-05-01 09:10:00" in the memory's zone, with fractions where there are any.
 QString time_text(TimeNs time, int zone_minutes);
@@ -28,4 +28,4 @@ QPixmap centred(const QPixmap& image, int side);
 /// CV_8UC3 BGR as an image; null when empty.
 QImage image_of(const cv::Mat& bgr);
 
-}  // namespace loci
+}  // namespace loci::gui

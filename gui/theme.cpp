@@ -5,7 +5,7 @@
 #include <QStyleFactory>
 #include <cmath>
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr int kFontPixels = 13;
@@ -111,4 +111,4 @@ void apply_theme(QApplication& application, ThemeChoice choice, bool has_desktop
   application.setPalette(plain_palette(choice == ThemeChoice::dark));
 }
 
-}  // namespace loci
+}  // namespace loci::gui

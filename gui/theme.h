@@ -10,7 +10,7 @@
 
 class QApplication;
 
-namespace loci {
+namespace loci::gui {
 
 /// The colours of the views. They follow the palette, so that light and dark desktops both look right.
 struct Theme {
@@ -35,4 +35,4 @@ enum class ThemeChoice { system, light, dark };
 /// it is our light one.
 void apply_theme(QApplication& application, ThemeChoice choice, bool has_desktop);
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -4,7 +4,7 @@
 #include <QPixmap>
 #include <QPolygonF>
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr int kSide = 32;  // drawn large, shown small: sharp on any screen
@@ -54,4 +54,4 @@ QIcon transport_icon(Transport sign, const QColor& color) {
   return QIcon(pixmap);
 }
 
-}  // namespace loci
+}  // namespace loci::gui

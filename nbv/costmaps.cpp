@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
 
-namespace loci {
+namespace loci::nbv {
 
 double CostmapStack::yaw(size_t layer) const {
-  return 2 * std::numbers::pi * static_cast<double>(layer) / static_cast<double>(layers.size());
+  return 2 * kPi * static_cast<double>(layer) / static_cast<double>(layers.size());
 }
 
 VisibilityKernel::VisibilityKernel(double opening, double min_distance, double max_distance, double yaw,
@@ -19,7 +19,7 @@ VisibilityKernel::VisibilityKernel(double opening, double min_distance, double m
     const double distance = cell * std::hypot(x, y);
     if (distance < min_distance || distance > max_distance) return false;
     const double bearing = std::atan2(-y, -x);  // Of the voxel, which is at (0, 0), from the cell.
-    return std::abs(std::remainder(bearing - yaw, 2 * std::numbers::pi)) <= opening / 2 + 1e-9;
+    return std::abs(std::remainder(bearing - yaw, 2 * kPi)) <= opening / 2 + 1e-9;
   };
   for (int y = -reach; y <= reach; ++y)
     for (int x = -reach; x <= reach; ++x) {
@@ -31,7 +31,7 @@ VisibilityKernel::VisibilityKernel(double opening, double min_distance, double m
     }
 }
 
-CostmapStack vote(const FloorGrid& floor, const std::vector<int>& votes,
+CostmapStack vote(const mapping::FloorGrid& floor, const std::vector<int>& votes,
                   const std::vector<VisibilityKernel>& kernels, int threads) {
   CostmapStack stack;
   stack.layers.resize(kernels.size());
@@ -66,4 +66,4 @@ CostmapStack vote(const FloorGrid& floor, const std::vector<int>& votes,
   return stack;
 }
 
-}  // namespace loci
+}  // namespace loci::nbv

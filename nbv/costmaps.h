@@ -5,7 +5,7 @@
 
 #include "mapping/occupancy/floor_grid.h"
 
-namespace loci {
+namespace loci::nbv {
 
 /// A value per cell of the floor and orientation: layer l looks along yaw 2π · l / layers.
 struct CostmapStack {
@@ -32,7 +32,7 @@ class VisibilityKernel {
 
 /// Adds the kernel of each orientation as a stencil at every cell, `votes` times: how many voxels could be
 /// seen from each pose if nothing was in the way. `votes` has a count per cell of the floor grid.
-CostmapStack vote(const FloorGrid& floor, const std::vector<int>& votes,
+CostmapStack vote(const mapping::FloorGrid& floor, const std::vector<int>& votes,
                   const std::vector<VisibilityKernel>& kernels, int threads);
 
-}  // namespace loci
+}  // namespace loci::nbv

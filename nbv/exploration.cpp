@@ -9,9 +9,10 @@
 #include "mapping/base/exact_pose.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 #include "mapping/base/stopwatch.h"
 
-namespace loci {
+namespace loci::nbv {
 namespace {
 
 namespace fs = std::filesystem;
@@ -24,12 +25,12 @@ constexpr size_t kUntied = 3;
 /// Longer ways are gone in stages with a scan at each: odometry alone would lose the robot.
 constexpr double kLongestWay = 5, kStage = 3.5;
 
-Json to_json(const PlanarPose& pose) {
-  return {pose.x, pose.y, pose.yaw * 180 / M_PI};
+Json to_json(const mapping::PlanarPose& pose) {
+  return {pose.x, pose.y, pose.yaw * 180 / kPi};
 }
 
-PlanarPose planar_from(const Json& json) {
-  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>() * M_PI / 180};
+mapping::PlanarPose planar_from(const Json& json) {
+  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>() * kPi / 180};
 }
 
 Json to_json(const ExplorationStep& step, size_t index, bool registered, const Json& robot) {
@@ -67,7 +68,7 @@ ExplorationStep step_from(const Json& json) {
 }
 
 /// The place after a length of a way, looking ahead; its end if it is shorter.
-PlanarPose along(const std::vector<PlanarPose>& corners, double length) {
+mapping::PlanarPose along(const std::vector<mapping::PlanarPose>& corners, double length) {
   for (size_t i = 1; i < corners.size(); ++i) {
     const double dx = corners[i].x - corners[i - 1].x, dy = corners[i].y - corners[i - 1].y;
     const double part = std::hypot(dx, dy);
@@ -96,7 +97,8 @@ void ExplorationOptions::declare(OptionTable& table) {
 }
 
 struct Exploration::Impl {
-  Impl(Robot& scanner, const PlanarPose& begin, fs::path out, ExplorationOptions given, Warnings& w)
+  Impl(mapping::Robot& scanner, const mapping::PlanarPose& begin, fs::path out, ExplorationOptions given,
+       Warnings& w)
       : robot(scanner),
         start(begin),
         folder(std::move(out)),
@@ -111,15 +113,15 @@ struct Exploration::Impl {
   }
 
   /// Everything that follows from a scan: its pose and those of the others, and what is known of space.
-  void take_in(Scan scan, ExplorationStep& step) {
+  void take_in(mapping::Scan scan, ExplorationStep& step) {
     Stopwatch watch;
     step.map_from_scan_odometry = scan.map_from_scan;
     scan.name = fmt::format("scan_{:03}", set.scans.size());
     set.scans.push_back(std::move(scan));
-    const RegistrationResult& registered = registrar.add(set.scans.back());
+    const mapping::RegistrationResult& registered = registrar.add(set.scans.back());
     for (size_t i = 0; i < set.scans.size(); ++i) set.scans[i].map_from_scan = registered.map_from_scan[i];
     step.reached_overlap = 0;
-    for (const PairAlignment& pair : registered.pairs)
+    for (const mapping::PairAlignment& pair : registered.pairs)
       if (pair.trusted && std::max(pair.source, pair.target) + 1 == set.scans.size())
         step.reached_overlap = std::max(step.reached_overlap, pair.overlap);
     step.register_seconds = watch.lap();
@@ -143,7 +145,7 @@ struct Exploration::Impl {
           (is_in && (inserted[i]->translation() - set.scans[i].map_from_scan.translation()).norm() > most);
     }
     if (changed) {
-      map = OccupancyMap(options.occupancy);
+      map = mapping::OccupancyMap(options.occupancy);
       inserted.clear();
     }
     inserted.resize(set.scans.size());
@@ -162,12 +164,12 @@ struct Exploration::Impl {
   }
 
   /// Where the robot believes to be.
-  PlanarPose robot_pose() const { return planar(set.scans.back().map_from_scan); }
+  mapping::PlanarPose robot_pose() const { return mapping::planar(set.scans.back().map_from_scan); }
 
   /// Goes to the goal and scans; false when the robot could not get there.
-  bool scan_at(const PlanarPose& goal, ExplorationStep step) {
+  bool scan_at(const mapping::PlanarPose& goal, ExplorationStep step) {
     Stopwatch watch;
-    std::optional<Scan> scan;
+    std::optional<mapping::Scan> scan;
     try {
       scan = robot.scan_at(goal);
     } catch (const Error& error) {
@@ -224,7 +226,7 @@ struct Exploration::Impl {
         json.at("start") != to_json(start))
       throw Error("this exploration was begun with other options", {file.string(), 0, ""},
                   "give the same options, or leave --resume away to begin anew");
-    ScanSet before = read_scan_set(folder / "scans");
+    mapping::ScanSet before = mapping::read_scan_set(folder / "scans");
     const Json& list = json.at("steps");
     if (before.scans.size() < list.size())
       throw Error("there are fewer scans than steps", {file.string(), 0, "steps"},
@@ -232,7 +234,7 @@ struct Exploration::Impl {
     for (size_t i = 0; i < list.size(); ++i) {
       ExplorationStep step = step_from(list[i]);
       const double seconds = step.register_seconds;
-      Scan scan = std::move(before.scans[i]);
+      mapping::Scan scan = std::move(before.scans[i]);
       scan.map_from_scan = step.map_from_scan_odometry;
       take_in(std::move(scan), step);
       step.register_seconds = seconds;
@@ -248,10 +250,10 @@ struct Exploration::Impl {
   }
 
   /// A pose on a way that is too long to be gone at once, looking ahead.
-  std::optional<PlanarPose> stage_of(const std::vector<PlanarPose>& way) const {
+  std::optional<mapping::PlanarPose> stage_of(const std::vector<mapping::PlanarPose>& way) const {
     double length = 0;
-    std::vector<PlanarPose> corners = {robot_pose()};
-    for (const PlanarPose& corner : way) {
+    std::vector<mapping::PlanarPose> corners = {robot_pose()};
+    for (const mapping::PlanarPose& corner : way) {
       length += std::hypot(corner.x - corners.back().x, corner.y - corners.back().y);
       corners.push_back(corner);
     }
@@ -260,7 +262,7 @@ struct Exploration::Impl {
     planner.avoid = avoid;
     // Where the robot could not stand before, it tries the next place on the way.
     for (double at = std::min(kStage, length / 2); at < length; at += planner.robot_radius_m) {
-      const PlanarPose stage = along(corners, at);
+      const mapping::PlanarPose stage = along(corners, at);
       if (!avoided({stage.x, stage.y}, planner)) return stage;
     }
     return std::nullopt;
@@ -302,7 +304,7 @@ struct Exploration::Impl {
       step.reason = tying ? "ties the scan before to the others: " + view.reason : view.reason;
       step.expected_overlap = view.expected_overlap;
       step.expected_gain = view.expected_gain;
-      const std::optional<PlanarPose> stage = stage_of(view.path);
+      const std::optional<mapping::PlanarPose> stage = stage_of(view.path);
       if (stage) step.reason = "on the way: " + step.reason;
       if (scan_at(stage.value_or(*view.pose), std::move(step))) return;
     }
@@ -330,15 +332,15 @@ struct Exploration::Impl {
     checkpoint();
   }
 
-  Robot& robot;
-  PlanarPose start;
+  mapping::Robot& robot;
+  mapping::PlanarPose start;
   fs::path folder;
   ExplorationOptions options;
   Warnings& warnings;
   Random random;
-  IncrementalRegistration registrar;
-  OccupancyMap map;
-  ScanSet set;
+  mapping::IncrementalRegistration registrar;
+  mapping::OccupancyMap map;
+  mapping::ScanSet set;
   std::vector<std::optional<Isometry3d>> inserted;  ///< poses at which scans are in the map; unset = left out
   std::vector<ExplorationStep> steps;
   std::vector<Json> robot_states;
@@ -348,8 +350,8 @@ struct Exploration::Impl {
   Watcher watcher;  ///< may be empty
 };
 
-Exploration::Exploration(Robot& robot, const PlanarPose& start, fs::path folder, bool resume,
-                         const ExplorationOptions& options, Warnings& warnings)
+Exploration::Exploration(mapping::Robot& robot, const mapping::PlanarPose& start, fs::path folder,
+                         bool resume, const ExplorationOptions& options, Warnings& warnings)
     : impl_(std::make_unique<Impl>(robot, start, std::move(folder), options, warnings)) {
   if (resume) impl_->resume();
 }
@@ -364,15 +366,15 @@ void Exploration::watch_plans(Watcher watcher) {
   impl_->watcher = std::move(watcher);
 }
 
-ScanSet Exploration::registered_scans() const {
-  const ScanSet& all = impl_->set;
-  ScanSet registered{all.sensor, all.levelled, all.range_max, all.resolution, all.free_space, {}};
+mapping::ScanSet Exploration::registered_scans() const {
+  const mapping::ScanSet& all = impl_->set;
+  mapping::ScanSet registered{all.sensor, all.levelled, all.range_max, all.resolution, all.free_space, {}};
   const ScanRefs placed = impl_->placed_scans();
   registered.scans.assign(placed.begin(), placed.end());
   return registered;
 }
 
-std::optional<Isometry3d> Exploration::locate(const Scan& scan) const {
+std::optional<Isometry3d> Exploration::locate(const mapping::Scan& scan) const {
   constexpr size_t kNearest = 3;
   std::vector<std::pair<double, size_t>> near;
   for (size_t i = 0; i < impl_->set.scans.size(); ++i)
@@ -384,8 +386,8 @@ std::optional<Isometry3d> Exploration::locate(const Scan& scan) const {
   std::optional<Isometry3d> best;
   double most = 0;
   for (const auto& [distance, i] : near) {
-    const Scan& target = impl_->set.scans[i];
-    const PairAlignment pair =
+    const mapping::Scan& target = impl_->set.scans[i];
+    const mapping::PairAlignment pair =
         align(target, scan, target.map_from_scan.inverse() * scan.map_from_scan, impl_->options.registration);
     if (!pair.trusted || pair.overlap <= most) continue;
     most = pair.overlap;
@@ -394,10 +396,10 @@ std::optional<Isometry3d> Exploration::locate(const Scan& scan) const {
   return best;
 }
 
-const OccupancyMap& Exploration::occupancy() const {
+const mapping::OccupancyMap& Exploration::occupancy() const {
   return impl_->map;
 }
-const RegistrationResult& Exploration::registration() const {
+const mapping::RegistrationResult& Exploration::registration() const {
   return impl_->registrar.result();
 }
 const std::vector<ExplorationStep>& Exploration::steps() const {
@@ -410,4 +412,4 @@ Json Exploration::report() const {
   return impl_->report();
 }
 
-}  // namespace loci
+}  // namespace loci::nbv

@@ -16,16 +16,16 @@
 #include "nbv/inspection.h"
 #include "nbv/planner.h"
 
-namespace loci {
+namespace loci::nbv {
 
 struct ExplorationOptions {
   int max_scans = 40;
   int max_failures = 5;  ///< goals in a row that the robot could not reach
   PlannerOptions planner;
   InspectionOptions inspection;
-  OccupancyOptions occupancy;
-  RegistrationOptions registration;
-  LaserModel laser;
+  mapping::OccupancyOptions occupancy;
+  mapping::RegistrationOptions registration;
+  mapping::LaserModel laser;
   uint64_t seed = 1;
   int threads = 0;  ///< of all stages; 0 = all cores; not declared: the result is the same on any number
 
@@ -38,7 +38,7 @@ struct ExplorationOptions {
 
 /// One scan of an exploration: why it was taken there and what came of it.
 struct ExplorationStep {
-  PlanarPose goal;
+  mapping::PlanarPose goal;
   Isometry3d map_from_scan_odometry = Isometry3d::Identity();  ///< as the robot believed before registration
   std::string reason;
   double expected_overlap = 0;  ///< of the plan, unset (0) for the first scan
@@ -57,23 +57,23 @@ class Exploration {
  public:
   /// With `resume`, goes on from what is in the folder (Error when that was made with other options);
   /// otherwise begins anew.
-  Exploration(Robot& robot, const PlanarPose& start, std::filesystem::path folder, bool resume,
-              const ExplorationOptions& options, Warnings& warnings);
+  Exploration(mapping::Robot& robot, const mapping::PlanarPose& start, std::filesystem::path folder,
+              bool resume, const ExplorationOptions& options, Warnings& warnings);
   ~Exploration();
 
   /// Scans until the planner stops. Interrupted leaves a checkpoint.
   void run(Progress& progress);
 
   /// Called with every plan, the step that it follows, and where the robot stood: for images.
-  using Watcher = std::function<void(size_t step, const ViewPlan&, const PlanarPose& robot)>;
+  using Watcher = std::function<void(size_t step, const ViewPlan&, const mapping::PlanarPose& robot)>;
   void watch_plans(Watcher watcher);
 
   /// All scans, at their registered poses; those that could not be registered are left out (and named).
-  ScanSet registered_scans() const;
+  mapping::ScanSet registered_scans() const;
   /// Where another scan was taken, by the scans near it; unset when none of them can be trusted.
-  std::optional<Isometry3d> locate(const Scan& scan) const;
-  const OccupancyMap& occupancy() const;
-  const RegistrationResult& registration() const;
+  std::optional<Isometry3d> locate(const mapping::Scan& scan) const;
+  const mapping::OccupancyMap& occupancy() const;
+  const mapping::RegistrationResult& registration() const;
   const std::vector<ExplorationStep>& steps() const;
   const std::string& stop_reason() const;
   Json report() const;
@@ -83,4 +83,4 @@ class Exploration {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace loci
+}  // namespace loci::nbv

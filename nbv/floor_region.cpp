@@ -5,7 +5,7 @@
 
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::nbv {
 
 FloorRegion::FloorRegion(const std::string& text) {
   if (text.empty()) return;
@@ -27,4 +27,4 @@ FloorRegion::FloorRegion(const std::string& text) {
     throw Error("'" + text + "' has no area", {"", 0, "within"}, "give two opposite corners");
 }
 
-}  // namespace loci
+}  // namespace loci::nbv

@@ -6,7 +6,7 @@
 
 #include "mapping/base/pose.h"
 
-namespace loci {
+namespace loci::nbv {
 
 /// A rectangle on the floor along the map's axes, or all of it: what an exploration keeps to.
 class FloorRegion {
@@ -22,4 +22,4 @@ class FloorRegion {
   std::optional<Eigen::AlignedBox2d> box_;
 };
 
-}  // namespace loci
+}  // namespace loci::nbv

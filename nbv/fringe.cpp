@@ -7,17 +7,17 @@
 
 #include "mapping/base/parallel.h"
 
-namespace loci {
+namespace loci::nbv {
 namespace {
 
 /// The layer above which at most one of 500 occupied voxels lies.
-int top_layer(const Voxels& voxels, int threads) {
+int top_layer(const mapping::Voxels& voxels, int threads) {
   const auto layer_size = static_cast<size_t>(voxels.size.x()) * static_cast<size_t>(voxels.size.y());
   std::vector<size_t> occupied(static_cast<size_t>(voxels.size.z()), 0);
   parallel_for(occupied.size(), threads, [&](size_t begin, size_t end) {
     for (size_t z = begin; z < end; ++z)
       for (size_t i = 0; i < layer_size; ++i)
-        occupied[z] += voxels.states[z * layer_size + i] == Occupancy::occupied ? 1 : 0;
+        occupied[z] += voxels.states[z * layer_size + i] == mapping::Occupancy::occupied ? 1 : 0;
   });
   const size_t total = std::accumulate(occupied.begin(), occupied.end(), size_t{0});
   size_t above = 0;
@@ -28,13 +28,13 @@ int top_layer(const Voxels& voxels, int threads) {
 
 /// States of a row of voxels, given the four rows beside it. Returns the number of fringe voxels. Without
 /// branches: eight or more voxels at a time.
-size_t mark_fringe(const Occupancy* here, const std::array<const Occupancy*, 4>& beside, ViewVoxel* states,
-                   size_t width) {
-  const auto unknown = [](Occupancy state) { return state == Occupancy::unknown; };
+size_t mark_fringe(const mapping::Occupancy* here, const std::array<const mapping::Occupancy*, 4>& beside,
+                   ViewVoxel* states, size_t width) {
+  const auto unknown = [](mapping::Occupancy state) { return state == mapping::Occupancy::unknown; };
   const auto mark = [&](size_t x, bool before, bool after) {
     const bool window = before | after | unknown(beside[0][x]) | unknown(beside[1][x]) |
                         unknown(beside[2][x]) | unknown(beside[3][x]);
-    const bool fringe = (here[x] == Occupancy::free) & window;
+    const bool fringe = (here[x] == mapping::Occupancy::free) & window;
     states[x] = fringe ? ViewVoxel::fringe : static_cast<ViewVoxel>(here[x]);
   };
   mark(0, true, width == 1 || unknown(here[1]));
@@ -44,7 +44,7 @@ size_t mark_fringe(const Occupancy* here, const std::array<const Occupancy*, 4>&
 }
 
 /// Outside a region no fringe counts: its voxels are free like others.
-void forget_outside(const Voxels& voxels, const FloorRegion& within, ViewVoxels& view,
+void forget_outside(const mapping::Voxels& voxels, const FloorRegion& within, ViewVoxels& view,
                     std::vector<size_t>& counts) {
   for (int y = 0; y < voxels.size.y(); ++y)
     for (int x = 0; x < voxels.size.x(); ++x) {
@@ -60,14 +60,14 @@ void forget_outside(const Voxels& voxels, const FloorRegion& within, ViewVoxels&
 
 }  // namespace
 
-ViewVoxels find_fringe(const Voxels& voxels, int threads, const FloorRegion& within) {
+ViewVoxels find_fringe(const mapping::Voxels& voxels, int threads, const FloorRegion& within) {
   ViewVoxels result;
   result.states.resize(voxels.states.size());
   if (voxels.states.empty()) return result;
   const int top = top_layer(voxels, threads);
   const int bottom = std::max(0, voxels.voxel_of({0, 0, 0}).z());
   const auto width = static_cast<size_t>(voxels.size.x());
-  const std::vector<Occupancy> outside(width, Occupancy::unknown);
+  const std::vector<mapping::Occupancy> outside(width, mapping::Occupancy::unknown);
   std::vector<size_t> counts(static_cast<size_t>(voxels.size.z()), 0);
   parallel_for(counts.size(), threads, [&](size_t begin, size_t end) {
     const auto row = [&](int y, int z) {
@@ -76,10 +76,11 @@ ViewVoxels find_fringe(const Voxels& voxels, int threads, const FloorRegion& wit
     };
     for (int z = static_cast<int>(begin); z < static_cast<int>(end); ++z)
       for (int y = 0; y < voxels.size.y(); ++y) {
-        const Occupancy* here = row(y, z);
+        const mapping::Occupancy* here = row(y, z);
         ViewVoxel* states = result.states.data() + voxels.index({0, y, z});
         if (z > top || z < bottom) {
-          std::transform(here, here + width, states, [](Occupancy o) { return static_cast<ViewVoxel>(o); });
+          std::transform(here, here + width, states,
+                         [](mapping::Occupancy o) { return static_cast<ViewVoxel>(o); });
           continue;
         }
         // Beyond bottom and top nothing counts as unknown: the row itself takes the place of that neighbour.
@@ -94,4 +95,4 @@ ViewVoxels find_fringe(const Voxels& voxels, int threads, const FloorRegion& wit
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::nbv

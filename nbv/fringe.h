@@ -6,7 +6,7 @@
 #include "mapping/occupancy/occupancy.h"
 #include "nbv/floor_region.h"
 
-namespace loci {
+namespace loci::nbv {
 
 /// Voxels with the fringe told apart: what views are counted on.
 enum class ViewVoxel : uint8_t { unknown, free, occupied, fringe };
@@ -20,6 +20,6 @@ struct ViewVoxels {
 };
 
 /// Nothing is looked for outside `within` either.
-ViewVoxels find_fringe(const Voxels& voxels, int threads, const FloorRegion& within = {});
+ViewVoxels find_fringe(const mapping::Voxels& voxels, int threads, const FloorRegion& within = {});
 
-}  // namespace loci
+}  // namespace loci::nbv

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/base/files.h"
+#include "mapping/base/math.h"
 #include "mapping/image/image_io.h"
 
-namespace loci {
+namespace loci::nbv {
 namespace {
 
 const cv::Scalar kUnknown(225, 225, 225), kFree(170, 220, 170), kOccupied(60, 60, 200), kBlue(200, 120, 30),
@@ -21,7 +21,7 @@ constexpr double kMargin = 0.4;  ///< metres around what is known: the robot may
 /// An image of the floor, some pixels per cell.
 class Sheet {
  public:
-  explicit Sheet(const FloorGrid& floor)
+  explicit Sheet(const mapping::FloorGrid& floor)
       : floor_(floor),
         scale_(std::clamp(900 / std::max({floor.width, floor.height, 1}), 3, 12)),
         margin_(static_cast<int>(std::ceil(kMargin / floor.cell)) * scale_),
@@ -38,17 +38,17 @@ class Sheet {
     cv::rectangle(image_, at(center - half), at(center + half), color, cv::FILLED);
   }
   void dot(const Vector2d& point) { cv::circle(image_, at(point), 1, cv::Scalar::all(0), cv::FILLED); }
-  void arrow(const PlanarPose& pose, const cv::Scalar& color, int width) {
+  void arrow(const mapping::PlanarPose& pose, const cv::Scalar& color, int width) {
     const Vector2d from(pose.x, pose.y);
     const Vector2d to = from + 0.35 * Vector2d(std::cos(pose.yaw), std::sin(pose.yaw));
     cv::arrowedLine(image_, at(from), at(to), color, width, cv::LINE_AA, 0, 0.35);
   }
-  void way(const std::vector<PlanarPose>& corners) {
+  void way(const std::vector<mapping::PlanarPose>& corners) {
     for (size_t i = 0; i + 1 < corners.size(); ++i)
       cv::line(image_, at({corners[i].x, corners[i].y}), at({corners[i + 1].x, corners[i + 1].y}), kRobot, 1,
                cv::LINE_AA);
   }
-  void robot(const PlanarPose& pose) {
+  void robot(const mapping::PlanarPose& pose) {
     cv::circle(image_, at({pose.x, pose.y}), static_cast<int>(0.25 / floor_.cell * scale_), kRobot, 2,
                cv::LINE_AA);
     arrow(pose, kRobot, 2);
@@ -74,7 +74,7 @@ class Sheet {
   const cv::Mat& image() const { return image_; }
 
  private:
-  const FloorGrid& floor_;
+  const mapping::FloorGrid& floor_;
   int scale_;
   int margin_;  ///< pixels
   cv::Mat image_;
@@ -90,14 +90,14 @@ std::vector<float> summed(const CostmapStack& stack) {
 /// Calls task(center) for every voxel of a kind.
 template <class Task>
 void for_voxels(const ViewPlan& plan, ViewVoxel kind, const Task& task) {
-  const Voxels& voxels = plan.voxels;
+  const mapping::Voxels& voxels = plan.voxels;
   for (int z = 0; z < voxels.size.z(); ++z)
     for (int y = 0; y < voxels.size.y(); ++y)
       for (int x = 0; x < voxels.size.x(); ++x)
         if (plan.fringe.states[voxels.index({x, y, z})] == kind) task(voxels.center({x, y, z}));
 }
 
-cv::Mat fringe_image(const ViewPlan& plan, const PlanarPose& robot) {
+cv::Mat fringe_image(const ViewPlan& plan, const mapping::PlanarPose& robot) {
   Sheet sheet(plan.floor);
   const double edge = plan.voxels.resolution;
   sheet.square(plan.floor.center(plan.floor.width / 2, plan.floor.height / 2), 1e3, kUnknown);
@@ -108,7 +108,7 @@ cv::Mat fringe_image(const ViewPlan& plan, const PlanarPose& robot) {
 }
 
 /// Surfaces from above, dark = low.
-cv::Mat occupied_image(const ViewPlan& plan, const PlanarPose& robot) {
+cv::Mat occupied_image(const ViewPlan& plan, const mapping::PlanarPose& robot) {
   Sheet sheet(plan.floor);
   for_voxels(plan, ViewVoxel::occupied, [&](const Vector3d& p) {
     const double share = std::clamp(p.z() / 2.2, 0.0, 1.0);
@@ -120,7 +120,7 @@ cv::Mat occupied_image(const ViewPlan& plan, const PlanarPose& robot) {
   return sheet.image();
 }
 
-cv::Mat cost_image(const ViewPlan& plan, const std::vector<float>& costs, const PlanarPose& robot) {
+cv::Mat cost_image(const ViewPlan& plan, const std::vector<float>& costs, const mapping::PlanarPose& robot) {
   Sheet sheet(plan.floor);
   sheet.costs(costs);
   sheet.obstacles();
@@ -129,7 +129,7 @@ cv::Mat cost_image(const ViewPlan& plan, const std::vector<float>& costs, const 
 }
 
 /// Fig. 7.4: a sample per place, in its best orientation.
-cv::Mat samples_image(const ViewPlan& plan, const PlanarPose& robot) {
+cv::Mat samples_image(const ViewPlan& plan, const mapping::PlanarPose& robot) {
   Sheet sheet(plan.floor);
   sheet.costs(summed(plan.costs));
   sheet.obstacles();
@@ -154,35 +154,34 @@ cv::Mat samples_image(const ViewPlan& plan, const PlanarPose& robot) {
 
 }  // namespace
 
-std::vector<ViewImage> view_images(const ViewPlan& plan, const PlanarPose& robot) {
+std::vector<ViewImage> view_images(const ViewPlan& plan, const mapping::PlanarPose& robot) {
   std::vector<ViewImage> images;
   if (plan.voxels.states.empty() || plan.costs.layers.empty()) return images;
-  images.push_back(
-      {"fringe", "Free space (green) and fringe (red) from above", fringe_image(plan, robot)});
+  images.push_back({"fringe", "Free space (green) and fringe (red) from above", fringe_image(plan, robot)});
   images.push_back({"occupied", "Surfaces by height", occupied_image(plan, robot)});
   images.push_back({"costs_fringe", "C_F, all orientations: dark = many; obstacles in blue",
-                      cost_image(plan, summed(plan.fringe_costs), robot)});
+                    cost_image(plan, summed(plan.fringe_costs), robot)});
   images.push_back({"costs_occupied", "C_O, all orientations: dark = many; obstacles in blue",
-                      cost_image(plan, summed(plan.occupied_costs), robot)});
+                    cost_image(plan, summed(plan.occupied_costs), robot)});
   for (size_t layer = 0; layer < plan.costs.layers.size(); ++layer) {
-    const int degrees = static_cast<int>(std::lround(plan.costs.yaw(layer) * 180 / std::numbers::pi));
+    const int degrees = static_cast<int>(std::lround(plan.costs.yaw(layer) * 180 / kPi));
     images.push_back({fmt::format("costs_{:03}", degrees),
-                        fmt::format("C for poses that look along {}°", degrees),
-                        cost_image(plan, plan.costs.layers[layer], robot)});
+                      fmt::format("C for poses that look along {}°", degrees),
+                      cost_image(plan, plan.costs.layers[layer], robot)});
   }
   images.push_back({"samples", "C, fringe, samples and the choice (red)", samples_image(plan, robot)});
   return images;
 }
 
-std::vector<std::filesystem::path> write_view_images(const ViewPlan& plan, const PlanarPose& robot,
-                                                       const std::filesystem::path& folder) {
+std::vector<std::filesystem::path> write_view_images(const ViewPlan& plan, const mapping::PlanarPose& robot,
+                                                     const std::filesystem::path& folder) {
   make_folder(folder);
   std::vector<std::filesystem::path> files;
   for (const ViewImage& image : view_images(plan, robot)) {
     files.push_back(folder / (image.name + ".png"));
-    write_image(files.back(), image.image);
+    mapping::write_image(files.back(), image.image);
   }
   return files;
 }
 
-}  // namespace loci
+}  // namespace loci::nbv

@@ -7,7 +7,7 @@
 
 #include "nbv/planner.h"
 
-namespace loci {
+namespace loci::nbv {
 
 /// An image of a decision, seen from above: north (y) up, BGR.
 struct ViewImage {
@@ -20,10 +20,10 @@ struct ViewImage {
 /// orientations; C per orientation; and C summed, with fringe (black dots), samples (blue arrows), the sample
 /// that sees most fringe (green), the chosen one (red), the robot and its way. Costs: white = 0, black = the
 /// largest. None when nothing is known.
-std::vector<ViewImage> view_images(const ViewPlan& plan, const PlanarPose& robot);
+std::vector<ViewImage> view_images(const ViewPlan& plan, const mapping::PlanarPose& robot);
 
 /// Writes them as PNG into a folder; returns the files.
-std::vector<std::filesystem::path> write_view_images(const ViewPlan& plan, const PlanarPose& robot,
-                                                       const std::filesystem::path& folder);
+std::vector<std::filesystem::path> write_view_images(const ViewPlan& plan, const mapping::PlanarPose& robot,
+                                                     const std::filesystem::path& folder);
 
-}  // namespace loci
+}  // namespace loci::nbv

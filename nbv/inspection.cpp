@@ -7,17 +7,17 @@
 #include <cmath>
 #include <map>
 
+#include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
 #include "nbv/sight.h"
 
-namespace loci {
+namespace loci::nbv {
 namespace {
 
-constexpr double kRadians = M_PI / 180;
 constexpr double kPatch = 0.15;       ///< m
 constexpr double kHeightMin = 0.1;    ///< m: nothing is pulled nearer to the floor
 constexpr double kWallMargin = 0.15;  ///< m over all furniture, from which a surface is a wall's
-constexpr size_t kMinPoints = 10;   ///< on a patch, to know how it stands
+constexpr size_t kMinPoints = 10;     ///< on a patch, to know how it stands
 constexpr double kRoughness = 0.02;   ///< m rms off its plane: more is no surface
 constexpr double kPlaceStep = 0.2;    ///< m between places that are compared
 
@@ -38,8 +38,8 @@ struct Moments {
 
 std::map<Key, Moments> gather(const ScanRefs& scans, double top) {
   std::map<Key, Moments> cells;
-  for (const Scan& scan : scans)
-    for (const ScanPoint& point : scan.points) {
+  for (const mapping::Scan& scan : scans)
+    for (const mapping::ScanPoint& point : scan.points) {
       if (!point.returned) continue;
       const Vector3d p = scan.map_from_scan * point.position.cast<double>();
       if (p.z() < kHeightMin || p.z() > top) continue;
@@ -70,33 +70,33 @@ std::optional<FacePatch> patch_of(const Moments& cell) {
 /// Points per cm² that a sweep from a place puts on a patch; 0 = too oblique, beyond its tilts, or hidden.
 class Sharpness {
  public:
-  Sharpness(const Voxels& voxels, const LaserModel& laser, const InspectionOptions& options)
+  Sharpness(const mapping::Voxels& voxels, const mapping::LaserModel& laser, const InspectionOptions& options)
       : sight_(voxels, laser), laser_(laser), options_(options) {}
 
   double density(const Vector3d& from, const FacePatch& patch) const {
     const Vector3d ray = patch.centre - from;
     const double distance = ray.norm(), cosine = -ray.dot(patch.normal) / distance;
-    if (cosine < std::cos(options_.incidence_max_deg * kRadians) ||
+    if (cosine < std::cos(options_.incidence_max_deg * kDegree) ||
         !sight_.sees(from, patch.centre, patch.normal))
       return 0;
     // Lines of a tilting scanner stand closer the steeper they are; that is left out.
-    const double spacing_m = distance * laser_.azimuth_step_deg * kRadians,
-                 line_spacing_m = distance * laser_.tilt_step_deg * kRadians;
+    const double spacing_m = distance * laser_.azimuth_step_deg * kDegree,
+                 line_spacing_m = distance * laser_.tilt_step_deg * kDegree;
     return cosine / (spacing_m * line_spacing_m) * 1e-4;
   }
 
  private:
   Sight sight_;
-  const LaserModel& laser_;
+  const mapping::LaserModel& laser_;
   const InspectionOptions& options_;
 };
 
 /// The yaw in which most of what a place shows is in the sector, and how much that is.
 ViewSample best_yaw(const Vector3d& from, const std::vector<std::pair<Vector3d, double>>& shown,
-                    const PlannerOptions& planner, const LaserModel& laser) {
+                    const PlannerOptions& planner, const mapping::LaserModel& laser) {
   ViewSample best;
   for (int i = 0; i < planner.orientations; ++i) {
-    const double yaw = std::remainder(2 * M_PI * i / planner.orientations, 2 * M_PI);
+    const double yaw = std::remainder(2 * kPi * i / planner.orientations, 2 * kPi);
     double sum = 0;
     for (const auto& [centre, area] : shown)
       if (in_sector(from, centre, yaw, laser)) sum += area;
@@ -122,8 +122,8 @@ void InspectionOptions::declare(OptionTable& table) {
                100);
 }
 
-std::vector<FacePatch> face_patches(const ScanRefs& scans, const Voxels& voxels, const LaserModel& laser,
-                                    const InspectionOptions& options) {
+std::vector<FacePatch> face_patches(const ScanRefs& scans, const mapping::Voxels& voxels,
+                                    const mapping::LaserModel& laser, const InspectionOptions& options) {
   std::vector<FacePatch> patches;
   std::map<std::array<int, 2>, std::vector<FacePatch>> high;  // By cell of the floor.
   const double wall = options.height_max_m + kWallMargin;
@@ -148,25 +148,25 @@ std::vector<FacePatch> face_patches(const ScanRefs& scans, const Voxels& voxels,
   });
   const Sharpness sharpness(voxels, laser, options);
   for (FacePatch& patch : patches)
-    for (const Scan& scan : scans) {
+    for (const mapping::Scan& scan : scans) {
       const Vector3d from = scan.map_from_scan.translation();
-      if (in_sector(from, patch.centre, planar(scan.map_from_scan).yaw, laser))
+      if (in_sector(from, patch.centre, mapping::planar(scan.map_from_scan).yaw, laser))
         patch.density += sharpness.density(from, patch);
     }
   return patches;
 }
 
-NextView inspection_view(const ScanRefs& scans, const OccupancyMap& map, const PlanarPose& robot,
-                         const LaserModel& laser, const PlannerOptions& planner,
-                         const InspectionOptions& options) {
+NextView inspection_view(const ScanRefs& scans, const mapping::OccupancyMap& map,
+                         const mapping::PlanarPose& robot, const mapping::LaserModel& laser,
+                         const PlannerOptions& planner, const InspectionOptions& options) {
   NextView view;
-  const Voxels voxels = map.voxels();
+  const mapping::Voxels voxels = map.voxels();
   std::vector<FacePatch> patches = face_patches(scans, voxels, laser, options);
   const FloorRegion within(planner.within);
   std::erase_if(patches, [&](const FacePatch& patch) {
     return patch.density >= options.points_per_cm2 || !within.contains(patch.centre.head<2>());
   });
-  const FloorGrid floor = drivable_floor(voxels, robot, laser, planner);
+  const mapping::FloorGrid floor = drivable_floor(voxels, robot, laser, planner);
   const Reach reach = drivable_ways(floor, robot, planner);
   const Sharpness sharpness(voxels, laser, options);
   const int stride = std::max(1, static_cast<int>(std::lround(kPlaceStep / floor.cell)));
@@ -206,4 +206,4 @@ NextView inspection_view(const ScanRefs& scans, const OccupancyMap& map, const P
   return view;
 }
 
-}  // namespace loci
+}  // namespace loci::nbv

@@ -7,7 +7,7 @@
 #include "mapping/sensor/scan.h"
 #include "nbv/planner.h"
 
-namespace loci {
+namespace loci::nbv {
 
 struct InspectionOptions {
   double points_per_cm2 = 1.0;    ///< wanted on furniture; 0 = no inspection
@@ -20,7 +20,7 @@ struct InspectionOptions {
 };
 
 /// The scans that are known to be at their place.
-using ScanRefs = std::vector<std::reference_wrapper<const Scan>>;
+using ScanRefs = std::vector<std::reference_wrapper<const mapping::Scan>>;
 
 /// A piece of a vertical surface.
 struct FacePatch {
@@ -31,14 +31,14 @@ struct FacePatch {
 /// Vertical surfaces of furniture, in pieces of 15 cm, as registered scans saw them; surfaces that go on up
 /// above all furniture are walls. Their density is computed, not counted: by where the scans were taken and
 /// what stands between.
-std::vector<FacePatch> face_patches(const ScanRefs& scans, const Voxels& voxels, const LaserModel& laser,
-                                    const InspectionOptions& options);
+std::vector<FacePatch> face_patches(const ScanRefs& scans, const mapping::Voxels& voxels,
+                                    const mapping::LaserModel& laser, const InspectionOptions& options);
 
 /// The reachable view that brings the largest area of faces to the density that is wanted; no pose when none
 /// is worth it. What coverage calls known may have been seen from afar or along its face only, and shows
 /// there neither seams nor handles.
-NextView inspection_view(const ScanRefs& scans, const OccupancyMap& map, const PlanarPose& robot,
-                         const LaserModel& laser, const PlannerOptions& planner,
-                         const InspectionOptions& options);
+NextView inspection_view(const ScanRefs& scans, const mapping::OccupancyMap& map,
+                         const mapping::PlanarPose& robot, const mapping::LaserModel& laser,
+                         const PlannerOptions& planner, const InspectionOptions& options);
 
-}  // namespace loci
+}  // namespace loci::nbv

@@ -10,7 +10,7 @@
 #include "mapping/base/stopwatch.h"
 #include "mapping/interpretation/furniture_links.h"
 
-namespace loci {
+namespace loci::nbv {
 namespace {
 
 namespace fs = std::filesystem;
@@ -48,7 +48,7 @@ class PullLog {
     if (json_.value("version", 0) != kVersion)
       throw Error("these pulls were logged by another version", {file.string(), 0, "version"},
                   "begin anew without --resume");
-    set_ = read_scan_set(folder_);
+    set_ = mapping::read_scan_set(folder_);
     const Json& poses = json_.at("poses");
     // Scans beyond those that the log knows are of a pull that was not finished.
     set_.scans.resize(std::min(set_.scans.size(), poses.size()));
@@ -56,8 +56,8 @@ class PullLog {
       set_.scans[i].map_from_scan = pose_from_exact(poses[i].get<std::array<double, 12>>());
   }
 
-  const Scan* find(const std::string& name) const {
-    for (const Scan& scan : set_.scans)
+  const mapping::Scan* find(const std::string& name) const {
+    for (const mapping::Scan& scan : set_.scans)
       if (scan.name == name) return &scan;
     return nullptr;
   }
@@ -67,7 +67,7 @@ class PullLog {
   }
   const Json& robot() const { return json_.at("robot"); }
 
-  void add(Scan scan) {
+  void add(mapping::Scan scan) {
     set_.scans.push_back(std::move(scan));
     append_to_scan_set(set_, folder_);
   }
@@ -77,7 +77,7 @@ class PullLog {
   void add_failure(const std::string& stop, const std::string& reason) { json_["failed"][stop] = reason; }
   void commit(const Json& robot) {
     json_["poses"] = Json::array();
-    for (const Scan& scan : set_.scans) json_["poses"].push_back(exact_values(scan.map_from_scan));
+    for (const mapping::Scan& scan : set_.scans) json_["poses"].push_back(exact_values(scan.map_from_scan));
     json_["robot"] = robot;
     make_folder(folder_);
     write_json(folder_ / "pulls.json", json_);
@@ -86,7 +86,7 @@ class PullLog {
  private:
   static constexpr int kVersion = 2;
   fs::path folder_;
-  ScanSet set_;
+  mapping::ScanSet set_;
   Json json_ = {{"version", kVersion},
                 {"pulls", Json::object()},
                 {"failed", Json::object()},
@@ -94,8 +94,8 @@ class PullLog {
                 {"robot", nullptr}};
 };
 
-ScanSet set_of(const Scan& scan) {
-  ScanSet set;
+mapping::ScanSet set_of(const mapping::Scan& scan) {
+  mapping::ScanSet set;
   set.sensor = "hokuyo";
   set.scans = {scan};
   return set;
@@ -103,7 +103,7 @@ ScanSet set_of(const Scan& scan) {
 
 class Interactor {
  public:
-  Interactor(Robot& robot, const Exploration& exploration, const fs::path& folder, bool resume,
+  Interactor(mapping::Robot& robot, const Exploration& exploration, const fs::path& folder, bool resume,
              const InteractionOptions& options, Warnings& warnings)
       : robot_(robot),
         exploration_(exploration),
@@ -114,16 +114,16 @@ class Interactor {
   }
 
   /// The scan from a stop with everything closed; nullptr when the robot cannot get there.
-  const Scan* closed_scan(size_t number, const InteractionStop& stop) {
+  const mapping::Scan* closed_scan(size_t number, const InteractionStop& stop) {
     const std::string name = fmt::format("stop_{:02}", number);
     if (log_.failed(name)) return nullptr;
     if (log_.find(name) == nullptr) {
       try {
-        Scan scan = robot_.scan_at(stop.pose);
+        mapping::Scan scan = robot_.scan_at(stop.pose);
         scan.name = name;
         if (const auto pose = exploration_.locate(scan)) {
           scan.map_from_scan = *pose;
-          robot_.localize(planar(*pose));
+          robot_.localize(mapping::planar(*pose));
         } else {
           warnings_.add(fmt::format("{}: the scan could not be registered, odometry was taken", name));
         }
@@ -139,7 +139,7 @@ class Interactor {
     return log_.find(name);
   }
 
-  Interaction pull(const Front& front, size_t stop, const Scan& closed) {
+  Interaction pull(const mapping::Front& front, size_t stop, const mapping::Scan& closed) {
     const Stopwatch watch;
     Interaction result;
     result.front = front.name;
@@ -148,7 +148,7 @@ class Interactor {
     if (!log_.pull(front.name)) pull_and_scan(front, name, closed);
     const LoggedPull pull = *log_.pull(front.name);
     result.held = !pull.hand_path.empty();
-    if (const Scan* open = log_.find(name))
+    if (const mapping::Scan* open = log_.find(name))
       result.difference =
           articulate(set_of(closed), set_of(*open), front, pull.hand_path, options_.difference);
     else
@@ -160,12 +160,12 @@ class Interactor {
   }
 
  private:
-  void pull_and_scan(const Front& front, const std::string& name, const Scan& closed) {
+  void pull_and_scan(const mapping::Front& front, const std::string& name, const mapping::Scan& closed) {
     LoggedPull pull;
     pull.hand_path = robot_.pull(front.fixture->centre, options_.pull_way_m).hand_path;
     if (pull.hand_path.size() > 1) {
       try {
-        Scan scan = robot_.scan_at(planar(closed.map_from_scan));
+        mapping::Scan scan = robot_.scan_at(mapping::planar(closed.map_from_scan));
         scan.name = name;
         scan.map_from_scan = closed.map_from_scan;  // The robot did not move.
         log_.add(std::move(scan));
@@ -179,7 +179,7 @@ class Interactor {
     log_.commit(robot_.state());
   }
 
-  Robot& robot_;
+  mapping::Robot& robot_;
   const Exploration& exploration_;
   const InteractionOptions& options_;
   Warnings& warnings_;
@@ -187,14 +187,14 @@ class Interactor {
 };
 
 /// Whether nothing but a fixture that turned out to be none made this a front: no seam parts it from others.
-bool disproved(const Front& front) {
+bool disproved(const mapping::Front& front) {
   if (front.fixture || !front.evidence.contains("pulled")) return false;
   const Json edges = front.evidence.value("edges", Json::object());
   return std::none_of(edges.begin(), edges.end(), [](const Json& edge) { return edge == "seam"; });
 }
 
 /// Puts what the motion showed in the place of what was assumed.
-void learn(const Interaction& interaction, Front& front) {
+void learn(const Interaction& interaction, mapping::Front& front) {
   if (!interaction.held) {
     front.fixture.reset();  // The hand closed on nothing.
     front.joint = joint_prior(front);
@@ -202,7 +202,7 @@ void learn(const Interaction& interaction, Front& front) {
     front.evidence["pulled"] = interaction.difference.reason;
     return;
   }
-  const DifferenceResult& difference = interaction.difference;
+  const mapping::DifferenceResult& difference = interaction.difference;
   front.evidence["pulled"] = difference.joint ? "it moved" : difference.reason;
   if (difference.moves_otherwise) {  // What its shape suggested is refuted.
     front.joint.reset();
@@ -226,20 +226,23 @@ void InteractionOptions::declare(OptionTable& table) {
   difference.declare(table);
 }
 
-std::vector<Interaction> interact(Robot& robot, const Exploration& exploration, std::vector<Front>& fronts,
-                                  const fs::path& folder, bool resume, const ExplorationOptions& explored,
-                                  const InteractionOptions& options, Progress& progress, Warnings& warnings) {
+std::vector<Interaction> interact(mapping::Robot& robot, const Exploration& exploration,
+                                  std::vector<mapping::Front>& fronts, const fs::path& folder, bool resume,
+                                  const ExplorationOptions& explored, const InteractionOptions& options,
+                                  Progress& progress, Warnings& warnings) {
   const FloorRegion within(explored.planner.within);
-  std::vector<Front> left = fronts;  // Those that need not be pulled any more lose their fixture here.
-  for (Front& front : left)
+  std::vector<mapping::Front> left =
+      fronts;  // Those that need not be pulled any more lose their fixture here.
+  for (mapping::Front& front : left)
     if (!within.contains(front.centre.head<2>())) front.fixture.reset();
   const auto count_left = [&] {
-    return static_cast<size_t>(std::count_if(left.begin(), left.end(),
-                                             [](const Front& front) { return front.fixture.has_value(); }));
+    return static_cast<size_t>(std::count_if(
+        left.begin(), left.end(), [](const mapping::Front& front) { return front.fixture.has_value(); }));
   };
   const size_t wanted = count_left();
-  StopPlanner planner(exploration.occupancy(), planar(exploration.registration().map_from_scan.back()),
-                      explored.laser, explored.planner, options.stops, options.pull_way_m);
+  StopPlanner planner(exploration.occupancy(),
+                      mapping::planar(exploration.registration().map_from_scan.back()), explored.laser,
+                      explored.planner, options.stops, options.pull_way_m);
   Interactor interactor(robot, exploration, folder, resume, options, warnings);
   std::vector<Interaction> interactions;
   std::vector<InteractionStop> stops = planner.plan(left);
@@ -247,7 +250,7 @@ std::vector<Interaction> interact(Robot& robot, const Exploration& exploration, 
   int failures = 0;
   for (size_t number = 0; next < stops.size() && failures < kFailuresMax; ++number) {
     const InteractionStop stop = stops[next++];
-    const Scan* seen = interactor.closed_scan(number, stop);
+    const mapping::Scan* seen = interactor.closed_scan(number, stop);
     if (seen == nullptr) {  // Something stands there that the map does not show: from elsewhere, then.
       planner.avoid(stop.pose);
       stops = planner.plan(left);
@@ -255,7 +258,7 @@ std::vector<Interaction> interact(Robot& robot, const Exploration& exploration, 
       ++failures;
       continue;
     }
-    const Scan closed = *seen;  // The log grows.
+    const mapping::Scan closed = *seen;  // The log grows.
     for (const size_t f : stop.fronts) {
       progress.check(1 - static_cast<double>(count_left()) / static_cast<double>(wanted),
                      "pulls " + fronts[f].name);
@@ -271,4 +274,4 @@ std::vector<Interaction> interact(Robot& robot, const Exploration& exploration, 
   return interactions;
 }
 
-}  // namespace loci
+}  // namespace loci::nbv

@@ -3,25 +3,25 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
-namespace loci {
+#include "mapping/base/math.h"
+
+namespace loci::nbv {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kDepth = 1;  ///< metres of the unknown in which a ray surely meets something
 
 }  // namespace
 
-ViewCaster::ViewCaster(const Voxels& voxels, const ViewVoxels& view, const LaserModel& laser,
-                       double range_max, double step_deg)
+ViewCaster::ViewCaster(const mapping::Voxels& voxels, const ViewVoxels& view,
+                       const mapping::LaserModel& laser, double range_max, double step_deg)
     : voxels_(voxels),
       view_(view),
       height_(laser.height_m),
       opening_(laser.azimuth_range_deg * kDegree),
       range_max_(std::min(range_max, laser.range_max_m)),
       columns_(std::max(8, static_cast<int>(std::lround(360 / step_deg)))) {
-  step_ = 2 * std::numbers::pi / columns_;
+  step_ = 2 * kPi / columns_;
   const int rows =
       std::max(1, static_cast<int>(std::lround((laser.tilt_max_deg - laser.tilt_min_deg) / step_deg)));
   for (int i = 0; i < rows; ++i) {
@@ -112,7 +112,7 @@ ViewCounts ViewCaster::part(const std::vector<ViewCounts>& panorama, double yaw)
   return sum;
 }
 
-ViewCounts ViewCaster::view(const PlanarPose& pose) const {
+ViewCounts ViewCaster::view(const mapping::PlanarPose& pose) const {
   ViewCounts sum;
   const int half = static_cast<int>(std::floor(opening_ / 2 / step_ + 1e-9));
   const int middle = static_cast<int>(std::lround(pose.yaw / step_));
@@ -124,4 +124,4 @@ ViewCounts ViewCaster::view(const PlanarPose& pose) const {
   return sum;
 }
 
-}  // namespace loci
+}  // namespace loci::nbv

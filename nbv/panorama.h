@@ -6,7 +6,7 @@
 #include "mapping/sensor/laser.h"
 #include "nbv/fringe.h"
 
-namespace loci {
+namespace loci::nbv {
 
 /// What a view from a pose would show, as areas perpendicular to its rays, m².
 struct ViewCounts {
@@ -23,21 +23,21 @@ struct ViewCounts {
 class ViewCaster {
  public:
   /// `step_deg`: angle between rays. Rays count up to `range_max` metres. Keeps references.
-  ViewCaster(const Voxels& voxels, const ViewVoxels& view, const LaserModel& laser, double range_max,
-             double step_deg);
+  ViewCaster(const mapping::Voxels& voxels, const ViewVoxels& view, const mapping::LaserModel& laser,
+             double range_max, double step_deg);
 
   /// All around from a place on the floor: counts per column of rays, column 0 at azimuth 0.
   std::vector<ViewCounts> panorama(const Vector2d& place) const;
   /// The part of a panorama that the sensor sees when it looks along `yaw` (radians).
   ViewCounts part(const std::vector<ViewCounts>& panorama, double yaw) const;
   /// One view alone, casting no other rays than its own.
-  ViewCounts view(const PlanarPose& pose) const;
+  ViewCounts view(const mapping::PlanarPose& pose) const;
 
  private:
   ViewCounts column(const Vector3d& origin, double azimuth) const;
   void cast(const Vector3d& origin, const Vector3d& direction, double area, ViewCounts& counts) const;
 
-  const Voxels& voxels_;
+  const mapping::Voxels& voxels_;
   const ViewVoxels& view_;
   double height_, opening_, range_max_, step_;
   int columns_;
@@ -47,4 +47,4 @@ class ViewCaster {
   std::vector<Tilt> tilts_;
 };
 
-}  // namespace loci
+}  // namespace loci::nbv

@@ -4,16 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
 
-namespace loci {
+namespace loci::nbv {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kAreaPerSample = 0.1;  ///< m²: poses nearer to each other see nearly the same
 constexpr int kSamplesMin = 8;
 constexpr int kSamplesToStop = 4;    ///< before it stops, so many times as many places are looked at
@@ -21,8 +20,8 @@ constexpr double kCoarseSteps = 3;   ///< the first look at a place has a ninth 
 constexpr size_t kPlacesAtOnce = 2;  ///< looked at with all rays before the best is asked for again
 
 /// Voxels of a kind over each cell of the floor.
-std::vector<int> projected(const Voxels& voxels, const ViewVoxels& view, const FloorGrid& floor,
-                           ViewVoxel kind) {
+std::vector<int> projected(const mapping::Voxels& voxels, const ViewVoxels& view,
+                           const mapping::FloorGrid& floor, ViewVoxel kind) {
   std::vector<int> counts(floor.cells(), 0);
   for (int z = 0; z < voxels.size.z(); ++z)
     for (int y = 0; y < voxels.size.y(); ++y)
@@ -107,7 +106,7 @@ void look(const ViewPlan& plan, const ViewCaster& caster, const PlannerOptions& 
       for (size_t layer = 0; layer < place.samples.size(); ++layer) {
         ViewSample& sample = place.samples[layer];
         const double yaw = plan.costs.yaw(layer);
-        sample.pose = {at.x(), at.y(), std::remainder(yaw, 2 * std::numbers::pi)};
+        sample.pose = {at.x(), at.y(), std::remainder(yaw, 2 * kPi)};
         sample.cost_value = static_cast<double>(plan.costs.layers[layer][place.cell]);
         sample.counts = caster.part(panorama, yaw);
         sample.score = score_of(sample, options.gain_weight);
@@ -126,7 +125,7 @@ double best_score(const ViewPlace& place, const PlannerOptions& options) {
 
 /// All places with few rays, then those that look best with all rays, until the best one was looked at so.
 std::vector<ViewSample> validate(const ViewPlan& plan, const std::vector<size_t>& cells,
-                                 const LaserModel& laser, const PlannerOptions& options) {
+                                 const mapping::LaserModel& laser, const PlannerOptions& options) {
   const auto caster = [&](double step_deg) {
     return ViewCaster(plan.voxels, plan.fringe, laser, options.distance_max_m, step_deg);
   };
@@ -195,7 +194,7 @@ std::vector<VisibilityKernel> kernels_of(const PlannerOptions& options, double c
   std::vector<VisibilityKernel> kernels;
   for (int i = 0; i < options.orientations; ++i)
     kernels.emplace_back(options.opening_deg * kDegree, options.distance_min_m, options.distance_max_m,
-                         2 * std::numbers::pi * i / options.orientations, cell);
+                         2 * kPi * i / options.orientations, cell);
   return kernels;
 }
 
@@ -209,11 +208,11 @@ void add_costmaps(ViewPlan& plan, const PlannerOptions& options) {
 }
 
 /// min(C_F, C_O) at a pose, in the layer nearest to its orientation.
-double cost_at(const ViewPlan& plan, const PlanarPose& pose) {
+double cost_at(const ViewPlan& plan, const mapping::PlanarPose& pose) {
   const Eigen::Vector2i cell = plan.floor.cell_of({pose.x, pose.y});
   if (!plan.floor.contains(cell.x(), cell.y())) return 0;
   const auto layers = static_cast<int>(plan.fringe_costs.layers.size());
-  const int nearest = static_cast<int>(std::lround(pose.yaw / (2 * std::numbers::pi) * layers));
+  const int nearest = static_cast<int>(std::lround(pose.yaw / (2 * kPi) * layers));
   const auto layer = static_cast<size_t>((nearest % layers + layers) % layers);
   const size_t at = plan.floor.index(cell.x(), cell.y());
   return static_cast<double>(
@@ -252,13 +251,13 @@ bool avoided(const Vector2d& place, const PlannerOptions& options) {
   });
 }
 
-double body_height(const LaserModel& laser) {
+double body_height(const mapping::LaserModel& laser) {
   return laser.height_m + 0.1;
 }
 
-FloorGrid drivable_floor(const Voxels& voxels, const PlanarPose& robot, const LaserModel& laser,
-                         const PlannerOptions& options) {
-  FloorGrid floor = floor_grid(voxels, options.cell_m, body_height(laser));
+mapping::FloorGrid drivable_floor(const mapping::Voxels& voxels, const mapping::PlanarPose& robot,
+                                  const mapping::LaserModel& laser, const PlannerOptions& options) {
+  mapping::FloorGrid floor = floor_grid(voxels, options.cell_m, body_height(laser));
   const FloorRegion within(options.within);
   for (int y = 0; y < floor.height && !within.everywhere(); ++y)
     for (int x = 0; x < floor.width; ++x)
@@ -272,12 +271,13 @@ FloorGrid drivable_floor(const Voxels& voxels, const PlanarPose& robot, const La
   return floor;
 }
 
-Reach drivable_ways(const FloorGrid& floor, const PlanarPose& robot, const PlannerOptions& options) {
+Reach drivable_ways(const mapping::FloorGrid& floor, const mapping::PlanarPose& robot,
+                    const PlannerOptions& options) {
   return find_ways(floor, robot, options.robot_radius_m, options.distance_min_m + 2 * floor.cell);
 }
 
-ViewPlan plan_view(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
-                   const PlannerOptions& options, const Random& random) {
+ViewPlan plan_view(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
+                   const mapping::LaserModel& laser, const PlannerOptions& options, const Random& random) {
   ViewPlan plan;
   Stopwatch watch;
   Json times;
@@ -321,8 +321,8 @@ ViewPlan plan_view(const OccupancyMap& map, const PlanarPose& robot, const Laser
   return plan;
 }
 
-PoolChoice choose_view(const OccupancyMap& map, const std::vector<PlanarPose>& poses, const LaserModel& laser,
-                       const PlannerOptions& options) {
+PoolChoice choose_view(const mapping::OccupancyMap& map, const std::vector<mapping::PlanarPose>& poses,
+                       const mapping::LaserModel& laser, const PlannerOptions& options) {
   ViewPlan plan;
   plan.voxels = map.voxels();
   plan.fringe = find_fringe(plan.voxels, options.threads, FloorRegion(options.within));
@@ -350,9 +350,9 @@ PoolChoice choose_view(const OccupancyMap& map, const std::vector<PlanarPose>& p
   return choice;
 }
 
-NextView next_view(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
-                   const PlannerOptions& options, const Random& random) {
+NextView next_view(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
+                   const mapping::LaserModel& laser, const PlannerOptions& options, const Random& random) {
   return plan_view(map, robot, laser, options, random).view;
 }
 
-}  // namespace loci
+}  // namespace loci::nbv

@@ -16,7 +16,7 @@
 #include "nbv/panorama.h"
 #include "nbv/reach.h"
 
-namespace loci {
+namespace loci::nbv {
 
 struct PlannerOptions {
   double cell_m = 0.10;
@@ -41,18 +41,18 @@ struct PlannerOptions {
 
 /// Where to scan next, and why.
 struct NextView {
-  std::optional<PlanarPose> pose;  ///< unset: stop
-  std::string reason;              ///< of the stop, or of the choice
-  double expected_overlap = 0;     ///< n_o / (n_o + n_f) of the validated view
-  double expected_gain = 0;        ///< what may be seen anew behind the fringe, m²
-  size_t fringe_voxels = 0;        ///< in the whole map
-  std::vector<PlanarPose> path;    ///< way there on the floor, its corners, the pose last
-  Json details;                    ///< samples with scores, times, stopping measures
+  std::optional<mapping::PlanarPose> pose;  ///< unset: stop
+  std::string reason;                       ///< of the stop, or of the choice
+  double expected_overlap = 0;              ///< n_o / (n_o + n_f) of the validated view
+  double expected_gain = 0;                 ///< what may be seen anew behind the fringe, m²
+  size_t fringe_voxels = 0;                 ///< in the whole map
+  std::vector<mapping::PlanarPose> path;    ///< way there on the floor, its corners, the pose last
+  Json details;                             ///< samples with scores, times, stopping measures
 };
 
 /// A pose that was validated by casting its rays.
 struct ViewSample {
-  PlanarPose pose;
+  mapping::PlanarPose pose;
   double cost_value = 0;  ///< c of the costmap
   ViewCounts counts;
   double score = 0;
@@ -61,9 +61,9 @@ struct ViewSample {
 /// All that a decision was made from, for images and reports.
 struct ViewPlan {
   NextView view;
-  Voxels voxels;
+  mapping::Voxels voxels;
   ViewVoxels fringe;
-  FloorGrid floor;
+  mapping::FloorGrid floor;
   Reach reach;
   CostmapStack fringe_costs;    ///< C_F
   CostmapStack occupied_costs;  ///< C_O
@@ -75,14 +75,15 @@ struct ViewPlan {
 bool avoided(const Vector2d& place, const PlannerOptions& options);
 
 /// How high the robot is that carries a scanner: what hangs lower is in its way, metres.
-double body_height(const LaserModel& laser);
+double body_height(const mapping::LaserModel& laser);
 
 /// The floor as the planner sees it: that of the voxels, and that on which the robot stands now; without what
 /// lies outside `options.within`.
-FloorGrid drivable_floor(const Voxels& voxels, const PlanarPose& robot, const LaserModel& laser,
-                         const PlannerOptions& options);
+mapping::FloorGrid drivable_floor(const mapping::Voxels& voxels, const mapping::PlanarPose& robot,
+                                  const mapping::LaserModel& laser, const PlannerOptions& options);
 /// Where the robot can drive to on it.
-Reach drivable_ways(const FloorGrid& floor, const PlanarPose& robot, const PlannerOptions& options);
+Reach drivable_ways(const mapping::FloorGrid& floor, const mapping::PlanarPose& robot,
+                    const PlannerOptions& options);
 
 /// Next best view by costmaps (§7.3.1): fringe and occupied voxels vote through a visibility kernel per
 /// orientation for planar poses; places sampled in proportion to C = min(C_F, C_O) are validated by ray
@@ -90,12 +91,12 @@ Reach drivable_ways(const FloorGrid& floor, const PlanarPose& robot, const Plann
 /// gain_weight other than 0.5 the score is the geometric mean between that and n_o alone (0) or n_f alone
 /// (1). Poses that the robot cannot drive to, or where no floor was seen, are not candidates. The map's floor
 /// is at z = 0. Same seed, same plan, on any number of threads.
-ViewPlan plan_view(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
-                   const PlannerOptions& options, const Random& random);
+ViewPlan plan_view(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
+                   const mapping::LaserModel& laser, const PlannerOptions& options, const Random& random);
 
 /// The decision alone.
-NextView next_view(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
-                   const PlannerOptions& options, const Random& random);
+NextView next_view(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
+                   const mapping::LaserModel& laser, const PlannerOptions& options, const Random& random);
 
 /// A choice among recorded scans.
 struct PoolChoice {
@@ -105,7 +106,7 @@ struct PoolChoice {
 
 /// Which of the given poses to take next: a pool of recorded scans, where ways do not matter. Each pose is
 /// validated and scored like a sample of plan_view().
-PoolChoice choose_view(const OccupancyMap& map, const std::vector<PlanarPose>& poses, const LaserModel& laser,
-                       const PlannerOptions& options);
+PoolChoice choose_view(const mapping::OccupancyMap& map, const std::vector<mapping::PlanarPose>& poses,
+                       const mapping::LaserModel& laser, const PlannerOptions& options);
 
-}  // namespace loci
+}  // namespace loci::nbv

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <queue>
 
-namespace loci {
+#include "mapping/base/math.h"
+
+namespace loci::nbv {
 namespace {
 
 /// Cells nearer than `radius` to an obstacle's cell, centre to centre.
-std::vector<uint8_t> dilated(const FloorGrid& floor, double radius) {
+std::vector<uint8_t> dilated(const mapping::FloorGrid& floor, double radius) {
   const int reach = static_cast<int>(std::ceil(radius / floor.cell));
   std::vector<uint8_t> blocked(floor.cells(), 0);
   for (int y = 0; y < floor.height; ++y)
@@ -23,8 +25,8 @@ std::vector<uint8_t> dilated(const FloorGrid& floor, double radius) {
 }
 
 /// Cells that the robot's centre may pass.
-std::vector<uint8_t> passable_cells(const FloorGrid& floor, const PlanarPose& robot, double robot_radius,
-                                    double blind_radius) {
+std::vector<uint8_t> passable_cells(const mapping::FloorGrid& floor, const mapping::PlanarPose& robot,
+                                    double robot_radius, double blind_radius) {
   std::vector<uint8_t> passable = dilated(floor, robot_radius);
   const Vector2d here(robot.x, robot.y);
   for (int y = 0; y < floor.height; ++y)
@@ -41,7 +43,8 @@ std::vector<uint8_t> passable_cells(const FloorGrid& floor, const PlanarPose& ro
 
 }  // namespace
 
-Reach find_ways(const FloorGrid& floor, const PlanarPose& robot, double robot_radius, double blind_radius) {
+Reach find_ways(const mapping::FloorGrid& floor, const mapping::PlanarPose& robot, double robot_radius,
+                double blind_radius) {
   Reach reach;
   reach.distance.assign(floor.cells(), Reach::kNever);
   reach.parent.assign(floor.cells(), -1);
@@ -83,7 +86,8 @@ Reach find_ways(const FloorGrid& floor, const PlanarPose& robot, double robot_ra
   return reach;
 }
 
-std::vector<PlanarPose> way_to(const FloorGrid& floor, const Reach& reach, const PlanarPose& goal) {
+std::vector<mapping::PlanarPose> way_to(const mapping::FloorGrid& floor, const Reach& reach,
+                                        const mapping::PlanarPose& goal) {
   const Eigen::Vector2i end = floor.cell_of({goal.x, goal.y});
   if (!floor.contains(end.x(), end.y())) return {};
   auto cell = static_cast<int32_t>(floor.index(end.x(), end.y()));
@@ -92,15 +96,15 @@ std::vector<PlanarPose> way_to(const FloorGrid& floor, const Reach& reach, const
   for (; cell >= 0; cell = reach.parent[static_cast<size_t>(cell)])
     points.push_back(floor.center(cell % floor.width, cell / floor.width));
   std::reverse(points.begin(), points.end());
-  std::vector<PlanarPose> way;
+  std::vector<mapping::PlanarPose> way;
   for (size_t i = 0; i + 1 < points.size(); ++i) {
     const Vector2d along = points[i + 1] - points[i];
     const double yaw = std::atan2(along.y(), along.x());
-    if (way.empty() || std::abs(std::remainder(yaw - way.back().yaw, 2 * M_PI)) > 1e-6)
+    if (way.empty() || std::abs(std::remainder(yaw - way.back().yaw, 2 * kPi)) > 1e-6)
       way.push_back({points[i].x(), points[i].y(), yaw});
   }
   way.push_back(goal);
   return way;
 }
 
-}  // namespace loci
+}  // namespace loci::nbv

@@ -6,7 +6,7 @@
 #include "mapping/occupancy/floor_grid.h"
 #include "mapping/sensor/laser.h"
 
-namespace loci {
+namespace loci::nbv {
 
 /// Where a robot can drive to, and how far that is.
 struct Reach {
@@ -17,7 +17,7 @@ struct Reach {
   std::vector<uint8_t> roomy;   ///< its radius fits wherever in its cell the nearest obstacle begins
 
   /// Whether the robot can go there and stand on floor that was seen, in space that is known to be free.
-  bool stands(const FloorGrid& floor, size_t cell) const {
+  bool stands(const mapping::FloorGrid& floor, size_t cell) const {
     return distance[cell] < kNever && roomy[cell] != 0 && floor.seen[cell] != 0 && floor.clear[cell] != 0;
   }
 };
@@ -27,9 +27,11 @@ struct Reach {
 /// where its scanner cannot see the floor, also over floor whose space above is known to be free. Where the
 /// robot stands now it may stand, whatever the grid says. A way may pass closer to obstacles (by a part of a
 /// cell, which is all that the grid knows of where they begin) than the robot may stop.
-Reach find_ways(const FloorGrid& floor, const PlanarPose& robot, double robot_radius, double blind_radius);
+Reach find_ways(const mapping::FloorGrid& floor, const mapping::PlanarPose& robot, double robot_radius,
+                double blind_radius);
 
 /// The way to a pose as its corners, each looking along the way, the last one the pose itself; empty = none.
-std::vector<PlanarPose> way_to(const FloorGrid& floor, const Reach& reach, const PlanarPose& goal);
+std::vector<mapping::PlanarPose> way_to(const mapping::FloorGrid& floor, const Reach& reach,
+                                        const mapping::PlanarPose& goal);
 
-}  // namespace loci
+}  // namespace loci::nbv

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/math.h"
 #include "nbv/sight.h"
 
-namespace loci {
+namespace loci::nbv {
 namespace {
 
-constexpr double kRadians = M_PI / 180;
 /// By how much the limits of views are relaxed for fronts that cannot be seen within them.
 constexpr double kRelaxedNear = 0.6, kRelaxedFar = 1.5, kRelaxedBearingDeg = 10;
 constexpr double kShareSeen = 0.6;                         ///< of a front, at least half of that when relaxed
@@ -22,7 +22,7 @@ double off_heading(const Vector2d& towards, double yaw) {
 }
 
 /// Whether a robot at a place leaves room for the front to come out by `way`.
-bool leaves_room(const Front& front, const Vector2d& place, double way, double robot_radius) {
+bool leaves_room(const mapping::Front& front, const Vector2d& place, double way, double robot_radius) {
   const Vector2d from_front = place - front.centre.head<2>();
   const double out = from_front.dot(front.normal.head<2>()),
                along = std::abs(from_front.dot(front.right().head<2>()));
@@ -32,7 +32,7 @@ bool leaves_room(const Front& front, const Vector2d& place, double way, double r
 }
 
 /// The part of a front, in nine pieces, that is in sight.
-double share_seen(const Front& front, const Vector3d& from, const Sight& sight) {
+double share_seen(const mapping::Front& front, const Vector3d& from, const Sight& sight) {
   int seen = 0;
   for (const double u : {-0.35, 0.0, 0.35})
     for (const double v : {-0.35, 0.0, 0.35}) {
@@ -53,8 +53,9 @@ void StopOptions::declare(OptionTable& table) {
                0, 80);
 }
 
-StopPlanner::StopPlanner(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
-                         const PlannerOptions& planner, const StopOptions& options, double way_m)
+StopPlanner::StopPlanner(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
+                         const mapping::LaserModel& laser, const PlannerOptions& planner,
+                         const StopOptions& options, double way_m)
     : voxels_(map.voxels()),
       laser_(laser),
       planner_(planner),
@@ -64,12 +65,13 @@ StopPlanner::StopPlanner(const OccupancyMap& map, const PlanarPose& robot, const
       reach_(drivable_ways(floor_, robot, planner)) {}
 
 /// How well a front is seen from a place, 0 = too near, too far, too oblique, hidden.
-double StopPlanner::quality(const Front& front, const Vector2d& place, const StopOptions& limits) const {
+double StopPlanner::quality(const mapping::Front& front, const Vector2d& place,
+                            const StopOptions& limits) const {
   const Vector2d towards = place - front.centre.head<2>();
   const double distance = towards.norm();
   if (distance < limits.distance_min_m || distance > limits.distance_max_m) return 0;
   const double bearing = std::acos(std::clamp(towards.dot(front.normal.head<2>()) / distance, -1.0, 1.0));
-  if (bearing > limits.bearing_max_deg * kRadians) return 0;
+  if (bearing > limits.bearing_max_deg * kDegree) return 0;
   if (!leaves_room(front, place, way_, planner_.robot_radius_m)) return 0;
   const Sight sight(voxels_, laser_);
   const Vector3d from(place.x(), place.y(), laser_.height_m);
@@ -91,7 +93,7 @@ std::vector<Vector2d> StopPlanner::places() const {
   return places;
 }
 
-std::vector<StopPlanner::Candidate> StopPlanner::candidates(const std::vector<Front>& fronts,
+std::vector<StopPlanner::Candidate> StopPlanner::candidates(const std::vector<mapping::Front>& fronts,
                                                             const std::vector<bool>& served,
                                                             const StopOptions& limits) const {
   std::vector<Candidate> candidates;
@@ -112,7 +114,7 @@ std::vector<StopPlanner::Candidate> StopPlanner::candidates(const std::vector<Fr
   return candidates;
 }
 
-std::vector<InteractionStop> StopPlanner::plan(const std::vector<Front>& fronts) const {
+std::vector<InteractionStop> StopPlanner::plan(const std::vector<mapping::Front>& fronts) const {
   std::vector<bool> served(fronts.size(), false);
   std::vector<InteractionStop> stops;
   // Aisles are narrow, corners are blocked: what cannot be seen well is seen as well as it can be.
@@ -131,7 +133,7 @@ std::vector<InteractionStop> StopPlanner::plan(const std::vector<Front>& fronts)
       double most = 0, best_yaw = 0;
       for (const Candidate& candidate : all)
         for (int i = 0; i < kYaws; ++i) {
-          const double yaw = std::remainder(2 * M_PI * i / kYaws, 2 * M_PI);
+          const double yaw = std::remainder(2 * kPi * i / kYaws, 2 * kPi);
           double sum = 0;
           for (const auto& [front, quality] : candidate.fronts) sum += value(candidate, front, quality, yaw);
           if (sum <= most + 1e-9) continue;
@@ -150,4 +152,4 @@ std::vector<InteractionStop> StopPlanner::plan(const std::vector<Front>& fronts)
   return stops;
 }
 
-}  // namespace loci
+}  // namespace loci::nbv

@@ -7,7 +7,7 @@
 #include "mapping/world/furniture.h"
 #include "nbv/planner.h"
 
-namespace loci {
+namespace loci::nbv {
 
 struct StopOptions {
   double distance_min_m = 0.9;  ///< of the robot from the front that it looks at
@@ -20,7 +20,7 @@ struct StopOptions {
 /// Where the robot stands to pull at some fronts in turn: what it sees closed and open differs by nothing but
 /// the part that moved.
 struct InteractionStop {
-  PlanarPose pose;
+  mapping::PlanarPose pose;
   std::vector<size_t> fronts;  ///< into the fronts that were asked for
 };
 
@@ -29,13 +29,14 @@ struct InteractionStop {
 class StopPlanner {
  public:
   /// `way_m`: how far fronts are pulled.
-  StopPlanner(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
-              const PlannerOptions& planner, const StopOptions& options, double way_m);
+  StopPlanner(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
+              const mapping::LaserModel& laser, const PlannerOptions& planner, const StopOptions& options,
+              double way_m);
 
   /// Few stops for the fronts that have a fixture; those that cannot be seen from anywhere are in none.
-  std::vector<InteractionStop> plan(const std::vector<Front>& fronts) const;
+  std::vector<InteractionStop> plan(const std::vector<mapping::Front>& fronts) const;
   /// The robot could not get there: no stop within its radius from now on.
-  void avoid(const PlanarPose& pose) { planner_.avoid.emplace_back(pose.x, pose.y); }
+  void avoid(const mapping::PlanarPose& pose) { planner_.avoid.emplace_back(pose.x, pose.y); }
 
  private:
   /// A place, and how well it shows each front that is to be pulled.
@@ -44,17 +45,17 @@ class StopPlanner {
     std::vector<std::pair<size_t, double>> fronts;  ///< index and quality
   };
   std::vector<Vector2d> places() const;
-  double quality(const Front& front, const Vector2d& place, const StopOptions& limits) const;
-  std::vector<Candidate> candidates(const std::vector<Front>& fronts, const std::vector<bool>& served,
-                                    const StopOptions& limits) const;
+  double quality(const mapping::Front& front, const Vector2d& place, const StopOptions& limits) const;
+  std::vector<Candidate> candidates(const std::vector<mapping::Front>& fronts,
+                                    const std::vector<bool>& served, const StopOptions& limits) const;
 
-  Voxels voxels_;
-  LaserModel laser_;
+  mapping::Voxels voxels_;
+  mapping::LaserModel laser_;
   PlannerOptions planner_;
   StopOptions options_;
   double way_;
-  FloorGrid floor_;
+  mapping::FloorGrid floor_;
   Reach reach_;
 };
 
-}  // namespace loci
+}  // namespace loci::nbv

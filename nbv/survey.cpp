@@ -12,7 +12,7 @@
 #include "nbv/images.h"
 #include "nbv/survey_report.h"
 
-namespace loci {
+namespace loci::nbv {
 
 void SurveyOptions::declare(OptionTable& table) {
   exploration.declare(table);
@@ -46,8 +46,9 @@ Json SurveyResult::report() const {
           {"map", map.report()},        {"seconds", seconds}};
 }
 
-SurveyResult survey(Robot& robot, const PlanarPose& start, const std::filesystem::path& folder, bool resume,
-                    const SurveyOptions& options, Progress& progress, Warnings& warnings) {
+SurveyResult survey(mapping::Robot& robot, const mapping::PlanarPose& start,
+                    const std::filesystem::path& folder, bool resume, const SurveyOptions& options,
+                    Progress& progress, Warnings& warnings) {
   const Stopwatch watch;
   SurveyOptions checked = options;
   table_of(checked).validate({"", 0, "explore"});
@@ -58,7 +59,7 @@ SurveyResult survey(Robot& robot, const PlanarPose& start, const std::filesystem
   SurveyResult result;
 
   Exploration exploration(robot, start, folder, resume, checked.exploration, warnings);
-  exploration.watch_plans([&](size_t step, const ViewPlan& plan, const PlanarPose& stands) {
+  exploration.watch_plans([&](size_t step, const ViewPlan& plan, const mapping::PlanarPose& stands) {
     write_view_images(plan, stands, plan_folder(folder, step));
   });
   PartialProgress exploring(progress, 0, checked.interact ? 0.4 : 0.8);
@@ -71,7 +72,7 @@ SurveyResult survey(Robot& robot, const PlanarPose& start, const std::filesystem
   result.map = interpret(result.scans, checked.interpretation, interpreting);
   if (checked.interact) {
     PartialProgress pulling(progress, 0.5, 0.98);
-    std::vector<Front> fronts = result.map.fronts;
+    std::vector<mapping::Front> fronts = result.map.fronts;
     result.fronts_before = fronts;
     result.interactions = interact(robot, exploration, fronts, folder, resume, checked.exploration,
                                    checked.interaction, pulling, warnings);
@@ -88,4 +89,4 @@ SurveyResult survey(Robot& robot, const PlanarPose& start, const std::filesystem
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::nbv

@@ -8,22 +8,23 @@
 #include "nbv/exploration.h"
 #include "nbv/interaction.h"
 
-namespace loci {
+namespace loci::nbv {
 
 struct SurveyOptions {
   bool interact = false;
   ExplorationOptions exploration;
-  InterpretationOptions interpretation;
+  mapping::InterpretationOptions interpretation;
   InteractionOptions interaction;
 
   void declare(OptionTable& table);
 };
 
 struct SurveyResult {
-  InterpretedMap map;
-  ScanSet scans;
+  mapping::InterpretedMap map;
+  mapping::ScanSet scans;
   std::vector<ExplorationStep> steps;
-  std::vector<Front> fronts_before;  ///< as they looked before handles were pulled; empty without `interact`
+  std::vector<mapping::Front>
+      fronts_before;  ///< as they looked before handles were pulled; empty without `interact`
   std::vector<Interaction> interactions;
   std::string stop_reason;
   double seconds = 0;
@@ -36,7 +37,8 @@ struct SurveyResult {
 /// again (§7.3 to §7.5). Writes `scans/`, `explore.json`, `map.urdf`, `map.semantic.json` and `report.html`
 /// into the folder, and the images of every plan into `plans/`; every scan is a checkpoint from which
 /// `resume` goes on.
-SurveyResult survey(Robot& robot, const PlanarPose& start, const std::filesystem::path& folder, bool resume,
-                    const SurveyOptions& options, Progress& progress, Warnings& warnings);
+SurveyResult survey(mapping::Robot& robot, const mapping::PlanarPose& start,
+                    const std::filesystem::path& folder, bool resume, const SurveyOptions& options,
+                    Progress& progress, Warnings& warnings);
 
-}  // namespace loci
+}  // namespace loci::nbv

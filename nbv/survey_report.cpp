@@ -7,9 +7,10 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/html.h"
+#include "mapping/base/math.h"
 #include "mapping/exchange/map_report.h"
 
-namespace loci {
+namespace loci::nbv {
 
 namespace fs = std::filesystem;
 
@@ -21,7 +22,7 @@ std::string steps_table(const SurveyResult& result) {
     const ExplorationStep& step = result.steps[i];
     rows.push_back(
         {std::to_string(i),
-         fmt::format("{:.2f}, {:.2f}, {:.0f}°", step.goal.x, step.goal.y, step.goal.yaw * 180 / M_PI),
+         fmt::format("{:.2f}, {:.2f}, {:.0f}°", step.goal.x, step.goal.y, step.goal.yaw * 180 / kPi),
          step.reason, i == 0 ? "" : fmt::format("{:.0f} %", 100 * step.expected_overlap),
          i == 0 ? "" : fmt::format("{:.0f} %", 100 * step.reached_overlap), std::to_string(step.known_voxels),
          std::to_string(step.fringe_voxels),
@@ -83,4 +84,4 @@ std::string survey_report(const SurveyResult& result, const fs::path& folder) {
   return page;
 }
 
-}  // namespace loci
+}  // namespace loci::nbv

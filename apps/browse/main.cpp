@@ -22,10 +22,11 @@ bool is_set(const char* variable) {
   return value != nullptr && *value != '\0';
 }
 
-void declare(CLI::App& app, loci::BrowseOptions& options) {
-  static const std::map<std::string, loci::ThemeChoice> kThemes = {{"system", loci::ThemeChoice::system},
-                                                                   {"light", loci::ThemeChoice::light},
-                                                                   {"dark", loci::ThemeChoice::dark}};
+void declare(CLI::App& app, loci::gui::BrowseOptions& options) {
+  static const std::map<std::string, loci::gui::ThemeChoice> kThemes = {
+      {"system", loci::gui::ThemeChoice::system},
+      {"light", loci::gui::ThemeChoice::light},
+      {"dark", loci::gui::ThemeChoice::dark}};
   app.footer(kExamples);
   app.add_option("FILE", options.file, "The memory to open (*.loci)");
   app.add_option("--screenshot", options.screenshot,
@@ -57,7 +58,7 @@ void declare(CLI::App& app, loci::BrowseOptions& options) {
 
 int main(int argc, char** argv) {
   CLI::App app("Looks through the memory of a room.", kProgram);
-  loci::BrowseOptions options;
+  loci::gui::BrowseOptions options;
   options.say = [](const std::string& text) { std::fputs(text.c_str(), stdout); };
   options.has_screen = is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
   options.has_desktop = is_set("XDG_CURRENT_DESKTOP");
@@ -67,5 +68,5 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  return loci::run_guarded(kProgram, [&] { return loci::run_browser(options, kProgram); });
+  return loci::apps::run_guarded(kProgram, [&] { return loci::gui::run_browser(options, kProgram); });
 }

@@ -11,7 +11,7 @@
 
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -210,4 +210,4 @@ int run_guarded(const std::string& program, const std::function<int()>& main) {
   }
 }
 
-}  // namespace loci
+}  // namespace loci::apps

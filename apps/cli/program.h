@@ -11,7 +11,7 @@
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
 
-namespace loci {
+namespace loci::apps {
 
 /// What every command takes.
 struct CommonFlags {
@@ -82,4 +82,4 @@ int run_guarded(const std::string& program, const std::function<int()>& main);
 bool interrupted();
 void install_interrupt_handler();
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -2,7 +2,7 @@
 #include "apps/evaluate/commands.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command articulation_command() {
   return {
@@ -13,7 +13,7 @@ Command articulation_command() {
       [](CLI::App& app) {
         struct Arguments {
           std::string folder = "../shared/data/articulation_tracks";
-          TrackOptions options;
+          mapping::TrackOptions options;
         };
         auto arguments = std::make_shared<Arguments>();
         app.add_option("DIR", arguments->folder, "Folder of tracks with index.csv")->capture_default_str();
@@ -26,4 +26,4 @@ Command articulation_command() {
       }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

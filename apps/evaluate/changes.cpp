@@ -4,7 +4,7 @@
 #include "apps/evaluate/temporary_folder.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 struct Arguments {
@@ -15,7 +15,7 @@ struct Arguments {
 };
 
 void run(const Arguments& arguments, Session& session) {
-  const std::shared_ptr<Recording> recording = open_recording(arguments.folder);
+  const std::shared_ptr<mapping::Recording> recording = mapping::open_recording(arguments.folder);
   const TemporaryFolder folder("changes");
   changes::RememberOptions options;
   options.memory =
@@ -26,7 +26,7 @@ void run(const Arguments& arguments, Session& session) {
   options.threads = session.flags().threads;
   changes::remember(recording, options, session.progress(), session.warnings());
   const std::vector<changes::Comparison> methods =
-      changes::compare_all(arguments.folder, *recording, Store::open_read(options.memory));
+      changes::compare_all(arguments.folder, *recording, memory::Store::open_read(options.memory));
   session.answer(changes::text(methods, session.flags().verbose), changes::to_json(methods));
 }
 
@@ -49,4 +49,4 @@ Command changes_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

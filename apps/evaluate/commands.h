@@ -2,7 +2,7 @@
 
 #include "apps/cli/program.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command articulation_command();
 Command changes_command();
@@ -19,4 +19,4 @@ Command occupancy_command();
 Command memory_command();
 Command system_command();
 
-}  // namespace loci
+}  // namespace loci::apps

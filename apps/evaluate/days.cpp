@@ -9,7 +9,7 @@
 #include "mapping/base/json.h"
 #include "mapping/simulation/record.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 namespace fs = std::filesystem;
@@ -29,12 +29,12 @@ std::vector<changes::Comparison> one_day(const Arguments& arguments, int run, co
   const uint64_t seed = arguments.seed + static_cast<uint64_t>(run);
   write_file_atomically(scenario,
                         changes::random_day(changes::day_world(kitchen), urdf, seed, arguments.scenes));
-  RecordOptions record_options;
+  mapping::RecordOptions record_options;
   record_options.seed = static_cast<int>(seed);
   record_options.threads = session.flags().threads;
   PartialProgress recording_it(progress, 0, 0.6), remembering(progress, 0.6, 1);
-  record(read_scenario(scenario), day, record_options, recording_it, session.warnings());
-  const std::shared_ptr<Recording> recording = open_recording(day);
+  record(mapping::read_scenario(scenario), day, record_options, recording_it, session.warnings());
+  const std::shared_ptr<mapping::Recording> recording = mapping::open_recording(day);
   changes::RememberOptions options;
   options.memory = day.string() + ".loci";
   options.map = urdf;
@@ -42,7 +42,7 @@ std::vector<changes::Comparison> one_day(const Arguments& arguments, int run, co
   options.threads = session.flags().threads;
   fs::remove(options.memory);
   changes::remember(recording, options, remembering, session.warnings());
-  return changes::compare_all(day, *recording, Store::open_read(options.memory));
+  return changes::compare_all(day, *recording, memory::Store::open_read(options.memory));
 }
 
 void run(const Arguments& arguments, Session& session) {
@@ -93,4 +93,4 @@ Command days_command() {
       }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

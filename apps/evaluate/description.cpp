@@ -8,24 +8,24 @@
 #include "apps/evaluate/description/templates.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 using namespace description_evaluation;
 
 struct Arguments {
   std::string catalogue;
-  ProductsOptions products;
-  RecognitionOptions recognition;
+  description_evaluation::ProductsOptions products;
+  perception::RecognitionOptions recognition;
   std::string codes;
   bool service = false;
   bool shapes = false;
   bool primitives = false;
   std::string images;
   std::string templates;
-  ImagesOptions image_options;
+  description_evaluation::ImagesOptions image_options;
   std::vector<std::string> folders;
-  ShapesOptions shape_options;
+  description_evaluation::ShapesOptions shape_options;
 };
 
 void run(Arguments& given, Session& session) {
@@ -34,53 +34,54 @@ void run(Arguments& given, Session& session) {
   table_of(given.shape_options).validate();
   if (given.catalogue.empty() && given.codes.empty() && !given.shapes && !given.primitives &&
       given.images.empty() && given.templates.empty())
-    throw Error(
-        "there is nothing to measure", {},
-        "give --catalogue DIR, --codes DIR, --shapes, --images DIR, --templates DIR or --primitives");
+    throw Error("there is nothing to measure", {},
+                "give --catalogue DIR, --codes DIR, --shapes, --images DIR, --templates DIR or --primitives");
   if (given.service && given.catalogue.empty())
     throw Error("--service needs a catalogue", {}, "give --catalogue DIR");
   std::string text;
   Json json = Json::object();
   if (given.service) {
-    const ServiceResult result =
-        evaluate_service(given.catalogue, given.codes, given.products.every, session.flags().threads,
-                         session.progress(), session.warnings());
+    const description_evaluation::ServiceResult result = description_evaluation::evaluate_service(
+        given.catalogue, given.codes, given.products.every, session.flags().threads, session.progress(),
+        session.warnings());
     text += result.text();
     json["service"] = result.to_json();
   } else if (!given.catalogue.empty()) {
-    const ProductsResult result =
+    const description_evaluation::ProductsResult result =
         evaluate_products(given.catalogue, given.products, given.recognition, session.flags().threads,
                           session.progress(), session.warnings());
     text += result.text();
     json["products"] = result.to_json();
   }
   if (!given.codes.empty() && !given.service) {
-    const ReadingResult result = evaluate_reading(given.codes, given.catalogue, session.progress());
+    const description_evaluation::ReadingResult result =
+        description_evaluation::evaluate_reading(given.codes, given.catalogue, session.progress());
     text += result.text();
     json["reading"] = result.to_json();
   }
   if (given.shapes) {
-    const ShapesResult result = evaluate_shapes(given.folders, given.shape_options, session.flags().threads,
-                                                session.progress(), session.warnings());
+    const description_evaluation::ShapesResult result = evaluate_shapes(
+        given.folders, given.shape_options, session.flags().threads, session.progress(), session.warnings());
     text += result.text();
     json["shapes"] = result.to_json();
   }
   if (!given.images.empty()) {
-    const ImagesResult result =
+    const description_evaluation::ImagesResult result =
         evaluate_images(given.images, given.image_options, session.flags().threads, session.progress());
     text += result.text();
     json["images"] = result.to_json();
   }
   if (!given.templates.empty()) {
-    const TemplatesResult result = evaluate_templates(given.templates, session.progress());
+    const description_evaluation::TemplatesResult result =
+        description_evaluation::evaluate_templates(given.templates, session.progress());
     text += result.text();
     json["templates"] = result.to_json();
   }
   if (given.primitives) {
-    const ShapesOptions& options = given.shape_options;
-    const PrimitivesResult result = evaluate_primitives(static_cast<size_t>(options.test_scenes),
-                                                        Random(static_cast<uint64_t>(options.seed)).fork(1),
-                                                        session.progress(), session.warnings());
+    const description_evaluation::ShapesOptions& options = given.shape_options;
+    const description_evaluation::PrimitivesResult result = description_evaluation::evaluate_primitives(
+        static_cast<size_t>(options.test_scenes), Random(static_cast<uint64_t>(options.seed)).fork(1),
+        session.progress(), session.warnings());
     text += result.text();
     json["primitives"] = result.to_json();
   }
@@ -124,4 +125,4 @@ Command description_command() {
       }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -6,7 +6,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 using namespace filter_evaluation;
@@ -16,14 +16,14 @@ struct Arguments {
   std::string map;
   std::vector<std::string> package_paths;
   std::string output;
-  SpeedOptions speed;
-  KnownStructureOptions filter;
+  filter_evaluation::SpeedOptions speed;
+  perception::KnownStructureOptions filter;
   bool pose_errors = false;
   bool joints = false;
 };
 
 void run_speed(const Arguments& arguments, Session& session) {
-  const Speed speed = measure_speed(arguments.speed, session.progress());
+  const filter_evaluation::Speed speed = measure_speed(arguments.speed, session.progress());
   if (!arguments.output.empty()) {
     make_folder(arguments.output);
     write_file_atomically(std::filesystem::path(arguments.output) / "speed.svg", speed_svg(speed));
@@ -33,26 +33,27 @@ void run_speed(const Arguments& arguments, Session& session) {
 
 void run_recordings(const Arguments& arguments, Session& session) {
   if (arguments.map.empty()) throw Error("recordings are filtered against a map", {}, "--map MAP.urdf");
-  const auto map = KnownMap::load(
+  const auto map = perception::KnownMap::load(
       arguments.map, {arguments.package_paths.begin(), arguments.package_paths.end()}, session.warnings());
-  std::vector<Removal> removals;
+  std::vector<filter_evaluation::Removal> removals;
   for (const std::string& recording : arguments.recordings)
-    removals.push_back(
-        measure_removal(recording, *map, arguments.filter, session.flags().threads, session.progress()));
+    removals.push_back(filter_evaluation::measure_removal(recording, *map, arguments.filter,
+                                                          session.flags().threads, session.progress()));
   std::string text = removal_text(removals);
   Json json = {{"removal", removal_json(removals)}};
   if (arguments.pose_errors)
     for (const std::string& recording : arguments.recordings) {
-      const std::vector<Phantoms> rows =
+      const std::vector<filter_evaluation::Phantoms> rows =
           measure_phantoms(recording, map, {{0, 0}, {0.01, 0.5}, {0.02, 1}, {0.03, 1.5}, {0.05, 2}},
                            arguments.speed.seed, session.flags().threads, session.progress());
       text += "\n" + phantoms_text(rows);
       json["pose_errors"].push_back({{"recording", recording}, {"rows", phantoms_json(rows)}});
     }
   if (arguments.joints) {
-    std::vector<JointFits> fits;
+    std::vector<filter_evaluation::JointFits> fits;
     for (const std::string& recording : arguments.recordings)
-      fits.push_back(measure_joints(recording, *map, session.flags().threads, session.progress()));
+      fits.push_back(
+          filter_evaluation::measure_joints(recording, *map, session.flags().threads, session.progress()));
     text += "\n" + joints_text(fits);
     json["joints"] = joints_json(fits);
   }
@@ -89,4 +90,4 @@ Command filter_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -4,14 +4,14 @@
 #include "apps/evaluate/identity/tables.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 using namespace identity_experiment;
 
 struct Arguments {
-  WorldOptions world;
-  ExperimentOptions experiment;
+  identity_experiment::WorldOptions world;
+  identity_experiment::ExperimentOptions experiment;
   std::string figures;
   bool speed = false;
 };
@@ -20,11 +20,12 @@ void run(Arguments& arguments, Session& session) {
   table_of(arguments.world).validate();
   table_of(arguments.experiment).validate();
   if (arguments.speed) {
-    const std::vector<SpeedRow> rows = measure_speed(arguments.experiment.seed);
+    const std::vector<identity_experiment::SpeedRow> rows =
+        identity_experiment::measure_speed(arguments.experiment.seed);
     session.answer(text_of(rows), json_of(rows));
     return;
   }
-  const ExperimentResult result =
+  const identity_experiment::ExperimentResult result =
       run_experiment(arguments.world, arguments.experiment, session.flags().threads, session.progress());
   if (!arguments.figures.empty()) write_figures(result, arguments.figures);
   session.answer(text_of(result, session.flags().verbose), json_of(result));
@@ -47,4 +48,4 @@ Command identity_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -6,7 +6,7 @@
 #include "mapping/base/files.h"
 #include "mapping/sensor/pose_text.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 namespace fs = std::filesystem;
@@ -19,14 +19,14 @@ struct Arguments {
   std::string out;
   int seeds = 3;
   std::optional<double> ceiling;
-  SurveyOptions survey;
-  ComparisonOptions comparison;
+  nbv::SurveyOptions survey;
+  mapping::ComparisonOptions comparison;
 };
 
 /// The options of a survey and of the comparison in one table.
 struct AllOptions {
-  SurveyOptions& survey;
-  ComparisonOptions& comparison;
+  nbv::SurveyOptions& survey;
+  mapping::ComparisonOptions& comparison;
   void declare(OptionTable& table) {
     survey.declare(table);
     comparison.declare(table);
@@ -52,9 +52,9 @@ Run run_of(const Arguments& arguments, size_t n, const Session& session) {
   run.truth = arguments.truths.empty() ? arguments.worlds[n] : nth(arguments.truths, n, "--truth", worlds);
   run.package_paths.assign(arguments.package_paths.begin(), arguments.package_paths.end());
   if (!arguments.poses.empty())
-    run.poses = planar_poses_from(nth(arguments.poses, n, "--poses", worlds), "--poses");
+    run.poses = mapping::planar_poses_from(nth(arguments.poses, n, "--poses", worlds), "--poses");
   if (!arguments.starts.empty())
-    run.start = planar_poses_from(nth(arguments.starts, n, "--start", worlds), "--start").front();
+    run.start = mapping::planar_poses_from(nth(arguments.starts, n, "--start", worlds), "--start").front();
   run.ceiling = arguments.ceiling;
   run.threads = session.flags().threads;
   run.survey = arguments.survey;
@@ -115,4 +115,4 @@ Command mapping_command() {
       }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -3,7 +3,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command memory_command() {
   return {
@@ -29,4 +29,4 @@ Command memory_command() {
       }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -3,35 +3,35 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 struct Arguments {
   std::vector<std::string> worlds = {"apps/samples/kitchen.urdf"};
   std::vector<std::filesystem::path> package_paths;
   std::string image, out;
-  nbv::ExplorationOptions options;
+  nbv_evaluation::ExplorationOptions options;
 };
 
 void run(Arguments& arguments, Session& session) {
-  nbv::ExplorationOptions& options = arguments.options;
+  nbv_evaluation::ExplorationOptions& options = arguments.options;
   table_of(options).validate();
   options.threads = options.planner.threads = options.occupancy.threads = session.flags().threads;
-  std::vector<nbv::WorldResult> results;
+  std::vector<nbv_evaluation::WorldResult> results;
   Json json = {{"options", table_of(options).to_json()}};
   if (!arguments.out.empty()) write_json(arguments.out, json);  // Hours later would be too late to fail.
   const auto count = static_cast<double>(arguments.worlds.size());
   for (size_t i = 0; i < arguments.worlds.size(); ++i) {
     PartialProgress part(session.progress(), static_cast<double>(i) / count,
                          static_cast<double>(i + 1) / count);
-    results.push_back(
-        nbv::explore(arguments.worlds[i], arguments.package_paths, options, part, session.warnings()));
-    json["worlds"] = nbv::json_of_results(results, options.goal);
+    results.push_back(nbv_evaluation::explore(arguments.worlds[i], arguments.package_paths, options, part,
+                                              session.warnings()));
+    json["worlds"] = nbv_evaluation::json_of_results(results, options.goal);
     if (!arguments.out.empty()) write_json(arguments.out, json);
     if (!arguments.image.empty())
-      write_file_atomically(arguments.image, nbv::coverage_svg(results, options.goal));
+      write_file_atomically(arguments.image, nbv_evaluation::coverage_svg(results, options.goal));
   }
-  session.answer(nbv::table_of_results(results, options.goal), json);
+  session.answer(nbv_evaluation::table_of_results(results, options.goal), json);
 }
 
 }  // namespace
@@ -49,14 +49,13 @@ Command nbv_command() {
                 ->allow_extra_args(false);
             app.add_option("--ceiling", arguments->options.ceiling, "Height of a ceiling to add [m]");
             app.add_option("--planners", arguments->options.planners, "Those that are to be run")
-                ->check(CLI::IsMember(nbv::planner_names()))
+                ->check(CLI::IsMember(nbv_evaluation::planner_names()))
                 ->capture_default_str();
             app.add_option("-o,--out", arguments->out, "Write the results as JSON, after each world");
-            app.add_option("--image", arguments->image,
-                           "Write coverage over scans as SVG, after each world");
+            app.add_option("--image", arguments->image, "Write coverage over scans as SVG, after each world");
             add_options(app, table_of(arguments->options));
             return [arguments](Session& session) { run(*arguments, session); };
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

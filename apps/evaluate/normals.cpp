@@ -3,7 +3,7 @@
 #include "apps/evaluate/normals/figures.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 using namespace normals_evaluation;
@@ -11,14 +11,14 @@ using namespace normals_evaluation;
 struct Arguments {
   std::vector<std::filesystem::path> recordings;
   std::string figures;
-  ComparisonOptions comparison;
-  NormalOptions normals;
+  normals_evaluation::ComparisonOptions comparison;
+  perception::NormalOptions normals;
 };
 
 void run(Arguments& arguments, Session& session) {
   table_of(arguments.comparison).validate();
   table_of(arguments.normals).validate();
-  const Comparison comparison =
+  const normals_evaluation::Comparison comparison =
       compare(arguments.recordings, arguments.comparison, arguments.normals, session.progress());
   if (!arguments.figures.empty()) write_figures(comparison, arguments.figures);
   session.answer(comparison.text(), comparison.to_json());
@@ -42,4 +42,4 @@ Command normals_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

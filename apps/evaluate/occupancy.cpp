@@ -2,7 +2,7 @@
 #include "apps/evaluate/occupancy/insertion.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 struct Arguments {
@@ -18,8 +18,8 @@ void run(Arguments& arguments, Session& session) {
     const auto done = static_cast<double>(results.size());
     PartialProgress part(session.progress(), done / count, (done + 1) / count);
     const std::filesystem::path folder = std::filesystem::path(path).lexically_normal();
-    results.push_back(
-        occupancy_claim::measure(folder.stem().string(), read_scan_set(folder), arguments.options, part));
+    results.push_back(occupancy_claim::measure(folder.stem().string(), mapping::read_scan_set(folder),
+                                               arguments.options, part));
   }
   session.answer(occupancy_claim::table_text(results), {{"options", table_of(arguments.options).to_json()},
                                                         {"sets", occupancy_claim::table_json(results)}});
@@ -40,4 +40,4 @@ Command occupancy_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

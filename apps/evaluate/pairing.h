@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace loci {
+namespace loci::apps {
 
 /// Numbers of what was known and what is seen that are taken for the same.
 using Pairs = std::vector<std::pair<size_t, size_t>>;
@@ -54,4 +54,4 @@ Pairs nearest_first(size_t old_count, size_t seen_count, double farthest, const 
   return pairs;
 }
 
-}  // namespace loci
+}  // namespace loci::apps

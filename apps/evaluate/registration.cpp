@@ -2,7 +2,7 @@
 #include "apps/evaluate/registration/comparison.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 using namespace registration_evaluation;
@@ -31,36 +31,40 @@ struct Arguments {
 constexpr double kFarShift = 0.5, kFarTurn = 30;
 
 /// Pairs of scans of different worlds; they start as if the robot had not moved.
-PairSet different_places(const std::vector<std::vector<Scan>>& worlds, size_t count, Random random) {
-  PairSet set;
+registration_evaluation::PairSet different_places(const std::vector<std::vector<mapping::Scan>>& worlds,
+                                                  size_t count, Random random) {
+  registration_evaluation::PairSet set;
   set.name = "different places";
   while (worlds.size() > 1 && set.pairs.size() < count) {
     const size_t a = random.index(worlds.size()), b = random.index(worlds.size());
     if (a == b) continue;
-    const Scan& target = worlds[a][random.index(worlds[a].size())];
-    const Scan& source = worlds[b][random.index(worlds[b].size())];
+    const mapping::Scan& target = worlds[a][random.index(worlds[a].size())];
+    const mapping::Scan& source = worlds[b][random.index(worlds[b].size())];
     set.pairs.push_back(
         {target.name + " <- " + source.name, &target, &source, Isometry3d::Identity(), false, 0});
   }
   return set;
 }
 
-void append(Evaluation& evaluation, std::vector<MethodRow> rows) {
+void append(registration_evaluation::Evaluation& evaluation,
+            std::vector<registration_evaluation::MethodRow> rows) {
   std::move(rows.begin(), rows.end(), std::back_inserter(evaluation.methods));
 }
 
-void append(Evaluation& evaluation, std::vector<VerdictRow> rows) {
+void append(registration_evaluation::Evaluation& evaluation,
+            std::vector<registration_evaluation::VerdictRow> rows) {
   std::move(rows.begin(), rows.end(), std::back_inserter(evaluation.verdicts));
 }
 
 /// Scans of the worlds: comparison with peers, verdicts, tours.
-void evaluate_worlds(const Arguments& arguments, const std::vector<Disturbance>& disturbances,
-                     Evaluation& evaluation, Session& session) {
+void evaluate_worlds(const Arguments& arguments,
+                     const std::vector<registration_evaluation::Disturbance>& disturbances,
+                     registration_evaluation::Evaluation& evaluation, Session& session) {
   const Random random(static_cast<uint64_t>(arguments.seed));
   const size_t count = arguments.worlds.size();
-  RegistrationOptions options;
+  mapping::RegistrationOptions options;
   options.threads = session.flags().threads;
-  std::vector<std::vector<Scan>> scans;
+  std::vector<std::vector<mapping::Scan>> scans;
   for (size_t w = 0; w < count; ++w) {
     session.progress().check(0, "scanning " + arguments.worlds[w]);
     scans.push_back(simulated_scans({arguments.worlds[w], arguments.package_paths},
@@ -71,16 +75,18 @@ void evaluate_worlds(const Arguments& arguments, const std::vector<Disturbance>&
     const std::string name = std::filesystem::path(arguments.worlds[w]).stem().string();
     const auto share = [&](int all) { return (static_cast<size_t>(all) + w) / count; };
     const Random draw = random.fork(1000 + w);
-    PairSet set = pairs_among(name, scans[w], 0.5, share(arguments.compared), draw.fork(0));
+    registration_evaluation::PairSet set =
+        registration_evaluation::pairs_among(name, scans[w], 0.5, share(arguments.compared), draw.fork(0));
     append(evaluation, compare_methods(set, disturbances, arguments.voxel_m, arguments.peers, draw.fork(1),
                                        session.progress()));
-    set = pairs_among(name, scans[w], 0.3, SIZE_MAX, draw.fork(2));
+    set = registration_evaluation::pairs_among(name, scans[w], 0.3, SIZE_MAX, draw.fork(2));
     const size_t wanted = share(arguments.verdicts), there = set.pairs.size();
     // A pair is taken again from another start when there are fewer than wanted.
     for (size_t i = 0; there > 0 && set.pairs.size() < wanted; ++i) set.pairs.push_back(set.pairs[i % there]);
     if (set.pairs.size() > wanted) set.pairs.resize(wanted);
     append(evaluation, test_verdicts(set, kFarShift, kFarTurn, options, draw.fork(3), session.progress()));
-    evaluation.tours.push_back(test_tour(name, scans[w], 0.2, 10, options, draw.fork(4), session.progress()));
+    evaluation.tours.push_back(registration_evaluation::test_tour(name, scans[w], 0.2, 10, options,
+                                                                  draw.fork(4), session.progress()));
   }
   append(evaluation,
          test_verdicts(different_places(scans, static_cast<size_t>(arguments.different), random.fork(2000)),
@@ -90,18 +96,19 @@ void evaluate_worlds(const Arguments& arguments, const std::vector<Disturbance>&
 void run(Arguments& arguments, Session& session) {
   table_of(arguments).validate();
   const Random random(static_cast<uint64_t>(arguments.seed));
-  const std::vector<Disturbance> disturbances = {{"10 cm, 5°", 0.1, 5}, {"50 cm, 30°", kFarShift, kFarTurn}};
-  Evaluation evaluation;
+  const std::vector<registration_evaluation::Disturbance> disturbances = {
+      {"10 cm, 5°", 0.1, 5}, {"50 cm, 30°", kFarShift, kFarTurn}};
+  registration_evaluation::Evaluation evaluation;
   evaluate_worlds(arguments, disturbances, evaluation, session);
-  std::vector<PairSet> recorded;
+  std::vector<registration_evaluation::PairSet> recorded;
   if (!arguments.pairs.empty())
-    recorded.push_back(listed_pairs(
+    recorded.push_back(registration_evaluation::listed_pairs(
         arguments.pairs, arguments.clouds.empty() ? std::filesystem::path(arguments.pairs).parent_path()
                                                   : std::filesystem::path(arguments.clouds)));
   if (!arguments.recording.empty())
-    recorded.push_back(recording_pairs(arguments.recording, static_cast<size_t>(arguments.frames),
-                                       static_cast<size_t>(arguments.ahead)));
-  for (const PairSet& set : recorded)
+    recorded.push_back(registration_evaluation::recording_pairs(
+        arguments.recording, static_cast<size_t>(arguments.frames), static_cast<size_t>(arguments.ahead)));
+  for (const registration_evaluation::PairSet& set : recorded)
     append(evaluation, compare_methods(set, disturbances, arguments.voxel_m, arguments.peers,
                                        random.fork(3000), session.progress()));
   session.answer(evaluation.text(session.flags().verbose), evaluation.to_json());
@@ -129,4 +136,4 @@ Command registration_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -3,7 +3,7 @@
 #include "apps/evaluate/segmentation/flat_comparison.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 using namespace segmentation_evaluation;
@@ -12,10 +12,10 @@ struct Arguments {
   std::string folder;
   std::string pipeline;
   std::string images;
-  ComparisonOptions comparison;
+  segmentation_evaluation::ComparisonOptions comparison;
   bool flat = false;
-  FlatComparisonOptions flat_comparison;
-  FlatOptions flat_options;
+  segmentation_evaluation::FlatComparisonOptions flat_comparison;
+  perception::FlatOptions flat_options;
 };
 
 void run(Arguments& given, Session& session) {
@@ -26,13 +26,13 @@ void run(Arguments& given, Session& session) {
   std::string text;
   Json json = Json::object();
   if (!given.folder.empty()) {
-    const Comparison comparison = compare(given.folder, given.pipeline, given.images, given.comparison,
-                                          session.progress(), session.warnings());
+    const segmentation_evaluation::Comparison comparison = compare(
+        given.folder, given.pipeline, given.images, given.comparison, session.progress(), session.warnings());
     text += comparison.text(session.flags().verbose);
     json = comparison.to_json();
   }
   if (given.flat) {
-    const FlatComparison comparison =
+    const segmentation_evaluation::FlatComparison comparison =
         compare_flat(given.flat_comparison, given.flat_options, given.images, session.progress());
     text += comparison.text();
     json["flat"] = comparison.to_json();
@@ -62,4 +62,4 @@ Command segmentation_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

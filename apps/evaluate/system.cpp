@@ -4,7 +4,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 struct Arguments {
@@ -48,4 +48,4 @@ Command system_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -7,7 +7,7 @@
 
 #include "mapping/base/files.h"
 
-namespace loci {
+namespace loci::apps {
 
 /// An empty folder of this process, gone with all that is in it at the end.
 class TemporaryFolder {
@@ -30,4 +30,4 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-}  // namespace loci
+}  // namespace loci::apps

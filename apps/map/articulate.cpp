@@ -7,51 +7,52 @@
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 struct ArticulateArguments {
   std::string track, before, after, map, front, out;
-  TrackOptions options;
-  DifferenceOptions difference;
+  mapping::TrackOptions options;
+  mapping::DifferenceOptions difference;
 };
 
 /// Puts a front that has learned its joint in the place of the one of its name.
-void replace_front(const Front& front, World& world, SemanticMap& semantics) {
+void replace_front(const mapping::Front& front, mapping::World& world, mapping::SemanticMap& semantics) {
   const auto link = front_link(front.name, semantics);
-  const Joint* joint = link ? world.parent_joint(*link) : nullptr;
+  const mapping::Joint* joint = link ? world.parent_joint(*link) : nullptr;
   if (joint == nullptr) throw Error("the map has no front '" + front.name + "'");
   const std::string parent = joint->parent;
   remove_front(front.name, world, semantics);
   add_front(front, parent, world, semantics);
 }
 
-std::string line_of(const std::string& name, const DifferenceResult& result) {
-  const JointEstimate& joint = *result.joint;
+std::string line_of(const std::string& name, const mapping::DifferenceResult& result) {
+  const mapping::JointEstimate& joint = *result.joint;
   return fmt::format(
       "{}: {}, probability {:.2f}, moved {:.2f} {}; axis {:.3f} {:.3f} {:.3f} (± {:.2f} deg)\n", name,
       joint_estimate_type_name(joint.type), joint.probabilities[static_cast<size_t>(joint.type)],
-      result.moved, joint.type == JointEstimate::Type::prismatic ? "m" : "rad", joint.axis.x(),
+      result.moved, joint.type == mapping::JointEstimate::Type::prismatic ? "m" : "rad", joint.axis.x(),
       joint.axis.y(), joint.axis.z(), joint.axis_sd_deg);
 }
 
 /// Which fronts moved between two scan sets, and the map with what that shows.
 void articulate_map(const ArticulateArguments& arguments, Session& session) {
-  const ScanSet before = read_scan_set(arguments.before), after = read_scan_set(arguments.after);
-  World world = read_urdf(arguments.map);
-  SemanticMap semantics = read_semantic_map(sidecar_path(arguments.map));
+  const mapping::ScanSet before = mapping::read_scan_set(arguments.before),
+                         after = mapping::read_scan_set(arguments.after);
+  mapping::World world = mapping::read_urdf(arguments.map);
+  mapping::SemanticMap semantics = mapping::read_semantic_map(mapping::sidecar_path(arguments.map));
   std::string text;
   Json report = {{"fronts", Json::object()}};
   size_t asked = 0;
-  for (const Front& front : fronts_of(world, semantics)) {
+  for (const mapping::Front& front : fronts_of(world, semantics)) {
     if (!arguments.front.empty() && front.name != arguments.front) continue;
     ++asked;
-    const DifferenceResult result = articulate(before, after, front, {}, arguments.difference);
+    const mapping::DifferenceResult result = articulate(before, after, front, {}, arguments.difference);
     if (!result.joint && arguments.front.empty()) continue;
     report["fronts"][front.name] = result.report();
     text += result.joint ? line_of(front.name, result) : front.name + ": " + result.reason + "\n";
     if (!result.joint) continue;
-    Front learned = result.corrected.value_or(front);
+    mapping::Front learned = result.corrected.value_or(front);
     learned.joint = result.joint;
     learned.class_name = front_class(learned, *learned.joint);
     replace_front(learned, world, semantics);
@@ -62,7 +63,7 @@ void articulate_map(const ArticulateArguments& arguments, Session& session) {
         {arguments.map, 0, ""});
   if (!arguments.out.empty()) {
     write_urdf(world, arguments.out);
-    write_semantic_map(semantics, sidecar_path(arguments.out));
+    write_semantic_map(semantics, mapping::sidecar_path(arguments.out));
   }
   session.answer(text.empty() ? "no front moved\n" : text, report);
 }
@@ -95,10 +96,11 @@ Command articulate_command() {
               if (arguments->track.empty())
                 throw Error("there is nothing to articulate", {},
                             "give --track, or --before, --after and --map");
-              const TrackResult result = fit_track(read_track(arguments->track), arguments->options);
+              const mapping::TrackResult result =
+                  fit_track(mapping::read_track(arguments->track), arguments->options);
               session.answer(result.summary() + "\n", result.report());
             };
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -3,7 +3,7 @@
 #include "mapping/world/inspection.h"
 #include "mapping/world/urdf.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command check_command() {
   return {"check",
@@ -20,15 +20,15 @@ Command check_command() {
                            "Folder that holds packages (package://NAME/…); can be given several times");
             return [arguments](Session& session) {
               const std::filesystem::path path = arguments->urdf;
-              const MeshSearch search = {{arguments->package_paths.begin(), arguments->package_paths.end()},
-                                         path.parent_path()};
-              const World world = read_urdf(path);
-              WorldInspection inspection = inspect(world, search, session.warnings());
-              if (const auto sidecar = sidecar_path(path); std::filesystem::exists(sidecar))
-                inspect_sidecar(read_semantic_map(sidecar), world, inspection, session.warnings());
+              const mapping::MeshSearch search = {
+                  {arguments->package_paths.begin(), arguments->package_paths.end()}, path.parent_path()};
+              const mapping::World world = mapping::read_urdf(path);
+              mapping::WorldInspection inspection = inspect(world, search, session.warnings());
+              if (const auto sidecar = mapping::sidecar_path(path); std::filesystem::exists(sidecar))
+                inspect_sidecar(mapping::read_semantic_map(sidecar), world, inspection, session.warnings());
               session.answer(inspection.report(), inspection.to_json());
             };
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

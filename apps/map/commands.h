@@ -2,7 +2,7 @@
 
 #include "apps/cli/program.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command articulate_command();
 Command check_command();
@@ -14,4 +14,4 @@ Command interpret_command();
 Command register_command();
 Command next_view_command();
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -6,7 +6,7 @@
 #include "mapping/simulation/scanned_world.h"
 #include "nbv/survey.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 struct ExploreArguments {
@@ -15,27 +15,28 @@ struct ExploreArguments {
   double floor = 0;
   std::optional<double> ceiling;
   bool resume = false;
-  SurveyOptions options;
+  nbv::SurveyOptions options;
 };
 
 void explore(ExploreArguments& arguments, Session& session) {
-  ExplorationOptions& exploration = arguments.options.exploration;
+  nbv::ExplorationOptions& exploration = arguments.options.exploration;
   exploration.threads = session.flags().threads;
-  ScannedWorldOptions world;
+  mapping::ScannedWorldOptions world;
   for (const std::string& folder : arguments.package_paths) world.package_paths.emplace_back(folder);
   world.floor = arguments.floor;
   world.ceiling = arguments.ceiling;
   world.laser = exploration.laser;
   world.seed = exploration.seed;
   world.threads = exploration.threads;
-  ScannedWorld robot(arguments.world, world, {}, session.warnings());
-  const PlanarPose start =
-      arguments.start.empty() ? robot.open_place() : planar_poses_from(arguments.start, "--start").front();
+  mapping::ScannedWorld robot(arguments.world, world, {}, session.warnings());
+  const mapping::PlanarPose start = arguments.start.empty()
+                                        ? robot.open_place()
+                                        : mapping::planar_poses_from(arguments.start, "--start").front();
   robot.put_at(start);
-  const SurveyResult result = survey(robot, start, arguments.out, arguments.resume, arguments.options,
-                                     session.progress(), session.warnings());
+  const nbv::SurveyResult result = survey(robot, start, arguments.out, arguments.resume, arguments.options,
+                                          session.progress(), session.warnings());
   for (const std::string& note : result.map.notes) session.warnings().add(note);
-  for (const StageTime& time : result.map.times) session.timing(time.stage, time.seconds);
+  for (const mapping::StageTime& time : result.map.times) session.timing(time.stage, time.seconds);
   session.answer(
       result.summary() + "in " + arguments.out + "/map.urdf, see " + arguments.out + "/report.html",
       result.report());
@@ -69,4 +70,4 @@ Command explore_command() {
       }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -12,13 +12,13 @@
 #include "mapping/exchange/sdf.h"
 #include "mapping/world/urdf.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 struct Arguments {
   std::string input, format, out, root;
   std::vector<std::string> package_paths;
-  GridOptions grid;
+  mapping::GridOptions grid;
 };
 
 /// The format that was named, or else that a file's ending means.
@@ -33,15 +33,15 @@ std::string format_of(const Arguments& arguments) {
 }
 
 /// PGM and YAML side by side. Returns what to tell.
-Json write_grid(const OccupancyGrid& grid, const std::filesystem::path& out) {
+Json write_grid(const mapping::OccupancyGrid& grid, const std::filesystem::path& out) {
   const std::filesystem::path pgm = std::filesystem::path(out).replace_extension(".pgm");
   const std::filesystem::path yaml = std::filesystem::path(out).replace_extension(".yaml");
   write_file_atomically(pgm, pgm_text(grid));
   write_file_atomically(yaml, grid_yaml(grid, pgm.filename()));
   return {{"files", {pgm.string(), yaml.string()}},
           {"cells", {grid.width, grid.height}},
-          {"occupied", std::ranges::count(grid.cells, Occupancy::occupied)},
-          {"free", std::ranges::count(grid.cells, Occupancy::free)}};
+          {"occupied", std::ranges::count(grid.cells, mapping::Occupancy::occupied)},
+          {"free", std::ranges::count(grid.cells, mapping::Occupancy::free)}};
 }
 
 Json write_text(const std::string& text, const std::filesystem::path& out) {
@@ -55,10 +55,11 @@ int64_t modified_ns(const std::filesystem::path& file) {
 }
 
 Json export_map(const Arguments& arguments, const std::string& format, Session& session) {
-  const World world = read_urdf(arguments.input);
-  const std::filesystem::path sidecar = sidecar_path(arguments.input);
+  const mapping::World world = mapping::read_urdf(arguments.input);
+  const std::filesystem::path sidecar = mapping::sidecar_path(arguments.input);
   const bool described = std::filesystem::exists(sidecar);
-  const SemanticMap semantics = described ? read_semantic_map(sidecar) : SemanticMap{};
+  const mapping::SemanticMap semantics =
+      described ? mapping::read_semantic_map(sidecar) : mapping::SemanticMap{};
   if (format == "sdf") return write_text(sdf_text(world, session.warnings()), arguments.out);
   if (format == "svg") return write_text(link_graph_svg(world, semantics, arguments.root), arguments.out);
   if (format == "owl") {
@@ -67,10 +68,10 @@ Json export_map(const Arguments& arguments, const std::string& format, Session& 
                   "OWL needs the sidecar " + sidecar.string());
     return write_text(owl_text(world, semantics, world.name, modified_ns(arguments.input)), arguments.out);
   }
-  MeshSearch search;
+  mapping::MeshSearch search;
   search.package_paths.assign(arguments.package_paths.begin(), arguments.package_paths.end());
   search.urdf_folder = std::filesystem::path(arguments.input).parent_path();
-  const std::vector<WorldTriangle> triangles = triangles_of(world, search, session.warnings());
+  const std::vector<mapping::WorldTriangle> triangles = triangles_of(world, search, session.warnings());
   if (format == "ply") return write_text(ply_text(triangles), arguments.out);
   if (format == "grid")
     return write_grid(occupancy_grid(triangles, arguments.grid, session.warnings()), arguments.out);
@@ -79,16 +80,16 @@ Json export_map(const Arguments& arguments, const std::string& format, Session& 
 }
 
 Json export_scans(const Arguments& arguments, const std::string& format) {
-  const ScanSet scans = read_scan_set(arguments.input);
+  const mapping::ScanSet scans = mapping::read_scan_set(arguments.input);
   if (format == "ply") return write_text(ply_text(scans), arguments.out);
   if (format != "grid" && format != "bt")
     throw Error("scans have no links and joints", {arguments.input, 0, ""},
                 "export the map for " + format + "; scans go to ply, grid, bt");
-  OccupancyOptions options;
+  mapping::OccupancyOptions options;
   options.resolution_m = arguments.grid.resolution_m;
   if (scans.range_max > 0) options.range_max_m = scans.range_max;
-  OccupancyMap map(options);
-  for (const Scan& scan : scans.scans) map.insert(scan);
+  mapping::OccupancyMap map(options);
+  for (const mapping::Scan& scan : scans.scans) map.insert(scan);
   if (format == "grid") return write_grid(occupancy_grid(map.tree(), arguments.grid), arguments.out);
   map.write_bt(arguments.out);
   return {{"files", {arguments.out}}};
@@ -133,4 +134,4 @@ Command export_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -4,7 +4,7 @@
 #include "mapping/base/json.h"
 #include "mapping/fusion/fusion.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command fuse_command() {
   return {"fuse",
@@ -14,7 +14,7 @@ Command fuse_command() {
           [](CLI::App& app) {
             struct Arguments {
               std::string recording, out;
-              FusionOptions options;
+              mapping::FusionOptions options;
             };
             auto arguments = std::make_shared<Arguments>();
             app.add_option("RECORDING", arguments->recording, "Folder of the recording")->required();
@@ -22,9 +22,9 @@ Command fuse_command() {
             add_options(app, table_of(arguments->options));
             return [arguments](Session& session) {
               arguments->options.threads = session.flags().threads;
-              const auto recording = open_recording(arguments->recording);
+              const auto recording = mapping::open_recording(arguments->recording);
               for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
-              const FusionResult result = fuse(*recording, arguments->options, session.progress());
+              const mapping::FusionResult result = fuse(*recording, arguments->options, session.progress());
               write_scan_set(result.scans, arguments->out);
               session.timing("fuse", result.seconds);
               Json json = result.report();
@@ -34,4 +34,4 @@ Command fuse_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

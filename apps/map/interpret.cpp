@@ -8,7 +8,7 @@
 #include "mapping/interpretation/take_names.h"
 #include "mapping/world/urdf.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 /// The most telling numbers of a link's geometry, by what its class has of them.
@@ -28,7 +28,7 @@ std::string where_text(const Json& geometry) {
                             centre[2].get<double>());
 }
 
-std::string answer_text(const InterpretedMap& map, const std::string& folder) {
+std::string answer_text(const mapping::InterpretedMap& map, const std::string& folder) {
   std::string text = map.summary() + "\n";
   for (const auto& [name, link] : map.semantics.links) {
     text += fmt::format("  {:<16} {}, confidence {:.2f}\n", name, where_text(link.geometry), link.confidence);
@@ -46,7 +46,7 @@ Command interpret_command() {
           [](CLI::App& app) {
             struct Arguments {
               std::string scans, out, names_from;
-              InterpretationOptions options;
+              mapping::InterpretationOptions options;
             };
             auto arguments = std::make_shared<Arguments>();
             app.add_option("SCANS", arguments->scans, "Folder of a scan set, or a PCD file")->required();
@@ -56,21 +56,22 @@ Command interpret_command() {
             add_options(app, table_of(arguments->options));
             return [arguments](Session& session) {
               arguments->options.threads = session.flags().threads;
-              const ScanSet scans = read_scan_set(arguments->scans);
-              InterpretedMap map = interpret(scans, arguments->options, session.progress());
+              const mapping::ScanSet scans = mapping::read_scan_set(arguments->scans);
+              mapping::InterpretedMap map = interpret(scans, arguments->options, session.progress());
               for (const std::string& note : map.notes) session.warnings().add(note);
-              for (const StageTime& time : map.times) session.timing(time.stage, time.seconds);
+              for (const mapping::StageTime& time : map.times) session.timing(time.stage, time.seconds);
               if (!map.usable()) throw Error(map.summary(), {arguments->scans, 0, ""}, "nothing was written");
               if (!arguments->names_from.empty()) {
-                const TakenNames names = take_names(map.world, map.semantics,
-                                                    read_semantic_map(sidecar_path(arguments->names_from)));
+                const mapping::TakenNames names =
+                    take_names(map.world, map.semantics,
+                               mapping::read_semantic_map(mapping::sidecar_path(arguments->names_from)));
                 for (const std::string& name : names.vanished)
                   session.warnings().add("'" + name + "' of the older map was not found again");
               }
               make_folder(arguments->out);
               const std::filesystem::path urdf = std::filesystem::path(arguments->out) / "map.urdf";
               write_urdf(map.world, urdf);
-              write_semantic_map(map.semantics, sidecar_path(urdf));
+              write_semantic_map(map.semantics, mapping::sidecar_path(urdf));
               write_file_atomically(std::filesystem::path(arguments->out) / "report.html",
                                     map_report(map, scans, arguments->scans));
               session.answer(answer_text(map, arguments->out), map.report());
@@ -78,4 +79,4 @@ Command interpret_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -1,40 +1,38 @@
 #include <fmt/format.h>
 
-#include <numbers>
 #include <set>
 
 #include "apps/map/commands.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/exchange/occupancy_grid.h"
 #include "nbv/images.h"
 #include "nbv/planner.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 struct Arguments {
   std::string scans, pool, out;
   std::vector<double> robot;  ///< x, y, yaw in degrees; empty = at the last scan
   int seed = 1;
-  OccupancyOptions occupancy;
-  PlannerOptions planner;
-  LaserModel laser;
+  mapping::OccupancyOptions occupancy;
+  nbv::PlannerOptions planner;
+  mapping::LaserModel laser;
 };
 
-Json pose_json(const PlanarPose& pose) {
+Json pose_json(const mapping::PlanarPose& pose) {
   return {pose.x, pose.y, pose.yaw / kDegree};
 }
 
-std::string pose_text(const PlanarPose& pose) {
+std::string pose_text(const mapping::PlanarPose& pose) {
   return fmt::format("x {:.2f} m, y {:.2f} m, yaw {:.0f}°", pose.x, pose.y, pose.yaw / kDegree);
 }
 
-ScanSet read_scans(const std::string& path, const std::string& what) {
-  ScanSet set = read_scan_set(path);
+mapping::ScanSet read_scans(const std::string& path, const std::string& what) {
+  mapping::ScanSet set = mapping::read_scan_set(path);
   if (!set.free_space)
     throw Error("without scan origins nothing is known to be free", {path, 0, {}},
                 what + " is a folder with scans.yaml, poses and origins");
@@ -44,7 +42,7 @@ ScanSet read_scans(const std::string& path, const std::string& what) {
   return set;
 }
 
-Json view_json(const NextView& view) {
+Json view_json(const nbv::NextView& view) {
   Json json;
   json["pose"] = view.pose ? pose_json(*view.pose) : Json();
   json["reason"] = view.reason;
@@ -52,34 +50,36 @@ Json view_json(const NextView& view) {
   json["expected_gain_m2"] = view.expected_gain;
   json["fringe_voxels"] = view.fringe_voxels;
   json["path"] = Json::array();
-  for (const PlanarPose& corner : view.path) json["path"].push_back(pose_json(corner));
+  for (const mapping::PlanarPose& corner : view.path) json["path"].push_back(pose_json(corner));
   json["details"] = view.details;
   return json;
 }
 
-std::string view_text(const NextView& view) {
+std::string view_text(const nbv::NextView& view) {
   if (!view.pose) return "Stop: " + view.reason;
   std::string text = fmt::format("Scan at {}: {}", pose_text(*view.pose), view.reason);
   if (!view.path.empty()) {
     text += "\nway:";
-    for (const PlanarPose& corner : view.path) text += fmt::format(" ({:.2f}, {:.2f})", corner.x, corner.y);
+    for (const mapping::PlanarPose& corner : view.path)
+      text += fmt::format(" ({:.2f}, {:.2f})", corner.x, corner.y);
   }
   return text;
 }
 
 /// The scans of the pool that are not in the map yet, by name.
-void choose(const Arguments& arguments, const ScanSet& scans, const OccupancyMap& map, Session& session) {
-  const ScanSet pool = read_scans(arguments.pool, "a pool");
+void choose(const Arguments& arguments, const mapping::ScanSet& scans, const mapping::OccupancyMap& map,
+            Session& session) {
+  const mapping::ScanSet pool = read_scans(arguments.pool, "a pool");
   std::set<std::string> taken;
-  for (const Scan& scan : scans.scans) taken.insert(scan.name);
-  std::vector<PlanarPose> poses;
+  for (const mapping::Scan& scan : scans.scans) taken.insert(scan.name);
+  std::vector<mapping::PlanarPose> poses;
   std::vector<std::string> names;
-  for (const Scan& scan : pool.scans) {
+  for (const mapping::Scan& scan : pool.scans) {
     if (taken.contains(scan.name)) continue;
-    poses.push_back(planar(scan.map_from_scan));
+    poses.push_back(mapping::planar(scan.map_from_scan));
     names.push_back(scan.name);
   }
-  const PoolChoice choice = choose_view(map, poses, arguments.laser, arguments.planner);
+  const nbv::PoolChoice choice = choose_view(map, poses, arguments.laser, arguments.planner);
   Json json = view_json(choice.view);
   json["scan"] = choice.index ? Json(names[*choice.index]) : Json();
   session.answer((choice.index ? names[*choice.index] + ". " : "") + view_text(choice.view), json);
@@ -89,8 +89,8 @@ void next(Arguments& arguments, Session& session) {
   table_of(arguments.occupancy).validate();
   table_of(arguments.planner).validate();
   arguments.planner.threads = arguments.occupancy.threads = session.flags().threads;
-  const ScanSet scans = read_scans(arguments.scans, "a scan set");
-  OccupancyMap map(arguments.occupancy);
+  const mapping::ScanSet scans = read_scans(arguments.scans, "a scan set");
+  mapping::OccupancyMap map(arguments.occupancy);
   Stopwatch watch;
   for (size_t i = 0; i < scans.scans.size(); ++i) {
     session.progress().check(static_cast<double>(i) / static_cast<double>(scans.scans.size()), "inserting");
@@ -99,11 +99,11 @@ void next(Arguments& arguments, Session& session) {
   session.timing("insertion", watch.lap());
   if (!arguments.pool.empty()) return choose(arguments, scans, map, session);
 
-  PlanarPose robot = planar(scans.scans.back().map_from_scan);
+  mapping::PlanarPose robot = mapping::planar(scans.scans.back().map_from_scan);
   if (arguments.robot.size() == 3)
     robot = {arguments.robot[0], arguments.robot[1], arguments.robot[2] * kDegree};
-  const ViewPlan plan = plan_view(map, robot, arguments.laser, arguments.planner,
-                                  Random(static_cast<uint64_t>(arguments.seed)));
+  const nbv::ViewPlan plan = plan_view(map, robot, arguments.laser, arguments.planner,
+                                       Random(static_cast<uint64_t>(arguments.seed)));
   session.timing("decision", watch.lap());
   Json json = view_json(plan.view);
   json["robot"] = pose_json(robot);
@@ -111,7 +111,7 @@ void next(Arguments& arguments, Session& session) {
     for (const auto& file : write_view_images(plan, robot, arguments.out))
       json["images"].push_back(file.string());
     map.write_bt(std::filesystem::path(arguments.out) / "map.bt");
-    const OccupancyGrid grid = occupancy_grid(map.tree(), GridOptions{});
+    const mapping::OccupancyGrid grid = occupancy_grid(map.tree(), mapping::GridOptions{});
     write_file_atomically(std::filesystem::path(arguments.out) / "floor.pgm", pgm_text(grid));
     write_file_atomically(std::filesystem::path(arguments.out) / "floor.yaml", grid_yaml(grid, "floor.pgm"));
   }
@@ -135,8 +135,7 @@ Command next_view_command() {
             ->expected(3);
         app.add_option("--pool", arguments->pool,
                        "Choose one of the posed scans in this folder that SCANS does not have");
-        app.add_option("-o,--out", arguments->out,
-                       "Folder for images of the costmaps, map.bt and floor.pgm");
+        app.add_option("-o,--out", arguments->out, "Folder for images of the costmaps, map.bt and floor.pgm");
         app.add_option("--seed", arguments->seed, "Seed of the samples")->check(CLI::Range(0, 1 << 30));
         add_options(app, table_of(arguments->occupancy));
         add_options(app, table_of(arguments->planner));
@@ -146,4 +145,4 @@ Command next_view_command() {
       }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

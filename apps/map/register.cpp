@@ -6,15 +6,16 @@
 
 #include "apps/map/commands.h"
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 #include "mapping/registration/registration.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 struct RegisterArguments {
   std::vector<std::string> scans;
   std::string out, guess;
-  RegistrationOptions options;
+  mapping::RegistrationOptions options;
 };
 
 /// "x,y,z,yaw_deg": the pose of each scan as seen from the one before it.
@@ -31,15 +32,15 @@ Isometry3d pose_of(const std::string& guess) {
   if (!(stream >> std::ws).eof()) throw malformed;
   Isometry3d pose = Isometry3d::Identity();
   pose.translation() = Vector3d(values[0], values[1], values[2]);
-  pose.linear() = rotation_from_rpy({0, 0, values[3] * M_PI / 180});
+  pose.linear() = rotation_from_rpy({0, 0, values[3] * kPi / 180});
   return pose;
 }
 
 /// A scan set, or several bare clouds as one, each at the guess from the one before it.
-ScanSet read_scans(const RegisterArguments& arguments) {
-  ScanSet set = read_scan_set(arguments.scans.front());
+mapping::ScanSet read_scans(const RegisterArguments& arguments) {
+  mapping::ScanSet set = mapping::read_scan_set(arguments.scans.front());
   for (size_t i = 1; i < arguments.scans.size(); ++i) {
-    ScanSet more = read_scan_set(arguments.scans[i]);
+    mapping::ScanSet more = mapping::read_scan_set(arguments.scans[i]);
     if (set.free_space || more.free_space)
       throw Error("only bare PCD files can be given one by one", {arguments.scans[i], 0, {}},
                   "a scan set is registered by itself");
@@ -57,14 +58,14 @@ ScanSet read_scans(const RegisterArguments& arguments) {
   return set;
 }
 
-std::string answer_text(const RegistrationResult& result) {
+std::string answer_text(const mapping::RegistrationResult& result) {
   std::string text = result.summary() + "\n";
-  for (const PairAlignment& pair : result.pairs)
+  for (const mapping::PairAlignment& pair : result.pairs)
     text += fmt::format("  {} <- {}: {}: {}\n", result.names[pair.target], result.names[pair.source],
                         pair.trusted ? "trusted" : "refused", pair.reason);
   for (size_t i = 0; i < result.names.size(); ++i) {
     const Vector3d position = result.map_from_scan[i].translation();
-    const Vector3d rpy = rpy_from_rotation(result.map_from_scan[i].linear()) * 180 / M_PI;
+    const Vector3d rpy = rpy_from_rotation(result.map_from_scan[i].linear()) * 180 / kPi;
     text += fmt::format("  {}: x {:.3f} y {:.3f} z {:.3f} m, roll {:.2f} pitch {:.2f} yaw {:.2f} deg{}\n",
                         result.names[i], position.x(), position.y(), position.z(), rpy.x(), rpy.y(), rpy.z(),
                         result.connected[i] ? "" : " (by odometry only)");
@@ -73,8 +74,9 @@ std::string answer_text(const RegistrationResult& result) {
 }
 
 /// The connected scans at their new poses: one that stands nobody knows where would spoil a map.
-void write_connected(ScanSet scans, const RegistrationResult& result, const std::string& folder) {
-  std::vector<Scan> connected;
+void write_connected(mapping::ScanSet scans, const mapping::RegistrationResult& result,
+                     const std::string& folder) {
+  std::vector<mapping::Scan> connected;
   for (size_t i = 0; i < scans.scans.size(); ++i) {
     if (!result.connected[i]) continue;
     connected.push_back(std::move(scans.scans[i]));
@@ -87,9 +89,9 @@ void write_connected(ScanSet scans, const RegistrationResult& result, const std:
 
 void run(RegisterArguments arguments, bool dof_given, Session& session) {
   arguments.options.threads = session.flags().threads;
-  const ScanSet scans = read_scans(arguments);
+  const mapping::ScanSet scans = read_scans(arguments);
   if (!dof_given && !scans.levelled) arguments.options.dof = 6;
-  const RegistrationResult result = register_scans(scans, arguments.options, session.progress());
+  const mapping::RegistrationResult result = register_scans(scans, arguments.options, session.progress());
   session.timing("register", result.seconds);
   std::string text = answer_text(result);
   Json json = result.report();
@@ -127,4 +129,4 @@ Command register_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -4,7 +4,7 @@
 #include "apps/memory/memory_arguments.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command ask_command() {
   return {"ask",
@@ -24,17 +24,17 @@ Command ask_command() {
                    "A question or a task in English; of several, \"it\" is what the one before was about")
                 ->required();
             return [arguments](Session& session) {
-              const Store store = Store::open_read(arguments->memory.memory);
-              const AsOf as_of = arguments->memory.as_of(store);
-              const auto answers = ask(store, SpokenQuestion{arguments->sentences, as_of});
+              const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+              const memory::AsOf as_of = arguments->memory.as_of(store);
+              const auto answers = ask(store, memory::SpokenQuestion{arguments->sentences, as_of});
               std::string text;
               Json json = Json::array();
-              for (const SpokenAnswer& answer : answers) {
-                text += (text.empty() ? "" : "\n") + to_text(answer, TimeWriter(store));
+              for (const memory::SpokenAnswer& answer : answers) {
+                text += (text.empty() ? "" : "\n") + to_text(answer, memory::TimeWriter(store));
                 json.push_back(to_json(answer));
               }
               session.answer(text, json.size() == 1 ? json[0] : Json{{"answers", json}});
-              for (const SpokenAnswer& answer : answers)
+              for (const memory::SpokenAnswer& answer : answers)
                 if (!answer.command)
                   throw Error("'" + answer.sentence + "' is not understood", {},
                               "ask for example: " + answer.nearest.at(0));
@@ -42,4 +42,4 @@ Command ask_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -6,7 +6,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 struct Arguments {
@@ -14,10 +14,10 @@ struct Arguments {
 };
 
 void export_to(const Arguments& arguments, Session& session) {
-  const Catalogue catalogue = catalogue_of(Store::open_read(arguments.memory));
+  const memory::Catalogue catalogue = catalogue_of(memory::Store::open_read(arguments.memory));
   write_file_atomically(arguments.file, to_json(catalogue).dump(1) + "\n");
   std::map<std::string, size_t> classes;
-  for (const CatalogueEntry& entry : catalogue.entries) ++classes[entry.class_name];
+  for (const memory::CatalogueEntry& entry : catalogue.entries) ++classes[entry.class_name];
   std::string text = fmt::format("{} things in {}", catalogue.entries.size(), arguments.file);
   Json named = Json::object();
   for (const auto& [name, count] : classes) {
@@ -28,10 +28,10 @@ void export_to(const Arguments& arguments, Session& session) {
 }
 
 void import_from(const Arguments& arguments, Session& session) {
-  const Catalogue catalogue = read_home_catalogue(arguments.file);
-  Store::open_read(arguments.memory);  // a mistyped name must not make a new memory
-  Store store = Store::open_write(arguments.memory);
-  const CatalogueResult result = import_catalogue(store, catalogue);
+  const memory::Catalogue catalogue = memory::read_home_catalogue(arguments.file);
+  memory::Store::open_read(arguments.memory);  // a mistyped name must not make a new memory
+  memory::Store store = memory::Store::open_write(arguments.memory);
+  const memory::CatalogueResult result = import_catalogue(store, catalogue);
   session.answer(result.summary(), result.report());
 }
 
@@ -56,4 +56,4 @@ Command catalogue_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

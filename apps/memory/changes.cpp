@@ -2,7 +2,7 @@
 #include "apps/memory/memory_arguments.h"
 #include "memory/questions/change_kinds.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command changes_command() {
   return {"changes",
@@ -25,18 +25,18 @@ Command changes_command() {
                 "Only appeared, reappeared, moved, gone, hidden, looks_different or joint_changed; "
                 "came, left: moves to or from the place too");
             return [arguments](Session& session) {
-              const Store store = Store::open_read(arguments->memory.memory);
-              const AsOf as_of = arguments->memory.as_of(store);
-              const ChangesAnswer answer = ask_for_kind(store,
-                                                        {.from = arguments->span.first(store),
-                                                         .to = arguments->span.last(store),
-                                                         .subject = arguments->subject,
-                                                         .place = arguments->place,
-                                                         .as_of = as_of},
-                                                        arguments->kind);
-              session.answer(to_text(answer, TimeWriter(store)), to_json(answer));
+              const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+              const memory::AsOf as_of = arguments->memory.as_of(store);
+              const memory::ChangesAnswer answer = ask_for_kind(store,
+                                                                {.from = arguments->span.first(store),
+                                                                 .to = arguments->span.last(store),
+                                                                 .subject = arguments->subject,
+                                                                 .place = arguments->place,
+                                                                 .as_of = as_of},
+                                                                arguments->kind);
+              session.answer(to_text(answer, memory::TimeWriter(store)), to_json(answer));
             };
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -2,7 +2,7 @@
 
 #include "apps/cli/program.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command resolve_command();
 Command where_command();
@@ -46,4 +46,4 @@ Command report_command();
 Command why_command();
 Command reason_command();
 
-}  // namespace loci
+}  // namespace loci::apps

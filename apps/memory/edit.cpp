@@ -9,7 +9,7 @@
 #include "memory/questions/people_time.h"
 #include "memory/questions/snapshot.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 constexpr const char* kForms =
@@ -28,10 +28,10 @@ size_t words_needed(const std::string& action) {
   return 2;
 }
 
-Id number_of(const std::string& word, const char* what) {
+memory::Id number_of(const std::string& word, const char* what) {
   try {
     size_t end = 0;
-    const Id number = std::stoll(word, &end);
+    const memory::Id number = std::stoll(word, &end);
     if (end == word.size()) return number;
   } catch (const std::exception&) {  // told below
   }
@@ -39,18 +39,18 @@ Id number_of(const std::string& word, const char* what) {
 }
 
 /// The one object that words mean.
-Id object_of(const Store& store, const std::string& words) {
-  const std::vector<Id> objects = Snapshot(store, {}).find_objects(words);
+memory::Id object_of(const memory::Store& store, const std::string& words) {
+  const std::vector<memory::Id> objects = memory::Snapshot(store, {}).find_objects(words);
   if (objects.size() == 1) return objects.front();
   throw Error(fmt::format("'{}' may be any of {} objects", words, objects.size()), {},
               "name one, as object_3");
 }
 
-Edit make_edit(Store& store, const EditArguments& arguments) {
+memory::Edit make_edit(memory::Store& store, const EditArguments& arguments) {
   const auto& [memory, action, words] = arguments;
   if (action == "merge") return merge_objects(store, object_of(store, words[0]), object_of(store, words[1]));
   if (action == "split")
-    return split_object(store, object_of(store, words[0]), TimeReader(store).read(words[1]).first);
+    return split_object(store, object_of(store, words[0]), memory::TimeReader(store).read(words[1]).first);
   if (action == "label")
     return label_observation(store, number_of(words[0], "a scene"), number_of(words[1], "an observation"),
                              words[2]);
@@ -60,16 +60,16 @@ Edit make_edit(Store& store, const EditArguments& arguments) {
   return action == "undo" ? undo(store) : redo(store);
 }
 
-Json json_of(const std::vector<Edit>& list) {
+Json json_of(const std::vector<memory::Edit>& list) {
   Json json = Json::array();
-  for (const Edit& edit : list)
+  for (const memory::Edit& edit : list)
     json.push_back({{"run", edit.run}, {"known", format_time(edit.known)}, {"edit", edit.text}});
   return json;
 }
 
-void tell_list(Session& session, const EditList& list) {
+void tell_list(Session& session, const memory::EditList& list) {
   std::string text = list.done.empty() && list.undone.empty() ? "Nothing was edited.\n" : "";
-  for (const Edit& edit : list.done) text += edit.text + "\n";
+  for (const memory::Edit& edit : list.done) text += edit.text + "\n";
   for (auto edit = list.undone.rbegin(); edit != list.undone.rend(); ++edit)
     text += edit->text + " (undone)\n";
   session.answer(text, {{"done", json_of(list.done)}, {"undone", json_of(list.undone)}});
@@ -78,34 +78,34 @@ void tell_list(Session& session, const EditList& list) {
 }  // namespace
 
 Command edit_command() {
-  return {
-      "edit",
-      "Corrections by people, with undo: merge, split, label, joint, part, say, undo, redo, list",
-      {"loci-memory edit say object_1 class cup -m demo-output/memory.loci",
-       "loci-memory edit list -m demo-output/memory.loci --json"},
-      [](CLI::App& app) {
-        auto arguments = std::make_shared<EditArguments>();
-        app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
-        app.add_option("action", arguments->action, kForms)
-            ->required()
-            ->check(
-                CLI::IsMember({"merge", "split", "label", "joint", "part", "say", "undo", "redo", "list"}));
-        app.add_option(
-            "words", arguments->words,
-            "X, Y: objects (say: or a place; part: a place, link or joint); TIME as people write it");
-        return [arguments](Session& session) {
-          const size_t least = words_needed(arguments->action), given = arguments->words.size();
-          static const std::set<std::string> may_take_back = {"say", "part"};
-          if (given < least || given > least + may_take_back.count(arguments->action))
-            throw Error("edit " + arguments->action + " takes other words", {}, kForms);
-          const Store before = Store::open_read(arguments->memory);  // a mistyped name must not make a memory
-          if (arguments->action == "list") return tell_list(session, edits(before));
-          Store store = Store::open_write(arguments->memory);
-          const Edit edit = make_edit(store, *arguments);
-          const std::string done = arguments->action == "undo" ? "Undone: " : "Done: ";
-          session.answer(done + edit.text + "\n", json_of({edit}).front());
-        };
-      }};
+  return {"edit",
+          "Corrections by people, with undo: merge, split, label, joint, part, say, undo, redo, list",
+          {"loci-memory edit say object_1 class cup -m demo-output/memory.loci",
+           "loci-memory edit list -m demo-output/memory.loci --json"},
+          [](CLI::App& app) {
+            auto arguments = std::make_shared<EditArguments>();
+            app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
+            app.add_option("action", arguments->action, kForms)
+                ->required()
+                ->check(CLI::IsMember(
+                    {"merge", "split", "label", "joint", "part", "say", "undo", "redo", "list"}));
+            app.add_option(
+                "words", arguments->words,
+                "X, Y: objects (say: or a place; part: a place, link or joint); TIME as people write it");
+            return [arguments](Session& session) {
+              const size_t least = words_needed(arguments->action), given = arguments->words.size();
+              static const std::set<std::string> may_take_back = {"say", "part"};
+              if (given < least || given > least + may_take_back.count(arguments->action))
+                throw Error("edit " + arguments->action + " takes other words", {}, kForms);
+              const memory::Store before =
+                  memory::Store::open_read(arguments->memory);  // a mistyped name must not make a memory
+              if (arguments->action == "list") return tell_list(session, edits(before));
+              memory::Store store = memory::Store::open_write(arguments->memory);
+              const memory::Edit edit = make_edit(store, *arguments);
+              const std::string done = arguments->action == "undo" ? "Undone: " : "Done: ";
+              session.answer(done + edit.text + "\n", json_of({edit}).front());
+            };
+          }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

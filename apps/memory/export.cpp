@@ -21,13 +21,13 @@
 #include "memory/questions/place_names.h"
 #include "memory/store/scene_kinds.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 namespace fs = std::filesystem;
 
 /// All rows of a view, as JSON Lines and CSV; the number of rows.
-int64_t export_view(const Store& store, const std::string& view, const fs::path& folder) {
+int64_t export_view(const memory::Store& store, const std::string& view, const fs::path& folder) {
   AtomicFile lines(folder / (view + ".jsonl")), table(folder / (view + ".csv"));
   int64_t rows = 0;
   store.read_view("v_" + view, [&](const Json& row) {
@@ -49,53 +49,54 @@ int64_t export_view(const Store& store, const std::string& view, const fs::path&
 }
 
 /// A 16-bit PNG per scene, the number of the object per pixel of the depth image; how many.
-int64_t export_labels(const Store& store, const fs::path& folder, Progress& progress) {
+int64_t export_labels(const memory::Store& store, const fs::path& folder, Progress& progress) {
   make_folder(folder);
-  const std::vector<SceneRow> scenes = store.scenes();
+  const std::vector<memory::SceneRow> scenes = store.scenes();
   int64_t written = 0;
   for (size_t i = 0; i < scenes.size(); ++i) {
     progress.check(double(i) / double(scenes.size()), "label images");
     const cv::Mat labels = label_image(store, scenes[i]);
     if (labels.empty()) continue;
-    write_image(folder / fmt::format("scene_{:06}.png", scenes[i].id), labels);
+    mapping::write_image(folder / fmt::format("scene_{:06}.png", scenes[i].id), labels);
     ++written;
   }
   return written;
 }
 
 /// An 8-bit PNG per scene, what each pixel of its depth thumbnail is; how many.
-int64_t export_kinds(const Store& store, const fs::path& folder, Progress& progress) {
+int64_t export_kinds(const memory::Store& store, const fs::path& folder, Progress& progress) {
   make_folder(folder);
-  const std::vector<SceneRow> scenes = store.scenes();
+  const std::vector<memory::SceneRow> scenes = store.scenes();
   int64_t written = 0;
   for (size_t i = 0; i < scenes.size(); ++i) {
     progress.check(double(i) / double(scenes.size()), "kinds of pixels");
-    const std::optional<SceneKinds> kinds = scene_kinds(store, scenes[i]);
+    const std::optional<memory::SceneKinds> kinds = scene_kinds(store, scenes[i]);
     if (!kinds) continue;
     cv::Mat image(kinds->height, kinds->width, CV_8U);
     std::ranges::transform(kinds->pixels, image.ptr<uint8_t>(),
-                           [](SceneKind kind) { return static_cast<uint8_t>(kind); });
-    write_image(folder / fmt::format("scene_{:06}.png", scenes[i].id), image);
+                           [](memory::SceneKind kind) { return static_cast<uint8_t>(kind); });
+    mapping::write_image(folder / fmt::format("scene_{:06}.png", scenes[i].id), image);
     ++written;
   }
   return written;
 }
 
 /// A PLY per sighting whose surface is kept, map frame; how many.
-int64_t export_clouds(const Store& store, const fs::path& folder, Progress& progress) {
+int64_t export_clouds(const memory::Store& store, const fs::path& folder, Progress& progress) {
   make_folder(folder);
-  const std::vector<ObjectRow> objects = store.objects();
+  const std::vector<memory::ObjectRow> objects = store.objects();
   int64_t written = 0;
   for (size_t i = 0; i < objects.size(); ++i) {
     progress.check(double(i) / double(objects.size()), "clouds");
-    for (const Sighting& sighting : store.sightings(objects[i].id)) {
-      const SceneRow scene = store.scene(sighting.observation.scene);
-      std::optional<Scan> cloud = cloud_of(store, scene, sighting.observation);
+    for (const memory::Sighting& sighting : store.sightings(objects[i].id)) {
+      const memory::SceneRow scene = store.scene(sighting.observation.scene);
+      std::optional<mapping::Scan> cloud = cloud_of(store, scene, sighting.observation);
       if (!cloud) continue;
-      ScanSet set;
+      mapping::ScanSet set;
       set.scans.push_back(std::move(*cloud));
-      write_file_atomically(folder / fmt::format("{}_scene_{:06}.ply", object_name(objects[i].id), scene.id),
-                            ply_text(set));
+      write_file_atomically(
+          folder / fmt::format("{}_scene_{:06}.ply", memory::object_name(objects[i].id), scene.id),
+          ply_text(set));
       ++written;
     }
   }
@@ -103,7 +104,7 @@ int64_t export_clouds(const Store& store, const fs::path& folder, Progress& prog
 }
 
 /// The state of the world as it was believed to be after each scene; how many.
-int64_t export_beliefs(const Store& store, const fs::path& file, Progress& progress) {
+int64_t export_beliefs(const memory::Store& store, const fs::path& file, Progress& progress) {
   AtomicFile lines(file);
   int64_t written = 0;
   for_each_belief_state(store, progress, [&](const Json& state) {
@@ -115,23 +116,24 @@ int64_t export_beliefs(const Store& store, const fs::path& file, Progress& progr
 }
 
 /// The map as corrected by people; 1, or 0 when there is none.
-int64_t export_map(const Store& store, const fs::path& file) {
-  const std::optional<World> map = named_map(store);
+int64_t export_map(const memory::Store& store, const fs::path& file) {
+  const std::optional<mapping::World> map = named_map(store);
   if (map) write_file_atomically(file, urdf_text(*map));
   return map ? 1 : 0;
 }
 
 /// Finds the frames of a memory's scenes in the recording that it was made from.
-std::function<std::optional<RgbdFrame>(const SceneRow&)> frames_of(const Store& store,
-                                                                   const std::string& path) {
-  const std::shared_ptr<Recording> recording = open_recording(path);
-  const std::optional<RecordingRow> known = store.recording(fingerprint_of(*recording));
+std::function<std::optional<mapping::RgbdFrame>(const memory::SceneRow&)> frames_of(
+    const memory::Store& store, const std::string& path) {
+  const std::shared_ptr<mapping::Recording> recording = mapping::open_recording(path);
+  const std::optional<memory::RecordingRow> known = store.recording(memory::fingerprint_of(*recording));
   if (!known)
     throw Error("the memory was not made from this recording", {path, 0, {}},
                 "loci-memory stat lists what it was made from");
   std::map<int64_t, size_t> position;
   for (size_t i = 0; i < recording->size(); ++i) position[recording->index_of(i)] = i;
-  return [recording, position, id = known->id](const SceneRow& scene) -> std::optional<RgbdFrame> {
+  return [recording, position,
+          id = known->id](const memory::SceneRow& scene) -> std::optional<mapping::RgbdFrame> {
     if (scene.recording != id || !scene.frame_index) return std::nullopt;
     const auto found = position.find(*scene.frame_index);
     return found == position.end() ? std::nullopt : std::optional(recording->frame(found->second));
@@ -145,16 +147,16 @@ struct Arguments {
   bool by_object = false;
 };
 
-void write_dataset(const Arguments& arguments, const Store& store, Session& session) {
-  DatasetOptions options;
+void write_dataset(const Arguments& arguments, const memory::Store& store, Session& session) {
+  memory::DatasetOptions options;
   options.by_object = arguments.by_object;
   if (!arguments.recording.empty()) options.frame_of = frames_of(store, arguments.recording);
-  const DatasetResult result = export_dataset(store, arguments.dataset, options, session.progress());
+  const memory::DatasetResult result = export_dataset(store, arguments.dataset, options, session.progress());
   session.answer("Dataset " + arguments.dataset + ": " + result.summary(), result.report());
 }
 
 void export_memory(const Arguments& arguments, Session& session) {
-  const Store store = Store::open_read(arguments.memory);
+  const memory::Store store = memory::Store::open_read(arguments.memory);
   if (!arguments.dataset.empty()) return write_dataset(arguments, store, session);
   const fs::path folder = arguments.folder;
   make_folder(folder);
@@ -230,4 +232,4 @@ Command export_command() {
       }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -3,7 +3,7 @@
 #include "memory/questions/facts.h"
 #include "memory/questions/taxonomy.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command fact_command() {
   return {"fact",
@@ -30,12 +30,12 @@ Command fact_command() {
                 throw Error("fact " + action + " takes other words", {},
                             "fact set X KEY VALUE, fact list [X [KEY]], fact remove X KEY [VALUE]");
               const auto word = [&w = words](size_t i) { return i < w.size() ? w[i] : std::string(); };
-              FactsAnswer answer;
+              memory::FactsAnswer answer;
               if (action == "list") {
-                answer = ask(Store::open_read(memory), FactsQuestion{word(0), word(1), {}});
+                answer = ask(memory::Store::open_read(memory), memory::FactsQuestion{word(0), word(1), {}});
               } else {
-                Store::open_read(memory);  // a mistyped name must not make a new memory
-                Store store = Store::open_write(memory);
+                memory::Store::open_read(memory);  // a mistyped name must not make a new memory
+                memory::Store store = memory::Store::open_write(memory);
                 answer = action == "set" ? set_fact(store, word(0), word(1), word(2))
                                          : remove_fact(store, word(0), word(1), word(2));
               }
@@ -60,19 +60,19 @@ Command taxonomy_command() {
                 ->check(CLI::IsMember({"load", "list"}));
             app.add_option("file", arguments->file, "load: the taxonomy, YAML");
             return [arguments](Session& session) {
-              Taxonomy taxonomy;
+              memory::Taxonomy taxonomy;
               if (arguments->action == "load") {
                 if (arguments->file.empty()) throw Error("no file to load", {}, "taxonomy load FILE.yaml");
-                taxonomy = Taxonomy::read(arguments->file);
-                Store::open_read(arguments->memory);  // a mistyped name must not make a new memory
-                Store store = Store::open_write(arguments->memory);
+                taxonomy = memory::Taxonomy::read(arguments->file);
+                memory::Store::open_read(arguments->memory);  // a mistyped name must not make a new memory
+                memory::Store store = memory::Store::open_write(arguments->memory);
                 taxonomy.save(store);
               } else {
-                taxonomy = Taxonomy::of(Store::open_read(arguments->memory), {});
+                taxonomy = memory::Taxonomy::of(memory::Store::open_read(arguments->memory), {});
               }
               session.answer(to_text(taxonomy), to_json(taxonomy));
             };
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

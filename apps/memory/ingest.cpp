@@ -3,7 +3,7 @@
 #include "apps/memory/commands.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command ingest_command() {
   return {
@@ -15,7 +15,7 @@ Command ingest_command() {
       [](CLI::App& app) {
         struct Arguments {
           std::string file, memory, map, now;
-          IngestOptions options;
+          memory::IngestOptions options;
         };
         auto arguments = std::make_shared<Arguments>();
         app.add_option("FILE", arguments->file, "Detections, one scene per line (JSON Lines)")->required();
@@ -26,14 +26,14 @@ Command ingest_command() {
         arguments->options.declare(table);
         add_options(app, table);
         return [arguments](Session& session) {
-          WriteOptions write;
+          memory::WriteOptions write;
           if (!arguments->now.empty()) write.now = parse_time(arguments->now);
           arguments->options.map = arguments->map;
-          const IngestResult result = ingest(arguments->file, arguments->memory, arguments->options, write,
-                                             session.progress(), session.warnings());
+          const memory::IngestResult result = ingest(arguments->file, arguments->memory, arguments->options,
+                                                     write, session.progress(), session.warnings());
           session.answer(result.summary(), result.report());
         };
       }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

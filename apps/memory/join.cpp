@@ -4,21 +4,21 @@
 
 #include <charconv>
 #include <cmath>
-#include <numbers>
 
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 #include "memory/reasoning/reason.h"
 #include "memory/store/copy.h"
 #include "memory/store/merge.h"
 #include "memory/store/retention.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 /// "x,y,z,yaw_deg".
-FrameChange frame_from(const std::string& text) {
+memory::FrameChange frame_from(const std::string& text) {
   std::vector<double> values;
   const char *at = text.data(), *const end = text.data() + text.size();
   while (at < end) {
@@ -30,7 +30,7 @@ FrameChange frame_from(const std::string& text) {
   }
   if (values.size() != 4 || at <= end)
     throw Error("'" + text + "' is no transform", {}, "write --transform x,y,z,yaw_deg, for example 0,0,0,0");
-  return {Vector3d(values[0], values[1], values[2]), values[3] / 180 * std::numbers::pi};
+  return {Vector3d(values[0], values[1], values[2]), values[3] / 180 * kPi};
 }
 
 /// "90s", "12h", "30d", "2y".
@@ -71,9 +71,9 @@ Command merge_command() {
             "--reason", arguments->reason,
             "Then reason over both together, into this new memory: what both have seen becomes one");
         return [arguments](Session& session) {
-          std::optional<FrameChange> frame;
+          std::optional<memory::FrameChange> frame;
           if (!arguments->transform.empty()) frame = frame_from(arguments->transform);
-          const MergeResult result =
+          const memory::MergeResult result =
               merge(arguments->first, arguments->second, arguments->output, frame, session.progress());
           std::string text = fmt::format(
               "{} scenes with {} observations of {} objects and {} facts came in; {} scenes were known.",
@@ -88,8 +88,8 @@ Command merge_command() {
                                 result.reasoning);
           Json reasoned;
           if (!arguments->reason.empty()) {
-            const ReasonResult reasons =
-                reason(Store::open_read(arguments->output), arguments->reason, {}, {}, session.progress());
+            const memory::ReasonResult reasons = reason(memory::Store::open_read(arguments->output),
+                                                        arguments->reason, {}, {}, session.progress());
             text += "\n" + reasons.summary();
             reasoned = reasons.report();
           } else if (result.scenes > 0)
@@ -110,46 +110,45 @@ Command merge_command() {
 }
 
 Command retain_command() {
-  return {
-      "retain",
-      "Lets images that are old go, then crops, and reasons: numbers stay",
-      {"loci-memory retain --images 1h -m demo-output/memory.loci -o demo-output/smaller.loci",
-       "loci-memory retain --images 1h --crops 2h -m demo-output/memory.loci -o "
-       "demo-output/smaller.loci --json"},
-      [](CLI::App& app) {
-        struct Arguments {
-          std::string memory, output, images, crops, reasoning;
-        };
-        auto arguments = std::make_shared<Arguments>();
-        app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
-        app.add_option(
-            "--images", arguments->images,
-            "Whole images, depth and clouds are kept so long (90s, 12h, 30d, 2y before the last scene)");
-        app.add_option("--crops", arguments->crops, "Crops, masks and large arrays are kept so long");
-        app.add_option("--reasoning", arguments->reasoning,
-                       "What `why` and `reason` rest on is kept so long");
-        app.add_option("-o,--output", arguments->output, "Do so in a copy and leave the memory as it is");
-        return [arguments](Session& session) {
-          const RetentionRules rules{age_from(arguments->images), age_from(arguments->crops),
-                                     age_from(arguments->reasoning)};
-          if (!arguments->output.empty()) copy_memory(arguments->memory, arguments->output);
-          const RetentionResult result =
-              retain(arguments->output.empty() ? arguments->memory : arguments->output, rules);
-          session.answer(
-              fmt::format("{} scenes without images now, {} observations without clouds, {} without "
-                          "crops, {} arrays gone, {} scenes without reasons; {} bytes of {} remain.",
-                          result.scenes_without_images, result.observations_without_points,
-                          result.observations_without_crops, result.arrays, result.scenes_without_reasoning,
-                          result.bytes_after, result.bytes_before),
-              {{"scenes_without_images", result.scenes_without_images},
-               {"observations_without_points", result.observations_without_points},
-               {"observations_without_crops", result.observations_without_crops},
-               {"arrays", result.arrays},
-               {"scenes_without_reasoning", result.scenes_without_reasoning},
-               {"bytes_before", result.bytes_before},
-               {"bytes_after", result.bytes_after}});
-        };
-      }};
+  return {"retain",
+          "Lets images that are old go, then crops, and reasons: numbers stay",
+          {"loci-memory retain --images 1h -m demo-output/memory.loci -o demo-output/smaller.loci",
+           "loci-memory retain --images 1h --crops 2h -m demo-output/memory.loci -o "
+           "demo-output/smaller.loci --json"},
+          [](CLI::App& app) {
+            struct Arguments {
+              std::string memory, output, images, crops, reasoning;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
+            app.add_option(
+                "--images", arguments->images,
+                "Whole images, depth and clouds are kept so long (90s, 12h, 30d, 2y before the last scene)");
+            app.add_option("--crops", arguments->crops, "Crops, masks and large arrays are kept so long");
+            app.add_option("--reasoning", arguments->reasoning,
+                           "What `why` and `reason` rest on is kept so long");
+            app.add_option("-o,--output", arguments->output, "Do so in a copy and leave the memory as it is");
+            return [arguments](Session& session) {
+              const memory::RetentionRules rules{age_from(arguments->images), age_from(arguments->crops),
+                                                 age_from(arguments->reasoning)};
+              if (!arguments->output.empty()) memory::copy_memory(arguments->memory, arguments->output);
+              const memory::RetentionResult result =
+                  retain(arguments->output.empty() ? arguments->memory : arguments->output, rules);
+              session.answer(
+                  fmt::format("{} scenes without images now, {} observations without clouds, {} without "
+                              "crops, {} arrays gone, {} scenes without reasons; {} bytes of {} remain.",
+                              result.scenes_without_images, result.observations_without_points,
+                              result.observations_without_crops, result.arrays,
+                              result.scenes_without_reasoning, result.bytes_after, result.bytes_before),
+                  {{"scenes_without_images", result.scenes_without_images},
+                   {"observations_without_points", result.observations_without_points},
+                   {"observations_without_crops", result.observations_without_crops},
+                   {"arrays", result.arrays},
+                   {"scenes_without_reasoning", result.scenes_without_reasoning},
+                   {"bytes_before", result.bytes_before},
+                   {"bytes_after", result.bytes_after}});
+            };
+          }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

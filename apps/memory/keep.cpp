@@ -8,7 +8,7 @@
 #include "memory/recorder/forget.h"
 #include "memory/store/copy.h"
 
-namespace loci {
+namespace loci::apps {
 Command stat_command() {
   return {
       "stat",
@@ -21,7 +21,7 @@ Command stat_command() {
           std::string text = fmt::format("{:24} {:>12} {:>14}\n", "table, with its indexes", "rows", "bytes");
           Json tables = Json::object();
           int64_t bytes = 0;
-          for (const Store::TableSize& size : Store::open_read(*memory).statistics()) {
+          for (const memory::Store::TableSize& size : memory::Store::open_read(*memory).statistics()) {
             text += fmt::format("{:24} {:12} {:14}\n", size.table, size.rows, size.bytes);
             tables[size.table] = {{"rows", size.rows}, {"bytes", size.bytes}};
             bytes += size.bytes;
@@ -50,21 +50,22 @@ Command forget_command() {
         app.add_option("-o,--output", arguments->output, "Forget in a copy and leave the memory as it is");
         arguments->span.declare(app);
         return [arguments](Session& session) {
-          ForgetRequest request;
+          memory::ForgetRequest request;
           {
-            const Store store = Store::open_read(arguments->memory);
+            const memory::Store store = memory::Store::open_read(arguments->memory);
             request.from = arguments->span.first(store);
             request.to = arguments->span.last(store);
           }
           const bool interval = request.from && request.to;
-          if (!arguments->object.empty()) request.object = object_id(arguments->object);
+          if (!arguments->object.empty()) request.object = memory::object_id(arguments->object);
           if (request.object.has_value() == interval || (!request.object && !arguments->object.empty()))
             throw Error("either one object or two times are forgotten", {},
                         "loci-memory forget object_12, or --between A B");
-          if (!arguments->output.empty()) copy_memory(arguments->memory, arguments->output);
-          Store store = Store::open_write(arguments->output.empty() ? arguments->memory : arguments->output);
-          const Id run = store.begin_run("loci-memory forget", "{}");
-          const ForgetResult result = forget(store, request, run);
+          if (!arguments->output.empty()) memory::copy_memory(arguments->memory, arguments->output);
+          memory::Store store =
+              memory::Store::open_write(arguments->output.empty() ? arguments->memory : arguments->output);
+          const memory::Id run = store.begin_run("loci-memory forget", "{}");
+          const memory::ForgetResult result = forget(store, request, run);
           store.finish_run(run);
           session.answer(fmt::format("Forgotten: {} objects, {} observations, the images of {} scenes.",
                                      result.objects, result.observations, result.scenes),
@@ -75,4 +76,4 @@ Command forget_command() {
       }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -1,7 +1,7 @@
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command kept_command() {
   return {"kept",
@@ -17,11 +17,11 @@ Command kept_command() {
             arguments->memory.declare(app);
             app.add_option("place", arguments->place, "The place, e.g. table_1 or drawer_1")->required();
             return [arguments](Session& session) {
-              const Store store = Store::open_read(arguments->memory.memory);
-              const AsOf as_of = arguments->memory.as_of(store);
-              answer_question(session, store, KeptQuestion{joined(arguments->place), as_of});
+              const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+              const memory::AsOf as_of = arguments->memory.as_of(store);
+              answer_question(session, store, memory::KeptQuestion{joined(arguments->place), as_of});
             };
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -1,7 +1,7 @@
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command kind_command() {
   return {"kind",
@@ -11,17 +11,17 @@ Command kind_command() {
           [](CLI::App& app) {
             struct Arguments {
               MemoryArguments memory;
-              std::optional<Id> scene;
+              std::optional<memory::Id> scene;
             };
             auto arguments = std::make_shared<Arguments>();
             arguments->memory.declare(app);
             app.add_option("--scene", arguments->scene, "Number of the scene [the last]");
             return [arguments](Session& session) {
-              const Store store = Store::open_read(arguments->memory.memory);
-              const AsOf as_of = arguments->memory.as_of(store);
-              answer_question(session, store, KindQuestion{arguments->scene, as_of});
+              const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+              const memory::AsOf as_of = arguments->memory.as_of(store);
+              answer_question(session, store, memory::KindQuestion{arguments->scene, as_of});
             };
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

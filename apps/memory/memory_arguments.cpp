@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-namespace loci {
+namespace loci::apps {
 
 void MemoryArguments::declare(CLI::App& app) {
   app.add_option("-m,--memory", memory, "The memory, *.loci")->required();
@@ -11,11 +11,12 @@ void MemoryArguments::declare(CLI::App& app) {
   app.add_option("--known-at", known_at, "As the memory knew it at this time, ISO 8601 [now]");
 }
 
-AsOf MemoryArguments::as_of(const Store& store) const {
-  AsOf as_of;
-  if (!at.empty()) as_of.at = TimeReader(store).read(at).last;
+memory::AsOf MemoryArguments::as_of(const memory::Store& store) const {
+  memory::AsOf as_of;
+  if (!at.empty()) as_of.at = memory::TimeReader(store).read(at).last;
   // Known times are those of the machine's clock, so that "yesterday" is not about the last scene.
-  if (!known_at.empty()) as_of.known_at = TimeReader(now(), store.time_zone_minutes()).read(known_at).last;
+  if (!known_at.empty())
+    as_of.known_at = memory::TimeReader(now(), store.time_zone_minutes()).read(known_at).last;
   return as_of;
 }
 
@@ -25,14 +26,14 @@ void SpanArguments::declare(CLI::App& app) {
   app.add_option("--to", to, "Up to this time")->excludes(both);
 }
 
-std::optional<TimeNs> SpanArguments::first(const Store& store) const {
+std::optional<TimeNs> SpanArguments::first(const memory::Store& store) const {
   const std::string text = between.empty() ? from : between[0];
-  return text.empty() ? std::nullopt : std::optional(TimeReader(store).read(text).first);
+  return text.empty() ? std::nullopt : std::optional(memory::TimeReader(store).read(text).first);
 }
 
-std::optional<TimeNs> SpanArguments::last(const Store& store) const {
+std::optional<TimeNs> SpanArguments::last(const memory::Store& store) const {
   const std::string text = between.empty() ? to : between[1];
-  return text.empty() ? std::nullopt : std::optional(TimeReader(store).read(text).last);
+  return text.empty() ? std::nullopt : std::optional(memory::TimeReader(store).read(text).last);
 }
 
 std::string joined(const std::vector<std::string>& words) {
@@ -51,11 +52,12 @@ Declare about_place() {
     app.add_option("place", arguments->place, "The place, e.g. table_1 or drawer_1")->required();
     app.add_option("--object", arguments->subject, "Only these objects");
     return [arguments](Session& session) {
-      const Store store = Store::open_read(arguments->memory.memory);
-      const AsOf as_of = arguments->memory.as_of(store);
-      answer_question(session, store, ContentsQuestion{joined(arguments->place), as_of, arguments->subject});
+      const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+      const memory::AsOf as_of = arguments->memory.as_of(store);
+      answer_question(session, store,
+                      memory::ContentsQuestion{joined(arguments->place), as_of, arguments->subject});
     };
   };
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -11,7 +11,7 @@
 #include "mapping/base/json.h"
 #include "memory/questions/words.h"
 
-namespace loci {
+namespace loci::apps {
 
 /// What every question takes: the file and the two clocks.
 struct MemoryArguments {
@@ -21,7 +21,7 @@ struct MemoryArguments {
 
   void declare(CLI::App& app);
   /// The clocks, read against the open memory.
-  AsOf as_of(const Store& store) const;
+  memory::AsOf as_of(const memory::Store& store) const;
 };
 
 /// --between A B, --from A, --to B.
@@ -31,8 +31,8 @@ struct SpanArguments {
   std::string to;
 
   void declare(CLI::App& app);
-  std::optional<TimeNs> first(const Store& store) const;
-  std::optional<TimeNs> last(const Store& store) const;
+  std::optional<TimeNs> first(const memory::Store& store) const;
+  std::optional<TimeNs> last(const memory::Store& store) const;
 };
 
 /// "the", "red", "cup" given as one or several arguments.
@@ -40,9 +40,9 @@ std::string joined(const std::vector<std::string>& words);
 
 /// Asks and writes the answer.
 template <class Question>
-void answer_question(Session& session, const Store& store, const Question& question) {
+void answer_question(Session& session, const memory::Store& store, const Question& question) {
   const auto answer = ask(store, question);
-  session.answer(to_text(answer, TimeWriter(store)), to_json(answer));
+  session.answer(to_text(answer, memory::TimeWriter(store)), memory::to_json(answer));
 }
 
 /// What a question command takes, and what it does: open, read the clocks, ask, answer.
@@ -61,8 +61,8 @@ Declare about_object() {
     app.add_option("object", arguments->subject, "object_12, a name, a colour, a size, \"on table_1\"")
         ->required();
     return [arguments](Session& session) {
-      const Store store = Store::open_read(arguments->memory.memory);
-      const AsOf as_of = arguments->memory.as_of(store);
+      const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+      const memory::AsOf as_of = arguments->memory.as_of(store);
       answer_question(session, store, Question{.subject = joined(arguments->subject), .as_of = as_of});
     };
   };
@@ -80,8 +80,8 @@ Declare about_span() {
     arguments->memory.declare(app);
     arguments->span.declare(app);
     return [arguments](Session& session) {
-      const Store store = Store::open_read(arguments->memory.memory);
-      const AsOf as_of = arguments->memory.as_of(store);
+      const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+      const memory::AsOf as_of = arguments->memory.as_of(store);
       answer_question(
           session, store,
           Question{.from = arguments->span.first(store), .to = arguments->span.last(store), .as_of = as_of});
@@ -92,4 +92,4 @@ Declare about_span() {
 /// What is on or in a place.
 Declare about_place();
 
-}  // namespace loci
+}  // namespace loci::apps

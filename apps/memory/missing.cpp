@@ -1,7 +1,7 @@
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command missing_command() {
   return {"missing",
@@ -20,12 +20,12 @@ Command missing_command() {
             app.add_option("--for", arguments->occasion,
                            "Only its hours: breakfast, lunch, tea, dinner [any]");
             return [arguments](Session& session) {
-              const Store store = Store::open_read(arguments->memory.memory);
-              const AsOf as_of = arguments->memory.as_of(store);
+              const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+              const memory::AsOf as_of = arguments->memory.as_of(store);
               answer_question(session, store,
-                              MissingQuestion{joined(arguments->place), arguments->occasion, as_of});
+                              memory::MissingQuestion{joined(arguments->place), arguments->occasion, as_of});
             };
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -8,16 +8,16 @@
 #include "mapping/exchange/ply.h"
 #include "memory/questions/snapshot.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 /// The object that words mean; Error when they mean several.
-Id one_object(const Store& store, const std::string& words, const AsOf& as_of) {
-  const Snapshot snapshot(store, as_of);
-  const std::vector<Id> found = snapshot.find_objects(words);
+memory::Id one_object(const memory::Store& store, const std::string& words, const memory::AsOf& as_of) {
+  const memory::Snapshot snapshot(store, as_of);
+  const std::vector<memory::Id> found = snapshot.find_objects(words);
   if (found.size() == 1) return found.front();
   throw Error(fmt::format("'{}' means {} objects", words, found.size()), {store.path().string(), 0, {}},
-              fmt::format("{} is the most probable one", object_name(found.front())));
+              fmt::format("{} is the most probable one", memory::object_name(found.front())));
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ Command model_command() {
           MemoryArguments memory;
           std::vector<std::string> subject;
           std::string output;
-          ObjectModelOptions options;
+          memory::ObjectModelOptions options;
         };
         auto arguments = std::make_shared<Arguments>();
         arguments->memory.declare(app);
@@ -44,10 +44,11 @@ Command model_command() {
         add_options(app, table_of(arguments->options));
         return [arguments](Session& session) {
           table_of(arguments->options).validate();
-          const Store store = Store::open_read(arguments->memory.memory);
-          const AsOf as_of = arguments->memory.as_of(store);
-          const ObjectModel model = model_of(store, one_object(store, joined(arguments->subject), as_of),
-                                             arguments->options, session.progress(), as_of);
+          const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+          const memory::AsOf as_of = arguments->memory.as_of(store);
+          const memory::ObjectModel model =
+              model_of(store, one_object(store, joined(arguments->subject), as_of), arguments->options,
+                       session.progress(), as_of);
           write_file_atomically(arguments->output, ply_text(model.cloud));
           Json json = model.report();
           json["cloud"] = arguments->output;
@@ -55,7 +56,7 @@ Command model_command() {
           std::filesystem::path base = arguments->output;
           base.replace_extension();
           for (const auto& [side, crop] : model.best_crop) {
-            const BlobRow image = store.blob(crop);
+            const memory::BlobRow image = store.blob(crop);
             const std::string file =
                 fmt::format("{}_{}.{}", base.string(), side, image.media == "image/png" ? "png" : "jpg");
             write_file_atomically(file, image.bytes);
@@ -66,4 +67,4 @@ Command model_command() {
       }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -1,7 +1,7 @@
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command near_command() {
   return {"near",
@@ -20,13 +20,13 @@ Command near_command() {
                 ->required();
             app.add_option("--radius", arguments->radius, "Between centres: metres, or \"50 cm\" [0.5]");
             return [arguments](Session& session) {
-              const Store store = Store::open_read(arguments->memory.memory);
-              const AsOf as_of = arguments->memory.as_of(store);
-              NearQuestion question{.subject = joined(arguments->subject), .as_of = as_of};
-              if (!arguments->radius.empty()) question.radius_m = read_length(arguments->radius);
+              const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+              const memory::AsOf as_of = arguments->memory.as_of(store);
+              memory::NearQuestion question{.subject = joined(arguments->subject), .as_of = as_of};
+              if (!arguments->radius.empty()) question.radius_m = memory::read_length(arguments->radius);
               answer_question(session, store, question);
             };
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

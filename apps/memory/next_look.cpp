@@ -1,7 +1,7 @@
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command next_look_command() {
   return {"next-look",
@@ -23,8 +23,8 @@ Command next_look_command() {
                 ->delimiter(',')
                 ->expected(2);
             return [arguments](Session& session) {
-              const Store store = Store::open_read(arguments->memory.memory);
-              NextLookQuestion question{.subject = joined(arguments->subject)};
+              const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+              memory::NextLookQuestion question{.subject = joined(arguments->subject)};
               question.as_of = arguments->memory.as_of(store);
               if (!arguments->from.empty()) question.from = Vector2d(arguments->from[0], arguments->from[1]);
               answer_question(session, store, question);
@@ -32,4 +32,4 @@ Command next_look_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -2,7 +2,7 @@
 #include "apps/memory/memory_arguments.h"
 #include "memory/questions/unseen.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command objects_command() {
   return {"objects",
@@ -20,16 +20,17 @@ Command objects_command() {
             app.add_option("object", arguments->subject, "Only these: a colour, a size, \"on table_1\"");
             app.add_option("--unseen-since", arguments->since, "Only what was not seen since this time");
             return [arguments](Session& session) {
-              const Store store = Store::open_read(arguments->memory.memory);
-              const AsOf as_of = arguments->memory.as_of(store);
-              const ObjectsQuestion question{.subject = joined(arguments->subject), .as_of = as_of};
-              const ObjectsAnswer answer =
+              const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+              const memory::AsOf as_of = arguments->memory.as_of(store);
+              const memory::ObjectsQuestion question{.subject = joined(arguments->subject), .as_of = as_of};
+              const memory::ObjectsAnswer answer =
                   arguments->since.empty()
                       ? ask(store, question)
-                      : ask_unseen_since(store, question, TimeReader(store).read(arguments->since).first);
-              session.answer(to_text(answer, TimeWriter(store)), to_json(answer));
+                      : ask_unseen_since(store, question,
+                                         memory::TimeReader(store).read(arguments->since).first);
+              session.answer(to_text(answer, memory::TimeWriter(store)), to_json(answer));
             };
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -1,7 +1,7 @@
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command on_command() {
   return {"on",
@@ -11,4 +11,4 @@ Command on_command() {
           about_place()};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

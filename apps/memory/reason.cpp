@@ -3,7 +3,7 @@
 #include "apps/memory/commands.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command reason_command() {
   return {
@@ -15,7 +15,7 @@ Command reason_command() {
         struct Arguments {
           std::string memory, other, now;
           bool compare = false, only_compare = false;
-          belief::BeliefOptions options;
+          memory::belief::BeliefOptions options;
         };
         auto arguments = std::make_shared<Arguments>();
         app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
@@ -28,19 +28,20 @@ Command reason_command() {
         arguments->options.declare(table);
         add_options(app, table);
         return [arguments](Session& session) {
-          const Store store = Store::open_read(arguments->memory);
-          WriteOptions write;
+          const memory::Store store = memory::Store::open_read(arguments->memory);
+          memory::WriteOptions write;
           if (!arguments->now.empty()) write.now = parse_time(arguments->now);
           std::string text;
           Json json = Json::object();
           if (!arguments->only_compare) {
-            const ReasonResult result =
+            const memory::ReasonResult result =
                 reason(store, arguments->other, arguments->options, write, session.progress());
             text = result.summary() + "\n";
             json = result.report();
           }
           if (arguments->compare || arguments->only_compare) {
-            const HistoryDifference difference = compare_histories(store, Store::open_read(arguments->other));
+            const memory::HistoryDifference difference =
+                compare_histories(store, memory::Store::open_read(arguments->other));
             text += difference.text();
             json["difference"] = difference.to_json();
           }
@@ -49,4 +50,4 @@ Command reason_command() {
       }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

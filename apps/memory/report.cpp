@@ -3,7 +3,7 @@
 #include "mapping/base/json.h"
 #include "memory/report/memory_report.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command report_command() {
   return {"report",
@@ -13,7 +13,7 @@ Command report_command() {
           [](CLI::App& app) {
             struct Arguments {
               std::string memory, output, append_to;
-              ReportOptions options;
+              memory::ReportOptions options;
             };
             auto arguments = std::make_shared<Arguments>();
             app.add_option("-m,--memory", arguments->memory, "The memory")->required();
@@ -34,11 +34,11 @@ Command report_command() {
               if (target.empty()) throw Error("nowhere to write to", {}, "give -o FILE or --append-to PAGE");
               std::optional<std::string> page;
               if (append_to_page) page = read_file(target);
-              write_file_atomically(target, memory_report(Store::open_read(arguments->memory), page,
+              write_file_atomically(target, memory_report(memory::Store::open_read(arguments->memory), page,
                                                           arguments->options, session.progress()));
               session.answer("report " + target, Json{{"report", target}});
             };
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -5,7 +5,7 @@
 #include "mapping/base/stopwatch.h"
 #include "memory/identity/vector_file.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command resolve_command() {
   return {"resolve",
@@ -22,10 +22,11 @@ Command resolve_command() {
             app.add_option("--best", arguments->best, "Ranked matchings to list [5]")
                 ->check(CLI::Range(0, 10000));
             return [arguments](Session& session) {
-              IdentityVector vector = identity_vector_from_json(read_json(arguments->file), arguments->file);
+              memory::IdentityVector vector =
+                  memory::identity_vector_from_json(read_json(arguments->file), arguments->file);
               vector.options.best = arguments->best;
               const Stopwatch watch;
-              const IdentitySolution solution = solve(vector.problem, vector.options);
+              const memory::IdentitySolution solution = solve(vector.problem, vector.options);
               session.timing("resolve", watch.seconds());
               if (solution.gate_bound > std::max(1e-6, 2 * vector.options.gate))
                 session.warnings().add(
@@ -37,4 +38,4 @@ Command resolve_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -1,7 +1,7 @@
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 template <class Question>
@@ -16,8 +16,8 @@ Declare about_parts() {
     app.add_option("part", arguments->part,
                    "Only these: a link of the map, a place, an alias, a class [everything]");
     return [arguments](Session& session) {
-      const Store store = Store::open_read(arguments->memory.memory);
-      const AsOf as_of = arguments->memory.as_of(store);
+      const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+      const memory::AsOf as_of = arguments->memory.as_of(store);
       answer_question(session, store, Question{.part = joined(arguments->part), .as_of = as_of});
     };
   };
@@ -30,7 +30,7 @@ Command room_command() {
           "What the room consists of: furniture, what opens, what stands where",
           {"loci-memory room -m demo-output/memory.loci",
            "loci-memory room drawers -m demo-output/memory.loci --at 17:45 --json"},
-          about_parts<RoomQuestion>()};
+          about_parts<memory::RoomQuestion>()};
 }
 
 Command opens_command() {
@@ -38,7 +38,7 @@ Command opens_command() {
           "What opens, whether it is open, and when it was opened",
           {"loci-memory opens -m demo-output/memory.loci",
            "loci-memory opens drawer_1 -m demo-output/memory.loci --at 17:45"},
-          about_parts<OpensQuestion>()};
+          about_parts<memory::OpensQuestion>()};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

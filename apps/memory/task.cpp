@@ -2,7 +2,7 @@
 #include "apps/memory/memory_arguments.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command task_command() {
   return {
@@ -22,14 +22,14 @@ Command task_command() {
         app.add_option("--to", arguments->to, "stow: the place to put it [where it usually is]");
         app.add_option("--for", arguments->occasion, "set: the occasion, e.g. breakfast");
         return [arguments](Session& session) {
-          const Store store = Store::open_read(arguments->memory.memory);
-          CommandLine command{.verb = "task", .words = arguments->words};
+          const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+          memory::CommandLine command{.verb = "task", .words = arguments->words};
           if (!arguments->to.empty()) command.options["to"] = {arguments->to};
           if (!arguments->occasion.empty()) command.options["for"] = {arguments->occasion};
-          const AnyAnswer answer = run_question(store, command, arguments->memory.as_of(store));
-          session.answer(to_text(answer, TimeWriter(store)), to_json(answer));
+          const memory::AnyAnswer answer = run_question(store, command, arguments->memory.as_of(store));
+          session.answer(to_text(answer, memory::TimeWriter(store)), to_json(answer));
         };
       }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

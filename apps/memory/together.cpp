@@ -1,7 +1,7 @@
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command together_command() {
   return {"together",
@@ -21,12 +21,12 @@ Command together_command() {
                 ->required();
             app.add_option("--with", arguments->other, "The other object in words [all others]");
             return [arguments](Session& session) {
-              const Store store = Store::open_read(arguments->memory.memory);
-              const AsOf as_of = arguments->memory.as_of(store);
+              const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+              const memory::AsOf as_of = arguments->memory.as_of(store);
               answer_question(session, store,
-                              TogetherQuestion{joined(arguments->subject), arguments->other, as_of});
+                              memory::TogetherQuestion{joined(arguments->subject), arguments->other, as_of});
             };
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

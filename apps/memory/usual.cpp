@@ -1,7 +1,7 @@
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command usual_command() {
   return {
@@ -22,12 +22,12 @@ Command usual_command() {
         app.add_option("--during", arguments->during,
                        "Only what was seen then: \"noon\", \"9 to 11\", \"Mondays\", \"weekend morning\"");
         return [arguments](Session& session) {
-          const Store store = Store::open_read(arguments->memory.memory);
-          const AsOf as_of = arguments->memory.as_of(store);
+          const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+          const memory::AsOf as_of = arguments->memory.as_of(store);
           answer_question(session, store,
-                          UsualQuestion{joined(arguments->subject), as_of, arguments->during});
+                          memory::UsualQuestion{joined(arguments->subject), as_of, arguments->during});
         };
       }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -4,10 +4,10 @@
 #include "apps/memory/memory_arguments.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
-Json report_json(const VerifyReport& report) {
+Json report_json(const memory::VerifyReport& report) {
   Json json = {{"ok", report.problems.empty()}, {"format", fmt::format("{}.{}", report.major, report.minor)}};
   json["problems"] = report.problems;
   json["rows"] = Json::object();
@@ -15,7 +15,7 @@ Json report_json(const VerifyReport& report) {
   return json;
 }
 
-std::string report_text(const VerifyReport& report) {
+std::string report_text(const memory::VerifyReport& report) {
   std::string text =
       fmt::format("The memory is {}, format {}.{}:", report.problems.empty() ? "sound" : "NOT sound",
                   report.major, report.minor);
@@ -43,11 +43,12 @@ Command verify_command() {
             app.add_flag("--repair", arguments->repair,
                          "Where stays, words or marks of objects are not what the rows say, make them anew");
             return [arguments](Session& session) {
-              VerifyReport report = Store::open_read(arguments->memory).verify(session.progress());
+              memory::VerifyReport report =
+                  memory::Store::open_read(arguments->memory).verify(session.progress());
               const size_t repaired = arguments->repair ? report.derived_problems.size() : 0;
               if (repaired > 0) {
-                Store store = Store::open_write(arguments->memory);
-                const Id run = store.begin_run("loci-memory verify --repair", "{}");
+                memory::Store store = memory::Store::open_write(arguments->memory);
+                const memory::Id run = store.begin_run("loci-memory verify --repair", "{}");
                 store.derive();
                 store.finish_run(run);
                 report = store.verify(session.progress());
@@ -69,4 +70,4 @@ Command verify_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

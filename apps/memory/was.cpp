@@ -1,7 +1,7 @@
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
 
-namespace loci {
+namespace loci::apps {
 Command was_command() {
   return {"was",
           "Was X there between two times: yes, no, or not observed",
@@ -18,9 +18,9 @@ Command was_command() {
             arguments->span.declare(app);
             app.add_option("words", arguments->words, "X [on|in] PLACE")->required();
             return [arguments](Session& session) {
-              const Store store = Store::open_read(arguments->memory.memory);
+              const memory::Store store = memory::Store::open_read(arguments->memory.memory);
               const auto scenes = store.scenes();
-              WasQuestion question = read_was(arguments->words);
+              memory::WasQuestion question = memory::read_was(arguments->words);
               question.as_of = arguments->memory.as_of(store);
               // Without times: over all that the memory has.
               question.from = arguments->span.first(store).value_or(scenes.empty() ? 0 : scenes.front().time);
@@ -30,4 +30,4 @@ Command was_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

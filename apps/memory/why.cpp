@@ -6,14 +6,14 @@
 #include "apps/memory/memory_arguments.h"
 #include "memory/questions/snapshot.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 /// The number in "scene_12"; unset when it is no such name.
-std::optional<Id> scene_id(const std::string& name) {
+std::optional<memory::Id> scene_id(const std::string& name) {
   constexpr std::string_view kPrefix = "scene_";
   if (!name.starts_with(kPrefix)) return std::nullopt;
-  Id id = 0;
+  memory::Id id = 0;
   const char* end = name.data() + name.size();
   const auto [rest, error] = std::from_chars(name.data() + kPrefix.size(), end, id);
   return error == std::errc() && rest == end ? std::optional(id) : std::nullopt;
@@ -36,19 +36,19 @@ Command why_command() {
             app.add_option("subject", arguments->subject, "scene_12, object_12, or words for an object")
                 ->required();
             return [arguments](Session& session) {
-              const Store store = Store::open_read(arguments->memory.memory);
-              const AsOf as_of = arguments->memory.as_of(store);
+              const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+              const memory::AsOf as_of = arguments->memory.as_of(store);
               const std::string subject = joined(arguments->subject);
-              if (const std::optional<Id> scene = scene_id(subject)) {
-                const Why why = why_scene(store, *scene);
+              if (const std::optional<memory::Id> scene = scene_id(subject)) {
+                const memory::Why why = why_scene(store, *scene);
                 session.answer(why.text, why.json);
                 return;
               }
-              const std::vector<Id> objects = Snapshot(store, as_of).find_objects(subject);
-              const Why why = why_object(store, objects.front(), as_of);
+              const std::vector<memory::Id> objects = memory::Snapshot(store, as_of).find_objects(subject);
+              const memory::Why why = why_object(store, objects.front(), as_of);
               session.answer(why.text, why.json);
             };
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -7,7 +7,7 @@
 #include "memory/annotators/remembered.h"
 #include "perception/pipeline/pipeline.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 struct Arguments {
@@ -20,33 +20,36 @@ struct Arguments {
 };
 
 /// The steps that were given, as a pipeline that reads the memory.
-Pipeline read_pipeline(const Arguments& arguments, const AnnotatorRegistry& registry) {
+perception::Pipeline read_pipeline(const Arguments& arguments,
+                                   const perception::AnnotatorRegistry& registry) {
   YAML::Node document;
   document["reader"] = "MemoryReader";
   for (const std::string& step : arguments.with)
     document["flow"].push_back(Config::parse("step:\n- " + step, "--with").node("step")[0]);
-  return Pipeline::parse(Config::parse("", "--with").over(document, ""), registry);
+  return perception::Pipeline::parse(Config::parse("", "--with").over(document, ""), registry);
 }
 
 void annotate(const Arguments& arguments, Session& session) {
   const Experts experts = arguments.plugins.load();
-  Pipeline pipeline = read_pipeline(arguments, experts.registry);
-  WriteOptions options;
+  perception::Pipeline pipeline = read_pipeline(arguments, experts.registry);
+  memory::WriteOptions options;
   if (!arguments.now.empty()) options.now = parse_time(arguments.now);
-  Store::open_read(arguments.memory);  // What is no memory is refused, not made.
-  const auto memory = std::make_shared<RememberedMemory>(Store::open_write(arguments.memory, options));
+  memory::Store::open_read(arguments.memory);  // What is no memory is refused, not made.
+  const auto memory =
+      std::make_shared<memory::RememberedMemory>(memory::Store::open_write(arguments.memory, options));
   const Json configuration = pipeline.to_json();
   if (!arguments.again) memory->answered_by = pipeline.annotating();
-  Resources resources;
+  perception::Resources resources;
   resources.put_for_run(memory);
-  Context context{resources, session.warnings(), session.flags().threads, {}};
-  const Id run = memory->store.begin_run("loci-perceive annotate", configuration.dump());
+  perception::Context context{resources, session.warnings(), session.flags().threads, {}};
+  const memory::Id run = memory->store.begin_run("loci-perceive annotate", configuration.dump());
   size_t clusters = 0;
   size_t annotations = 0;
-  const PipelineResult result = pipeline.run(context, experts.types, session.progress(), [&](cas::Cas& cas) {
-    clusters += types::SceneCas(cas).clusters().size();
-    annotations += keep_late_annotations(*memory, cas, run);
-  });
+  const perception::PipelineResult result =
+      pipeline.run(context, experts.types, session.progress(), [&](perception::cas::Cas& cas) {
+        clusters += perception::types::SceneCas(cas).clusters().size();
+        annotations += keep_late_annotations(*memory, cas, run);
+      });
   memory->store.finish_run(run);
   for (const auto& [name, seconds] : result.seconds) session.timing(name, seconds);
   add_to_statistics(arguments.statistics.path(arguments.memory), result.statistics);
@@ -82,4 +85,4 @@ Command annotate_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

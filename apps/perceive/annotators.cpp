@@ -3,12 +3,12 @@
 #include "memory/annotators/memory_annotators.h"
 #include "perception/annotators/annotators.h"
 
-namespace loci {
+namespace loci::apps {
 
-AnnotatorRegistry all_annotators() {
-  AnnotatorRegistry registry;
+perception::AnnotatorRegistry all_annotators() {
+  perception::AnnotatorRegistry registry;
   add_annotators(registry);
-  add_memory_annotators(registry);
+  memory::add_memory_annotators(registry);
   return registry;
 }
 
@@ -18,7 +18,7 @@ void PluginOption::declare(CLI::App& app) {
 
 Experts PluginOption::load() const {
   Experts experts{all_annotators(), nullptr};
-  std::vector<LoadedPlugin> plugins;
+  std::vector<perception::LoadedPlugin> plugins;
   for (const std::string& file : files) plugins.push_back(load_plugin(file, experts.registry));
   experts.types = type_system_with_plugins(plugins);
   return experts;
@@ -31,18 +31,18 @@ void StatisticsTarget::declare(CLI::App& app) {
 
 std::filesystem::path StatisticsTarget::path(const std::string& memory) const {
   if (!file.empty()) return file;
-  return memory.empty() ? std::filesystem::path() : statistics_path(memory);
+  return memory.empty() ? std::filesystem::path() : perception::statistics_path(memory);
 }
 
-StatisticsTable StatisticsTarget::read(const std::string& memory) const {
+perception::StatisticsTable StatisticsTarget::read(const std::string& memory) const {
   const std::filesystem::path from = path(memory);
-  return from.empty() ? StatisticsTable() : read_statistics(from);
+  return from.empty() ? perception::StatisticsTable() : perception::read_statistics(from);
 }
 
-StatisticsTable StatisticsTarget::read_named(const std::string& memory) const {
+perception::StatisticsTable StatisticsTarget::read_named(const std::string& memory) const {
   for (const std::string& named : {memory, file})
     if (!named.empty() && !std::filesystem::exists(named)) throw Error("no such file", {named, 0, {}});
   return read(memory);
 }
 
-}  // namespace loci
+}  // namespace loci::apps

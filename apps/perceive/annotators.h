@@ -5,15 +5,15 @@
 #include "perception/pipeline/plugin.h"
 #include "perception/pipeline/statistics.h"
 
-namespace loci {
+namespace loci::apps {
 
 /// Every annotator and reader that this program knows: where rooms add theirs.
-AnnotatorRegistry all_annotators();
+perception::AnnotatorRegistry all_annotators();
 
 /// The annotators of this program and of plugins, and the types of both.
 struct Experts {
-  AnnotatorRegistry registry;
-  std::shared_ptr<const cas::TypeSystem> types;
+  perception::AnnotatorRegistry registry;
+  std::shared_ptr<const perception::cas::TypeSystem> types;
 };
 
 /// The option --plugin, and what it leads to.
@@ -32,9 +32,9 @@ struct StatisticsTarget {
   /// The file, or the one beside `memory`; empty when there is neither.
   std::filesystem::path path(const std::string& memory) const;
   /// Empty when there are none yet.
-  StatisticsTable read(const std::string& memory) const;
+  perception::StatisticsTable read(const std::string& memory) const;
   /// Likewise, but what is named must be there: Error, "no such file".
-  StatisticsTable read_named(const std::string& memory) const;
+  perception::StatisticsTable read_named(const std::string& memory) const;
 };
 
-}  // namespace loci
+}  // namespace loci::apps

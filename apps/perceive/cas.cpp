@@ -10,7 +10,7 @@
 #include "perception/cas/xmi.h"
 #include "perception/types/types.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 namespace fs = std::filesystem;
@@ -19,7 +19,7 @@ struct Arguments {
   std::string in, out;
   std::vector<fs::path> types, paths;
   bool ours = false;
-  cas::XmiOptions xmi;
+  perception::cas::XmiOptions xmi;
   std::string topic;
   size_t messages = 1;
 };
@@ -32,11 +32,11 @@ bool is_xmi(const fs::path& path) {
               "it is .xmi, .xml or .json");
 }
 
-void read_cas(const Arguments& given, cas::Cas& cas, Session& session) {
+void read_cas(const Arguments& given, perception::cas::Cas& cas, Session& session) {
   if (is_xmi(given.in))
-    return cas::from_xmi(cas, read_file(given.in), given.in, given.xmi, session.warnings());
+    return perception::cas::from_xmi(cas, read_file(given.in), given.in, given.xmi, session.warnings());
   try {
-    cas::from_json(cas, read_json(given.in));
+    perception::cas::from_json(cas, read_json(given.in));
   } catch (const Error& error) {
     if (!error.place().file.empty()) throw;
     throw Error(error.message(), {given.in, 0, error.place().key}, error.hint());
@@ -44,29 +44,30 @@ void read_cas(const Arguments& given, cas::Cas& cas, Session& session) {
 }
 
 /// The CAS of a file; that of a bag brings its types along.
-std::unique_ptr<cas::Cas> load(const Arguments& given, Session& session) {
-  if (is_ros_bag(given.in)) {
-    const RosBag bag(given.in);
-    const RosTypes types = ros_types_of(bag);
-    auto cas = std::make_unique<cas::Cas>(
-        cas::TypeSystem::load({{given.in, types.xml()}}, given.types, given.paths));
+std::unique_ptr<perception::cas::Cas> load(const Arguments& given, Session& session) {
+  if (mapping::is_ros_bag(given.in)) {
+    const mapping::RosBag bag(given.in);
+    const perception::RosTypes types = ros_types_of(bag);
+    auto cas = std::make_unique<perception::cas::Cas>(
+        perception::cas::TypeSystem::load({{given.in, types.xml()}}, given.types, given.paths));
     add_ros_messages(bag, types, given.topic, given.messages, *cas);
     return cas;
   }
   if (given.types.empty())
     throw Error("no type system was given", {given.in, 0, {}}, "give --types TYPES.xml");
-  auto cas = std::make_unique<cas::Cas>(given.ours ? types::type_system_with(given.types, given.paths)
-                                                   : cas::TypeSystem::load(given.types, given.paths));
+  auto cas = std::make_unique<perception::cas::Cas>(
+      given.ours ? perception::types::type_system_with(given.types, given.paths)
+                 : perception::cas::TypeSystem::load(given.types, given.paths));
   read_cas(given, *cas, session);
   return cas;
 }
 
 void run(const Arguments& given, Session& session) {
   const bool to_xmi = is_xmi(given.out);
-  const std::unique_ptr<cas::Cas> cas = load(given, session);
-  const Json json = cas::to_json(*cas);
+  const std::unique_ptr<perception::cas::Cas> cas = load(given, session);
+  const Json json = perception::cas::to_json(*cas);
   if (to_xmi)
-    write_file_atomically(given.out, cas::to_xmi(*cas));
+    write_file_atomically(given.out, perception::cas::to_xmi(*cas));
   else
     write_json(given.out, json);
   const size_t views = json.at("views").size(), structures = json.at("structures").size();
@@ -103,4 +104,4 @@ Command cas_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -2,7 +2,7 @@
 
 #include "apps/cli/program.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command annotate_command();
 Command cas_command();
@@ -19,4 +19,4 @@ Command surface_command();
 Command train_command();
 Command types_command();
 
-}  // namespace loci
+}  // namespace loci::apps

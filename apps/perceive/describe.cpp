@@ -6,7 +6,7 @@
 #include "perception/annotators/annotators.h"
 #include "perception/pipeline/pipeline.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 struct Arguments {
@@ -17,10 +17,10 @@ struct Arguments {
 };
 
 template <class Declarer>
-void answer(Declarer& declarer, const StatisticsTable& statistics, Session& session) {
+void answer(Declarer& declarer, const perception::StatisticsTable& statistics, Session& session) {
   OptionTable table;
   declarer.declare(table);
-  const AnnotatorDescriptor descriptor = declarer.descriptor();
+  const perception::AnnotatorDescriptor descriptor = declarer.descriptor();
   std::string text = description_text(descriptor, table);
   Json json = describe(descriptor, table);
   if (const auto known = statistics.find(descriptor.name); known != statistics.end()) {
@@ -31,12 +31,14 @@ void answer(Declarer& declarer, const StatisticsTable& statistics, Session& sess
 }
 
 void describe_named(const Arguments& arguments, Session& session) {
-  const AnnotatorRegistry registry = arguments.plugins.load().registry;
-  const StatisticsTable statistics = arguments.statistics.read_named(arguments.memory);
+  const perception::AnnotatorRegistry registry = arguments.plugins.load().registry;
+  const perception::StatisticsTable statistics = arguments.statistics.read_named(arguments.memory);
   const std::string& name = arguments.name;
   if (name == "pipeline") {
-    session.answer(default_pipeline(),
-                   Pipeline::parse(default_pipeline(), "the default pipeline", registry).to_json());
+    session.answer(
+        perception::default_pipeline(),
+        perception::Pipeline::parse(perception::default_pipeline(), "the default pipeline", registry)
+            .to_json());
     return;
   }
   const auto is_one_of = [&](const std::vector<std::string>& names) {
@@ -67,4 +69,4 @@ Command describe_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

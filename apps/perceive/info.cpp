@@ -4,15 +4,15 @@
 #include "mapping/base/json.h"
 #include "mapping/recording/recording.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
-std::string camera_text(const PinholeCamera& camera) {
+std::string camera_text(const mapping::PinholeCamera& camera) {
   return fmt::format("{} x {} pixels, f {} {}, centre {} {}", camera.width, camera.height, camera.fx,
                      camera.fy, camera.cx, camera.cy);
 }
 
-std::string info_text(const RecordingInfo& info) {
+std::string info_text(const mapping::RecordingInfo& info) {
   const Vector3d offset = info.camera.depth_from_color.translation();
   std::string text = fmt::format("{}: {} frames, layout {}\n", info.path, info.frames, info.format) +
                      fmt::format("time    {} to {}{}\n", format_time(info.first_time),
@@ -37,10 +37,10 @@ Command info_command() {
             auto path = std::make_shared<std::string>();
             app.add_option("RECORDING", *path, "Folder of the recording")->required();
             return [path](Session& session) {
-              const auto recording = open_recording(*path);
+              const auto recording = mapping::open_recording(*path);
               session.answer(info_text(recording->info()), to_json(recording->info()));
             };
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

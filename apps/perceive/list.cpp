@@ -4,7 +4,7 @@
 #include "apps/perceive/commands.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 struct Arguments {
@@ -17,12 +17,12 @@ template <class Declarer>
 Json entry(Declarer& declarer) {
   OptionTable table;
   declarer.declare(table);
-  return describe(declarer.descriptor(), table);
+  return perception::describe(declarer.descriptor(), table);
 }
 
 void list(const Arguments& arguments, Session& session) {
-  const AnnotatorRegistry registry = arguments.plugins.load().registry;
-  const StatisticsTable statistics = arguments.statistics.read_named(arguments.memory);
+  const perception::AnnotatorRegistry registry = arguments.plugins.load().registry;
+  const perception::StatisticsTable statistics = arguments.statistics.read_named(arguments.memory);
   Json json = {{"readers", Json::array()}, {"multipliers", Json::array()}, {"annotators", Json::array()}};
   std::string text;
   for (const std::string& name : registry.readers()) {
@@ -62,4 +62,4 @@ Command list_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -1,20 +1,20 @@
 #include "apps/perceive/commands.h"
 
 int main(int argc, char** argv) {
-  loci::Program program("loci-perceive", "Runs perception experts over recordings.");
-  program.add(loci::annotate_command());
-  program.add(loci::info_command());
-  program.add(loci::types_command());
-  program.add(loci::cas_command());
-  program.add(loci::run_command());
-  program.add(loci::list_command());
-  program.add(loci::describe_command());
-  program.add(loci::index_command());
-  program.add(loci::read_command());
-  program.add(loci::recognise_command());
-  program.add(loci::search_command());
-  program.add(loci::serve_command());
-  program.add(loci::surface_command());
-  program.add(loci::train_command());
+  loci::apps::Program program("loci-perceive", "Runs perception experts over recordings.");
+  program.add(loci::apps::annotate_command());
+  program.add(loci::apps::info_command());
+  program.add(loci::apps::types_command());
+  program.add(loci::apps::cas_command());
+  program.add(loci::apps::run_command());
+  program.add(loci::apps::list_command());
+  program.add(loci::apps::describe_command());
+  program.add(loci::apps::index_command());
+  program.add(loci::apps::read_command());
+  program.add(loci::apps::recognise_command());
+  program.add(loci::apps::search_command());
+  program.add(loci::apps::serve_command());
+  program.add(loci::apps::surface_command());
+  program.add(loci::apps::train_command());
   return program.run(argc, argv);
 }

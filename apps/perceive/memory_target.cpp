@@ -4,7 +4,7 @@
 #include "memory/annotators/memory_annotators.h"
 #include "perception/annotators/hypotheses/known_map.h"
 
-namespace loci {
+namespace loci::apps {
 
 void MemoryTarget::declare(CLI::App& app) {
   app.add_option("-m,--memory", memory, "Memory to write to, FILE.loci (made when it does not exist)");
@@ -12,8 +12,9 @@ void MemoryTarget::declare(CLI::App& app) {
   app.add_option("--now", now, "When the memory learns it, ISO 8601 (default: the clock)");
 }
 
-void MemoryTarget::prepare(const std::string& map, Pipeline& pipeline, const AnnotatorRegistry& registry,
-                           Resources& resources) const {
+void MemoryTarget::prepare(const std::string& map, perception::Pipeline& pipeline,
+                           const perception::AnnotatorRegistry& registry,
+                           perception::Resources& resources) const {
   if (memory.empty()) {
     if (resume) throw Error("--resume needs a memory", {}, "name it with -m FILE.loci");
     return;
@@ -21,15 +22,17 @@ void MemoryTarget::prepare(const std::string& map, Pipeline& pipeline, const Ann
   pipeline.add("IdentityResolution", registry);
   pipeline.add_writer("MemoryWriter", registry);
   pipeline.check(registry);
-  MemorySessionOptions options;
+  memory::MemorySessionOptions options;
   options.memory = memory;
   options.configuration = pipeline.to_json();
   options.resume = resume;
   options.map = map;
   if (!now.empty()) options.write.now = parse_time(now);
-  const Recording& recording = resources.get<Recording>("recording to read", "give its folder");
-  resources.put_for_run(std::make_shared<MemorySession>(options, recording));
-  if (const auto known = resources.find<KnownMap>()) resources.put(std::make_shared<World>(known->world));
+  const mapping::Recording& recording =
+      resources.get<mapping::Recording>("recording to read", "give its folder");
+  resources.put_for_run(std::make_shared<memory::MemorySession>(options, recording));
+  if (const auto known = resources.find<perception::KnownMap>())
+    resources.put(std::make_shared<mapping::World>(known->world));
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -6,7 +6,7 @@
 #include "apps/cli/program.h"
 #include "memory/annotators/memory_session.h"
 
-namespace loci {
+namespace loci::apps {
 
 /// The part of a run that has to do with the memory: its flags, and what they do to resources and pipeline.
 struct MemoryTarget {
@@ -17,8 +17,8 @@ struct MemoryTarget {
   void declare(CLI::App& app);
   /// Opens the memory for what the resources hold and adds identity and writer to the pipeline. Nothing
   /// without a memory.
-  void prepare(const std::string& map, Pipeline& pipeline, const AnnotatorRegistry& registry,
-               Resources& resources) const;
+  void prepare(const std::string& map, perception::Pipeline& pipeline,
+               const perception::AnnotatorRegistry& registry, perception::Resources& resources) const;
 };
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -9,7 +9,7 @@
 #include "perception/recognition/barcode_reader.h"
 #include "perception/recognition/text_reader.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 struct Arguments {
@@ -24,16 +24,16 @@ Json region_json(const cv::Rect& region) {
 }
 
 void read(const Arguments& given, Session& session) {
-  std::optional<TextReader> reader;
+  std::optional<perception::TextReader> reader;
   if (!given.no_text) reader.emplace(given.language);
   std::string text;
   Json answers = Json::array();
   for (const std::string& path : given.images) {
-    const cv::Mat image = read_color(path);
+    const cv::Mat image = mapping::read_color(path);
     const Stopwatch watch;
     Json codes = Json::array(), words = Json::array(), terms = Json::array();
     text += path + "\n";
-    for (const Barcode& code : read_barcodes(image)) {
+    for (const perception::Barcode& code : perception::read_barcodes(image)) {
       text += fmt::format("  {} {}{}\n", code.symbology, code.code,
                           code.preparation.empty() ? "" : " (image " + code.preparation + ")");
       codes.push_back({{"symbology", code.symbology},
@@ -41,12 +41,12 @@ void read(const Arguments& given, Session& session) {
                        {"preparation", code.preparation},
                        {"region", region_json(code.region)}});
     }
-    const std::vector<TextWord> found =
-        reader ? reader->read(image, given.min_confidence) : std::vector<TextWord>();
-    for (const TextWord& word : found)
+    const std::vector<perception::TextWord> found =
+        reader ? reader->read(image, given.min_confidence) : std::vector<perception::TextWord>();
+    for (const perception::TextWord& word : found)
       words.push_back(
           {{"text", word.text}, {"confidence", word.confidence}, {"region", region_json(word.region)}});
-    for (const RankedWord& word : rank_words(found)) {
+    for (const perception::RankedWord& word : rank_words(found)) {
       text += fmt::format("  {} {}\n", word.count, word.word);
       terms.push_back({{"word", word.word}, {"count", word.count}, {"confidence", word.confidence}});
     }
@@ -68,8 +68,7 @@ Command read_command() {
             app.add_option("IMAGES", given->images, "Images (PNG, JPEG)")->required();
             app.add_option("--language", given->language, "Of the text, as Tesseract names it")
                 ->capture_default_str();
-            app.add_option("--min-confidence", given->min_confidence,
-                           "Words that are less sure are left out")
+            app.add_option("--min-confidence", given->min_confidence, "Words that are less sure are left out")
                 ->check(CLI::Range(0.0, 1.0))
                 ->capture_default_str();
             app.add_flag("--no-text", given->no_text, "Only codes");
@@ -77,4 +76,4 @@ Command read_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -8,7 +8,7 @@
 #include "mapping/image/image_io.h"
 #include "perception/recognition/product_index.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 struct IndexArguments {
@@ -19,20 +19,21 @@ struct RecogniseArguments {
   std::vector<std::string> images;
   std::string index;
   size_t most = 5;
-  RecognitionOptions options;
+  perception::RecognitionOptions options;
 };
 
-ProductIndex build_index(const std::string& catalogue, Session& session) {
-  return ProductIndex::build(read_catalogue(catalogue), session.flags().threads, session.progress(),
-                             session.warnings());
+perception::ProductIndex build_index(const std::string& catalogue, Session& session) {
+  return perception::ProductIndex::build(perception::read_catalogue(catalogue), session.flags().threads,
+                                         session.progress(), session.warnings());
 }
 
-ProductIndex open_index(const std::string& path, Session& session) {
-  return std::filesystem::is_directory(path) ? build_index(path, session) : ProductIndex::load(path);
+perception::ProductIndex open_index(const std::string& path, Session& session) {
+  return std::filesystem::is_directory(path) ? build_index(path, session)
+                                             : perception::ProductIndex::load(path);
 }
 
 void make_index(const IndexArguments& given, Session& session) {
-  const ProductIndex index = build_index(given.catalogue, session);
+  const perception::ProductIndex index = build_index(given.catalogue, session);
   index.save(given.out);
   session.answer(fmt::format("{} images, {} features, {} words in {}\n", index.products().size(),
                              index.features(), index.words(), given.out),
@@ -42,7 +43,7 @@ void make_index(const IndexArguments& given, Session& session) {
                   {"out", given.out}});
 }
 
-Json to_json(const ProductMatch& match, const Product& product) {
+Json to_json(const perception::ProductMatch& match, const perception::Product& product) {
   Json properties = Json::object();
   for (const auto& [key, value] : product.properties) properties[key] = value;
   const cv::Rect& region = match.region;
@@ -58,19 +59,19 @@ Json to_json(const ProductMatch& match, const Product& product) {
 
 void recognise(RecogniseArguments& given, Session& session) {
   table_of(given.options).validate();
-  const ProductIndex index = open_index(given.index, session);
+  const perception::ProductIndex index = open_index(given.index, session);
   std::string text;
   Json answers = Json::array();
   for (const std::string& path : given.images) {
-    const cv::Mat image = read_color(path);
+    const cv::Mat image = mapping::read_color(path);
     const Stopwatch watch;
-    const std::vector<ProductMatch> matches =
+    const std::vector<perception::ProductMatch> matches =
         index.recognise(image, given.options, session.flags().threads, given.most);
     session.timing(path, watch.seconds());
     Json products = Json::array();
     text += path + (matches.empty() || !matches[0].verified ? ": nothing sure\n" : "\n");
-    for (const ProductMatch& match : matches) {
-      const Product& product = index.products()[match.product];
+    for (const perception::ProductMatch& match : matches) {
+      const perception::Product& product = index.products()[match.product];
       text +=
           fmt::format("  {:40} {:3} features agree{}\n", product.name, match.inliers,
                       match.verified ? fmt::format(", confidence {:.2f}", match.confidence()) : ": not sure");
@@ -116,4 +117,4 @@ Command recognise_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

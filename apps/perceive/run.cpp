@@ -16,7 +16,7 @@
 #include "perception/pipeline/goal.h"
 #include "perception/pipeline/pipeline.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 struct Arguments {
@@ -65,9 +65,10 @@ void declare(CLI::App& app, Arguments& arguments) {
 }
 
 /// The steps of the default pipeline that find the objects: those before the first that needs them.
-Json steps_that_find(const AnnotatorRegistry& registry) {
+Json steps_that_find(const perception::AnnotatorRegistry& registry) {
   Json steps = Json::array();
-  const Json all = Pipeline::parse(default_pipeline(), "the default pipeline", registry).to_json();
+  const Json all =
+      perception::Pipeline::parse(perception::default_pipeline(), "the default pipeline", registry).to_json();
   for (const Json& step : all["flow"]) {
     const std::vector<std::string> needs = registry.make(step.begin().key())->descriptor().needs;
     if (std::find(needs.begin(), needs.end(), "Cluster") != needs.end()) break;
@@ -76,7 +77,8 @@ Json steps_that_find(const AnnotatorRegistry& registry) {
   return steps;
 }
 
-std::optional<GoalPlan> plan_for(const Arguments& arguments, const AnnotatorRegistry& registry) {
+std::optional<perception::GoalPlan> plan_for(const Arguments& arguments,
+                                             const perception::AnnotatorRegistry& registry) {
   if (arguments.goal.empty()) return std::nullopt;
   Json configured = Json::object();
   for (const std::string& text : arguments.with) {
@@ -85,15 +87,16 @@ std::optional<GoalPlan> plan_for(const Arguments& arguments, const AnnotatorRegi
   }
   const std::optional<double> budget =
       arguments.budget_ms > 0 ? std::optional<double>(arguments.budget_ms / 1e3) : std::nullopt;
-  return plan_goal(parse_goal(arguments.goal), steps_that_find(registry), configured, registry,
+  return plan_goal(perception::parse_goal(arguments.goal), steps_that_find(registry), configured, registry,
                    arguments.statistics.read(arguments.memory.memory), budget);
 }
 
-Pipeline read_pipeline(const Arguments& arguments, const AnnotatorRegistry& registry,
-                       const std::optional<GoalPlan>& plan) {
+perception::Pipeline read_pipeline(const Arguments& arguments, const perception::AnnotatorRegistry& registry,
+                                   const std::optional<perception::GoalPlan>& plan) {
   Config config = plan ? Config::parse(plan->pipeline.dump(), "the pipeline made by --for")
-                  : arguments.pipeline.empty() ? Config::parse(default_pipeline(), "the default pipeline")
-                                               : Config::read(arguments.pipeline);
+                  : arguments.pipeline.empty()
+                      ? Config::parse(perception::default_pipeline(), "the default pipeline")
+                      : Config::read(arguments.pipeline);
   if (arguments.every > 0) {
     // The command line overrides the file.
     YAML::Node options;
@@ -102,19 +105,19 @@ Pipeline read_pipeline(const Arguments& arguments, const AnnotatorRegistry& regi
     changed["reader"] = options;
     config = config.over(changed, "");
   }
-  return Pipeline::parse(config, registry);
+  return perception::Pipeline::parse(config, registry);
 }
 
 /// What annotators share. Rooms that bring annotators with resources of their own put them here.
-Resources make_resources(const Arguments& arguments, Session& session) {
-  Resources resources;
-  resources.put(std::shared_ptr<Recording>(open_recording(arguments.recording)));
+perception::Resources make_resources(const Arguments& arguments, Session& session) {
+  perception::Resources resources;
+  resources.put(std::shared_ptr<mapping::Recording>(mapping::open_recording(arguments.recording)));
   if (!arguments.map.empty() || !arguments.robots.empty()) {
     const std::vector<std::filesystem::path> packages(arguments.package_paths.begin(),
                                                       arguments.package_paths.end());
-    const std::shared_ptr<KnownMap> map = arguments.map.empty()
-                                              ? KnownMap::without_room(session.warnings())
-                                              : KnownMap::load(arguments.map, packages, session.warnings());
+    const std::shared_ptr<perception::KnownMap> map =
+        arguments.map.empty() ? perception::KnownMap::without_room(session.warnings())
+                              : perception::KnownMap::load(arguments.map, packages, session.warnings());
     for (const std::string& robot : arguments.robots) {
       const size_t comma = robot.find(',');
       const std::string joints = comma == std::string::npos ? "" : robot.substr(comma + 1);
@@ -125,36 +128,38 @@ Resources make_resources(const Arguments& arguments, Session& session) {
   return resources;
 }
 
-void write_images(const Arguments& arguments, const types::SceneCas& scene, bool with_memory) {
+void write_images(const Arguments& arguments, const perception::types::SceneCas& scene, bool with_memory) {
   // With a memory the numbers are its objects', otherwise those of the scene's clusters.
   if (!arguments.labels.empty())
-    write_label_image(scene, arguments.labels, with_memory ? tracked_numbers(scene) : std::vector<int>());
-  if (!arguments.images.empty()) write_overlay(scene, arguments.images);
+    perception::write_label_image(scene, arguments.labels,
+                                  with_memory ? perception::tracked_numbers(scene) : std::vector<int>());
+  if (!arguments.images.empty()) perception::write_overlay(scene, arguments.images);
 }
 
 void run(const Arguments& arguments, Session& session) {
   const Experts experts = arguments.plugins.load();
-  const AnnotatorRegistry& registry = experts.registry;
-  const std::optional<GoalPlan> plan = plan_for(arguments, registry);
-  Pipeline pipeline = read_pipeline(arguments, registry, plan);
-  Resources resources = make_resources(arguments, session);
+  const perception::AnnotatorRegistry& registry = experts.registry;
+  const std::optional<perception::GoalPlan> plan = plan_for(arguments, registry);
+  perception::Pipeline pipeline = read_pipeline(arguments, registry, plan);
+  perception::Resources resources = make_resources(arguments, session);
   if (!arguments.labels.empty()) make_folder(arguments.labels);
   if (!arguments.images.empty()) make_folder(arguments.images);
   arguments.memory.prepare(arguments.map, pipeline, registry, resources);
-  Context context{resources, session.warnings(), session.flags().threads, {}};
-  const bool remembers = resources.find<MemorySession>() != nullptr;
+  perception::Context context{resources, session.warnings(), session.flags().threads, {}};
+  const bool remembers = resources.find<memory::MemorySession>() != nullptr;
   std::string text = plan ? plan_text(*plan) : std::string();
-  const std::optional<Condition> wanted =
-      plan && !plan->condition.empty() ? std::optional(Condition::parse(plan->condition, {})) : std::nullopt;
+  const std::optional<perception::Condition> wanted =
+      plan && !plan->condition.empty() ? std::optional(perception::Condition::parse(plan->condition, {}))
+                                       : std::nullopt;
   Json found = Json::array();
   size_t things = 0;
   Json scenes = Json::array();
-  const auto done = [&](cas::Cas& cas) {
-    const types::SceneCas scene(cas);
+  const auto done = [&](perception::cas::Cas& cas) {
+    const perception::types::SceneCas scene(cas);
     things += scene.scene().clusters.size();
     if (wanted) {
       int number = 0;
-      for (const types::Cluster& cluster : scene.clusters()) {
+      for (const perception::types::Cluster& cluster : scene.clusters()) {
         ++number;
         if (!wanted->holds(scene, cluster)) continue;
         found.push_back({{"frame", scene.scene().frame_index.get()}, {"cluster", number}});
@@ -165,11 +170,11 @@ void run(const Arguments& arguments, Session& session) {
     // With a memory the questions are the way to look; without one this is the answer.
     if (!remembers || session.flags().verbose) text += scene_text(scene);
     if (session.flags().json) scenes.push_back(scene_json(scene));
-    write_images(arguments, scene, resources.find<MemorySession>() != nullptr);
+    write_images(arguments, scene, resources.find<memory::MemorySession>() != nullptr);
   };
-  MemoryRunResult result;
+  memory::MemoryRunResult result;
   if (remembers)
-    result = run_with_memory(pipeline, context, experts.types, session.progress(), done);
+    result = memory::run_with_memory(pipeline, context, experts.types, session.progress(), done);
   else
     result.pipeline = pipeline.run(context, experts.types, session.progress(), done);
   for (const auto& [name, seconds] : result.pipeline.seconds) session.timing(name, seconds);
@@ -205,4 +210,4 @@ Command run_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

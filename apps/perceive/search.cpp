@@ -11,39 +11,39 @@
 #include "perception/search/search_client.h"
 #include "perception/search/search_server.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 struct ServeArguments {
   std::string index;
-  ServiceOptions service;
-  ServerOptions server;
+  perception::ServiceOptions service;
+  perception::ServerOptions server;
 };
 
 struct SearchArguments {
   std::vector<std::string> images;
   std::string index;
-  SearchOptions options;
+  perception::SearchOptions options;
 };
 
-ProductIndex open_index(const std::string& path, Session& session) {
-  if (!std::filesystem::is_directory(path)) return ProductIndex::load(path);
-  return ProductIndex::build(read_catalogue(path), session.flags().threads, session.progress(),
-                             session.warnings());
+perception::ProductIndex open_index(const std::string& path, Session& session) {
+  if (!std::filesystem::is_directory(path)) return perception::ProductIndex::load(path);
+  return perception::ProductIndex::build(perception::read_catalogue(path), session.flags().threads,
+                                         session.progress(), session.warnings());
 }
 
 void serve(ServeArguments& given, Session& session) {
   table_of(given.service).validate();
   table_of(given.server).validate();
-  const SearchService service(open_index(given.index, session), given.service);
+  const perception::SearchService service(open_index(given.index, session), given.service);
   session.show_warnings();
   const bool quiet = session.flags().quiet;
-  const SearchServer server(service, given.server, session.flags().threads, [&](const std::string& line) {
-    if (!quiet) fmt::print(stderr, "{}\n", line);
-  });
-  session.answer(
-      fmt::format("{} images, answering at {} (Ctrl-C stops)\n", service.images(), server.url()),
-      {{"images", service.images()}, {"url", server.url()}, {"port", server.port()}});
+  const perception::SearchServer server(service, given.server, session.flags().threads,
+                                        [&](const std::string& line) {
+                                          if (!quiet) fmt::print(stderr, "{}\n", line);
+                                        });
+  session.answer(fmt::format("{} images, answering at {} (Ctrl-C stops)\n", service.images(), server.url()),
+                 {{"images", service.images()}, {"url", server.url()}, {"port", server.port()}});
   std::fflush(stdout);
   while (!interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }
@@ -52,7 +52,7 @@ Json region_json(const cv::Rect& region) {
   return {region.x, region.y, region.width, region.height};
 }
 
-Json to_json(const SearchResult& result) {
+Json to_json(const perception::SearchResult& result) {
   Json json = {{"category", name_of(result.category)},
                {"category_text", result.category_text},
                {"title", result.title},
@@ -67,16 +67,16 @@ Json to_json(const SearchResult& result) {
   json["properties"] = Json::object();
   for (const auto& [key, value] : result.properties) json["properties"][key] = value;
   json["words"] = Json::array();
-  for (const SearchWord& word : result.words)
+  for (const perception::SearchWord& word : result.words)
     json["words"].push_back({{"text", word.text}, {"region", region_json(word.region)}});
   return json;
 }
 
 /// A server of our own at a free port of this machine, while the command runs.
 struct OwnServer {
-  SearchService service;
-  SearchServer server;
-  OwnServer(ProductIndex index, int threads)
+  perception::SearchService service;
+  perception::SearchServer server;
+  OwnServer(perception::ProductIndex index, int threads)
       : service(std::move(index), {}), server(service, {"127.0.0.1", 0}, threads) {}
 };
 
@@ -87,21 +87,21 @@ void search(SearchArguments& given, Session& session) {
     own.emplace(open_index(given.index, session), session.flags().threads);
     given.options.server = own->server.url();
   }
-  SearchClient client(given.options);
+  perception::SearchClient client(given.options);
   std::string text;
   Json answers = Json::array();
   for (const std::string& path : given.images) {
-    const SearchClient::Outcome outcome = client.search(read_color(path));
+    const perception::SearchClient::Outcome outcome = client.search(mapping::read_color(path));
     session.timing(path, outcome.seconds);
     Json results = Json::array(), terms = Json::array();
     text += path + (outcome.answer.results.empty() ? ": no results\n"
                     : outcome.remembered           ? " (as before)\n"
                                                    : "\n");
-    for (const SearchResult& result : outcome.answer.results) {
+    for (const perception::SearchResult& result : outcome.answer.results) {
       text += fmt::format("  {:22} {}\n", name_of(result.category), result.title);
       results.push_back(to_json(result));
     }
-    for (const RankedWord& word : terms_of(outcome.answer)) {
+    for (const perception::RankedWord& word : terms_of(outcome.answer)) {
       text += fmt::format("  {:4} {}\n", word.count, word.word);
       terms.push_back({{"word", word.word}, {"count", word.count}});
     }
@@ -152,4 +152,4 @@ Command search_command() {
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

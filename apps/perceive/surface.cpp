@@ -4,7 +4,7 @@
 #include "mapping/recording/recording.h"
 #include "perception/annotators/hypotheses/flat_object_extractor.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 struct Arguments {
@@ -14,9 +14,9 @@ struct Arguments {
 };
 
 void run(const Arguments& given, Session& session) {
-  const std::unique_ptr<Recording> recording = open_recording(given.recording);
+  const std::unique_ptr<mapping::Recording> recording = mapping::open_recording(given.recording);
   const size_t count = std::min(recording->size(), static_cast<size_t>(given.frames));
-  SurfaceCalibration calibration;
+  perception::SurfaceCalibration calibration;
   for (size_t i = 0; i < count; ++i) {
     session.progress().check(static_cast<double>(i) / static_cast<double>(count), "averaging");
     calibration.add(recording->frame(i).depth);
@@ -24,9 +24,9 @@ void run(const Arguments& given, Session& session) {
   const cv::Mat mean = calibration.mean();
   const double known =
       static_cast<double>(cv::countNonZero(mean == mean)) / static_cast<double>(mean.total());
-  write_surface(given.output, mean);
-  session.answer(fmt::format("the mean of {} images, {:.0f} % of the pixels known: {}\n", count,
-                             100 * known, given.output),
+  perception::write_surface(given.output, mean);
+  session.answer(fmt::format("the mean of {} images, {:.0f} % of the pixels known: {}\n", count, 100 * known,
+                             given.output),
                  {{"frames", count}, {"known", known}, {"file", given.output}});
 }
 
@@ -51,4 +51,4 @@ Command surface_command() {
       }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

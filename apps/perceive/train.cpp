@@ -6,7 +6,7 @@
 #include "perception/classification/ensemble.h"
 #include "perception/recognition/template_detector.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 struct Arguments {
@@ -15,28 +15,29 @@ struct Arguments {
   bool templates = false;
   int folds = 5;
   uint64_t seed = 0;
-  ClassifierOptions options;
+  perception::ClassifierOptions options;
 };
 
 /// Leaves out classes of which too few things were found for each fold to judge one; how many of each.
-std::map<std::string, size_t> leave_out_small_classes(std::vector<LabelledThing>& things, int folds) {
+std::map<std::string, size_t> leave_out_small_classes(std::vector<perception::LabelledThing>& things,
+                                                      int folds) {
   std::map<std::string, size_t> count;
-  for (const LabelledThing& thing : things) ++count[thing.label];
+  for (const perception::LabelledThing& thing : things) ++count[thing.label];
   std::erase_if(count, [&](const auto& of) { return of.second >= size_t(folds); });
-  std::erase_if(things, [&](const LabelledThing& thing) { return count.contains(thing.label); });
+  std::erase_if(things, [&](const perception::LabelledThing& thing) { return count.contains(thing.label); });
   return count;
 }
 
 /// Templates of every labelled view, for the annotator TemplateDetector.
 void train_templates(const Arguments& given, Session& session) {
-  const LabelledRecording labelled = open_labelled_recording(given.dataset);
-  TemplateDetector detector;
+  const perception::LabelledRecording labelled = perception::open_labelled_recording(given.dataset);
+  perception::TemplateDetector detector;
   size_t views = 0;
   for (size_t i = 0; i < labelled.recording->size(); ++i) {
-    const RgbdFrame frame = labelled.recording->frame(i);
+    const mapping::RgbdFrame frame = labelled.recording->frame(i);
     session.progress().check(static_cast<double>(i) / static_cast<double>(labelled.recording->size()),
                              "frame " + frame.name);
-    for (const LabelledPart& part : labelled_parts(labelled, frame.name))
+    for (const perception::LabelledPart& part : labelled_parts(labelled, frame.name))
       views += detector.add(part.label, frame.color, frame.depth, part.mask) > 0 ? 1 : 0;
   }
   if (views == 0) throw Error("there is no labelled view with colour and depth", {given.dataset, 0, {}});
@@ -48,23 +49,23 @@ void train_templates(const Arguments& given, Session& session) {
 void train(Arguments& given, Session& session) {
   if (given.templates) return train_templates(given, session);
   table_of(given.options).validate();
-  std::vector<ExpertSpec> experts;
+  std::vector<perception::ExpertSpec> experts;
   for (const std::string& text : given.experts) experts.push_back(parse_expert(text, given.options));
   PartialProgress finding(session.progress(), 0, 0.7);
-  const LabelledSurfaces surfaces =
-      labelled_surfaces(open_labelled_recording(given.dataset), finding, session.warnings());
+  const perception::LabelledSurfaces surfaces =
+      labelled_surfaces(perception::open_labelled_recording(given.dataset), finding, session.warnings());
   std::vector<std::string> features;
-  for (const ExpertSpec& expert : experts) features.push_back(expert.feature);
-  std::vector<LabelledThing> things;
-  for (const LabelledSurface& each : surfaces.found) {
-    ThingFeatures of = thing_features(features, each.view);
+  for (const perception::ExpertSpec& expert : experts) features.push_back(expert.feature);
+  std::vector<perception::LabelledThing> things;
+  for (const perception::LabelledSurface& each : surfaces.found) {
+    perception::ThingFeatures of = thing_features(features, each.view);
     things.push_back({each.label, std::move(of.features), std::move(of.local)});
   }
   for (const auto& [name, count] : leave_out_small_classes(things, given.folds))
     session.warnings().add(fmt::format("'{}' is left out: too few were found ({})", name, count));
   PartialProgress learning(session.progress(), 0.7, 1);
-  const Ensemble model =
-      Ensemble::train(things, experts, given.folds, Random(given.seed), session.flags().threads, learning);
+  const perception::Ensemble model = perception::Ensemble::train(
+      things, experts, given.folds, Random(given.seed), session.flags().threads, learning);
   model.save(given.out);
   std::string text =
       fmt::format("{} of {} objects found; cross-validated:\n", surfaces.found.size(), surfaces.objects);
@@ -111,4 +112,4 @@ Command train_command() {
       }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

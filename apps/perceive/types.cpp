@@ -8,7 +8,7 @@
 #include "mapping/base/json.h"
 #include "perception/cas/listing.h"
 
-namespace loci {
+namespace loci::apps {
 
 namespace {
 
@@ -18,13 +18,13 @@ struct TypesArguments {
   bool ours = false;
 };
 
-std::shared_ptr<const cas::TypeSystem> load(const TypesArguments& given) {
+std::shared_ptr<const perception::cas::TypeSystem> load(const TypesArguments& given) {
   if (given.ros.empty())
-    return given.ours ? types::type_system_with(given.files, given.paths)
-                      : cas::TypeSystem::load(given.files, given.paths);
+    return given.ours ? perception::types::type_system_with(given.files, given.paths)
+                      : perception::cas::TypeSystem::load(given.files, given.paths);
   const std::string xml = ros_types_of(given.ros).xml(std::filesystem::path(given.ros).stem().string());
   if (!given.out.empty()) write_file_atomically(given.out, xml);
-  return cas::TypeSystem::load({{given.ros, xml}}, given.files, given.paths);
+  return perception::cas::TypeSystem::load({{given.ros, xml}}, given.files, given.paths);
 }
 
 }  // namespace
@@ -53,9 +53,9 @@ Command types_command() {
             });
             return [given](Session& session) {
               const auto system = load(*given);
-              session.answer(cas::types_text(*system), cas::types_json(*system));
+              session.answer(perception::cas::types_text(*system), perception::cas::types_json(*system));
             };
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

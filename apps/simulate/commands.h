@@ -2,9 +2,9 @@
 
 #include "apps/cli/program.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command record_command();
 Command scan_command();
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -3,7 +3,7 @@
 #include "apps/simulate/commands.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::apps {
 
 Command record_command() {
   return {"record",
@@ -13,7 +13,7 @@ Command record_command() {
           [](CLI::App& app) {
             struct Arguments {
               std::string scenario, output;
-              RecordOptions options;
+              mapping::RecordOptions options;
             };
             auto arguments = std::make_shared<Arguments>();
             app.add_option("SCENARIO", arguments->scenario, "Scenario (YAML)")->required();
@@ -24,11 +24,12 @@ Command record_command() {
             add_options(app, table_of(arguments->options));
             return [arguments](Session& session) {
               arguments->options.threads = session.flags().threads;
-              const RecordResult result = record(read_scenario(arguments->scenario), arguments->output,
-                                                 arguments->options, session.progress(), session.warnings());
+              const mapping::RecordResult result =
+                  record(mapping::read_scenario(arguments->scenario), arguments->output, arguments->options,
+                         session.progress(), session.warnings());
               session.answer(result.summary(), result.report());
             };
           }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

@@ -9,7 +9,7 @@
 #include "mapping/sensor/pose_text.h"
 #include "mapping/simulation/scanned_world.h"
 
-namespace loci {
+namespace loci::apps {
 namespace {
 
 struct Arguments {
@@ -18,8 +18,8 @@ struct Arguments {
   std::vector<std::filesystem::path> package_paths;
   bool odometry = false;
   int seed = 1;
-  LaserModel laser;
-  OdometryModel drift;
+  mapping::LaserModel laser;
+  mapping::OdometryModel drift;
 
   void declare(OptionTable& table) {
     table.flag("odometry", odometry, "Poses drift as a wheeled robot's do, and have covariances.");
@@ -54,9 +54,9 @@ std::optional<double> height_from(const std::string& text, const std::string& wh
   return number_from(text, what);
 }
 
-Json scan_report(const Scan& scan) {
+Json scan_report(const mapping::Scan& scan) {
   size_t returned = 0;
-  for (const ScanPoint& point : scan.points) returned += point.returned ? 1 : 0;
+  for (const mapping::ScanPoint& point : scan.points) returned += point.returned ? 1 : 0;
   return {{"name", scan.name},
           {"pose", values_from_pose(scan.map_from_scan)},
           {"rays", scan.points.size()},
@@ -64,7 +64,7 @@ Json scan_report(const Scan& scan) {
 }
 
 /// A line of truth.jsonl, which only evaluation reads.
-std::string truth_line(const std::string& name, const ScannedWorld& robot) {
+std::string truth_line(const std::string& name, const mapping::ScannedWorld& robot) {
   const Json line = {
       {"scan", name}, {"pose", values_from_pose(robot.true_map_from_scanner())}, {"joints", robot.joints()}};
   return line.dump();
@@ -72,25 +72,25 @@ std::string truth_line(const std::string& name, const ScannedWorld& robot) {
 
 void scan(Arguments& arguments, Session& session) {
   table_of(arguments).validate();
-  const std::vector<PlanarPose> poses = planar_poses_from(arguments.poses, "--poses");
-  ScannedWorldOptions options;
+  const std::vector<mapping::PlanarPose> poses = mapping::planar_poses_from(arguments.poses, "--poses");
+  mapping::ScannedWorldOptions options;
   options.package_paths = arguments.package_paths;
   options.floor = height_from(arguments.floor, "--floor");
   options.ceiling = height_from(arguments.ceiling, "--ceiling");
   options.laser = arguments.laser;
-  options.odometry = arguments.odometry ? arguments.drift : OdometryModel{0, 0, 0};
+  options.odometry = arguments.odometry ? arguments.drift : mapping::OdometryModel{0, 0, 0};
   options.seed = static_cast<uint64_t>(arguments.seed);
   options.threads = session.flags().threads;
-  ScannedWorld robot(arguments.world, options, poses.front(), session.warnings());
+  mapping::ScannedWorld robot(arguments.world, options, poses.front(), session.warnings());
   robot.set_joints(joints_from(arguments.joints));
 
-  ScanSet set;
+  mapping::ScanSet set;
   std::string truth;
   set.sensor = "hokuyo";
   set.range_max = options.laser.range_max_m;
   Json reports = Json::array();
   const Stopwatch watch;
-  for (const PlanarPose& pose : poses) {
+  for (const mapping::PlanarPose& pose : poses) {
     session.progress().check(static_cast<double>(set.scans.size()) / static_cast<double>(poses.size()),
                              "scanning");
     set.scans.push_back(robot.scan_at(pose));
@@ -133,4 +133,4 @@ Command scan_command() {
       }};
 }
 
-}  // namespace loci
+}  // namespace loci::apps

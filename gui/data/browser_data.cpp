@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace loci {
+namespace loci::gui {
 
 const char* presence_name(Presence presence) {
   switch (presence) {
@@ -34,4 +34,4 @@ const SceneEntry* BrowserData::scene_at(TimeNs time) const {
   return after == all.begin() ? &all.front() : &*(after - 1);
 }
 
-}  // namespace loci
+}  // namespace loci::gui

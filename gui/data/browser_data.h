@@ -18,7 +18,7 @@
 #include "mapping/world/mesh.h"
 #include "mapping/world/world.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// How the memory stands to an object at a time.
 enum class Presence {
@@ -102,7 +102,7 @@ struct SceneContent {
   SceneEntry scene;
   cv::Mat color;  ///< CV_8UC3, BGR; empty = not kept
   cv::Mat depth;  ///< CV_32F, metres, NaN = no measurement; may be smaller than the camera's image
-  RgbdCamera camera;
+  mapping::RgbdCamera camera;
   std::optional<Isometry3d> map_from_camera;
   cv::Mat kinds = {};  ///< CV_8U of depth's size, PixelKind; empty = not known
   std::vector<ImageBox> boxes;
@@ -167,11 +167,11 @@ class BrowserData {
   /// In the order of time.
   virtual const std::vector<EventEntry>& events() const = 0;
   /// The map; nullptr when the memory was made without one. The same one when the memory has only grown.
-  virtual const World* world() const = 0;
+  virtual const mapping::World* world() const = 0;
   /// Places that the map does not draw, or all where there is none.
   virtual const std::vector<PlaceOutline>& loose_places() const = 0;
   /// Where the map's meshes are looked for.
-  virtual MeshSearch mesh_search() const { return {}; }
+  virtual mapping::MeshSearch mesh_search() const { return {}; }
   /// The last scene at or before `time`, else the first; nullptr when there are none.
   const SceneEntry* scene_at(TimeNs time) const;
 
@@ -217,4 +217,4 @@ class BrowserData {
   virtual std::vector<std::string> known_words() const = 0;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -4,11 +4,11 @@
 
 #include <cmath>
 
-#include "gui/data/memory_index.h"
 #include "gui/data/images.h"
+#include "gui/data/memory_index.h"
 #include "memory/recorder/scene_reasoning.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 /// A log-likelihood ratio as a number from 0 to 1.
@@ -21,31 +21,31 @@ std::string name_of(const MemoryIndex& index, int64_t object, int64_t key) {
   return key != 0 ? fmt::format("not yet sure (#{})", key) : std::string("a false cluster");
 }
 
-void add_reasoning(const belief::Decisions& decisions, size_t k, const MemoryIndex& index,
+void add_reasoning(const memory::belief::Decisions& decisions, size_t k, const MemoryIndex& index,
                    DecidedObservation& observation) {
-  const belief::ObservationDecision& d = decisions.observations[k];
+  const memory::belief::ObservationDecision& d = decisions.observations[k];
   observation.key = d.key;
   observation.explanation = explanation_name(d.chosen());
   observation.probability = static_cast<double>(d.probability);
   observation.appear = static_cast<double>(d.appear);
   observation.clutter = static_cast<double>(d.clutter);
-  for (const belief::Candidate& c : d.candidates)
+  for (const memory::belief::Candidate& c : d.candidates)
     observation.considered.push_back({c.key, c.object, name_of(index, c.object, c.key), c.probability(),
                                       squashed(static_cast<double>(c.similar)),
                                       squashed(static_cast<double>(c.proximity)),
-                                      c.key == d.key ? "" : belief::objection(decisions, k, c)});
+                                      c.key == d.key ? "" : memory::belief::objection(decisions, k, c)});
 }
 
 }  // namespace
 
-SceneDecisions read_decisions(const Store& store, const MemoryIndex& index, const SceneEntry& scene) {
+SceneDecisions read_decisions(const memory::Store& store, const MemoryIndex& index, const SceneEntry& scene) {
   SceneDecisions result{scene};
-  std::map<Id, AssociationRow> chosen;
-  for (const AssociationRow& row : store.associations(scene.id))
+  std::map<memory::Id, memory::AssociationRow> chosen;
+  for (const memory::AssociationRow& row : store.associations(scene.id))
     if (row.chosen && row.observation && row.probability > 0) chosen[*row.observation] = row;
   const auto reasoning = load_reasoning(store, scene.id);
   result.kept = reasoning.has_value();
-  for (const ObservationRow& row : store.observations(scene.id)) {
+  for (const memory::ObservationRow& row : store.observations(scene.id)) {
     DecidedObservation observation;
     observation.number = row.number;
     if (const auto found = chosen.find(row.id); found != chosen.end()) {
@@ -61,11 +61,11 @@ SceneDecisions read_decisions(const Store& store, const MemoryIndex& index, cons
     result.observations.push_back(std::move(observation));
   }
   if (reasoning)
-    for (const belief::ObjectDecision& d : reasoning->decisions.unseen)
+    for (const memory::belief::ObjectDecision& d : reasoning->decisions.unseen)
       result.unseen.push_back({d.key, d.object, name_of(index, d.object, d.key),
                                static_cast<double>(d.disappear), static_cast<double>(d.missed),
                                static_cast<double>(d.out_of_sight)});
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

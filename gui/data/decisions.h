@@ -7,9 +7,12 @@
 
 #include "gui/data/browser_data.h"
 
-namespace loci {
-
+namespace loci::memory {
 class Store;
+}  // namespace loci::memory
+
+namespace loci::gui {
+
 struct MemoryIndex;
 
 /// A believed object as an explanation of an observation.
@@ -51,6 +54,6 @@ struct SceneDecisions {
 };
 
 /// Of one scene. Not an error when no reasoning was kept: then the chosen associations are told.
-SceneDecisions read_decisions(const Store& store, const MemoryIndex& index, const SceneEntry& scene);
+SceneDecisions read_decisions(const memory::Store& store, const MemoryIndex& index, const SceneEntry& scene);
 
-}  // namespace loci
+}  // namespace loci::gui

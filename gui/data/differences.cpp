@@ -7,7 +7,7 @@
 #include <set>
 #include <tuple>
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr double kMinJointMove = 0.02;  // metres or radians; below is the noise of a look
@@ -82,8 +82,7 @@ std::vector<Difference> differences(const BelievedScene& then, const BelievedSce
       all.push_back(std::move(*difference));
   for (const BelievedObject& object : then.objects)
     if (now.find(object.id) == nullptr)
-      if (auto difference = difference_of(&object, nullptr, min_move))
-        all.push_back(std::move(*difference));
+      if (auto difference = difference_of(&object, nullptr, min_move)) all.push_back(std::move(*difference));
   add_joints(then, now, all);
   std::stable_sort(all.begin(), all.end(), [](const Difference& a, const Difference& b) {
     return std::pair(a.kind, a.object) < std::pair(b.kind, b.object);
@@ -118,4 +117,4 @@ BelievedScene renumbered(BelievedScene other, const BelievedScene& here, double 
   return other;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -6,7 +6,7 @@
 
 #include "gui/data/browser_data.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// How one belief differs from another.
 struct Difference {
@@ -30,4 +30,4 @@ std::vector<Difference> differences(const BelievedScene& then, const BelievedSce
 /// them.
 BelievedScene renumbered(BelievedScene other, const BelievedScene& here, double within = 0.3);
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -6,7 +6,7 @@
 #include "mapping/base/json.h"
 #include "mapping/exchange/ply.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 Json vector_of(const Vector3d& v) {
@@ -53,19 +53,19 @@ std::string believed_json(const BelievedScene& belief) {
 }
 
 std::string cloud_ply(const ColoredCloud& cloud) {
-  Scan scan;
+  mapping::Scan scan;
   scan.origins.emplace_back(0, 0, 0);
   for (size_t i = 0; i < cloud.points.size(); ++i) {
-    ScanPoint point;
+    mapping::ScanPoint point;
     point.position = cloud.points[i];
     point.r = cloud.colors[i][0];
     point.g = cloud.colors[i][1];
     point.b = cloud.colors[i][2];
     scan.points.push_back(point);
   }
-  ScanSet set;
+  mapping::ScanSet set;
   set.scans.push_back(std::move(scan));
   return ply_text(set);
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -5,7 +5,7 @@
 #include "gui/data/browser_data.h"
 #include "gui/scene3d/colored_cloud.h"
 
-namespace loci {
+namespace loci::gui {
 
 // What is on the screen, as files.
 
@@ -17,4 +17,4 @@ std::string believed_json(const BelievedScene& belief);
 /// Binary PLY, map frame.
 std::string cloud_ply(const ColoredCloud& cloud);
 
-}  // namespace loci
+}  // namespace loci::gui

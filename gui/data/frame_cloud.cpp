@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace loci {
+namespace loci::gui {
 
 std::array<uint8_t, 3> color_at(const SceneContent& content, const Vector3d& in_camera) {
   constexpr std::array<uint8_t, 3> kGrey = {150, 150, 150};
@@ -25,7 +25,7 @@ ColoredCloud frame_cloud(const SceneContent& content, size_t limit) {
   if (content.depth.empty() || !content.map_from_camera || limit == 0) return cloud;
   const auto pixels = static_cast<double>(content.depth.total());
   const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / static_cast<double>(limit)))));
-  const PinholeCamera& camera = content.camera.depth;
+  const mapping::PinholeCamera& camera = content.camera.depth;
   const double scale_x = static_cast<double>(camera.width) / content.depth.cols;
   const double scale_y = static_cast<double>(camera.height) / content.depth.rows;
   for (int v = step / 2; v < content.depth.rows; v += step)
@@ -40,4 +40,4 @@ ColoredCloud frame_cloud(const SceneContent& content, size_t limit) {
   return cloud;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

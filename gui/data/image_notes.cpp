@@ -5,7 +5,7 @@
 #include "mapping/base/json.h"
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 /// A feature that refers to another structure: written in it, or by its id ("#2").
@@ -45,20 +45,20 @@ std::vector<ImageNote> notes_in(const std::string& text) {
       return rect.contains(name) && rect[name].is_number() ? rect[name].get<double>() : 0;
     };
     ImageNote note{type.substr(type.rfind('.') + 1),
-                     text_of(features),
-                     features.value("source", std::string()),
-                     -1,
-                     {number("x"), number("y"), number("width"), number("height")}};
+                   text_of(features),
+                   features.value("source", std::string()),
+                   -1,
+                   {number("x"), number("y"), number("width"), number("height")}};
     if (!note.region.empty()) notes.push_back(std::move(note));
   }
   return notes;
 }
 
-std::vector<ImageNote> image_notes(const Store& store, Id scene) {
+std::vector<ImageNote> image_notes(const memory::Store& store, memory::Id scene) {
   std::vector<ImageNote> all;
-  std::map<Id, int64_t> numbers;
-  for (const ObservationRow& row : store.observations(scene)) numbers[row.id] = row.number;
-  for (const FeatureStructureRow& row : store.feature_structures(scene))
+  std::map<memory::Id, int64_t> numbers;
+  for (const memory::ObservationRow& row : store.observations(scene)) numbers[row.id] = row.number;
+  for (const memory::FeatureStructureRow& row : store.feature_structures(scene))
     for (ImageNote& note : notes_in(row.json)) {
       if (row.observation) note.observation = numbers[*row.observation];
       all.push_back(std::move(note));
@@ -66,4 +66,4 @@ std::vector<ImageNote> image_notes(const Store& store, Id scene) {
   return all;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

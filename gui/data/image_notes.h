@@ -6,9 +6,11 @@
 
 #include "memory/store/rows.h"
 
-namespace loci {
-
+namespace loci::memory {
 class Store;
+}  // namespace loci::memory
+
+namespace loci::gui {
 
 /// Something that an annotator read or recognised in a part of an image: a text, a barcode, a logo, an
 /// answer of a visual search.
@@ -21,9 +23,9 @@ struct ImageNote {
 };
 
 /// All annotations of a scene that have an image region of their own, as they stand in the memory.
-std::vector<ImageNote> image_notes(const Store& store, Id scene);
+std::vector<ImageNote> image_notes(const memory::Store& store, memory::Id scene);
 
 /// The same from the JSON of one feature structure.
 std::vector<ImageNote> notes_in(const std::string& json);
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -8,13 +8,13 @@
 #include "mapping/image/image_io.h"
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::gui {
 
-cv::Mat read_image(const Store& store, Id blob) {
+cv::Mat read_image(const memory::Store& store, memory::Id blob) {
   const std::string name = fmt::format("{}: image {}", store.path().string(), blob);
-  const BlobRow row = store.blob(blob);
+  const memory::BlobRow row = store.blob(blob);
   const std::vector<unsigned char> bytes(row.bytes.begin(), row.bytes.end());
-  const cv::Mat image = decode_image(bytes, name);
+  const cv::Mat image = mapping::decode_image(bytes, name);
   if (image.type() == CV_8UC3) return image;
   if (image.depth() != CV_8U) throw Error("an image with more than 8 bits", {name, 0, {}});
   cv::Mat color;
@@ -22,4 +22,4 @@ cv::Mat read_image(const Store& store, Id blob) {
   return color;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

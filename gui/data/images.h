@@ -4,11 +4,13 @@
 
 #include "memory/store/rows.h"
 
-namespace loci {
-
+namespace loci::memory {
 class Store;
+}  // namespace loci::memory
+
+namespace loci::gui {
 
 /// An image of the memory as CV_8UC3, BGR. Error when it is broken.
-cv::Mat read_image(const Store& store, Id blob);
+cv::Mat read_image(const memory::Store& store, memory::Id blob);
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -10,10 +10,10 @@
 
 #include "gui/data/decisions.h"
 #include "gui/data/frame_cloud.h"
-#include "gui/data/memory_index.h"
-#include "gui/data/object_details.h"
 #include "gui/data/image_notes.h"
 #include "gui/data/images.h"
+#include "gui/data/memory_index.h"
+#include "gui/data/object_details.h"
 #include "memory/exchange/observation_image.h"
 #include "memory/questions/people_time.h"
 #include "memory/questions/snapshot.h"
@@ -24,7 +24,7 @@
 #include "perception/types/geometry.h"
 #include "perception/types/types.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 Presence presence_of(const std::string& status) {
@@ -35,7 +35,7 @@ Presence presence_of(const std::string& status) {
   return Presence::remembered;
 }
 
-std::array<uint8_t, 3> rgb_of(const HsvColor& hsv) {
+std::array<uint8_t, 3> rgb_of(const memory::HsvColor& hsv) {
   const double chroma = hsv.value * hsv.saturation;
   const auto channel = [&](double shift) {
     const double k = std::fmod(shift + hsv.hue / 60, 6);
@@ -45,7 +45,7 @@ std::array<uint8_t, 3> rgb_of(const HsvColor& hsv) {
   return {channel(5), channel(3), channel(1)};
 }
 
-PinholeCamera pinhole_of(const SceneCamera& camera) {
+mapping::PinholeCamera pinhole_of(const memory::SceneCamera& camera) {
   return {camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy};
 }
 
@@ -57,8 +57,8 @@ double distance_of(const std::optional<Vector3d>& position, const SceneContent& 
 
 /// Where a part of the depth image is in the colour image, at the distance of what it shows.
 cv::Rect2d in_color_image(const cv::Rect2d& roi, const std::optional<Vector3d>& position,
-                            const SceneContent& content) {
-  const RgbdCamera& camera = content.camera;
+                          const SceneContent& content) {
+  const mapping::RgbdCamera& camera = content.camera;
   const Isometry3d color_from_depth = camera.depth_from_color.inverse();
   const double z = distance_of(position, content);
   Eigen::AlignedBox2d area;
@@ -67,7 +67,7 @@ cv::Rect2d in_color_image(const cv::Rect2d& roi, const std::optional<Vector3d>& 
   return {area.min().x(), area.min().y(), area.sizes().x(), area.sizes().y()};
 }
 
-cv::Mat read_mask(const Store& store, Id blob) {
+cv::Mat read_mask(const memory::Store& store, memory::Id blob) {
   cv::Mat mask;
   cv::extractChannel(read_image(store, blob), mask, 0);
   return mask;
@@ -78,7 +78,7 @@ void add_outlines(const cv::Mat& mask, const std::optional<Vector3d>& position, 
                   ImageBox& box) {
   std::vector<std::vector<cv::Point>> contours;
   cv::findContours(mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE);
-  const RgbdCamera& camera = content.camera;
+  const mapping::RgbdCamera& camera = content.camera;
   const Isometry3d color_from_depth = camera.depth_from_color.inverse();
   const double z = distance_of(position, content);
   for (const auto& contour : contours) {
@@ -96,14 +96,14 @@ void add_outlines(const cv::Mat& mask, const std::optional<Vector3d>& position, 
 class MemoryData : public BrowserData {
  public:
   MemoryData(const std::filesystem::path& path, const MemoryIndex* before, Progress& progress)
-      : path_(path), store_(Store::open_read(path)), index_(read_index(store_, before, progress)) {}
+      : path_(path), store_(memory::Store::open_read(path)), index_(read_index(store_, before, progress)) {}
 
   const MemoryInfo& info() const override { return index_.info; }
   const std::vector<SceneEntry>& scenes() const override { return index_.scenes; }
   const std::vector<EventEntry>& events() const override { return index_.events; }
-  const World* world() const override { return index_.world.get(); }
+  const mapping::World* world() const override { return index_.world.get(); }
   const std::vector<PlaceOutline>& loose_places() const override { return index_.loose_places; }
-  MeshSearch mesh_search() const override { return {{}, path_.parent_path()}; }
+  mapping::MeshSearch mesh_search() const override { return {{}, path_.parent_path()}; }
 
   std::unique_ptr<BrowserData> renewed(Progress& progress) const override {
     return std::make_unique<MemoryData>(path_, &index_, progress);
@@ -128,23 +128,25 @@ class MemoryData : public BrowserData {
   cv::Mat image(int64_t object, TimeNs time) const override;
   // A Store belongs to one thread at a time; a question may take long and gets one of its own.
   TypedAnswer answer(const TypedQuestion& question) const override {
-    return answer_question(Store::open_read(path_), question);
+    return apps::answer_question(memory::Store::open_read(path_), question);
   }
   std::vector<std::string> example_questions() const override {
-    return loci::example_questions(Store::open_read(path_));
+    return loci::gui::example_questions(memory::Store::open_read(path_));
   }
-  std::vector<std::string> known_words() const override { return loci::known_words(Store::open_read(path_)); }
+  std::vector<std::string> known_words() const override {
+    return loci::gui::known_words(memory::Store::open_read(path_));
+  }
   TimeNs time_of(const std::string& text) const override;
   FoundThings find(const std::string& words, TimeNs time) const override;
 
  private:
-  BelievedObject believed(const BeliefRow& row) const;
-  const ObservationRow& observation(Id id) const;
-  RgbdCamera cameras_of(const SceneRow& row) const;
-  std::vector<ImageBox> boxes(const SceneRow& row, const SceneContent& content) const;
+  BelievedObject believed(const memory::BeliefRow& row) const;
+  const memory::ObservationRow& observation(memory::Id id) const;
+  mapping::RgbdCamera cameras_of(const memory::SceneRow& row) const;
+  std::vector<ImageBox> boxes(const memory::SceneRow& row, const SceneContent& content) const;
   /// Calls `mark` with the place in `looks` of each scene that is in it.
   template <class Mark>
-  void mark_scene(Id scene, size_t first_scene, Mark mark) const {
+  void mark_scene(memory::Id scene, size_t first_scene, Mark mark) const {
     const auto found = index_.number_of_scene.find(scene);
     if (found != index_.number_of_scene.end() && found->second >= first_scene)
       mark(found->second - first_scene);
@@ -152,19 +154,19 @@ class MemoryData : public BrowserData {
 
   std::filesystem::path path_;
   mutable std::mutex mutex_;  ///< whoever reads from the store
-  Store store_;
+  memory::Store store_;
   MemoryIndex index_;
-  mutable std::unordered_map<Id, ObservationRow>
+  mutable std::unordered_map<memory::Id, memory::ObservationRow>
       observations_;  ///< read once, asked for at every step in time
 };
 
-const ObservationRow& MemoryData::observation(Id id) const {
+const memory::ObservationRow& MemoryData::observation(memory::Id id) const {
   const auto found = observations_.find(id);
   return found != observations_.end() ? found->second
                                       : observations_.emplace(id, store_.observation(id)).first->second;
 }
 
-BelievedObject MemoryData::believed(const BeliefRow& row) const {
+BelievedObject MemoryData::believed(const memory::BeliefRow& row) const {
   BelievedObject object;
   object.id = row.object;
   object.name = index_.name_of(row.object);
@@ -181,7 +183,7 @@ BelievedObject MemoryData::believed(const BeliefRow& row) const {
   Isometry3d pose = Isometry3d::Identity();
   bool placed = false;
   if (row.last_observation) {  // The belief is a position; how the thing is turned, its last sight says.
-    const ObservationRow& seen = observation(*row.last_observation);
+    const memory::ObservationRow& seen = observation(*row.last_observation);
     if (seen.map_from_box) {
       pose = *seen.map_from_box;
       placed = true;
@@ -207,7 +209,7 @@ BelievedScene MemoryData::belief_at(TimeNs time, std::optional<TimeNs> known_at)
   if (entry != nullptr && entry->time <= time)
     for (const auto& [joint, position] : store_.scene(entry->id).joints)
       belief.joints[index_.parts.joint(joint)] = position;
-  for (const BeliefRow& row : store_.beliefs({time, known_at})) {
+  for (const memory::BeliefRow& row : store_.beliefs({time, known_at})) {
     belief.objects.push_back(believed(row));
     // A belief holds until the next one: what an earlier scene saw is remembered now.
     BelievedObject& object = belief.objects.back();
@@ -227,13 +229,13 @@ std::vector<SceneDecisions> MemoryData::decisions(int64_t scene, size_t count) c
   return decided;
 }
 
-std::vector<ImageBox> MemoryData::boxes(const SceneRow& row, const SceneContent& content) const {
-  std::unordered_map<Id, Id> object_of;
-  for (const AssociationRow& association : store_.associations(row.id))
+std::vector<ImageBox> MemoryData::boxes(const memory::SceneRow& row, const SceneContent& content) const {
+  std::unordered_map<memory::Id, memory::Id> object_of;
+  for (const memory::AssociationRow& association : store_.associations(row.id))
     if (association.chosen && association.observation && association.object && association.probability > 0)
       object_of[*association.observation] = *association.object;
   std::vector<ImageBox> boxes;
-  for (const ObservationRow& seen : store_.observations(row.id)) {
+  for (const memory::ObservationRow& seen : store_.observations(row.id)) {
     if (!seen.roi) continue;
     const auto found = object_of.find(seen.id);
     ImageBox box;
@@ -251,32 +253,32 @@ std::vector<ImageBox> MemoryData::boxes(const SceneRow& row, const SceneContent&
 
 /// The cameras of a scene: the depth camera is in its row, the colour camera beside it when a pipeline of
 /// ours wrote it; otherwise the image is taken to be registered to the depth.
-RgbdCamera MemoryData::cameras_of(const SceneRow& row) const {
-  RgbdCamera cameras;
+mapping::RgbdCamera MemoryData::cameras_of(const memory::SceneRow& row) const {
+  mapping::RgbdCamera cameras;
   cameras.depth = cameras.color = pinhole_of(*row.camera);
-  for (const FeatureStructureRow& stored :
-       store_.feature_structures(row.id, std::string(types::CameraInfo::kTypeName))) {
-    cas::Cas cas(types::type_system());
-    const types::CameraInfo info(read_feature_structure(store_, stored.id, cas));
+  for (const memory::FeatureStructureRow& stored :
+       store_.feature_structures(row.id, std::string(perception::types::CameraInfo::kTypeName))) {
+    perception::cas::Cas cas(perception::types::type_system());
+    const perception::types::CameraInfo info(read_feature_structure(store_, stored.id, cas));
     if (info.name.get() != "color") continue;
     cameras.color = {info.width.get(), info.height.get(), info.fx.get(),
                      info.fy.get(),    info.cx.get(),     info.cy.get()};
-    if (const types::Transform pose = info.depth_from_camera.get())
-      cameras.depth_from_color = types::from<Isometry3d>(pose);
+    if (const perception::types::Transform pose = info.depth_from_camera.get())
+      cameras.depth_from_color = perception::types::from<Isometry3d>(pose);
   }
   return cameras;
 }
 
 SceneContent MemoryData::scene(int64_t id) const {
   const std::lock_guard lock(mutex_);
-  const SceneRow row = store_.scene(id);
+  const memory::SceneRow row = store_.scene(id);
   SceneContent content;
   mark_scene(id, 0, [&](size_t number) { content.scene = index_.scenes[number]; });
   content.map_from_camera = row.map_from_camera;
   if (row.camera) content.camera = cameras_of(row);
   if (row.image) content.color = read_image(store_, *row.image);
   if (row.depth && row.depth_width > 0) {
-    std::vector<float> depth = decode_depth_thumbnail(store_.blob(*row.depth).bytes);
+    std::vector<float> depth = memory::decode_depth_thumbnail(store_.blob(*row.depth).bytes);
     if (depth.size() == static_cast<size_t>(row.depth_width) * static_cast<size_t>(row.depth_height))
       content.depth = cv::Mat(row.depth_height, row.depth_width, CV_32F, depth.data()).clone();
   }
@@ -292,8 +294,9 @@ SceneContent MemoryData::scene(int64_t id) const {
 std::vector<HistoryEntry> MemoryData::history(int64_t object) const {
   const std::lock_guard lock(mutex_);
   std::vector<HistoryEntry> entries;
-  for (const ObjectHistory& history : ask(store_, HistoryQuestion{object_name(object), {}}).objects)
-    for (const Change& change : history.changes) {
+  for (const memory::ObjectHistory& history :
+       ask(store_, memory::HistoryQuestion{memory::object_name(object), {}}).objects)
+    for (const memory::Change& change : history.changes) {
       const auto& place = change.place ? change.place : change.from_place;
       std::string what = change.kind;
       std::replace(what.begin(), what.end(), '_', ' ');
@@ -305,7 +308,7 @@ std::vector<HistoryEntry> MemoryData::history(int64_t object) const {
 std::vector<TimeNs> MemoryData::observations(int64_t object) const {
   const std::lock_guard lock(mutex_);
   std::vector<TimeNs> times;
-  for (const Sighting& sighting : store_.sightings(object)) times.push_back(sighting.time);
+  for (const memory::Sighting& sighting : store_.sightings(object)) times.push_back(sighting.time);
   return times;
 }
 
@@ -313,7 +316,7 @@ std::vector<TracePoint> MemoryData::trace(int64_t object) const {
   constexpr double kStays = 0.03;  // metres: what is measured of a thing at rest differs by as much
   const std::lock_guard lock(mutex_);
   std::vector<TracePoint> trace;
-  for (const Sighting& sighting : store_.sightings(object)) {
+  for (const memory::Sighting& sighting : store_.sightings(object)) {
     const auto& position = sighting.observation.position;
     if (position && (trace.empty() || (*position - trace.back().position).norm() > kStays))
       trace.push_back({sighting.time, *position});
@@ -325,7 +328,7 @@ ColoredCloud MemoryData::object_cloud(int64_t object, TimeNs time, std::optional
   const std::lock_guard lock(mutex_);
   const auto last = store_.last_sighting_before(object, time + 1, {}, {time, known_at});
   if (!last) return {};
-  const SceneRow row = store_.scene(last->observation.scene);
+  const memory::SceneRow row = store_.scene(last->observation.scene);
   if (!row.camera || !row.map_from_camera) return {};
   SceneContent content;  // as far as colours need it
   content.camera = cameras_of(row);
@@ -343,10 +346,11 @@ std::vector<Look> MemoryData::looks_for_object(int64_t object, size_t first_scen
   const std::lock_guard lock(mutex_);
   std::vector<Look> looks(index_.scenes.size() - std::min(first_scene, index_.scenes.size()), Look::nothing);
   if (looks.empty()) return looks;
-  for (const VisibilityRow& row : store_.visibility_of_object(object, index_.scenes[first_scene].time))
+  for (const memory::VisibilityRow& row :
+       store_.visibility_of_object(object, index_.scenes[first_scene].time))
     if (row.status == "missed")
       mark_scene(row.scene, first_scene, [&](size_t number) { looks[number] = Look::missed; });
-  for (const Sighting& sighting : store_.sightings(object, {}, index_.scenes[first_scene].time))
+  for (const memory::Sighting& sighting : store_.sightings(object, {}, index_.scenes[first_scene].time))
     mark_scene(sighting.observation.scene, first_scene, [&](size_t number) { looks[number] = Look::seen; });
   return looks;
 }
@@ -356,7 +360,7 @@ std::vector<Look> MemoryData::looks_at_place(const std::string& place, size_t fi
   std::vector<Look> looks(index_.scenes.size() - std::min(first_scene, index_.scenes.size()), Look::nothing);
   for (const auto& [id, name] : index_.places)
     if (name == place && !looks.empty())
-      for (const VisibilityRow& row : store_.visibility_of_place(id, index_.scenes[first_scene].time))
+      for (const memory::VisibilityRow& row : store_.visibility_of_place(id, index_.scenes[first_scene].time))
         if (row.fraction.value_or(0) > 0)
           mark_scene(row.scene, first_scene, [&](size_t number) { looks[number] = Look::seen; });
   return looks;
@@ -364,18 +368,18 @@ std::vector<Look> MemoryData::looks_at_place(const std::string& place, size_t fi
 
 cv::Mat MemoryData::image(int64_t object, TimeNs time) const {
   const std::lock_guard lock(mutex_);
-  std::optional<Id> crop;
+  std::optional<memory::Id> crop;
   const auto last = store_.last_sighting_before(object, time + 1, {});
   if (last) crop = last->observation.crop;
   if (last && !crop)
-    for (const Sighting& sighting : store_.sightings(object, {time, std::nullopt}))
+    for (const memory::Sighting& sighting : store_.sightings(object, {time, std::nullopt}))
       if (sighting.observation.crop) crop = sighting.observation.crop;
   return crop ? read_image(store_, *crop) : cv::Mat();
 }
 
 TimeNs MemoryData::time_of(const std::string& text) const {
   const std::lock_guard lock(mutex_);
-  const TimeSpan span = TimeReader(store_).read(text);
+  const memory::TimeSpan span = memory::TimeReader(store_).read(text);
   // Nothing changes between scenes: the belief at the last scene is that at the end of the span.
   TimeNs time = span.first;
   for (const SceneEntry& scene : index_.scenes)
@@ -385,7 +389,7 @@ TimeNs MemoryData::time_of(const std::string& text) const {
 
 FoundThings MemoryData::find(const std::string& words, TimeNs time) const {
   const std::lock_guard lock(mutex_);
-  const Snapshot snapshot(store_, {time, std::nullopt});
+  const memory::Snapshot snapshot(store_, {time, std::nullopt});
   if (world() != nullptr && world()->find_link(words) != nullptr) return {{}, words};
   for (const auto& [id, name] : index_.places)
     if (name == words) return {{}, words};
@@ -398,7 +402,7 @@ FoundThings MemoryData::find(const std::string& words, TimeNs time) const {
   } catch (const Error&) {
   }
   std::vector<std::string> names;
-  for (const BeliefRow& row : snapshot.beliefs()) names.push_back(index_.name_of(row.object));
+  for (const memory::BeliefRow& row : snapshot.beliefs()) names.push_back(index_.name_of(row.object));
   for (const auto& [id, name] : index_.places) names.push_back(name);
   throw Error(fmt::format("no object or place is known as '{}' at this time", words), {path_.string(), 0, {}},
               did_you_mean(words, names));
@@ -415,4 +419,4 @@ std::unique_ptr<BrowserData> open_memory_data(const std::filesystem::path& path)
   return open_memory_data(path, progress);
 }
 
-}  // namespace loci
+}  // namespace loci::gui

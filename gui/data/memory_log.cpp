@@ -7,14 +7,14 @@
 #include "memory/questions/answers.h"
 #include "memory/report/annotator_times.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 std::string duration(TimeNs span) {
   return fmt::format("{:.1f} s", static_cast<double>(span) / static_cast<double>(kSecond));
 }
 
-LogEntry entry_of(const RunRow& run, size_t scenes) {
+LogEntry entry_of(const memory::RunRow& run, size_t scenes) {
   LogEntry entry{.time = run.started, .what = run.program};
   const std::string took = run.finished ? "took " + duration(*run.finished - run.started) : "did not finish";
   entry.is_problem = !run.finished;
@@ -24,7 +24,7 @@ LogEntry entry_of(const RunRow& run, size_t scenes) {
   return entry;
 }
 
-LogEntry entry_of(const AnnotatorTimes& times) {
+LogEntry entry_of(const memory::AnnotatorTimes& times) {
   LogEntry entry{.what = times.name, .is_problem = times.failures > 0};
   entry.text = fmt::format("{:.1f} ms/scene, {} scene{}", times.ms_per_scene(), times.scenes,
                            times.scenes == 1 ? "" : "s");
@@ -35,7 +35,7 @@ LogEntry entry_of(const AnnotatorTimes& times) {
   return entry;
 }
 
-LogEntry entry_of(const SceneRow& row, const SceneSummary& summary) {
+LogEntry entry_of(const memory::SceneRow& row, const memory::SceneSummary& summary) {
   LogEntry entry{
       .time = row.time, .what = fmt::format("scene {}", row.id), .scene = row.time, .scene_id = row.id};
   entry.text = fmt::format("{} observation{}", summary.observations, summary.observations == 1 ? "" : "s");
@@ -53,27 +53,29 @@ LogEntry entry_of(const SceneRow& row, const SceneSummary& summary) {
 }  // namespace
 
 std::vector<LogEntry> memory_log(const std::filesystem::path& path) {
-  const Store store = Store::open_read(path);
-  std::map<Id, SceneSummary> summaries;
-  for (SceneSummary& summary : ask(store, ScenesQuestion{}).scenes)
+  const memory::Store store = memory::Store::open_read(path);
+  std::map<memory::Id, memory::SceneSummary> summaries;
+  for (memory::SceneSummary& summary : ask(store, memory::ScenesQuestion{}).scenes)
     summaries[summary.scene.scene] = std::move(summary);
-  std::map<Id, std::vector<SceneRow>> scenes;
-  for (SceneRow& scene : store.scenes()) scenes[scene.run].push_back(std::move(scene));
+  std::map<memory::Id, std::vector<memory::SceneRow>> scenes;
+  for (memory::SceneRow& scene : store.scenes()) scenes[scene.run].push_back(std::move(scene));
   std::vector<LogEntry> entries;
-  for (const AnnotatorTimes& times : annotator_times(path)) entries.push_back(entry_of(times));
-  for (const RunRow& run : store.runs()) {
+  for (const memory::AnnotatorTimes& times : memory::annotator_times(path))
+    entries.push_back(entry_of(times));
+  for (const memory::RunRow& run : store.runs()) {
     entries.push_back(entry_of(run, scenes[run.id].size()));
-    for (const SceneRow& scene : scenes[run.id]) entries.push_back(entry_of(scene, summaries[scene.id]));
+    for (const memory::SceneRow& scene : scenes[run.id])
+      entries.push_back(entry_of(scene, summaries[scene.id]));
   }
   return entries;
 }
 
 std::string annotator_log(const std::filesystem::path& path, int64_t scene) {
-  const std::vector<LogRow> rows = Store::open_read(path).log(scene);
+  const std::vector<memory::LogRow> rows = memory::Store::open_read(path).log(scene);
   if (rows.empty()) return "What annotators did in this scene was not kept.";
   double all = 0;
   std::string text;
-  for (const LogRow& row : rows) {
+  for (const memory::LogRow& row : rows) {
     all += row.milliseconds.value_or(0);
     text += "\n" + row.annotator;
     if (row.milliseconds) text += fmt::format(" {:.1f} ms", *row.milliseconds);
@@ -83,4 +85,4 @@ std::string annotator_log(const std::filesystem::path& path, int64_t scene) {
   return fmt::format("annotators, {:.1f} ms together:{}", all, text);
 }
 
-}  // namespace loci
+}  // namespace loci::gui

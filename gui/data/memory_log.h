@@ -7,7 +7,7 @@
 
 #include "mapping/base/time.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// A line of the log: an annotator with its times over all runs, a run that wrote to the memory, a scene, or
 /// something that went wrong.
@@ -28,4 +28,4 @@ std::vector<LogEntry> memory_log(const std::filesystem::path& path);
 /// What annotators did in a scene and how long each took, a line each; says so when that was not kept.
 std::string annotator_log(const std::filesystem::path& path, int64_t scene);
 
-}  // namespace loci
+}  // namespace loci::gui

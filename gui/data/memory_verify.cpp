@@ -4,12 +4,12 @@
 
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::gui {
 
 std::string verify_memory(const std::filesystem::path& path, Progress& progress) {
-  VerifyReport report;
+  memory::VerifyReport report;
   try {
-    report = Store::open_read(path).verify(progress);
+    report = memory::Store::open_read(path).verify(progress);
   } catch (const Interrupted&) {
     throw;
   } catch (const Error& error) {
@@ -25,4 +25,4 @@ std::string verify_memory(const std::filesystem::path& path, Progress& progress)
   return text;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -4,12 +4,13 @@
 #include <cmath>
 #include <map>
 
-#include "gui/data/memory_index.h"
 #include "gui/data/images.h"
+#include "gui/data/memory_index.h"
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 #include "memory/reasoning/why.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr size_t kMinBins = 4, kMaxBins = 1024;
@@ -20,19 +21,19 @@ std::string short_type(const std::string& type) {
 }
 
 /// In which of eight directions from the object the camera stood: 0 = east, counter-clockwise.
-int side_of(const SceneEntry& scene, const ObservationRow& seen) {
+int side_of(const SceneEntry& scene, const memory::ObservationRow& seen) {
   if (!scene.map_from_camera || !seen.position) return -1;
   const Vector3d towards = scene.map_from_camera->translation() - *seen.position;
-  return static_cast<int>(std::lround(std::atan2(towards.y(), towards.x()) / (M_PI / 4)) + 8) % 8;
+  return static_cast<int>(std::lround(std::atan2(towards.y(), towards.x()) / (kPi / 4)) + 8) % 8;
 }
 
-std::vector<ObjectImage> images_of(const Store& store, const MemoryIndex& index,
-                                       const std::vector<Sighting>& sightings) {
+std::vector<ObjectImage> images_of(const memory::Store& store, const MemoryIndex& index,
+                                   const std::vector<memory::Sighting>& sightings) {
   // The map's axes: x is called east, as on a drawing.
   static constexpr std::array<const char*, 8> kSides = {"from +x", "from +x +y", "from +y", "from −x +y",
                                                         "from −x", "from −x −y", "from −y", "from +x −y"};
-  std::map<int, const Sighting*> newest;  // by side
-  for (const Sighting& sighting : sightings) {
+  std::map<int, const memory::Sighting*> newest;  // by side
+  for (const memory::Sighting& sighting : sightings) {
     const auto scene = index.number_of_scene.find(sighting.association.scene);
     if (sighting.observation.crop && scene != index.number_of_scene.end())
       newest[side_of(index.scenes[scene->second], sighting.observation)] = &sighting;
@@ -40,12 +41,12 @@ std::vector<ObjectImage> images_of(const Store& store, const MemoryIndex& index,
   std::vector<ObjectImage> images;
   for (const auto& [side, sighting] : newest)
     images.push_back({sighting->time, side < 0 ? "" : kSides[static_cast<size_t>(side)],
-                        read_image(store, *sighting->observation.crop)});
+                      read_image(store, *sighting->observation.crop)});
   return images;
 }
 
 /// Every list of numbers in a feature structure, and who made it.
-void read_structure(const FeatureStructureRow& row, ObjectDetails& details) {
+void read_structure(const memory::FeatureStructureRow& row, ObjectDetails& details) {
   const Json json = parse_json(row.json, "feature_structure");
   for (const Json& structure : json.value("structures", Json::array())) {
     const Json features = structure.value("features", Json::object());
@@ -60,7 +61,7 @@ void read_structure(const FeatureStructureRow& row, ObjectDetails& details) {
   }
 }
 
-std::string expert_of(const Store& store, const AnnotationRow& row) {
+std::string expert_of(const memory::Store& store, const memory::AnnotationRow& row) {
   if (!row.feature_structure) return row.type == "loci.Label" ? "user" : "";
   const Json json = parse_json(store.feature_structure(*row.feature_structure).json, "feature_structure");
   for (const Json& structure : json.value("structures", Json::array()))
@@ -71,18 +72,19 @@ std::string expert_of(const Store& store, const AnnotationRow& row) {
 
 }  // namespace
 
-ObjectDetails read_details(const Store& store, const MemoryIndex& index, Id object, TimeNs time) {
+ObjectDetails read_details(const memory::Store& store, const MemoryIndex& index, memory::Id object,
+                           TimeNs time) {
   ObjectDetails details;
-  std::vector<Sighting> sightings = store.sightings(object, {time, std::nullopt});
+  std::vector<memory::Sighting> sightings = store.sightings(object, {time, std::nullopt});
   if (sightings.empty()) return details;
   if (sightings.size() > kSightingsLookedAt)
     sightings.erase(sightings.begin(), sightings.end() - static_cast<ptrdiff_t>(kSightingsLookedAt));
   details.images = images_of(store, index, sightings);
-  const Sighting& last = sightings.back();
-  for (const AnnotationRow& row : store.annotations(last.association.scene))
+  const memory::Sighting& last = sightings.back();
+  for (const memory::AnnotationRow& row : store.annotations(last.association.scene))
     if (row.observation == last.observation.id && !row.value.empty())
       details.annotations.push_back({short_type(row.type), row.value, expert_of(store, row), row.confidence});
-  for (const FeatureStructureRow& row : store.feature_structures(last.association.scene))
+  for (const memory::FeatureStructureRow& row : store.feature_structures(last.association.scene))
     if (row.observation == last.observation.id) read_structure(row, details);
   try {
     details.why = why_object(store, object, {time, std::nullopt}).text;
@@ -92,4 +94,4 @@ ObjectDetails read_details(const Store& store, const MemoryIndex& index, Id obje
   return details;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -7,9 +7,12 @@
 #include "mapping/base/time.h"
 #include "memory/store/rows.h"
 
-namespace loci {
-
+namespace loci::memory {
 class Store;
+}  // namespace loci::memory
+
+namespace loci::gui {
+
 struct MemoryIndex;
 
 /// What an expert said of an object.
@@ -29,18 +32,19 @@ struct Histogram {
 struct ObjectImage {
   TimeNs time = 0;
   std::string side = {};  ///< from where it was looked at: "from the south-east"; empty = unknown
-  cv::Mat image = {};   ///< CV_8UC3, BGR
+  cv::Mat image = {};     ///< CV_8UC3, BGR
 };
 
 /// What the memory has of an object beyond its history.
 struct ObjectDetails {
-  std::vector<ObjectImage> images = {};  ///< the newest from each side
+  std::vector<ObjectImage> images = {};      ///< the newest from each side
   std::vector<Annotation> annotations = {};  ///< of its last sight
   std::vector<Histogram> histograms = {};
   std::string why = {};  ///< why the memory believes what it does, in words
 };
 
 /// As of a time.
-ObjectDetails read_details(const Store& store, const MemoryIndex& index, Id object, TimeNs time);
+ObjectDetails read_details(const memory::Store& store, const MemoryIndex& index, memory::Id object,
+                           TimeNs time);
 
-}  // namespace loci
+}  // namespace loci::gui

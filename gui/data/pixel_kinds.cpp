@@ -3,10 +3,10 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-namespace loci {
+namespace loci::gui {
 
 cv::Mat kinds_in_color(const SceneContent& content) {
-  const RgbdCamera& camera = content.camera;
+  const mapping::RgbdCamera& camera = content.camera;
   if (content.kinds.empty() || content.kinds.size() != content.depth.size() || camera.color.width <= 0)
     return {};
   const Isometry3d color_from_depth = camera.depth_from_color.inverse();
@@ -39,4 +39,4 @@ cv::Mat kinds_in_color(const SceneContent& content) {
   return seen;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -2,14 +2,14 @@
 
 #include <cmath>
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr int kSteps = 6;  // of the search for a colour pixel's depth
 constexpr double kFirstGuess = 1.5;
 
 /// Pixel of an image that may be stored smaller than the camera's; unset outside.
-std::optional<cv::Point> stored_pixel(const cv::Mat& image, const PinholeCamera& camera,
+std::optional<cv::Point> stored_pixel(const cv::Mat& image, const mapping::PinholeCamera& camera,
                                       const Vector2d& pixel) {
   if (image.empty() || camera.width <= 0 || camera.height <= 0) return std::nullopt;
   const cv::Point at(static_cast<int>(std::floor((pixel.x() + 0.5) * image.cols / camera.width)),
@@ -62,4 +62,4 @@ PixelValues values_at_color(const SceneContent& content, const Vector2d& pixel) 
   return values;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

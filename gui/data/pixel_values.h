@@ -5,7 +5,7 @@
 
 #include "gui/data/browser_data.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// What was measured at a pixel of a scene's images.
 struct PixelValues {
@@ -19,4 +19,4 @@ struct PixelValues {
 PixelValues values_at_color(const SceneContent& content, const Vector2d& pixel);
 PixelValues values_at_depth(const SceneContent& content, const Vector2d& pixel);
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -10,7 +10,7 @@
 #include "memory/questions/spoken.h"
 #include "memory/questions/words.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 /// Words as a shell takes them apart: 'tea cup' and "tea cup" are one.
@@ -36,17 +36,17 @@ std::vector<std::string> shell_words(const std::string& text) {
 
 /// The verbs that sentences become are those that may be typed.
 bool is_verb(const std::string& word) {
-  const auto& patterns = sentence_patterns();
-  return std::any_of(patterns.begin(), patterns.end(), [&](const SentencePattern& pattern) {
+  const auto& patterns = memory::sentence_patterns();
+  return std::any_of(patterns.begin(), patterns.end(), [&](const memory::SentencePattern& pattern) {
     return pattern.command == word || pattern.command.starts_with(word + " ");
   });
 }
 
-std::optional<CommandLine> read_command(const std::string& text) {
+std::optional<memory::CommandLine> read_command(const std::string& text) {
   std::vector<std::string> words = shell_words(text);
   if (!words.empty() && words[0] == "loci-memory") words.erase(words.begin());
   if (words.empty() || !is_verb(words[0])) return std::nullopt;
-  CommandLine command{.verb = words[0]};
+  memory::CommandLine command{.verb = words[0]};
   for (size_t i = 1; i < words.size(); ++i) {
     if (!words[i].starts_with("--")) {
       command.words.push_back(words[i]);
@@ -61,10 +61,11 @@ std::optional<CommandLine> read_command(const std::string& text) {
   return command;
 }
 
-TypedAnswer answer_command(const Store& store, const CommandLine& command, const AsOf& as_of) {
+TypedAnswer answer_command(const memory::Store& store, const memory::CommandLine& command,
+                           const memory::AsOf& as_of) {
   TypedAnswer answer{.command = command.text()};
   try {
-    answer.text = to_text(run_question(store, command, as_of), TimeWriter(store));
+    answer.text = to_text(run_question(store, command, as_of), memory::TimeWriter(store));
   } catch (const Error& error) {
     answer.text = error.message() + (error.hint().empty() ? "." : " (" + error.hint() + ").");
   }
@@ -73,34 +74,34 @@ TypedAnswer answer_command(const Store& store, const CommandLine& command, const
 
 }  // namespace
 
-TypedAnswer answer_question(const Store& store, const TypedQuestion& question) {
-  const AsOf as_of{.at = question.at, .known_at = {}};
+TypedAnswer answer_question(const memory::Store& store, const TypedQuestion& question) {
+  const memory::AsOf as_of{.at = question.at, .known_at = {}};
   TypedAnswer answer;
-  if (!understand(question.text, TimeReader(store)))
+  if (!understand(question.text, memory::TimeReader(store)))
     if (const auto command = read_command(question.text)) {
       answer = answer_command(store, *command, as_of);
       answer.question = question.text;
       return answer;
     }
-  SpokenQuestion spoken{.sentences = {}, .as_of = as_of};
-  if (question.about) spoken.sentences.push_back("where is " + object_name(*question.about));
+  memory::SpokenQuestion spoken{.sentences = {}, .as_of = as_of};
+  if (question.about) spoken.sentences.push_back("where is " + memory::object_name(*question.about));
   spoken.sentences.push_back(question.text);
-  SpokenAnswer said = ask(store, spoken).back();
+  memory::SpokenAnswer said = ask(store, spoken).back();
   answer.question = question.text;
   answer.understood = said.command.has_value();
   if (said.command) answer.command = said.command->text();
   answer.nearest = std::move(said.nearest);
   for (const std::string& note : said.notes) answer.text += "(" + note + ")\n";
   if (said.why_not) answer.text += said.why_not->text + "\n";
-  if (said.answer) answer.text += to_text(*said.answer, TimeWriter(store));
+  if (said.answer) answer.text += to_text(*said.answer, memory::TimeWriter(store));
   return answer;
 }
 
-std::vector<std::string> example_questions(const Store& store) {
+std::vector<std::string> example_questions(const memory::Store& store) {
   std::vector<std::string> questions;
-  const auto states = ask(store, ObjectsQuestion{}).objects;
-  const auto moved = ask(store, ChangesQuestion{}).changes;
-  const auto name = [](const ObjectRef& object) {
+  const auto states = ask(store, memory::ObjectsQuestion{}).objects;
+  const auto moved = ask(store, memory::ChangesQuestion{}).changes;
+  const auto name = [](const memory::ObjectRef& object) {
     return object.aliases.empty() ? object.name : "the " + object.aliases.front();
   };
   if (!states.empty()) questions.push_back(fmt::format("Where is {}?", name(states.front().object)));
@@ -112,21 +113,21 @@ std::vector<std::string> example_questions(const Store& store) {
   if (!states.empty() && states.front().place)
     questions.push_back(fmt::format("What is {} {}?", states.front().place->container ? "in" : "on",
                                     states.front().place->name));
-  for (const SentencePattern& pattern : sentence_patterns())
+  for (const memory::SentencePattern& pattern : memory::sentence_patterns())
     if (!pattern.example.empty()) questions.push_back(pattern.example);
   return questions;
 }
 
-std::vector<std::string> known_words(const Store& store) {
+std::vector<std::string> known_words(const memory::Store& store) {
   std::set<std::string> words;
-  for (const ObjectRow& object : store.objects()) words.insert(object_name(object.id));
-  for (const PlaceRow& place : named_places(store)) words.insert(place.name);
-  const PartNames names = part_names(store);
+  for (const memory::ObjectRow& object : store.objects()) words.insert(memory::object_name(object.id));
+  for (const memory::PlaceRow& place : named_places(store)) words.insert(place.name);
+  const memory::PartNames names = part_names(store);
   for (const auto* parts : {&names.links, &names.joints})
     for (const auto& [in_map, name] : *parts) words.insert(name);
-  for (const FactRow& fact : store.facts())
+  for (const memory::FactRow& fact : store.facts())
     if (fact.value && (fact.key == "alias" || fact.key == "class")) words.insert(*fact.value);
   return {words.begin(), words.end()};
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -8,9 +8,11 @@
 
 #include "mapping/base/time.h"
 
-namespace loci {
-
+namespace loci::memory {
 class Store;
+}  // namespace loci::memory
+
+namespace loci::gui {
 
 /// A question as a person types it.
 struct TypedQuestion {
@@ -29,12 +31,12 @@ struct TypedAnswer {
 };
 
 /// The answer of loci-memory. What is not understood is an answer; Error when the file cannot be read.
-TypedAnswer answer_question(const Store& store, const TypedQuestion& question);
+TypedAnswer answer_question(const memory::Store& store, const TypedQuestion& question);
 
 /// Questions that this memory can answer, for people who do not know what to ask: first about what is in it,
 /// then one of each form.
-std::vector<std::string> example_questions(const Store& store);
+std::vector<std::string> example_questions(const memory::Store& store);
 /// Objects, what people call them, and places: words that a question may be about.
-std::vector<std::string> known_words(const Store& store);
+std::vector<std::string> known_words(const memory::Store& store);
 
-}  // namespace loci
+}  // namespace loci::gui

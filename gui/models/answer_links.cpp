@@ -3,7 +3,7 @@
 #include <QRegularExpression>
 #include <algorithm>
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 const QString kTime = R"((?:\d{4}-\d\d-\d\d )?\b\d\d:\d\d(?::\d\d(?:\.\d+)?)?\b)";
@@ -52,4 +52,4 @@ std::vector<int64_t> objects_named(const QString& plain) {
   return objects;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -4,7 +4,7 @@
 
 #include "gui/theme.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 QColor color_of(Difference::Kind kind) {
@@ -69,4 +69,4 @@ QVariant DifferencesModel::headerData(int section, Qt::Orientation orientation, 
                                   : now_;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -5,7 +5,7 @@
 
 #include "gui/data/differences.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// Differences as lines of a table.
 class DifferencesModel : public QAbstractTableModel {
@@ -29,4 +29,4 @@ class DifferencesModel : public QAbstractTableModel {
   QString then_ = "Then", now_ = "Now";
 };
 
-}  // namespace loci
+}  // namespace loci::gui

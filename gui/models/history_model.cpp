@@ -6,7 +6,7 @@
 
 #include "gui/text.h"
 
-namespace loci {
+namespace loci::gui {
 
 HistoryModel::HistoryModel(Browser& browser, QObject* parent)
     : QAbstractTableModel(parent), browser_(browser) {
@@ -104,4 +104,4 @@ QVariant HistoryModel::headerData(int section, Qt::Orientation orientation, int 
   }
 }
 
-}  // namespace loci
+}  // namespace loci::gui

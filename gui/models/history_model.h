@@ -6,7 +6,7 @@
 
 #include "gui/browser.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// The history of the chosen object: since when, where, what happened, how sure. Newest first.
 class HistoryModel : public QAbstractTableModel {
@@ -33,4 +33,4 @@ class HistoryModel : public QAbstractTableModel {
   std::vector<HistoryEntry> entries_;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -6,7 +6,7 @@
 #include "gui/text.h"
 #include "gui/theme.h"
 
-namespace loci {
+namespace loci::gui {
 
 LogModel::LogModel(Browser& browser, QObject* parent) : QAbstractTableModel(parent), browser_(browser) {}
 
@@ -72,4 +72,4 @@ QVariant LogModel::headerData(int section, Qt::Orientation orientation, int role
   return section == time_column ? "When" : section == what_column ? "What" : "How it went";
 }
 
-}  // namespace loci
+}  // namespace loci::gui

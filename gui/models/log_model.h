@@ -6,7 +6,7 @@
 #include "gui/browser.h"
 #include "gui/data/memory_log.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// What went wrong since the window was opened, then the runs and scenes of the memory.
 class LogModel : public QAbstractTableModel {
@@ -33,4 +33,4 @@ class LogModel : public QAbstractTableModel {
   std::vector<LogEntry> entries_;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

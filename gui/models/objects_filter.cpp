@@ -4,7 +4,7 @@
 
 #include "gui/models/objects_model.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 int role_of(ObjectsFilter::Field field) {
@@ -63,4 +63,4 @@ bool ObjectsFilter::filterAcceptsRow(int row, const QModelIndex& parent) const {
   return true;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

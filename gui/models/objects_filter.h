@@ -3,7 +3,7 @@
 #include <QSortFilterProxyModel>
 #include <array>
 
-namespace loci {
+namespace loci::gui {
 
 /// What of the tree is shown: rows that contain the searched words, and are of the chosen class, colour,
 /// state and hour. An empty wish is none.
@@ -30,4 +30,4 @@ class ObjectsFilter : public QSortFilterProxyModel {
   std::array<QString, field_count> wanted_;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

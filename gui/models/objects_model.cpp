@@ -10,7 +10,7 @@
 
 #include <QApplication>
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr int kSwatchSide = 14, kImageSide = 20;
@@ -21,9 +21,7 @@ constexpr quintptr kGroupId = static_cast<quintptr>(-1);
 }  // namespace
 
 ObjectsModel::ObjectsModel(Browser& browser, QObject* parent)
-    : QAbstractItemModel(parent),
-      browser_(browser),
-      thumbnails_(new Thumbnails(browser, kImageSide, this)) {
+    : QAbstractItemModel(parent), browser_(browser), thumbnails_(new Thumbnails(browser, kImageSide, this)) {
   connect(thumbnails_, &Thumbnails::read, this, [this](qlonglong object) {
     const QModelIndex index = index_of_object(object);
     if (index.isValid()) Q_EMIT dataChanged(index, index, {Qt::DecorationRole});
@@ -145,7 +143,7 @@ QVariant ObjectsModel::object_data(const BelievedObject& object, int column, int
       if (column != name_column) return {};
       const QPixmap image = thumbnails_->of(object.id);
       return image.isNull() ? centred(swatch(object.rgb, kSwatchSide), kImageSide)
-                              : centred(image, kImageSide);
+                            : centred(image, kImageSide);
     }
     case Qt::ForegroundRole:
       if (column == state_column) return theme.of_presence(object.presence);
@@ -205,4 +203,4 @@ QModelIndex ObjectsModel::index_of_place(const std::string& place) const {
   return {};
 }
 
-}  // namespace loci
+}  // namespace loci::gui

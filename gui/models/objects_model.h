@@ -7,7 +7,7 @@
 #include "gui/browser.h"
 #include "gui/models/thumbnails.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// Places with the objects believed to be at them at the chosen time; what is gone comes last, in a group of
 /// its own.
@@ -57,4 +57,4 @@ class ObjectsModel : public QAbstractItemModel {
   std::vector<Group> groups_;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

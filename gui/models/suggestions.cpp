@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr size_t kAskedWhenEmpty = 4;
@@ -66,4 +66,4 @@ std::vector<Suggestion> suggest(const QString& typed, const SuggestionSources& s
   return collector.take();
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -4,7 +4,7 @@
 #include <QStringList>
 #include <vector>
 
-namespace loci {
+namespace loci::gui {
 
 /// A line that may be taken instead of typing on.
 struct Suggestion {
@@ -25,4 +25,4 @@ struct SuggestionSources {
 /// with all of what was typed in them. Nothing typed: the last questions, then examples.
 std::vector<Suggestion> suggest(const QString& typed, const SuggestionSources& sources, size_t limit);
 
-}  // namespace loci
+}  // namespace loci::gui

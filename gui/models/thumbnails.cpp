@@ -2,7 +2,7 @@
 
 #include "gui/text.h"
 
-namespace loci {
+namespace loci::gui {
 
 Thumbnails::Thumbnails(Browser& browser, int side, QObject* parent)
     : QObject(parent), browser_(browser), side_(side) {
@@ -37,4 +37,4 @@ QPixmap Thumbnails::of(int64_t object) {
   return {};
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -7,7 +7,7 @@
 
 #include "gui/browser.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// The objects' newest images, small; read when they are first asked for.
 class Thumbnails : public QObject {
@@ -32,4 +32,4 @@ class Thumbnails : public QObject {
   std::set<int64_t> asked_;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

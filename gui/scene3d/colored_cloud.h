@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace loci {
+namespace loci::gui {
 
 /// Points with a colour each, map frame.
 struct ColoredCloud {
@@ -13,4 +13,4 @@ struct ColoredCloud {
   std::vector<std::array<uint8_t, 3>> colors;  ///< red, green, blue; one per point
 };
 
-}  // namespace loci
+}  // namespace loci::gui

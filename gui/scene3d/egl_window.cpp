@@ -10,7 +10,7 @@
 
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 /// GLEW in Debian is built for GLX: it loads all functions and then complains that there is no X display.
@@ -110,4 +110,4 @@ vtkRenderWindow* EglWindow::window() const {
   return impl_->window;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

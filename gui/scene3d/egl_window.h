@@ -4,7 +4,7 @@
 
 class vtkRenderWindow;
 
-namespace loci {
+namespace loci::gui {
 
 /// A VTK render window that draws into memory through EGL, without any X server.
 class EglWindow {
@@ -22,4 +22,4 @@ class EglWindow {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -20,7 +20,7 @@
 
 #include "gui/scene3d/vtk_convert.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr double kLineWidth = 1.5;
@@ -85,8 +85,8 @@ void FrameActors::set_cloud(const ColoredCloud& cloud) {
   set_cloud_visible(cloud_visible_);
 }
 
-void FrameActors::set_camera(const PinholeCamera& camera, const Isometry3d& map_from_camera, double range,
-                             const SceneColors& colors) {
+void FrameActors::set_camera(const mapping::PinholeCamera& camera, const Isometry3d& map_from_camera,
+                             double range, const SceneColors& colors) {
   vtkNew<vtkPoints> points;
   points->InsertNextPoint(map_from_camera.translation().data());
   const std::array<Vector2d, 4> corners = {Vector2d(0, 0), Vector2d(camera.width, 0),
@@ -163,4 +163,4 @@ void FrameActors::set_pixels(double pixels) {
   frustum_->GetProperty()->SetLineWidth(static_cast<float>(kLineWidth * pixels));
 }
 
-}  // namespace loci
+}  // namespace loci::gui

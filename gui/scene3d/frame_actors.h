@@ -11,7 +11,7 @@
 #include "gui/scene3d/scene_colors.h"
 #include "mapping/sensor/camera.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// What one frame measured and from where: its cloud and its camera.
 class FrameActors {
@@ -20,7 +20,7 @@ class FrameActors {
 
   void set_cloud(const ColoredCloud& cloud);
   /// The pyramid that the camera sees, to `range` metres.
-  void set_camera(const PinholeCamera& camera, const Isometry3d& map_from_camera, double range,
+  void set_camera(const mapping::PinholeCamera& camera, const Isometry3d& map_from_camera, double range,
                   const SceneColors& colors);
   void clear();
   void set_cloud_visible(bool visible);
@@ -48,4 +48,4 @@ class FrameActors {
   bool cloud_visible_ = true, camera_visible_ = true, has_camera_ = false;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -11,7 +11,7 @@
 
 #include "gui/scene3d/vtk_convert.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr double kAspect = 0.75;  // of a camera's image
@@ -140,4 +140,4 @@ Eigen::AlignedBox3d GuideActors::bounds() const {
   return all;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

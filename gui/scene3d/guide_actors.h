@@ -9,7 +9,7 @@
 #include "gui/scene3d/scene_colors.h"
 #include "mapping/base/pose.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// Lines that explain what is seen: the way of the chosen object, from where all scenes were looked at, and
 /// what is being measured. Map frame.
@@ -42,4 +42,4 @@ class GuideActors {
   Lines trace_, cameras_, ruler_;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

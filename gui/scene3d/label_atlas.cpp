@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr int kFontSize = 13;
@@ -113,4 +113,4 @@ int LabelAtlas::width() const {
   return kWidth;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

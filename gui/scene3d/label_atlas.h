@@ -10,7 +10,7 @@
 
 #include "gui/scene3d/scene_colors.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// Texts drawn once, side by side, into one image: hundreds of labels then cost one texture.
 class LabelAtlas {
@@ -44,4 +44,4 @@ class LabelAtlas {
   int row_left_ = 0, row_bottom_ = 0;  ///< where the next text goes
 };
 
-}  // namespace loci
+}  // namespace loci::gui

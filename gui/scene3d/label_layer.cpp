@@ -17,10 +17,10 @@
 #include <optional>
 #include <utility>
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
-constexpr int kGap = 7;              // pixels between the anchor and the text
+constexpr int kGap = 7;             // pixels between the anchor and the text
 constexpr size_t kMaxLabels = 300;  // more would cover each other
 
 struct Rectangle {
@@ -154,4 +154,4 @@ std::vector<std::string> LabelLayer::shown() const {
   return texts;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -12,7 +12,7 @@
 #include "gui/scene3d/scene_colors.h"
 #include "mapping/base/pose.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// Names beside things. Where labels would cover each other, the less important one is left out. All of them
 /// are one actor.
@@ -52,4 +52,4 @@ class LabelLayer {
   bool visible_ = true;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

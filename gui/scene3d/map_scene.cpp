@@ -20,8 +20,9 @@
 #include "gui/scene3d/guide_actors.h"
 #include "gui/scene3d/object_actors.h"
 #include "gui/scene3d/world_actors.h"
+#include "mapping/base/math.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 // The pyramid of the camera, by the size of what is looked at: longer ones hide it.
@@ -42,7 +43,7 @@ void fit(vtkRenderer& renderer, const Eigen::AlignedBox3d& box, const Vector3d& 
   const Vector3d forward = -towards_eye.normalized();
   const Vector3d right = forward.cross(Vector3d::UnitZ()).normalized();
   const Vector3d above = right.cross(forward);
-  const double tan_v = std::tan(kFieldOfViewDeg * M_PI / 360);
+  const double tan_v = std::tan(kFieldOfViewDeg * kPi / 360);
   const int* size = renderer.GetRenderWindow()->GetSize();  // the renderer's own is that of the last image
   const double aspect = size[1] > 0 && size[0] > 0 ? static_cast<double>(size[0]) / size[1] : 4.0 / 3;
   double distance = 0.1;
@@ -177,10 +178,10 @@ MapScene::~MapScene() {
   }
 }
 
-void MapScene::set_world(const World& world, const PreparedWorld& prepared) {
+void MapScene::set_world(const mapping::World& world, const PreparedWorld& prepared) {
   impl_->world.set(world, prepared, impl_->colors);
   impl_->joint_names.clear();
-  for (const Joint& joint : world.joints) impl_->joint_names.push_back(joint.name);
+  for (const mapping::Joint& joint : world.joints) impl_->joint_names.push_back(joint.name);
   impl_->world.set_visible(layer(MapLayer::map));
   impl_->objects.draw_last();
 }
@@ -222,7 +223,7 @@ size_t MapScene::object_point_count() const {
   return impl_->chosen.point_count();
 }
 
-void MapScene::set_camera(const PinholeCamera& camera, const Isometry3d& map_from_camera) {
+void MapScene::set_camera(const mapping::PinholeCamera& camera, const Isometry3d& map_from_camera) {
   const double range = std::min(kLongestFrustum, kFrustumPart * impl_->interesting().diagonal().norm());
   impl_->frame.set_camera(camera, map_from_camera, range, impl_->colors);
 }
@@ -411,4 +412,4 @@ vtkRenderer* MapScene::renderer() const {
   return impl_->renderer;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -15,7 +15,7 @@
 class vtkRenderer;
 class vtkRenderWindow;
 
-namespace loci {
+namespace loci::gui {
 
 struct MapObject;
 struct ColoredCloud;
@@ -49,7 +49,7 @@ class MapScene {
   MapScene(const MapScene&) = delete;
   MapScene& operator=(const MapScene&) = delete;
 
-  void set_world(const World& world, const PreparedWorld& prepared);
+  void set_world(const mapping::World& world, const PreparedWorld& prepared);
   void clear_world();
   /// A place that is no link of a map: a flat outline (map frame) at a height.
   void add_place(const std::string& name, const std::vector<Vector2d>& outline, double height);
@@ -60,7 +60,7 @@ class MapScene {
   /// What is known of the chosen object's surface.
   void set_object_cloud(const ColoredCloud& cloud);
   size_t object_point_count() const;
-  void set_camera(const PinholeCamera& camera, const Isometry3d& map_from_camera);
+  void set_camera(const mapping::PinholeCamera& camera, const Isometry3d& map_from_camera);
   void clear_frame();
   /// The way of the chosen object, in the order of time.
   void set_trace(std::vector<Vector3d> points);
@@ -112,4 +112,4 @@ class MapScene {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -14,7 +14,7 @@
 
 #include "gui/scene3d/vtk_convert.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 /// Nothing is drawn thinner than this, so that flat and unmeasured things can be seen and clicked.
@@ -234,4 +234,4 @@ std::vector<vtkActor*> ObjectActors::pickable() const {
   return actors;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -15,7 +15,7 @@
 #include "gui/scene3d/scene_colors.h"
 #include "mapping/base/pose.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// An object as the 3D view draws it.
 struct MapObject {
@@ -74,4 +74,4 @@ class ObjectActors {
   bool visible_ = true;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

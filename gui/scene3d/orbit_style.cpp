@@ -10,7 +10,9 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace loci {
+#include "mapping/base/math.h"
+
+namespace loci::gui {
 namespace {
 constexpr int kClickSlack = 3;             // pixels
 constexpr double kDegreesPerWindow = 200;  // turned by a drag across the window
@@ -66,7 +68,7 @@ void OrbitStyle::Rotate() {
   vtkCamera* camera = CurrentRenderer->GetActiveCamera();
   camera->SetViewUp(0, 0, 1);
   const double* forward = camera->GetDirectionOfProjection();
-  const double elevation = -std::asin(std::clamp(forward[2], -1.0, 1.0)) * 180 / M_PI;
+  const double elevation = -std::asin(std::clamp(forward[2], -1.0, 1.0)) * 180 / kPi;
   lift = std::clamp(elevation + lift, -kSteepest, kSteepest) - elevation;
   camera->Azimuth(turn);
   camera->Elevation(lift);
@@ -75,4 +77,4 @@ void OrbitStyle::Rotate() {
   Interactor->Render();
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -4,7 +4,7 @@
 
 #include <functional>
 
-namespace loci {
+namespace loci::gui {
 
 /// Left drag turns around the vertical, middle drag (or Shift) shifts, right drag and wheel zoom: the floor
 /// stays level. A click without a drag selects.
@@ -40,4 +40,4 @@ class OrbitStyle : public vtkInteractorStyleTrackballCamera {
   int press_x_ = 0, press_y_ = 0;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace loci {
+namespace loci::gui {
 
 /// Red, green, blue in [0,1], as VTK takes them.
 using SceneColor = std::array<double, 3>;
@@ -29,4 +29,4 @@ struct SceneColors {
   }
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -14,7 +14,7 @@
 #include <numeric>
 #include <tuple>
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 /// Beyond this many triangles a mesh is a scan or a free form: its edges say nothing and cost much.
@@ -39,7 +39,7 @@ struct Edge {
   bool sharp = false;
 };
 
-void collect_edges(const TriangleMesh& mesh, std::map<std::pair<Grid, Grid>, Edge>& edges) {
+void collect_edges(const mapping::TriangleMesh& mesh, std::map<std::pair<Grid, Grid>, Edge>& edges) {
   for (const auto& triangle : mesh.triangles) {
     const std::array<Eigen::Vector3f, 3> p = {mesh.vertices[triangle[0]], mesh.vertices[triangle[1]],
                                               mesh.vertices[triangle[2]]};
@@ -82,7 +82,7 @@ vtkSmartPointer<vtkPolyData> surface_of(const std::vector<MeshPart>& parts) {
       const auto& triangle = part.mesh.triangles[i];
       const std::array<vtkIdType, 3> ids = {first + triangle[0], first + triangle[1], first + triangle[2]};
       cells->InsertNextCell(3, ids.data());
-      const Rgba& c = part.mesh.colors.empty() ? part.color : part.mesh.colors[i];
+      const mapping::Rgba& c = part.mesh.colors.empty() ? part.color : part.mesh.colors[i];
       const std::array<unsigned char, 4> rgba = {byte_of(c[0]), byte_of(c[1]), byte_of(c[2]), byte_of(c[3])};
       colors->InsertNextTypedTuple(rgba.data());
     }
@@ -149,4 +149,4 @@ vtkSmartPointer<vtkMatrix4x4> matrix_of(const Isometry3d& pose) {
   return matrix;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -12,13 +12,13 @@
 
 class vtkProperty;
 
-namespace loci {
+namespace loci::gui {
 
 /// Triangles with the pose and colour that they are drawn with.
 struct MeshPart {
-  TriangleMesh mesh;
+  mapping::TriangleMesh mesh;
   Isometry3d target_from_mesh = Isometry3d::Identity();
-  Rgba color = {0.7F, 0.7F, 0.7F, 1};  ///< of triangles that bring none
+  mapping::Rgba color = {0.7F, 0.7F, 0.7F, 1};  ///< of triangles that bring none
 };
 
 /// All parts in one frame, with one RGBA value per triangle.
@@ -35,4 +35,4 @@ void set_color(vtkProperty& property, const SceneColor& color);
 
 vtkSmartPointer<vtkMatrix4x4> matrix_of(const Isometry3d& pose);
 
-}  // namespace loci
+}  // namespace loci::gui

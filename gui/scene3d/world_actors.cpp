@@ -11,7 +11,7 @@
 #include "gui/scene3d/vtk_convert.h"
 #include "mapping/world/kinematics.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 vtkSmartPointer<vtkActor> actor_of(vtkPolyData* data) {
@@ -26,12 +26,12 @@ vtkSmartPointer<vtkActor> actor_of(vtkPolyData* data) {
   return actor;
 }
 
-std::vector<MeshPart> parts_of(const Link& link, const MeshSearch& search, const SceneColors& colors,
-                               Warnings& warnings) {
-  const Rgba plain(static_cast<float>(colors.world[0]), static_cast<float>(colors.world[1]),
-                   static_cast<float>(colors.world[2]), 1);
+std::vector<MeshPart> parts_of(const mapping::Link& link, const mapping::MeshSearch& search,
+                               const SceneColors& colors, Warnings& warnings) {
+  const mapping::Rgba plain(static_cast<float>(colors.world[0]), static_cast<float>(colors.world[1]),
+                            static_cast<float>(colors.world[2]), 1);
   std::vector<MeshPart> parts;
-  for (const Visual& visual : link.visuals) {
+  for (const mapping::Visual& visual : link.visuals) {
     MeshPart part;
     part.mesh = triangulate(visual.geometry, search, warnings);
     part.target_from_mesh = visual.link_from_visual;
@@ -104,10 +104,11 @@ void WorldActors::add_outline(const std::string& name, const std::vector<Vector2
   set_visible(visible_);
 }
 
-PreparedWorld prepare_world(const World& world, const MeshSearch& search, const SceneColors& colors) {
+PreparedWorld prepare_world(const mapping::World& world, const mapping::MeshSearch& search,
+                            const SceneColors& colors) {
   PreparedWorld prepared;
   Warnings warnings;
-  for (const Link& link : world.links) {
+  for (const mapping::Link& link : world.links) {
     const auto parts = parts_of(link, search, colors, warnings);
     const bool see_through =
         std::any_of(parts.begin(), parts.end(), [](const MeshPart& part) { return part.color[3] < 1; });
@@ -118,7 +119,7 @@ PreparedWorld prepare_world(const World& world, const MeshSearch& search, const 
   return prepared;
 }
 
-void WorldActors::set(const World& world, const PreparedWorld& prepared, const SceneColors& colors) {
+void WorldActors::set(const mapping::World& world, const PreparedWorld& prepared, const SceneColors& colors) {
   clear();
   world_ = world;
   std::vector<vtkActor*> see_through;
@@ -246,4 +247,4 @@ std::vector<vtkActor*> WorldActors::pickable() const {
   return actors;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -15,7 +15,7 @@
 #include "mapping/world/mesh.h"
 #include "mapping/world/world.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// A world's surfaces as VTK takes them: made in any thread, which takes a while for large meshes.
 struct PreparedWorld {
@@ -29,7 +29,8 @@ struct PreparedWorld {
   std::vector<std::string> warnings;
 };
 /// Links without a material take `colors.world`.
-PreparedWorld prepare_world(const World& world, const MeshSearch& search, const SceneColors& colors);
+PreparedWorld prepare_world(const mapping::World& world, const mapping::MeshSearch& search,
+                            const SceneColors& colors);
 
 /// The map as actors, one surface and one set of edges per link, moved by the joints.
 class WorldActors {
@@ -37,7 +38,7 @@ class WorldActors {
   explicit WorldActors(vtkRenderer* renderer) : renderer_(renderer) {}
 
   /// Replaces the world.
-  void set(const World& world, const PreparedWorld& prepared, const SceneColors& colors);
+  void set(const mapping::World& world, const PreparedWorld& prepared, const SceneColors& colors);
   void clear();
   /// Adds a place that is no link: a translucent area with its edge. Does not move.
   void add_outline(const std::string& name, const std::vector<Vector2d>& outline, double height,
@@ -77,11 +78,11 @@ class WorldActors {
   bool hides_the_room(const LinkActors& link, const Vector3d& eye) const;
 
   vtkRenderer* renderer_;
-  World world_;
+  mapping::World world_;
   std::vector<LinkActors> links_;
   Eigen::AlignedBox3d all_;            ///< around all links
   vtkSmartPointer<vtkPlane> section_;  ///< null = none
   bool visible_ = true;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

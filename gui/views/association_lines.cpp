@@ -7,7 +7,7 @@
 #include "gui/text.h"
 #include "gui/theme.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr int kTitle = 22, kStamp = 18, kTile = 30, kStep = 36;
@@ -130,4 +130,4 @@ void AssociationLines::mousePressEvent(QMouseEvent* event) {
     Q_EMIT scene_clicked(scenes_[scene].scene.time);
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -6,7 +6,7 @@
 
 #include "gui/data/decisions.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// The last scenes side by side with what was seen in them, and lines from each observation to the earlier
 /// ones that it may be the same as: the darker, the more probable (Fig. 6.4 of the dissertation).
@@ -47,4 +47,4 @@ class AssociationLines : public QWidget {
   int zone_minutes_ = 0;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

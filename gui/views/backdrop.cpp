@@ -2,7 +2,7 @@
 
 #include <QWidget>
 
-namespace loci {
+namespace loci::gui {
 
 void Backdrop::paint(const QWidget& widget, QPainter& painter, const std::function<void(QPainter&)>& draw) {
   const double ratio = widget.devicePixelRatioF();
@@ -20,4 +20,4 @@ void Backdrop::paint(const QWidget& widget, QPainter& painter, const std::functi
   painter.drawPixmap(0, 0, image_);
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -6,7 +6,7 @@
 
 class QWidget;
 
-namespace loci {
+namespace loci::gui {
 
 /// What a widget would paint the same again and again, as an image. Made anew after forget(), and when size
 /// or colours of the widget are others.
@@ -20,4 +20,4 @@ class Backdrop {
   qint64 palette_ = 0;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -5,7 +5,7 @@
 
 #include "gui/theme.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr int kTitle = 22;
@@ -25,7 +25,7 @@ QString number(double value) {
 
 }  // namespace
 
-BarChart::BarChart(Chart chart, QWidget* parent) : QWidget(parent), chart_(std::move(chart)) {
+BarChart::BarChart(memory::Chart chart, QWidget* parent) : QWidget(parent), chart_(std::move(chart)) {
   setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
 }
 
@@ -115,4 +115,4 @@ void BarChart::paint_standing(QPainter& painter, double greatest) const {
   }
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -4,17 +4,17 @@
 
 #include "memory/report/memory_statistics.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// A chart with its title: lying bars with names and values beside them, or standing ones where the names are
 /// short and many (hours).
 class BarChart : public QWidget {
  public:
-  explicit BarChart(Chart chart, QWidget* parent = nullptr);
+  explicit BarChart(memory::Chart chart, QWidget* parent = nullptr);
 
   QSize sizeHint() const override;
   QSize minimumSizeHint() const override;
-  const Chart& chart() const { return chart_; }
+  const memory::Chart& chart() const { return chart_; }
 
  protected:
   void paintEvent(QPaintEvent* event) override;
@@ -24,7 +24,7 @@ class BarChart : public QWidget {
   void paint_lying(QPainter& painter, double greatest) const;
   void paint_standing(QPainter& painter, double greatest) const;
 
-  Chart chart_;
+  memory::Chart chart_;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -17,7 +17,7 @@
 #include "gui/models/differences_model.h"
 #include "gui/text.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr int kRowsMeasured = 20;  // for the width of a column
@@ -224,4 +224,4 @@ OtherBelief CompareView::beside() const {
   return other;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

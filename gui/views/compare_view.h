@@ -13,7 +13,7 @@ class QComboBox;
 class QLineEdit;
 class QTableView;
 
-namespace loci {
+namespace loci::gui {
 
 /// Two beliefs side by side: what appeared, moved and is gone between another time, what was known earlier of
 /// a time, or another memory, and what is believed at the chosen time. A click on a line chooses its object.
@@ -67,4 +67,4 @@ class CompareView : public Page {
   std::string memory_;                          ///< path of the memory that `other_` is a time of
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -10,7 +10,7 @@
 #include "gui/text.h"
 #include "gui/theme.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr int kNames = 96, kTitle = 22, kMaxCell = 34, kMinCell = 12, kGap = 10;
@@ -215,4 +215,4 @@ bool DecisionMatrix::event(QEvent* event) {
   return true;
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -5,7 +5,7 @@
 
 #include "gui/data/decisions.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// The identity decisions of a scene as three matrices (Fig. 6.9 of the dissertation): how alike things look,
 /// how near they are, and what is the same. New observations along the top, believed objects along the left;
@@ -55,4 +55,4 @@ class DecisionMatrix : public QWidget {
   std::vector<Row> rows_;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

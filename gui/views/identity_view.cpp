@@ -8,7 +8,7 @@
 #include "gui/views/association_lines.h"
 #include "gui/views/decision_matrix.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 constexpr size_t kScenes = 5;
 }
@@ -78,4 +78,4 @@ void IdentityView::show_decisions(std::vector<SceneDecisions>& scenes) {
   lines_->select(browser_.selection().object());
 }
 
-}  // namespace loci
+}  // namespace loci::gui

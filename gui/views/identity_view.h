@@ -5,7 +5,7 @@
 
 class QLabel;
 
-namespace loci {
+namespace loci::gui {
 
 class AssociationLines;
 class DecisionMatrix;
@@ -34,4 +34,4 @@ class IdentityView : public Page {
   DecisionMatrix* matrix_;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -14,11 +14,11 @@
 #include "gui/text.h"
 #include "gui/theme.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr int kRow = 19;
-constexpr int kBar = 9;             // height of the coloured bar in a row
+constexpr int kBar = 9;           // height of the coloured bar in a row
 constexpr double kMinHalf = 1.5;  // of the mark of one scene, pixels
 constexpr double kMaxHalf = 6;
 constexpr double kDotRadius = 3;
@@ -322,4 +322,4 @@ void LaneView::paint_looks(QPainter& painter, const Lane& lane, double top,
   }
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -10,7 +10,7 @@
 #include "gui/views/backdrop.h"
 #include "gui/views/time_axis.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// A lane per object and place below the time track, in three colours: seen, looked for but not there, not
 /// observed; events as dots. A click chooses the time and the object or place, a drag scrubs. Only lanes
@@ -75,4 +75,4 @@ class LaneView : public QAbstractScrollArea {
 /// The scene's time when a drag comes near to it, else the time at this place.
 TimeNs snapped_time(const BrowserData& memory, const TimeAxis& axis, double x, int width);
 
-}  // namespace loci
+}  // namespace loci::gui

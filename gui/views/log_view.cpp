@@ -11,7 +11,7 @@
 #include "gui/background.h"
 #include "gui/models/log_model.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 constexpr int kDetailLines = 5;
 }
@@ -116,4 +116,4 @@ void LogView::copy_details() {
   QGuiApplication::clipboard()->setText(details_->toPlainText());
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -7,7 +7,7 @@ class QPlainTextEdit;
 class QTableView;
 class QToolButton;
 
-namespace loci {
+namespace loci::gui {
 
 class LogModel;
 
@@ -43,4 +43,4 @@ class LogView : public Page {
   TimeNs followed_ = 0;  ///< the scene that was gone to last
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -19,7 +19,7 @@
 #include "gui/measure.h"
 #include "gui/scene3d/egl_window.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 QImage pixels_of(vtkRenderWindow* window) {
@@ -144,4 +144,4 @@ MapCanvas* MapCanvas::make(MapBackend backend, QWidget* parent) {
   return new MemoryCanvas(parent);
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -8,7 +8,7 @@
 class vtkInteractorStyle;
 class vtkRenderWindow;
 
-namespace loci {
+namespace loci::gui {
 
 /// How the 3D view gets its pixels.
 enum class MapBackend {
@@ -39,4 +39,4 @@ class MapCanvas : public QWidget {
   using QWidget::QWidget;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -6,7 +6,7 @@
 #include "gui/text.h"
 #include "gui/theme.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr int kHalf = 1000;  // of the width, whatever that is
@@ -152,4 +152,4 @@ void MapPair::change_point_size(int steps) {
   if (then_ != nullptr) then_->change_point_size(steps);
 }
 
-}  // namespace loci
+}  // namespace loci::gui

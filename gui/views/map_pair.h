@@ -8,7 +8,7 @@
 
 class QLabel;
 
-namespace loci {
+namespace loci::gui {
 
 /// A belief that the chosen one is compared with.
 struct OtherBelief {
@@ -62,4 +62,4 @@ class MapPair : public QSplitter {
   OtherBelief other_;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

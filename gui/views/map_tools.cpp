@@ -16,8 +16,9 @@
 
 #include "gui/theme.h"
 #include "gui/views/map_view.h"
+#include "mapping/base/math.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr int kSteps = 200;  // of a slider
@@ -35,11 +36,11 @@ double position_of(const QSlider& slider, double lower, double upper) {
   return lower + (upper - lower) * slider.value() / kSteps;
 }
 
-bool is_movable(const Joint& joint) {
+bool is_movable(const mapping::Joint& joint) {
   if (joint.mimic) return false;
-  return joint.type == JointType::continuous ||
-         ((joint.type == JointType::revolute || joint.type == JointType::prismatic) && joint.limits &&
-          joint.limits->upper > joint.limits->lower);
+  return joint.type == mapping::JointType::continuous ||
+         ((joint.type == mapping::JointType::revolute || joint.type == mapping::JointType::prismatic) &&
+          joint.limits && joint.limits->upper > joint.limits->lower);
 }
 
 }  // namespace
@@ -147,17 +148,17 @@ void MapTools::refresh() {
   show_values();
 }
 
-void MapTools::fill_joints(const World* world) {
+void MapTools::fill_joints(const mapping::World* world) {
   rows_.clear();
   auto* list = new QWidget;
   auto* grid = new QGridLayout(list);
   grid->setContentsMargins(0, 0, 4, 0);
   grid->setColumnStretch(1, 1);
-  for (const Joint& joint : world == nullptr ? std::vector<Joint>() : world->joints) {
+  for (const mapping::Joint& joint : world == nullptr ? std::vector<mapping::Joint>() : world->joints) {
     if (!is_movable(joint)) continue;
-    JointRow row{.name = joint.name, .turns = joint.type != JointType::prismatic};
-    row.lower = joint.limits && joint.type != JointType::continuous ? joint.limits->lower : -M_PI;
-    row.upper = joint.limits && joint.type != JointType::continuous ? joint.limits->upper : M_PI;
+    JointRow row{.name = joint.name, .turns = joint.type != mapping::JointType::prismatic};
+    row.lower = joint.limits && joint.type != mapping::JointType::continuous ? joint.limits->lower : -kPi;
+    row.upper = joint.limits && joint.type != mapping::JointType::continuous ? joint.limits->upper : kPi;
     row.slider = new QSlider(Qt::Horizontal, list);
     row.slider->setRange(0, kSteps);
     row.value = new QLabel(list);
@@ -196,7 +197,7 @@ void MapTools::show_values() {
     const QSignalBlocker quiet(row.slider);
     row.slider->setValue(
         static_cast<int>(std::lround(kSteps * (position - row.lower) / (row.upper - row.lower))));
-    row.value->setText(row.turns ? QString("%1°").arg(position * 180 / M_PI, 0, 'f', 0)
+    row.value->setText(row.turns ? QString("%1°").arg(position * 180 / kPi, 0, 'f', 0)
                                  : QString("%1 cm").arg(position * 100, 0, 'f', 0));
   }
 }
@@ -222,4 +223,4 @@ void MapTools::take_section() {
   map_.set_section(MapSection{axis, at, !section_above_->isChecked()});
 }
 
-}  // namespace loci
+}  // namespace loci::gui

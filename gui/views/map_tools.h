@@ -15,7 +15,7 @@ class QSlider;
 class QToolButton;
 class QVBoxLayout;
 
-namespace loci {
+namespace loci::gui {
 
 class MapView;
 
@@ -49,7 +49,7 @@ class MapTools : public Page {
   void build_section(QVBoxLayout& layout);
   void build_joints(QVBoxLayout& layout);
   void refresh();
-  void fill_joints(const World* world);
+  void fill_joints(const mapping::World* world);
   void show_values();
   void take_joints();
   void take_section();
@@ -70,4 +70,4 @@ class MapTools : public Page {
   bool listed_ = false;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -10,7 +10,7 @@
 #include "gui/scene3d/world_actors.h"
 #include "gui/theme.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 /// After this the time is no longer being scrubbed and the image may take longer.
@@ -107,7 +107,7 @@ void MapView::take_mouse() {
 void MapView::show_memory() {
   const BrowserData* memory = browser_.data();
   const std::string path = memory == nullptr ? "" : memory->info().path;
-  const World* world = memory == nullptr ? nullptr : memory->world();
+  const mapping::World* world = memory == nullptr ? nullptr : memory->world();
   const bool same = path == memory_;
   traced_.reset();     // it may have been seen again
   clouded_ = {-1, 0};  // nor is it known whose points are shown
@@ -374,4 +374,4 @@ void MapView::changeEvent(QEvent* event) {
   redraw();
 }
 
-}  // namespace loci
+}  // namespace loci::gui

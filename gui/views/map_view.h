@@ -11,7 +11,7 @@
 #include "gui/scene3d/map_scene.h"
 #include "gui/views/map_canvas.h"
 
-namespace loci {
+namespace loci::gui {
 
 struct PreparedWorld;
 
@@ -79,8 +79,8 @@ class MapView : public QWidget {
   Browser& browser_;
   MapCanvas* canvas_;
   std::unique_ptr<MapScene> scene_;
-  std::string memory_;            ///< path of the memory that is drawn
-  const World* world_ = nullptr;  ///< its map, drawn or being prepared
+  std::string memory_;                     ///< path of the memory that is drawn
+  const mapping::World* world_ = nullptr;  ///< its map, drawn or being prepared
   bool waits_for_world_ = false;
   bool first_look_ = true;  ///< the eye has not been placed yet
   JointState joints_by_hand_;
@@ -96,4 +96,4 @@ class MapView : public QWidget {
   QTimer still_;  ///< since the last change of time
 };
 
-}  // namespace loci
+}  // namespace loci::gui

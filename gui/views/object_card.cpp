@@ -13,7 +13,7 @@
 #include "gui/theme.h"
 #include "gui/views/object_details_view.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr int kImageSide = 64;
@@ -199,4 +199,4 @@ void ObjectCard::show_image() {
       });
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -8,7 +8,7 @@ class QLabel;
 class QProgressBar;
 class QTableView;
 
-namespace loci {
+namespace loci::gui {
 
 class HistoryModel;
 class ObjectDetailsView;
@@ -47,4 +47,4 @@ class ObjectCard : public QWidget {
   int64_t imaged_ = 0;  ///< object in the image
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -13,7 +13,7 @@
 #include "gui/text.h"
 #include "gui/theme.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr int kImage = 76, kHistogramHeight = 62;
@@ -167,4 +167,4 @@ void ObjectDetailsView::show_histograms() {
     histograms_->addWidget(new HistogramWidget(histogram, this));
 }
 
-}  // namespace loci
+}  // namespace loci::gui

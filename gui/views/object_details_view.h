@@ -10,7 +10,7 @@ class QTableWidget;
 class QTextBrowser;
 class QVBoxLayout;
 
-namespace loci {
+namespace loci::gui {
 
 /// The pages of the object card beside its history: images from all sides, what experts say with
 /// histograms, and why the memory believes what it does. Read when a page is looked at.
@@ -39,4 +39,4 @@ class ObjectDetailsView : public QTabWidget {
   ObjectDetails details_;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

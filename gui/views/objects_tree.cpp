@@ -13,7 +13,7 @@
 #include "gui/models/objects_filter.h"
 #include "gui/models/objects_model.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 /// Asks what can be chosen when it is opened.
@@ -201,4 +201,4 @@ void ObjectsTree::tell_selection() {
     browser_.selection().select_place(rows.front().data(ObjectsModel::place_role).toString().toStdString());
 }
 
-}  // namespace loci
+}  // namespace loci::gui

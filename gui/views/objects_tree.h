@@ -12,7 +12,7 @@ class QLabel;
 class QLayout;
 class QTreeView;
 
-namespace loci {
+namespace loci::gui {
 
 class ObjectsFilter;
 
@@ -54,4 +54,4 @@ class ObjectsTree : public QWidget {
   bool following_ = false;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -1,6 +1,6 @@
 #include "gui/views/page.h"
 
-namespace loci {
+namespace loci::gui {
 
 void Page::set_looked_at(bool looked_at) {
   if (looked_at_ == looked_at) return;
@@ -8,4 +8,4 @@ void Page::set_looked_at(bool looked_at) {
   if (looked_at_) look();
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -2,7 +2,7 @@
 
 #include <QWidget>
 
-namespace loci {
+namespace loci::gui {
 
 /// A view in a dock that may be behind others: it reads and lays out only while it is looked at. (A dock
 /// behind another tab counts as visible for Qt.)
@@ -24,4 +24,4 @@ class Page : public QWidget {
   bool looked_at_ = false;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

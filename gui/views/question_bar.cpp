@@ -15,7 +15,7 @@
 #include "gui/models/answer_links.h"
 #include "gui/theme.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr int kWidth = 600;
@@ -326,4 +326,4 @@ bool QuestionBar::eventFilter(QObject* watched, QEvent* event) {
   }
 }
 
-}  // namespace loci
+}  // namespace loci::gui

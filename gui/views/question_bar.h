@@ -14,7 +14,7 @@ class QLineEdit;
 class QListWidget;
 class QTextBrowser;
 
-namespace loci {
+namespace loci::gui {
 
 /// The command palette, over the middle of the window: a line for a question, a command of loci-memory or an
 /// action of the window, with what completes it; the answers below, with objects, places and times that can
@@ -78,4 +78,4 @@ class QuestionBar : public QFrame {
   int recalled_ = -1;  ///< which of the questions asked before is in the line; -1 = none
 };
 
-}  // namespace loci
+}  // namespace loci::gui

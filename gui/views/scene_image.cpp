@@ -10,7 +10,7 @@
 #include "gui/text.h"
 #include "gui/theme.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 /// Near is warm, far is cold; no measurement is black.
@@ -107,7 +107,7 @@ QRectF SceneImage::image_area() const {
 
 QRectF SceneImage::on_widget(const ImageBox& box) const {
   const cv::Rect2d& pixels = depth_ ? box.depth : box.color;
-  const PinholeCamera& camera = depth_ ? content_->camera.depth : content_->camera.color;
+  const mapping::PinholeCamera& camera = depth_ ? content_->camera.depth : content_->camera.color;
   if (pixels.empty() || camera.width <= 0 || image_.isNull()) return {};
   const QRectF area = image_area();
   const double sx = area.width() / camera.width;
@@ -216,7 +216,7 @@ void SceneImage::paint_kinds(QPainter& painter) const {
 
 /// The outline of what belongs to a thing, lightly filled for the chosen one.
 void SceneImage::paint_mask(QPainter& painter, const ImageBox& box) const {
-  const PinholeCamera& camera = depth_ ? content_->camera.depth : content_->camera.color;
+  const mapping::PinholeCamera& camera = depth_ ? content_->camera.depth : content_->camera.color;
   if (!masks_ || camera.width <= 0) return;
   const Theme theme = Theme::of(palette());
   const bool selected = browser_.selection().object() == box.object && box.object != 0;
@@ -317,7 +317,7 @@ void SceneImage::mark(std::optional<size_t> note) {
 QString SceneImage::values_at(const QPointF& point) const {
   const QRectF area = image_area();
   if (!content_ || image_.isNull() || !area.contains(point)) return {};
-  const PinholeCamera& camera = depth_ ? content_->camera.depth : content_->camera.color;
+  const mapping::PinholeCamera& camera = depth_ ? content_->camera.depth : content_->camera.color;
   const Vector2d pixel((point.x() - area.left()) / area.width() * camera.width,
                        (point.y() - area.top()) / area.height() * camera.height);
   const PixelValues values = depth_ ? values_at_depth(*content_, pixel) : values_at_color(*content_, pixel);
@@ -353,4 +353,4 @@ void SceneImage::mouseMoveEvent(QMouseEvent* event) {
   update();
 }
 
-}  // namespace loci
+}  // namespace loci::gui

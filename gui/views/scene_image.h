@@ -7,7 +7,7 @@
 #include "gui/browser.h"
 #include "gui/data/image_notes.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// The image of the chosen scene with the boxes of what was found in it; colour or depth. A click on a box
 /// selects its object.
@@ -65,4 +65,4 @@ class SceneImage : public QWidget {
   std::optional<size_t> marked_;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

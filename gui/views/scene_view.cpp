@@ -7,7 +7,7 @@
 
 #include "gui/views/scene_image.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 constexpr int kRowsShown = 5;
 constexpr int kNoteRole = Qt::UserRole;
@@ -74,4 +74,4 @@ void SceneView::show_notes(std::vector<ImageNote> notes) {
   image_->set_notes(notes_);
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -8,7 +8,7 @@
 
 class QTreeWidget;
 
-namespace loci {
+namespace loci::gui {
 
 class SceneImage;
 
@@ -34,4 +34,4 @@ class SceneView : public QWidget {
   int64_t scene_ = 0;  ///< that the notes are of; 0 = none
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -16,7 +16,7 @@
 #include "mapping/base/files.h"
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 class Stoppable : public Progress {
@@ -83,13 +83,13 @@ void StatisticsView::count() {
   if (browser_.data() == nullptr) return;
   state_->setText("Counting…");
   stop_ = std::make_shared<std::atomic<bool>>(false);
-  in_background<std::vector<Chart>>(
+  in_background<std::vector<memory::Chart>>(
       this,
       [path = browser_.data()->info().path, stop = stop_] {
         Stoppable progress(stop);
-        return memory_statistics(Store::open_read(path), progress);
+        return memory_statistics(memory::Store::open_read(path), progress);
       },
-      [this, stop = stop_](const std::vector<Chart>& charts) {
+      [this, stop = stop_](const std::vector<memory::Chart>& charts) {
         if (!*stop) show_charts(charts);
       },
       [this, stop = stop_](const std::exception_ptr& error) {
@@ -97,14 +97,14 @@ void StatisticsView::count() {
       });
 }
 
-void StatisticsView::show_charts(const std::vector<Chart>& charts) {
+void StatisticsView::show_charts(const std::vector<memory::Chart>& charts) {
   charts_ = charts;
   bars_.clear();
   auto* page = new QWidget;
   auto* layout = new QVBoxLayout(page);
   layout->setContentsMargins(0, 0, 6, 0);
   layout->setSpacing(10);
-  for (const Chart& chart : charts_) {
+  for (const memory::Chart& chart : charts_) {
     bars_.push_back(new BarChart(chart, page));
     offer_saving(bars_.back(), chart);
     layout->addWidget(bars_.back());
@@ -116,7 +116,7 @@ void StatisticsView::show_charts(const std::vector<Chart>& charts) {
 }
 
 /// Each chart alone, from its menu.
-void StatisticsView::offer_saving(BarChart* bars, const Chart& chart) {
+void StatisticsView::offer_saving(BarChart* bars, const memory::Chart& chart) {
   bars->setContextMenuPolicy(Qt::ActionsContextMenu);
   bars->setToolTip("The right button saves this chart alone");
   const QString name = QString::fromStdString(chart.title).toLower().replace(' ', '_');
@@ -156,4 +156,4 @@ void StatisticsView::ask_and_save(const QString& name, const QString& filter,
   }
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -12,7 +12,7 @@ class QLabel;
 class QScrollArea;
 class QToolButton;
 
-namespace loci {
+namespace loci::gui {
 
 class BarChart;
 
@@ -35,8 +35,8 @@ class StatisticsView : public Page {
  private:
   void forget();
   void count();
-  void show_charts(const std::vector<Chart>& charts);
-  void offer_saving(BarChart* bars, const Chart& chart);
+  void show_charts(const std::vector<memory::Chart>& charts);
+  void offer_saving(BarChart* bars, const memory::Chart& chart);
   void ask_and_save(const QString& name, const QString& filter,
                     void (StatisticsView::*save)(const QString&) const);
 
@@ -44,9 +44,9 @@ class StatisticsView : public Page {
   QLabel* state_;
   QScrollArea* area_;
   std::vector<QToolButton*> savers_;
-  std::vector<Chart> charts_;
+  std::vector<memory::Chart> charts_;
   std::vector<BarChart*> bars_;
   std::shared_ptr<std::atomic<bool>> stop_;  ///< set while something is counted
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace loci {
+namespace loci::gui {
 namespace {
 constexpr TimeNs kMinSpan = kSecond / 10;
 }
@@ -61,4 +61,4 @@ void TimeAxis::reveal(TimeNs time) {
   show(from, from + span);
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -4,7 +4,7 @@
 
 #include "mapping/base/time.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// Which part of a memory's time is shown, shared by the track and the lanes below it, so that they stay in
 /// line. Left of the axis is room for names.
@@ -48,4 +48,4 @@ class TimeAxis : public QObject {
   TimeNs first_ = 0, last_ = 0, from_ = 0, to_ = 0;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

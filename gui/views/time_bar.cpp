@@ -14,7 +14,7 @@
 #include "gui/views/lane_view.h"
 #include "gui/views/time_track.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 constexpr int kPlayStepMs = 700;
 }
@@ -216,4 +216,4 @@ void TimeBar::refresh() {
   for (QLabel* label : {zone_, happened_, legend_}) label->setPalette(colors);
 }
 
-}  // namespace loci
+}  // namespace loci::gui

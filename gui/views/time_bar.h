@@ -14,7 +14,7 @@ class QLabel;
 class QLineEdit;
 class QToolButton;
 
-namespace loci {
+namespace loci::gui {
 
 class LaneView;
 class TimeTrack;
@@ -69,4 +69,4 @@ class TimeBar : public QWidget {
   std::string memory_;  ///< path of the memory that the axis is of
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -14,7 +14,7 @@
 #include "gui/theme.h"
 #include "gui/views/lane_view.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 constexpr double kEventsY = 12;  // middle of the row of events
@@ -211,4 +211,4 @@ void TimeTrack::paint_handle(QPainter& painter) const {
   painter.drawEllipse(QPointF(x, kAxisY), 7, 7);
 }
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -6,7 +6,7 @@
 #include "gui/views/backdrop.h"
 #include "gui/views/time_axis.h"
 
-namespace loci {
+namespace loci::gui {
 
 /// The slider of the time bar: an axis with a tick per scene, a dot per event, the observations of the chosen
 /// object, and a handle at the chosen time. The wheel zooms, a drag with the right button moves along.
@@ -48,4 +48,4 @@ class TimeTrack : public QWidget {
   double dragged_from_ = 0;
 };
 
-}  // namespace loci
+}  // namespace loci::gui

@@ -10,7 +10,7 @@
 #include "mapping/sensor/scan.h"
 #include "mapping/world/furniture.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// How the joint of a front is most likely made, from its shape and where its handle is (§7.4): handle along
 /// the top or middle of a wide front = drawer; upright near one edge = door hinged at the other; along the
@@ -108,4 +108,4 @@ struct DifferenceResult {
 DifferenceResult articulate(const ScanSet& before, const ScanSet& after, const Front& front,
                             const std::vector<Isometry3d>& hand_path, const DifferenceOptions& options);
 
-}  // namespace loci
+}  // namespace loci::mapping

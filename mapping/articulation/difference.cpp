@@ -6,12 +6,12 @@
 #include "mapping/articulation/joint_fit.h"
 #include "mapping/articulation/moved_face.h"
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 using Type = JointEstimate::Type;
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kMinCoverage = 0.35;  ///< of the front's rectangle by the moved face
 constexpr size_t kMinPoints = 40;
 constexpr size_t kMinPoses = 5;  ///< of a hand's path that can tell line from arc
@@ -260,4 +260,4 @@ Json DifferenceResult::report() const {
   return json;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -6,7 +6,7 @@
 
 #include "mapping/base/random.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr int kSamples = 400;
@@ -98,4 +98,4 @@ std::array<double, 2> outline_of(const std::vector<double>& places) {
           *low + (static_cast<double>(last) + 1 + after) * cell};
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -7,7 +7,7 @@
 
 #include "mapping/base/pose.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// A plane that points were measured on: normal · p = offset.
 struct Face {
@@ -32,4 +32,4 @@ std::optional<Face> find_face(const std::vector<Vector3d>& points,
 /// falls to half of what is usual.
 std::array<double, 2> outline_of(const std::vector<double>& places);
 
-}  // namespace loci
+}  // namespace loci::mapping

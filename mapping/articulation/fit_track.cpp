@@ -4,12 +4,12 @@
 #include "mapping/articulation/articulation.h"
 #include "mapping/articulation/path.h"
 #include "mapping/articulation/turn.h"
+#include "mapping/base/math.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 using Type = JointEstimate::Type;
-constexpr double kPi = 3.14159265358979323846;
 
 // What is known of joints and of how they are recorded before a track is seen.
 constexpr double kUnknownShare = 0.02;    ///< of tracks are made by something else
@@ -290,4 +290,4 @@ TrackResult fit_track(const Track& track, const TrackOptions& options) {
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -4,11 +4,12 @@
 #include <cmath>
 #include <limits>
 
-namespace loci {
+#include "mapping/base/math.h"
+
+namespace loci::mapping {
 namespace {
 
 constexpr int kAzimuths = 720, kElevations = 360;
-constexpr double kPi = 3.14159265358979323846;
 constexpr float kNone = std::numeric_limits<float>::infinity();
 constexpr double kReach = 8;  // metres
 
@@ -68,4 +69,4 @@ double FreeSpace::share_free(const std::vector<Vector3d>& points) const {
   return points.empty() ? 0 : static_cast<double>(free) / static_cast<double>(points.size());
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -4,7 +4,7 @@
 
 #include "mapping/sensor/scan.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Which space the rays of a scan set passed through: per origin an image of the distances in all
 /// directions, in steps of half a degree.
@@ -28,4 +28,4 @@ class FreeSpace {
   std::vector<View> views_;
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

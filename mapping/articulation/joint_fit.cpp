@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/math.h"
 #include "mapping/base/quantile.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 using Type = JointEstimate::Type;
@@ -17,13 +18,12 @@ using Vector3 = Eigen::Matrix<T, 3, 1>;
 template <typename T>
 using View3 = Eigen::Map<const Vector3<T>>;
 
-constexpr double kRadians = M_PI / 180;
-constexpr double kHabitSd = 3 * kRadians;        ///< of real joints about the axis that their shape suggests
-constexpr double kHingeBehindFace = 0.01;        ///< the middle of a panel …
-constexpr double kHingeBehindFaceSd = 0.015;     ///< … but concealed hinges lie deeper
-constexpr double kFaceTiltSd = 0.15 * kRadians;  ///< what a face's tilt is wrong by beside its points' noise
-constexpr double kFaceOffsetSd = 0.002;          ///< metres, as kFaceTiltSd
-constexpr double kRobust = 3;                    ///< standard deviations from which on a pose counts less
+constexpr double kHabitSd = 3 * kDegree;        ///< of real joints about the axis that their shape suggests
+constexpr double kHingeBehindFace = 0.01;       ///< the middle of a panel …
+constexpr double kHingeBehindFaceSd = 0.015;    ///< … but concealed hinges lie deeper
+constexpr double kFaceTiltSd = 0.15 * kDegree;  ///< what a face's tilt is wrong by beside its points' noise
+constexpr double kFaceOffsetSd = 0.002;         ///< metres, as kFaceTiltSd
+constexpr double kRobust = 3;                   ///< standard deviations from which on a pose counts less
 
 /// A point or a direction (`shifts` false) after the joint moved by q.
 template <typename T>
@@ -122,7 +122,7 @@ Variables variables_for(const Motion& start, const std::vector<Isometry3d>& hand
 
 HandResidual hand_residual(const Motion& start, const MotionEvidence& evidence, size_t pose, double widened) {
   return {start.type, evidence.hand_path[pose], widened * evidence.hand_position_sigma_m,
-          widened * evidence.hand_orientation_sigma_deg * kRadians};
+          widened * evidence.hand_orientation_sigma_deg * kDegree};
 }
 
 /// Root mean square of the hand's residuals in units of its noise; 1 = as noisy as it claims to be.
@@ -190,7 +190,7 @@ void solve(const Motion& start, const MotionEvidence& evidence, double widened, 
   // Of the unit vector itself: the tangent space of the sphere has a scale of its own.
   Eigen::Matrix<double, 3, 3, Eigen::RowMajor> tilt;
   covariance.GetCovarianceBlock(v.axis.data(), v.axis.data(), tilt.data());
-  result->axis_sd_deg = std::sqrt(tilt.trace()) / kRadians;
+  result->axis_sd_deg = std::sqrt(tilt.trace()) / kDegree;
   if (start.type != Type::revolute) return;
   Eigen::Matrix<double, 3, 3, Eigen::RowMajor> place;
   covariance.GetCovarianceBlock(v.origin.data(), v.origin.data(), place.data());
@@ -226,4 +226,4 @@ Motion fit_motion(const Motion& start, const MotionEvidence& evidence) {
   return motion;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

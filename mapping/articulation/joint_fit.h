@@ -5,7 +5,7 @@
 #include "mapping/articulation/face.h"
 #include "mapping/world/furniture.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// How a part moved: the joint, and its position where it was seen open.
 struct Motion {
@@ -34,4 +34,4 @@ struct MotionEvidence {
 /// its noise widens the uncertainties. `start` has the type and where to begin.
 Motion fit_motion(const Motion& start, const MotionEvidence& evidence);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -4,11 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-namespace loci {
+#include "mapping/base/math.h"
+
+namespace loci::mapping {
 namespace {
 
 using Type = JointEstimate::Type;
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kHingeBehindFace = 0.01;  ///< as in the prior: the middle of a panel
 constexpr double kParallelDeg = 4;         ///< faces that differ by less did not turn
 constexpr double kOnFace = 0.025;          ///< metres
@@ -197,4 +198,4 @@ std::array<std::optional<MovedFace>, 3> moved_faces(const Face& closed, const st
   return best;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

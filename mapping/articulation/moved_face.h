@@ -8,7 +8,7 @@
 #include "mapping/articulation/joint_fit.h"
 #include "mapping/world/furniture.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// A face that points which moved lie on, and the motion that brought the front there.
 struct MovedFace {
@@ -28,4 +28,4 @@ double still_share(const std::vector<Vector3d>& points, const Face& closed, cons
 std::array<std::optional<MovedFace>, 3> moved_faces(const Face& closed, const std::vector<Vector3d>& moved,
                                                     const Front& front, double tolerance);
 
-}  // namespace loci
+}  // namespace loci::mapping

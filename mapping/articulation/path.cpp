@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/math.h"
 #include "mapping/base/quantile.h"
 #include "mapping/base/random.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kMinSigma = 5e-5;  // metres: no tracker is better
 constexpr int kSamples = 250;
 constexpr int kRounds = 25;
@@ -349,4 +349,4 @@ PathFit fit_path(Path::Kind kind, const std::vector<Vector3d>& positions, const 
   return fit;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

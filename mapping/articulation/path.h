@@ -5,7 +5,7 @@
 
 #include "mapping/base/pose.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// The path of a point on a moving part: it stays, or runs along a line or a circle.
 struct Path {
@@ -60,4 +60,4 @@ Path perturbed(const Path& path, const Eigen::VectorXd& change);
 /// Two directions that are normal to `axis` and to one another.
 std::array<Vector3d, 2> normals_of(const Vector3d& axis);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -3,11 +3,10 @@
 #include <cmath>
 
 #include "mapping/articulation/articulation.h"
+#include "mapping/base/math.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// How a front can be mounted. Left and right as seen by someone who stands before it; a flap hinged below
 /// opens downwards (oven, dishwasher), one hinged above is lifted (wall cupboard).
@@ -196,4 +195,4 @@ std::string front_class(const Front& front, const JointEstimate& joint) {
   return "front";
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -5,11 +5,10 @@
 #include "mapping/articulation/articulation.h"
 #include "mapping/base/csv.h"
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Json json_of(const Vector3d& v) {
   return Json::array({v.x(), v.y(), v.z()});
@@ -109,4 +108,4 @@ Json TrackResult::report() const {
   return json;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/math.h"
 #include "mapping/base/quantile.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kOutlierShare = 0.1;
 
 Vector3d turn_vector(const Eigen::Quaterniond& q) {
@@ -72,4 +72,4 @@ double TurnFit::log_likelihood(double noise, double poses) const {
   return angles.empty() ? 0 : sum * poses / static_cast<double>(angles.size());
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

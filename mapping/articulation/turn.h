@@ -4,7 +4,7 @@
 
 #include "mapping/base/pose.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// How well measured orientations turn with a joint about `axis`.
 struct TurnFit {
@@ -21,4 +21,4 @@ struct TurnFit {
 TurnFit fit_turn(const std::vector<Eigen::Quaterniond>& orientations, const Vector3d& axis,
                  const std::vector<double>& joint_positions, const std::vector<double>& weights);
 
-}  // namespace loci
+}  // namespace loci::mapping

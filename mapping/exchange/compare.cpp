@@ -5,12 +5,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/base/math.h"
 #include "mapping/exchange/compare_furniture.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 struct Bounds {
@@ -37,7 +37,7 @@ double yaw_of(const SurfacePatch& patch) {
   for (const auto& polygon : patch.polygons)
     for (size_t i = 0; i < polygon.size(); ++i) {
       const Vector2d edge = polygon[(i + 1) % polygon.size()] - polygon[i];
-      const double angle = std::remainder(std::atan2(edge.y(), edge.x()), std::numbers::pi / 2);
+      const double angle = std::remainder(std::atan2(edge.y(), edge.x()), kPi / 2);
       if (edge.norm() <= longest + 1e-6) continue;
       longest = edge.norm();
       yaw = angle;
@@ -123,7 +123,7 @@ void compare_supports(const MapStructure& map, const MapStructure& truth, const 
 std::optional<ComparedThing> compared(const WallPatch& map, const WallPatch& truth,
                                       const ComparisonOptions& options) {
   const double cosine = std::clamp(map.normal.dot(truth.normal), -1.0, 1.0);
-  const double angle = std::acos(cosine) * 180 / std::numbers::pi;
+  const double angle = std::acos(cosine) * 180 / kPi;
   if (angle > options.wall_angle_deg) return std::nullopt;
   const Vector3d direction(-map.normal.y(), map.normal.x(), 0);
   const Vector3d middle = map.offset * map.normal + (map.along_min + map.along_max) / 2 * direction;
@@ -233,4 +233,4 @@ Comparison compare(const MapStructure& map, const MapStructure& truth, const Com
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -8,7 +8,7 @@
 #include "mapping/base/options.h"
 #include "mapping/exchange/map_structure.h"
 
-namespace loci {
+namespace loci::mapping {
 
 struct ComparisonOptions {
   double height_tolerance_m = 0.05;
@@ -80,4 +80,4 @@ Comparison compare(const MapStructure& map, const MapStructure& truth, const Com
 /// Intersection over union of two patches, rastered at 5 mm.
 double overlap_of(const SurfacePatch& a, const SurfacePatch& b);
 
-}  // namespace loci
+}  // namespace loci::mapping

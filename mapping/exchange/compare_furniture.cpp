@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "mapping/base/convex.h"
+#include "mapping/base/math.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr double kPlaneGate = 0.10;    // m
@@ -32,7 +32,7 @@ std::vector<std::optional<size_t>> assign(std::vector<Pair> pairs, size_t truths
 }
 
 double angle_deg(const Vector3d& a, const Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
+  return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / kPi;
 }
 
 bool asked_for(const std::string& region, const ComparisonOptions& options) {
@@ -189,4 +189,4 @@ void compare_furniture(const MapStructure& map, const MapStructure& truth, const
       [](const KnownFixture& known) { return known.fixture.centre; }, fill_handle, result);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -2,7 +2,7 @@
 
 #include "mapping/exchange/compare.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Adds handles, knobs, fronts and their joints to a comparison.
 void compare_furniture(const MapStructure& map, const MapStructure& truth, const ComparisonOptions& options,
@@ -16,4 +16,4 @@ double overlap_of(const Front& a, const Front& b);
 ComparedJoint compare_joints(const std::optional<JointEstimate>& map, const JointEstimate& truth,
                              const Vector3d& front_centre);
 
-}  // namespace loci
+}  // namespace loci::mapping

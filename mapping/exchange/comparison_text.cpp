@@ -9,7 +9,7 @@
 #include "mapping/base/json.h"
 #include "mapping/exchange/compare.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr std::array<const char*, 4> kKinds = {"support", "wall", "front", "handle"};
@@ -240,4 +240,4 @@ Json Comparison::report() const {
   return json;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

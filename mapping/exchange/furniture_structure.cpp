@@ -5,7 +5,7 @@
 #include "mapping/base/json.h"
 #include "mapping/interpretation/furniture_links.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 Vector3d vector_of(const Json& json) {
@@ -114,4 +114,4 @@ void add_truth_furniture(const Json& truth, const std::string& file, MapStructur
   }
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -3,7 +3,7 @@
 #include "mapping/exchange/map_structure.h"
 #include "mapping/exchange/world_triangles.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Fronts, handles and knobs as a sidecar and the joints of its world tell.
 void add_sidecar_furniture(const World& world, const SemanticMap& sidecar, const std::string& file,
@@ -19,4 +19,4 @@ void add_truth_furniture(const Json& truth, const std::string& file, MapStructur
 void add_geometry_furniture(const World& world, const std::vector<WorldTriangle>& triangles,
                             MapStructure& structure);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -6,11 +6,11 @@
 #include "mapping/exchange/furniture_structure.h"
 #include "mapping/world/kinematics.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr double kUpright = 0.3;       // |z| of the normal of an upright face
-constexpr double kMinFace = 0.01;    // m²
+constexpr double kMinFace = 0.01;      // m²
 constexpr double kSamePlane = 0.005;   // m
 constexpr double kSameNormal = 0.995;  // cosine
 constexpr double kFreeBefore = 0.4;    // m
@@ -255,4 +255,4 @@ void add_geometry_furniture(const World& world, const std::vector<WorldTriangle>
   FurnitureReader(world, triangles).read(structure);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -6,13 +6,13 @@
 #include "mapping/exchange/map_structure.h"
 #include "mapping/exchange/world_triangles.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr double kMinSurface = 0.05;  // m²
 constexpr double kMinWall = 0.5;      // m²
-constexpr double kReveal = 0.3;         // m; narrower faces of walls
-constexpr double kLowest = 0.2;         // m; lower surfaces are the floor or plinths
+constexpr double kReveal = 0.3;       // m; narrower faces of walls
+constexpr double kLowest = 0.2;       // m; lower surfaces are the floor or plinths
 constexpr double kHighest = 2.0;
 constexpr double kFreeAbove = 0.25;  // m; less room above and nothing can be put there or seen
 constexpr double kSameHeight = 0.01;
@@ -150,4 +150,4 @@ MapStructure structure_from_geometry(const World& world, const MeshSearch& searc
   return structure;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -6,7 +6,7 @@
 
 #include "mapping/base/html.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr double kRow = 30;      // px between leaves
@@ -151,4 +151,4 @@ std::string link_graph_svg(const World& world, const SemanticMap& semantics, con
   return Graph(world, semantics, start).svg();
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

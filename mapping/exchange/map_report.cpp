@@ -12,7 +12,7 @@
 #include "mapping/base/quantile.h"
 #include "mapping/image/image_io.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr double kHighest = 1.9;  // m; what hangs higher would hide the furniture
@@ -78,8 +78,7 @@ cv::Mat image_of(const InterpretedMap& map, const ScanSet& scans, const TopView&
     height = static_cast<float>(position.z());
     const bool colored = point.r != 0 || point.g != 0 || point.b != 0;
     const auto grey = static_cast<uint8_t>(std::clamp(200 - 80 * position.z(), 40.0, 220.0));
-    image.at<cv::Vec3b>(v, u) =
-        colored ? cv::Vec3b(point.b, point.g, point.r) : cv::Vec3b(grey, grey, grey);
+    image.at<cv::Vec3b>(v, u) = colored ? cv::Vec3b(point.b, point.g, point.r) : cv::Vec3b(grey, grey, grey);
   });
   return image;
 }
@@ -197,4 +196,4 @@ std::string map_report(const InterpretedMap& map, const ScanSet& scans, const st
   return html_page("Map", sections);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

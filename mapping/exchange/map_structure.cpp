@@ -6,7 +6,7 @@
 #include "mapping/exchange/furniture_structure.h"
 #include "mapping/world/urdf.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 bool carries(const std::string& class_name) {
@@ -128,4 +128,4 @@ MapStructure read_structure(const std::filesystem::path& path, const MeshSearch&
   return structure_from_geometry(world, search, warnings);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

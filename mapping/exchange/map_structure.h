@@ -11,7 +11,7 @@
 #include "mapping/world/mesh.h"
 #include "mapping/world/semantic_map.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// A horizontal surface of a map or of a truth.
 struct SurfacePatch {
@@ -72,4 +72,4 @@ MapStructure structure_from_sidecar(const SemanticMap& sidecar, const World& wor
 MapStructure structure_from_truth(const Json& truth, const std::string& file);
 MapStructure structure_from_geometry(const World& world, const MeshSearch& search, Warnings& warnings);
 
-}  // namespace loci
+}  // namespace loci::mapping

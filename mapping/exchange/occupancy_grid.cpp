@@ -10,11 +10,11 @@
 
 #include "mapping/base/files.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
-constexpr double kMargin = 0.5;      // m of unknown around everything
-constexpr double kFloor = 0.05;      // m; upward faces so near to the floor's height are floor
+constexpr double kMargin = 0.5;    // m of unknown around everything
+constexpr double kFloor = 0.05;    // m; upward faces so near to the floor's height are floor
 constexpr double kMinFloor = 0.1;  // of the area that the geometry spans
 constexpr double kMaxCells = 4e8;
 constexpr int kShift = 4;  // fractional bits of OpenCV's polygon corners
@@ -184,4 +184,4 @@ void write_surface_tree(const std::vector<WorldTriangle>& triangles, double reso
   write_file_atomically(path, bytes.str());
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -13,7 +13,7 @@ namespace octomap {
 class OcTree;
 }
 
-namespace loci {
+namespace loci::mapping {
 
 struct GridOptions {
   double resolution_m = 0.05;
@@ -21,35 +21,37 @@ struct GridOptions {
   double height_max_m = 1.50;  ///< what is higher can be driven under
   double floor_m = 0;
 
-  void declare(OptionTable& table);
+  void declare(loci::OptionTable& table);
 };
 
 /// A floor plan for a robot, as ROS's map_server has it.
 struct OccupancyGrid {
-  double resolution = 0.05;            ///< metres
-  Vector2d origin = Vector2d::Zero();  ///< lower left corner of cell (0, 0), map frame
-  int width = 0, height = 0;           ///< cells along x and y
-  std::vector<Occupancy> cells;        ///< row by row from the lowest y
+  double resolution = 0.05;                     ///< metres
+  Vector2d origin = Vector2d::Zero();           ///< lower left corner of cell (0, 0), map frame
+  int width = 0, height = 0;                    ///< cells along x and y
+  std::vector<loci::mapping::Occupancy> cells;  ///< row by row from the lowest y
 
-  Occupancy at(int x, int y) const { return cells[static_cast<size_t>(y * width + x)]; }
+  loci::mapping::Occupancy at(int x, int y) const { return cells[static_cast<size_t>(y * width + x)]; }
 };
 
 /// A map's cells: occupied where geometry reaches between the heights, free where only floor is, else
 /// unknown. A world without floor (a warning) has its floor at `floor_m`, as far as its geometry reaches.
-OccupancyGrid occupancy_grid(const std::vector<WorldTriangle>& triangles, const GridOptions& options,
-                             Warnings& warnings);
+loci::mapping::OccupancyGrid occupancy_grid(const std::vector<loci::mapping::WorldTriangle>& triangles,
+                                            const loci::mapping::GridOptions& options,
+                                            loci::Warnings& warnings);
 
 /// The columns of a tree: occupied where any voxel between the heights is, free where any is free and none
 /// occupied, else unknown. The tree's resolution is the grid's.
-OccupancyGrid occupancy_grid(const octomap::OcTree& tree, const GridOptions& options);
+loci::mapping::OccupancyGrid occupancy_grid(const octomap::OcTree& tree,
+                                            const loci::mapping::GridOptions& options);
 
 /// map_server's PGM (254 free, 0 occupied, 205 unknown; first row = highest y).
-std::string pgm_text(const OccupancyGrid& grid);
+std::string pgm_text(const loci::mapping::OccupancyGrid& grid);
 /// The YAML beside it.
-std::string grid_yaml(const OccupancyGrid& grid, const std::string& image);
+std::string grid_yaml(const loci::mapping::OccupancyGrid& grid, const std::string& image);
 
 /// Geometry as OctoMap's binary tree (.bt): occupied where a surface is, all else unknown.
-void write_surface_tree(const std::vector<WorldTriangle>& triangles, double resolution,
+void write_surface_tree(const std::vector<loci::mapping::WorldTriangle>& triangles, double resolution,
                         const std::filesystem::path& path);
 
-}  // namespace loci
+}  // namespace loci::mapping

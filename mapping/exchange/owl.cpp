@@ -8,7 +8,7 @@
 #include "mapping/exchange/owl_document.h"
 #include "mapping/world/kinematics.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 using tinyxml2::XMLElement;
@@ -189,4 +189,4 @@ std::string owl_text(const World& world, const SemanticMap& semantics, const std
   return Writer(world, semantics, name, time_ns).text();
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

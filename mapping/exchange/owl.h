@@ -5,7 +5,7 @@
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/world.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// A map as OWL-DL in RDF/XML, as the semantic maps of KnowRob are written: every link with a sidecar entry
 /// is an individual of its own name with class, size, pose (a SemanticMapPerception with a RotationMatrix3D)
@@ -18,4 +18,4 @@ std::string owl_text(const World& world, const SemanticMap& semantics, const std
 /// The class of a link: "Drawer" for a drawer, "Refrigerator" for what carries the appliance "fridge".
 std::string knowrob_class(const SemanticLink& link);
 
-}  // namespace loci
+}  // namespace loci::mapping

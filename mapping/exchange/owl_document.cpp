@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 using tinyxml2::XMLElement;
@@ -116,4 +116,4 @@ std::string OwlDocument::number(double value) {
   return fmt::format("{}", value == 0 ? 0.0 : value);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -7,7 +7,7 @@
 
 #include "mapping/base/pose.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// An ontology of individuals in RDF/XML with the names of KnowRob. Classes and properties that are used are
 /// declared, so that the file can be read without KnowRob. `name` becomes part of the namespace.
@@ -48,4 +48,4 @@ class OwlDocument {
 /// What is within reach of a name in OWL: letters, digits, underscore, hyphen.
 std::string owl_identifier(std::string name);
 
-}  // namespace loci
+}  // namespace loci::mapping

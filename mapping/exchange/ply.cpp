@@ -6,7 +6,7 @@
 #include <bit>
 #include <cmath>
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "PLY is written as it lies in memory");
@@ -65,4 +65,4 @@ std::string ply_text(const ScanSet& scans) {
   return bytes;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -6,7 +6,7 @@
 #include "mapping/exchange/world_triangles.h"
 #include "mapping/sensor/scan.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Triangles as binary PLY (little endian): vertices with colour, three to a face so that faces keep theirs.
 std::string ply_text(const std::vector<WorldTriangle>& triangles);
@@ -14,4 +14,4 @@ std::string ply_text(const std::vector<WorldTriangle>& triangles);
 /// The returns of all scans as binary PLY: x y z in the map frame, intensity, colour.
 std::string ply_text(const ScanSet& scans);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 using tinyxml2::XMLElement;
@@ -223,4 +223,4 @@ std::string sdf_text(const World& world, Warnings& warnings) {
   return Writer(world, warnings).text();
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

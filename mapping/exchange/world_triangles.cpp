@@ -2,7 +2,7 @@
 
 #include "mapping/world/kinematics.h"
 
-namespace loci {
+namespace loci::mapping {
 
 std::vector<WorldTriangle> triangles_of(const World& world, const MeshSearch& search, Warnings& warnings) {
   constexpr double kSliver = 1e-8;  // m²
@@ -33,4 +33,4 @@ std::vector<WorldTriangle> triangles_of(const World& world, const MeshSearch& se
   return triangles;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -7,7 +7,7 @@
 #include "mapping/world/mesh.h"
 #include "mapping/world/world.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// A triangle of a world's visual geometry, root frame.
 struct WorldTriangle {
@@ -21,4 +21,4 @@ struct WorldTriangle {
 /// All visual geometry with the joints at 0; slivers are left out.
 std::vector<WorldTriangle> triangles_of(const World& world, const MeshSearch& search, Warnings& warnings);
 
-}  // namespace loci
+}  // namespace loci::mapping

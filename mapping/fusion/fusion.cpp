@@ -11,7 +11,7 @@
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 /// Rays that end beyond the range are thinned to cells of this size at the range.
@@ -175,7 +175,7 @@ FusionResult fuse(const Recording& recording, const FusionOptions& options, Prog
   FusionOptions checked = options;
   table_of(checked).validate({"", 0, "fuse"});
   const RecordingInfo& info = recording.info();
-  const Place place{info.path, 0, ""};
+  const loci::Place place{info.path, 0, ""};
   if (recording.size() == 0) throw Error("the recording has no frames", place);
 
   // Poses come with the frames, so a scan is a run of frames of which those without pose are skipped.
@@ -258,4 +258,4 @@ Json FusionResult::report() const {
           {"levelled", scans.levelled},         {"seconds", seconds}};
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

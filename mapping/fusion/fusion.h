@@ -5,7 +5,7 @@
 #include "mapping/recording/recording.h"
 #include "mapping/sensor/scan.h"
 
-namespace loci {
+namespace loci::mapping {
 
 struct FusionOptions {
   int every = 1;
@@ -43,4 +43,4 @@ FusionResult fuse(const Recording& recording, const FusionOptions& options, Prog
 /// eight neighbours near their depth: flying pixels. Returns how many. `depth` is CV_32F, metres.
 size_t drop_flying_pixels(cv::Mat& depth);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace loci {
+namespace loci::mapping {
 
 const char* color_name(float hue, float saturation, float value) {
   if (value < 0.2f) return "black";
@@ -32,4 +32,4 @@ std::array<float, 3> rgb_from_hsv(double hue, double saturation, double value) {
   return {channel(5), channel(3), channel(1)};
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

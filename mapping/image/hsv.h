@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace loci {
+namespace loci::mapping {
 
 /// The word for one colour: hue 0 to 360 degrees, saturation and value 0 to 1.
 const char* color_name(float hue, float saturation, float value);
@@ -10,4 +10,4 @@ const char* color_name(float hue, float saturation, float value);
 /// Red, green and blue, 0 to 1, of hue 0 to 360 degrees, saturation and value 0 to 1.
 std::array<float, 3> rgb_from_hsv(double hue, double saturation, double value);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -6,7 +6,7 @@
 
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr std::string_view kPngSignature("\x89PNG\r\n\x1a\n", 8);
@@ -118,4 +118,4 @@ bool has_image_end(std::string_view head, std::string_view tail) {
   return ends_as_jpeg(tail);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -11,7 +11,7 @@
 #include "mapping/base/files.h"
 #include "mapping/image/image_format.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 /// OpenCV would tell its own story on stderr beside our one line.
@@ -94,4 +94,4 @@ cv::Mat decode_image(const std::vector<unsigned char>& bytes, const std::string&
   return decode({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, name, cv::IMREAD_UNCHANGED);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace loci {
+namespace loci::mapping {
 
 /// A colour image (CV_8UC3, BGR) from PNG or JPEG. Error when it is missing, truncated or not an image.
 cv::Mat read_color(const std::filesystem::path& path);
@@ -35,4 +35,4 @@ std::vector<unsigned char> encode_image(const cv::Mat& image, const std::string&
 /// message.
 cv::Mat decode_image(const std::vector<unsigned char>& bytes, const std::string& name);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -4,7 +4,7 @@
 
 #include "mapping/base/quantile.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr size_t kMin = 50;  // rays
@@ -39,4 +39,4 @@ std::string appliance_of(const Front& front, const FaceRect& rect, const FaceRay
   return {};
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -7,7 +7,7 @@
 
 #include "mapping/base/quantile.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 /// The slab's vertical edge where it was seen: the peak of the points right below the top.
@@ -76,4 +76,4 @@ std::optional<double> edge_position(const EdgeSamples& samples, double length) {
   return position && surface_reaches(samples, *position) ? position : std::nullopt;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

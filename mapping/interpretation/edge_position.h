@@ -6,7 +6,7 @@
 
 #include "mapping/interpretation/plane_raster.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// How far off an edge may be before it is sharpened, metres.
 inline constexpr double kEdgeWindow = 0.06;
@@ -40,4 +40,4 @@ EdgeSamples samples_across(const PlaneEvidence& evidence, const Outwards& outwar
 /// would grow over a strip in which the top itself was not seen. `length` is the edge's, metres.
 std::optional<double> edge_position(const EdgeSamples& samples, double length);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr double kRank = 0.7;          // of the depths in a neighbourhood: bars cover less than the rest
@@ -47,4 +47,4 @@ double FaceGround::at(double u, double v) const {
   return static_cast<double>(depth_[static_cast<size_t>(y / kCells * width_ + x / kCells)]);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -4,7 +4,7 @@
 
 #include "mapping/interpretation/face_raster.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// How far the surface of a face stands before its plane, place by place: fronts before the body, panels in
 /// frames. Where two layers meet, it is the one in front; handles and knobs are too small to count.
@@ -23,4 +23,4 @@ class FaceGround {
   std::vector<float> depth_;
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -8,7 +8,7 @@
 #include "mapping/interpretation/face_raster.h"
 #include "mapping/interpretation/line_votes.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr double kPiece = 0.03;          // m; side of the cells whose points are averaged
@@ -17,7 +17,7 @@ constexpr int kAnglesBeside = 3;         // for which a piece votes besides its 
 constexpr double kOffsetBin = 0.015;     // m
 constexpr double kFacing = 0.95;         // cosine between a piece's normal and its plane's
 constexpr double kTaken = 0.022;         // m; pieces this near to a plane are explained by it
-constexpr double kMinArea = 0.04;      // m²; a small drawer front
+constexpr double kMinArea = 0.04;        // m²; a small drawer front
 constexpr double kGap = 1.0;             // m; a mirror-like front may leave such a hole
 constexpr double kSameFace = 0.035;      // m; layers of one face
 constexpr double kSameDirection = 0.99;  // cosine
@@ -230,4 +230,4 @@ std::vector<Face> find_faces(const Surface& surface, double floor_height) {
   return faces;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

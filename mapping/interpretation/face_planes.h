@@ -4,7 +4,7 @@
 
 #include "mapping/interpretation/surface.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// A vertical plane with coordinates of its own: u to the right as seen by who stands before it, v = z, and
 /// depth out of it, metres. It is as large as pieces of surface lie in it without wide gaps.
@@ -31,4 +31,4 @@ struct Face {
 /// surface: the strongest plane takes its pieces, then the next. Layers 3 cm apart are told apart.
 std::vector<Face> find_faces(const Surface& surface, double floor_height);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -7,16 +7,16 @@
 #include "mapping/base/cell_index.h"
 #include "mapping/base/quantile.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
-constexpr double kAlignReach = 0.03;   // m; points used to compare scans
-constexpr double kAboveFloor = 0.03;   // m; what is lower is floor
-constexpr double kMinPoints = 100;  // of a scan that saw the face
-constexpr double kMinSpread = 0.04;  // m²; over less of the face no slope is told
+constexpr double kAlignReach = 0.03;  // m; points used to compare scans
+constexpr double kAboveFloor = 0.03;  // m; what is lower is floor
+constexpr double kMinPoints = 100;    // of a scan that saw the face
+constexpr double kMinSpread = 0.04;   // m²; over less of the face no slope is told
 constexpr double kMaxTurned = 0.01;   // rad
-constexpr double kAgreeCell = 0.03;    // m; cells in which scans are compared
-constexpr size_t kMinToAgree = 30;  // cells
+constexpr double kAgreeCell = 0.03;   // m; cells in which scans are compared
+constexpr size_t kMinToAgree = 30;    // cells
 constexpr int kAgreeRounds = 8;
 constexpr float kMinCosine = 0.15F;  // of incidence; intensity over less is noise
 
@@ -188,4 +188,4 @@ FaceGrid::FaceGrid(const Face& face)
       width(static_cast<int>((face.u_max - face.u_min + 2 * kFaceMargin) / kFaceCell) + 1),
       height(static_cast<int>((face.v_max - face.v_min + 2 * kFaceMargin) / kFaceCell) + 1) {}
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -6,7 +6,7 @@
 #include "mapping/interpretation/face_planes.h"
 #include "mapping/interpretation/surface.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// A ray that met a face or came near it, in the face's coordinates.
 struct FaceRay {
@@ -71,4 +71,4 @@ struct FaceGrid {
   double v(int y) const { return v0 + (y + 0.5) * kFaceCell; }
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

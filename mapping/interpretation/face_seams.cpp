@@ -5,15 +5,15 @@
 
 #include "mapping/base/quantile.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
-constexpr int kFlank = 6;             // cells on each side that a line is compared with
-constexpr int kFlankGap = 1;          // cells between a line and its flanks
-constexpr int kWindow = 5;            // chunks; a line that shows nothing over this length is interrupted
+constexpr int kFlank = 6;           // cells on each side that a line is compared with
+constexpr int kFlankGap = 1;        // cells between a line and its flanks
+constexpr int kWindow = 5;          // chunks; a line that shows nothing over this length is interrupted
 constexpr float kMinCosine = 0.3F;  // of incidence; a flatter ray tells where it crosses the face too badly
-constexpr double kMaxZ = 4;          // influence of one chunk
-constexpr double kShownZ = 1;         // a chunk with more shows the line
+constexpr double kMaxZ = 4;         // influence of one chunk
+constexpr double kShownZ = 1;       // a chunk with more shows the line
 constexpr float kMinWeight = 1.5F;  // rays in a line's part of a chunk
 /// Differences of this size are no evidence: shading, registration. Metres, share, intensity, colour.
 constexpr std::array<double, 6> kTrivial = {0.001, 0.02, 0.008, 0.006, 0.006, 0.006};
@@ -407,4 +407,4 @@ std::vector<std::array<float, 2>> SeamMap::row_shares(const FaceRect& rect) cons
   return shares;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

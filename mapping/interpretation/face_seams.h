@@ -5,7 +5,7 @@
 
 #include "mapping/interpretation/fixtures.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// How well a straight line across a part of a face parts it.
 struct LineEvidence {
@@ -100,4 +100,4 @@ class SeamMap {
   Scores upright_, level_;
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -6,7 +6,7 @@
 
 #include "mapping/base/quantile.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr double kLineTolerance = 0.012;  // m; registration of the scans and half a bar
@@ -116,4 +116,4 @@ double mixture_depth(const std::vector<double>& depths, double start, double sig
   return depth;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -7,7 +7,7 @@
 #include "mapping/base/pose.h"
 #include "mapping/base/random.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// A point before a face.
 struct FixturePoint {
@@ -49,4 +49,4 @@ void measure(const std::vector<FixturePoint>& points, FixtureShape& shape);
 /// the face's known.
 double mixture_depth(const std::vector<double>& depths, double start, double sigma);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -8,21 +8,22 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "mapping/base/math.h"
 #include "mapping/base/quantile.h"
 #include "mapping/interpretation/face_ground.h"
 #include "mapping/interpretation/fixture_shapes.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr double kMinProtrusion = 0.015;  // m
-constexpr double kLongestBar = 1.3;         // m; of a fridge
-constexpr double kShortestBar = 0.045;      // m
-constexpr double kThickestBar = 0.045;      // m
-constexpr double kMaxKnob = 0.065;      // m
-constexpr double kMinKnob = 0.008;     // m
-constexpr double kElongated = 2.2;          // length over width that makes a bar
-constexpr double kMaxTurned = 0.35;        // rad; handles are level or upright
+constexpr double kLongestBar = 1.3;       // m; of a fridge
+constexpr double kShortestBar = 0.045;    // m
+constexpr double kThickestBar = 0.045;    // m
+constexpr double kMaxKnob = 0.065;        // m
+constexpr double kMinKnob = 0.008;        // m
+constexpr double kElongated = 2.2;        // length over width that makes a bar
+constexpr double kMaxTurned = 0.35;       // rad; handles are level or upright
 /// Of the points in a cell that stand before the face, for the cell to belong to a fixture; look by look.
 constexpr std::array<float, 3> kShares = {0.3F, 0.45F, 0.65F};
 constexpr double kMinShownAtEnds = 0.25;
@@ -30,10 +31,10 @@ constexpr double kAsDeep = 0.6;  // of its distance from the face; nearer to the
 constexpr double kCore = 0.38;   // of length and width to each side that rays certainly meet
 constexpr size_t kMinPoints = 10;
 constexpr size_t kManyPoints = 40;       // are not all in mid-air
-constexpr double kMinBeside = 6;      // cells beside a fixture that rays met
+constexpr double kMinBeside = 6;         // cells beside a fixture that rays met
 constexpr double kSurroundings = 0.035;  // m beside a fixture in which its front shows
-constexpr double kMinShown = 0.4;      // of these must be face
-constexpr float kMin = 0.07F;         // points per cell after smoothing: one within 6 mm
+constexpr double kMinShown = 0.4;        // of these must be face
+constexpr float kMin = 0.07F;            // points per cell after smoothing: one within 6 mm
 constexpr double kHalfRound =
     0.785;  // mean distance of the visible half of a cylinder from its axis / radius
 
@@ -191,7 +192,7 @@ class FixtureFinder {
     if (static_cast<double>(shape.inliers.size()) < 0.7 * static_cast<double>(points))
       return "no line explains it";
     const double turned = std::atan2(std::abs(shape.axis.y()), std::abs(shape.axis.x()));
-    if (turned > kMaxTurned && turned < M_PI_2 - kMaxTurned) return "it is neither level nor upright";
+    if (turned > kMaxTurned && turned < kPi / 2 - kMaxTurned) return "it is neither level nor upright";
     return {};
   }
   static std::string why_no_knob(const FixtureShape& shape) {
@@ -397,4 +398,4 @@ FixtureSearch find_fixtures(const FaceRays& rays, const Random& random) {
   return FixtureFinder(rays).search(random);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

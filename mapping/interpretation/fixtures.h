@@ -7,7 +7,7 @@
 #include "mapping/interpretation/face_raster.h"
 #include "mapping/world/furniture.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// A handle or knob before a face.
 struct FaceFixture {
@@ -27,4 +27,4 @@ struct FixtureSearch {
 /// is none.
 FixtureSearch find_fixtures(const FaceRays& rays, const Random& random);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -4,23 +4,23 @@
 #include <cmath>
 #include <optional>
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
-constexpr double kMinZ = 6;          // of a cut
-constexpr double kMinShare = 0.6;    // of its length that shows it
-constexpr double kMinSide = 0.028;   // m; narrower parts are not cut off
+constexpr double kMinZ = 6;            // of a cut
+constexpr double kMinShare = 0.6;      // of its length that shows it
+constexpr double kMinSide = 0.028;     // m; narrower parts are not cut off
 constexpr double kUnbroken = 0.3;      // of a line's mean score along all its length
-constexpr double kMinFront = 0.08;   // m
+constexpr double kMinFront = 0.08;     // m
 constexpr double kSomeFace = 0.08;     // share of these that is face, while it is cut
-constexpr double kMinKnown = 0.1;    // share of a row or column that rays met
-constexpr double kMinGap = 0.015;    // m; wider strips without face part it
+constexpr double kMinKnown = 0.1;      // share of a row or column that rays met
+constexpr double kMinGap = 0.015;      // m; wider strips without face part it
 constexpr double kWidestHidden = 0.1;  // m; wider strips that no ray met part it, too
-constexpr double kMinFace = 0.4;     // and of these that is face
+constexpr double kMinFace = 0.4;       // and of these that is face
 constexpr int kDeepest = 60;           // cuts one after the other
 constexpr double kSameLine = 0.03;     // m
 constexpr double kClearZ = 8;          // of the seam of a front without fixture
-constexpr double kMinArea = 0.02;    // m², of a front without fixture
+constexpr double kMinArea = 0.02;      // m², of a front without fixture
 constexpr double kProud = 0.003;       // m
 
 enum Side : size_t { left, right, bottom, top };
@@ -322,4 +322,4 @@ FrontLayout lay_out_fronts(const SeamMap& seams, const Face& face, const std::ve
   return Layout(seams, face, fixtures).run();
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -6,7 +6,7 @@
 #include "mapping/interpretation/face_seams.h"
 #include "mapping/interpretation/fixtures.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// What ends a front at one side.
 struct FrontEdge {
@@ -47,4 +47,4 @@ std::vector<PlacedFront> divide_evenly(const SeamMap& seams, const Face& face, c
                                        const std::vector<FaceFixture>& fixtures,
                                        const std::vector<size_t>& inside);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -10,11 +10,11 @@
 #include "mapping/articulation/articulation.h"
 #include "mapping/interpretation/furniture_links.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr const char* kRoot = "map";
-constexpr double kMinSure = 0.5;   // of the type of a joint, without which none is claimed
+constexpr double kMinSure = 0.5;     // of the type of a joint, without which none is claimed
 constexpr double kSameRow = 0.3;     // m; faces less far behind each other are one row of furniture
 constexpr double kSameColumn = 0.1;  // m between the left edges of fronts of one column
 
@@ -107,4 +107,4 @@ void replace_fronts(std::vector<Front> fronts, InterpretedMap& map) {
   add_named(std::move(fronts), map);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -6,7 +6,7 @@
 #include "mapping/interpretation/map_links.h"
 #include "mapping/world/furniture.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Joint and class of each front by its shape (joint_prior), names by class and number, and the links. Fronts
 /// are numbered clockwise along the sides of the room, column by column from the top, so that the same
@@ -17,4 +17,4 @@ void add_fronts(const RecognisedRoom& room, std::vector<Front> fronts, Interpret
 /// anew.
 void replace_fronts(std::vector<Front> fronts, InterpretedMap& map);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -5,17 +5,17 @@
 #include "mapping/articulation/articulation.h"
 #include "mapping/interpretation/front_layout.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr double kStep = 0.01;           // m; of possible edges
 constexpr double kStyleStep = 0.005;     // m
 constexpr double kFrame = 2.5;           // cost of a frame beside the outermost fronts
-constexpr double kMinMargin = 0.01;    // m between a fixture and the edge of its front
+constexpr double kMinMargin = 0.01;      // m between a fixture and the edge of its front
 constexpr double kHandWidth = 0.06;      // m; what an upright handle or knob takes at least
 constexpr double kPartedColumns = 0.12;  // m between fixtures of neighbouring columns
 constexpr double kLikeDistance = 0.012;  // m; how alike fixtures of a column are mounted
-constexpr double kMaxUnlike = 4;        // cost of one that is not
+constexpr double kMaxUnlike = 4;         // cost of one that is not
 
 /// What neighbours share along one direction: the fixtures of each group, in order.
 using Groups = std::vector<std::vector<size_t>>;
@@ -236,4 +236,4 @@ std::vector<PlacedFront> divide_evenly(const SeamMap& seams, const Face& face, c
   return Divider(seams, face, fixtures).divide(part, inside);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

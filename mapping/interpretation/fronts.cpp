@@ -10,19 +10,19 @@
 #include "mapping/interpretation/appliances.h"
 #include "mapping/interpretation/front_layout.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr uint64_t kSeed = 7;            // of the sample consensus
 constexpr double kSameWall = 0.08;       // m
 constexpr double kWidest = 1.4;          // m; wider is no front
-constexpr double kMax = 2.2;         // m²
+constexpr double kMax = 2.2;             // m²
 constexpr double kNarrowest = 0.07;      // m
 constexpr double kNarrowestBare = 0.12;  // m, without a fixture: narrower ones are strips that fill a gap
-constexpr double kMaxScatter = 0.015;   // m; more are corners and clutter, and handles would drown in it
-constexpr double kMinSure = 0.4;       // of a fixture
+constexpr double kMaxScatter = 0.015;    // m; more are corners and clutter, and handles would drown in it
+constexpr double kMinSure = 0.4;         // of a fixture
 constexpr double kSureOnWall = 0.75;     // of a fixture
-constexpr size_t kMinOnWall = 2;      // fronts
+constexpr size_t kMinOnWall = 2;         // fronts
 constexpr int kResolvedOnWall = 3;       // edges
 
 struct FaceResult {
@@ -156,4 +156,4 @@ FrontSearch find_fronts(const Surface& surface, double floor_height, const WallS
   return search;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -8,7 +8,7 @@
 #include "mapping/interpretation/walls.h"
 #include "mapping/world/furniture.h"
 
-namespace loci {
+namespace loci::mapping {
 
 struct FrontSearch {
   std::vector<Front> fronts;
@@ -21,4 +21,4 @@ struct FrontSearch {
 FrontSearch find_fronts(const Surface& surface, double floor_height, const WallSearch& vertical,
                         const InterpretationOptions& options, Progress& progress);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -3,20 +3,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "mapping/base/error.h"
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 #include "mapping/interpretation/link_parts.h"
 #include "mapping/world/kinematics.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr double kPanel = 0.02;      // m, thickness of fronts; not measured
 constexpr double kBoard = 0.012;     // m, of a drawer's sides and bottom
 constexpr double kRunner = 0.019;    // m, between a drawer's side and the edge of its front
-constexpr double kMinBox = 0.05;   // m, depth of the shallowest drawer
+constexpr double kMinBox = 0.05;     // m, depth of the shallowest drawer
 constexpr double kBarMargin = 0.15;  // of a bar's length: where its posts stand
 
 using Type = JointEstimate::Type;
@@ -156,7 +156,7 @@ class FrontWriter {
                                map_from_link.inverse() * map_from_front_);
     joint.type = JointType::revolute;
     joint.axis = map_from_link.linear().transpose() * front_.joint->axis;
-    limit(joint, std::numbers::pi / 2, 20, 1);
+    limit(joint, kPi / 2, 20, 1);
   }
 
   /// Limits that nobody estimated are the furniture's usual ones: a simulator needs some.
@@ -260,4 +260,4 @@ void remove_front(const std::string& name, World& world, SemanticMap& semantics)
   for (const std::string& other : gone) semantics.links.erase(other);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -4,7 +4,7 @@
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/world.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Writes a front as links, joints and sidecar entries below `parent` (§7.5); every link with geometry has
 /// visual, collision and inertia, joint names are LINK_joint, 0 is closed.
@@ -31,4 +31,4 @@ std::optional<std::string> front_link(const std::string& name, const SemanticMap
 /// sidecar entry that lacks what its class needs.
 std::vector<Front> fronts_of(const World& world, const SemanticMap& semantics);
 
-}  // namespace loci
+}  // namespace loci::mapping

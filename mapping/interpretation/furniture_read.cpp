@@ -5,7 +5,7 @@
 #include "mapping/interpretation/furniture_links.h"
 #include "mapping/world/kinematics.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr std::string_view kSuffix = "_front";
@@ -145,4 +145,4 @@ std::vector<Front> fronts_of(const World& world, const SemanticMap& semantics) {
   return fronts;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -16,12 +16,12 @@
 #include "mapping/interpretation/map_links.h"
 #include "mapping/interpretation/scan_checks.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr double kFloorReach = 0.25;  // m; a levelled input has its floor within this of z = 0
 constexpr double kCeilingLow = 1.9;   // m
-constexpr double kMinArea = 0.3;   // m² of floor
+constexpr double kMinArea = 0.3;      // m² of floor
 constexpr double kAreaCell = 0.05;    // m
 
 /// The height between `lowest` and `highest` at which most points look up (`up` = 1) or down (-1).
@@ -187,4 +187,4 @@ Json InterpretedMap::report() const {
   return {{"links", links}, {"notes", notes}, {"configuration", configuration}, {"seconds", stages}};
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

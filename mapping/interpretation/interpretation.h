@@ -7,7 +7,7 @@
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/world.h"
 
-namespace loci {
+namespace loci::mapping {
 
 struct InterpretationOptions {
   double support_min_area_m2 = 0.05;
@@ -51,4 +51,4 @@ struct InterpretedMap {
 /// floor (semantics.map_from_input). Error for a scan set without points.
 InterpretedMap interpret(const ScanSet& scans, const InterpretationOptions& options, Progress& progress);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -5,13 +5,13 @@
 
 #include "mapping/base/cell_index.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr float kLayerGap = 0.03F;  // m; a wider gap in a column begins another layer
 constexpr float kStep = 0.015F;     // m; largest change of height between neighbouring columns
 constexpr int kReach = 2;           // columns; neighbours may be that far apart
-constexpr int kMinPoints = 2;    // in a layer of a column
+constexpr int kMinPoints = 2;       // in a layer of a column
 
 struct ColumnPoint {
   uint32_t column;
@@ -85,4 +85,4 @@ Layers find_layers(const Surface& surface, double lowest, double highest) {
   return layers;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -4,7 +4,7 @@
 
 #include "mapping/interpretation/surface.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Upward points of one small column of space that lie at one height.
 struct LayerCell {
@@ -36,4 +36,4 @@ inline bool may_look_up(const SurfacePoint& point) {
 /// from column to column.
 Layers find_layers(const Surface& surface, double lowest, double highest);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -3,11 +3,11 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "mapping/base/cell_index.h"
+#include "mapping/base/math.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr double kBin = 0.02;  // m, of heights
@@ -116,7 +116,7 @@ std::vector<Vector3d> up_hints(const ScanSet& scans) {
 double room_yaw(const Surface& surface) {
   // Directions modulo 90° are directions of four times the angle modulo 360°.
   constexpr size_t kBins = 180;
-  constexpr double kTurn = 2 * std::numbers::pi;
+  constexpr double kTurn = 2 * kPi;
   std::array<double, kBins> histogram{};
   std::vector<double> angles;
   for (const SurfacePoint& point : surface.points) {
@@ -153,4 +153,4 @@ double room_yaw(const Surface& surface) {
   return std::remainder(centre, kTurn) / 4;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -4,7 +4,7 @@
 
 #include "mapping/interpretation/surface.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// The smallest rotation and shift along z that puts the floor at z = 0 with z up; x, y and yaw stay. The
 /// floor is the largest plane that looks roughly along `up_hint` (unit, map frame) and has next to nothing
@@ -19,4 +19,4 @@ std::vector<Vector3d> up_hints(const ScanSet& scans);
 /// without any.
 double room_yaw(const Surface& surface);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-namespace loci {
+#include "mapping/base/math.h"
+
+namespace loci::mapping {
 
 LineVotes::LineVotes(double reach, const Bins& bins)
     : bins_(bins),
-      step_(2 * std::numbers::pi / bins.angles),
+      step_(2 * kPi / bins.angles),
       offsets_(2 * static_cast<int>(reach / bins.offset_m + 2) + 1),
       votes_(static_cast<size_t>(bins.angles * offsets_), 0) {}
 
@@ -33,4 +34,4 @@ LineVotes::Peak LineVotes::strongest() const {
           static_cast<size_t>(at)};
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

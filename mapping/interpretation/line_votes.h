@@ -4,7 +4,7 @@
 
 #include "mapping/base/pose.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Hough votes of pieces of upright surface for the lines in the ground plan on which they lie: an angle of
 /// the normal and an offset. Each piece knows its normal and votes for the angles near it only.
@@ -40,4 +40,4 @@ class LineVotes {
   std::vector<int> votes_;
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -1,16 +1,17 @@
 #include "mapping/interpretation/link_parts.h"
 
 #include <array>
-#include <numbers>
 #include <utility>
 
-namespace loci {
+#include "mapping/base/math.h"
+
+namespace loci::mapping {
 namespace {
 
 double volume_of(const Geometry& shape) {
   if (const auto* box = std::get_if<Box>(&shape)) return box->size.prod();
   const auto& rod = std::get<Cylinder>(shape);
-  return std::numbers::pi * rod.radius * rod.radius * rod.length;
+  return kPi * rod.radius * rod.radius * rod.length;
 }
 
 /// Inertia over mass about the part's centre, in its axes.
@@ -105,4 +106,4 @@ Joint& add_link(World& world, const std::string& name, const std::string& class_
   return world.joints.back();
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -5,7 +5,7 @@
 
 #include "mapping/world/world.h"
 
-namespace loci {
+namespace loci::mapping {
 
 constexpr double kWoodDensity = 600;    // kg/m³
 constexpr double kSteelDensity = 7800;  // kg/m³
@@ -35,4 +35,4 @@ Joint& add_link(World& world, const std::string& name, const std::string& class_
                 const std::string& parent, const Isometry3d& parent_from_link,
                 const std::vector<LinkPart>& parts);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 #include "mapping/interpretation/link_parts.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr double kWallThickness = 0.05;  // m; not measured
@@ -96,7 +96,7 @@ void add_wall(const VerticalPlane& wall, const std::string& name, InterpretedMap
 /// The yaw of a support's frame: x leads away from its wall; free-standing ones keep the axes nearest to the
 /// map's.
 double frame_yaw(const RecognisedRoom& room, const Support& support) {
-  const double quarter = std::numbers::pi / 2;
+  const double quarter = kPi / 2;
   double outward = 0;
   if (support.wall >= 0 && support.wall_distance < 0.5) {
     const Vector2d& normal = room.walls[static_cast<size_t>(support.wall)].normal;
@@ -194,7 +194,7 @@ void add_support(const RecognisedRoom& room, const Support& support, const std::
                    {"outline_area_m2", rounded(support.area())},
                    {"pierced_area_m2", rounded(support.pierced_area)},
                    {"sd_m", rounded(support.sd)},
-                   {"axes_yaw_deg", rounded(support.yaw * 180 / std::numbers::pi)},
+                   {"axes_yaw_deg", rounded(support.yaw * 180 / kPi)},
                    {"edges", edges},
                    {"extent_from", support.behind_face ? "front and wall" : "surface"},
                    {"shape", support.radius > 0         ? "round"
@@ -229,4 +229,4 @@ void add_links(const RecognisedRoom& room, const InterpretationOptions& options,
     add_support(room, room.supports[i], supports[i], options, map);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

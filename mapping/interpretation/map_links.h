@@ -7,7 +7,7 @@
 #include "mapping/interpretation/supports.h"
 #include "mapping/interpretation/walls.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// A floor or ceiling.
 struct LevelPlane {
@@ -40,4 +40,4 @@ std::vector<std::string> support_names(const RecognisedRoom& room);
 /// Writes the room as links (root "map") and their sidecar entries.
 void add_links(const RecognisedRoom& room, const InterpretationOptions& options, InterpretedMap& map);
 
-}  // namespace loci
+}  // namespace loci::mapping

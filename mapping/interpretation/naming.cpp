@@ -7,7 +7,7 @@
 
 #include "mapping/interpretation/map_links.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 enum Side { north, east, south, west };
@@ -92,4 +92,4 @@ std::vector<std::string> support_names(const RecognisedRoom& room) {
   return names;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

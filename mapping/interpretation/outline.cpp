@@ -3,7 +3,7 @@
 
 #include "mapping/interpretation/supports.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 std::vector<double> sorted_bounds(const std::vector<Extent>& parts, int axis) {
@@ -78,4 +78,4 @@ std::vector<Vector2d> Support::outline() const {
   return corners;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 // Scores per cell: what speaks for a rectangle and what against it.
@@ -198,4 +198,4 @@ std::vector<Vector2d> PlaneRaster::contour(const Extent& box) const {
   return boundary;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

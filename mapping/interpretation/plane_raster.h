@@ -4,7 +4,7 @@
 
 #include "mapping/interpretation/supports.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// What is known about the plane of a possible support, as points in the map's x, y.
 struct PlaneEvidence {
@@ -74,4 +74,4 @@ class PlaneRaster {
   std::vector<float> scores_;
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -6,14 +6,14 @@
 
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr float kLevel = 0.94F;   // cosine; of horizontal surfaces
 constexpr float kLowest = 0.25F;  // m; floors and ceilings look the same upside down
 constexpr float kHighest = 2.3F;
-constexpr size_t kManyMore = 5;   // times as many undersides as tops
-constexpr size_t kMin = 1500;  // undersides; less may be one hanging cabinet
+constexpr size_t kManyMore = 5;  // times as many undersides as tops
+constexpr size_t kMin = 1500;    // undersides; less may be one hanging cabinet
 
 struct Counts {
   size_t returns = 0;
@@ -63,4 +63,4 @@ void leave_out_bad_scans(const ScanSet& scans, Surface& surface, std::vector<std
   std::erase_if(surface.free_ends, [&](const auto& ray) { return bad[surface.scan_of_origin[ray.second]]; });
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -5,21 +5,21 @@
 #include "mapping/base/quantile.h"
 #include "mapping/interpretation/support_checks.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
-constexpr double kRow = 0.02;          // m, along the gap and across
-constexpr double kLongest = 0.8;       // m of a slab that one thing hides
-constexpr double kEdgeReach = 0.05;    // m from a slab's edge to what belongs to it
-constexpr double kFaceReach = 0.12;    // m from a slab's edge to the front below it
-constexpr double kMaxFree = 0.05;     // of a row, through which rays passed
-constexpr double kSurface = 0.4;       // of a row, to be support
-constexpr double kHidden = 0.8;        // of the rows between, that show a thing and the slab's edge below it
+constexpr double kRow = 0.02;        // m, along the gap and across
+constexpr double kLongest = 0.8;     // m of a slab that one thing hides
+constexpr double kEdgeReach = 0.05;  // m from a slab's edge to what belongs to it
+constexpr double kFaceReach = 0.12;  // m from a slab's edge to the front below it
+constexpr double kMaxFree = 0.05;    // of a row, through which rays passed
+constexpr double kSurface = 0.4;     // of a row, to be support
+constexpr double kHidden = 0.8;      // of the rows between, that show a thing and the slab's edge below it
 constexpr double kMinBeyond = 0.04;  // m of surface on the other side
-constexpr double kStandsIn = 0.4;      // m below the slab to which a front goes at least
-constexpr double kInLine = 0.015;      // m between a slab's edge on one row and on the others
-constexpr double kStep = 0.008;        // m by which a slab's edge differs from what is below or above it
-constexpr size_t kMin = 3;          // points that say where something is
+constexpr double kStandsIn = 0.4;    // m below the slab to which a front goes at least
+constexpr double kInLine = 0.015;    // m between a slab's edge on one row and on the others
+constexpr double kStep = 0.008;      // m by which a slab's edge differs from what is below or above it
+constexpr size_t kMin = 3;           // points that say where something is
 
 /// One side of a rectangle: lengths beyond it, and places along it.
 struct Side {
@@ -190,4 +190,4 @@ void extend_behind_things(Support& support, const PlaneEvidence& evidence,
       }
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -3,7 +3,7 @@
 #include "mapping/interpretation/plane_raster.h"
 #include "mapping/interpretation/supports.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Fills in what the evidence says about a support whose rectangles are roughly known: exact edges (median
 /// over scans), what ends it at each side, height (median over scans), areas, inliers, scans, walls.
@@ -31,4 +31,4 @@ void add_counters_behind_faces(std::vector<Support>& supports, const Surface& su
 /// Gives classes to supports and leaves out what stands on others or is a seat, with a note for each.
 void classify(SupportSearch& search, const Surface& surface, double floor_height);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -5,7 +5,7 @@
 
 #include "mapping/interpretation/support_checks.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr double kNearWall = 0.25;    // m; nearer than this a support stands at the wall
@@ -151,4 +151,4 @@ void classify(SupportSearch& search, const Surface& surface, double floor_height
   search.supports = std::move(kept);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -7,16 +7,16 @@
 #include "mapping/interpretation/layers.h"
 #include "mapping/interpretation/support_checks.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr double kColumn = 0.05;      // m; a face's top is looked at column by column
 constexpr double kLevel = 0.03;       // m; how level the top must be
-constexpr double kMinLevel = 0.5;   // fraction of columns
+constexpr double kMinLevel = 0.5;     // fraction of columns
 constexpr double kDeepest = 0.9;      // m from a face to the wall behind it
 constexpr double kShallowest = 0.25;  // m
-constexpr double kMinSeen = 0.02;   // m² of upward surface that must confirm the height
-constexpr double kMaxPierced = 0.1;  // fraction of the top through which rays passed
+constexpr double kMinSeen = 0.02;     // m² of upward surface that must confirm the height
+constexpr double kMaxPierced = 0.1;   // fraction of the top through which rays passed
 constexpr double kSameHeight = 0.045;
 
 /// A piece of a face's upper edge that is level.
@@ -244,4 +244,4 @@ void add_counters_behind_faces(std::vector<Support>& supports, const Surface& su
   fill_corners(supports, walls);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

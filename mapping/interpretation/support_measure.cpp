@@ -7,13 +7,13 @@
 #include "mapping/interpretation/edge_position.h"
 #include "mapping/interpretation/support_checks.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
-constexpr double kStrip = 0.02;       // m; an edge is looked at strip by strip
-constexpr double kInside = 0.06;      // m; how far inside the raster's edge the true one may lie
-constexpr double kOutside = 0.05;     // m; and outside
-constexpr double kSnap = 0.12;        // m; an unseen edge this near a wall ends at the wall
+constexpr double kStrip = 0.02;    // m; an edge is looked at strip by strip
+constexpr double kInside = 0.06;   // m; how far inside the raster's edge the true one may lie
+constexpr double kOutside = 0.05;  // m; and outside
+constexpr double kSnap = 0.12;     // m; an unseen edge this near a wall ends at the wall
 constexpr size_t kMinPoints = 30;  // of a scan that has a say about the height
 
 /// One side of a rectangle: its axis (0 = x, 1 = y) and whether it is the upper end.
@@ -229,4 +229,4 @@ void measure(Support& support, const PlaneEvidence& evidence, const PlaneRaster&
   support.seen_below = fraction_seen_below(support, surface);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

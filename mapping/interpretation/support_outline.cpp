@@ -1,13 +1,13 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/base/math.h"
 #include "mapping/interpretation/edge_position.h"
 #include "mapping/interpretation/support_checks.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr double kClearly = 0.04;  // of the area, by which another outline must be better than rectangles
@@ -24,7 +24,7 @@ std::vector<Vector2d> polygon_of(const Circle& circle) {
   constexpr int kCorners = 48;
   std::vector<Vector2d> corners;
   for (int i = 0; i < kCorners; ++i) {
-    const double angle = 2 * std::numbers::pi * i / kCorners;
+    const double angle = 2 * kPi * i / kCorners;
     corners.push_back(circle.centre + circle.radius * Vector2d(std::cos(angle), std::sin(angle)));
   }
   return corners;
@@ -57,7 +57,7 @@ void sharpen(Circle& circle, const PlaneEvidence& evidence) {
   const EdgeSamples samples = samples_across(
       evidence, [&](const Vector2d& point) { return (point - circle.centre).norm() - circle.radius; });
   // A part of the edge is seen as a face, another from above only.
-  const auto shift = edge_position(samples, std::numbers::pi * circle.radius);
+  const auto shift = edge_position(samples, kPi * circle.radius);
   if (shift) circle.radius += *shift;
 }
 
@@ -148,4 +148,4 @@ void fit_outline(Support& support, const PlaneEvidence& evidence, const PlaneRas
   support.radius = 0;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

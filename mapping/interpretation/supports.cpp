@@ -7,17 +7,17 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <set>
 
 #include "mapping/base/cell_index.h"
+#include "mapping/base/math.h"
 #include "mapping/base/quantile.h"
 #include "mapping/interpretation/layers.h"
 #include "mapping/interpretation/plane_raster.h"
 #include "mapping/interpretation/support_checks.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr double kLowest = 0.2;       // m above the floor
@@ -30,7 +30,7 @@ constexpr double kThrough = 0.05;   // m; a ray that comes from above and ends t
 constexpr double kRimDepth = 0.03;  // m below a plane that belong to the edge of its slab
 constexpr double kBelow = 0.15;  // m below a plane, to which its slab's edge is compared with what carries it
 constexpr double kLongestShadow = 1.0;  // m from a thing on a plane to what it hides of it
-constexpr double kMaxTilt = 0.03;   // slope; more is no support, drift makes less
+constexpr double kMaxTilt = 0.03;       // slope; more is no support, drift makes less
 constexpr double kTouch = 0.06;         // m between rectangles of one support
 
 /// z = height + slope · (x, y) - what a support's points lie on; drift tilts it a little.
@@ -218,14 +218,13 @@ double box_yaw(const PlaneEvidence& evidence) {
   for (const auto& point : evidence.support)
     points.emplace_back(static_cast<float>(point.position.x()), static_cast<float>(point.position.y()));
   if (points.size() < 3) return 0;
-  return cv::minAreaRect(points).angle * std::numbers::pi / 180;
+  return cv::minAreaRect(points).angle * kPi / 180;
 }
 
 /// The yaw in which one rectangle explains most: the room's, one near it, or an askew table's own; the room's
 /// unless another is clearly better and there is surface enough to tell.
 double local_yaw(const PlaneEvidence& evidence, const Seed& seed, double room_yaw) {
-  constexpr double kDegree = std::numbers::pi / 180;
-  constexpr double kQuarter = std::numbers::pi / 2;
+  constexpr double kQuarter = kPi / 2;
   constexpr double kEnough = 0.3;  // m²
   constexpr double kClearly = 1.05;
   const auto score_at = [&](double yaw) {
@@ -422,4 +421,4 @@ SupportSearch find_supports(const Surface& surface, double floor_height, double 
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -8,7 +8,7 @@
 #include "mapping/interpretation/surface.h"
 #include "mapping/interpretation/walls.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// A rectangle in the axes of its support: [min, max] in metres.
 struct Extent {
@@ -73,4 +73,4 @@ SupportSearch find_supports(const Surface& surface, double floor_height, double 
                             const WallSearch& vertical, const InterpretationOptions& options,
                             Progress& progress);
 
-}  // namespace loci
+}  // namespace loci::mapping

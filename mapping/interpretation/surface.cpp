@@ -8,7 +8,7 @@
 #include "mapping/base/cell_index.h"
 #include "mapping/base/parallel.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr std::array<double, 3> kCellSizes = {0.02, 0.04, 0.08};
@@ -180,4 +180,4 @@ void transform(Surface& surface, const Isometry3d& target_from_source) {
   if (!surface.free_space && !surface.points.empty()) orient_without_origins(surface);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -8,7 +8,7 @@
 #include "mapping/base/progress.h"
 #include "mapping/sensor/scan.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// A measured point in the map frame.
 struct SurfacePoint {
@@ -39,4 +39,4 @@ Surface gather_surface(const ScanSet& scans, int threads, Progress& progress);
 /// Moves everything into another frame.
 void transform(Surface& surface, const Isometry3d& target_from_source);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -11,7 +11,7 @@
 #include "mapping/base/convex.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 enum class Family { none, wall, level, support, front };
@@ -233,4 +233,4 @@ TakenNames take_names(World& world, SemanticMap& semantics, const SemanticMap& o
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

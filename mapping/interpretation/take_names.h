@@ -3,7 +3,7 @@
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/world.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// What became of the names of an older map.
 struct TakenNames {
@@ -20,4 +20,4 @@ struct TakenNames {
 /// number that the older map has not used.
 TakenNames take_names(World& world, SemanticMap& semantics, const SemanticMap& older);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -9,7 +9,7 @@
 #include "mapping/base/quantile.h"
 #include "mapping/interpretation/line_votes.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr double kSurfel = 0.03;     // m; points are thinned to these before planes are sought
@@ -183,4 +183,4 @@ PlanePatch united(const std::vector<Surfel>& surfels, const PlanePatch& a, const
   return patch;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

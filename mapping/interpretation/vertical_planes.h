@@ -6,7 +6,7 @@
 #include "mapping/interpretation/surface.h"
 #include "mapping/interpretation/walls.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// A small piece of surface.
 struct Surfel {
@@ -35,4 +35,4 @@ std::vector<PlanePatch> vertical_planes(std::vector<Surfel>& surfels, const Inte
 /// One plane through the surfels of two patches.
 PlanePatch united(const std::vector<Surfel>& surfels, const PlanePatch& a, const PlanePatch& b);
 
-}  // namespace loci
+}  // namespace loci::mapping

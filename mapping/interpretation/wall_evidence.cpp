@@ -6,15 +6,15 @@
 
 #include "mapping/base/parallel.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
-constexpr double kCell = 0.1;          // m
-constexpr double kOn = 0.05;           // m; a ray that ends this near ends on the plane
-constexpr double kBehind = 0.12;       // m; or this far behind has crossed it
-constexpr double kAbove = 0.05;        // m above the top; nearer may still be the plane
-constexpr double kHighest = 0.8;       // m above the top; higher crossings say nothing about the plane
-constexpr int kMinRays = 2;         // that make a cell crossed; one may be noise
+constexpr double kCell = 0.1;         // m
+constexpr double kOn = 0.05;          // m; a ray that ends this near ends on the plane
+constexpr double kBehind = 0.12;      // m; or this far behind has crossed it
+constexpr double kAbove = 0.05;       // m above the top; nearer may still be the plane
+constexpr double kHighest = 0.8;      // m above the top; higher crossings say nothing about the plane
+constexpr int kMinRays = 2;           // that make a cell crossed; one may be noise
 constexpr size_t kMaxRays = 3000000;  // more are thinned evenly
 
 /// Cells of a plane and of what is above it.
@@ -156,4 +156,4 @@ bool has_fixtures(const Surface& surface, const VerticalPlane& plane) {
   return count >= kMin;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

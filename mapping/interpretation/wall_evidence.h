@@ -5,7 +5,7 @@
 #include "mapping/interpretation/surface.h"
 #include "mapping/interpretation/walls.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// What the rays say about a vertical plane, as fractions of its columns or cells.
 struct RayEvidence {
@@ -25,4 +25,4 @@ void polish(VerticalPlane& plane, const Surface& surface);
 /// Whether something small stands out before a plane, as handles and knobs do.
 bool has_fixtures(const Surface& surface, const VerticalPlane& plane);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -9,17 +9,17 @@
 #include "mapping/interpretation/vertical_planes.h"
 #include "mapping/interpretation/wall_evidence.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
-constexpr double kColumn = 0.05;         // m
-constexpr double kBehind = 0.12;         // m; what lies farther behind a plane was seen round or through it
+constexpr double kColumn = 0.05;        // m
+constexpr double kBehind = 0.12;        // m; what lies farther behind a plane was seen round or through it
 constexpr double kMaxBehind = 0.35;     // windows and doors let one look behind a part of a wall
 constexpr double kMaxPassedOver = 0.3;  // of its length; furniture is lower than the room
-constexpr double kLookedOver = 0.3;      // of its length, which is enough to know
+constexpr double kLookedOver = 0.3;     // of its length, which is enough to know
 constexpr double kMaxPierced = 0.6;     // of its area; a wall may have large windows
-constexpr double kAtCeiling = 0.12;      // m
-constexpr double kBelowCeiling = 0.25;   // m
+constexpr double kAtCeiling = 0.12;     // m
+constexpr double kBelowCeiling = 0.25;  // m
 constexpr double kCupboardSide = 1.0;  // m; narrower planes that end below the ceiling are sides of furniture
 constexpr double kNarrow = 0.3;        // m; narrower planes are reveals of windows and doors, or pillars
 constexpr double kParallel = 0.9995;   // cosine of 1.8°
@@ -140,7 +140,7 @@ bool in_opening(const VerticalPlane& pane, const VerticalPlane& wall, double flo
 double depth_before_wall(const VerticalPlane& plane, const std::vector<Candidate>& walls) {
   constexpr double kShallowest = 0.25;
   constexpr double kDeepest = 0.8;
-  constexpr double kBeside = 0.5;       // m between the two along the wall
+  constexpr double kBeside = 0.5;     // m between the two along the wall
   constexpr double kMinLength = 0.8;  // m; less may be a niche in the wall
   double before = 0;
   for (const Candidate& other : walls) {
@@ -208,4 +208,4 @@ WallSearch find_walls(const Surface& surface, double floor_height, std::optional
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

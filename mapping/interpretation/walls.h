@@ -7,7 +7,7 @@
 #include "mapping/interpretation/interpretation.h"
 #include "mapping/interpretation/surface.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// A vertical plane: normal · (x, y) = offset, with the rectangle in which it was seen.
 struct VerticalPlane {
@@ -39,4 +39,4 @@ struct WallSearch {
 WallSearch find_walls(const Surface& surface, double floor_height, std::optional<double> ceiling_height,
                       const InterpretationOptions& options);
 
-}  // namespace loci
+}  // namespace loci::mapping

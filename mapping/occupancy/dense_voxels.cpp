@@ -4,7 +4,7 @@
 
 #include "mapping/base/parallel.h"
 
-namespace loci::occupancy {
+namespace loci::mapping::occupancy {
 namespace {
 
 using octomap::OcTreeNode;
@@ -99,4 +99,4 @@ Voxels dense_voxels(const octomap::OcTree& tree, int threads) {
   return voxels;
 }
 
-}  // namespace loci::occupancy
+}  // namespace loci::mapping::occupancy

@@ -4,9 +4,9 @@
 
 #include "mapping/occupancy/occupancy.h"
 
-namespace loci::occupancy {
+namespace loci::mapping::occupancy {
 
 /// The leaves of a tree as an array that is as large as what they cover.
 Voxels dense_voxels(const octomap::OcTree& tree, int threads);
 
-}  // namespace loci::occupancy
+}  // namespace loci::mapping::occupancy

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr int kFirmNeighbours = 2;  ///< of a voxel that is part of something, even of a thin pole
@@ -88,4 +88,4 @@ FloorGrid floor_grid(const Voxels& voxels, double cell_m, double body_height) {
   return grid;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -5,7 +5,7 @@
 
 #include "mapping/occupancy/occupancy.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// What is known of the floor, for driving: cells of the map's x and y, x fastest.
 struct FloorGrid {
@@ -35,4 +35,4 @@ struct FloorGrid {
 /// a thin pole is a row of voxels.
 FloorGrid floor_grid(const Voxels& voxels, double cell_m, double body_height);
 
-}  // namespace loci
+}  // namespace loci::mapping

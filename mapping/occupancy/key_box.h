@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace loci::occupancy {
+namespace loci::mapping::occupancy {
 
 constexpr int kBrick = 8;       ///< cells along a brick's edge
 constexpr uint8_t kPassed = 1;  ///< a ray passed through the cell
@@ -26,4 +26,4 @@ struct KeyBox {
   }
 };
 
-}  // namespace loci::occupancy
+}  // namespace loci::mapping::occupancy

@@ -10,7 +10,7 @@
 #include "mapping/occupancy/scan_rays.h"
 #include "mapping/occupancy/scan_tree.h"
 
-namespace loci {
+namespace loci::mapping {
 
 using octomap::OcTreeKey;
 using octomap::point3d;
@@ -46,7 +46,8 @@ OccupancyMap& OccupancyMap::operator=(OccupancyMap&&) noexcept = default;
 void OccupancyMap::insert(const Scan& scan) {
   using namespace occupancy;
   const int threads = thread_count(impl_->options.threads);
-  const ScanRays rays = scan_rays(scan, impl_->tree, impl_->options.range_max_m, threads);
+  const occupancy::ScanRays rays =
+      occupancy::scan_rays(scan, impl_->tree, impl_->options.range_max_m, threads);
   const size_t cells = rays.box.cells();
   if (cells == 0) return;
   if (cells > kCellsMax)
@@ -99,4 +100,4 @@ void OccupancyMap::write_bt(const std::filesystem::path& path) const {
   write_file_atomically(path, stream.str());
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

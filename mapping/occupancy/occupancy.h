@@ -13,14 +13,14 @@ namespace octomap {
 class OcTree;
 }
 
-namespace loci {
+namespace loci::mapping {
 
 struct OccupancyOptions {
   double resolution_m = 0.05;
   double range_max_m = 5;  ///< rays are cut there; what lies behind stays unknown
   int threads = 0;         ///< 0 = all cores; not declared as an option: the result is the same on any number
 
-  void declare(OptionTable& table);
+  void declare(loci::OptionTable& table);
 };
 
 enum class Occupancy : uint8_t { unknown, free, occupied };
@@ -30,7 +30,7 @@ struct Voxels {
   double resolution = 0;                           ///< metres
   Vector3d low = Vector3d::Zero();                 ///< corner of the first voxel, map frame, metres
   Eigen::Vector3i size = Eigen::Vector3i::Zero();  ///< voxels; zero when nothing is known
-  std::vector<Occupancy> states;
+  std::vector<loci::mapping::Occupancy> states;
   /// Occupied voxels that are doubtful: likelier free than after a single hit, because rays passed through
   /// them too. So are the false points that a beam leaves which meets two surfaces. Ascending indices.
   std::vector<size_t> doubtful;
@@ -44,8 +44,8 @@ struct Voxels {
                                             static_cast<size_t>(size.y()) * static_cast<size_t>(voxel.z()));
   }
   /// Unknown outside.
-  Occupancy at(const Eigen::Vector3i& voxel) const {
-    return contains(voxel) ? states[index(voxel)] : Occupancy::unknown;
+  loci::mapping::Occupancy at(const Eigen::Vector3i& voxel) const {
+    return contains(voxel) ? states[index(voxel)] : loci::mapping::Occupancy::unknown;
   }
   Eigen::Vector3i voxel_of(const Vector3d& point) const {
     return ((point - low) / resolution).array().floor().cast<int>();
@@ -58,10 +58,10 @@ struct Voxels {
 /// What is known of space: an OctoMap whose missing leaves are unknown, never free.
 class OccupancyMap {
  public:
-  explicit OccupancyMap(const OccupancyOptions& options);
+  explicit OccupancyMap(const loci::mapping::OccupancyOptions& options);
   ~OccupancyMap();
-  OccupancyMap(OccupancyMap&&) noexcept;
-  OccupancyMap& operator=(OccupancyMap&&) noexcept;
+  OccupancyMap(loci::mapping::OccupancyMap&&) noexcept;
+  loci::mapping::OccupancyMap& operator=(loci::mapping::OccupancyMap&&) noexcept;
 
   /// Inserts all rays of a scan. The tree is afterwards, node for node, what OctoMap's own
   /// `insertPointCloud(points in the map frame, origin, range_max)` makes of it, several times as fast; a ray
@@ -69,13 +69,13 @@ class OccupancyMap {
   /// origins of a scan are one measurement: a voxel gets one hit or one miss. Points that are not finite or
   /// outside OctoMap's 65,536 voxels are left out. The same on any number of threads.
   /// Error when the scan spans too many voxels at this resolution (more than 2^30).
-  void insert(const Scan& scan);
+  void insert(const loci::mapping::Scan& scan);
 
-  Occupancy at(const Vector3d& point) const;
+  loci::mapping::Occupancy at(const Vector3d& point) const;
   double resolution() const;
   double range_max() const;
   const octomap::OcTree& tree() const;
-  Voxels voxels() const;
+  loci::mapping::Voxels voxels() const;
   /// OctoMap's maximum-likelihood file (.bt), atomically.
   void write_bt(const std::filesystem::path& path) const;
 
@@ -84,4 +84,4 @@ class OccupancyMap {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -7,7 +7,7 @@
 
 #include "mapping/base/parallel.h"
 
-namespace loci::occupancy {
+namespace loci::mapping::occupancy {
 namespace {
 
 using octomap::OcTreeKey;
@@ -207,4 +207,4 @@ void mark_hits(const ScanRays& rays, size_t begin, size_t end, const octomap::Oc
     if (rays.rays[i].hit) cells[rays.box.address(tree.coordToKey(rays.rays[i].end))] |= kHit;
 }
 
-}  // namespace loci::occupancy
+}  // namespace loci::mapping::occupancy

@@ -8,7 +8,7 @@
 #include "mapping/occupancy/key_box.h"
 #include "mapping/sensor/scan.h"
 
-namespace loci::occupancy {
+namespace loci::mapping::occupancy {
 
 /// A ray as OctoMap's insertPointCloud casts it: map frame, cut at the range.
 struct Ray {
@@ -36,4 +36,4 @@ void mark_passed(const ScanRays& rays, size_t begin, size_t end, const octomap::
 /// Marks the cells where rays [begin, end) were returned with kHit.
 void mark_hits(const ScanRays& rays, size_t begin, size_t end, const octomap::OcTree& tree, uint8_t* cells);
 
-}  // namespace loci::occupancy
+}  // namespace loci::mapping::occupancy

@@ -6,7 +6,7 @@
 
 #include "mapping/base/parallel.h"
 
-namespace loci::occupancy {
+namespace loci::mapping::occupancy {
 
 using octomap::OcTreeNode;
 
@@ -281,4 +281,4 @@ void ScanTree::apply(const KeyBox& box, const std::vector<uint8_t*>& grids, int 
   close(root, height, begin, end);
 }
 
-}  // namespace loci::occupancy
+}  // namespace loci::mapping::occupancy

@@ -7,7 +7,7 @@
 
 #include "mapping/occupancy/key_box.h"
 
-namespace loci::occupancy {
+namespace loci::mapping::occupancy {
 
 /// An OcTree into which the marks of a scan are written at once: the tree that OctoMap's updateNode would
 /// leave after one call per marked cell, in any order, each node touched once and none made that would be
@@ -31,4 +31,4 @@ class ScanTree : public octomap::OcTree {
   void close(octomap::OcTreeNode* node, int level, const Brick* begin, const Brick* end);
 };
 
-}  // namespace loci::occupancy
+}  // namespace loci::mapping::occupancy

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-namespace loci {
+namespace loci::mapping {
 
 std::vector<std::optional<size_t>> nearest_in_time(const std::vector<TimeNs>& times,
                                                    const std::vector<TimeNs>& others) {
@@ -41,4 +41,4 @@ std::optional<Isometry3d> pose_at(const std::vector<StampedPose>& poses, TimeNs 
   return pose;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -6,7 +6,7 @@
 #include "mapping/base/pose.h"
 #include "mapping/base/time.h"
 
-namespace loci {
+namespace loci::mapping {
 
 // Streams that were recorded side by side, each with stamps of its own.
 
@@ -30,4 +30,4 @@ struct StampedPose {
 /// kSameMoment outside; unset where neither is near enough. `poses` ascend in time.
 std::optional<Isometry3d> pose_at(const std::vector<StampedPose>& poses, TimeNs time_ns);
 
-}  // namespace loci
+}  // namespace loci::mapping

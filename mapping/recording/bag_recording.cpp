@@ -8,7 +8,7 @@
 #include "mapping/recording/transform_tree.h"
 #include "mapping/sensor/kinect.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr const char* kImage = "sensor_msgs/Image";
@@ -178,4 +178,4 @@ RgbdFrame BagRecording::frame(size_t i) const {
   return frame;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -5,7 +5,7 @@
 #include "mapping/recording/file_recording.h"
 #include "mapping/recording/ros_bag.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// RGB-D frames of a ROS 1 bag: the depth and the colour topic with the most messages, the cameras beside
 /// them, and poses from /tf and /tf_static. Each depth image takes the nearest colour image; times are
@@ -43,4 +43,4 @@ class BagRecording : public Recording {
   std::vector<std::optional<size_t>> color_of_;  ///< by number of the depth message
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

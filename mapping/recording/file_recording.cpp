@@ -7,7 +7,7 @@
 
 #include "mapping/image/image_io.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 bool is_digit(char c) {
@@ -131,4 +131,4 @@ std::string frame_name(const std::filesystem::path& depth_file) {
   return name;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

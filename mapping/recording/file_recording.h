@@ -9,7 +9,7 @@
 
 #include "mapping/recording/recording.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Where the parts of one frame are.
 struct FrameFiles {
@@ -19,7 +19,7 @@ struct FrameFiles {
   std::filesystem::path color;  ///< empty = none
   std::optional<Isometry3d> map_from_camera;
   JointState joints;
-  Place place;  ///< row that names the frame, for messages
+  loci::Place place;  ///< row that names the frame, for messages
 };
 
 /// What a reader of a layout of single images fills in; the rest is the same for all of them.
@@ -62,4 +62,4 @@ TimeNs assumed_time(int64_t number);
 /// "frame-000012" from "frame-000012.depth.png", "learn33" from "learn33_depth.png".
 std::string frame_name(const std::filesystem::path& depth_file);
 
-}  // namespace loci
+}  // namespace loci::mapping

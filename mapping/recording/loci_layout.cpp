@@ -10,7 +10,7 @@
 #include "mapping/base/csv.h"
 #include "mapping/base/known_keys.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -173,4 +173,4 @@ FileRecordingContent read_loci_layout(const fs::path& folder) {
   return content;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -10,7 +10,7 @@
 #include "mapping/recording/side_files.h"
 #include "mapping/sensor/pcd.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -151,7 +151,7 @@ void PcdSeries::fit_camera() {
     down.emplace_back(cloud.number(i, *y) / std::abs(depth), static_cast<double>(i / cloud.width));
     backwards_ = depth < 0;
   }
-  const Place place{path.string(), 0, {}};
+  const loci::Place place{path.string(), 0, {}};
   if (across.size() < 100)
     throw Error("the first cloud has next to no points: no camera can be fitted", place);
   const Line u = fit_line(across), v = fit_line(down);
@@ -201,4 +201,4 @@ RgbdFrame PcdSeries::frame(size_t i) const {
   return frame;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

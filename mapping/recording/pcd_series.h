@@ -2,7 +2,7 @@
 
 #include "mapping/recording/file_recording.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Whether a path is a point cloud, or a folder with clouds and no scan set.
 bool is_pcd_series(const std::filesystem::path& path);
@@ -31,4 +31,4 @@ class PcdSeries : public Recording {
   bool backwards_ = false;  ///< z points backwards and y up
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -9,7 +9,7 @@
 #include "mapping/recording/seven_scenes.h"
 #include "mapping/recording/tum.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -78,4 +78,4 @@ std::unique_ptr<Recording> open_recording(const fs::path& path) {
   throw nothing_fits(folder);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

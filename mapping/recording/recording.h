@@ -9,7 +9,7 @@
 #include "mapping/base/json_fwd.h"
 #include "mapping/sensor/frame.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// What a reader found and what it had to guess.
 struct RecordingInfo {
@@ -79,4 +79,4 @@ class RecordingWriter {
   JointState joints_;
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

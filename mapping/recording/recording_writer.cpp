@@ -7,7 +7,7 @@
 #include "mapping/image/image_io.h"
 #include "mapping/recording/recording.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -120,4 +120,4 @@ void RecordingWriter::replace_folder() const {
   fs::remove_all(old, code);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

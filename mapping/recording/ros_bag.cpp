@@ -12,7 +12,7 @@
 
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr const char* kMagic = "#ROSBAG V";
@@ -24,7 +24,7 @@ TimeNs to_ns(const ros::Time& time) {
 /// The library's exceptions as one of ours.
 template <typename Work>
 auto guarded(const std::filesystem::path& path, const Work& work) {
-  const Place place{path.string(), 0, {}};
+  const loci::Place place{path.string(), 0, {}};
   const char* reindex = "'rosbag reindex' repairs bags whose recording was interrupted";
   try {
     return work();
@@ -109,4 +109,4 @@ std::string RosBag::message(const std::string& topic, size_t i) const {
   });
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -8,7 +8,7 @@
 
 #include "mapping/base/time.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// What was published under one name.
 struct BagTopic {
@@ -44,4 +44,4 @@ class RosBag {
 /// Whether a file begins as a bag does.
 bool is_ros_bag(const std::filesystem::path& path);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -9,7 +9,7 @@
 #include "mapping/base/error.h"
 #include "mapping/image/image_io.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -43,7 +43,7 @@ class Bytes {
     return std::string(name);
   }
   const std::string& where() const { return where_; }
-  Place place() const { return {where_, 0, {}}; }
+  loci::Place place() const { return {where_, 0, {}}; }
 
  private:
   std::string_view next(size_t count) {
@@ -77,7 +77,7 @@ struct RawImage {
   }
 
   /// The rows, which stay where they are.
-  cv::Mat pixels(int type, const Place& place) const {
+  cv::Mat pixels(int type, const loci::Place& place) const {
     const size_t row = static_cast<size_t>(width) * CV_ELEM_SIZE(type);
     if (height < 1 || width < 1 || height > 1 << 15 || width > 1 << 15 || step < row ||
         data.size() < step * static_cast<size_t>(height - 1) + row)
@@ -104,7 +104,7 @@ struct CompressedImage {
   }
 };
 
-cv::Mat metres_from(const cv::Mat& raw, const Place& place) {
+cv::Mat metres_from(const cv::Mat& raw, const loci::Place& place) {
   cv::Mat depth(raw.size(), CV_32F);
   if (raw.type() != CV_16UC1 && raw.type() != CV_32FC1)
     throw Error("depth images have one channel of 16-bit millimetres or 32-bit metres", place);
@@ -215,7 +215,7 @@ std::vector<RosTransform> read_ros_transforms(std::string_view message, const st
     transform.stamp_ns = header.stamp_ns;
     transform.parent = header.frame;
     transform.child = bytes.frame();
-    Place place = bytes.place();
+    loci::Place place = bytes.place();
     place.key = transform.child;
     transform.parent_from_child = pose_from_values(bytes.take<std::array<double, 7>>(), place);
     transforms.push_back(std::move(transform));
@@ -223,4 +223,4 @@ std::vector<RosTransform> read_ros_transforms(std::string_view message, const st
   return transforms;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -8,7 +8,7 @@
 #include "mapping/base/time.h"
 #include "mapping/sensor/camera.h"
 
-namespace loci {
+namespace loci::mapping {
 
 // The messages that make an RGB-D recording, from the bytes that ROS 1 serialised. All throw Error when bytes
 // are missing; `where` names the message.
@@ -43,4 +43,4 @@ struct RosTransform {
 };
 std::vector<RosTransform> read_ros_transforms(std::string_view message, const std::string& where);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -7,7 +7,7 @@
 #include "mapping/recording/side_files.h"
 #include "mapping/sensor/kinect.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -99,4 +99,4 @@ FileRecordingContent read_seven_scenes(const fs::path& folder) {
   return content;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -4,7 +4,7 @@
 
 #include "mapping/recording/file_recording.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Whether a folder holds a sequence in the layout of 7-Scenes (*.depth.png).
 bool is_seven_scenes(const std::filesystem::path& folder);
@@ -13,4 +13,4 @@ bool is_seven_scenes(const std::filesystem::path& folder);
 /// them or one folder above. Without cameras.yaml the cameras are taken as a Kinect's.
 FileRecordingContent read_seven_scenes(const std::filesystem::path& folder);
 
-}  // namespace loci
+}  // namespace loci::mapping

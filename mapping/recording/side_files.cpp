@@ -6,7 +6,7 @@
 #include "mapping/base/files.h"
 #include "mapping/recording/loci_layout.h"
 
-namespace loci {
+namespace loci::mapping {
 
 namespace fs = std::filesystem;
 
@@ -58,4 +58,4 @@ void read_cameras(const fs::path& path, FileRecordingContent& content) {
   config.finish();
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -4,7 +4,7 @@
 
 #include "mapping/recording/file_recording.h"
 
-namespace loci {
+namespace loci::mapping {
 
 // Small files beside recordings that other layouts than ours use.
 
@@ -18,4 +18,4 @@ Isometry3d read_pose_file(const std::filesystem::path& path);
 /// `color_from_depth` (R, t). Fills cameras, depth scale and invalid values.
 void read_cameras(const std::filesystem::path& path, FileRecordingContent& content);
 
-}  // namespace loci
+}  // namespace loci::mapping

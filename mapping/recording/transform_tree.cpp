@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 /// Longer chains are loops.
@@ -67,4 +67,4 @@ std::optional<Isometry3d> TransformTree::between(const std::string& target, cons
   return std::nullopt;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

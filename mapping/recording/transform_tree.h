@@ -7,7 +7,7 @@
 
 #include "mapping/recording/association.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Frames that move against each other, as tf tells it: a tree whose edges have poses over time.
 class TransformTree {
@@ -40,4 +40,4 @@ class TransformTree {
   std::map<std::string, Edge> edges_;  ///< by child
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

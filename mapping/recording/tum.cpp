@@ -11,7 +11,7 @@
 #include "mapping/recording/association.h"
 #include "mapping/recording/side_files.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 struct Row {
   TimeNs time_ns = 0;
   std::vector<std::string> words;  ///< behind the stamp
-  Place place;
+  loci::Place place;
 };
 
 /// Seconds as written, without the loss that a double would bring.
@@ -127,4 +127,4 @@ FileRecordingContent read_tum(const fs::path& folder) {
   return content;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

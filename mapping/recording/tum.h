@@ -2,7 +2,7 @@
 
 #include "mapping/recording/file_recording.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Whether a folder has the lists of the TUM RGB-D benchmark: depth.txt, and rgb.txt or groundtruth.txt.
 bool is_tum(const std::filesystem::path& folder);
@@ -12,4 +12,4 @@ bool is_tum(const std::filesystem::path& folder);
 /// image and the pose at its time.
 FileRecordingContent read_tum(const std::filesystem::path& folder);
 
-}  // namespace loci
+}  // namespace loci::mapping

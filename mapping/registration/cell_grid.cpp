@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace loci::registration {
+namespace loci::mapping::registration {
 namespace {
 
 Eigen::Vector3i blocks_of(const Eigen::Vector3i& cell) {
@@ -23,4 +23,4 @@ CellGrid::CellGrid(const Eigen::Vector3i& low, const Eigen::Vector3i& high, cons
   directory_.assign(static_cast<size_t>(size_.cast<int64_t>().prod()), kNone);
 }
 
-}  // namespace loci::registration
+}  // namespace loci::mapping::registration

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace loci::registration {
+namespace loci::mapping::registration {
 
 /// Numbers of the cells of a bounded grid, for very many look-ups: blocks of 4x4x4 cells behind a dense
 /// directory, so that a look-up is two loads without hashing. (mapping/base/cell_index is for grids without
@@ -91,4 +91,4 @@ class CellGrid {
   std::vector<std::array<uint32_t, 64>> blocks_;
 };
 
-}  // namespace loci::registration
+}  // namespace loci::mapping::registration

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace loci::registration {
+namespace loci::mapping::registration {
 namespace {
 
 constexpr size_t kImagesMax = 32;
@@ -27,9 +27,8 @@ FreeSpace::FreeSpace(const Scan& scan, const Isometry3d& level_from_scan) {
       const float range = ray.norm();
       if (!(range > 0.F)) continue;
       const auto [face, pixel] = pixel_of(ray);
-      visit(
-          images_[point.origin_index / step].nearest[static_cast<size_t>(face)][static_cast<size_t>(pixel)],
-          range);
+      visit(images_[point.origin_index / step].nearest[static_cast<size_t>(face)][static_cast<size_t>(pixel)],
+            range);
     }
   };
   for_rays([](float& nearest, float range) { nearest = nearest > 0.F ? std::min(nearest, range) : range; });
@@ -84,4 +83,4 @@ bool FreeSpace::passed(const Eigen::Vector3f& point, float margin) const {
   return false;
 }
 
-}  // namespace loci::registration
+}  // namespace loci::mapping::registration

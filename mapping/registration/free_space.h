@@ -6,7 +6,7 @@
 
 #include "mapping/sensor/scan.h"
 
-namespace loci::registration {
+namespace loci::mapping::registration {
 
 /// How far a scan saw in each direction from each of its origins: a small image of ranges on a cube around
 /// the origin, which answers whether a point stands in space that rays passed.
@@ -40,4 +40,4 @@ class FreeSpace {
   double hidden_part_ = 0;
 };
 
-}  // namespace loci::registration
+}  // namespace loci::mapping::registration

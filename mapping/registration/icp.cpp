@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace loci::registration {
+namespace loci::mapping::registration {
 namespace {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
@@ -165,4 +165,4 @@ IcpResult icp(const Surfels& target, const Surfels& source, const Isometry3d& ta
   return result;
 }
 
-}  // namespace loci::registration
+}  // namespace loci::mapping::registration

@@ -2,7 +2,7 @@
 
 #include "mapping/registration/surfels.h"
 
-namespace loci::registration {
+namespace loci::mapping::registration {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
@@ -33,4 +33,4 @@ struct IcpResult {
 IcpResult icp(const Surfels& target, const Surfels& source, const Isometry3d& target_from_source,
               const IcpOptions& options);
 
-}  // namespace loci::registration
+}  // namespace loci::mapping::registration

@@ -5,10 +5,11 @@
 #include <cmath>
 
 #include "mapping/base/cell_index.h"
+#include "mapping/base/math.h"
 #include "mapping/registration/icp.h"
 #include "mapping/registration/verdict.h"
 
-namespace loci::registration {
+namespace loci::mapping::registration {
 namespace {
 
 constexpr size_t kStarts = 6;
@@ -17,7 +18,7 @@ constexpr size_t kSamplesCoarse = 1500;
 constexpr size_t kSamplesMiddle = 3000;
 /// Poses that are nearer to one another than this are the same one.
 constexpr double kSamePosition = 0.1;
-constexpr double kSameAngle = 3 * M_PI / 180;
+constexpr double kSameAngle = 3 * kPi / 180;
 /// Residuals of neighbouring surfels err alike (calibration, wide beams): so many count as one.
 constexpr double kCorrelated = 10;
 constexpr double kAccuracy = 5e-5;   ///< of the last iteration, metres and radians
@@ -201,7 +202,7 @@ class PairAligner {
 }  // namespace
 
 SearchWindow window_of(const RegistrationOptions& options) {
-  return {2 * options.position_error_m, 2 * options.yaw_error_deg * M_PI / 180};
+  return {2 * options.position_error_m, 2 * options.yaw_error_deg * kPi / 180};
 }
 
 PairAlignment align_pair(const PreparedScan& target, const PreparedScan& source,
@@ -223,4 +224,4 @@ double expected_overlap(const PreparedScan& target, const PreparedScan& source,
   return surfels.size() > 0 ? static_cast<double>(near) / static_cast<double>(surfels.size()) : 0;
 }
 
-}  // namespace loci::registration
+}  // namespace loci::mapping::registration

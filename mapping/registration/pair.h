@@ -3,7 +3,7 @@
 #include "mapping/registration/prepared_scan.h"
 #include "mapping/registration/start_search.h"
 
-namespace loci::registration {
+namespace loci::mapping::registration {
 
 /// The window that the options' expected errors ask for.
 SearchWindow window_of(const RegistrationOptions& options);
@@ -18,4 +18,4 @@ PairAlignment align_pair(const PreparedScan& target, const PreparedScan& source,
 double expected_overlap(const PreparedScan& target, const PreparedScan& source,
                         const Isometry3d& target_from_source);
 
-}  // namespace loci::registration
+}  // namespace loci::mapping::registration

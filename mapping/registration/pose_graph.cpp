@@ -6,7 +6,7 @@
 #include <Eigen/Cholesky>
 #include <array>
 
-namespace loci::registration {
+namespace loci::mapping::registration {
 namespace {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
@@ -103,4 +103,4 @@ std::vector<double> solve_pose_graph(std::vector<Isometry3d>& map_from_node, con
   return off;
 }
 
-}  // namespace loci::registration
+}  // namespace loci::mapping::registration

@@ -4,7 +4,7 @@
 
 #include "mapping/registration/registration.h"
 
-namespace loci::registration {
+namespace loci::mapping::registration {
 
 /// A measured relative pose of two nodes.
 struct Edge {
@@ -18,4 +18,4 @@ struct Edge {
 std::vector<double> solve_pose_graph(std::vector<Isometry3d>& map_from_node, const std::vector<bool>& fixed,
                                      const std::vector<Edge>& edges, bool planar);
 
-}  // namespace loci::registration
+}  // namespace loci::mapping::registration

@@ -4,7 +4,7 @@
 
 #include "mapping/base/cell_index.h"
 
-namespace loci::registration {
+namespace loci::mapping::registration {
 namespace {
 
 /// The coarsest cells are at least so wide: what a search in steps of this width can find.
@@ -69,4 +69,4 @@ PreparedScan prepare(const Scan& scan, const RegistrationOptions& options) {
   return prepared;
 }
 
-}  // namespace loci::registration
+}  // namespace loci::mapping::registration

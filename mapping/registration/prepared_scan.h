@@ -7,7 +7,7 @@
 #include "mapping/registration/registration.h"
 #include "mapping/registration/surfels.h"
 
-namespace loci::registration {
+namespace loci::mapping::registration {
 
 /// A scan made ready for aligning, once for all its pairs. Its points are in the scan's frame or, for planar
 /// registration, in that frame turned upright: there a robot's pose is x, y and yaw.
@@ -26,4 +26,4 @@ struct PreparedScan {
 
 PreparedScan prepare(const Scan& scan, const RegistrationOptions& options);
 
-}  // namespace loci::registration
+}  // namespace loci::mapping::registration

@@ -6,7 +6,7 @@
 #include "mapping/base/parallel.h"
 #include "mapping/registration/icp.h"
 
-namespace loci::registration {
+namespace loci::mapping::registration {
 namespace {
 
 /// A pair is tried when the guess promises this part of the overlap that is wanted.
@@ -199,4 +199,4 @@ void Registrar::solve() {
   for (size_t i = 0; i < scans_.size(); ++i) result_.connected[i] = root_[i] == 0;
 }
 
-}  // namespace loci::registration
+}  // namespace loci::mapping::registration

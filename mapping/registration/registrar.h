@@ -3,7 +3,7 @@
 #include "mapping/registration/pair.h"
 #include "mapping/registration/pose_graph.h"
 
-namespace loci::registration {
+namespace loci::mapping::registration {
 
 /// Scans that were added, the pairs that were aligned among them, and the poses that follow: what
 /// register_scans and IncrementalRegistration share.
@@ -46,4 +46,4 @@ class Registrar {
   RegistrationResult result_;
 };
 
-}  // namespace loci::registration
+}  // namespace loci::mapping::registration

@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/registration/registrar.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 using registration::PreparedScan;
@@ -26,7 +27,7 @@ RegistrationOptions checked(RegistrationOptions options) {
 
 /// Standard deviations of the scan's pose where a covariance is given, otherwise what the options expect.
 SearchWindow expected_error(const Scan& scan, const RegistrationOptions& options) {
-  if (scan.covariance.isZero(0)) return {options.position_error_m, options.yaw_error_deg * M_PI / 180};
+  if (scan.covariance.isZero(0)) return {options.position_error_m, options.yaw_error_deg * kPi / 180};
   const auto variance = scan.covariance.diagonal();
   return {std::sqrt(std::max(0.0, variance.head<3>().maxCoeff())),
           std::sqrt(std::max(0.0, variance.tail<3>().maxCoeff()))};
@@ -131,4 +132,4 @@ const RegistrationResult& IncrementalRegistration::result() const {
   return impl_->registrar.result();
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

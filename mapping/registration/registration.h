@@ -9,7 +9,7 @@
 #include "mapping/base/progress.h"
 #include "mapping/sensor/scan.h"
 
-namespace loci {
+namespace loci::mapping {
 
 struct RegistrationOptions {
   std::string method = "plane";   ///< point (§7.3), plane, generalised
@@ -86,4 +86,4 @@ class IncrementalRegistration {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -5,7 +5,7 @@
 #include "mapping/base/json.h"
 #include "mapping/registration/registration.h"
 
-namespace loci {
+namespace loci::mapping {
 
 bool RegistrationResult::usable() const {
   return names.size() <= 1 ||
@@ -59,4 +59,4 @@ Json RegistrationResult::report() const {
           {"seconds", seconds}};
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

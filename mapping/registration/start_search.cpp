@@ -4,12 +4,14 @@
 #include <array>
 #include <cmath>
 
-namespace loci::registration {
+#include "mapping/base/math.h"
+
+namespace loci::mapping::registration {
 namespace {
 
-constexpr double kShiftStep = 0.2;                  ///< metres: what the descent from there bridges
-constexpr double kTurnStepPlanar = 5 * M_PI / 180;  ///< radians
-constexpr double kTurnStep = 12 * M_PI / 180;
+constexpr double kShiftStep = 0.2;                 ///< metres: what the descent from there bridges
+constexpr double kTurnStepPlanar = 5 * kPi / 180;  ///< radians
+constexpr double kTurnStep = 12 * kPi / 180;
 constexpr size_t kSamplesPlanar = 400;
 constexpr size_t kSamples = 160;
 /// After so many samples a start that has less than this part of the best score is given up.
@@ -43,7 +45,7 @@ std::vector<Sample> balanced_samples(const Surfels& surfels, bool planar, size_t
     const Eigen::Vector3f& n = surfels.normal[i];
     size_t direction = n.z() > 0 ? 0 : 1;
     if (std::abs(n.z()) < 0.7F)
-      direction = 2 + static_cast<size_t>((std::atan2(n.y(), n.x()) / (2 * M_PI) + 0.5) * 7.999);
+      direction = 2 + static_cast<size_t>((std::atan2(n.y(), n.x()) / (2 * kPi) + 0.5) * 7.999);
     else if (planar)
       continue;
     by_direction[direction].push_back(i);
@@ -204,4 +206,4 @@ std::vector<Isometry3d> promising_starts(const PreparedScan& target, const Prepa
   return chosen;
 }
 
-}  // namespace loci::registration
+}  // namespace loci::mapping::registration

@@ -4,7 +4,7 @@
 
 #include "mapping/registration/prepared_scan.h"
 
-namespace loci::registration {
+namespace loci::mapping::registration {
 
 /// How far the true pose may be from the guess, at most.
 struct SearchWindow {
@@ -21,4 +21,4 @@ std::vector<Isometry3d> promising_starts(const PreparedScan& target, const Prepa
                                          const Isometry3d& target_from_source, const SearchWindow& window,
                                          const Isometry3d& known, bool planar, size_t count);
 
-}  // namespace loci::registration
+}  // namespace loci::mapping::registration

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace loci::registration {
+namespace loci::mapping::registration {
 namespace {
 
 /// A plane is trusted fully when its thickness variance is far below its smaller extent's, not at all at this
@@ -164,4 +164,4 @@ CellGrid wide_net(const Surfels& surfels) {
   return net;
 }
 
-}  // namespace loci::registration
+}  // namespace loci::mapping::registration

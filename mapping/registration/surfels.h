@@ -7,7 +7,7 @@
 #include "mapping/base/pose.h"
 #include "mapping/registration/cell_grid.h"
 
-namespace loci::registration {
+namespace loci::mapping::registration {
 
 /// What is summed over the points of a cell to fit a plane to them.
 struct Moments {
@@ -67,4 +67,4 @@ void fit_planes(Surfels& surfels, bool finest, const PlaneFit& fit);
 /// search.
 CellGrid wide_net(const Surfels& surfels);
 
-}  // namespace loci::registration
+}  // namespace loci::mapping::registration

@@ -5,7 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
-namespace loci::registration {
+namespace loci::mapping::registration {
 namespace {
 
 constexpr float kHorizontal = 0.8F;     ///< cosine
@@ -100,4 +100,4 @@ Verdict judge(const PairAlignment& pair, const Agreement& agreement, double riva
                             1000 * pair.rmse_m, 100 * pair.conflict)};
 }
 
-}  // namespace loci::registration
+}  // namespace loci::mapping::registration

@@ -3,7 +3,7 @@
 #include "mapping/registration/icp.h"
 #include "mapping/registration/prepared_scan.h"
 
-namespace loci::registration {
+namespace loci::mapping::registration {
 
 /// What two scans say about each other in a relative pose.
 struct Agreement {
@@ -33,4 +33,4 @@ struct Verdict {
 Verdict judge(const PairAlignment& pair, const Agreement& agreement, double rival,
               const RegistrationOptions& options);
 
-}  // namespace loci::registration
+}  // namespace loci::mapping::registration

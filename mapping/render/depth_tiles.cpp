@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <limits>
 
-namespace loci::render_detail {
+namespace loci::mapping::render_detail {
 
 DepthTiles::Level::Level(int side, int width, int rows)
     : across((width + side - 1) / side),
@@ -79,4 +79,4 @@ float DepthTiles::coarse(int row, int column) {
   return coarse_.least[tile];
 }
 
-}  // namespace loci::render_detail
+}  // namespace loci::mapping::render_detail

@@ -5,7 +5,7 @@
 
 #include "mapping/render/pixel_bounds.h"
 
-namespace loci::render_detail {
+namespace loci::mapping::render_detail {
 
 /// How far away the farthest pixel of a tile is, on two levels, for a band of an image of inverse depths.
 /// Levels are brought up to date only where somebody asks.
@@ -41,4 +41,4 @@ class DepthTiles {
   Level fine_, coarse_;
 };
 
-}  // namespace loci::render_detail
+}  // namespace loci::mapping::render_detail

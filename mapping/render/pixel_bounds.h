@@ -1,6 +1,6 @@
 #pragma once
 
-namespace loci::render_detail {
+namespace loci::mapping::render_detail {
 
 /// Pixels from first to last, both included.
 struct PixelBox {
@@ -25,4 +25,4 @@ inline int last_pixel(double x, int low, int high) {
   return static_cast<int>(x);
 }
 
-}  // namespace loci::render_detail
+}  // namespace loci::mapping::render_detail

@@ -2,7 +2,7 @@
 
 #include "mapping/render/vectorised.h"
 
-namespace loci::render_detail {
+namespace loci::mapping::render_detail {
 namespace {
 
 constexpr double kSlack = 1e-6;    // pixels
@@ -45,4 +45,4 @@ void place_vertices(const float* x, const float* y, const float* z, size_t count
                                  static_cast<int16_t>(v_first[i]), static_cast<int16_t>(-v_last[i])};
 }
 
-}  // namespace loci::render_detail
+}  // namespace loci::mapping::render_detail

@@ -5,7 +5,7 @@
 
 #include "mapping/render/surface.h"
 
-namespace loci::render_detail {
+namespace loci::mapping::render_detail {
 
 /// From vertices of a link to the image: rows of (fx·X, fy·Y, Z), the principal point and how far pixels
 /// count beyond the image's edges.
@@ -34,4 +34,4 @@ struct PlacedVertices {
 void place_vertices(const float* x, const float* y, const float* z, size_t count,
                     const Projection& projection, PlacedVertices& placed);
 
-}  // namespace loci::render_detail
+}  // namespace loci::mapping::render_detail

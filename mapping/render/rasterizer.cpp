@@ -7,7 +7,7 @@
 #include "mapping/render/placed_vertices.h"
 #include "mapping/render/triangle_fill.h"
 
-namespace loci::render_detail {
+namespace loci::mapping::render_detail {
 namespace {
 
 using Eigen::Vector3d;
@@ -216,4 +216,4 @@ void draw_rows(const std::vector<PlacedSurface>& surfaces, const PinholeCamera& 
   for (const PlacedSurface& surface : surfaces) band.draw(surface);
 }
 
-}  // namespace loci::render_detail
+}  // namespace loci::mapping::render_detail

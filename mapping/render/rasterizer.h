@@ -7,7 +7,7 @@
 #include "mapping/render/surface.h"
 #include "mapping/sensor/camera.h"
 
-namespace loci::render_detail {
+namespace loci::mapping::render_detail {
 
 /// A surface somewhere: a link's, and how it lies before the camera.
 struct PlacedSurface {
@@ -46,4 +46,4 @@ struct DrawOptions {
 void draw_rows(const std::vector<PlacedSurface>& surfaces, const PinholeCamera& camera,
                const DrawOptions& options, int row_begin, int row_end, Raster& raster);
 
-}  // namespace loci::render_detail
+}  // namespace loci::mapping::render_detail

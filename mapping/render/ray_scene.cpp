@@ -12,7 +12,7 @@
 #include "mapping/render/scene_parts.h"
 #include "mapping/render/triangles.h"
 
-namespace loci {
+namespace loci::mapping {
 
 using Eigen::Vector3f;
 using render_detail::ScenePart;
@@ -273,4 +273,4 @@ NearestSurface RayScene::nearest(const Vector3d& point, double radius) const {
   return best;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

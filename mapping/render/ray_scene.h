@@ -10,7 +10,7 @@
 #include "mapping/world/kinematics.h"
 #include "mapping/world/mesh.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Where a ray met a surface.
 struct RayHit {
@@ -66,4 +66,4 @@ class RayScene {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -10,7 +10,7 @@
 #include "mapping/render/rasterizer.h"
 #include "mapping/render/scene_parts.h"
 
-namespace loci {
+namespace loci::mapping {
 
 using render_detail::PlacedSurface;
 using render_detail::Raster;
@@ -187,4 +187,4 @@ RenderedView RenderScene::render(const PinholeCamera& camera, const Isometry3d& 
   return view;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

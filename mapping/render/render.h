@@ -10,7 +10,7 @@
 #include "mapping/world/kinematics.h"
 #include "mapping/world/mesh.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// What a camera would see of a world, per pixel.
 struct RenderedView {
@@ -73,4 +73,4 @@ class RenderScene {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

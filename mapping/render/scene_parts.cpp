@@ -5,7 +5,7 @@
 #include <map>
 #include <optional>
 
-namespace loci::render_detail {
+namespace loci::mapping::render_detail {
 namespace {
 
 constexpr float kDefaultGrey = 0.7f;
@@ -111,4 +111,4 @@ std::vector<std::array<uint8_t, 3>> triangle_colors(const TriangleMesh& mesh,
   return colors;
 }
 
-}  // namespace loci::render_detail
+}  // namespace loci::mapping::render_detail

@@ -14,7 +14,7 @@
 #include "mapping/world/kinematics.h"
 #include "mapping/world/mesh.h"
 
-namespace loci::render_detail {
+namespace loci::mapping::render_detail {
 
 /// One world of a scene; free triangles are a world of one link.
 struct ScenePart {
@@ -71,4 +71,4 @@ void for_each_visual(
 std::vector<std::array<uint8_t, 3>> triangle_colors(const TriangleMesh& mesh,
                                                     const std::optional<Rgba>& color);
 
-}  // namespace loci::render_detail
+}  // namespace loci::mapping::render_detail

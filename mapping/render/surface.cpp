@@ -4,7 +4,7 @@
 #include <limits>
 #include <span>
 
-namespace loci::render_detail {
+namespace loci::mapping::render_detail {
 namespace {
 
 using Eigen::Vector3f;
@@ -125,4 +125,4 @@ std::vector<std::shared_ptr<const Surface>> cut_mesh(const TriangleMesh& mesh,
   return std::move(cutter.surfaces);
 }
 
-}  // namespace loci::render_detail
+}  // namespace loci::mapping::render_detail

@@ -9,7 +9,7 @@
 #include "mapping/base/pose.h"
 #include "mapping/world/mesh.h"
 
-namespace loci::render_detail {
+namespace loci::mapping::render_detail {
 
 /// Triangles that lie together: few enough that their corners fit the cache and a byte numbers them.
 struct Cluster {
@@ -41,4 +41,4 @@ std::vector<std::shared_ptr<const Surface>> cut_mesh(const TriangleMesh& mesh,
                                                      const Isometry3d& link_from_mesh,
                                                      const std::vector<std::array<uint8_t, 3>>& colors);
 
-}  // namespace loci::render_detail
+}  // namespace loci::mapping::render_detail

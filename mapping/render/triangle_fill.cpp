@@ -7,7 +7,7 @@
 
 #include "mapping/render/vectorised.h"
 
-namespace loci::render_detail {
+namespace loci::mapping::render_detail {
 
 using Eigen::Vector3d;
 
@@ -145,4 +145,4 @@ bool TriangleFill::fill(const PlacedTriangle& triangle, const PixelBox& box) {
   return fill_spans(edges, Plane(edges, sign / determinant, triangle), box);
 }
 
-}  // namespace loci::render_detail
+}  // namespace loci::mapping::render_detail

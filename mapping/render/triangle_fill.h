@@ -5,7 +5,7 @@
 #include "mapping/render/pixel_bounds.h"
 #include "mapping/render/rasterizer.h"
 
-namespace loci::render_detail {
+namespace loci::mapping::render_detail {
 
 /// A triangle as it is filled: its corners as homogeneous pixel positions (fx·X, fy·Y, Z).
 struct PlacedTriangle {
@@ -38,4 +38,4 @@ class TriangleFill {
   Raster& raster_;
 };
 
-}  // namespace loci::render_detail
+}  // namespace loci::mapping::render_detail

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace loci::render_detail {
+namespace loci::mapping::render_detail {
 namespace {
 
 /// The part of a polygon on the side `sign · z <= sign · limit`.
@@ -58,4 +58,4 @@ Vector3d nearest_of_triangle(const Vector3d& p, const Vector3d& a, const Vector3
   return a + (ab * vb + ac * vc) / (va + vb + vc);
 }
 
-}  // namespace loci::render_detail
+}  // namespace loci::mapping::render_detail

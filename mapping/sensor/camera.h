@@ -2,7 +2,7 @@
 
 #include "mapping/base/pose.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// A pinhole without distortion. Pixel centres are at integers; optical frame: x right, y down, z forward.
 struct PinholeCamera {
@@ -33,4 +33,4 @@ struct RgbdCamera {
   Isometry3d depth_from_color = Isometry3d::Identity();
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace loci {
+namespace loci::mapping {
 
 cv::Mat color_in_depth(const RgbdFrame& frame) {
   cv::Mat registered(frame.depth.rows, frame.depth.cols, CV_8UC3, cv::Scalar(0, 0, 0));
@@ -23,4 +23,4 @@ cv::Mat color_in_depth(const RgbdFrame& frame) {
   return registered;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

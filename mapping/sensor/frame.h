@@ -8,7 +8,7 @@
 #include "mapping/base/time.h"
 #include "mapping/sensor/camera.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// One moment of an RGB-D recording.
 struct RgbdFrame {
@@ -26,4 +26,4 @@ struct RgbdFrame {
 /// the colour of the colour pixel that its point projects to; black where there is no depth or no colour.
 cv::Mat color_in_depth(const RgbdFrame& frame);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <vector>
 
+#include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
@@ -120,8 +120,8 @@ double distortion_field(const PinholeCamera& camera, int u, int v) {
   const double x = static_cast<double>(u) / camera.width;
   const double y = static_cast<double>(v) / camera.height;
   // Low frequency, no symmetry, as calibrations of this sensor show it; the numbers are no one unit's.
-  return 0.6 * std::sin(2 * std::numbers::pi * (0.9 * x + 0.35 * y) + 0.7) +
-         0.4 * std::cos(2 * std::numbers::pi * (0.5 * x - 1.1 * y) - 0.4);
+  return 0.6 * std::sin(2 * kPi * (0.9 * x + 0.35 * y) + 0.7) +
+         0.4 * std::cos(2 * kPi * (0.5 * x - 1.1 * y) - 0.4);
 }
 
 cv::Mat measured_by_kinect(const cv::Mat& depth, const cv::Mat& normal, const PinholeCamera& camera,
@@ -129,7 +129,7 @@ cv::Mat measured_by_kinect(const cv::Mat& depth, const cv::Mat& normal, const Pi
   cv::Mat result(depth.rows, depth.cols, CV_32F, cv::Scalar(static_cast<double>(kNothing)));
   const bool edged = model.edge_width_px > 0 && model.edge_probability > 0;
   const cv::Mat edges = edged ? edge_pixels(depth, model.edge_jump) : cv::Mat();
-  const double cos_limit = std::cos(model.incidence_max_deg * std::numbers::pi / 180);
+  const double cos_limit = std::cos(model.incidence_max_deg * kPi / 180);
   const double focal_times_baseline = camera.fx * model.baseline_m;
   parallel_for(static_cast<size_t>(depth.rows), threads, [&](size_t begin, size_t end) {
     for (size_t row = begin; row < end; ++row) {
@@ -165,4 +165,4 @@ void add_color_noise(cv::Mat& color, const KinectModel& model, const Random& ran
   });
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

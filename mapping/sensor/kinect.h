@@ -6,7 +6,7 @@
 #include "mapping/base/random.h"
 #include "mapping/sensor/camera.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Both cameras of a Kinect v1: 640 x 480, f 585 px for depth, 528 px for colour, which is 22 mm to the
 /// right.
@@ -44,4 +44,4 @@ void add_color_noise(cv::Mat& color, const KinectModel& model, const Random& ran
 /// Value in [-1, 1] of the fixed smooth distortion field at a pixel.
 double distortion_field(const PinholeCamera& camera, int u, int v);
 
-}  // namespace loci
+}  // namespace loci::mapping

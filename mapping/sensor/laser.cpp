@@ -1,12 +1,11 @@
 #include "mapping/sensor/laser.h"
 
 #include <cmath>
-#include <numbers>
 
-namespace loci {
+#include "mapping/base/math.h"
+
+namespace loci::mapping {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 int steps(double range, double step) {
   return static_cast<int>(std::floor(range / step + 1e-6)) + 1;
@@ -97,4 +96,4 @@ Eigen::Matrix<double, 6, 6> OdometryModel::covariance(const Isometry3d& from_to)
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

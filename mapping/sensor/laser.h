@@ -5,7 +5,7 @@
 #include "mapping/base/random.h"
 #include "mapping/sensor/scan.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// A planar laser on a tilt unit, and how it measures (defaults: Hokuyo UTM-30LX, the PR2's scanner).
 /// The scanner frame stands level over the robot's base, `height_m` above the floor: x forward, z up; the
@@ -60,4 +60,4 @@ struct OdometryModel {
   Eigen::Matrix<double, 6, 6> covariance(const Isometry3d& from_to) const;
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -11,7 +11,7 @@
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 template <class T>
@@ -59,7 +59,7 @@ class HeaderParser {
   }
 
  private:
-  Place place() const { return {file_, header_.lines, {}}; }
+  loci::Place place() const { return {file_, header_.lines, {}}; }
 
   size_t number(const std::string& word) const {
     size_t value = 0;
@@ -124,7 +124,8 @@ Error truncated(const std::string& file, size_t points) {
                "copy or write the file again");
 }
 
-void append_number(std::string& data, const PcdField& field, const std::string& word, const Place& place) {
+void append_number(std::string& data, const PcdField& field, const std::string& word,
+                   const loci::Place& place) {
   char* end = nullptr;
   const double value = std::strtod(word.c_str(), &end);
   if (end != word.c_str() + word.size()) throw Error(fmt::format("'{}' is not a number", word), place);
@@ -140,7 +141,7 @@ void append_number(std::string& data, const PcdField& field, const std::string& 
 
 void read_ascii(const std::string& bytes, Header& header, const std::string& file) {
   std::istringstream stream(bytes.substr(header.body));
-  Place place{file, header.lines, {}};
+  loci::Place place{file, header.lines, {}};
   std::string line;
   PcdCloud& cloud = header.cloud;
   for (size_t point = 0; point < cloud.size();) {
@@ -278,4 +279,4 @@ void write_pcd(const PcdCloud& cloud, const std::filesystem::path& path) {
   file.commit();
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

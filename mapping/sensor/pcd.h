@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace loci {
+namespace loci::mapping {
 
 /// A column of a PCD file.
 struct PcdField {
@@ -43,4 +43,4 @@ PcdCloud read_pcd(const std::filesystem::path& path);
 /// Writes binary PCD, atomically.
 void write_pcd(const PcdCloud& cloud, const std::filesystem::path& path);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -1,11 +1,11 @@
 #include "mapping/sensor/pose_text.h"
 
-#include <numbers>
 #include <sstream>
 
 #include "mapping/base/error.h"
+#include "mapping/base/math.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 std::vector<std::string> split(const std::string& text, char separator) {
@@ -33,11 +33,11 @@ std::vector<PlanarPose> planar_poses_from(const std::string& text, const std::st
         !read_number(values[2], yaw_deg))
       throw Error(what + ": '" + part + "' is no pose", {},
                   "a pose is x,y,yaw_deg; poses are separated by ;");
-    pose.yaw = yaw_deg * std::numbers::pi / 180;
+    pose.yaw = yaw_deg * kPi / 180;
     poses.push_back(pose);
   }
   if (poses.empty()) throw Error(what + " names no pose");
   return poses;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -6,7 +6,7 @@
 #include "mapping/base/json_fwd.h"
 #include "mapping/sensor/laser.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// What pulling at a point did.
 struct PullResult {
@@ -44,4 +44,4 @@ class Robot {
   virtual void restore(const Json& state) = 0;
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -10,7 +10,7 @@
 #include "mapping/base/files.h"
 #include "mapping/sensor/pcd.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -167,4 +167,4 @@ ScanSet read_scan_set(const fs::path& path) {
   return set;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -8,7 +8,7 @@
 
 #include "mapping/base/pose.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// One return (or missing return) of a scan, in the sensor frame.
 struct ScanPoint {
@@ -51,4 +51,4 @@ void append_to_scan_set(const ScanSet& set, const std::filesystem::path& folder)
 /// unknown).
 ScanSet read_scan_set(const std::filesystem::path& path);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <numbers>
 #include <optional>
 
+#include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 using Eigen::Vector3f;
@@ -27,8 +27,8 @@ class Beam {
         laser_(laser),
         rotation_(map_from_scanner.linear()),
         origin_(map_from_scanner.translation().cast<float>()),
-        half_width_(laser.beam_width_deg / 2 * std::numbers::pi / 180),
-        glossy_cos_(static_cast<float>(std::cos(laser.glossy_incidence_max_deg * std::numbers::pi / 180))) {}
+        half_width_(laser.beam_width_deg / 2 * kPi / 180),
+        glossy_cos_(static_cast<float>(std::cos(laser.glossy_incidence_max_deg * kPi / 180))) {}
 
   /// What the scanner makes of one beam, without the noise of its numbers; nothing = no return.
   std::optional<Echo> measure(const Vector3d& direction, Random& random) const {
@@ -117,4 +117,4 @@ Scan simulate_sweep(const RayScene& scene, const Isometry3d& map_from_scanner, c
   return scan;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

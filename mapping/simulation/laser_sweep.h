@@ -4,7 +4,7 @@
 #include "mapping/render/ray_scene.h"
 #include "mapping/sensor/laser.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// One noisy sweep from a true pose: points in the scanner frame, one per ray, line by line from the lowest
 /// tilt; a ray without return stands at range_max, rays that meet something nearer than range_min are left
@@ -18,4 +18,4 @@ namespace loci {
 Scan simulate_sweep(const RayScene& scene, const Isometry3d& map_from_scanner, const LaserModel& laser,
                     const Random& random, int threads);
 
-}  // namespace loci
+}  // namespace loci::mapping

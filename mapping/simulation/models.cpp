@@ -4,15 +4,13 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <numbers>
 
+#include "mapping/base/math.h"
 #include "mapping/image/image_io.h"
 #include "mapping/simulation/shapes.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// What a builder works with.
 struct Look {
@@ -292,4 +290,4 @@ ObjectModel build_object(const ObjectSpec& spec) {
   return model;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

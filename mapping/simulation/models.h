@@ -7,7 +7,7 @@
 
 #include "mapping/world/mesh.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// A household object of a scenario.
 struct ObjectSpec {
@@ -34,4 +34,4 @@ std::vector<std::string> object_patterns();
 /// Builds an object. Error when its label is no image.
 ObjectModel build_object(const ObjectSpec& spec);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -3,9 +3,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
-namespace loci {
+#include "mapping/base/math.h"
+
+namespace loci::mapping {
 namespace {
 
 /// Bounds of an object's mesh after a turn.
@@ -85,7 +86,7 @@ Isometry3d ScenarioPlay::placed(const Action& action, const std::string& support
         fmt::format("its top reaches {:.2f} and {:.2f} m from its middle", top.half.x(), top.half.y()));
   Isometry3d pose = Isometry3d::Identity();
   pose.rotate(Eigen::AngleAxisd(action.yaw.value_or(0), Vector3d::UnitZ()));
-  if (action.lying) pose.rotate(Eigen::AngleAxisd(std::numbers::pi / 2, Vector3d::UnitX()));
+  if (action.lying) pose.rotate(Eigen::AngleAxisd(kPi / 2, Vector3d::UnitX()));
   const Eigen::AlignedBox3d bounds = turned_bounds(models_.at(action.subject), pose.linear());
   pose.translation() = top.centre + Vector3d(at.x(), at.y(), -bounds.min().z());
   if (action.lying) pose.translation().head<2>() -= bounds.center().head<2>();
@@ -171,4 +172,4 @@ std::map<std::string, Isometry3d> ScenarioPlay::map_from_objects(const WorldStat
   return poses;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -9,7 +9,7 @@
 #include "mapping/world/mesh.h"
 #include "mapping/world/world.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Where an object is and how it looks, from one action to the next.
 struct ObjectState {
@@ -61,4 +61,4 @@ class ScenarioPlay {
   std::vector<WorldState> states_;
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

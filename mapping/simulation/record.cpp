@@ -10,7 +10,7 @@
 #include "mapping/simulation/studio.h"
 #include "mapping/world/urdf.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 /// The line of a frame in truth.jsonl.
@@ -102,7 +102,7 @@ RecordResult record(const Scenario& scenario, const std::filesystem::path& folde
       frame.map_from_camera = map_from_camera;
       const RenderedView view = studio.depth_view(frame.camera.depth, map_from_camera, options.threads);
       frame.color = studio.color_image(frame.camera.color, map_from_camera * frame.camera.depth_from_color,
-                                         options.threads);
+                                       options.threads);
       frame.depth = view.depth;
       if (options.noise == "kinect") {
         const Random draws = random.fork(result.frames);
@@ -127,4 +127,4 @@ RecordResult record(const Scenario& scenario, const std::filesystem::path& folde
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

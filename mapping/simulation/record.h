@@ -9,7 +9,7 @@
 #include "mapping/base/progress.h"
 #include "mapping/simulation/scenario.h"
 
-namespace loci {
+namespace loci::mapping {
 
 struct RecordOptions {
   int seed = 1;
@@ -40,4 +40,4 @@ struct RecordResult {
 RecordResult record(const Scenario& scenario, const std::filesystem::path& folder,
                     const RecordOptions& options, Progress& progress, Warnings& warnings);
 
-}  // namespace loci
+}  // namespace loci::mapping

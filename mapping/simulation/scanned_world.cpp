@@ -8,10 +8,11 @@
 
 #include "mapping/base/exact_pose.h"
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/urdf.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -104,7 +105,7 @@ Isometry3d ScannedWorld::Impl::measured_hand(const Isometry3d& map_from_hand, Ra
   Isometry3d measured = map_from_believed * map_from_true.inverse() * map_from_hand;
   Vector3d shift, turn;
   for (int k = 0; k < 3; ++k) shift[k] = drawn.normal(options.hand.position_sigma_m);
-  for (int k = 0; k < 3; ++k) turn[k] = drawn.normal(options.hand.orientation_sigma_deg * M_PI / 180);
+  for (int k = 0; k < 3; ++k) turn[k] = drawn.normal(options.hand.orientation_sigma_deg * kPi / 180);
   measured.translation() += shift;
   if (turn.norm() > 0) measured.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
   return measured;
@@ -292,7 +293,7 @@ PlanarPose ScannedWorld::open_place() const {
       double clearance = std::numeric_limits<double>::infinity();
       int walled = 0;
       for (int i = 0; i < kDirections; ++i) {
-        const double angle = 2 * M_PI * i / kDirections;
+        const double angle = 2 * kPi * i / kDirections;
         const Eigen::Vector3f along(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)),
                                     0);
         for (const double height : {0.15, 0.5, 0.85, impl_->options.laser.height_m}) {
@@ -334,4 +335,4 @@ const JointState& ScannedWorld::joints() const {
   return impl_->joints;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -11,7 +11,7 @@
 #include "mapping/simulation/laser_sweep.h"
 #include "mapping/world/world.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// How well an arm knows where its hand is.
 struct HandModel {
@@ -79,4 +79,4 @@ class ScannedWorld : public Robot {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

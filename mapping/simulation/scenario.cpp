@@ -4,15 +4,13 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "mapping/base/config.h"
 #include "mapping/base/known_keys.h"
+#include "mapping/base/math.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 Vector3d point(const Config& config, const std::string& key) {
   const auto values = config.require<std::array<double, 3>>(key);
@@ -256,4 +254,4 @@ Scenario read_scenario(const std::filesystem::path& path) {
   return scenario;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -12,7 +12,7 @@
 #include "mapping/sensor/kinect.h"
 #include "mapping/simulation/models.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// One thing that happens before a scene is seen.
 struct Action {
@@ -27,7 +27,7 @@ struct Action {
   double position = 0;         ///< open: metres or radians
   std::optional<Rgba> color;   ///< recolor
   std::optional<Rgba> accent;  ///< recolor
-  Place place;                 ///< in the file
+  loci::Place place;           ///< in the file
 };
 
 /// A moment of the scenario: what happens, then what is seen from where.
@@ -56,4 +56,4 @@ Scenario read_scenario(const std::filesystem::path& path);
 /// A camera at `from` that looks at `at`, both in the map frame, upright.
 Isometry3d looking_at(const Vector3d& from, const Vector3d& at);
 
-}  // namespace loci
+}  // namespace loci::mapping

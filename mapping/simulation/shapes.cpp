@@ -1,9 +1,10 @@
 #include "mapping/simulation/shapes.h"
 
 #include <cmath>
-#include <numbers>
 
-namespace loci {
+#include "mapping/base/math.h"
+
+namespace loci::mapping {
 
 uint32_t ShapeBuilder::add(const Vector3d& vertex) {
   mesh_.vertices.push_back(vertex.cast<float>());
@@ -23,7 +24,7 @@ void ShapeBuilder::lathe(const std::vector<Vector2d>& profile, const Paint& pain
   const auto ring = [&](const Vector2d& at) {
     const auto first = static_cast<uint32_t>(mesh_.vertices.size());
     for (int i = 0; i < segments; ++i) {
-      const double angle = 2 * std::numbers::pi * i / segments;
+      const double angle = 2 * kPi * i / segments;
       add({at.x() * std::cos(angle), at.x() * std::sin(angle), at.y()});
     }
     return first;
@@ -85,7 +86,7 @@ void ShapeBuilder::tube(const std::vector<Vector3d>& path, const std::vector<dou
     const Vector3d side = along.cross(plane);
     const auto first = static_cast<uint32_t>(mesh_.vertices.size());
     for (int i = 0; i < segments; ++i) {
-      const double angle = 2 * std::numbers::pi * i / segments;
+      const double angle = 2 * kPi * i / segments;
       add(path[at] + radii[at] * (std::cos(angle) * plane + std::sin(angle) * side));
     }
     return first;
@@ -112,4 +113,4 @@ void ShapeBuilder::tube(const std::vector<Vector3d>& path, const std::vector<dou
   cap(path.size() - 1, low, true);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -6,7 +6,7 @@
 #include "mapping/base/pose.h"
 #include "mapping/world/mesh.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Colour by position on a surface, both in [0,1]: along or around it, and up it.
 using Paint = std::function<Rgba(double u, double v)>;
@@ -39,4 +39,4 @@ class ShapeBuilder {
   TriangleMesh mesh_;
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -7,7 +7,7 @@
 
 #include "mapping/base/parallel.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr int kSamples = 2;  ///< per pixel and direction, for colour
@@ -111,7 +111,7 @@ RenderedView Studio::depth_view(const PinholeCamera& camera, const Isometry3d& m
 }
 
 cv::Mat Studio::color_image(const PinholeCamera& camera, const Isometry3d& map_from_camera,
-                              int threads) const {
+                            int threads) const {
   RenderOptions options;
   options.normals = options.colors = true;
   const RenderedView fine = scene_.render(finer(camera, kSamples), map_from_camera, options, threads);
@@ -157,4 +157,4 @@ std::map<std::string, SeenObject> Studio::seen_objects(const RenderedView& view,
   return seen;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

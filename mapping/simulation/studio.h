@@ -7,7 +7,7 @@
 #include "mapping/render/render.h"
 #include "mapping/simulation/play.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// What one object takes up in one depth image.
 struct SeenObject {
@@ -50,4 +50,4 @@ class Studio {
   std::map<std::string, Part> visible_;  ///< by object, as arranged
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -1,6 +1,6 @@
 #include "mapping/world/furniture.h"
 
-namespace loci {
+namespace loci::mapping {
 
 const char* joint_estimate_type_name(JointEstimate::Type type) {
   switch (type) {
@@ -14,4 +14,4 @@ const char* joint_estimate_type_name(JointEstimate::Type type) {
   return "rigid";
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -8,7 +8,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/pose.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// What a front is opened by: a bar (line model) or a knob (circle model). Map frame, all joints at 0.
 struct Fixture {
@@ -57,4 +57,4 @@ struct Front {
 
 const char* joint_estimate_type_name(JointEstimate::Type type);
 
-}  // namespace loci
+}  // namespace loci::mapping

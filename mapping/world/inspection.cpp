@@ -7,7 +7,7 @@
 #include "mapping/base/json.h"
 #include "mapping/world/kinematics.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 const char* kind_of(const Geometry& geometry) {
@@ -149,4 +149,4 @@ Json WorldInspection::to_json() const {
   return json;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -13,7 +13,7 @@
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/world.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// What a world holds, counted: what `loci-map check` answers.
 struct WorldInspection {
@@ -44,4 +44,4 @@ WorldInspection inspect(const World& world, const MeshSearch& search, Warnings& 
 void inspect_sidecar(const SemanticMap& sidecar, const World& world, WorldInspection& inspection,
                      Warnings& warnings);
 
-}  // namespace loci
+}  // namespace loci::mapping

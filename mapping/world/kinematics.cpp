@@ -6,7 +6,7 @@
 
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 using Index = std::unordered_map<std::string_view, size_t>;
@@ -90,4 +90,4 @@ std::vector<Isometry3d> root_from_links(const World& world, const JointState& st
   return root_from;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

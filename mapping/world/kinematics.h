@@ -4,7 +4,7 @@
 
 #include "mapping/world/world.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// The pose of every link in the root's frame, by index into world.links. Mimic joints follow the joint that
 /// they mimic, whatever the state says of them; a joint that the state does not name is at 0. A state that
@@ -15,4 +15,4 @@ std::vector<Isometry3d> root_from_links(const World& world, const JointState& st
 /// joints do not move; floating and planar joints have no single position and stay at their origin.
 Isometry3d joint_motion(const Joint& joint, double position);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <unordered_map>
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -174,4 +174,4 @@ TriangleMesh load_mesh(const Mesh& mesh, const MeshSearch& search, Warnings& war
   return triangles;
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -9,7 +9,7 @@
 #include "mapping/base/error.h"
 #include "mapping/world/world.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Triangles with one colour each, in the frame of their visual, metres.
 struct TriangleMesh {
@@ -35,4 +35,4 @@ TriangleMesh load_mesh(const Mesh& mesh, const MeshSearch& search, Warnings& war
 TriangleMesh triangulate(const Geometry& geometry, const MeshSearch& search, Warnings& warnings,
                          int segments = 32);
 
-}  // namespace loci
+}  // namespace loci::mapping

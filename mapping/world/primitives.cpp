@@ -1,9 +1,9 @@
 #include <cmath>
-#include <numbers>
 
+#include "mapping/base/math.h"
 #include "mapping/world/mesh.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 TriangleMesh box_triangles(const Box& box) {
@@ -18,7 +18,7 @@ TriangleMesh box_triangles(const Box& box) {
 }
 
 Eigen::Vector3f on_circle(double radius, double z, int step, int segments) {
-  const double angle = 2 * std::numbers::pi * step / segments;
+  const double angle = 2 * kPi * step / segments;
   return Eigen::Vector3d(radius * std::cos(angle), radius * std::sin(angle), z).cast<float>();
 }
 
@@ -49,7 +49,7 @@ TriangleMesh sphere_triangles(const Sphere& sphere, int segments) {
   const int rings = segments / 2;
   const uint32_t around = static_cast<uint32_t>(segments);
   for (int ring = 1; ring < rings; ++ring) {
-    const double polar = std::numbers::pi * ring / rings;
+    const double polar = kPi * ring / rings;
     for (int i = 0; i < segments; ++i)
       mesh.vertices.push_back(
           on_circle(sphere.radius * std::sin(polar), -sphere.radius * std::cos(polar), i, segments));
@@ -82,4 +82,4 @@ TriangleMesh triangulate(const Geometry& geometry, const MeshSearch& search, War
   return load_mesh(std::get<Mesh>(geometry), search, warnings);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -5,7 +5,7 @@
 #include "mapping/base/error.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr int kVersion = 1;
@@ -16,7 +16,10 @@ class Reader {
   Reader(const std::string& file, std::string key) : file_(file), key_(std::move(key)) {}
 
   [[noreturn]] void fail(const std::string& what, const std::string& field = {}) const {
-    throw Error(what, Place{file_, 0, field.empty() ? key_ : key_.empty() ? field : key_ + "." + field});
+    throw Error(what, loci::Place{file_, 0,
+                                  field.empty()  ? key_
+                                  : key_.empty() ? field
+                                                 : key_ + "." + field});
   }
 
   std::string text(const Json& value, const std::string& field) const {
@@ -71,7 +74,7 @@ Isometry3d pose_from_json(const Json& json, const Reader& reader, const std::str
   if (!json.is_array() || json.size() != 7) reader.fail("must be [x, y, z, qx, qy, qz, qw]", key);
   std::array<double, 7> values{};
   for (size_t i = 0; i < 7; ++i) values[i] = reader.number(json[i], key);
-  return pose_from_values(values, Place{file, 0, key});
+  return pose_from_values(values, loci::Place{file, 0, key});
 }
 
 }  // namespace
@@ -129,4 +132,4 @@ std::filesystem::path sidecar_path(const std::filesystem::path& urdf) {
   return std::filesystem::path(urdf).replace_extension(".semantic.json");
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

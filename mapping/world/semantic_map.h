@@ -9,7 +9,7 @@
 #include "mapping/base/json.h"
 #include "mapping/world/world.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// What is known about one link of a map beyond its shape (the sidecar map.semantic.json,
 /// docs/file-formats.md).
@@ -41,4 +41,4 @@ SemanticMap semantic_map_from_json(const Json& json, const std::string& file);
 /// The sidecar's path for a map: "kitchen.urdf" → "kitchen.semantic.json".
 std::filesystem::path sidecar_path(const std::filesystem::path& urdf);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -7,7 +7,7 @@
 #include "mapping/base/error.h"
 #include "mapping/world/world.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Parses a URDF file through urdfdom. Error with the reason when it is refused: not XML, a cycle (with the
 /// links on it), a missing parent, two roots, a link that is not unique, sizes that are not finite and
@@ -20,4 +20,4 @@ World parse_urdf(const std::string& text, const std::string& file);
 std::string urdf_text(const World& world);
 void write_urdf(const World& world, const std::filesystem::path& path);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -7,7 +7,7 @@ class XMLDocument;
 class XMLElement;
 }  // namespace tinyxml2
 
-namespace loci::urdf_detail {
+namespace loci::mapping::urdf_detail {
 
 /// Parses XML; Error with the line when it is none.
 void parse_xml(tinyxml2::XMLDocument& document, const std::string& text, const std::string& file);
@@ -16,4 +16,4 @@ void parse_xml(tinyxml2::XMLDocument& document, const std::string& text, const s
 /// the names: urdfdom's own messages have neither lines nor, for cycles, names. Returns the robot element.
 const tinyxml2::XMLElement& check_urdf(const tinyxml2::XMLDocument& document, const std::string& file);
 
-}  // namespace loci::urdf_detail
+}  // namespace loci::mapping::urdf_detail

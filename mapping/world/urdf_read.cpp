@@ -10,7 +10,7 @@
 #include "mapping/world/urdf.h"
 #include "mapping/world/urdf_check.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 using tinyxml2::XMLElement;
@@ -51,7 +51,8 @@ urdf::ModelInterfaceSharedPtr parse_with_urdfdom(const std::string& text, const 
   }
   if (model) return model;
   if (!messages.text().empty()) reason = messages.text();
-  throw Error("urdfdom refuses it: " + (reason.empty() ? "no reason given" : reason), Place{file, 0, {}});
+  throw Error("urdfdom refuses it: " + (reason.empty() ? "no reason given" : reason),
+              loci::Place{file, 0, {}});
 }
 
 Vector3d vector_from(const urdf::Vector3& v) {
@@ -276,4 +277,4 @@ World read_urdf(const std::filesystem::path& path) {
   return parse_urdf(read_file(path), path.string());
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

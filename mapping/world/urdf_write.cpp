@@ -6,7 +6,7 @@
 #include "mapping/base/files.h"
 #include "mapping/world/urdf.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 using tinyxml2::XMLElement;
@@ -229,4 +229,4 @@ void write_urdf(const World& world, const std::filesystem::path& path) {
   write_file_atomically(path, urdf_text(world));
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

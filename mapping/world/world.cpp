@@ -4,7 +4,7 @@
 
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::mapping {
 
 const Link* World::find_link(const std::string& link_name) const {
   const auto found = std::ranges::find(links, link_name, &Link::name);
@@ -47,4 +47,4 @@ const char* joint_type_name(JointType type) {
   return "unknown";
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -10,7 +10,7 @@
 #include "mapping/base/joint_state.h"
 #include "mapping/base/pose.h"
 
-namespace loci {
+namespace loci::mapping {
 
 struct Box {
   Vector3d size = Vector3d::Zero();  ///< full extents, metres
@@ -130,4 +130,4 @@ struct World {
 
 const char* joint_type_name(JointType type);
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -7,7 +7,7 @@
 #include "memory/store/store.h"
 #include "perception/types/geometry.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr const char* kSource = "IdentityResolution";
@@ -18,7 +18,8 @@ std::string name_of(const belief::ObjectOutcome& outcome) {
   return outcome.object != 0 ? object_name(outcome.object) : "tentative_" + std::to_string(outcome.key);
 }
 
-void fill(const types::PairMatrix& matrix, const ResolvedScene& resolved, const std::vector<double>& values) {
+void fill(const perception::types::PairMatrix& matrix, const ResolvedScene& resolved,
+          const std::vector<double>& values) {
   std::vector<std::string> rows, columns;
   for (size_t k = 0; k < resolved.scene.observations.size(); ++k)
     rows.push_back("cluster_" + std::to_string(k));
@@ -38,9 +39,10 @@ std::string tracker_id(size_t tracker) {
   return name;
 }
 
-void track(cas::Cas& cas, const types::Cluster& cluster, int64_t object, const std::string& who) {
+void track(perception::cas::Cas& cas, const perception::types::Cluster& cluster, int64_t object,
+           const std::string& who) {
   if (object == 0) return;
-  const auto tracking = types::TrackingAnnotation::create(cas);
+  const auto tracking = perception::types::TrackingAnnotation::create(cas);
   tracking.source.set(kSource);
   tracking.annotator_id.set(who);
   tracking.tracking_id.set(object);
@@ -48,8 +50,8 @@ void track(cas::Cas& cas, const types::Cluster& cluster, int64_t object, const s
 }
 
 /// What the simple trackers and their arbiter say beside it; what is not told yet has no number.
-void add_votes(cas::Cas& cas, const types::Cluster& cluster, const belief::TrackerVotes& votes,
-               const belief::BeliefUpdate& update) {
+void add_votes(perception::cas::Cas& cas, const perception::types::Cluster& cluster,
+               const belief::TrackerVotes& votes, const belief::BeliefUpdate& update) {
   const auto vote = [&](const std::optional<int64_t>& key, const std::string& who) {
     if (!key) return;
     const auto found = std::ranges::find(update.objects, *key, &belief::ObjectOutcome::key);
@@ -59,7 +61,7 @@ void add_votes(cas::Cas& cas, const types::Cluster& cluster, const belief::Track
   vote(votes.settled, kArbiter);
 }
 
-void add_matrices(const types::SceneCas& cas, const ResolvedScene& resolved) {
+void add_matrices(const perception::types::SceneCas& cas, const ResolvedScene& resolved) {
   std::vector<double> similarities, distances;
   const belief::PairEvidence& evidence = resolved.update.evidence;
   for (Eigen::Index k = 0; k < evidence.offset.cols(); ++k) {
@@ -72,14 +74,15 @@ void add_matrices(const types::SceneCas& cas, const ResolvedScene& resolved) {
   fill(cas.scene().distances.get_or_create(), resolved, distances);
 }
 
-types::Object object_of(cas::Cas& cas, const belief::ProtoObject& object, const ResolvedScene& resolved) {
-  const auto fs = types::Object::create(cas);
+perception::types::Object object_of(perception::cas::Cas& cas, const belief::ProtoObject& object,
+                                    const ResolvedScene& resolved) {
+  const auto fs = perception::types::Object::create(cas);
   fs.name.set(object_name(object.id));
   fs.last_seen.set(object.last_seen);
   if (!object.place.empty()) fs.place.set(object.place);
   Isometry3d pose = Isometry3d::Identity();
   pose.translation() = belief::box_in_map(object, resolved.scene.places).centre;
-  fs.map_from_object.set(types::to(cas, pose));
+  fs.map_from_object.set(perception::types::to(cas, pose));
   fs.presence_probability.set(object.status == belief::Status::gone ? 0.0 : object.probability_here);
   for (const belief::ObjectOutcome& outcome : resolved.update.objects) {
     if (outcome.key != object.key) continue;
@@ -90,9 +93,10 @@ types::Object object_of(cas::Cas& cas, const belief::ProtoObject& object, const 
   return fs;
 }
 
-types::AssociationDistribution distribution(const types::SceneCas& cas, const ResolvedScene& resolved,
-                                            const std::map<int64_t, types::Object>& object_of_key) {
-  const auto fs = types::AssociationDistribution::create(cas.cas());
+perception::types::AssociationDistribution distribution(
+    const perception::types::SceneCas& cas, const ResolvedScene& resolved,
+    const std::map<int64_t, perception::types::Object>& object_of_key) {
+  const auto fs = perception::types::AssociationDistribution::create(cas.cas());
   fs.source.set(kSource);
   fs.kind.set("identity");
   std::vector<double> probabilities, fresh, clutter, missing;
@@ -104,7 +108,7 @@ types::AssociationDistribution distribution(const types::SceneCas& cas, const Re
     keys.push_back(outcome.key);
     missing.push_back(1 - outcome.matched);
   }
-  const std::vector<types::Cluster> clusters = cas.clusters();
+  const std::vector<perception::types::Cluster> clusters = cas.clusters();
   for (size_t k = 0; k < clusters.size(); ++k) {
     fs.clusters.push_back(clusters[k]);
     const belief::ObservationOutcome& outcome = resolved.update.observations[k];
@@ -126,18 +130,18 @@ types::AssociationDistribution distribution(const types::SceneCas& cas, const Re
 
 }  // namespace
 
-std::vector<cas::FeatureStructure> tracker_votes(const types::Cluster& cluster) {
-  std::vector<cas::FeatureStructure> votes;
-  for (const types::Annotation& annotation : cluster.annotations)
-    if (const auto tracking = types::try_as<types::TrackingAnnotation>(annotation))
+std::vector<perception::cas::FeatureStructure> tracker_votes(const perception::types::Cluster& cluster) {
+  std::vector<perception::cas::FeatureStructure> votes;
+  for (const perception::types::Annotation& annotation : cluster.annotations)
+    if (const auto tracking = perception::types::try_as<perception::types::TrackingAnnotation>(annotation))
       if (tracking->source.get() == kSource && tracking->annotator_id.get() != kSource)
         votes.push_back(*tracking);
   return votes;
 }
 
-void annotate_belief(const types::SceneCas& cas, const ResolvedScene& resolved) {
-  const std::vector<types::Cluster> clusters = cas.clusters();
-  const auto belief = types::BeliefStateInstance::create(cas.cas());
+void annotate_belief(const perception::types::SceneCas& cas, const ResolvedScene& resolved) {
+  const std::vector<perception::types::Cluster> clusters = cas.clusters();
+  const auto belief = perception::types::BeliefStateInstance::create(cas.cas());
   belief.timestamp.set(resolved.scene.time);
   belief.scene.set(cas.scene());
   for (size_t k = 0; k < clusters.size(); ++k) {
@@ -145,10 +149,10 @@ void annotate_belief(const types::SceneCas& cas, const ResolvedScene& resolved) 
     track(cas.cas(), clusters[k], resolved.update.observations[k].object, kSource);
     add_votes(cas.cas(), clusters[k], resolved.update.evidence.votes[k], resolved.update);
   }
-  std::map<int64_t, types::Object> objects;
+  std::map<int64_t, perception::types::Object> objects;
   for (const belief::ProtoObject& object : resolved.after.objects) {
     if (object.id == 0) continue;
-    const types::Object fs = object_of(cas.cas(), object, resolved);
+    const perception::types::Object fs = object_of(cas.cas(), object, resolved);
     objects.emplace(object.key, fs);
     belief.known_objects.push_back(fs);
     if (object.status == belief::Status::present && object.last_seen != resolved.scene.time)
@@ -159,4 +163,4 @@ void annotate_belief(const types::SceneCas& cas, const ResolvedScene& resolved) 
   add_matrices(cas, resolved);
 }
 
-}  // namespace loci
+}  // namespace loci::memory

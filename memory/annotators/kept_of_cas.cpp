@@ -5,15 +5,15 @@
 #include "memory/store/cluster_points.h"
 #include "perception/conversions/opencv.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr std::string_view kStructure = "structure";  ///< view of the known structure filter: kinds of pixels
 
-std::vector<LogRow> log_of(const types::Scene& scene) {
+std::vector<LogRow> log_of(const perception::types::Scene& scene) {
   std::vector<LogRow> lines;
   if (!scene.log.is_set()) return lines;
-  for (const types::LogEntry& entry : scene.log.get().entries) {
+  for (const perception::types::LogEntry& entry : scene.log.get().entries) {
     LogRow line;
     line.annotator = entry.annotator.get();
     line.level = entry.level.get();
@@ -25,8 +25,8 @@ std::vector<LogRow> log_of(const types::Scene& scene) {
   return lines;
 }
 
-BlobRecord cloud_of(const types::Cluster& cluster, const cv::Mat& depth) {
-  const auto reference = cluster.hypotheses.first<types::ReferenceClusterPoints>();
+BlobRecord cloud_of(const perception::types::Cluster& cluster, const cv::Mat& depth) {
+  const auto reference = cluster.hypotheses.first<perception::types::ReferenceClusterPoints>();
   if (!reference) return {};
   std::vector<int32_t> pixels = reference.indices.get().indices.to_vector();
   // The mask has them in this order, and each once.
@@ -42,17 +42,18 @@ BlobRecord cloud_of(const types::Cluster& cluster, const cv::Mat& depth) {
 
 }  // namespace
 
-void add_what_is_kept(const types::SceneCas& scene, bool clouds, SceneRecord& record) {
-  if (scene.has(kStructure)) record.kinds = types::view_image(scene, kStructure);
+void add_what_is_kept(const perception::types::SceneCas& scene, bool clouds, SceneRecord& record) {
+  if (scene.has(kStructure)) record.kinds = perception::types::view_image(scene, kStructure);
   record.log = log_of(scene.scene());
   if (!clouds) return;
   // What the annotators saw, where the noise was taken out of it.
   const cv::Mat depth =
-      types::view_image(scene, scene.has(types::SceneCas::kSmoothedDepth) ? types::SceneCas::kSmoothedDepth
-                                                                          : types::SceneCas::kDepth);
-  const std::vector<types::Cluster> clusters = scene.clusters();
+      perception::types::view_image(scene, scene.has(perception::types::SceneCas::kSmoothedDepth)
+                                               ? perception::types::SceneCas::kSmoothedDepth
+                                               : perception::types::SceneCas::kDepth);
+  const std::vector<perception::types::Cluster> clusters = scene.clusters();
   for (size_t i = 0; i < std::min(clusters.size(), record.observations.size()); ++i)
     record.observations[i].cloud = cloud_of(clusters[i], depth);
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -5,7 +5,7 @@
 
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr double kSameHeight = 0.04;  ///< metres: pose drift and tilt of a plane that is seen in part
@@ -63,4 +63,4 @@ KnownPlanes KnownPlanes::from_json(const Json& json) {
   return known;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

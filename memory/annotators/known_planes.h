@@ -6,7 +6,7 @@
 #include "mapping/base/json_fwd.h"
 #include "mapping/base/pose.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// A surface found without a map that was seen before.
 struct KnownPlane {
@@ -31,4 +31,4 @@ class KnownPlanes {
   std::vector<KnownPlane> planes_;
 };
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -4,43 +4,43 @@
 #include "memory/belief/options.h"
 #include "perception/pipeline/registry.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// Names supporting planes that were found without a map: plane_1, plane_2, … stay the same over the frames,
 /// and from run to run with a memory.
-class PlaceNaming : public Annotator {
+class PlaceNaming : public perception::Annotator {
  public:
-  AnnotatorDescriptor descriptor() const override;
-  void process(cas::Cas& cas, Context& context) override;
+  perception::AnnotatorDescriptor descriptor() const override;
+  void process(perception::cas::Cas& cas, perception::Context& context) override;
 
  private:
   KnownPlanes own_;  ///< without a memory
 };
 
 /// Decides which cluster is which object, with everything that was believed before (chapter 6).
-class IdentityResolution : public Annotator {
+class IdentityResolution : public perception::Annotator {
  public:
-  AnnotatorDescriptor descriptor() const override;
+  perception::AnnotatorDescriptor descriptor() const override;
   void declare(OptionTable& table) override { options_.declare(table); }
-  void start(Context& context) override;
-  void process(cas::Cas& cas, Context& context) override;
+  void start(perception::Context& context) override;
+  void process(perception::cas::Cas& cas, perception::Context& context) override;
 
  private:
   belief::BeliefOptions options_;
 };
 
 /// Keeps the scene, and all that it changes, in the memory.
-class MemoryWriter : public Annotator {
+class MemoryWriter : public perception::Annotator {
  public:
-  AnnotatorDescriptor descriptor() const override;
+  perception::AnnotatorDescriptor descriptor() const override;
   void declare(OptionTable& table) override;
-  void process(cas::Cas& cas, Context& context) override;
-  void finish(Context& context) override;
+  void process(perception::cas::Cas& cas, perception::Context& context) override;
+  void finish(perception::Context& context) override;
 
  private:
   bool clouds_ = true;
 };
 
-void add_memory_annotators(AnnotatorRegistry& registry);
+void add_memory_annotators(perception::AnnotatorRegistry& registry);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -9,7 +9,7 @@
 #include "mapping/world/semantic_map.h"
 #include "memory/catalogue/catalogue.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 KnownPlanes load_planes(const Store& store) {
@@ -22,14 +22,14 @@ KnownPlanes load_planes(const Store& store) {
 }
 
 Id add_map(Store& store, const std::filesystem::path& urdf) {
-  const std::filesystem::path sidecar = sidecar_path(urdf);
+  const std::filesystem::path sidecar = mapping::sidecar_path(urdf);
   return store.add_map(urdf.filename().string(), read_file(urdf),
                        std::filesystem::exists(sidecar) ? read_file(sidecar) : std::string());
 }
 
 }  // namespace
 
-std::string fingerprint_of(const Recording& recording) {
+std::string fingerprint_of(const mapping::Recording& recording) {
   std::vector<FrameDigest> frames;
   for (size_t i = 0; i < recording.size(); ++i)
     frames.push_back({recording.index_of(i), recording.time_of(i)});
@@ -41,9 +41,9 @@ std::string fingerprint_of(const Recording& recording) {
   return recording_fingerprint(frames, images);
 }
 
-MemorySession::MemorySession(const MemorySessionOptions& options, const Recording& recording)
+MemorySession::MemorySession(const MemorySessionOptions& options, const mapping::Recording& recording)
     : store_(Store::open_write(options.memory, options.write)) {
-  const RecordingInfo& info = recording.info();
+  const mapping::RecordingInfo& info = recording.info();
   const std::string fingerprint = fingerprint_of(recording);
   if (const std::optional<RecordingRow> known = store_.recording(fingerprint)) {
     const size_t present = store_.frames(known->id).size();
@@ -75,14 +75,14 @@ std::optional<double> MemorySession::seconds_after(TimeNs time) const {
   return static_cast<double>(reader_->upcoming().time_ns - time) / static_cast<double>(kSecond);
 }
 
-MemoryRunResult run_with_memory(Pipeline& pipeline, Context& context,
-                                const std::shared_ptr<const cas::TypeSystem>& types, Progress& progress,
-                                const std::function<void(cas::Cas&)>& done) {
+MemoryRunResult run_with_memory(perception::Pipeline& pipeline, perception::Context& context,
+                                const std::shared_ptr<const perception::cas::TypeSystem>& types,
+                                Progress& progress, const std::function<void(perception::cas::Cas&)>& done) {
   MemorySession& session =
       context.resources.get<MemorySession>("memory to write to", "name one with -m FILE.loci");
   MemoryRunResult result;
   pipeline.start(context);
-  Reader& reader = pipeline.reader();
+  perception::Reader& reader = pipeline.reader();
   session.reader_ = &reader;
   while (session.last_present_ && reader.position() < reader.count() &&
          reader.upcoming().time_ns <= *session.last_present_) {
@@ -96,4 +96,4 @@ MemoryRunResult run_with_memory(Pipeline& pipeline, Context& context,
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -11,7 +11,7 @@
 #include "memory/recorder/recorder.h"
 #include "perception/pipeline/pipeline.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// How a run of perception uses a memory.
 struct MemorySessionOptions {
@@ -26,7 +26,7 @@ struct MemorySessionOptions {
 
 /// What run_with_memory() did.
 struct MemoryRunResult {
-  PipelineResult pipeline;
+  perception::PipelineResult pipeline;
   size_t skipped = 0;  ///< frames that were in the memory already
 };
 
@@ -35,7 +35,7 @@ class MemorySession {
  public:
   /// Opens or creates the memory and makes recording and map known in it. Error when the recording is in the
   /// memory already and `resume` is not set.
-  MemorySession(const MemorySessionOptions& options, const Recording& recording);
+  MemorySession(const MemorySessionOptions& options, const mapping::Recording& recording);
 
   Store& store() { return store_; }
   Recorder& recorder() { return *recorder_; }
@@ -48,21 +48,22 @@ class MemorySession {
 
   /// What IdentityResolution made of the scene that is being processed, for MemoryWriter.
   struct Pending {
-    const cas::Cas* cas = nullptr;
+    const perception::cas::Cas* cas = nullptr;
     SceneRecord record;
     ResolvedScene resolved;
   };
   std::optional<Pending> pending;
 
  private:
-  friend MemoryRunResult run_with_memory(Pipeline&, Context&, const std::shared_ptr<const cas::TypeSystem>&,
-                                         Progress&, const std::function<void(cas::Cas&)>&);
+  friend MemoryRunResult run_with_memory(perception::Pipeline&, perception::Context&,
+                                         const std::shared_ptr<const perception::cas::TypeSystem>&, Progress&,
+                                         const std::function<void(perception::cas::Cas&)>&);
 
   Store store_;
   Id run_ = 0;
   Id recording_ = 0;
   std::optional<Id> map_;
-  const Reader* reader_ = nullptr;
+  const perception::Reader* reader_ = nullptr;
   std::optional<TimeNs> last_present_;  ///< time of the last frame of the recording that was in the memory
   KnownPlanes planes_;
   std::unique_ptr<Recorder> recorder_;
@@ -73,12 +74,13 @@ inline constexpr const char* kKnownPlanesType = "loci.memory.KnownPlanes";
 
 /// Runs a pipeline whose resources have a MemorySession: skips the frames that the memory has, and marks the
 /// run as finished cleanly at the end. After Interrupted all scenes that were finished are in the memory.
-MemoryRunResult run_with_memory(Pipeline& pipeline, Context& context,
-                                const std::shared_ptr<const cas::TypeSystem>& types, Progress& progress,
-                                const std::function<void(cas::Cas&)>& done = {});
+MemoryRunResult run_with_memory(perception::Pipeline& pipeline, perception::Context& context,
+                                const std::shared_ptr<const perception::cas::TypeSystem>& types,
+                                Progress& progress,
+                                const std::function<void(perception::cas::Cas&)>& done = {});
 
 /// What a recording is, wherever it lies and in whichever layout: its frames' numbers and times, and its
 /// first and last depth images.
-std::string fingerprint_of(const Recording& recording);
+std::string fingerprint_of(const mapping::Recording& recording);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -15,32 +15,33 @@
 #include "perception/conversions/opencv.h"
 #include "perception/types/geometry.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 cv::Mat stored_image(const Store& store, Id id) {
   const BlobRow blob = store.blob(id);
-  return decode_image({blob.bytes.begin(), blob.bytes.end()}, blob.hash);
+  return mapping::decode_image({blob.bytes.begin(), blob.bytes.end()}, blob.hash);
 }
 
 /// The image of an observation as a hypothesis. Its mask is that of the depth image, stretched to it.
-void add_image(const Store& store, const ObservationRow& row, const types::Cluster& cluster) {
+void add_image(const Store& store, const ObservationRow& row, const perception::types::Cluster& cluster) {
   if (!row.crop) return;
-  cas::Cas& cas = cluster.cas();
+  perception::cas::Cas& cas = cluster.cas();
   const cv::Mat image = stored_image(store, *row.crop);
   cv::Mat mask(image.size(), CV_8U, cv::Scalar(255));
   if (row.mask) cv::resize(stored_image(store, *row.mask), mask, image.size(), 0, 0, cv::INTER_NEAREST);
-  const auto roi = types::StandaloneImageROI::create(cas);
+  const auto roi = perception::types::StandaloneImageROI::create(cas);
   roi.source.set("MemoryReader");
-  roi.roi.set(types::to(cas, cv::Rect(cv::Point(), image.size())));
-  roi.image.set(types::to(cas, image));
-  roi.mask.set(types::to(cas, mask));
+  roi.roi.set(perception::types::to(cas, cv::Rect(cv::Point(), image.size())));
+  roi.image.set(perception::types::to(cas, image));
+  roi.mask.set(perception::types::to(cas, mask));
   cluster.hypotheses.push_back(roi);
 }
 
-types::Cluster make_cluster(const Store& store, const ObservationRow& row, cas::Cas& cas) {
-  const auto cluster = types::Cluster::create(cas);
-  if (row.position) cluster.centroid.set(types::to(cas, *row.position));
+perception::types::Cluster make_cluster(const Store& store, const ObservationRow& row,
+                                        perception::cas::Cas& cas) {
+  const auto cluster = perception::types::Cluster::create(cas);
+  if (row.position) cluster.centroid.set(perception::types::to(cas, *row.position));
   add_image(store, row, cluster);
   return cluster;
 }
@@ -54,25 +55,26 @@ cv::Mat blank_depth(const SceneRow& scene) {
 
 /// The points of an observation as a hypothesis, and in the depth image.
 void add_points(const Store& store, const SceneRow& scene, const ObservationRow& row,
-                const types::Cluster& cluster, cv::Mat& depth) {
+                const perception::types::Cluster& cluster, cv::Mat& depth) {
   const std::optional<ClusterPoints> kept = cluster_points(store, scene, row);
   if (!kept || kept->pixels.empty()) return;
   for (size_t i = 0; i < kept->pixels.size(); ++i) depth.ptr<float>()[kept->pixels[i]] = kept->points[i].z();
-  const auto reference = types::ReferenceClusterPoints::create(cluster.cas());
+  const auto reference = perception::types::ReferenceClusterPoints::create(cluster.cas());
   reference.source.set("MemoryReader");
   reference.indices.get_or_create().indices.set(kept->pixels);
   cluster.hypotheses.push_back(reference);
 }
 
-bool answered(const types::Cluster& cluster, const std::set<std::string>& by) {
+bool answered(const perception::types::Cluster& cluster, const std::set<std::string>& by) {
   std::set<std::string> sources;
-  for (const types::Annotation& annotation : cluster.annotations) sources.insert(annotation.source.get());
+  for (const perception::types::Annotation& annotation : cluster.annotations)
+    sources.insert(annotation.source.get());
   return !by.empty() && std::includes(sources.begin(), sources.end(), by.begin(), by.end());
 }
 
 }  // namespace
 
-AnnotatorDescriptor MemoryReader::descriptor() const {
+perception::AnnotatorDescriptor MemoryReader::descriptor() const {
   return {
       "MemoryReader",
       "Reads the scenes of a memory: clusters with their images and points, and what was said about them.",
@@ -82,37 +84,39 @@ AnnotatorDescriptor MemoryReader::descriptor() const {
        "TFLocationAnnotation"}};
 }
 
-void MemoryReader::start(Context& context) {
+void MemoryReader::start(perception::Context& context) {
   memory_ = &context.resources.get<RememberedMemory>("memory for MemoryReader", "name one with -m FILE.loci");
   scenes_ = memory_->store.scenes();
 }
 
-FrameId MemoryReader::upcoming() const {
+perception::FrameId MemoryReader::upcoming() const {
   const SceneRow& scene = scenes_.at(position_);
   return {scene.id, scene.time};
 }
 
-void MemoryReader::read_next(cas::Cas& cas, Context& context) {
+void MemoryReader::read_next(perception::cas::Cas& cas, perception::Context& context) {
   const Store& store = memory_->store;
   const SceneRow& row = scenes_.at(position_++);
-  const types::SceneCas scene(cas);
-  const types::Scene made = scene.create_scene();
+  const perception::types::SceneCas scene(cas);
+  const perception::types::Scene made = scene.create_scene();
   made.timestamp.set(row.time);
   made.frame_index.set(row.id);
   if (row.map_from_camera)
-    made.map_from_camera.set(types::to_stamped(cas, *row.map_from_camera, "map", "depth_camera", row.time));
-  if (row.image) types::set_view_image(scene, types::SceneCas::kColor, image(store, *row.image));
+    made.map_from_camera.set(
+        perception::types::to_stamped(cas, *row.map_from_camera, "map", "depth_camera", row.time));
+  if (row.image)
+    perception::types::set_view_image(scene, perception::types::SceneCas::kColor, stored_image(store, *row.image));
   memory_->current = {row.id, {}, 0};
-  std::map<Id, types::Cluster> clusters;
+  std::map<Id, perception::types::Cluster> clusters;
   cv::Mat depth = blank_depth(row);
   for (const ObservationRow& observation : store.observations(row.id)) {
-    const types::Cluster cluster = make_cluster(store, observation, cas);
+    const perception::types::Cluster cluster = make_cluster(store, observation, cas);
     add_points(store, row, observation, cluster, depth);
     clusters.emplace(observation.id, cluster);
     memory_->current.observations.push_back(observation.id);
     scene.add_cluster(cluster);
   }
-  if (!depth.empty()) types::set_view_image(scene, types::SceneCas::kDepth, depth);
+  if (!depth.empty()) perception::types::set_view_image(scene, perception::types::SceneCas::kDepth, depth);
   for (const FeatureStructureRow& kept : store.feature_structures(row.id)) {
     if (!cas.type_system().find(kept.type)) {
       if (unknown_.insert(kept.type).second)
@@ -120,39 +124,42 @@ void MemoryReader::read_next(cas::Cas& cas, Context& context) {
             fmt::format("{} is not known here and left out; a plugin may know it", kept.type));
       continue;
     }
-    const cas::FeatureStructure structure = read_feature_structure(store, kept.id, cas);
-    const auto annotation = types::try_as<types::Annotation>(structure);
-    if (const auto support = types::try_as<types::PlanarSupport>(structure)) scene.add_support(*support);
-    if (const auto camera = types::try_as<types::CameraInfo>(structure)) scene.set_camera(*camera);
+    const perception::cas::FeatureStructure structure = read_feature_structure(store, kept.id, cas);
+    const auto annotation = perception::types::try_as<perception::types::Annotation>(structure);
+    if (const auto support = perception::types::try_as<perception::types::PlanarSupport>(structure))
+      scene.add_support(*support);
+    if (const auto camera = perception::types::try_as<perception::types::CameraInfo>(structure))
+      scene.set_camera(*camera);
     if (annotation && kept.observation) clusters.at(*kept.observation).annotations.push_back(*annotation);
     if (annotation && !kept.observation) made.annotations.push_back(*annotation);
   }
   if (row.camera && !scene.has_camera("depth")) {
     // The colour camera is not kept.
     const SceneCamera& kept = *row.camera;
-    RgbdCamera camera;
+    mapping::RgbdCamera camera;
     camera.depth = {kept.width, kept.height, kept.fx, kept.fy, kept.cx, kept.cy};
     camera.color = camera.depth;
-    types::set_cameras(scene, camera);
+    perception::types::set_cameras(scene, camera);
   }
   for (const auto& [id, cluster] : clusters) {
-    if (const auto location = cluster.annotations.first<types::TFLocationAnnotation>())
+    if (const auto location = cluster.annotations.first<perception::types::TFLocationAnnotation>())
       cluster.place.set(location.frame_id.get());
-    for (const types::PlanarSupport& support : scene.supports())
+    for (const perception::types::PlanarSupport& support : scene.supports())
       if (cluster.place.is_set() && support.name.get() == cluster.place.get()) cluster.support.set(support);
     if (answered(cluster, memory_->answered_by)) cas.hide(cluster);
   }
   memory_->current.structures = cas.size();
 }
 
-size_t keep_late_annotations(RememberedMemory& memory, cas::Cas& cas, Id run) {
-  const std::vector<types::Cluster> clusters = types::SceneCas(cas).scene().clusters.to_vector();
+size_t keep_late_annotations(RememberedMemory& memory, perception::cas::Cas& cas, Id run) {
+  const std::vector<perception::types::Cluster> clusters =
+      perception::types::SceneCas(cas).scene().clusters.to_vector();
   SceneTransaction transaction(memory.store, run);
   FeatureStructureWriter writer(transaction, memory.current.scene);
   size_t added = 0;
   for (size_t i = 0; i < std::min(clusters.size(), memory.current.observations.size()); ++i)
-    for (const types::Annotation& annotation : clusters[i].annotations) {
-      const cas::FeatureStructure& structure = annotation;
+    for (const perception::types::Annotation& annotation : clusters[i].annotations) {
+      const perception::cas::FeatureStructure& structure = annotation;
       if (structure.id() <= memory.current.structures) continue;
       const AnnotationRecord record = annotation_record(annotation);
       AnnotationRow row;
@@ -169,4 +176,4 @@ size_t keep_late_annotations(RememberedMemory& memory, cas::Cas& cas, Id run) {
   return added;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -6,7 +6,7 @@
 #include "memory/store/store.h"
 #include "perception/pipeline/annotator.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// A memory whose scenes are read again (§5.2): a resource of the pipeline.
 struct RememberedMemory {
@@ -27,14 +27,14 @@ struct RememberedMemory {
 
 /// Reads the scenes of a memory: clusters with their images and points (a depth image in which nothing
 /// else was measured), supports, and what was said about them.
-class MemoryReader : public Reader {
+class MemoryReader : public perception::Reader {
  public:
-  AnnotatorDescriptor descriptor() const override;
-  void start(Context& context) override;
+  perception::AnnotatorDescriptor descriptor() const override;
+  void start(perception::Context& context) override;
   size_t count() const override { return scenes_.size(); }
   size_t position() const override { return position_; }
-  FrameId upcoming() const override;
-  void read_next(cas::Cas& cas, Context& context) override;
+  perception::FrameId upcoming() const override;
+  void read_next(perception::cas::Cas& cas, perception::Context& context) override;
   void skip(size_t frames) override { position_ += frames; }
 
  private:
@@ -46,6 +46,6 @@ class MemoryReader : public Reader {
 
 /// Adds what was said anew about the clusters of the scene read last to their observations, in one
 /// transaction. Returns how many annotations these are.
-size_t keep_late_annotations(RememberedMemory& memory, cas::Cas& cas, Id run);
+size_t keep_late_annotations(RememberedMemory& memory, perception::cas::Cas& cas, Id run);
 
-}  // namespace loci
+}  // namespace loci::memory

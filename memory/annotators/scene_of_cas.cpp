@@ -11,36 +11,37 @@
 #include "perception/conversions/opencv.h"
 #include "perception/types/geometry.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr std::string_view kMapDepth = "map_depth";  ///< view of what the map alone would measure
 
 std::string encoded(const cv::Mat& image, const std::string& ending) {
-  const std::vector<unsigned char> bytes = encode_image(image, ending);
+  const std::vector<unsigned char> bytes = mapping::encode_image(image, ending);
   return {bytes.begin(), bytes.end()};
 }
 
-cas::Buffer<int32_t> indices_of(const types::Cluster& cluster) {
-  const auto reference = cluster.hypotheses.first<types::ReferenceClusterPoints>();
-  return reference ? reference.indices.get().indices.get() : cas::Buffer<int32_t>();
+perception::cas::Buffer<int32_t> indices_of(const perception::types::Cluster& cluster) {
+  const auto reference = cluster.hypotheses.first<perception::types::ReferenceClusterPoints>();
+  return reference ? reference.indices.get().indices.get() : perception::cas::Buffer<int32_t>();
 }
 
-void describe_place(const types::PlanarSupport& support, const World* world, SceneRecord& record) {
+void describe_place(const perception::types::PlanarSupport& support, const mapping::World* world,
+                    SceneRecord& record) {
   if (support.name.get().empty()) return;
   PlaceRow row;
   row.name = support.name.get();
   row.class_name = support.support_class.get_or("plane");
   row.height = support.height.get();
-  for (const Vector3d& corner : types::points_from_values(support.outline.get()))
+  for (const Vector3d& corner : perception::types::points_from_values(support.outline.get()))
     row.outline.push_back(corner.head<2>());
   if (support.map_from_support.is_set())
-    row.map_from_place = types::from<Isometry3d>(support.map_from_support.get());
+    row.map_from_place = perception::types::from<Isometry3d>(support.map_from_support.get());
   row.container = row.class_name.starts_with("drawer") || row.class_name == "cabinet";
   if (world != nullptr && world->find_link(row.name) != nullptr) {
-    for (const Joint* joint = world->parent_joint(row.name); joint != nullptr;
+    for (const mapping::Joint* joint = world->parent_joint(row.name); joint != nullptr;
          joint = world->parent_joint(joint->parent)) {
-      if (joint->type == JointType::fixed) continue;
+      if (joint->type == mapping::JointType::fixed) continue;
       row.joint = joint->name;
       break;
     }
@@ -49,23 +50,24 @@ void describe_place(const types::PlanarSupport& support, const World* world, Sce
 }
 
 /// Poses of links that some joint moves: what lies on them moves along.
-void add_place_poses(const World& world, SceneRecord& record) {
+void add_place_poses(const mapping::World& world, SceneRecord& record) {
   const std::vector<Isometry3d> poses = root_from_links(world, record.row.joints);
   for (size_t i = 0; i < world.links.size(); ++i) {
     bool moves = false;
-    for (const Joint* joint = world.parent_joint(world.links[i].name); joint != nullptr && !moves;
+    for (const mapping::Joint* joint = world.parent_joint(world.links[i].name); joint != nullptr && !moves;
          joint = world.parent_joint(joint->parent))
-      moves = joint->type != JointType::fixed;
+      moves = joint->type != mapping::JointType::fixed;
     if (moves) record.place_poses.push_back({world.links[i].name, poses[i]});
   }
 }
 
-void read_camera(const types::SceneCas& cas, const types::Scene& scene, SceneRecord& record) {
-  const RgbdCamera cameras = types::cameras(cas);
+void read_camera(const perception::types::SceneCas& cas, const perception::types::Scene& scene,
+                 SceneRecord& record) {
+  const mapping::RgbdCamera cameras = perception::types::cameras(cas);
   record.view.camera = cameras.depth;
-  record.view.map_from_camera = types::from<Isometry3d>(scene.map_from_camera.get());
-  record.view.depth = types::view_image(cas, types::SceneCas::kDepth);
-  if (cas.has(kMapDepth)) record.view.map_depth = types::view_image(cas, kMapDepth);
+  record.view.map_from_camera = perception::types::from<Isometry3d>(scene.map_from_camera.get());
+  record.view.depth = perception::types::view_image(cas, perception::types::SceneCas::kDepth);
+  if (cas.has(kMapDepth)) record.view.map_depth = perception::types::view_image(cas, kMapDepth);
   SceneCamera row;
   row.width = cameras.depth.width;
   row.height = cameras.depth.height;
@@ -77,14 +79,16 @@ void read_camera(const types::SceneCas& cas, const types::Scene& scene, SceneRec
   row.range_max = record.view.far_m;
   record.row.camera = row;
   record.row.map_from_camera = record.view.map_from_camera;
-  if (cas.has(types::SceneCas::kColor))
-    record.image = {encoded(types::view_image(cas, types::SceneCas::kColor), ".jpg"), "image/jpeg"};
+  if (cas.has(perception::types::SceneCas::kColor))
+    record.image = {encoded(perception::types::view_image(cas, perception::types::SceneCas::kColor), ".jpg"),
+                    "image/jpeg"};
   // The scene's own columns describe the depth camera; whoever draws on the image needs the other one too.
   if (cas.has_camera("color")) record.structures.push_back(cas.camera("color"));
 }
 
 /// Points, pixels and mask of a cluster.
-void read_points(const types::Cluster& cluster, SceneRecord& record, ObservationRecord& observation) {
+void read_points(const perception::types::Cluster& cluster, SceneRecord& record,
+                 ObservationRecord& observation) {
   const cv::Mat& depth = record.view.depth;
   const auto label = static_cast<int>(record.observations.size());
   std::vector<Vector3d> points;
@@ -110,62 +114,73 @@ void read_points(const types::Cluster& cluster, SceneRecord& record, Observation
 }
 
 /// The first text in a type that we do not know: what it is to be searched by.
-std::string first_word(const cas::FeatureStructure& structure) {
+std::string first_word(const perception::cas::FeatureStructure& structure) {
   if (structure.type().name().starts_with("loci.")) return {};
-  const cas::Type base = structure.cas().type_system().type(types::Annotation::kTypeName);
-  for (const cas::Feature& feature : structure.type().features())
-    if (!base.find_feature(feature.name()) && feature.range().kind() == cas::Kind::kString &&
+  const perception::cas::Type base =
+      structure.cas().type_system().type(perception::types::Annotation::kTypeName);
+  for (const perception::cas::Feature& feature : structure.type().features())
+    if (!base.find_feature(feature.name()) && feature.range().kind() == perception::cas::Kind::kString &&
         structure.is_set(feature))
       return structure.text(feature);
   return {};
 }
 
-std::string value_of(const types::Annotation& annotation) {
-  const cas::FeatureStructure& structure = annotation;
-  if (const auto color = types::try_as<types::ColorAnnotation>(structure))
+std::string value_of(const perception::types::Annotation& annotation) {
+  const perception::cas::FeatureStructure& structure = annotation;
+  if (const auto color = perception::types::try_as<perception::types::ColorAnnotation>(structure))
     return color->names.size() > 0 ? color->names.get()[0] : std::string();
-  if (const auto size = types::try_as<types::SizeAnnotation>(structure)) return size->size.get();
-  if (const auto location = types::try_as<types::TFLocationAnnotation>(structure))
+  if (const auto size = perception::types::try_as<perception::types::SizeAnnotation>(structure))
+    return size->size.get();
+  if (const auto location = perception::types::try_as<perception::types::TFLocationAnnotation>(structure))
     return location->sentence.get();
-  if (const auto location = types::try_as<types::LocationAnnotation>(structure))
+  if (const auto location = perception::types::try_as<perception::types::LocationAnnotation>(structure))
     return location->frame_id.get();
-  if (const auto label = types::try_as<types::ClassificationAnnotation>(structure)) return label->label.get();
-  if (const auto product = types::try_as<types::ProductAnnotation>(structure)) return product->name.get();
-  if (const auto code = types::try_as<types::BarcodeAnnotation>(structure)) return code->code.get();
-  if (const auto text = types::try_as<types::TextAnnotation>(structure)) return text->text.get();
-  if (const auto logo = types::try_as<types::LogoAnnotation>(structure)) return logo->brand.get();
-  if (const auto landmark = types::try_as<types::LandmarkAnnotation>(structure)) return landmark->name.get();
-  if (const auto similar = types::try_as<types::SimilarImageAnnotation>(structure))
+  if (const auto label = perception::types::try_as<perception::types::ClassificationAnnotation>(structure))
+    return label->label.get();
+  if (const auto product = perception::types::try_as<perception::types::ProductAnnotation>(structure))
+    return product->name.get();
+  if (const auto code = perception::types::try_as<perception::types::BarcodeAnnotation>(structure))
+    return code->code.get();
+  if (const auto text = perception::types::try_as<perception::types::TextAnnotation>(structure))
+    return text->text.get();
+  if (const auto logo = perception::types::try_as<perception::types::LogoAnnotation>(structure))
+    return logo->brand.get();
+  if (const auto landmark = perception::types::try_as<perception::types::LandmarkAnnotation>(structure))
+    return landmark->name.get();
+  if (const auto similar = perception::types::try_as<perception::types::SimilarImageAnnotation>(structure))
     return similar->name.get();
-  if (const auto said = types::try_as<types::UserSubmittedAnnotation>(structure)) return said->name.get();
-  if (const auto result = types::try_as<types::VisualSearchAnnotation>(structure)) return result->title.get();
-  if (const auto geometry = types::try_as<types::GeometryAnnotation>(structure)) return geometry->place.get();
+  if (const auto said = perception::types::try_as<perception::types::UserSubmittedAnnotation>(structure))
+    return said->name.get();
+  if (const auto result = perception::types::try_as<perception::types::VisualSearchAnnotation>(structure))
+    return result->title.get();
+  if (const auto geometry = perception::types::try_as<perception::types::GeometryAnnotation>(structure))
+    return geometry->place.get();
   return first_word(structure);
 }
 
-void read_annotations(const types::Cluster& cluster, ObservationRecord& observation) {
-  for (const types::Annotation& annotation : cluster.annotations)
+void read_annotations(const perception::types::Cluster& cluster, ObservationRecord& observation) {
+  for (const perception::types::Annotation& annotation : cluster.annotations)
     observation.annotations.push_back(annotation_record(annotation));
-  if (const auto geometry = cluster.annotations.first<types::GeometryAnnotation>()) {
-    observation.row.map_from_box = types::from<Isometry3d>(geometry.map_from_object.get());
-    observation.row.size = types::from<Vector3d>(geometry.size.get());
+  if (const auto geometry = cluster.annotations.first<perception::types::GeometryAnnotation>()) {
+    observation.row.map_from_box = perception::types::from<Isometry3d>(geometry.map_from_object.get());
+    observation.row.size = perception::types::from<Vector3d>(geometry.size.get());
   } else {
     observation.row.size = observation.evidence.box.size;
   }
-  if (const auto color = cluster.annotations.first<types::ColorAnnotation>()) {
+  if (const auto color = cluster.annotations.first<perception::types::ColorAnnotation>()) {
     observation.row.hsv = HsvColor{color.mean_hue.get(), color.mean_saturation.get(), color.mean_value.get()};
     if (color.names.size() > 0) observation.row.color = color.names.get()[0];
   }
-  if (const auto location = cluster.annotations.first<types::TFLocationAnnotation>())
+  if (const auto location = cluster.annotations.first<perception::types::TFLocationAnnotation>())
     if (location.sentence.is_set()) observation.row.sentence = location.sentence.get();
 }
 
-std::string place_of(const types::Cluster& cluster) {
+std::string place_of(const perception::types::Cluster& cluster) {
   if (cluster.place.is_set()) return cluster.place.get();
   return cluster.support.is_set() ? cluster.support.get().name.get() : std::string();
 }
 
-ObservationRecord read_cluster(const types::Cluster& cluster, SceneRecord& record) {
+ObservationRecord read_cluster(const perception::types::Cluster& cluster, SceneRecord& record) {
   ObservationRecord observation;
   read_points(cluster, record, observation);
   observation.evidence.partial = cluster.at_image_border.get() || cluster.partly_hidden.get();
@@ -173,14 +188,14 @@ ObservationRecord read_cluster(const types::Cluster& cluster, SceneRecord& recor
   observation.evidence.descriptors = descriptors_of(cluster);
   observation.row.position = observation.evidence.box.centre;
   read_annotations(cluster, observation);
-  if (const auto roi = cluster.hypotheses.first<types::StandaloneImageROI>())
-    observation.crop = {encoded(types::from<cv::Mat>(roi.image.get()), ".jpg"), "image/jpeg"};
+  if (const auto roi = cluster.hypotheses.first<perception::types::StandaloneImageROI>())
+    observation.crop = {encoded(perception::types::from<cv::Mat>(roi.image.get()), ".jpg"), "image/jpeg"};
   return observation;
 }
 
 }  // namespace
 
-AnnotationRecord annotation_record(const types::Annotation& annotation) {
+AnnotationRecord annotation_record(const perception::types::Annotation& annotation) {
   AnnotationRecord record;
   record.type = annotation.type().name();
   record.value = value_of(annotation);
@@ -201,16 +216,17 @@ belief::AxisBox robust_box(const std::vector<Vector3d>& points) {
   return {(low + high) / 2, high - low};
 }
 
-std::vector<belief::Descriptor> descriptors_of(const types::Cluster& cluster) {
+std::vector<belief::Descriptor> descriptors_of(const perception::types::Cluster& cluster) {
   std::vector<belief::Descriptor> descriptors;
-  if (const auto histogram = cluster.annotations.first<types::ColorHistogram>())
+  if (const auto histogram = cluster.annotations.first<perception::types::ColorHistogram>())
     descriptors.push_back({"color_histogram", histogram.histogram.to_vector()});
-  if (const auto color = cluster.annotations.first<types::ColorAnnotation>()) {
-    const auto rgb = rgb_from_hsv(color.mean_hue.get(), color.mean_saturation.get(), color.mean_value.get());
+  if (const auto color = cluster.annotations.first<perception::types::ColorAnnotation>()) {
+    const auto rgb =
+        mapping::rgb_from_hsv(color.mean_hue.get(), color.mean_saturation.get(), color.mean_value.get());
     descriptors.push_back({"mean_color", {rgb.begin(), rgb.end()}});
   }
-  if (const auto geometry = cluster.annotations.first<types::GeometryAnnotation>()) {
-    const Vector3d size = types::from<Vector3d>(geometry.size.get());
+  if (const auto geometry = cluster.annotations.first<perception::types::GeometryAnnotation>()) {
+    const Vector3d size = perception::types::from<Vector3d>(geometry.size.get());
     descriptors.push_back(
         {"extents",
          {static_cast<float>(size.x()), static_cast<float>(size.y()), static_cast<float>(size.z())}});
@@ -218,12 +234,12 @@ std::vector<belief::Descriptor> descriptors_of(const types::Cluster& cluster) {
   return descriptors;
 }
 
-SceneRecord scene_record(const types::SceneCas& cas, const World* world) {
-  const types::Scene scene = cas.scene();
+SceneRecord scene_record(const perception::types::SceneCas& cas, const mapping::World* world) {
+  const perception::types::Scene scene = cas.scene();
   SceneRecord record;
   record.row.time = scene.timestamp.get();
   record.row.frame_index = scene.frame_index.get();
-  if (const types::JointState joints = scene.joint_state.get()) {
+  if (const perception::types::JointState joints = scene.joint_state.get()) {
     const auto names = joints.names.get();
     const auto positions = joints.positions.get();
     for (size_t i = 0; i < names.size() && i < positions.size(); ++i)
@@ -232,18 +248,18 @@ SceneRecord scene_record(const types::SceneCas& cas, const World* world) {
   }
   read_camera(cas, scene, record);
   if (world != nullptr) add_place_poses(*world, record);
-  for (const types::PlanarSupport& support : cas.supports()) {
+  for (const perception::types::PlanarSupport& support : cas.supports()) {
     describe_place(support, world, record);
     record.structures.push_back(support);
   }
-  for (const types::Annotation& annotation : scene.annotations) {
-    const auto joint = types::try_as<types::JointAnnotation>(annotation);
+  for (const perception::types::Annotation& annotation : scene.annotations) {
+    const auto joint = perception::types::try_as<perception::types::JointAnnotation>(annotation);
     if (!joint || joint->moved.get()) record.structures.push_back(annotation);  // As assumed is no news.
   }
   record.view.labels = cv::Mat(record.view.depth.size(), CV_32S, cv::Scalar(-1));
-  for (const types::Cluster& cluster : cas.clusters())
+  for (const perception::types::Cluster& cluster : cas.clusters())
     record.observations.push_back(read_cluster(cluster, record));
   return record;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -6,7 +6,7 @@
 
 #include "memory/belief/similarity.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 /// How many kinds of descriptors comparisons() knows.
 inline constexpr size_t kComparisons = 5;
@@ -62,4 +62,4 @@ struct Contrast {
 Contrast contrast(const Appearance& a, const Appearance& b, bool partial, double weight,
                   const Corrections& corrections = {});
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -12,7 +12,7 @@
 #include "mapping/base/error.h"
 #include "mapping/base/pose.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 /// Writes fields one after the other: numbers as they lie in memory (little endian), lists with their length
 /// before them. What is written knows its fields: template <class Archive> void archive(Archive&).
@@ -150,4 +150,4 @@ class ArchiveReader {
   std::string_view bytes_;
 };
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -4,7 +4,7 @@
 
 #include "memory/belief/step.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 Step::Step(BeliefState& state, const Scene& scene, const BeliefOptions& options)
     : state_(state),
@@ -106,4 +106,4 @@ BeliefUpdate advance(BeliefState& state, const Scene& scene, const BeliefOptions
   return Step(state, scene, options).run();
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

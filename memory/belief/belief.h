@@ -10,7 +10,7 @@
 #include "memory/belief/trackers.h"
 #include "memory/identity/solution.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 enum class EventKind { appeared, moved, looks_different, gone, hidden, reappeared };
 const char* event_name(EventKind kind);
@@ -99,4 +99,4 @@ BeliefUpdate advance(BeliefState& state, const Scene& scene, const BeliefOptions
 /// The box of an object in the map frame, its place being where `places` says.
 AxisBox box_in_map(const ProtoObject& object, const std::vector<PlacePose>& places);
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 constexpr size_t kBins = Correction::kBins;
@@ -131,4 +131,4 @@ Corrections Calibration::corrections() const {
   return all;
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -6,7 +6,7 @@
 
 #include "memory/belief/appearance.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 /// What the distances of annotations tell in this home: learned from how much they vary between looks at the
 /// same thing and between looks at different ones. Begins with the tables of comparisons() and stays near
@@ -45,4 +45,4 @@ class Calibration {
   std::map<std::string, Counts> counts_;  ///< by kind; of colours apart for things without
 };
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

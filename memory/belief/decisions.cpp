@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 constexpr double kMinProbability = 0.01;
@@ -147,4 +147,4 @@ std::string objection(const Decisions& decisions, size_t observation, const Cand
   return "another explanation of the whole scene is more probable";
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -2,7 +2,7 @@
 
 #include "memory/belief/belief.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 /// How one believed object stood as an explanation of an observation. Compact: this is kept with the scene.
 struct Candidate {
@@ -78,4 +78,4 @@ Decisions decisions_of(const BeliefUpdate& update);
 /// Why a candidate was not taken, in words: the rule that forbade it or the evidence that spoke against it.
 std::string objection(const Decisions& decisions, size_t observation, const Candidate& candidate);
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -2,7 +2,7 @@
 
 #include "mapping/base/json.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 Vector3d vector_from(const Json& json) {
@@ -76,4 +76,4 @@ BeliefState belief_state_of_version_1(const std::string& bytes) {
   return state;
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "mapping/base/math.h"
 #include "memory/belief/proximity.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 Eigen::Index index(size_t i) {
@@ -30,8 +30,7 @@ struct SeenPlaces {
 /// Log ratio of where a moved thing is put down, against anywhere on the place: half of all moves are short.
 double log_near(const Vector3d& offset, const BeliefOptions& options) {
   const double variance = options.nudge_m * options.nudge_m;
-  const double density =
-      std::exp(-offset.head<2>().squaredNorm() / (2 * variance)) / (2 * std::numbers::pi * variance);
+  const double density = std::exp(-offset.head<2>().squaredNorm() / (2 * variance)) / (2 * kPi * variance);
   return std::log(0.5 + 0.5 * options.area_m2 * density);
 }
 
@@ -211,4 +210,4 @@ LogOddsProblem identity_problem(const BeliefState& state, const std::vector<Expe
   return problem;
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -4,7 +4,7 @@
 
 #include "memory/belief/belief.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 /// A believed object as it is expected at the time of a scene.
 struct Expectation {
@@ -56,4 +56,4 @@ LogOddsProblem identity_problem(const BeliefState& state, const std::vector<Expe
                                 const Scene& scene, const PairEvidence& evidence,
                                 const BeliefOptions& options);
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

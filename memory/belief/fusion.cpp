@@ -6,7 +6,7 @@
 #include "memory/belief/belief.h"
 #include "memory/belief/proximity.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 const Isometry3d& pose_of(const std::string& place, const std::vector<PlacePose>& places) {
@@ -129,4 +129,4 @@ AxisBox box_in_map(const ProtoObject& object, const std::vector<PlacePose>& plac
   return {pose_of(object.place, places) * object.box.centre, object.box.size};
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

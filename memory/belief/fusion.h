@@ -2,7 +2,7 @@
 
 #include "memory/belief/evidence.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 // What one observation changes in what is believed of the object that it shows. Positions are kept in the
 // frame of the place, so that what lies in a drawer moves with it.
@@ -26,4 +26,4 @@ void remember_look(ProtoObject& object, const Observation& observation, const Sc
 /// What its looks are called most of all; empty = no classifier has said anything.
 std::string kind_of(const ProtoObject& object);
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

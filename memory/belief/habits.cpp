@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 /// Seconds since an object was seen at which the next age begins.
@@ -141,4 +141,4 @@ void Habits::learn_arrivals(const std::string& place, double found, const Belief
   if (!place.empty()) put_down_[place] += found;
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

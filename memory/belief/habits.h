@@ -7,7 +7,7 @@
 
 #include "memory/belief/options.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 /// How often something happened against how often it was expected to: learned with a prior of a few events at
 /// the expected rate, so that little evidence says little.
@@ -110,4 +110,4 @@ class Habits {
   Factor first_look_, later_look_, false_;
 };
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
@@ -43,4 +43,4 @@ void ArbiterCount::add(const SceneMatrices& matrices, const Decisions& decisions
   }
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

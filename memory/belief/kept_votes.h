@@ -4,7 +4,7 @@
 #include "memory/belief/scene_matrices.h"
 #include "memory/belief/trackers.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 /// What the trackers said of each observation, from what is kept with a scene.
 std::vector<TrackerVotes> votes(const SceneMatrices& matrices);
@@ -16,4 +16,4 @@ struct ArbiterCount {
   void add(const SceneMatrices& matrices, const Decisions& decisions);
 };
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-namespace loci::belief {
+#include "mapping/base/math.h"
+
+namespace loci::memory::belief {
 
 double mass(const Measured& number, const Domain& domain) {
   constexpr double kMin = 1e-12;
@@ -21,7 +22,7 @@ double log_same(const Measured& believed, const Domain& possible, const Measured
   const double difference = seen.mean - believed.mean;
   const Measured fused{(believed.mean * seen.variance + seen.mean * believed.variance) / sum,
                        believed.variance * seen.variance / sum};
-  const double log_gaussian = -0.5 * (std::log(2 * std::numbers::pi * sum) + difference * difference / sum);
+  const double log_gaussian = -0.5 * (std::log(2 * kPi * sum) + difference * difference / sum);
   return log_gaussian + std::log(mass(fused, visible) / (mass(believed, possible) * mass(seen, visible)));
 }
 
@@ -40,4 +41,4 @@ void NoiseEstimate::count(double difference, double looks, double probability) {
   count_ = keep * count_ + probability;
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 /// Where a number can lie.
 struct Domain {
@@ -40,4 +40,4 @@ class NoiseEstimate {
   double squares_ = 0, count_ = 0;
 };
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -1,6 +1,6 @@
 #include "memory/belief/observation.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 double shared_volume(const AxisBox& a, const AxisBox& b) {
   const Vector3d overlap = a.high().cwiseMin(b.high()) - a.low().cwiseMax(b.low());
@@ -13,4 +13,4 @@ AxisBox join(const AxisBox& a, const AxisBox& b) {
   return {(low + high) / 2, high - low};
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

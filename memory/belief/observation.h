@@ -9,7 +9,7 @@
 #include "mapping/base/time.h"
 #include "mapping/sensor/camera.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 /// A box along the axes of its frame, metres.
 struct AxisBox {
@@ -79,7 +79,7 @@ struct ObservedPlace {
 struct SceneView {
   bool has_camera = true;                              ///< camera and pose are known
   std::optional<std::vector<ObservedPlace>> observed;  ///< of a view without depth, where they said it
-  PinholeCamera camera;
+  mapping::PinholeCamera camera;
   Isometry3d map_from_camera = Isometry3d::Identity();
   cv::Mat depth;  ///< CV_32F, metres, NaN = no measurement
   cv::Mat
@@ -109,4 +109,4 @@ struct Scene {
   std::vector<PlacePose> places;  ///< places that are not listed stand still in the map
 };
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -1,6 +1,6 @@
 #include "memory/belief/options.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 void BeliefOptions::declare(OptionTable& table) {
   table.number("noise_m", noise_m, "m",
@@ -59,4 +59,4 @@ void BeliefOptions::declare(OptionTable& table) {
                 "Objects that are gone and can still be recognised when they come back.", 0, 100000);
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

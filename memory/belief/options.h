@@ -3,7 +3,7 @@
 #include "mapping/base/options.h"
 #include "memory/belief/visibility.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 /// How the belief judges evidence. All that is a probability is one per object and look unless said
 /// otherwise.
@@ -46,4 +46,4 @@ struct BeliefOptions {
   void declare(OptionTable& table);
 };
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -9,7 +9,7 @@
 #include "memory/belief/proximity.h"
 #include "memory/belief/trackers.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 constexpr double kMaxEvidence = 30;
@@ -203,4 +203,4 @@ PairEvidence pair_evidence(const BeliefState& state, const std::vector<Expectati
   return PairComparer(state, expected, scene, options).run();
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-namespace loci::belief {
+#include "mapping/base/math.h"
+
+namespace loci::memory::belief {
 namespace {
 
 double square(double x) {
@@ -25,7 +26,7 @@ Vector3d gap(const AxisBox& a, const AxisBox& b) {
 double gaussian_log_ratio(const Vector3d& offset, double variance, double spread, double area) {
   const double horizontal = square(offset.x()) + square(offset.y());
   const double vertical_variance = variance + square(0.01);
-  return std::log(area / (2 * std::numbers::pi * (variance + spread))) - horizontal / (2 * variance) -
+  return std::log(area / (2 * kPi * (variance + spread))) - horizontal / (2 * variance) -
          square(offset.z()) / (2 * vertical_variance);
 }
 
@@ -72,4 +73,4 @@ double log_proximity(const AxisBox& box, double variance, double extent_variance
          extent_penalty(box, observation.box, extent_variance);
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

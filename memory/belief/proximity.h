@@ -3,7 +3,7 @@
 #include "memory/belief/options.h"
 #include "memory/belief/state.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 /// Variance per axis (m²) of an observation's centre when the camera stands still.
 double observation_variance(const Observation& observation, const BeliefOptions& options);
@@ -19,4 +19,4 @@ double view_change_variance(const Isometry3d& from, const Isometry3d& to, double
 double log_proximity(const AxisBox& box, double variance, double extent_variance, bool box_partial,
                      const Observation& observation, const BeliefOptions& options);
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 constexpr std::array<double, 5> kFactors{0.3, 0.65, 1.0, 1.4, 2.0};
@@ -85,4 +85,4 @@ void Busyness::observe(const std::vector<double>& log_evidence) {
   for (double& weight : weight_) weight /= sum;
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 /// What may happen to things between two looks.
 enum class Change {
@@ -50,7 +50,7 @@ class RateLearner {
 
  private:
   static constexpr double kPriorEvents = 1;      ///< a handful of events overrules the prior
-  static constexpr double kMinEvents = 0.2;    ///< no rate becomes zero
+  static constexpr double kMinEvents = 0.2;      ///< no rate becomes zero
   static constexpr double kMemoryScenes = 2000;  ///< after so many scenes evidence counts for 1/e
 
   ChangeRates prior_;
@@ -84,4 +84,4 @@ class Busyness {
   bool observed_ = false;
 };
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 uint8_t rounded(double value, double step) {
@@ -56,4 +56,4 @@ SceneMatrices matrices_of(const BeliefUpdate& update, const Decisions& decisions
   return matrices;
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -6,7 +6,7 @@
 
 #include "memory/belief/decisions.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 /// The numbers of all pairs of a scene's observations (rows) with the objects that it is about (columns):
 /// those that were considered for an observation, and those whose place was in view at least in part. Rounded
@@ -31,4 +31,4 @@ struct SceneMatrices {
 
 SceneMatrices matrices_of(const BeliefUpdate& update, const Decisions& decisions);
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

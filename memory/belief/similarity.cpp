@@ -6,7 +6,7 @@
 
 #include "memory/belief/appearance.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 double gaussian_closeness(double distance, double sigma) {
   return std::exp(-(distance / sigma) * (distance / sigma));
@@ -210,4 +210,4 @@ Likeness compare(const std::vector<Descriptor>& a, const std::vector<Descriptor>
   return likeness;
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -6,7 +6,7 @@
 
 #include "memory/belief/observation.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 /// Closeness in [0,1] of a distance, falling like a Gaussian: exp(-(x/sigma)²) (the form that reproduces the
 /// dissertation's table 6.2; equation 6.1 as printed has twice the sigma).
@@ -65,4 +65,4 @@ struct Likeness {
 Likeness compare(const std::vector<Descriptor>& a, const std::vector<Descriptor>& b, bool partial,
                  double weight);
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -6,7 +6,7 @@
 #include "memory/belief/archive.h"
 #include "memory/belief/earlier_state.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 /// Cannot begin a CBOR map, as which the first version wrote beliefs. The digit is the version: 2 had nothing
@@ -101,4 +101,4 @@ BeliefState belief_state_from_bytes(const std::string& bytes) {
   }
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -9,7 +9,7 @@
 #include "memory/belief/observation.h"
 #include "memory/belief/options.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 enum class Status {
   tentative,  ///< seen too rarely to be told from a false cluster; nobody is told
@@ -157,4 +157,4 @@ std::string to_bytes(const BeliefState& state);
 /// Also reads beliefs of earlier versions. Error when the bytes are no belief.
 BeliefState belief_state_from_bytes(const std::string& bytes);
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -9,7 +9,7 @@
 #include "memory/belief/belief.h"
 #include "memory/belief/evidence.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 inline double log_odds(double probability) {
   return std::log(probability / (1 - probability));
@@ -101,4 +101,4 @@ class Step {
   BeliefUpdate update_;
 };
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

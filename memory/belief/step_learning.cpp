@@ -6,7 +6,7 @@
 #include "memory/belief/proximity.h"
 #include "memory/belief/step.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 /// So probable must it be which object something is before its looks teach.
@@ -101,4 +101,4 @@ void Step::learn_arrivals() {
   for (const auto& [place, count] : found) state_.habits.learn_arrivals(place, count, options_);
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -6,7 +6,7 @@
 
 #include "memory/belief/step.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 void Step::reclaim_leftovers() {
   for (size_t o = 0; o < partner_of_object_.size(); ++o)
@@ -54,4 +54,4 @@ void Step::leave_behind(size_t o, size_t k) {
   leftover.alternatives.clear();
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -5,7 +5,7 @@
 
 #include "memory/belief/step.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 constexpr double kMinShare = 0.001;
@@ -141,4 +141,4 @@ double Step::probability(size_t o, size_t k) const {
   return solution_.stay(row, column) + solution_.move(row, column) + solution_.newview(row, column);
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -6,7 +6,7 @@
 #include "memory/belief/fusion.h"
 #include "memory/belief/step.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 /// What is cut off is less certainly an object, by so much of log odds.
@@ -144,4 +144,4 @@ void Step::confirm_unrefuted() {
   }
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -5,7 +5,7 @@
 
 #include "memory/belief/step.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 /// So probable must it have been to find an object in its place before its absence makes it gone.
@@ -125,4 +125,4 @@ void Step::retire() {
   });
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

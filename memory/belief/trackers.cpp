@@ -2,7 +2,7 @@
 
 #include <span>
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 /// Beyond this a tracker proposes nothing.
@@ -58,4 +58,4 @@ std::vector<TrackerVotes> votes(const TrackerDistances& distances) {
   return all;
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

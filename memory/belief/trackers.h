@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 /// The simple trackers of §6.1.2: each looks at one thing alone.
 inline constexpr std::array<const char*, 3> kTrackers{"position", "shape", "color"};
@@ -32,4 +32,4 @@ inline constexpr double kTrackersReach = 0.25;
 /// One per observation.
 std::vector<TrackerVotes> votes(const TrackerDistances& distances);
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 enum class Sight { out_of_view, hidden, unmeasured, occupied, seen_through };
 
-struct Look {
+struct SpotLook {
   Sight sight = Sight::out_of_view;
   int label = -1;  ///< of the pixel, where the place is occupied
 };
@@ -37,8 +37,8 @@ std::pair<double, double> depth_interval(const SceneView& view, const Vector3d& 
 }
 
 /// Looks along the line of sight to a point of the box.
-Look look(const SceneView& view, const Isometry3d& camera_from_map, const Vector3d& map_point,
-          const AxisBox& box, const VisibilityOptions& options) {
+SpotLook look(const SceneView& view, const Isometry3d& camera_from_map, const Vector3d& map_point,
+              const AxisBox& box, const VisibilityOptions& options) {
   const Vector3d point = camera_from_map * map_point;
   if (point.z() < view.near_m || point.z() > view.far_m) return {};
   const Vector2d pixel = view.camera.project(point);
@@ -120,7 +120,7 @@ OccupiedBy look_at_who(const SceneView& view, const AxisBox& box, double sigma, 
     moved.centre += offset;
     for (int i = 0; i < n * n * n; ++i) {
       const Vector3d share(share_at(i % n, n), share_at(i / n % n, n), share_at(i / (n * n), n));
-      const Look seen =
+      const SpotLook seen =
           look(view, camera_from_map, moved.centre + moved.size.cwiseProduct(share), moved, options);
       switch (seen.sight) {
         case Sight::out_of_view:
@@ -234,4 +234,4 @@ double observed_fraction(const SceneView& view, const std::vector<Vector3d>& out
   return total == 0 ? 0.0 : double(seen) / double(total);
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -4,7 +4,7 @@
 
 #include "memory/belief/observation.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 /// What became of looking at a place: shares of the lines of sight to points of a box, summing to one.
 struct Visibility {
@@ -53,4 +53,4 @@ double undetectable(const Visibility& visibility);
 double observed_fraction(const SceneView& view, const std::vector<Vector3d>& outline, double step_m = 0.05,
                          const VisibilityOptions& options = {});
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 Handling handling(const ChangeRates& rates, double attention) {
   const double removed = rates[Change::removed], moved = rates[Change::moved],
@@ -77,4 +77,4 @@ void looked_at(Untracked& untracked, const std::vector<double>& seen) {
     for (size_t i = 0; i < grid->size(); ++i) (*grid)[i] *= 1 - seen[i];
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

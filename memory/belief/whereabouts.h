@@ -4,7 +4,7 @@
 
 #include "memory/belief/rates.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 /// Probabilities that an object was handled between two looks, and how. Nothing is handled twice.
 struct Handling {
@@ -53,4 +53,4 @@ double not_seen(Whereabouts& object, double in_view, const std::vector<double>& 
 /// What was looked at holds nothing that is not believed in: what was found is from now on.
 void looked_at(Untracked& untracked, const std::vector<double>& seen);
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -9,7 +9,7 @@
 #include "memory/catalogue/said_class.h"
 #include "memory/recorder/carried_belief.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr const char* kFormat = "loci-catalogue";
@@ -170,4 +170,4 @@ Catalogue read_home_catalogue(const std::filesystem::path& file) {
   return catalogue_from(parse_json(read_file(file), file.string()), file.string());
 }
 
-}  // namespace loci
+}  // namespace loci::memory

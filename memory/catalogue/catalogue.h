@@ -12,7 +12,7 @@
 #include "memory/catalogue/words.h"
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// One thing of a home: what it is, what it is called, what it looks like.
 struct CatalogueEntry {
@@ -68,4 +68,4 @@ CatalogueResult import_catalogue(Store& store, const Catalogue& catalogue);
 /// The same for what was seen since then. Without catalogues nothing happens.
 CatalogueResult apply_catalogues(Store& store);
 
-}  // namespace loci
+}  // namespace loci::memory

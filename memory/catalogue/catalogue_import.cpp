@@ -13,7 +13,7 @@
 #include "memory/identity/solution.h"
 #include "memory/recorder/carried_belief.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr const char* kKept = "catalogue/";  ///< and the home: checkpoints with the catalogues
@@ -272,4 +272,4 @@ Json CatalogueResult::report() const {
           {"changed", changed}, {"taken_back", taken_back}, {"known", list}};
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace loci {
+namespace loci::memory {
 
 void drop_words(Looks& looks) {
   for (auto& look : looks)
@@ -33,4 +33,4 @@ const belief::Observation* LooksOfObjects::evidence(const ObservationRow& row) {
   return &slot->second->evidence.observations[number];
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -7,7 +7,7 @@
 
 #include "memory/recorder/scene_reasoning.h"
 
-namespace loci {
+namespace loci::memory {
 
 using Looks = std::vector<std::vector<belief::Descriptor>>;
 
@@ -29,4 +29,4 @@ class LooksOfObjects {
   std::map<Id, std::optional<SceneReasoning>> scenes_;
 };
 
-}  // namespace loci
+}  // namespace loci::memory

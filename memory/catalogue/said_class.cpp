@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr const char* kClassType = "loci.annotation.ClassificationAnnotation";
@@ -27,4 +27,4 @@ SaidClass class_of(const Store& store, Id object) {
   return {name, name.empty() ? "" : "annotators"};
 }
 
-}  // namespace loci
+}  // namespace loci::memory

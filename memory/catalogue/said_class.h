@@ -4,7 +4,7 @@
 
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// What a thing is and who says so: "label" (a person, of one image), "fact" (a person, of the object),
 /// "catalogue", "annotators", or "" when nobody does.
@@ -15,4 +15,4 @@ struct SaidClass {
 /// The class that facts give an object, else what annotators call it most of all, by their confidence.
 SaidClass class_of(const Store& store, Id object);
 
-}  // namespace loci
+}  // namespace loci::memory

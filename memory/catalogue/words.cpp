@@ -9,7 +9,7 @@
 #include "memory/catalogue/said_class.h"
 #include "memory/store/object_evidence.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr size_t kMaxSightings = 100;
@@ -93,4 +93,4 @@ double words_log_ratio(const Words& a, const Words& b) {
   return sum;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -5,7 +5,7 @@
 
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// What is said of a thing: by kind ("text", "product", "barcode", "label") its values, each with the part of
 /// the sightings of which this kind says anything that say so.
@@ -19,4 +19,4 @@ Words words_of(const Store& store, Id object);
 /// both have. Texts are compared word by word, upper and lower case alike.
 double words_log_ratio(const Words& a, const Words& b);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -7,7 +7,7 @@
 #include "mapping/world/urdf.h"
 #include "memory/store/edit_rows.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// Of a row that superseded nothing: it is taken back.
@@ -124,19 +124,20 @@ Edit set_joint_type(Store& store, const std::string& joint, const std::string& t
                 "give --map when perceiving");
   const MapRow newest = maps.back();
   const std::string before = store.blob(newest.urdf).bytes;
-  World world = parse_urdf(before, newest.name);
-  std::optional<JointType> wanted;
+  mapping::World world = mapping::parse_urdf(before, newest.name);
+  std::optional<mapping::JointType> wanted;
   std::string names;
-  for (const JointType known : {JointType::fixed, JointType::revolute, JointType::continuous,
-                                JointType::prismatic, JointType::floating, JointType::planar}) {
+  for (const mapping::JointType known :
+       {mapping::JointType::fixed, mapping::JointType::revolute, mapping::JointType::continuous,
+        mapping::JointType::prismatic, mapping::JointType::floating, mapping::JointType::planar}) {
     if (type == joint_type_name(known)) wanted = known;
     names += std::string(names.empty() ? "" : ", ") + joint_type_name(known);
   }
   if (!wanted) throw Error(fmt::format("'{}' is no type of a joint", type), {}, "types are " + names);
   const PartNames called = part_names(store);
   std::vector<std::string> joints;
-  Joint* found = nullptr;
-  for (Joint& candidate : world.joints) {
+  mapping::Joint* found = nullptr;
+  for (mapping::Joint& candidate : world.joints) {
     joints.push_back(called.joint(candidate.name));
     if (candidate.name == joint || joints.back() == joint) found = &candidate;
   }
@@ -145,11 +146,12 @@ Edit set_joint_type(Store& store, const std::string& joint, const std::string& t
                 did_you_mean(joint, joints));
   const std::string text = fmt::format("{} is {}, not {}", joint, type, joint_type_name(found->type));
   found->type = *wanted;
-  const bool needs_limits = *wanted == JointType::revolute || *wanted == JointType::prismatic;
-  if (needs_limits && !found->limits) found->limits = JointLimits{};
+  const bool needs_limits =
+      *wanted == mapping::JointType::revolute || *wanted == mapping::JointType::prismatic;
+  if (needs_limits && !found->limits) found->limits = mapping::JointLimits{};
   const Id corrected = add_corrected_map(store, newest, urdf_text(world), text);
   const EditRun run(store, {{"text", text}, {"map", {{"before", newest.id}, {"after", corrected}}}});
   return edit_of(store, run.id());
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -7,7 +7,7 @@
 #include "memory/questions/part_names.h"
 #include "memory/store/scene_transaction.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// Begins a run of an edit, and ends it. What it did stands in its configuration: "text", and what is needed
 /// to turn it around.
@@ -46,4 +46,4 @@ void add_label(Store& store, Id run, Id scene, Id observation, const std::string
 /// Adds a map like one of the memory with a remark in its text, so that it is the newest.
 Id add_corrected_map(Store& store, const MapRow& like, const std::string& urdf, const std::string& remark);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -13,7 +13,7 @@
 #include "memory/questions/snapshot.h"
 #include "memory/store/edit_rows.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 bool is_edit(const RunRow& run) {
@@ -284,4 +284,4 @@ Edit redo(Store& store) {
   return toggle(store, list.undone.back(), "redoes");
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -5,7 +5,7 @@
 
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 // What people correct in a memory. Each edit is a run of its own whose rows supersede what they correct, with
 // source "user": nothing is overwritten, and questions as of an earlier knowledge still see what was known.
@@ -55,4 +55,4 @@ Edit name_part(Store& store, const std::string& part, const std::string& name);
 Edit undo(Store& store);
 Edit redo(Store& store);
 
-}  // namespace loci
+}  // namespace loci::memory

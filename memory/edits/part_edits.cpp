@@ -10,7 +10,7 @@
 #include "memory/edits/edit_runs.h"
 #include "memory/questions/place_names.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// Something that has a name: what the map (or who found it) calls it, and what it is called now.
@@ -27,13 +27,14 @@ std::vector<Named> all_named(const Store& store) {
   for (size_t i = 0; i < before.size(); ++i) all.push_back({"place", before[i].name, now[i].name});
   const std::vector<MapRow> maps = store.maps();
   if (maps.empty()) return all;
-  const World world = parse_urdf(store.blob(maps.back().urdf).bytes, maps.back().name);
+  const mapping::World world = mapping::parse_urdf(store.blob(maps.back().urdf).bytes, maps.back().name);
   const PartNames names = part_names(store);
-  for (const Link& link : world.links)
+  for (const mapping::Link& link : world.links)
     if (std::none_of(before.begin(), before.end(),
                      [&](const PlaceRow& place) { return place.name == link.name; }))
       all.push_back({"link", link.name, names.link(link.name)});
-  for (const Joint& joint : world.joints) all.push_back({"joint", joint.name, names.joint(joint.name)});
+  for (const mapping::Joint& joint : world.joints)
+    all.push_back({"joint", joint.name, names.joint(joint.name)});
   return all;
 }
 
@@ -70,4 +71,4 @@ Edit name_part(Store& store, const std::string& part, const std::string& name) {
   return edit_of(store, run.id());
 }
 
-}  // namespace loci
+}  // namespace loci::memory

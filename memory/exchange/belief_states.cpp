@@ -7,7 +7,7 @@
 
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr double kMin = 0.001;
@@ -194,4 +194,4 @@ void for_each_belief_state(const Store& store, Progress& progress,
   }
 }
 
-}  // namespace loci
+}  // namespace loci::memory

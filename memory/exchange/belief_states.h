@@ -6,7 +6,7 @@
 #include "mapping/base/progress.h"
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// The belief about the state of the world after a scene (BeliefStateInstance, §3.2.5), put together from
 /// what the memory keeps, so that it costs no bytes there:
@@ -24,4 +24,4 @@ Json belief_state(const Store& store, const SceneRow& scene, const std::optional
 void for_each_belief_state(const Store& store, Progress& progress,
                            const std::function<void(const Json&)>& visitor);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -15,7 +15,7 @@
 #include "memory/exchange/observation_image.h"
 #include "memory/store/depth_thumbnail.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 namespace fs = std::filesystem;
@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 constexpr int64_t kFirstLabel = 20;
 constexpr int64_t kMaxThings = (65535 - kFirstLabel) / 10;
 
-PinholeCamera scaled(const SceneCamera& camera, int width, int height) {
+mapping::PinholeCamera scaled(const SceneCamera& camera, int width, int height) {
   const double x = double(width) / camera.width, y = double(height) / camera.height;
   // Pixel centres are at integers, so edges are at -0.5 and scale with the image.
   return {
@@ -34,13 +34,13 @@ PinholeCamera scaled(const SceneCamera& camera, int width, int height) {
 
 cv::Mat image(const Store& store, Id blob) {
   const std::string bytes = store.blob(blob).bytes;
-  return decode_image({bytes.begin(), bytes.end()}, store.path().string());
+  return mapping::decode_image({bytes.begin(), bytes.end()}, store.path().string());
 }
 
 /// The frame as far as the memory has it.
-std::optional<RgbdFrame> remembered_frame(const Store& store, const SceneRow& scene) {
+std::optional<mapping::RgbdFrame> remembered_frame(const Store& store, const SceneRow& scene) {
   if (!scene.camera || !scene.depth) return std::nullopt;
-  RgbdFrame frame;
+  mapping::RgbdFrame frame;
   const std::vector<float> depth = decode_depth_thumbnail(store.blob(*scene.depth).bytes);
   if (depth.size() != size_t(scene.depth_width) * size_t(scene.depth_height)) return std::nullopt;
   frame.depth = cv::Mat(scene.depth_height, scene.depth_width, CV_32F);
@@ -71,7 +71,7 @@ class Dataset {
       : store_(store), folder_(folder), options_(options) {}
 
   void add(const SceneRow& scene) {
-    std::optional<RgbdFrame> frame =
+    std::optional<mapping::RgbdFrame> frame =
         options_.frame_of ? options_.frame_of(scene) : remembered_frame(store_, scene);
     const std::vector<Thing> things = frame ? things_in(scene, frame->depth.size()) : std::vector<Thing>{};
     if (things.empty() || (writer_ && frame->camera.depth != camera_.depth)) {
@@ -80,7 +80,8 @@ class Dataset {
     }
     if (!writer_) {
       camera_ = frame->camera;
-      writer_ = std::make_unique<RecordingWriter>(folder_, frame->camera, scene.map ? "map" : "world");
+      writer_ =
+          std::make_unique<mapping::RecordingWriter>(folder_, frame->camera, scene.map ? "map" : "world");
     }
     frame->index = scene.id;
     frame->time_ns = scene.time;
@@ -160,7 +161,7 @@ class Dataset {
   }
 
   void add_image(const std::string& name, const cv::Mat& image) {
-    const std::vector<unsigned char> bytes = encode_image(image, ".png");
+    const std::vector<unsigned char> bytes = mapping::encode_image(image, ".png");
     writer_->add_file(name, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   }
 
@@ -168,8 +169,8 @@ class Dataset {
   fs::path folder_;
   const DatasetOptions& options_;
   std::vector<PlaceRow> places_ = store_.places();
-  std::unique_ptr<RecordingWriter> writer_;
-  RgbdCamera camera_;
+  std::unique_ptr<mapping::RecordingWriter> writer_;
+  mapping::RgbdCamera camera_;
   std::string table_;
   DatasetResult result_;
 };
@@ -219,4 +220,4 @@ Json DatasetResult::report() const {
           {"classes", named}};
 }
 
-}  // namespace loci
+}  // namespace loci::memory

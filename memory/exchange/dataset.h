@@ -12,12 +12,12 @@
 #include "memory/catalogue/said_class.h"
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 struct DatasetOptions {
   bool by_object = false;  ///< each object is a class of its own: to recognise it again
   /// The frame that a scene was made from, for its full depth and colour; unset = what the memory keeps.
-  std::function<std::optional<RgbdFrame>(const SceneRow&)> frame_of = {};
+  std::function<std::optional<mapping::RgbdFrame>(const SceneRow&)> frame_of = {};
 };
 
 struct DatasetResult {
@@ -39,4 +39,4 @@ SaidClass class_of(const Store& store, const ObservationRow& observation, Id obj
 DatasetResult export_dataset(const Store& store, const std::filesystem::path& folder,
                              const DatasetOptions& options, Progress& progress);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -4,17 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <set>
 
 #include "mapping/base/error.h"
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 #include "mapping/base/options.h"
 #include "mapping/registration/registration.h"
 #include "memory/exchange/observation_image.h"
 #include "memory/questions/words.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// Sightings closer than this on one place show it where nobody moved it.
@@ -59,7 +59,7 @@ std::map<size_t, Vector3d> centres_of(const std::vector<Candidate>& candidates) 
 
 /// The angle from which the camera looks at a centre, in eighths of a turn.
 int eighth_of(const Vector3d& from_centre) {
-  return static_cast<int>(std::floor(std::atan2(from_centre.y(), from_centre.x()) / (std::numbers::pi / 4)));
+  return static_cast<int>(std::floor(std::atan2(from_centre.y(), from_centre.x()) / (kPi / 4)));
 }
 
 /// Those with most points first, one of every side and stay before the second of any.
@@ -89,26 +89,25 @@ std::vector<Candidate> chosen_of(const Store& store, std::vector<Candidate> cand
 }
 
 std::string side_of(const Vector3d& from_centre, double front_yaw) {
-  if (from_centre.z() > std::tan(kAbove_deg / 180 * std::numbers::pi) * from_centre.head<2>().norm())
-    return "top";
+  if (from_centre.z() > std::tan(kAbove_deg / 180 * kPi) * from_centre.head<2>().norm()) return "top";
   static const char* const names[] = {"front", "right", "back", "left"};  // to the left, seen from above
   const double turn = std::atan2(from_centre.y(), from_centre.x()) - front_yaw;
-  return names[(static_cast<int>(std::lround(turn / (std::numbers::pi / 2))) % 4 + 4) % 4];
+  return names[(static_cast<int>(std::lround(turn / (kPi / 2))) % 4 + 4) % 4];
 }
 
 /// In the frame of its stay's centre.
-void centre(Scan& scan, const Vector3d& centre) {
-  for (ScanPoint& point : scan.points) point.position -= centre.cast<float>();
+void centre(mapping::Scan& scan, const Vector3d& centre) {
+  for (mapping::ScanPoint& point : scan.points) point.position -= centre.cast<float>();
   for (Eigen::Vector3f& origin : scan.origins) origin -= centre.cast<float>();
 }
 
 void register_views(ObjectModel& model, const ObjectModelOptions& options, Progress& progress) {
-  RegistrationOptions registration;
+  mapping::RegistrationOptions registration;
   registration.position_error_m = options.position_error_m;
   registration.yaw_error_deg = options.yaw_error_deg;
   registration.voxel_m = options.voxel_m;
   registration.rmse_max_m = options.voxel_m;
-  const RegistrationResult result = register_scans(model.cloud, registration, progress);
+  const mapping::RegistrationResult result = register_scans(model.cloud, registration, progress);
   for (size_t i = 0; i < model.views.size(); ++i) {
     ObjectView& view = model.views[i];
     view.registered = result.connected[i];
@@ -149,7 +148,7 @@ ObjectModel model_of(const Store& store, Id object, const ObjectModelOptions& op
   for (const Candidate& candidate :
        chosen_of(store, candidates, centres, static_cast<size_t>(options.views))) {
     const SceneRow scene = store.scene(candidate.sighting.observation.scene);
-    std::optional<Scan> scan = cloud_of(store, scene, candidate.sighting.observation);
+    std::optional<mapping::Scan> scan = cloud_of(store, scene, candidate.sighting.observation);
     if (!scan) continue;
     centre(*scan, centres.at(candidate.stay));
     model.views.push_back({.scene = scene.id,
@@ -167,7 +166,7 @@ ObjectModel model_of(const Store& store, Id object, const ObjectModelOptions& op
         "depth, masks and poses are needed (loci-perceive run keeps them; loci-memory retain lets them go)");
   register_views(model, options, progress);
   const auto from_centre = [&](size_t i) {
-    const Scan& scan = model.cloud.scans[i];
+    const mapping::Scan& scan = model.cloud.scans[i];
     return (scan.map_from_scan * scan.origins.front().cast<double>()).eval();
   };
   const double front = std::atan2(from_centre(0).y(), from_centre(0).x());
@@ -220,4 +219,4 @@ Json ObjectModel::report() const {
   return json;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

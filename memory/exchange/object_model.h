@@ -11,8 +11,10 @@
 #include "memory/store/store.h"
 
 namespace loci {
-
 class OptionTable;
+}  // namespace loci
+
+namespace loci::memory {
 
 struct ObjectModelOptions {
   int views = 12;                  ///< at most; those with most points, from as many sides as there are
@@ -38,7 +40,7 @@ struct ObjectView {
 /// where the object was believed to be, axes of the map then.
 struct ObjectModel {
   Id object = 0;
-  ScanSet cloud;                         ///< one scan per view, in the object's frame; coloured
+  mapping::ScanSet cloud;                ///< one scan per view, in the object's frame; coloured
   std::vector<ObjectView> views;         ///< in the order of the scans
   std::map<std::string, Id> best_crop;   ///< by side: blob of the largest image
   std::vector<ObjectEvidence> evidence;  ///< most often first, by type
@@ -52,4 +54,4 @@ struct ObjectModel {
 ObjectModel model_of(const Store& store, Id object, const ObjectModelOptions& options, Progress& progress,
                      const AsOf& as_of = {});
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -7,12 +7,12 @@
 #include "mapping/image/image_io.h"
 #include "memory/store/depth_thumbnail.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 cv::Mat image_in(const Store& store, Id blob) {
   const std::string bytes = store.blob(blob).bytes;
-  return decode_image({bytes.begin(), bytes.end()}, store.path().string());
+  return mapping::decode_image({bytes.begin(), bytes.end()}, store.path().string());
 }
 
 }  // namespace
@@ -80,22 +80,23 @@ ClusterPoints measured_points(const Store& store, const SceneRow& scene, const O
   return coarse_points(store, scene, observation);
 }
 
-std::optional<Scan> cloud_of(const Store& store, const SceneRow& scene, const ObservationRow& observation) {
+std::optional<mapping::Scan> cloud_of(const Store& store, const SceneRow& scene,
+                                      const ObservationRow& observation) {
   if (!scene.camera || !scene.map_from_camera) return std::nullopt;
   const ClusterPoints cluster = measured_points(store, scene, observation);
   if (cluster.points.empty()) return std::nullopt;
   const cv::Mat image = scene.image ? image_in(store, *scene.image) : cv::Mat();
   const Eigen::Isometry3f map_from_camera = scene.map_from_camera->cast<float>();
-  Scan cloud;
+  mapping::Scan cloud;
   cloud.name = "scene_" + std::to_string(scene.id);
   cloud.origins = {map_from_camera.translation()};
   for (size_t i = 0; i < cluster.points.size(); ++i) {
-    ScanPoint point{.position = map_from_camera * cluster.points[i]};
+    mapping::ScanPoint point{.position = map_from_camera * cluster.points[i]};
     if (image.type() == CV_8UC3) {
       const int row = cluster.pixels[i] / scene.camera->width,
                 column = cluster.pixels[i] % scene.camera->width;
       const auto& color = image.at<cv::Vec3b>(row * image.rows / scene.camera->height,
-                                                column * image.cols / scene.camera->width);
+                                              column * image.cols / scene.camera->width);
       point.b = color[0];
       point.g = color[1];
       point.r = color[2];
@@ -105,4 +106,4 @@ std::optional<Scan> cloud_of(const Store& store, const SceneRow& scene, const Ob
   return cloud;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

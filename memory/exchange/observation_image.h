@@ -7,7 +7,7 @@
 #include "memory/store/cluster_points.h"
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// Which pixels of the depth image an observation has: CV_8U of the depth camera's size, 255 = its own.
 /// Without a mask its region of interest; empty when neither is there (let go, or never given).
@@ -25,6 +25,7 @@ ClusterPoints measured_points(const Store& store, const SceneRow& scene, const O
 /// The surface of an observation as far as the memory has it: its measured points in the map frame,
 /// coloured by the scene's image where that is kept (taken to be registered with the depth). One origin,
 /// the camera. Unset when there are none, or the pose is missing.
-std::optional<Scan> cloud_of(const Store& store, const SceneRow& scene, const ObservationRow& observation);
+std::optional<mapping::Scan> cloud_of(const Store& store, const SceneRow& scene,
+                                      const ObservationRow& observation);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -6,7 +6,7 @@
 
 #include "mapping/exchange/owl_document.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using tinyxml2::XMLElement;
@@ -14,7 +14,7 @@ using tinyxml2::XMLElement;
 class Writer {
  public:
   Writer(const Store& store, const std::string& name, const AsOf& as_of)
-      : store_(store), as_of_(as_of), map_(owl_identifier(name)), document_(name) {}
+      : store_(store), as_of_(as_of), map_(mapping::owl_identifier(name)), document_(name) {}
 
   std::string text() {
     document_.individual(map_, "SemanticEnvironmentMap");
@@ -42,7 +42,7 @@ class Writer {
     }
     if (object.color) document_.state(node, "mainColorOfObject", "string", *object.color);
     document_.state_own(node, "status", "string", history.now.status);
-    document_.state_own(node, "probability", "double", OwlDocument::number(history.now.probability));
+    document_.state_own(node, "probability", "double", mapping::OwlDocument::number(history.now.probability));
     for (const std::string& alias : object.aliases) document_.label(node, alias);
     for (size_t i = 0; i < history.stays.size(); ++i)
       add_stay(object.name, fmt::format("{}_stay_{}", object.name, i + 1), history.stays[i]);
@@ -58,7 +58,7 @@ class Writer {
     document_.relate(perception, "startTime", from);
     document_.relate(perception, "endTime", to);
     if (stay.place) document_.relate(perception, "inRegion", stay.place->name);
-    document_.state_own(perception, "probability", "double", OwlDocument::number(stay.probability));
+    document_.state_own(perception, "probability", "double", mapping::OwlDocument::number(stay.probability));
     document_.state_own(perception, "sightings", "integer", std::to_string(stay.scenes.size()));
     Isometry3d pose = Isometry3d::Identity();
     pose.translation() = *stay.position;
@@ -68,7 +68,7 @@ class Writer {
   const Store& store_;
   AsOf as_of_;
   std::string map_;
-  OwlDocument document_;
+  mapping::OwlDocument document_;
 };
 
 }  // namespace
@@ -78,4 +78,4 @@ std::string owl_individuals(const Store& store, const std::string& name, const A
   return Writer(store, name, as_of).text();
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -4,7 +4,7 @@
 
 #include "memory/questions/answers.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// The objects of a memory as OWL individuals with time, with the names of KnowRob that the map's export has
 /// (mapping/exchange/owl.h): every object is a HumanScaleObject with its size, what it was called and what
@@ -13,4 +13,4 @@ namespace loci {
 /// name) and how probable that is. `name` becomes part of the namespace.
 std::string owl_individuals(const Store& store, const std::string& name, const AsOf& as_of = {});
 
-}  // namespace loci
+}  // namespace loci::memory

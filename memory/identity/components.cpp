@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// Sets of rows and columns that are joined by pairs.
@@ -223,8 +223,7 @@ IdentityComponents split(const PairTable& log_pair, const std::vector<double>& l
   Splitter splitter(log_pair, log_row, log_column);
   splitter.gate(budget);
   const double most = static_cast<double>(log_pair.size());
-  for (double enlarged = std::max(1.25 * budget, 1e-12); splitter.max_side() > max_side;
-       enlarged *= 1.25) {
+  for (double enlarged = std::max(1.25 * budget, 1e-12); splitter.max_side() > max_side; enlarged *= 1.25) {
     if (enlarged > 4 * most)
       throw Error("invalid_value: more than " + std::to_string(max_side) +
                   " things that must all be matched depend on each other");
@@ -233,4 +232,4 @@ IdentityComponents split(const PairTable& log_pair, const std::vector<double>& l
   return splitter.components();
 }
 
-}  // namespace loci
+}  // namespace loci::memory

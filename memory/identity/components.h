@@ -4,7 +4,7 @@
 
 #include "memory/identity/problem.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// A connected part of the problem, oriented so that its rows are the smaller side, with every row and column
 /// divided by the weight of leaving it unmatched: those weights are then 1 (or 0 where it must be matched).
@@ -29,4 +29,4 @@ struct IdentityComponents {
 IdentityComponents split(const PairTable& log_pair, const std::vector<double>& log_row,
                          const std::vector<double>& log_column, double budget, size_t max_side = 20);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// Subsets are processed in blocks that share their high bits, so that the inner loops run over contiguous
@@ -220,4 +220,4 @@ ComponentMarginals marginals(const IdentityComponent& component) {
   return SubsetSum(component).run();
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -2,7 +2,7 @@
 
 #include "memory/identity/components.h"
 
-namespace loci {
+namespace loci::memory {
 
 struct ComponentMarginals {
   PairTable matched;              ///< rows × columns: probability of the pair
@@ -14,4 +14,4 @@ struct ComponentMarginals {
 /// Forward-backward over the subsets of the rows, one column at a time. O(rows · columns · 2^rows) time.
 ComponentMarginals marginals(const IdentityComponent& component);
 
-}  // namespace loci
+}  // namespace loci::memory

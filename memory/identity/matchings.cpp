@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr double kForbidden = std::numeric_limits<double>::infinity();
@@ -206,4 +206,4 @@ std::vector<Matching> combine(const std::vector<Matching>& a, const std::vector<
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -8,7 +8,7 @@
 
 #include "mapping/base/options.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// Numbers of pairs: one row per old object, one column per new observation.
 using PairTable = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -90,4 +90,4 @@ IdentityWeights weights_of(const LogOddsProblem& problem, const IdentityOptions&
 /// log(e^a + e^b), also for kNever.
 double log_add(double a, double b);
 
-}  // namespace loci
+}  // namespace loci::memory

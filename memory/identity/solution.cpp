@@ -6,7 +6,7 @@
 #include "memory/identity/marginals.h"
 #include "memory/identity/matchings.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// Shares of the weight of staying unmatched.
@@ -207,4 +207,4 @@ IdentityDecision decide_object(const IdentitySolution& solution, size_t object) 
                 solution.disappear[object] + solution.missed[object] + solution.hidden[object]);
 }
 
-}  // namespace loci
+}  // namespace loci::memory

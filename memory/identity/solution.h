@@ -5,7 +5,7 @@
 
 #include "memory/identity/problem.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// One complete story: which old object is which new observation. Who is not in it is unmatched.
 struct Matching {
@@ -56,4 +56,4 @@ IdentitySolution solve(const IdentityWeights& weights, const IdentityOptions& op
 IdentitySolution solve(const IdentityProblem& problem, const IdentityOptions& options = {});
 IdentitySolution solve(const LogOddsProblem& problem, const IdentityOptions& options = {});
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -6,7 +6,7 @@
 
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 class Reader {
@@ -165,4 +165,4 @@ Json to_json(const IdentitySolution& solution) {
   return json;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

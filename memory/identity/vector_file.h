@@ -5,7 +5,7 @@
 #include "mapping/base/json_fwd.h"
 #include "memory/identity/solution.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// One identity problem in the JSON layout of docs/identity.md.
 struct IdentityVector {
@@ -20,4 +20,4 @@ IdentityVector identity_vector_from_json(const Json& json, const std::string& fi
 /// The answer in the layout of the file's "expect".
 Json to_json(const IdentitySolution& solution);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -5,7 +5,7 @@
 
 #include "memory/identity/problem.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 [[noreturn]] void bad_shape(const std::string& file, const std::string& where, const std::string& what) {
@@ -226,4 +226,4 @@ IdentityWeights weights_of(const LogOddsProblem& problem, const IdentityOptions&
   return weights;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

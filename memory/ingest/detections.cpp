@@ -9,7 +9,7 @@
 #include "mapping/base/error.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// Farther than this from the origin no kitchen reaches; such a number is a mistake of units.
@@ -74,7 +74,7 @@ const Parsed& list(const Parsed& json, const std::string& key) {
 
 DetectedScene::Camera read_camera(const Parsed& json) {
   DetectedScene::Camera camera;
-  PinholeCamera lens;
+  mapping::PinholeCamera lens;
   int given = 0;
   for (const auto& [key, value] : object(json, "camera").items()) {
     const std::string where = "camera." + key;
@@ -247,4 +247,4 @@ DetectedScene parse_detections(std::string_view line) {
   return scene;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -10,7 +10,7 @@
 #include "mapping/base/time.h"
 #include "mapping/sensor/camera.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// One thing that another system detected. What it does not say is unset.
 struct Detection {
@@ -29,7 +29,7 @@ struct Detection {
 struct DetectedScene {
   struct Camera {
     std::optional<Isometry3d> map_from_camera;
-    std::optional<PinholeCamera> lens;
+    std::optional<mapping::PinholeCamera> lens;
     std::optional<double> near_m, far_m;
   };
   TimeNs time = 0;
@@ -43,4 +43,4 @@ struct DetectedScene {
 /// file and the line are the caller's to add.
 DetectedScene parse_detections(std::string_view line);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -15,7 +15,7 @@
 #include "memory/ingest/scene_of_detections.h"
 #include "memory/recorder/recorder.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 namespace fs = std::filesystem;
@@ -132,7 +132,7 @@ Preview preview(const fs::path& file, bool whole, Progress& progress) {
 }
 
 Id add_map(Store& store, const fs::path& urdf) {
-  const fs::path sidecar = sidecar_path(urdf);
+  const fs::path sidecar = mapping::sidecar_path(urdf);
   return store.add_map(urdf.filename().string(), read_file(urdf),
                        fs::exists(sidecar) ? read_file(sidecar) : std::string());
 }
@@ -170,7 +170,7 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
   const Preview ahead = preview(file, options.strict, progress);
   std::vector<PlaceRow> places;
   if (!options.map.empty()) {
-    read_urdf(options.map);  // says so when it is none
+    mapping::read_urdf(options.map);  // says so when it is none
     places = places_of_map(options.map);
     if (places.empty()) warnings.add("the map names no places", {options.map.string(), 0, {}});
   }
@@ -222,4 +222,4 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -9,7 +9,7 @@
 #include "memory/belief/options.h"
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 struct IngestOptions {
   bool strict = false;        ///< refuse the whole file for one bad line
@@ -43,4 +43,4 @@ IngestResult ingest(const std::filesystem::path& file, const std::filesystem::pa
                     const IngestOptions& options, const WriteOptions& write, Progress& progress,
                     Warnings& warnings);
 
-}  // namespace loci
+}  // namespace loci::memory

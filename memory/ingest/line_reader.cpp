@@ -4,7 +4,7 @@
 
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::memory {
 
 LineReader::LineReader(const std::filesystem::path& path, size_t limit) : path_(path), limit_(limit) {
   std::error_code code;
@@ -50,4 +50,4 @@ double LineReader::fraction() const {
   return size_ == 0 ? 0.0 : std::min(1.0, static_cast<double>(read_) / static_cast<double>(size_));
 }
 
-}  // namespace loci
+}  // namespace loci::memory

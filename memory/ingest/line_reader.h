@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string>
 
-namespace loci {
+namespace loci::memory {
 
 /// Reads a file line by line with bounded memory: lines that are too long are passed over, not held.
 class LineReader {
@@ -34,4 +34,4 @@ class LineReader {
   uint64_t read_ = 0, size_ = 0;
 };
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -6,7 +6,7 @@
 
 #include "mapping/base/quantile.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// What lies farther from everything that was there is another thing.
@@ -43,4 +43,4 @@ std::optional<double> PositionNoise::sigma_m() const {
   return std::clamp(median(differences_) / 0.6745 / std::numbers::sqrt2, kMin_m, kMax_m);
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -4,7 +4,7 @@
 
 #include "memory/ingest/detections.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// Estimates how much detected positions scatter, from moments that follow each other: most things do not
 /// move between two looks, so that the median distance of nearest detections is noise. Robust against what
@@ -22,4 +22,4 @@ class PositionNoise {
   std::vector<double> differences_;  ///< per axis, of what was probably the same
 };
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -7,7 +7,7 @@
 #include "mapping/image/hsv.h"
 #include "mapping/world/semantic_map.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// Extent assumed where nobody measured it, for looking whether something is in view.
@@ -59,7 +59,7 @@ std::vector<belief::Descriptor> descriptors_of(const Detection& detection) {
   std::vector<belief::Descriptor> descriptors;
   if (detection.color) {
     const Vector3d& hsv = *detection.color;
-    const auto rgb = rgb_from_hsv(hsv[0], hsv[1], hsv[2]);
+    const auto rgb = mapping::rgb_from_hsv(hsv[0], hsv[1], hsv[2]);
     descriptors.push_back({"mean_color", {rgb.begin(), rgb.end()}});
   }
   if (detection.size) {
@@ -111,8 +111,8 @@ ObservationRecord observation_of(const Detection& detection, double sigma_m,
   if (detection.color) {
     const Vector3d& hsv = *detection.color;
     observation.row.hsv = HsvColor{hsv[0], hsv[1], hsv[2]};
-    observation.row.color =
-        color_name(static_cast<float>(hsv[0]), static_cast<float>(hsv[1]), static_cast<float>(hsv[2]));
+    observation.row.color = mapping::color_name(static_cast<float>(hsv[0]), static_cast<float>(hsv[1]),
+                                                static_cast<float>(hsv[2]));
   }
   annotate(detection, observation);
   return observation;
@@ -167,9 +167,9 @@ SceneRecord scene_of_detections(const DetectedScene& scene, double sigma_m,
 
 std::vector<PlaceRow> places_of_map(const std::filesystem::path& urdf) {
   std::vector<PlaceRow> places;
-  const std::filesystem::path sidecar = sidecar_path(urdf);
+  const std::filesystem::path sidecar = mapping::sidecar_path(urdf);
   if (!std::filesystem::exists(sidecar)) return places;
-  for (const auto& [name, link] : read_semantic_map(sidecar).links) {
+  for (const auto& [name, link] : mapping::read_semantic_map(sidecar).links) {
     const Json& geometry = link.geometry;
     if (!geometry.contains("height") || !geometry.contains("outline")) continue;
     PlaceRow place{.name = name, .class_name = link.class_name};
@@ -186,4 +186,4 @@ std::vector<PlaceRow> places_of_map(const std::filesystem::path& urdf) {
   return places;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

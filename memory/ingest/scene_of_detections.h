@@ -3,7 +3,7 @@
 #include "memory/ingest/detections.h"
 #include "memory/recorder/scene_record.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// What a moment of another system's detections means for belief and memory. `sigma_m` is the noise of
 /// positions where a detection does not say its own. `map_places` are those of the map; others are named as
@@ -14,4 +14,4 @@ SceneRecord scene_of_detections(const DetectedScene& scene, double sigma_m,
 /// The supports of a map's sidecar as places.
 std::vector<PlaceRow> places_of_map(const std::filesystem::path& urdf);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -6,7 +6,7 @@
 
 #include "memory/mln/ground.h"
 
-namespace loci::mln {
+namespace loci::memory::mln {
 namespace {
 
 void collect_variables(const GroundFormula& formula, std::set<size_t>& variables) {
@@ -110,4 +110,4 @@ Marginals enumerate(const GroundNetwork& network, size_t max_worlds) {
   return Enumeration(network, max_worlds).run();
 }
 
-}  // namespace loci::mln
+}  // namespace loci::memory::mln

@@ -5,7 +5,7 @@
 #include <limits>
 #include <set>
 
-namespace loci::mln {
+namespace loci::memory::mln {
 namespace {
 
 constexpr double kNever = -std::numeric_limits<double>::infinity();
@@ -175,4 +175,4 @@ GroundNetwork ground(const Network& network) {
   return Grounder(network).run();
 }
 
-}  // namespace loci::mln
+}  // namespace loci::memory::mln

@@ -6,7 +6,7 @@
 
 #include "memory/mln/network.h"
 
-namespace loci::mln {
+namespace loci::memory::mln {
 
 /// A formula without variables. Atoms are "variable has value".
 struct GroundFormula {
@@ -55,4 +55,4 @@ struct Marginals {
 /// Error when there is no world, or more than `max_worlds`.
 Marginals enumerate(const GroundNetwork& network, size_t max_worlds = 20'000'000);
 
-}  // namespace loci::mln
+}  // namespace loci::memory::mln

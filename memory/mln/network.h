@@ -8,7 +8,7 @@
 
 #include "mapping/base/error.h"
 
-namespace loci::mln {
+namespace loci::memory::mln {
 
 /// A predicate and the domains of its arguments. At most one argument is functional ("!"): for the others
 /// given, the predicate holds for exactly one of its values.
@@ -70,4 +70,4 @@ struct Network {
   bool is_constant(const std::string& name) const;
 };
 
-}  // namespace loci::mln
+}  // namespace loci::memory::mln

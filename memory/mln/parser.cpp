@@ -4,7 +4,7 @@
 
 #include "memory/mln/network.h"
 
-namespace loci::mln {
+namespace loci::memory::mln {
 namespace {
 
 struct Token {
@@ -248,4 +248,4 @@ void Network::read_evidence(std::string_view text, const std::string& file) {
   });
 }
 
-}  // namespace loci::mln
+}  // namespace loci::memory::mln

@@ -2,7 +2,7 @@
 
 #include "memory/questions/snapshot.h"
 
-namespace loci {
+namespace loci::memory {
 
 AboutAnswer ask(const Store& store, const AboutQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
@@ -22,4 +22,4 @@ AboutAnswer ask(const Store& store, const AboutQuestion& question) {
   return answer;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -3,7 +3,7 @@
 #include "memory/questions/facts.h"
 #include "memory/store/object_evidence.h"
 
-namespace loci {
+namespace loci::memory {
 
 // What is known about a thing: what annotators say it is, what people say, where it is.
 
@@ -24,4 +24,4 @@ struct AboutAnswer {
 };
 AboutAnswer ask(const Store& store, const AboutQuestion& question);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -7,7 +7,7 @@
 
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 // A question is a struct, an answer is a struct with its evidence; command line, browser, JSON and words are
 // ways to write the same struct. Every question takes `as_of`: what held at a time, as known at a time.
@@ -122,7 +122,7 @@ struct ContentsQuestion {
   std::string place = {};
   AsOf as_of = {};
   std::string subject = {};  ///< only these; empty = everything
-  size_t max_gone = 20;     ///< so many at most of what is gone from it
+  size_t max_gone = 20;      ///< so many at most of what is gone from it
 };
 struct PlaceContents {
   PlaceRef place = {};
@@ -232,4 +232,4 @@ ObjectsAnswer ask(const Store& store, const ObjectsQuestion& question);
 ScenesAnswer ask(const Store& store, const ScenesQuestion& question);
 TimelineAnswer ask(const Store& store, const TimelineQuestion& question);
 
-}  // namespace loci
+}  // namespace loci::memory

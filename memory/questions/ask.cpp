@@ -5,7 +5,7 @@
 #include "memory/questions/answers.h"
 #include "memory/questions/snapshot.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// Sightings closer than this and on the same place are one stay.
@@ -198,4 +198,4 @@ std::string verdict_name(Verdict verdict) {
   return {};
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -9,7 +9,7 @@
 #include "mapping/base/error.h"
 #include "memory/questions/snapshot.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 const std::set<std::string> kKinds = {
@@ -46,4 +46,4 @@ ChangesAnswer ask_for_kind(const Store& store, const ChangesQuestion& question, 
   return answer;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

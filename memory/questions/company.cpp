@@ -13,7 +13,7 @@
 #include "memory/questions/people_time.h"
 #include "memory/questions/snapshot.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr TimeNs kVisitGap = 600 * kSecond;
@@ -312,4 +312,4 @@ KindAnswer ask(const Store& store, const KindQuestion& question) {
   return answer;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

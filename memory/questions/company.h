@@ -2,7 +2,7 @@
 
 #include "memory/questions/answers.h"
 
-namespace loci {
+namespace loci::memory {
 
 // What is with what: near by, in the same scenes, in the same arrangement.
 
@@ -98,4 +98,4 @@ struct KindAnswer {
 };
 KindAnswer ask(const Store& store, const KindQuestion& question);
 
-}  // namespace loci
+}  // namespace loci::memory

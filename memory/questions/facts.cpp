@@ -9,7 +9,7 @@
 #include "mapping/base/utf8.h"
 #include "memory/questions/snapshot.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 struct About {
@@ -139,4 +139,4 @@ Json to_json(const FactsAnswer& answer) {
   return json;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

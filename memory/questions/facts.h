@@ -3,7 +3,7 @@
 #include "mapping/base/json_fwd.h"
 #include "memory/questions/answers.h"
 
-namespace loci {
+namespace loci::memory {
 
 // What people say about objects and places: alias, owner, class, state, or any other key. Rows are only
 // added: a new owner supersedes the old one, which stays known to questions as of an earlier time.
@@ -40,4 +40,4 @@ FactsAnswer set_fact(Store& store, const std::string& about, const std::string& 
 FactsAnswer remove_fact(Store& store, const std::string& about, const std::string& key,
                         const std::string& value);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -9,7 +9,7 @@
 #include "memory/questions/people_time.h"
 #include "memory/questions/snapshot.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// Hours and days of the week.
@@ -133,4 +133,4 @@ KeptAnswer ask(const Store& store, const KeptQuestion& question) {
   return answer;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -4,7 +4,7 @@
 
 #include "memory/questions/answers.h"
 
-namespace loci {
+namespace loci::memory {
 
 // What is usual, counted over all sightings: how often X was seen at a place, and what a place is used for.
 
@@ -60,4 +60,4 @@ struct KeptAnswer {
 UsualAnswer ask(const Store& store, const UsualQuestion& question);
 KeptAnswer ask(const Store& store, const KeptQuestion& question);
 
-}  // namespace loci
+}  // namespace loci::memory

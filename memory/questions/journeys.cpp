@@ -8,7 +8,7 @@
 #include "mapping/base/quantile.h"
 #include "memory/questions/snapshot.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr double kMetresPerSecond = 0.5;  // of a robot among people
@@ -193,4 +193,4 @@ NextLookAnswer ask(const Store& store, const NextLookQuestion& question) {
   return answer;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

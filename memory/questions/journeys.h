@@ -2,7 +2,7 @@
 
 #include "memory/questions/answers.h"
 
-namespace loci {
+namespace loci::memory {
 
 // The ways that things go, and the way to find them.
 
@@ -58,4 +58,4 @@ struct NextLookAnswer {
 };
 NextLookAnswer ask(const Store& store, const NextLookQuestion& question);
 
-}  // namespace loci
+}  // namespace loci::memory

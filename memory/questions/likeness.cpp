@@ -9,7 +9,7 @@
 #include "mapping/image/image_io.h"
 #include "memory/questions/snapshot.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr size_t kMaxImages = 12;  // the latest of an object
@@ -57,8 +57,8 @@ std::vector<Image> images_of(const Snapshot& snapshot, Id object) {
   for (auto sighting = sightings.rbegin(); sighting != sightings.rend(); ++sighting) {
     if (!sighting->observation.crop) continue;
     const std::string bytes = snapshot.store().blob(*sighting->observation.crop).bytes;
-    images.push_back({histogram_of(decode_image({bytes.begin(), bytes.end()}, object_name(object))),
-                        sighting->association.scene});
+    images.push_back({histogram_of(mapping::decode_image({bytes.begin(), bytes.end()}, object_name(object))),
+                      sighting->association.scene});
     if (images.size() == kMaxImages) break;
   }
   return images;
@@ -76,11 +76,10 @@ LikeAnswer ask(const Store& store, const LikeQuestion& question) {
     answer.asked = object_name(*self);
     wanted = images_of(snapshot, *self);
     if (wanted.empty())
-      throw Error(fmt::format("no image of {} was kept", answer.asked), {},
-                  "give an image with --image");
+      throw Error(fmt::format("no image of {} was kept", answer.asked), {}, "give an image with --image");
   } else {
     answer.asked = question.image.filename().string();
-    wanted.push_back({histogram_of(read_color(question.image)), 0});
+    wanted.push_back({histogram_of(mapping::read_color(question.image)), 0});
   }
   for (const BeliefRow& belief : snapshot.beliefs()) {
     if (belief.object == self) continue;
@@ -99,4 +98,4 @@ LikeAnswer ask(const Store& store, const LikeQuestion& question) {
   return answer;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

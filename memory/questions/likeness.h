@@ -4,11 +4,11 @@
 
 #include "memory/questions/answers.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// Which objects look like this image, or like this object?
 struct LikeQuestion {
-  std::string subject = {};            ///< an object in words; empty when an image is given
+  std::string subject = {};          ///< an object in words; empty when an image is given
   std::filesystem::path image = {};  ///< what fills most of it
   AsOf as_of = {};
 };
@@ -24,4 +24,4 @@ struct LikeAnswer {
 /// Error when the image cannot be read or no image of the object was kept.
 LikeAnswer ask(const Store& store, const LikeQuestion& question);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -3,7 +3,7 @@
 #include <array>
 #include <string_view>
 
-namespace loci {
+namespace loci::memory {
 
 /// When an occasion is, by local hours.
 struct Occasion {
@@ -21,4 +21,4 @@ inline const Occasion* occasion_called(std::string_view name) {
   return nullptr;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

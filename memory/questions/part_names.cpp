@@ -4,7 +4,7 @@
 #include "mapping/world/world.h"
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 const std::string& name_in(const std::map<std::string, std::string>& names, const std::string& name) {
@@ -39,9 +39,9 @@ PartNames part_names(const Store& store, std::optional<TimeNs> known_at) {
   return names;
 }
 
-void take_part_names(World& world, const PartNames& names) {
-  for (Link& link : world.links) link.name = names.link(link.name);
-  for (Joint& joint : world.joints) {
+void take_part_names(mapping::World& world, const PartNames& names) {
+  for (mapping::Link& link : world.links) link.name = names.link(link.name);
+  for (mapping::Joint& joint : world.joints) {
     joint.name = names.joint(joint.name);
     joint.parent = names.link(joint.parent);
     joint.child = names.link(joint.child);
@@ -50,4 +50,4 @@ void take_part_names(World& world, const PartNames& names) {
   world.root = names.link(world.root);
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -6,10 +6,13 @@
 
 #include "mapping/base/time.h"
 
-namespace loci {
+namespace loci::mapping {
+struct World;
+}  // namespace loci::mapping
+
+namespace loci::memory {
 
 class Store;
-struct World;
 
 /// The program of runs that are edits by people.
 inline constexpr const char* kEditProgram = "loci-memory edit";
@@ -29,6 +32,6 @@ struct PartNames {
 PartNames part_names(const Store& store, std::optional<TimeNs> known_at = {});
 
 /// Gives a map's links and joints these names.
-void take_part_names(World& world, const PartNames& names);
+void take_part_names(mapping::World& world, const PartNames& names);
 
-}  // namespace loci
+}  // namespace loci::memory

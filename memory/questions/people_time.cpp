@@ -11,7 +11,7 @@
 
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr TimeNs kMinute = 60 * kSecond;
@@ -323,4 +323,4 @@ std::string TimeWriter::span_text(TimeNs from, TimeNs to) const {
   return a == b ? "at " + a : fmt::format("from {} to {}", a, b);
 }
 
-}  // namespace loci
+}  // namespace loci::memory

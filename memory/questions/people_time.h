@@ -6,7 +6,7 @@
 
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// A time as people say it covers a while: "08:30" is all of that minute, a date all of that day.
 struct TimeSpan {
@@ -60,4 +60,4 @@ class TimeWriter {
   int decimals_ = 0;
 };
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -3,7 +3,7 @@
 #include "mapping/world/urdf.h"
 #include "memory/questions/part_names.h"
 
-namespace loci {
+namespace loci::memory {
 
 void take_place_names(std::vector<PlaceRow>& places, const std::vector<FactRow>& facts) {
   for (const FactRow& fact : facts) {
@@ -19,18 +19,18 @@ std::vector<PlaceRow> named_places(const Store& store) {
   return places;
 }
 
-std::optional<World> named_map(const Store& store) {
+std::optional<mapping::World> named_map(const Store& store) {
   const std::vector<MapRow> maps = store.maps();
   if (maps.empty()) return std::nullopt;
-  World world = parse_urdf(store.blob(maps.back().urdf).bytes, maps.back().name);
+  mapping::World world = mapping::parse_urdf(store.blob(maps.back().urdf).bytes, maps.back().name);
   const std::vector<PlaceRow> before = store.places(), now = named_places(store);
   for (size_t i = 0; i < before.size(); ++i) {
     if (before[i].name == now[i].name || world.find_link(now[i].name) != nullptr) continue;
     const auto rename = [&](std::string& link) {
       if (link == before[i].name) link = now[i].name;
     };
-    for (Link& link : world.links) rename(link.name);
-    for (Joint& joint : world.joints) {
+    for (mapping::Link& link : world.links) rename(link.name);
+    for (mapping::Joint& joint : world.joints) {
       rename(joint.parent);
       rename(joint.child);
     }
@@ -40,4 +40,4 @@ std::optional<World> named_map(const Store& store) {
   return world;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -13,14 +13,14 @@
 #include "mapping/world/urdf.h"
 #include "memory/questions/snapshot.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// The map that held at the asked time, as it is stored.
 struct StoredMap {
   std::string name;
-  World world;
-  SemanticMap semantic;
+  mapping::World world;
+  mapping::SemanticMap semantic;
 };
 
 std::optional<StoredMap> map_of(const Snapshot& snapshot) {
@@ -31,9 +31,10 @@ std::optional<StoredMap> map_of(const Snapshot& snapshot) {
   const auto used = std::find_if(maps.begin(), maps.end(),
                                  [&](const MapRow& row) { return latest && latest->map == row.id; });
   const MapRow& row = used == maps.end() ? maps.back() : *used;
-  StoredMap map{row.name, parse_urdf(store.blob(row.urdf).bytes, row.name), {}};
+  StoredMap map{row.name, mapping::parse_urdf(store.blob(row.urdf).bytes, row.name), {}};
   if (row.sidecar)
-    map.semantic = semantic_map_from_json(parse_json(store.blob(*row.sidecar).bytes, row.name), row.name);
+    map.semantic =
+        mapping::semantic_map_from_json(parse_json(store.blob(*row.sidecar).bytes, row.name), row.name);
   return map;
 }
 
@@ -44,23 +45,24 @@ std::string class_of(const StoredMap& map, const std::string& link) {
 }
 
 /// Pieces of a drawer or door are not told one by one.
-bool is_piece(const StoredMap& map, const Link& link) {
+bool is_piece(const StoredMap& map, const mapping::Link& link) {
   static const std::set<std::string> pieces = {"drawer_bottom", "drawer_side", "handle", "knob"};
   if (link.visuals.empty() || pieces.contains(class_of(map, link.name))) return true;
-  const Joint* joint = map.world.parent_joint(link.name);
-  const bool fixed = joint == nullptr || joint->type == JointType::fixed;
-  const Joint* above = joint == nullptr ? nullptr : map.world.parent_joint(joint->parent);
-  return fixed && above != nullptr && above->type != JointType::fixed;
+  const mapping::Joint* joint = map.world.parent_joint(link.name);
+  const bool fixed = joint == nullptr || joint->type == mapping::JointType::fixed;
+  const mapping::Joint* above = joint == nullptr ? nullptr : map.world.parent_joint(joint->parent);
+  return fixed && above != nullptr && above->type != mapping::JointType::fixed;
 }
 
 /// The joint that moves a link: its own or that of a link which carries it; nullptr = none does.
-const Joint* moving_joint(const World& world, const std::string& link) {
-  const Joint* joint = world.parent_joint(link);
-  while (joint != nullptr && joint->type == JointType::fixed) joint = world.parent_joint(joint->parent);
+const mapping::Joint* moving_joint(const mapping::World& world, const std::string& link) {
+  const mapping::Joint* joint = world.parent_joint(link);
+  while (joint != nullptr && joint->type == mapping::JointType::fixed)
+    joint = world.parent_joint(joint->parent);
   return joint;
 }
 
-PartMotion motion_of(const Snapshot& snapshot, const Joint& joint) {
+PartMotion motion_of(const Snapshot& snapshot, const mapping::Joint& joint) {
   return {.joint = snapshot.part_names().joint(joint.name),
           .map_joint = joint.name,
           .type = joint.type,
@@ -81,7 +83,7 @@ std::vector<RoomPart> parts_of_map(const Snapshot& snapshot, const StoredMap& ma
   std::vector<RoomPart> parts;
   std::set<std::string> joints;  // that have their part
   for (size_t i = 0; i < map.world.links.size(); ++i) {
-    const Link& link = map.world.links[i];
+    const mapping::Link& link = map.world.links[i];
     if (is_piece(map, link)) continue;
     RoomPart part{.name = snapshot.part_names().link(link.name),
                   .map_name = link.name,
@@ -91,7 +93,7 @@ std::vector<RoomPart> parts_of_map(const Snapshot& snapshot, const StoredMap& ma
       part.aliases = known->second.aliases;
       if (!known->second.appliance.empty()) part.aliases.push_back(known->second.appliance);
     }
-    const Joint* joint = moving_joint(map.world, link.name);
+    const mapping::Joint* joint = moving_joint(map.world, link.name);
     if (joint != nullptr && joints.insert(joint->name).second) part.motion = motion_of(snapshot, *joint);
     for (size_t k = 0; k < map_places.size(); ++k) {
       const PlaceRow& place = snapshot.places()[k];
@@ -217,7 +219,7 @@ bool PartMotion::open() const {
   return position && std::abs(*position) > 0.05 * way;
 }
 
-std::optional<World> world_of(const Snapshot& snapshot) {
+std::optional<mapping::World> world_of(const Snapshot& snapshot) {
   std::optional<StoredMap> map = map_of(snapshot);
   if (!map) return std::nullopt;
   return std::move(map->world);
@@ -249,4 +251,4 @@ OpensAnswer ask(const Store& store, const OpensQuestion& question) {
   return answer;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

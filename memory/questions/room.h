@@ -5,20 +5,20 @@
 #include "mapping/world/world.h"
 #include "memory/questions/answers.h"
 
-namespace loci {
+namespace loci::memory {
 
 // What the room consists of and what opens: the map's links, what scenes saw of them, and what stands there.
 
 class Snapshot;
 
 /// The map that the last scene was seen with; unset without one.
-std::optional<World> world_of(const Snapshot& snapshot);
+std::optional<mapping::World> world_of(const Snapshot& snapshot);
 
 /// How a part moves, and how it stands.
 struct PartMotion {
   std::string joint = {};
   std::string map_joint = {};  ///< what the map calls it
-  JointType type = JointType::fixed;
+  mapping::JointType type = mapping::JointType::fixed;
   double lower = 0, upper = 0;                     ///< metres or radians; 0 = closed
   std::optional<double> position = {};             ///< in the last scene that knew; unset = never known
   std::optional<SceneRef> seen = {};               ///< that scene
@@ -68,4 +68,4 @@ std::string part_without_place(const Snapshot& snapshot, const std::string& name
 RoomAnswer ask(const Store& store, const RoomQuestion& question);
 OpensAnswer ask(const Store& store, const OpensQuestion& question);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -9,7 +9,7 @@
 
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -338,4 +338,4 @@ std::vector<std::string> nearest_sentences(const std::string& sentence, size_t c
   return nearest;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -7,7 +7,7 @@
 
 #include "memory/questions/people_time.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// A command of loci-memory, without the name of the memory.
 struct CommandLine {
@@ -49,4 +49,4 @@ std::optional<CommandLine> understand(const std::string& sentence, const TimeRea
 /// The examples of the forms that are nearest to a sentence, nearest first.
 std::vector<std::string> nearest_sentences(const std::string& sentence, size_t count = 3);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -1,6 +1,6 @@
 #include "memory/questions/sentence.h"
 
-namespace loci {
+namespace loci::memory {
 
 // {T} at the end of a command is the time since when something holds, in place of what Period says.
 // Narrow forms stand before wide ones: the first that fits is taken.
@@ -359,4 +359,4 @@ const std::vector<SentencePattern>& sentence_patterns() {
   return patterns;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

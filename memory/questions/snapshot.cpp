@@ -12,7 +12,7 @@
 #include "memory/questions/place_names.h"
 #include "memory/questions/room.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 std::string lower(std::string text) {
@@ -138,7 +138,7 @@ const std::vector<BeliefRow>& Snapshot::beliefs() const {
 }
 
 const PartNames& Snapshot::part_names() const {
-  if (!part_names_) part_names_ = loci::part_names(store_, as_of_.known_at);
+  if (!part_names_) part_names_ = loci::memory::part_names(store_, as_of_.known_at);
   return *part_names_;
 }
 
@@ -466,4 +466,4 @@ std::vector<Id> Snapshot::find_objects(const std::string& subject) const {
   return found;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -8,7 +8,7 @@
 #include "memory/questions/part_names.h"
 #include "memory/questions/taxonomy.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// Thrown when words mean nothing in this memory.
 class UnknownName : public Error {
@@ -93,4 +93,4 @@ std::optional<Vector3d> centre_of(const PlaceRow& place);
 bool is_size_word(const std::string& word);
 bool has_size(const std::string& word, const Vector3d& size);
 
-}  // namespace loci
+}  // namespace loci::memory

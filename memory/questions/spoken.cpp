@@ -11,7 +11,7 @@
 #include "memory/questions/snapshot.h"
 #include "memory/questions/unseen.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 const std::set<std::string> kPronouns = {"it", "them", "that",     "this",    "they",
@@ -363,4 +363,4 @@ std::vector<SpokenAnswer> ask(const Store& store, const SpokenQuestion& question
   return answers;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -11,7 +11,7 @@
 #include "memory/questions/sentence.h"
 #include "memory/questions/tasks.h"
 
-namespace loci {
+namespace loci::memory {
 
 using AnyAnswer =
     std::variant<WhereAnswer, HistoryAnswer, ContentsAnswer, WasAnswer, ChangesAnswer, ObjectsAnswer,
@@ -47,4 +47,4 @@ WasQuestion read_was(std::vector<std::string> words);
 /// Runs a command as loci-memory would. Error for a verb that is no question.
 AnyAnswer run_question(const Store& store, const CommandLine& command, const AsOf& as_of);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -11,7 +11,7 @@
 #include "memory/questions/snapshot.h"
 #include "memory/questions/words.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr std::array<const char*, 4> kKinds = {"bring", "stow", "set", "clean"};
@@ -228,4 +228,4 @@ TaskQuestion::Kind task_kind(const std::string& name) {
   return static_cast<TaskQuestion::Kind>(found - kKinds.begin());
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -2,7 +2,7 @@
 
 #include "memory/questions/answers.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// A task for a robot or a person: which objects are concerned, where they are, where they are to go, and
 /// what is missing for it.
@@ -44,4 +44,4 @@ std::string task_name(TaskQuestion::Kind kind);  ///< "bring", "stow", "set", "c
 /// Error with the known ones.
 TaskQuestion::Kind task_kind(const std::string& name);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -8,7 +8,7 @@
 #include "mapping/base/config.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr const char* kProgram = "loci-memory taxonomy load";
@@ -127,4 +127,4 @@ std::string to_text(const Taxonomy& taxonomy) {
   return text;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

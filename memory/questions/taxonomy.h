@@ -9,7 +9,7 @@
 #include "mapping/base/json_fwd.h"
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// What people say about kinds of things: a mug is a cup is crockery, milk is perishable, "tea cup" is
 /// another word for "cup". A memory keeps each taxonomy that was loaded, as the configuration of the run that
@@ -45,4 +45,4 @@ class Taxonomy {
 std::string to_text(const Taxonomy& taxonomy);
 Json to_json(const Taxonomy& taxonomy);
 
-}  // namespace loci
+}  // namespace loci::memory

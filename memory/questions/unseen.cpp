@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace loci {
+namespace loci::memory {
 
 ObjectsAnswer ask_unseen_since(const Store& store, const ObjectsQuestion& question, TimeNs since) {
   ObjectsAnswer answer = ask(store, question);
@@ -11,4 +11,4 @@ ObjectsAnswer ask_unseen_since(const Store& store, const ObjectsQuestion& questi
   return answer;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -11,7 +11,7 @@
 #include "memory/questions/snapshot.h"
 #include "memory/store/depth_thumbnail.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// Points on the surface of a place, for asking scenes what they saw of it; empty when its shape is unknown.
@@ -308,4 +308,4 @@ WasAnswer ask(const Store& store, const WasQuestion& question) {
   return answer;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -5,7 +5,7 @@
 
 #include "memory/questions/words.h"
 
-namespace loci::words {
+namespace loci::memory::words {
 
 // What answers in words and in JSON are put together from.
 
@@ -34,4 +34,4 @@ Json object_json(const ObjectRef& object);
 Json state_json(const ObjectState& state);
 Json states_json(const std::vector<ObjectState>& states);
 
-}  // namespace loci::words
+}  // namespace loci::memory::words

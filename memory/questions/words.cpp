@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <numbers>
 
-namespace loci {
+namespace loci::memory {
 namespace words {
 
 std::string plural(size_t count, const char* word) {
@@ -140,8 +140,9 @@ std::string duration_text(TimeNs duration) {
 std::string stay_text(const Stay& stay, const TimeWriter& times) {
   const TimeNs first = stay.scenes.front().time, last = stay.scenes.back().time;
   const std::string lasted = duration_text(last - first);
-  return fmt::format("{}, {}, {}{}", times.span_text(first, last), spot_text(stay.place, stay.position),
-                     scenes_text(stay.scenes), lasted.empty() ? "" : ", for " + lasted + " at least");
+  return fmt::format("{}, {}, {}{}", times.span_text(first, last),
+                     words::spot_text(stay.place, stay.position), words::scenes_text(stay.scenes),
+                     lasted.empty() ? "" : ", for " + lasted + " at least");
 }
 
 std::string when_text(const Change& change, const TimeWriter& times) {
@@ -151,16 +152,16 @@ std::string when_text(const Change& change, const TimeWriter& times) {
 
 std::string change_line(const Change& change, const TimeWriter& times) {
   std::string line = fmt::format("{}  {}", when_text(change, times), change_text(change));
-  if (change.probability < 0.995) line += fmt::format(" ({} sure)", percent(change.probability));
-  if (change.scene) line += fmt::format(" [{}]", scene_text(*change.scene));
+  if (change.probability < 0.995) line += fmt::format(" ({} sure)", words::percent(change.probability));
+  if (change.scene) line += fmt::format(" [{}]", words::scene_text(*change.scene));
   if (change.source != "perceive" && !change.source.empty()) line += " - says " + change.source;
   return line;
 }
 
 std::string summary_text(const SceneSummary& summary, const TimeWriter& times) {
-  std::string line = fmt::format("{}  {}", times.text(summary.scene.time), scene_text(summary.scene));
+  std::string line = fmt::format("{}  {}", times.text(summary.scene.time), words::scene_text(summary.scene));
   if (summary.scene.recording) line += " of " + *summary.scene.recording;
-  line += ": " + plural(summary.observations, "thing") + " seen";
+  line += ": " + words::plural(summary.observations, "thing") + " seen";
   std::vector<std::string> places;
   for (const auto& [place, fraction] : summary.looked_at)
     places.push_back(fmt::format("{} {:.0f} %", place, 100 * fraction));
@@ -174,7 +175,7 @@ std::string summary_text(const SceneSummary& summary, const TimeWriter& times) {
 std::string object_text(const ObjectRef& object) {
   std::vector<std::string> notes;
   if (object.color) notes.push_back(*object.color);
-  if (object.size) notes.push_back(size_text(*object.size));
+  if (object.size) notes.push_back(words::size_text(*object.size));
   for (const std::string& alias : object.aliases) notes.push_back("called " + alias);
   return notes.empty() ? object.name : fmt::format("{} ({})", object.name, fmt::join(notes, ", "));
 }
@@ -182,7 +183,7 @@ std::string object_text(const ObjectRef& object) {
 std::string change_text(const Change& change) {
   const std::string who = change.object ? object_text(*change.object) : "";
   const auto on = [](const std::optional<PlaceRef>& place) {
-    return place ? " " + place_text(*place) : std::string();
+    return place ? " " + words::place_text(*place) : std::string();
   };
   if (change.kind == "appeared") return fmt::format("{} appeared{}", who, on(change.place));
   if (change.kind == "gone")
@@ -207,7 +208,7 @@ std::string change_text(const Change& change) {
   std::string text = who + " moved";
   const bool same = change.place && change.from_place && change.place->id == change.from_place->id;
   if (same)
-    text += " " + place_text(*change.place);
+    text += " " + words::place_text(*change.place);
   else if (change.from_place || change.place)
     text += (change.from_place ? " from " + change.from_place->name : std::string()) +
             (change.place ? " to " + change.place->name : std::string());
@@ -224,14 +225,14 @@ std::string to_text(const WhereAnswer& answer, const TimeWriter& times) {
   if (answer.objects.size() > 1)
     lines.push_back(fmt::format("'{}' is {} objects:", answer.asked, answer.objects.size()));
   for (const ObjectState& state : answer.objects) {
-    lines.push_back(state_text(state, times));
+    lines.push_back(words::state_text(state, times));
     for (const Alternative& other : state.alternatives)
       lines.push_back(fmt::format("  or else {} ({}): what was seen there in scene {} is taken for {}",
-                                  spot_text(other.place, other.position), percent(other.probability),
-                                  other.scene.scene,
+                                  words::spot_text(other.place, other.position),
+                                  words::percent(other.probability), other.scene.scene,
                                   other.taken_for ? object_text(*other.taken_for) : "a false cluster"));
   }
-  return lines_text(lines);
+  return words::lines_text(lines);
 }
 
 std::string to_text(const HistoryAnswer& answer, const TimeWriter& times) {
@@ -239,7 +240,7 @@ std::string to_text(const HistoryAnswer& answer, const TimeWriter& times) {
   for (const ObjectHistory& history : answer.objects) {
     if (!lines.empty()) lines.emplace_back();
     lines.push_back(fmt::format("{}, seen in {}:", object_text(history.now.object),
-                                plural(history.now.sightings, "scene")));
+                                words::plural(history.now.sightings, "scene")));
     // Stays and what happened, in one order of time.
     std::vector<std::pair<TimeNs, std::string>> entries;
     for (const Stay& stay : history.stays)
@@ -253,19 +254,19 @@ std::string to_text(const HistoryAnswer& answer, const TimeWriter& times) {
     std::stable_sort(entries.begin(), entries.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     for (const auto& [time, text] : entries) lines.push_back("  " + text);
-    lines.push_back("  now: " + state_text(history.now, times));
+    lines.push_back("  now: " + words::state_text(history.now, times));
   }
-  return lines_text(lines);
+  return words::lines_text(lines);
 }
 
 std::string to_text(const ContentsAnswer& answer, const TimeWriter& times) {
   std::vector<std::string> lines;
   for (const PlaceContents& contents : answer.places) {
-    const std::string where = place_text(contents.place);
+    const std::string where = words::place_text(contents.place);
     const std::string look =
         contents.last_look
             ? fmt::format("last looked at {} ({}{})", times.text(contents.last_look->time),
-                          scene_text(*contents.last_look),
+                          words::scene_text(*contents.last_look),
                           contents.fraction ? fmt::format(", {:.0f} % of it", 100 * *contents.fraction) : "")
             : "never looked at";
     if (contents.there.empty() && !answer.subject.empty())
@@ -273,15 +274,15 @@ std::string to_text(const ContentsAnswer& answer, const TimeWriter& times) {
     else if (contents.there.empty())
       lines.push_back(fmt::format("Nothing is known to be {} ({}).", where, look));
     else
-      lines.push_back(fmt::format("{} {} {} ({}):", plural(contents.there.size(), "object"),
+      lines.push_back(fmt::format("{} {} {} ({}):", words::plural(contents.there.size(), "object"),
                                   contents.there.size() == 1 ? "is" : "are", where, look));
-    for (const ObjectState& state : contents.there) lines.push_back("  " + state_text(state, times));
+    for (const ObjectState& state : contents.there) lines.push_back("  " + words::state_text(state, times));
     for (const ObjectState& state : contents.gone)
-      lines.push_back("  no longer: " + state_text(state, times));
+      lines.push_back("  no longer: " + words::state_text(state, times));
     if (contents.gone_in_all > contents.gone.size())
       lines.push_back(fmt::format("  no longer: {} more", contents.gone_in_all - contents.gone.size()));
   }
-  return lines_text(lines);
+  return words::lines_text(lines);
 }
 
 std::string to_text(const WasAnswer& answer, const TimeWriter& times) {
@@ -300,7 +301,8 @@ std::string to_text(const WasAnswer& answer, const TimeWriter& times) {
     const std::string name = object_text(object.object);
     std::string line;
     if (object.verdict == Verdict::yes)
-      line = fmt::format("Yes: {} was {} {}, seen in {}.", name, where, span, scenes_text(object.seen_there));
+      line = fmt::format("Yes: {} was {} {}, seen in {}.", name, where, span,
+                         words::scenes_text(object.seen_there));
     else if (object.verdict == Verdict::no)
       line = fmt::format("No: {} was not {} {}: {}.", name, where, span, object.reason);
     else
@@ -311,30 +313,30 @@ std::string to_text(const WasAnswer& answer, const TimeWriter& times) {
       std::vector<std::string> places;
       for (const auto& [scene, place] : object.seen_elsewhere)
         places.push_back(fmt::format("{} at {} ({})", place.empty() ? "off any place" : place,
-                                     times.text(scene.time), scene_text(scene)));
+                                     times.text(scene.time), words::scene_text(scene)));
       if (places.size() > 4) places.resize(4);
       lines.push_back(fmt::format("  seen elsewhere: {}", fmt::join(places, "; ")));
     }
     if (object.verdict != Verdict::yes && !object.looks.empty()) {
       std::vector<SceneRef> scenes;
       for (const PlaceLook& look : object.looks) scenes.push_back(look.scene);
-      lines.push_back("  looked in " + scenes_text(scenes));
+      lines.push_back("  looked in " + words::scenes_text(scenes));
     }
     if (object.verdict != Verdict::yes && object.before)
       lines.push_back(fmt::format("  before that it was there at {} ({})", times.text(object.before->time),
-                                  scene_text(*object.before)));
+                                  words::scene_text(*object.before)));
     if (object.verdict != Verdict::yes && object.after)
       lines.push_back(fmt::format("  after that it was there at {} ({})", times.text(object.after->time),
-                                  scene_text(*object.after)));
+                                  words::scene_text(*object.after)));
   }
-  return lines_text(lines);
+  return words::lines_text(lines);
 }
 
 std::string to_text(const ChangesAnswer& answer, const TimeWriter& times) {
   if (answer.changes.empty()) return "Nothing is known to have happened.\n";
   std::vector<std::string> lines;
   for (const Change& change : answer.changes) lines.push_back(change_line(change, times));
-  return lines_text(lines);
+  return words::lines_text(lines);
 }
 
 std::string to_text(const ObjectsAnswer& answer, const TimeWriter& times) {
@@ -345,23 +347,24 @@ std::string to_text(const ObjectsAnswer& answer, const TimeWriter& times) {
     const auto& aliases = state.object.aliases;
     rows.push_back(
         {state.object.name + (aliases.empty() ? "" : fmt::format(" ({})", fmt::join(aliases, ", "))),
-         state.object.color.value_or("-"), state.object.size ? size_text(*state.object.size) : "-",
-         state.place ? place_text(*state.place) : "-", status_text(state.status),
+         state.object.color.value_or("-"), state.object.size ? words::size_text(*state.object.size) : "-",
+         state.place ? words::place_text(*state.place) : "-", words::status_text(state.status),
          std::to_string(state.sightings), state.last_seen ? times.text(state.last_seen->time) : "-"});
   }
-  const auto once = std::ranges::count_if(answer.objects, seen_once);
-  if (once == 0) return table_text(rows);
-  return table_text(rows) + fmt::format(
-                                "{} of {} were seen in one look only and gone when somebody looked again: "
-                                "perhaps false detections, or others that looked different\n",
-                                once, answer.objects.size());
+  const auto once = std::ranges::count_if(answer.objects, words::seen_once);
+  if (once == 0) return words::table_text(rows);
+  return words::table_text(rows) +
+         fmt::format(
+             "{} of {} were seen in one look only and gone when somebody looked again: "
+             "perhaps false detections, or others that looked different\n",
+             once, answer.objects.size());
 }
 
 std::string to_text(const ScenesAnswer& answer, const TimeWriter& times) {
   if (answer.scenes.empty()) return "No scenes are known.\n";
   std::vector<std::string> lines;
   for (const SceneSummary& summary : answer.scenes) lines.push_back(summary_text(summary, times));
-  return lines_text(lines);
+  return words::lines_text(lines);
 }
 
 std::string to_text(const TimelineAnswer& answer, const TimeWriter& times) {
@@ -371,11 +374,11 @@ std::string to_text(const TimelineAnswer& answer, const TimeWriter& times) {
     lines.push_back(summary_text(entry.scene, times));
     for (const Change& change : entry.changes) {
       std::string line = "    " + change_text(change);
-      if (change.probability < 0.995) line += fmt::format(" ({} sure)", percent(change.probability));
+      if (change.probability < 0.995) line += fmt::format(" ({} sure)", words::percent(change.probability));
       lines.push_back(line);
     }
   }
-  return lines_text(lines);
+  return words::lines_text(lines);
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -7,7 +7,7 @@
 #include "memory/questions/people_time.h"
 #include "memory/questions/spoken.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// Answers as sentences that a person would like to read, times in the memory's zone.
 std::string to_text(const WhereAnswer& answer, const TimeWriter& times);
@@ -65,4 +65,4 @@ std::string change_text(const Change& change);
 /// "object_3 (red, the tea cup)".
 std::string object_text(const ObjectRef& object);
 
-}  // namespace loci
+}  // namespace loci::memory

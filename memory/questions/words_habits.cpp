@@ -7,7 +7,7 @@
 #include "mapping/base/json.h"
 #include "memory/questions/word_parts.h"
 
-namespace loci {
+namespace loci::memory {
 
 using namespace words;
 
@@ -51,58 +51,59 @@ std::string to_text(const UsualAnswer& answer, const TimeWriter& times) {
     for (const UsualPlace& place : object.places) all += place.sightings;
     const UsualPlace& first = object.places[0];
     lines.push_back(fmt::format("{} is usually {}{}: seen there in {} of {} scenes ({:.0f} %), {}; {}.", name,
-                                place_text(first.place), during_text(answer.during), first.sightings, all,
-                                100 * first.share, hours_text(first.by_hour), days_text(first.by_weekday)));
+                                words::place_text(first.place), during_text(answer.during), first.sightings,
+                                all, 100 * first.share, hours_text(first.by_hour),
+                                days_text(first.by_weekday)));
     for (size_t i = 1; i < object.places.size(); ++i)
       lines.push_back(fmt::format("  also {} in {} ({:.0f} %), last at {}",
-                                  place_text(object.places[i].place),
-                                  plural(object.places[i].sightings, "scene"), 100 * object.places[i].share,
-                                  times.text(object.places[i].last.time)));
+                                  words::place_text(object.places[i].place),
+                                  words::plural(object.places[i].sightings, "scene"),
+                                  100 * object.places[i].share, times.text(object.places[i].last.time)));
   }
-  return lines_text(lines);
+  return words::lines_text(lines);
 }
 
 std::string to_text(const KeptAnswer& answer, const TimeWriter& times) {
   std::vector<std::string> lines;
   for (const KeptPlace& kept : answer.places) {
-    const std::string where = place_text(kept.place);
+    const std::string where = words::place_text(kept.place);
     if (kept.objects.empty()) {
       lines.push_back(kept.looks == 0
                           ? fmt::format("What is kept {} is not known: nobody has looked there.", where)
                           : fmt::format("Nothing was seen {} in the {} that looked there.", where,
-                                        plural(kept.looks, "scene")));
+                                        words::plural(kept.looks, "scene")));
       continue;
     }
-    lines.push_back(fmt::format("{} {} seen {} ({} looked there):", plural(kept.objects.size(), "object"),
-                                kept.objects.size() == 1 ? "was" : "were", where,
-                                plural(kept.looks, "scene")));
+    lines.push_back(
+        fmt::format("{} {} seen {} ({} looked there):", words::plural(kept.objects.size(), "object"),
+                    kept.objects.size() == 1 ? "was" : "were", where, words::plural(kept.looks, "scene")));
     for (const KeptObject& object : kept.objects) {
       const std::string first = times.text(object.first.time), last = times.text(object.last.time);
       lines.push_back(fmt::format("  {}: in {} {}, {:.0f} % of all that saw it at a place; {}.",
-                                  object_text(object.now.object), plural(object.sightings, "scene"),
+                                  object_text(object.now.object), words::plural(object.sightings, "scene"),
                                   first == last ? "at " + first : fmt::format("from {} to {}", first, last),
                                   100 * object.share,
                                   object.still_there ? "still there" : "no longer there"));
     }
   }
-  return lines_text(lines);
+  return words::lines_text(lines);
 }
 
 std::string to_text(const TaskAnswer& answer, const TimeWriter& times) {
   std::vector<std::string> lines;
   for (const TaskItem& item : answer.items) {
-    std::string line = state_text(item.object, times);
+    std::string line = words::state_text(item.object, times);
     if (!item.needed_as.empty()) line = item.needed_as + ": " + line;
     if (item.target && item.done)
       line += fmt::format(" It is where it is to be ({}).", item.target->reason);
     else if (item.target)
-      line += fmt::format(" To go {} ({}).", place_text(item.target->place), item.target->reason);
+      line += fmt::format(" To go {} ({}).", words::place_text(item.target->place), item.target->reason);
     lines.push_back(line);
   }
   if (answer.items.empty()) lines.emplace_back("No object is concerned.");
   for (const std::string& missing : answer.missing) lines.push_back("Missing: " + missing + ".");
   for (const std::string& note : answer.notes) lines.push_back("Note: " + note + ".");
-  return lines_text(lines);
+  return words::lines_text(lines);
 }
 
 std::string to_text(const AnyAnswer& answer, const TimeWriter& times) {
@@ -116,18 +117,18 @@ std::string to_text(const SpokenAnswer& answer, const TimeWriter& times) {
   if (answer.why_not) lines.push_back(answer.why_not->text);
   if (!answer.nearest.empty()) lines.emplace_back("What is understood, for example:");
   for (const std::string& sentence : answer.nearest) lines.push_back("  " + sentence);
-  return lines_text(lines) + (answer.answer ? to_text(*answer.answer, times) : "");
+  return words::lines_text(lines) + (answer.answer ? to_text(*answer.answer, times) : "");
 }
 
 Json to_json(const UsualAnswer& answer) {
   Json json = {{"asked", answer.asked}, {"objects", Json::array()}};
   if (!answer.during.empty()) json["during"] = answer.during;
   for (const UsualObject& object : answer.objects) {
-    Json entry = state_json(object.now);
+    Json entry = words::state_json(object.now);
     entry["places"] = Json::array();
     for (const UsualPlace& place : object.places) {
       Json one = {{"place", place.place.name}, {"sightings", place.sightings},
-                  {"share", place.share},      {"last", scene_json(place.last)},
+                  {"share", place.share},      {"last", words::scene_json(place.last)},
                   {"by_hour", Json::object()}, {"by_weekday", Json::object()}};
       for (const auto& [hour, count] : place.by_hour) one["by_hour"][std::to_string(hour)] = count;
       for (const auto& [day, count] : place.by_weekday)
@@ -143,13 +144,13 @@ Json to_json(const KeptAnswer& answer) {
   Json json = {{"asked", answer.asked}, {"places", Json::array()}};
   for (const KeptPlace& kept : answer.places) {
     Json entry = {{"place", kept.place.name}, {"looks", kept.looks}, {"objects", Json::array()}};
-    if (kept.last_look) entry["last_look"] = scene_json(*kept.last_look);
+    if (kept.last_look) entry["last_look"] = words::scene_json(*kept.last_look);
     for (const KeptObject& object : kept.objects) {
-      Json one = state_json(object.now);
+      Json one = words::state_json(object.now);
       one["sightings_there"] = object.sightings;
       one["share"] = object.share;
-      one["first_there"] = scene_json(object.first);
-      one["last_there"] = scene_json(object.last);
+      one["first_there"] = words::scene_json(object.first);
+      one["last_there"] = words::scene_json(object.last);
       one["still_there"] = object.still_there;
       entry["objects"].push_back(one);
     }
@@ -161,7 +162,7 @@ Json to_json(const KeptAnswer& answer) {
 Json to_json(const TaskAnswer& answer) {
   Json json = {{"task", task_name(answer.kind)}, {"asked", answer.asked}, {"objects", Json::array()}};
   for (const TaskItem& item : answer.items) {
-    Json entry = state_json(item.object);
+    Json entry = words::state_json(item.object);
     if (item.target)
       entry["target"] = {{"place", item.target->place.name},
                          {"probability", item.target->probability},
@@ -189,4 +190,4 @@ Json to_json(const SpokenAnswer& answer) {
   return json;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -1,7 +1,7 @@
 #include "mapping/base/json.h"
 #include "memory/questions/word_parts.h"
 
-namespace loci {
+namespace loci::memory {
 namespace words {
 
 Json vector_json(const Vector3d& v) {
@@ -74,16 +74,16 @@ namespace {
 Json change_json(const Change& change) {
   Json json = {{"kind", change.kind}, {"time", format_time(change.time)}};
   if (change.since) json["since"] = format_time(*change.since);
-  if (change.object) json.update(object_json(*change.object));
-  put(json, "place", change.place, place_json);
-  put(json, "from_place", change.from_place, place_json);
-  put(json, "position", change.position, vector_json);
-  put(json, "from_position", change.from_position, vector_json);
+  if (change.object) json.update(words::object_json(*change.object));
+  words::put(json, "place", change.place, words::place_json);
+  words::put(json, "from_place", change.from_place, words::place_json);
+  words::put(json, "position", change.position, words::vector_json);
+  words::put(json, "from_position", change.from_position, words::vector_json);
   if (change.joint) json["joint"] = *change.joint;
   if (change.joint_position) json["joint_position"] = *change.joint_position;
   if (change.from_joint_position) json["from_joint_position"] = *change.from_joint_position;
   json["probability"] = change.probability;
-  put(json, "scene", change.scene, scene_json);
+  words::put(json, "scene", change.scene, words::scene_json);
   json["source"] = change.source;
   return json;
 }
@@ -95,7 +95,7 @@ Json changes_json(const std::vector<Change>& changes) {
 }
 
 Json summary_json(const SceneSummary& summary) {
-  Json json = scene_json(summary.scene);
+  Json json = words::scene_json(summary.scene);
   json["observations"] = summary.observations;
   json["has_pose"] = summary.has_pose;
   json["looked_at"] = Json::object();
@@ -105,25 +105,25 @@ Json summary_json(const SceneSummary& summary) {
 }
 
 Json was_json(const WasObject& object) {
-  Json json = object_json(object.object);
+  Json json = words::object_json(object.object);
   json["verdict"] = verdict_name(object.verdict);
   if (!object.reason.empty()) json["reason"] = object.reason;
-  json["seen_there"] = scenes_json(object.seen_there);
+  json["seen_there"] = words::scenes_json(object.seen_there);
   json["seen_elsewhere"] = Json::array();
   for (const auto& [scene, place] : object.seen_elsewhere) {
-    Json entry = scene_json(scene);
+    Json entry = words::scene_json(scene);
     if (!place.empty()) entry["place"] = place;
     json["seen_elsewhere"].push_back(entry);
   }
   json["looks"] = Json::array();
   for (const PlaceLook& look : object.looks) {
-    Json entry = scene_json(look.scene);
+    Json entry = words::scene_json(look.scene);
     entry["fraction"] = look.fraction;
     entry["spot"] = look.spot;
     json["looks"].push_back(entry);
   }
-  put(json, "before", object.before, scene_json);
-  put(json, "after", object.after, scene_json);
+  words::put(json, "before", object.before, words::scene_json);
+  words::put(json, "after", object.after, words::scene_json);
   return json;
 }
 
@@ -132,13 +132,13 @@ Json was_json(const WasObject& object) {
 Json to_json(const WhereAnswer& answer) {
   Json json = {{"asked", answer.asked}, {"objects", Json::array()}};
   for (const ObjectState& state : answer.objects) {
-    Json entry = state_json(state);
+    Json entry = words::state_json(state);
     entry["alternatives"] = Json::array();
     for (const Alternative& other : state.alternatives) {
-      Json one = {{"probability", other.probability}, {"scene", scene_json(other.scene)}};
-      put(one, "place", other.place, place_json);
-      put(one, "position", other.position, vector_json);
-      put(one, "taken_for", other.taken_for, object_json);
+      Json one = {{"probability", other.probability}, {"scene", words::scene_json(other.scene)}};
+      words::put(one, "place", other.place, words::place_json);
+      words::put(one, "position", other.position, words::vector_json);
+      words::put(one, "taken_for", other.taken_for, words::object_json);
       entry["alternatives"].push_back(one);
     }
     json["objects"].push_back(entry);
@@ -149,16 +149,16 @@ Json to_json(const WhereAnswer& answer) {
 Json to_json(const HistoryAnswer& answer) {
   Json json = {{"asked", answer.asked}, {"objects", Json::array()}};
   for (const ObjectHistory& history : answer.objects) {
-    Json entry = state_json(history.now);
+    Json entry = words::state_json(history.now);
     entry["stays"] = Json::array();
     for (const Stay& stay : history.stays) {
       Json one = {{"from", format_time(stay.scenes.front().time)},
                   {"to", format_time(stay.scenes.back().time)},
                   {"seconds", double(stay.scenes.back().time - stay.scenes.front().time) / kSecond}};
-      put(one, "place", stay.place, place_json);
-      put(one, "position", stay.position, vector_json);
+      words::put(one, "place", stay.place, words::place_json);
+      words::put(one, "position", stay.position, words::vector_json);
       one["probability"] = stay.probability;
-      one["scenes"] = scenes_json(stay.scenes);
+      one["scenes"] = words::scenes_json(stay.scenes);
       entry["stays"].push_back(one);
     }
     entry["changes"] = changes_json(history.changes);
@@ -173,10 +173,10 @@ Json to_json(const ContentsAnswer& answer) {
   for (const PlaceContents& contents : answer.places) {
     Json entry = {{"place", contents.place.name},
                   {"container", contents.place.container},
-                  {"objects", states_json(contents.there)},
-                  {"gone", states_json(contents.gone)}};
+                  {"objects", words::states_json(contents.there)},
+                  {"gone", words::states_json(contents.gone)}};
     if (contents.gone_in_all > contents.gone.size()) entry["gone_in_all"] = contents.gone_in_all;
-    put(entry, "last_look", contents.last_look, scene_json);
+    words::put(entry, "last_look", contents.last_look, words::scene_json);
     if (contents.fraction) entry["fraction"] = *contents.fraction;
     json["places"].push_back(entry);
   }
@@ -203,7 +203,7 @@ Json to_json(const ChangesAnswer& answer) {
 }
 
 Json to_json(const ObjectsAnswer& answer) {
-  return {{"objects", states_json(answer.objects)}};
+  return {{"objects", words::states_json(answer.objects)}};
 }
 
 Json to_json(const ScenesAnswer& answer) {
@@ -217,11 +217,11 @@ Json to_json(const TimelineAnswer& answer) {
   for (const TimelineEntry& entry : answer.entries) {
     Json one = summary_json(entry.scene);
     one["seen"] = Json::array();
-    for (const ObjectRef& object : entry.seen) one["seen"].push_back(object_json(object));
+    for (const ObjectRef& object : entry.seen) one["seen"].push_back(words::object_json(object));
     one["changes"] = changes_json(entry.changes);
     json["timeline"].push_back(one);
   }
   return json;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -9,7 +9,7 @@
 #include "memory/belief/similarity.h"
 #include "memory/recorder/scene_reasoning.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
@@ -139,4 +139,4 @@ Json to_json(const PairMatrices& matrices) {
   return json;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -8,7 +8,7 @@
 #include "memory/identity/problem.h"
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// What identity was decided from in a scene, and what came of it, as in Figure 6.9: rows are the scene's
 /// observations, columns the objects believed before it that were considered or whose place was in view.
@@ -46,4 +46,4 @@ std::optional<PairMatrices> pair_matrices(const Store& store, Id scene);
 std::string to_text(const PairMatrices& matrices);
 Json to_json(const PairMatrices& matrices);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -13,7 +13,7 @@
 #include "memory/store/scene_kinds.h"
 #include "memory/store/scratch_memory.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 BlobRecord blob_of(const Store& store, const std::optional<Id>& id) {
@@ -56,7 +56,7 @@ void read_view(const Store& store, const SceneRow& row, belief::SceneView& view)
 void draw_label(const ObservationRow& row, const BlobRecord& mask_blob, int step, int label,
                 cv::Mat& labels) {
   if (!row.roi || mask_blob.bytes.empty() || labels.empty()) return;
-  const cv::Mat mask = decode_image({mask_blob.bytes.begin(), mask_blob.bytes.end()}, "mask");
+  const cv::Mat mask = mapping::decode_image({mask_blob.bytes.begin(), mask_blob.bytes.end()}, "mask");
   const auto [x, y, width, height] = *row.roi;
   for (int v = 0; v < labels.rows; ++v)
     for (int u = 0; u < labels.cols; ++u) {
@@ -311,4 +311,4 @@ Json HistoryDifference::to_json() const {
           {"observations", list}};
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -8,7 +8,7 @@
 #include "memory/belief/options.h"
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 struct ReasonResult {
   size_t scenes = 0, observations = 0;
@@ -48,4 +48,4 @@ struct HistoryDifference {
 
 HistoryDifference compare_histories(const Store& first, const Store& second);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -10,7 +10,7 @@
 #include "memory/reasoning/pair_matrices.h"
 #include "memory/recorder/scene_reasoning.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr size_t kScenesLookedAt = 200;  ///< after a sighting, for what was concluded since
@@ -240,4 +240,4 @@ Why why_scene(const Store& store, Id id) {
   return why;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -3,7 +3,7 @@
 #include "mapping/base/json.h"
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// An explanation of what the memory decided.
 struct Why {
@@ -20,4 +20,4 @@ Why why_object(const Store& store, Id object, const AsOf& as_of = {});
 /// (pair_matrices.h). Error when there is no such scene.
 Why why_scene(const Store& store, Id scene);
 
-}  // namespace loci
+}  // namespace loci::memory

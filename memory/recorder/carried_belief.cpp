@@ -7,7 +7,7 @@
 
 #include "memory/belief/archive.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr const char* kCheckpoint = "belief";
@@ -113,4 +113,4 @@ belief::BeliefState load_belief(const Store& store) {
   return {};  // the last scene was not recorded by us
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -5,7 +5,7 @@
 #include "memory/belief/state.h"
 #include "memory/store/scene_transaction.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// The belief that a memory holds after its last scene; empty for a new memory.
 belief::BeliefState load_belief(const Store& store);
@@ -26,4 +26,4 @@ class CarriedBelief {
   bool all_ = true;
 };
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -6,7 +6,7 @@
 
 #include "memory/store/depth_thumbnail.h"
 
-namespace loci {
+namespace loci::memory {
 
 namespace {
 
@@ -46,4 +46,4 @@ std::string kind_sample(const cv::Mat& kinds) {
   return bytes;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

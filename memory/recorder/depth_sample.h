@@ -3,7 +3,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-namespace loci {
+namespace loci::memory {
 
 /// A depth image small enough to be kept with every scene: the bytes of a depth thumbnail.
 struct DepthSample {
@@ -17,4 +17,4 @@ DepthSample depth_sample(const cv::Mat& depth);
 /// What these pixels are: the bytes of scene_kinds(), from an image of the depth image's size.
 std::string kind_sample(const cv::Mat& kinds);
 
-}  // namespace loci
+}  // namespace loci::memory

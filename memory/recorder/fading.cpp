@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// What is seen again soon hardly fades in between, whatever comes later: so much of the loss is told
@@ -31,4 +31,4 @@ Fading fading_of(const belief::ProtoObject& object, const belief::BeliefState& s
   return fading;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

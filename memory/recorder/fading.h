@@ -2,7 +2,7 @@
 
 #include "memory/belief/state.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// How the probability that an object is where it was seen fades while nobody looks: after t seconds it has
 /// become p * (share + (1 - share) * exp(-t / time_s)).
@@ -15,4 +15,4 @@ struct Fading {
 Fading fading_of(const belief::ProtoObject& object, const belief::BeliefState& state,
                  const belief::BeliefOptions& options);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -4,7 +4,7 @@
 
 #include "memory/recorder/carried_belief.h"
 
-namespace loci {
+namespace loci::memory {
 
 ForgetResult forget(Store& store, const ForgetRequest& request, Id run) {
   if (request.object && !store.belief(*request.object))
@@ -31,4 +31,4 @@ ForgetResult forget(Store& store, const ForgetRequest& request, Id run) {
   return store.forget(request, run);
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 // Smaller changes make no row of belief (they are told in the schema).
@@ -43,4 +43,4 @@ double unseen_probability(const belief::Visibility& v, const std::string& status
   return std::clamp(share, 0.0, 1.0);
 }
 
-}  // namespace loci
+}  // namespace loci::memory

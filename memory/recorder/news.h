@@ -5,7 +5,7 @@
 #include "memory/belief/visibility.h"
 #include "memory/store/rows.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// Whether a reader of the memory would be told something else without a row of belief of its own (the schema
 /// says what is too little for one). `before`: what the memory says; `row`: what is believed now.
@@ -18,4 +18,4 @@ bool joint_moved(double from, double to);
 std::string unseen_status(const belief::Visibility& visibility);
 double unseen_probability(const belief::Visibility& visibility, const std::string& status);
 
-}  // namespace loci
+}  // namespace loci::memory

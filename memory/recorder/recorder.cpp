@@ -13,7 +13,7 @@
 #include "memory/store/feature_structures.h"
 #include "memory/store/scene_kinds.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr double kMinShare = 0.01;
@@ -130,8 +130,8 @@ class Recorder::Writing {
   }
 
   void add_annotations(const std::vector<AnnotationRecord>& annotations,
-                       const std::vector<cas::FeatureStructure>& others, std::optional<Id> observation,
-                       FeatureStructureWriter& structures) {
+                       const std::vector<perception::cas::FeatureStructure>& others,
+                       std::optional<Id> observation, FeatureStructureWriter& structures) {
     for (const AnnotationRecord& annotation : annotations) {
       AnnotationRow row;
       row.scene = result_.scene;
@@ -142,7 +142,7 @@ class Recorder::Writing {
       if (annotation.structure) row.feature_structure = structures.add(annotation.structure, observation);
       transaction_.add_annotation(row);
     }
-    for (const cas::FeatureStructure& structure : others) structures.add(structure, observation);
+    for (const perception::cas::FeatureStructure& structure : others) structures.add(structure, observation);
   }
 
   void add_objects() {
@@ -479,4 +479,4 @@ belief::Scene evidence_of(const SceneRecord& record, int64_t first_observation) 
   return scene;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -7,7 +7,7 @@
 #include "memory/recorder/scene_record.h"
 #include "memory/store/scene_transaction.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// What recording one scene did.
 struct RecordedScene {
@@ -54,7 +54,7 @@ class Recorder {
   belief::BeliefState state_;
   Id next_observation_ = 1;
   std::map<Id, BeliefRow> told_;  ///< what the memory says about each object of the belief
-  Id max_object_ = 0;         ///< of the memory
+  Id max_object_ = 0;             ///< of the memory
   CarriedBelief carried_;
   std::map<std::string, double> last_joints_;  ///< of the scene before
   std::map<std::string, Id> places_;           ///< that the memory knows
@@ -68,7 +68,6 @@ struct FrameDigest {
   int64_t index = 0;
   TimeNs time = 0;
 };
-std::string recording_fingerprint(const std::vector<FrameDigest>& frames,
-                                  const std::vector<cv::Mat>& images);
+std::string recording_fingerprint(const std::vector<FrameDigest>& frames, const std::vector<cv::Mat>& images);
 
-}  // namespace loci
+}  // namespace loci::memory

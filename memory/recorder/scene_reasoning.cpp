@@ -2,7 +2,7 @@
 
 #include "memory/belief/archive.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr uint8_t kVersion = 3;  ///< 1 had no matrices, 2 no log ratios
@@ -38,4 +38,4 @@ std::optional<SceneReasoning> load_reasoning(const Store& store, Id scene) {
   return reasoning;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -3,7 +3,7 @@
 #include "memory/belief/scene_matrices.h"
 #include "memory/store/scene_transaction.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// What the belief was told about a scene, without images, and what it made of it: enough to explain it
 /// later and to reason anew.
@@ -19,4 +19,4 @@ void save_reasoning(SceneTransaction& transaction, Id scene, const belief::Scene
 /// Unset for scenes of which none was kept (other writers, earlier versions).
 std::optional<SceneReasoning> load_reasoning(const Store& store, Id scene);
 
-}  // namespace loci
+}  // namespace loci::memory

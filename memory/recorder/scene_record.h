@@ -7,14 +7,14 @@
 #include "memory/store/rows.h"
 #include "perception/cas/cas.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// A value that an annotator found, to be searched for.
 struct AnnotationRecord {
   std::string type;  ///< type name
   std::string value;
   std::optional<double> confidence;
-  cas::FeatureStructure structure;  ///< all of it; may be null
+  perception::cas::FeatureStructure structure;  ///< all of it; may be null
 };
 
 /// An image or other bytes with their media type; empty = none.
@@ -31,7 +31,7 @@ struct ObservationRecord {
   BlobRecord mask;
   BlobRecord cloud;  ///< encode_cluster_depth() of the pixels of the mask
   std::vector<AnnotationRecord> annotations;
-  std::vector<cas::FeatureStructure> structures;  ///< further feature structures to keep with it
+  std::vector<perception::cas::FeatureStructure> structures;  ///< further feature structures to keep with it
 };
 
 /// Everything about one moment, as it comes out of a pipeline or another detector.
@@ -44,10 +44,10 @@ struct SceneRecord {
   BlobRecord image;
   std::vector<PlaceRow> places;  ///< in view or in the map
   std::vector<ObservationRecord> observations;
-  std::vector<AnnotationRecord> annotations;      ///< about the scene as a whole
-  std::vector<cas::FeatureStructure> structures;  ///< of the scene
+  std::vector<AnnotationRecord> annotations;                  ///< about the scene as a whole
+  std::vector<perception::cas::FeatureStructure> structures;  ///< of the scene
   cv::Mat kinds;            ///< CV_8U, SceneKind per pixel of view.depth; empty = not known
   std::vector<LogRow> log;  ///< without scene and number, which the recorder fills in
 };
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -4,7 +4,7 @@
 
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::memory {
 
 std::vector<AnnotatorTimes> annotator_times(const std::filesystem::path& memory) {
   std::filesystem::path path = memory;
@@ -23,4 +23,4 @@ std::vector<AnnotatorTimes> annotator_times(const std::filesystem::path& memory)
   return all;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace loci {
+namespace loci::memory {
 
 /// How an annotator did over all runs that wrote to a memory.
 struct AnnotatorTimes {
@@ -21,4 +21,4 @@ struct AnnotatorTimes {
 /// when there are none; Error when the file is none of ours.
 std::vector<AnnotatorTimes> annotator_times(const std::filesystem::path& memory);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -5,7 +5,7 @@
 #include "mapping/base/html.h"
 #include "memory/report/report_data.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr size_t kMinSure = 30;
@@ -43,4 +43,4 @@ std::string decisions_section(const ReportData& data) {
           html_table({"time", "scene", "taken for", "because", "sure", "or else it may be"}, rows));
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -3,7 +3,7 @@
 #include "mapping/base/html.h"
 #include "memory/report/report_data.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 std::string runs_table(const ReportData& data) {
@@ -81,4 +81,4 @@ std::string log_section(const ReportData& data) {
   return html_section("log", "Log", body);
 }
 
-}  // namespace loci
+}  // namespace loci::memory

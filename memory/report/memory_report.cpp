@@ -10,7 +10,7 @@
 #include "memory/questions/place_names.h"
 #include "memory/report/report_data.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// A question as it is typed, and its answer in words.
@@ -87,4 +87,4 @@ std::string memory_report(const Store& store, const std::optional<std::string>& 
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

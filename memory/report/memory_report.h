@@ -6,7 +6,7 @@
 #include "mapping/base/progress.h"
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// How much of a long memory the page shows; what is left out is said on it.
 struct ReportOptions {
@@ -22,4 +22,4 @@ struct ReportOptions {
 std::string memory_report(const Store& store, const std::optional<std::string>& page,
                           const ReportOptions& options, Progress& progress);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -14,7 +14,7 @@
 #include "memory/report/annotator_times.h"
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr int kHours = 24;
@@ -134,4 +134,4 @@ std::string statistics_csv(const std::vector<Chart>& charts) {
   return csv;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

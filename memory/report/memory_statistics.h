@@ -6,7 +6,7 @@
 
 #include "mapping/base/progress.h"
 
-namespace loci {
+namespace loci::memory {
 
 class Store;
 
@@ -26,4 +26,4 @@ std::vector<Chart> memory_statistics(const Store& store, Progress& progress);
 /// "chart,name,value" with one row per bar.
 std::string statistics_csv(const std::vector<Chart>& charts);
 
-}  // namespace loci
+}  // namespace loci::memory

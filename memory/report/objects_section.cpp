@@ -6,7 +6,7 @@
 #include "memory/questions/about.h"
 #include "memory/report/report_data.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr size_t kImages = 4;
@@ -37,7 +37,7 @@ std::string images_of(const ReportData& data, const ObjectHistory& history) {
       const BlobRow blob = data.store.blob(*sighting.observation.crop);
       const auto* bytes = reinterpret_cast<const unsigned char*>(blob.bytes.data());
       images += html_image({bytes, blob.bytes.size()}, blob.media,
-                             history.now.object.name + " at " + data.times.text(time));
+                           history.now.object.name + " at " + data.times.text(time));
       ++count;
       break;
     }
@@ -93,4 +93,4 @@ std::string objects_section(const ReportData& data) {
                       data.objects_left_out() + "<div class=\"cards\">\n" + cards + "</div>\n");
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -10,7 +10,7 @@
 #include "memory/questions/snapshot.h"
 #include "memory/report/report_data.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr double kScale = 150;   ///< units of the drawing per metre
@@ -71,7 +71,7 @@ class Plan {
   Vector2d low_ = Vector2d::Constant(1e9), high_ = Vector2d::Constant(-1e9);
 };
 
-std::vector<Vector2d> footprint(const Box& box, const Isometry3d& map_from_box) {
+std::vector<Vector2d> footprint(const mapping::Box& box, const Isometry3d& map_from_box) {
   std::vector<cv::Point2d> corners;
   for (const double x : {-0.5, 0.5})
     for (const double y : {-0.5, 0.5})
@@ -91,8 +91,8 @@ void draw_room(const ReportData& data, Plan& plan) {
   if (const auto world = world_of(snapshot)) {
     const std::vector<Isometry3d> poses = root_from_links(*world, {});
     for (size_t i = 0; i < world->links.size(); ++i)
-      for (const Visual& visual : world->links[i].visuals)
-        if (const auto* box = std::get_if<Box>(&visual.geometry))
+      for (const mapping::Visual& visual : world->links[i].visuals)
+        if (const auto* box = std::get_if<mapping::Box>(&visual.geometry))
           plan.polygon(
               footprint(*box, poses[i] * visual.link_from_visual),
               "fill=\"currentColor\" fill-opacity=\".05\" stroke=\"currentColor\" stroke-opacity=\".3\"",
@@ -153,4 +153,4 @@ std::string plan_section(const ReportData& data) {
   return html_section("plan", "Plan of the room", body);
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// Those that were seen most often, in order of their number.
@@ -78,4 +78,4 @@ std::string object_css(Id object) {
   return fmt::format("hsl({:.0f} 65% 45%)", std::fmod(static_cast<double>(object) * kGoldenAngle, 360));
 }
 
-}  // namespace loci
+}  // namespace loci::memory

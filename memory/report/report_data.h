@@ -7,7 +7,7 @@
 #include "memory/questions/words.h"
 #include "memory/report/memory_report.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// What the sections of a report are made from, read once.
 struct ReportData {
@@ -47,4 +47,4 @@ std::string statistics_section(const ReportData& data, Progress& progress);
 std::string decisions_section(const ReportData& data);
 std::string log_section(const ReportData& data);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -6,7 +6,7 @@
 #include "memory/report/memory_statistics.h"
 #include "memory/report/report_data.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 std::string bars(const Chart& chart) {
@@ -33,4 +33,4 @@ std::string statistics_section(const ReportData& data, Progress& progress) {
   return html_section("statistics", "Statistics", "<div class=\"cards\">\n" + body + "</div>\n");
 }
 
-}  // namespace loci
+}  // namespace loci::memory

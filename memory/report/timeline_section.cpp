@@ -5,7 +5,7 @@
 #include "mapping/base/html.h"
 #include "memory/report/report_data.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr double kNames = 130, kWidth = 900, kLane = 22;
@@ -92,4 +92,4 @@ std::string timeline_section(const ReportData& data) {
                           html_table({"time", "objects seen", "what changed"}, rows));
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -4,13 +4,13 @@
 
 #include "mapping/image/image_io.h"
 
-namespace loci {
+namespace loci::memory {
 
 std::optional<ClusterPoints> cluster_points(const Store& store, const SceneRow& scene,
                                             const ObservationRow& observation) {
   if (!observation.cloud || !observation.mask || !observation.roi || !scene.camera) return std::nullopt;
   const std::string packed = store.blob(*observation.mask).bytes;
-  const cv::Mat mask = decode_image({packed.begin(), packed.end()}, store.path().string());
+  const cv::Mat mask = mapping::decode_image({packed.begin(), packed.end()}, store.path().string());
   const std::vector<float> depth = decode_cluster_depth(store.blob(*observation.cloud).bytes);
   const SceneCamera& camera = *scene.camera;
   const auto& [left, top, width, height] = *observation.roi;
@@ -63,4 +63,4 @@ std::vector<float> decode_cluster_depth(std::string_view bytes) {
   return depth;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

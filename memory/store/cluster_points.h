@@ -6,7 +6,7 @@
 
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// The points of an observation, as the depth camera saw them at its full resolution, rounded to millimetres
 /// of z-depth. Their colours are those of the scene's image, which is kept as long.
@@ -27,4 +27,4 @@ std::vector<float> decode_cluster_depth(std::string_view bytes);
 /// The blob's media type.
 inline constexpr const char* kClusterDepthMedia = "depth/uint16-mm-delta";
 
-}  // namespace loci
+}  // namespace loci::memory

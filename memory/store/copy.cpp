@@ -2,7 +2,7 @@
 
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::memory {
 
 void copy_memory(const std::filesystem::path& from, const std::filesystem::path& to) {
   std::error_code none;
@@ -21,4 +21,4 @@ void copy_memory(const std::filesystem::path& from, const std::filesystem::path&
               {to.string(), 0, {}}, full ? "make room, or write it elsewhere" : "");
 }
 
-}  // namespace loci
+}  // namespace loci::memory

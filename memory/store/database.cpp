@@ -10,7 +10,7 @@
 #include "mapping/base/hash.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::memory {
 
 void add_vector(SqlColumns& columns, const char* prefix, const std::optional<Vector3d>& value) {
   const char* const names[] = {"x", "y", "z"};
@@ -332,4 +332,4 @@ std::string decode_bytes(std::string bytes, int64_t encoding, int64_t size,
   return plain;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

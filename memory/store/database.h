@@ -14,7 +14,7 @@
 #include "memory/store/scene_transaction.h"
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// Bytes, not text.
 struct BytesView {
@@ -208,4 +208,4 @@ Encoded encode_bytes(std::string_view bytes);
 std::string decode_bytes(std::string bytes, int64_t encoding, int64_t size,
                          const std::filesystem::path& path);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace loci {
+namespace loci::memory {
 
 std::optional<DepthThumbnail> DepthThumbnail::of(const Store& store, const SceneRow& scene) {
   if (!scene.depth || !scene.camera || !scene.map_from_camera) return std::nullopt;
@@ -74,4 +74,4 @@ std::vector<float> decode_depth_thumbnail(std::string_view bytes) {
   return depth;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

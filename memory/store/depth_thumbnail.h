@@ -4,7 +4,7 @@
 
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// The small depth image of a scene with the camera scaled to it: enough to say later whether a spot was
 /// looked at.
@@ -47,4 +47,4 @@ std::vector<float> decode_depth_thumbnail(std::string_view bytes);
 /// The blob's media type.
 inline constexpr const char* kDepthThumbnailMedia = "depth/uint16-mm";
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -2,7 +2,7 @@
 
 #include "memory/store/reading.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 template <class Row, class Read>
@@ -65,4 +65,4 @@ Id EditRows::known_instead(const char* table, Id id) const {
   });
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -4,7 +4,7 @@
 
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// What corrections need to be turned around: rows of a run, and rows by their number, whether they are known
 /// any more or not. Reads beside the store with a connection of its own, what was committed before.
@@ -29,4 +29,4 @@ class EditRows {
   std::unique_ptr<Store::Implementation> implementation_;
 };
 
-}  // namespace loci
+}  // namespace loci::memory

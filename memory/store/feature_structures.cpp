@@ -6,10 +6,10 @@
 #include "mapping/base/json.h"
 #include "perception/cas/json.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
-class TransactionSink : public cas::BlobSink {
+class TransactionSink : public perception::cas::BlobSink {
  public:
   explicit TransactionSink(SceneTransaction& transaction) : transaction_(transaction) {}
   std::string put(std::string_view bytes) override {
@@ -23,7 +23,7 @@ class TransactionSink : public cas::BlobSink {
   std::vector<Id> blobs_;
 };
 
-class StoreSource : public cas::BlobSource {
+class StoreSource : public perception::cas::BlobSource {
  public:
   explicit StoreSource(const Store& store) : store_(store) {}
   Bytes get(const std::string& key) override {
@@ -60,7 +60,7 @@ std::string element(const char* name, const std::string& text) {
   return fmt::format("<{0}>{1}</{0}>", name, escaped(text));
 }
 
-std::string feature_xml(const cas::Feature& feature) {
+std::string feature_xml(const perception::cas::Feature& feature) {
   std::string xml = "<featureDescription>" + element("name", feature.name()) +
                     element("description", feature.description()) +
                     element("rangeTypeName", feature.range().name());
@@ -70,10 +70,10 @@ std::string feature_xml(const cas::Feature& feature) {
 }
 
 /// What a type has beyond what UIMA brings along; empty = nothing.
-std::string type_xml(const cas::Type& type) {
-  const auto builtin = cas::TypeSystem::builtin()->find(type.name());
+std::string type_xml(const perception::cas::Type& type) {
+  const auto builtin = perception::cas::TypeSystem::builtin()->find(type.name());
   std::string features;
-  for (const cas::Feature& feature : type.own_features())
+  for (const perception::cas::Feature& feature : type.own_features())
     if (!builtin || !builtin->find_feature(feature.name())) features += feature_xml(feature);
   if (builtin && features.empty()) return {};
   std::string xml = "<typeDescription>" + element("name", type.name()) +
@@ -91,15 +91,15 @@ std::string type_xml(const cas::Type& type) {
 
 }  // namespace
 
-std::string type_system_xml(const cas::TypeSystem& type_system) {
+std::string type_system_xml(const perception::cas::TypeSystem& type_system) {
   std::string xml =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<typeSystemDescription xmlns=\"http://uima.apache.org/resourceSpecifier\">\n<types>\n";
-  for (const cas::Type& type : type_system.types()) xml += type_xml(type);
+  for (const perception::cas::Type& type : type_system.types()) xml += type_xml(type);
   return xml + "</types>\n</typeSystemDescription>\n";
 }
 
-Id FeatureStructureWriter::add(const cas::FeatureStructure& root, std::optional<Id> observation) {
+Id FeatureStructureWriter::add(const perception::cas::FeatureStructure& root, std::optional<Id> observation) {
   if (const auto& types = root.cas().shared_type_system(); types != type_system_) {
     type_system_row_ = transaction_.add_type_system(type_system_xml(*types));
     type_system_ = types;
@@ -110,20 +110,21 @@ Id FeatureStructureWriter::add(const cas::FeatureStructure& root, std::optional<
   row.observation = observation;
   row.type = root.type().name();
   row.type_system = type_system_row_;
-  row.json = cas::to_json(root, &sink).dump();
+  row.json = perception::cas::to_json(root, &sink).dump();
   row.blobs = sink.take();
   return transaction_.add_feature_structure(row);
 }
 
-std::shared_ptr<const cas::TypeSystem> read_type_system(const Store& store, Id id) {
-  return cas::TypeSystem::load(
+std::shared_ptr<const perception::cas::TypeSystem> read_type_system(const Store& store, Id id) {
+  return perception::cas::TypeSystem::load(
       {{store.path().string() + ": type system " + std::to_string(id), store.type_system(id)}}, {}, {});
 }
 
-cas::FeatureStructure read_feature_structure(const Store& store, Id id, cas::Cas& cas) {
+perception::cas::FeatureStructure read_feature_structure(const Store& store, Id id,
+                                                         perception::cas::Cas& cas) {
   const FeatureStructureRow row = store.feature_structure(id);
   StoreSource source(store);
-  return cas::from_json(cas, parse_json(row.json, store.path().string()), &source);
+  return perception::cas::from_json(cas, parse_json(row.json, store.path().string()), &source);
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -2,7 +2,7 @@
 
 #include "memory/store/database.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr int64_t kRowsPerMark = 64;  // as in kDerivation
@@ -114,4 +114,4 @@ void Store::Implementation::mark_sighting(Id object, Id observation, TimeNs time
   seen.place = place;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

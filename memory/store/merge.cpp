@@ -12,7 +12,7 @@
 #include "memory/store/schema.h"
 #include "memory/store/scratch_memory.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 namespace fs = std::filesystem;
@@ -404,4 +404,4 @@ MergeResult merge(const fs::path& first, const fs::path& second, const fs::path&
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

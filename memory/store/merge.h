@@ -2,7 +2,7 @@
 
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// How the second memory's map frame lies in the first one's: turned about the vertical, then moved.
 struct FrameChange {
@@ -28,4 +28,4 @@ MergeResult merge(const std::filesystem::path& first, const std::filesystem::pat
                   const std::filesystem::path& output, const std::optional<FrameChange>& frame,
                   Progress& progress);
 
-}  // namespace loci
+}  // namespace loci::memory

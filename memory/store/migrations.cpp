@@ -1,6 +1,6 @@
 #include "memory/store/schema.h"
 
-namespace loci {
+namespace loci::memory {
 
 const char* const kMigrationTo1001 = R"sql(
 DROP VIEW v_objects;
@@ -320,4 +320,4 @@ CREATE TEMP VIEW scene_log AS
 CREATE TEMP VIEW row_count AS SELECT NULL AS name, NULL AS rows WHERE 0;
 )sql";
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-namespace loci {
+namespace loci::memory {
 
 std::vector<ObjectEvidence> evidence_of(const Store& store, const std::vector<Sighting>& sightings) {
   std::map<std::pair<std::string, std::string>, size_t> said;
@@ -32,4 +32,4 @@ std::vector<ObjectEvidence> evidence_of(const Store& store, const std::vector<Si
   return evidence;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -2,7 +2,7 @@
 
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// What annotators of one type say about an object.
 struct ObjectEvidence {
@@ -13,4 +13,4 @@ struct ObjectEvidence {
 /// By type, most often first; where it is and how it lies is left out.
 std::vector<ObjectEvidence> evidence_of(const Store& store, const std::vector<Sighting>& sightings);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -6,7 +6,7 @@
 
 #include "memory/store/database.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// "known_to IS NULL", or what was known at ?N.
 std::string known_condition(const AsOf& as_of, std::vector<SqlValue>& values);
@@ -46,4 +46,4 @@ Row one(Store::Implementation& store, const char* table, Id id, Read read) {
   return std::move(rows[0]);
 }
 
-}  // namespace loci
+}  // namespace loci::memory

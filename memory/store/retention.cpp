@@ -7,7 +7,7 @@
 #include "memory/store/database.h"
 #include "memory/store/schema.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 namespace fs = std::filesystem;
@@ -111,4 +111,4 @@ RetentionResult retain(const fs::path& memory, const RetentionRules& rules) {
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

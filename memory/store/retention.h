@@ -2,7 +2,7 @@
 
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// How long what was seen is kept how well; ages from the memory's last scene back. Unset = for ever.
 struct RetentionRules {
@@ -24,4 +24,4 @@ struct RetentionResult {
 /// believed and decided stays. The run that did it keeps rules and counts as its configuration.
 RetentionResult retain(const std::filesystem::path& memory, const RetentionRules& rules);
 
-}  // namespace loci
+}  // namespace loci::memory

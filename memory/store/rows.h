@@ -10,7 +10,7 @@
 #include "mapping/base/pose.h"
 #include "mapping/base/time.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// Row id in the memory. Object 12 is "object_12" for people.
 using Id = int64_t;
@@ -243,4 +243,4 @@ struct Sighting {
   std::optional<int64_t> frame_index = {};
 };
 
-}  // namespace loci
+}  // namespace loci::memory

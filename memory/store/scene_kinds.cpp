@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace loci {
+namespace loci::memory {
 
 std::optional<SceneKinds> scene_kinds(const Store& store, const SceneRow& scene) {
   if (!scene.kinds) return std::nullopt;
@@ -15,4 +15,4 @@ std::optional<SceneKinds> scene_kinds(const Store& store, const SceneRow& scene)
   return kinds;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

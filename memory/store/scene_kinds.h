@@ -6,7 +6,7 @@
 
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// What a pixel of a scene is (Fig. 2.1), as the known structure filter told.
 enum class SceneKind : uint8_t {
@@ -29,4 +29,4 @@ std::optional<SceneKinds> scene_kinds(const Store& store, const SceneRow& scene)
 /// The media type of the blob, which is a byte per pixel.
 inline constexpr const char* kSceneKindsMedia = "pixels/kind";
 
-}  // namespace loci
+}  // namespace loci::memory

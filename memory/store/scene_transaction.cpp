@@ -4,7 +4,7 @@
 #include "mapping/base/json.h"
 #include "memory/store/database.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 Bitemporal stamped(Bitemporal clock, TimeNs scene_time, TimeNs known, Id run) {
@@ -302,4 +302,4 @@ void SceneTransaction::drop_checkpoints(const std::string& prefix) {
   });
 }
 
-}  // namespace loci
+}  // namespace loci::memory

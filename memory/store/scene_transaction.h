@@ -2,7 +2,7 @@
 
 #include "memory/store/store.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// One scene with everything that it changes: all of it is in the memory after commit(), nothing before or
 /// without. Ids are given in the order of adding. A row's clock needs no more than valid_from, where it is
@@ -54,4 +54,4 @@ class SceneTransaction {
   bool open_ = true;
 };
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace loci {
+namespace loci::memory {
 
 /// SQLite's application id of a memory: "loci".
 inline constexpr int kMemoryApplicationId = 0x6c6f6369;
@@ -34,4 +34,4 @@ extern const char* const kViewsOf1000;
 extern const char* const kViewsOf1002;
 extern const char* const kViewsOf1004;
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -5,7 +5,7 @@
 
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// A memory in the making, with its log and lock: removed when it goes out of scope, unless it was moved to
 /// its place.
@@ -45,4 +45,4 @@ void make_as_a_whole(const std::filesystem::path& memory, Make make) {
   }
 }
 
-}  // namespace loci
+}  // namespace loci::memory

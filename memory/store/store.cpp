@@ -14,7 +14,7 @@
 #include "memory/store/database.h"
 #include "memory/store/schema.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 namespace fs = std::filesystem;
@@ -351,4 +351,4 @@ std::optional<Id> object_id(std::string_view name) {
   return id;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

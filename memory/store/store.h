@@ -13,7 +13,7 @@
 #include "mapping/base/progress.h"
 #include "memory/store/rows.h"
 
-namespace loci {
+namespace loci::memory {
 
 /// Which part of the two clocks a read sees. Unset = everything up to the end.
 struct AsOf {
@@ -244,4 +244,4 @@ std::string object_name(Id object);
 /// The id in "object_12"; unset when it is no such name.
 std::optional<Id> object_id(std::string_view name);
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -6,7 +6,7 @@
 
 #include "memory/store/reading.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr const char* kSighting = "chosen = 1 AND observation IS NOT NULL AND probability > 0";
@@ -371,4 +371,4 @@ std::vector<std::string> Store::annotation_values() const {
   return all<std::string>(*implementation_, text, {}, [](const SqlRow& row) { return row.text("value"); });
 }
 
-}  // namespace loci
+}  // namespace loci::memory

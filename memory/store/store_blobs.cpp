@@ -2,7 +2,7 @@
 
 #include "memory/store/reading.h"
 
-namespace loci {
+namespace loci::memory {
 
 std::optional<std::string> Store::reasoning(Id scene) const {
   const auto& path = implementation_->path;
@@ -102,4 +102,4 @@ std::string Store::type_system(Id id) const {
   return blob(content).bytes;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

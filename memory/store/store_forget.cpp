@@ -6,7 +6,7 @@
 #include "memory/store/scene_kinds.h"
 #include "memory/store/schema.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// What goes, in temporary tables: observations, objects of which nothing is left, scenes whose images go.
@@ -216,4 +216,4 @@ std::vector<ForgottenRow> Store::forgotten() const {
       });
 }
 
-}  // namespace loci
+}  // namespace loci::memory

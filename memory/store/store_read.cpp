@@ -2,7 +2,7 @@
 
 #include "memory/store/reading.h"
 
-namespace loci {
+namespace loci::memory {
 
 Store::Moment::Moment(const Store& store) : store_(*store.implementation_) {
   if (store_.writable || store_.moments++ > 0) return;
@@ -196,4 +196,4 @@ std::vector<FactRow> Store::facts(const AsOf& as_of) const {
       values, fact_row);
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -3,7 +3,7 @@
 #include "mapping/base/json.h"
 #include "memory/store/reading.h"
 
-namespace loci {
+namespace loci::memory {
 
 std::string known_condition(const AsOf& as_of, std::vector<SqlValue>& values) {
   if (!as_of.known_at) return "known_to IS NULL";
@@ -199,4 +199,4 @@ VisibilityRow visibility_row(const SqlRow& row) {
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -7,7 +7,7 @@
 
 #include "memory/store/reading.h"
 
-namespace loci {
+namespace loci::memory {
 
 namespace {
 
@@ -259,4 +259,4 @@ std::vector<EventRow> Store::events(const AsOf& as_of, std::optional<TimeNs> fro
       values, event_row);
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -4,7 +4,7 @@
 #include "mapping/base/json.h"
 #include "memory/store/reading.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// The table that an index or a table of R*Tree or full text belongs to.
@@ -74,4 +74,4 @@ void Store::read_view(const std::string& view, const std::function<void(const Js
   });
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -5,7 +5,7 @@
 #include "memory/store/database.h"
 #include "memory/store/schema.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// A query that finds what must not be; its first column is shown.
@@ -217,4 +217,4 @@ void Store::derive() {
   });
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -21,7 +21,7 @@
 #include "perception/annotators/hypotheses/transparent_extractor.h"
 #include "perception/annotators/io/recording_reader.h"
 
-namespace loci {
+namespace loci::perception {
 
 void add_annotators(AnnotatorRegistry& registry) {
   registry.add_reader<RecordingReader>();
@@ -70,4 +70,4 @@ flow:
   return text;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -4,7 +4,7 @@
 
 #include "perception/pipeline/registry.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Adds the readers and annotators of this room.
 void add_annotators(AnnotatorRegistry& registry);
@@ -12,4 +12,4 @@ void add_annotators(AnnotatorRegistry& registry);
 /// The pipeline that is run when none is given, as YAML.
 const std::string& default_pipeline();
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -3,7 +3,7 @@
 #include "perception/conversions/opencv.h"
 #include "perception/conversions/pcl.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 /// Deletes a cloud that was made from an image, and keeps the image as long: nobody has to take the cloud
@@ -92,4 +92,4 @@ std::vector<Vector3d> cluster_points(const types::SceneCas& scene, const types::
   return points;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

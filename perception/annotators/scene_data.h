@@ -9,7 +9,7 @@
 #include "perception/types/geometry.h"
 #include "perception/types/scene_cas.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Views that this room adds to those of SceneCas.
 inline constexpr std::string_view kRegionsView = "regions";     ///< CV_16U: number of the region, 0 = none
@@ -37,4 +37,4 @@ cas::Buffer<int32_t> cluster_indices(const types::Cluster& cluster);
 /// The points of a cluster in the map frame.
 std::vector<Vector3d> cluster_points(const types::SceneCas& scene, const types::Cluster& cluster);
 
-}  // namespace loci
+}  // namespace loci::perception

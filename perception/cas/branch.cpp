@@ -4,7 +4,7 @@
 
 #include "perception/cas/cas.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 std::unique_ptr<Cas> Cas::branch() const {
   auto copy = std::make_unique<Cas>(type_system_);
   copy->heap_ = heap_;
@@ -85,4 +85,4 @@ std::vector<FeatureStructure> Cas::changes() const {
   return found;
 }
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

@@ -11,7 +11,7 @@
 
 #include "perception/cas/type_system.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 /// The kind of array that a C++ element type is kept in. Byte arrays hold images and blobs, hence unsigned.
 template <typename T>
@@ -97,4 +97,4 @@ constexpr size_t element_bytes(Kind kind) {
   }
 }
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

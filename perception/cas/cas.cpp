@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 Cas::Cas(std::shared_ptr<const TypeSystem> type_system) : type_system_(std::move(type_system)) {
   if (!type_system_) throw Error("a CAS needs a type system");
@@ -85,4 +85,4 @@ void Cas::remove(const FeatureStructure& structure) {
   removed.elements = {};
 }
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

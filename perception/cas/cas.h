@@ -7,7 +7,7 @@
 
 #include "perception/cas/feature_structure.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 /// What `select` found: a list of handles, in the order in which they were indexed, or sorted.
 class Selection {
@@ -177,4 +177,4 @@ class Cas {
   std::unordered_set<uint32_t> hidden_;
 };
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

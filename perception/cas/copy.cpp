@@ -5,7 +5,7 @@
 #include "mapping/base/error.h"
 #include "perception/cas/graph.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 Copier::Copier(const Cas& from, Cas& to) : to_(to) {
   if (&from.type_system() != &to.type_system())
@@ -66,4 +66,4 @@ void Copier::fill(const FeatureStructure& original, const FeatureStructure& copy
   }
 }
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

@@ -4,7 +4,7 @@
 
 #include "perception/cas/cas.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 /// Copies feature structures, with everything that they refer to, from one CAS into another of the same type
 /// system. What is reached twice is copied once, over all calls; arrays share their memory. References to
@@ -27,4 +27,4 @@ class Copier {
   std::unordered_map<uint32_t, FeatureStructure> copies_;
 };
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

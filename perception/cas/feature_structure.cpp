@@ -5,7 +5,7 @@
 
 #include "perception/cas/cas.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 namespace {
 
@@ -219,4 +219,4 @@ void FeatureStructure::remove_from_index(std::string_view view) const {
   cas().view(view).remove_from_index(*this);
 }
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

@@ -7,7 +7,7 @@
 #include "perception/cas/buffer.h"
 #include "perception/cas/type_system.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 class Cas;
 class List;
@@ -200,4 +200,4 @@ class List {
   bool is_array_ = false;
 };
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

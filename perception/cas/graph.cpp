@@ -4,7 +4,7 @@
 #include <bit>
 #include <unordered_set>
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 namespace {
 
@@ -178,4 +178,4 @@ std::vector<CanonicalView> canonical_views(const Cas& cas) {
   return views;
 }
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

@@ -5,7 +5,7 @@
 
 #include "perception/cas/cas.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 /// Calls `visit(feature, target)` for every reference of a structure that is not null or deleted, in order of
 /// declaration; elements of an FSArray come with no feature.
@@ -24,4 +24,4 @@ struct CanonicalView {
 };
 std::vector<CanonicalView> canonical_views(const Cas& cas);
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

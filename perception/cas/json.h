@@ -3,7 +3,7 @@
 #include "mapping/base/json_fwd.h"
 #include "perception/cas/cas.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 /// Where large arrays go when a feature structure is written, so that the text stays small.
 class BlobSink {
@@ -52,4 +52,4 @@ Json to_json(const Cas& cas, BlobSink* sink = nullptr);
 /// leftovers.
 FeatureStructure from_json(Cas& cas, const Json& json, BlobSource* source = nullptr);
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

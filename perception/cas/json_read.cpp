@@ -6,7 +6,7 @@
 #include "mapping/base/json.h"
 #include "perception/cas/json.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 namespace {
 
@@ -244,4 +244,4 @@ FeatureStructure from_json(Cas& cas, const Json& json, BlobSource* source) {
   return {};
 }
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

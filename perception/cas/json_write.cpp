@@ -11,7 +11,7 @@
 #include "perception/cas/graph.h"
 #include "perception/cas/json.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 static_assert(std::endian::native == std::endian::little, "arrays are written as they lie in memory");
 
@@ -224,4 +224,4 @@ Json to_json(const Cas& cas, BlobSink* sink) {
   return json;
 }
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

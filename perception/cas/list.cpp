@@ -2,7 +2,7 @@
 
 #include "perception/cas/cas.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 List::List(FeatureStructure owner, Feature feature) : owner_(owner), feature_(feature) {
   const TypeSystem& types = owner_.cas().type_system();
@@ -180,4 +180,4 @@ template void List::push_back_value(const std::string&) const;
 template void List::push_back_value(const int32_t&) const;
 template void List::push_back_value(const float&) const;
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

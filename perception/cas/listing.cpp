@@ -6,7 +6,7 @@
 
 #include "mapping/base/json.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 namespace {
 
@@ -73,4 +73,4 @@ Json types_json(const TypeSystem& system) {
   return {{"types", types.size()}, {"features", count_features(types)}, {"type", std::move(list)}};
 }
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

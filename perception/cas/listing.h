@@ -3,7 +3,7 @@
 #include "mapping/base/json_fwd.h"
 #include "perception/cas/type_system.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 /// The declared types (not the built-in ones) with supertype, features, allowed values; for people.
 std::string types_text(const TypeSystem& system);
@@ -13,4 +13,4 @@ std::string types_text(const TypeSystem& system);
 /// "allowed_values"}]}. Lists hold inherited features too; the counts those that were declared.
 Json types_json(const TypeSystem& system);
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

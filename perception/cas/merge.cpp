@@ -2,7 +2,7 @@
 
 #include "perception/cas/cas.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 /// Brings the changes of a branch home, each compared with what there was when the branch was made.
 class Cas::Merge {
@@ -115,4 +115,4 @@ void Cas::merge(const Cas& branch) {
   Merge(*this, branch).run();
 }
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 namespace {
 
@@ -156,4 +156,4 @@ std::optional<Kind> TypeSystem::list_component(Type type) const {
   return std::nullopt;
 }
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

@@ -10,7 +10,7 @@
 
 #include "mapping/base/error.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 class TypeSystem;
 class Feature;
@@ -198,4 +198,4 @@ class TypeSystem {
   ListTypes fs_list_, string_list_, integer_list_, float_list_;
 };
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <functional>
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 using detail::FeatureData;
 using detail::TypeData;
@@ -284,4 +284,4 @@ std::shared_ptr<const TypeSystem> TypeSystem::builtin() {
   return system;
 }
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

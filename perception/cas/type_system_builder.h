@@ -9,23 +9,24 @@ namespace tinyxml2 {
 class XMLElement;
 }
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 /// Collects declarations from built-in types, texts and files, merges them, and makes a TypeSystem. Names are
 /// resolved at the end, so the order of files does not matter.
 class TypeSystemBuilder {
  public:
-  TypeSystemBuilder(const std::vector<TypeSource>& sources, std::vector<std::filesystem::path> path_dirs);
+  TypeSystemBuilder(const std::vector<loci::perception::cas::TypeSource>& sources,
+                    std::vector<std::filesystem::path> path_dirs);
 
-  void add_file(const std::filesystem::path& path, const Place& from = {});
-  void add_source(const TypeSource& source);
-  std::shared_ptr<const TypeSystem> finish();
+  void add_file(const std::filesystem::path& path, const loci::Place& from = {});
+  void add_source(const loci::perception::cas::TypeSource& source);
+  std::shared_ptr<const loci::perception::cas::TypeSystem> finish();
 
  private:
   struct FeatureDeclaration {
     std::string name, description, range, element;
     std::optional<bool> multiple_references;
-    Place place;
+    loci::Place place;
   };
   struct TypeDeclaration {
     std::string name, description, supertype;
@@ -33,9 +34,9 @@ class TypeSystemBuilder {
     std::vector<std::string> allowed_values;
     bool has_allowed_values = false;
     bool builtin = false;
-    Place place;
+    loci::Place place;
     int state = 0;  ///< 0 new, 1 being built, 2 built
-    detail::TypeData* data = nullptr;
+    loci::perception::cas::detail::TypeData* data = nullptr;
   };
 
   void add_builtin_types();
@@ -51,13 +52,13 @@ class TypeSystemBuilder {
   static void merge_feature(const std::string& type, FeatureDeclaration& known,
                             const FeatureDeclaration& again);
 
-  TypeDeclaration& resolve(const std::string& name, const Place& place, const std::string& what);
-  void build_hierarchy(TypeSystem& system);
-  void build_type(TypeSystem& system, TypeDeclaration& declaration, int depth = 0);
-  void build_order(TypeSystem& system);
-  void build_features(TypeSystem& system);
-  void add_feature(detail::TypeData& type, const FeatureDeclaration& declaration);
-  static void index_types(TypeSystem& system);
+  TypeDeclaration& resolve(const std::string& name, const loci::Place& place, const std::string& what);
+  void build_hierarchy(loci::perception::cas::TypeSystem& system);
+  void build_type(loci::perception::cas::TypeSystem& system, TypeDeclaration& declaration, int depth = 0);
+  void build_order(loci::perception::cas::TypeSystem& system);
+  void build_features(loci::perception::cas::TypeSystem& system);
+  void add_feature(loci::perception::cas::detail::TypeData& type, const FeatureDeclaration& declaration);
+  static void index_types(loci::perception::cas::TypeSystem& system);
 
   std::map<std::string, std::string> sources_;
   std::vector<std::filesystem::path> path_dirs_;
@@ -65,4 +66,4 @@ class TypeSystemBuilder {
   std::map<std::string, TypeDeclaration> declarations_;
 };
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

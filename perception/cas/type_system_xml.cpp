@@ -7,7 +7,7 @@
 #include "mapping/base/files.h"
 #include "perception/cas/type_system_builder.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 using tinyxml2::XMLElement;
 
@@ -168,4 +168,4 @@ TypeSystemBuilder::FeatureDeclaration TypeSystemBuilder::read_feature(const XMLE
   return feature;
 }
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

@@ -2,7 +2,7 @@
 
 #include "perception/cas/cas.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 Selection Selection::sorted_by(std::string_view feature) const {
   const auto key = [&](const FeatureStructure& each) {
@@ -124,4 +124,4 @@ Selection View::all() const {
   return select(cas_->type_system().top());
 }
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

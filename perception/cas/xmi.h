@@ -5,7 +5,7 @@
 
 #include "perception/cas/cas.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 // UIMA's XML Metadata Interchange, by which its own implementations exchange CASes.
 
@@ -27,4 +27,4 @@ void from_xmi(Cas& cas, std::string_view xml, const std::string& file, const Xmi
 /// processing instructions `<?loci …?>`, which other readers pass over.
 std::string to_xmi(const Cas& cas);
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

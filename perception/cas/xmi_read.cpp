@@ -14,7 +14,7 @@
 #include "perception/cas/xmi.h"
 #include "perception/cas/xmi_text.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 namespace {
 
 using tinyxml2::XMLElement;
@@ -388,4 +388,4 @@ void from_xmi(Cas& cas, std::string_view xml, const std::string& file, const Xmi
   Reader(cas, file, options, warnings).read(xml);
 }
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

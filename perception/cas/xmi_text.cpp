@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace loci::cas {
+namespace loci::perception::cas {
 namespace {
 
 /// Length of the character at the beginning that XML 1.0 allows; 0 when there is none.
@@ -80,4 +80,4 @@ std::string with_blanks_kept(std::string_view xml) {
   return result + std::string(xml.substr(copied));
 }
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

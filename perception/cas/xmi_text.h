@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-namespace loci::cas {
+namespace loci::perception::cas {
 
 /// The view that UIMA makes by itself, and that needs no sofa.
 inline constexpr const char* kInitialView = "_InitialView";
@@ -18,4 +18,4 @@ bool xml_loses(std::string_view text);
 /// Elements that hold nothing but blanks keep them in parsers that take blanks between elements for layout.
 std::string with_blanks_kept(std::string_view xml);
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

@@ -12,7 +12,7 @@
 #include "perception/cas/xmi.h"
 #include "perception/cas/xmi_text.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 namespace {
 
 template <typename T>
@@ -341,4 +341,4 @@ std::string to_xmi(const Cas& cas) {
   return Writer(cas).text();
 }
 
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

@@ -10,7 +10,7 @@
 #include "mapping/base/json.h"
 #include "perception/classification/classifier_kinds.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr const char* kDistances[] = {"L1", "L2", "chi-squared", "intersection"};
@@ -199,4 +199,4 @@ std::vector<FeatureVector> vectors_from_json(const Json& json) {
 }
 
 }  // namespace classifier_kinds
-}  // namespace loci
+}  // namespace loci::perception

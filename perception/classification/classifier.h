@@ -10,7 +10,7 @@
 #include "mapping/base/options.h"
 #include "mapping/base/random.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// One feature vector.
 using FeatureVector = std::vector<float>;
@@ -77,4 +77,4 @@ std::unique_ptr<Classifier> train_classifier(const LabelledVectors& data, const 
 /// What to_json() wrote.
 std::unique_ptr<Classifier> classifier_from_json(const Json& json);
 
-}  // namespace loci
+}  // namespace loci::perception

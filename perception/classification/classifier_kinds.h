@@ -2,7 +2,7 @@
 
 #include "perception/classification/classifier.h"
 
-namespace loci::classifier_kinds {
+namespace loci::perception::classifier_kinds {
 
 // Vectors are scaled.
 std::unique_ptr<Classifier> train_neighbours(const LabelledVectors& data, const ClassifierOptions& options);
@@ -17,4 +17,4 @@ std::unique_ptr<Classifier> forest_from_json(const Json& json);
 Json vectors_to_json(const std::vector<FeatureVector>& vectors);
 std::vector<FeatureVector> vectors_from_json(const Json& json);
 
-}  // namespace loci::classifier_kinds
+}  // namespace loci::perception::classifier_kinds

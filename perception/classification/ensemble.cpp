@@ -8,7 +8,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/parallel.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr const char* kKind = "loci classifier";
@@ -102,8 +102,7 @@ ThingFeatures thing_features(const std::vector<std::string>& names, const ThingV
       if (found.count() > 0) all.local[local] = std::move(found);
       continue;
     }
-    FeatureVector vector =
-        name == "HOG" ? hog_of(view.image, view.mask) : shape_feature(name, view.surface);
+    FeatureVector vector = name == "HOG" ? hog_of(view.image, view.mask) : shape_feature(name, view.surface);
     if (!vector.empty()) all.features[name] = std::move(vector);
   }
   return all;
@@ -281,4 +280,4 @@ Ensemble Ensemble::load(const std::filesystem::path& path) try {
   throw Error("the classifier contradicts itself", {path.string(), 0, {}}, "train it anew");
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -12,7 +12,7 @@
 #include "perception/classification/shape_features.h"
 #include "perception/classification/softmax_regression.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Descriptors of one thing by their names (shape_feature_names()); one that could not be computed is
 /// missing.
@@ -106,4 +106,4 @@ class Ensemble {
   std::vector<double> accuracies_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -5,7 +5,7 @@
 #include "mapping/base/json.h"
 #include "perception/classification/classifier_kinds.h"
 
-namespace loci::classifier_kinds {
+namespace loci::perception::classifier_kinds {
 namespace {
 
 /// A question "is value `feature` below `threshold`?", or a leaf. The child for yes comes right after.
@@ -172,4 +172,4 @@ std::unique_ptr<Classifier> forest_from_json(const Json& json) {
   return std::make_unique<Forest>(std::move(trees), classes);
 }
 
-}  // namespace loci::classifier_kinds
+}  // namespace loci::perception::classifier_kinds

@@ -11,7 +11,7 @@
 #include "mapping/base/json.h"
 #include "perception/classification/features/delegates.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr int kSide = 320;  // Images of things are scaled to it: SIFT then sees like scales.
@@ -62,8 +62,7 @@ std::vector<std::string> local_feature_names() {
 LocalFeatures local_features(const std::string& name, const ThingView& view) {
   if (name == "SIFT") return of_image(*cv::SIFT::create(kMaxKeypoints, 3, 0.02, 12), view);
   if (name == "ORB")
-    return of_image(*cv::ORB::create(kMaxKeypoints, 1.2f, 6, 15, 0, 2, cv::ORB::HARRIS_SCORE, 31, 10),
-                      view);
+    return of_image(*cv::ORB::create(kMaxKeypoints, 1.2f, 6, 15, 0, 2, cv::ORB::HARRIS_SCORE, 31, 10), view);
   if (name != "SHOT" && name != "FPFH")
     throw Error("there are no local descriptors " + name, {}, "there are SIFT, ORB, SHOT, FPFH");
   constexpr size_t kMinPoints = 20;
@@ -156,4 +155,4 @@ Vocabulary Vocabulary::from_json(const Json& json) {
   return vocabulary;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

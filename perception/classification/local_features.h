@@ -10,13 +10,13 @@
 #include "perception/classification/classifier.h"
 #include "perception/classification/shape_features.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// What is seen of a thing. Either part may be empty.
 struct ThingView {
   SurfacePoints surface;
   cv::Mat image;  ///< CV_8UC3 (BGR) or CV_8UC1
-  cv::Mat mask;     ///< CV_8U, 255 = the thing; empty: all of the image
+  cv::Mat mask;   ///< CV_8U, 255 = the thing; empty: all of the image
 };
 
 /// Descriptors of key points, each of `length` values.
@@ -62,4 +62,4 @@ class Vocabulary {
   std::vector<float> centres_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -3,7 +3,7 @@
 #include "mapping/base/json.h"
 #include "perception/classification/classifier_kinds.h"
 
-namespace loci::classifier_kinds {
+namespace loci::perception::classifier_kinds {
 namespace {
 
 class Neighbours : public Classifier {
@@ -53,4 +53,4 @@ std::unique_ptr<Classifier> neighbours_from_json(const Json& json) {
   return std::make_unique<Neighbours>(std::move(data), json.at("k"), feature_distance(json.at("distance")));
 }
 
-}  // namespace loci::classifier_kinds
+}  // namespace loci::perception::classifier_kinds

@@ -4,18 +4,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
+#include "mapping/base/math.h"
 #include "mapping/base/quantile.h"
 
-namespace loci::primitive_fits {
+namespace loci::perception::primitive_fits {
 namespace {
 
 using Kind = PrimitiveShape::Kind;
-constexpr double kPi = std::numbers::pi;
-constexpr double kWall = 0.006;       // What is seen of the inside of a vessel lies this far within, m.
-constexpr double kInside = 4;         // Cost of what lies within a vessel and faces up: its floor.
-constexpr double kTail = 0.01;        // Share of the points beyond either end of what is seen.
+constexpr double kWall = 0.006;     // What is seen of the inside of a vessel lies this far within, m.
+constexpr double kInside = 4;       // Cost of what lies within a vessel and faces up: its floor.
+constexpr double kTail = 0.01;      // Share of the points beyond either end of what is seen.
 constexpr double kMinSlope = 0.05;  // What widens by less is a cylinder as well as anybody can tell.
 constexpr double kMinFace = 0.05;   // Share of the points that makes a face.
 
@@ -473,4 +472,4 @@ std::vector<PrimitiveShape> fit_spheres(const Samples& samples) {
   return {shape};
 }
 
-}  // namespace loci::primitive_fits
+}  // namespace loci::perception::primitive_fits

@@ -5,7 +5,7 @@
 
 #include "perception/classification/primitive_shape.h"
 
-namespace loci::primitive_fits {
+namespace loci::perception::primitive_fits {
 
 // Only fit_primitive() uses these: one robust least-squares fit per kind of shape.
 
@@ -31,4 +31,4 @@ std::vector<PrimitiveShape> fit_standing(const Samples& samples);  ///< a cylind
 std::vector<PrimitiveShape> fit_lying(const Samples& samples);     ///< cylinders
 std::vector<PrimitiveShape> fit_spheres(const Samples& samples);
 
-}  // namespace loci::primitive_fits
+}  // namespace loci::perception::primitive_fits

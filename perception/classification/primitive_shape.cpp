@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "mapping/base/math.h"
 #include "mapping/base/quantile.h"
 #include "perception/classification/primitive_fits.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using namespace primitive_fits;
@@ -32,9 +32,9 @@ double numbers_of(Kind kind) {
 }
 
 /// Points and normals above the ground, about the middle of the points.
-Samples samples_of(const SurfacePoints& surface, const Eigen::Matrix3d& upright, const Vector3d& origin,
-                   const PrimitiveOptions& options) {
-  Samples samples;
+primitive_fits::Samples samples_of(const SurfacePoints& surface, const Eigen::Matrix3d& upright,
+                                   const Vector3d& origin, const PrimitiveOptions& options) {
+  primitive_fits::Samples samples;
   const size_t step = std::max<size_t>(1, surface.points.size() / kMaxPoints);
   std::vector<double> heights;
   double distance = 0;
@@ -49,7 +49,7 @@ Samples samples_of(const SurfacePoints& surface, const Eigen::Matrix3d& upright,
   if (samples.points.size() < kMinPoints) return {};
   distance /= static_cast<double>(samples.points.size());
   samples.sigma_m = options.noise_m + options.noise_per_m2 * distance * distance;
-  samples.sigma_angle = options.normal_deg * std::numbers::pi / 180;
+  samples.sigma_angle = options.normal_deg * kPi / 180;
   const double lowest = quantile(heights, 0.005);
   samples.grounded = lowest < options.ground_m;
   samples.base = samples.grounded ? 0 : lowest;
@@ -95,7 +95,7 @@ std::optional<PrimitiveShape> fit_primitive(const SurfacePoints& surface, const 
   const Vector3d origin = middle - (up.dot(middle) - ground.height / ground.up.norm()) * up;
   const Eigen::Matrix3d upright =
       Eigen::Quaterniond::FromTwoVectors(up, Vector3d::UnitZ()).toRotationMatrix();
-  const Samples samples = samples_of(surface, upright, origin, options);
+  const primitive_fits::Samples samples = samples_of(surface, upright, origin, options);
   if (samples.points.empty()) return std::nullopt;
 
   std::vector<PrimitiveShape> shapes;
@@ -124,4 +124,4 @@ std::optional<PrimitiveShape> fit_primitive(const SurfacePoints& surface, const 
   return shape;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -7,7 +7,7 @@
 #include "mapping/base/options.h"
 #include "perception/classification/shape_features.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// A shape that a few numbers describe.
 struct PrimitiveShape {
@@ -52,4 +52,4 @@ struct PrimitiveOptions {
 std::optional<PrimitiveShape> fit_primitive(const SurfacePoints& surface, const Ground& ground,
                                             const PrimitiveOptions& options = {});
 
-}  // namespace loci
+}  // namespace loci::perception

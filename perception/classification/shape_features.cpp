@@ -7,7 +7,7 @@
 #include "mapping/base/error.h"
 #include "perception/classification/features/delegates.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using namespace feature_delegates;
@@ -18,19 +18,20 @@ struct FeatureDelegate {
   std::vector<float> (*compute)(const SurfacePoints&);
 };
 
-constexpr std::array<FeatureDelegate, 13> kDelegates = {{{"VFH", "VFHSignature308", vfh},
-                                                         {"CVFH", "CVFHSignature308", cvfh},
-                                                         {"OURCVFH", "OURCVFHSignature308", our_cvfh},
-                                                         {"ESF", "ESFSignature640", esf},
-                                                         {"GRSD", "GRSDSignature21", grsd},
-                                                         {"PFH", "PFHSignature125", pfh},
-                                                         {"FPFH", "FPFHSignature33", fpfh},
-                                                         {"SHOT", "SHOT352", shot},
-                                                         {"USC", "UniqueShapeContext1960", usc},
-                                                         {"GASD", "GASDSignature512", gasd},
-                                                         {"RIFT", "RIFT32", rift},
-                                                         {"SpinImage", "SpinImage153", spin_image},
-                                                         {"GaussImage", "GaussImage12", gauss_image}}};
+constexpr std::array<FeatureDelegate, 13> kDelegates = {
+    {{"VFH", "VFHSignature308", feature_delegates::vfh},
+     {"CVFH", "CVFHSignature308", feature_delegates::cvfh},
+     {"OURCVFH", "OURCVFHSignature308", feature_delegates::our_cvfh},
+     {"ESF", "ESFSignature640", feature_delegates::esf},
+     {"GRSD", "GRSDSignature21", feature_delegates::grsd},
+     {"PFH", "PFHSignature125", feature_delegates::pfh},
+     {"FPFH", "FPFHSignature33", feature_delegates::fpfh},
+     {"SHOT", "SHOT352", feature_delegates::shot},
+     {"USC", "UniqueShapeContext1960", feature_delegates::usc},
+     {"GASD", "GASDSignature512", feature_delegates::gasd},
+     {"RIFT", "RIFT32", feature_delegates::rift},
+     {"SpinImage", "SpinImage153", feature_delegates::spin_image},
+     {"GaussImage", "GaussImage12", feature_delegates::gauss_image}}};
 
 const FeatureDelegate& delegate(const std::string& name) {
   for (const FeatureDelegate& each : kDelegates)
@@ -99,4 +100,4 @@ std::vector<float> shape_feature(const std::string& name, const SurfacePoints& s
   return finite ? values : std::vector<float>();
 }
 
-}  // namespace loci
+}  // namespace loci::perception

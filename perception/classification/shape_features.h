@@ -5,7 +5,7 @@
 
 #include "mapping/base/pose.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// What is seen of a thing's surface: points (metres, camera frame) and as many unit normals towards the
 /// camera.
@@ -32,4 +32,4 @@ std::string shape_feature_signature(const std::string& name);
 /// Empty when there is no brightness for RIFT, and when there are too few points.
 std::vector<float> shape_feature(const std::string& name, const SurfacePoints& surface);
 
-}  // namespace loci
+}  // namespace loci::perception

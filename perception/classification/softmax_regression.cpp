@@ -5,7 +5,7 @@
 #include "mapping/base/error.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 Eigen::VectorXd softmax(const Eigen::VectorXd& logits) {
@@ -60,4 +60,4 @@ SoftmaxRegression SoftmaxRegression::from_json(const Json& json) {
   return regression;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -5,7 +5,7 @@
 
 #include "mapping/base/json_fwd.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Conditional logistic regression: the probability of a class is proportional to exp(x · w), x being what
 /// is said for that class (a row of an example) and w weights that all classes share, so that few examples
@@ -26,4 +26,4 @@ class SoftmaxRegression {
   Eigen::VectorXd weights_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -5,7 +5,7 @@
 #include "mapping/base/json.h"
 #include "perception/classification/classifier_kinds.h"
 
-namespace loci::classifier_kinds {
+namespace loci::perception::classifier_kinds {
 namespace {
 
 /// One class against the rest: positive on the side of the class.
@@ -156,4 +156,4 @@ std::unique_ptr<Classifier> machine_from_json(const Json& json) {
                                           feature_distance(json.at("distance")));
 }
 
-}  // namespace loci::classifier_kinds
+}  // namespace loci::perception::classifier_kinds

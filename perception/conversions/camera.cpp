@@ -1,8 +1,8 @@
 #include "perception/conversions/camera.h"
 
-namespace loci::types {
+namespace loci::perception::types {
 
-CameraInfo Conversion<PinholeCamera>::to(cas::Cas& cas, const PinholeCamera& camera) {
+CameraInfo Conversion<mapping::PinholeCamera>::to(cas::Cas& cas, const mapping::PinholeCamera& camera) {
   const CameraInfo info = CameraInfo::create(cas);
   info.width.set(camera.width);
   info.height.set(camera.height);
@@ -13,12 +13,12 @@ CameraInfo Conversion<PinholeCamera>::to(cas::Cas& cas, const PinholeCamera& cam
   return info;
 }
 
-PinholeCamera Conversion<PinholeCamera>::from(const CameraInfo& proxy) {
+mapping::PinholeCamera Conversion<mapping::PinholeCamera>::from(const CameraInfo& proxy) {
   return {proxy.width.get(), proxy.height.get(), proxy.fx.get(),
           proxy.fy.get(),    proxy.cx.get(),     proxy.cy.get()};
 }
 
-void set_cameras(const SceneCas& cas, const RgbdCamera& camera) {
+void set_cameras(const SceneCas& cas, const mapping::RgbdCamera& camera) {
   const CameraInfo depth = to(cas.cas(), camera.depth);
   depth.name.set("depth");
   cas.set_camera(depth);
@@ -28,10 +28,10 @@ void set_cameras(const SceneCas& cas, const RgbdCamera& camera) {
   cas.set_camera(color);
 }
 
-RgbdCamera cameras(const SceneCas& cas) {
+mapping::RgbdCamera cameras(const SceneCas& cas) {
   const CameraInfo color = cas.camera("color");
-  return {from<PinholeCamera>(cas.camera("depth")), from<PinholeCamera>(color),
+  return {from<mapping::PinholeCamera>(cas.camera("depth")), from<mapping::PinholeCamera>(color),
           from<Isometry3d>(color.depth_from_camera.get())};
 }
 
-}  // namespace loci::types
+}  // namespace loci::perception::types

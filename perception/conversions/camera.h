@@ -4,19 +4,19 @@
 #include "perception/types/geometry.h"
 #include "perception/types/scene_cas.h"
 
-namespace loci::types {
+namespace loci::perception::types {
 
 template <>
-struct Conversion<PinholeCamera> {
+struct Conversion<mapping::PinholeCamera> {
   using Proxy = CameraInfo;
-  static CameraInfo to(cas::Cas& cas, const PinholeCamera& camera);
-  static PinholeCamera from(const CameraInfo& proxy);
+  static CameraInfo to(cas::Cas& cas, const mapping::PinholeCamera& camera);
+  static mapping::PinholeCamera from(const CameraInfo& proxy);
 };
 
 /// Both cameras of a sensor become the scene's cameras "depth" and "color".
-void set_cameras(const SceneCas& cas, const RgbdCamera& camera);
+void set_cameras(const SceneCas& cas, const mapping::RgbdCamera& camera);
 
 /// Throws Error when the scene has no such cameras.
-RgbdCamera cameras(const SceneCas& cas);
+mapping::RgbdCamera cameras(const SceneCas& cas);
 
-}  // namespace loci::types
+}  // namespace loci::perception::types

@@ -4,7 +4,7 @@
 
 #include "mapping/base/cell_index.h"
 
-namespace loci::types {
+namespace loci::perception::types {
 
 namespace {
 
@@ -55,7 +55,7 @@ ReferenceClusterPoints points_that(const ObjectHypothesis& origin, const PointCl
 }
 
 /// The pixel that a point falls on.
-std::optional<cv::Point> pixel_of(const Vector3d& in_camera, const PinholeCamera& camera) {
+std::optional<cv::Point> pixel_of(const Vector3d& in_camera, const mapping::PinholeCamera& camera) {
   if (in_camera.z() <= 0) return std::nullopt;
   const Vector2d pixel = camera.project(in_camera);
   if (!camera.contains(pixel)) return std::nullopt;
@@ -91,8 +91,8 @@ std::vector<Vector3d> positions_of(const ClusterPoints& points) {
 }
 
 std::optional<ReferenceImageROI> image_roi(const ClusterPoints& points, const Mat& image,
-                                           const PinholeCamera& camera, const Isometry3d& camera_from_cloud,
-                                           int reach) {
+                                           const mapping::PinholeCamera& camera,
+                                           const Isometry3d& camera_from_cloud, int reach) {
   const cv::Rect whole(0, 0, camera.width, camera.height);
   cv::Mat1b covered(camera.height, camera.width, uint8_t{0});
   cv::Rect region;
@@ -113,7 +113,8 @@ std::optional<ReferenceImageROI> image_roi(const ClusterPoints& points, const Ma
 }
 
 ReferenceClusterPoints points_in_image(const ImageROI& roi, const PointCloud& cloud,
-                                       const PinholeCamera& camera, const Isometry3d& camera_from_cloud) {
+                                       const mapping::PinholeCamera& camera,
+                                       const Isometry3d& camera_from_cloud) {
   const cv::Rect region = from<cv::Rect>(roi.roi.get());
   const cv::Mat1b mask = from<cv::Mat_<uint8_t>>(roi.mask.get());
   if (mask.size() != region.size()) throw Error("the mask of an image region is not of its size");
@@ -260,4 +261,4 @@ ReferenceClusterPoints within(const StandaloneClusterPoints& alone, const PointC
   return made;
 }
 
-}  // namespace loci::types
+}  // namespace loci::perception::types

@@ -6,7 +6,7 @@
 #include "perception/conversions/opencv.h"
 #include "perception/types/geometry.h"
 
-namespace loci::types {
+namespace loci::perception::types {
 
 // An object hypothesis in the data of one sensor as one in another's: points, image regions and volumes,
 // given the calibration (a camera) and the pose between the two frames. New ones are made in the CAS of the
@@ -19,12 +19,13 @@ std::vector<Vector3d> positions_of(const ClusterPoints& points);
 /// Points to image: each point covers a square of 2 `reach` + 1 pixels, so that a finer image has no holes
 /// (reach 1 suits an image of the cloud's resolution). Nothing when no point falls on the image.
 std::optional<ReferenceImageROI> image_roi(const ClusterPoints& points, const Mat& image,
-                                           const PinholeCamera& camera, const Isometry3d& camera_from_cloud,
-                                           int reach = 1);
+                                           const mapping::PinholeCamera& camera,
+                                           const Isometry3d& camera_from_cloud, int reach = 1);
 
 /// Image to points: those of the cloud whose projection falls on the mask.
 ReferenceClusterPoints points_in_image(const ImageROI& roi, const PointCloud& cloud,
-                                       const PinholeCamera& camera, const Isometry3d& camera_from_cloud);
+                                       const mapping::PinholeCamera& camera,
+                                       const Isometry3d& camera_from_cloud);
 
 /// Volume to points: those of the cloud inside a box or sphere, whose frame is that of `frame_from_cloud`.
 ReferenceClusterPoints points_in_volume(const TFLinkROI& volume, const PointCloud& cloud,
@@ -40,7 +41,8 @@ TFLinkSphereROI bounding_sphere(const ClusterPoints& points, const std::string& 
 /// Volume to image: the pixels onto which it is projected, whatever stands before it. Nothing when it is out
 /// of view; what is nearer to the camera than 1 cm is left out.
 std::optional<ReferenceImageROI> image_roi(const TFLinkROI& volume, const Mat& image,
-                                           const PinholeCamera& camera, const Isometry3d& camera_from_frame);
+                                           const mapping::PinholeCamera& camera,
+                                           const Isometry3d& camera_from_frame);
 
 /// Volume to volume: the box along the axes of another frame (or the same) around it, the sphere around it.
 TFLinkBBoxROI bounding_box(const TFLinkROI& volume, const std::string& frame,
@@ -58,4 +60,4 @@ StandaloneClusterPoints standalone(const ReferenceClusterPoints& reference);
 ReferenceClusterPoints within(const StandaloneClusterPoints& alone, const PointCloud& cloud,
                               const Isometry3d& cloud_from_alone, double reach);
 
-}  // namespace loci::types
+}  // namespace loci::perception::types

@@ -1,6 +1,6 @@
 #include "perception/conversions/opencv.h"
 
-namespace loci::types {
+namespace loci::perception::types {
 
 namespace {
 
@@ -80,4 +80,4 @@ cv::Rect Conversion<cv::Rect>::from(const Rect& proxy) {
   return {proxy.x.get(), proxy.y.get(), proxy.width.get(), proxy.height.get()};
 }
 
-}  // namespace loci::types
+}  // namespace loci::perception::types

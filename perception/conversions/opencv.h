@@ -5,7 +5,7 @@
 #include "perception/types/conversion.h"
 #include "perception/types/scene_cas.h"
 
-namespace loci::types {
+namespace loci::perception::types {
 
 /// Images share memory both ways. `to` keeps the image's memory when its rows are continuous and
 /// reference-counted (otherwise it copies): nobody may write to the image afterwards. `from` gives an image
@@ -48,4 +48,4 @@ inline void set_view_image(const SceneCas& cas, std::string_view view, const cv:
   cas.set_image(view, to(cas.cas(), image));
 }
 
-}  // namespace loci::types
+}  // namespace loci::perception::types

@@ -1,6 +1,6 @@
 #include "perception/conversions/pcl.h"
 
-namespace loci::types {
+namespace loci::perception::types {
 
 namespace detail {
 
@@ -69,4 +69,4 @@ pcl::PointIndices Conversion<pcl::PointIndices>::from(const PointIndices& proxy)
   return indices;
 }
 
-}  // namespace loci::types
+}  // namespace loci::perception::types

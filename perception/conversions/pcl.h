@@ -6,7 +6,7 @@
 
 #include "perception/types/conversion.h"
 
-namespace loci::types {
+namespace loci::perception::types {
 
 // Only who uses PCL includes this header: it is slow to compile.
 
@@ -158,4 +158,4 @@ StandaloneClusterPoints standalone(const ReferenceClusterPoints& reference) {
   return made;
 }
 
-}  // namespace loci::types
+}  // namespace loci::perception::types

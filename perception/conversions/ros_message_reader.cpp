@@ -6,7 +6,7 @@
 #include "perception/conversions/ros_primitives.h"
 #include "perception/conversions/ros_types.h"
 
-namespace loci {
+namespace loci::perception {
 
 const RosPrimitive* find_ros_primitive(const std::string& name) {
   static constexpr RosPrimitive kPrimitives[] = {
@@ -154,4 +154,4 @@ cas::FeatureStructure RosTypes::read(cas::Cas& cas, const std::string& type, std
   return message;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace loci {
+namespace loci::perception {
 
 /// A built-in type of ROS messages and what holds it in a feature structure (names without "uima.cas.").
 struct RosPrimitive {
@@ -14,4 +14,4 @@ struct RosPrimitive {
 /// Null for time, duration and messages.
 const RosPrimitive* find_ros_primitive(const std::string& name);
 
-}  // namespace loci
+}  // namespace loci::perception

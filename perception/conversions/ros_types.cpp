@@ -10,7 +10,7 @@
 #include "mapping/base/html.h"
 #include "perception/conversions/ros_primitives.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 namespace fs = std::filesystem;
@@ -190,4 +190,4 @@ std::string RosTypes::xml(const std::string& name) const {
       html_escape(name), types);
 }
 
-}  // namespace loci
+}  // namespace loci::perception

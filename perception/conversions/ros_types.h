@@ -9,7 +9,7 @@
 
 #include "perception/cas/cas.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// ROS 1 message definitions as types of a type system, and their messages as feature structures.
 ///
@@ -55,4 +55,4 @@ class RosTypes {
 /// "ros.sensor_msgs.Image" of "sensor_msgs/Image", "loci.ros.Header" of "std_msgs/Header".
 std::string ros_type_name(const std::string& message);
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -1,10 +1,10 @@
 #include <cmath>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/base/math.h"
 #include "perception/conversions/hypotheses.h"
 
-namespace loci::types {
+namespace loci::perception::types {
 namespace {
 
 constexpr double kNear = 0.01;  ///< metres before the camera: what is nearer is cut off
@@ -44,7 +44,7 @@ std::vector<Vector3d> outline_points(const Extent& extent, const Isometry3d& cam
     constexpr int kRings = 32;
     for (int ring = 0; ring <= kRings; ++ring)
       for (int step = 0; step < 2 * kRings; ++step) {
-        const double polar = std::numbers::pi * ring / kRings, turn = std::numbers::pi * step / kRings;
+        const double polar = kPi * ring / kRings, turn = kPi * step / kRings;
         const Vector3d on(std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn),
                           std::cos(polar));
         const Vector3d point = camera_from_box * Vector3d(*extent.radius * on);
@@ -67,7 +67,8 @@ std::vector<Vector3d> outline_points(const Extent& extent, const Isometry3d& cam
 }  // namespace
 
 std::optional<ReferenceImageROI> image_roi(const TFLinkROI& volume, const Mat& image,
-                                           const PinholeCamera& camera, const Isometry3d& camera_from_frame) {
+                                           const mapping::PinholeCamera& camera,
+                                           const Isometry3d& camera_from_frame) {
   std::vector<cv::Point2f> pixels;
   for (const Vector3d& point : outline_points(extent_of(volume), camera_from_frame)) {
     // What is far out of the image stays within what the filling of polygons can count.
@@ -118,4 +119,4 @@ TFLinkSphereROI bounding_sphere(const TFLinkROI& volume, const std::string& fram
   return made;
 }
 
-}  // namespace loci::types
+}  // namespace loci::perception::types

@@ -9,7 +9,7 @@
 #include "perception/cas/cas.h"
 #include "perception/pipeline/resources.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// What an annotator says about itself. Needs, makes and so on are views ("view:depth") and types by their
 /// short names ("Cluster", "GeometryAnnotation"), or features of theirs ("Cluster.place"). Annotators of
@@ -71,4 +71,4 @@ class Reader {
   virtual void skip(size_t frames) = 0;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <variant>
 
-namespace loci {
+namespace loci::perception {
 
 /// `and`, `or`, `not` over tests.
 struct Condition::Node {
@@ -332,4 +332,4 @@ bool Condition::holds(const types::SceneCas& scene, const types::Cluster& cluste
   return holds(*root_);
 }
 
-}  // namespace loci
+}  // namespace loci::perception

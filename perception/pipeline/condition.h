@@ -7,7 +7,7 @@
 #include "mapping/base/error.h"
 #include "perception/types/scene_cas.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// A question that a pipeline asks about each cluster before it goes on:
 ///
@@ -47,4 +47,4 @@ class Condition {
 /// The type of this name: full, short, or short without "Annotation". Throws Error with the nearest one.
 cas::Type named_type(const cas::TypeSystem& types, const std::string& name, const Place& place = {});
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -7,7 +7,7 @@
 
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 Place place_of(const Config& config, const YAML::Node& node, const std::string& path) {
@@ -322,4 +322,4 @@ void append_step(Flow& flow, const std::string& name, const AnnotatorRegistry& r
   FlowReader::plan(flow);
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -11,7 +11,7 @@
 #include "perception/pipeline/lookalikes.h"
 #include "perception/pipeline/step.h"
 
-namespace loci {
+namespace loci::perception {
 
 struct FlowNode;
 
@@ -97,4 +97,4 @@ Json to_json(const Flow& flow);
 /// Runs a flow over a scene.
 void run_flow(Flow& flow, cas::Cas& cas, Context& context);
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -6,7 +6,7 @@
 #include "mapping/base/json.h"
 #include "perception/pipeline/flow.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 void check_need(const std::string& who, const std::string& need, const Place& place,
@@ -112,4 +112,4 @@ Json to_json(const Flow& flow) {
   return steps_json(flow.nodes);
 }
 
-}  // namespace loci
+}  // namespace loci::perception

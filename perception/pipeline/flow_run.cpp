@@ -7,7 +7,7 @@
 #include "mapping/base/parallel.h"
 #include "perception/pipeline/flow.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 /// Something to be done on a CAS, for a part of what is in it.
@@ -212,4 +212,4 @@ void run_flow(Flow& flow, cas::Cas& cas, Context& context) {
   outstanding.join(0, 0, cas, context);
 }
 
-}  // namespace loci
+}  // namespace loci::perception

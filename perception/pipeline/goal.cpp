@@ -11,7 +11,7 @@
 #include "mapping/base/json.h"
 #include "perception/pipeline/flow.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 // What is assumed of an annotator that never ran: it answers for half of the clusters, is right half of the
@@ -224,4 +224,4 @@ std::string plan_text(const GoalPlan& plan) {
   return text + fmt::format("expected {:.0f} ms per scene\n", plan.seconds * 1e3);
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -8,7 +8,7 @@
 #include "perception/pipeline/registry.h"
 #include "perception/pipeline/statistics.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// One thing that is asked for: "color=red".
 struct GoalTerm {
@@ -55,4 +55,4 @@ GoalPlan plan_goal(const std::vector<GoalTerm>& goal, const Json& base, const Js
 std::string plan_text(const GoalPlan& plan);
 Json to_json(const GoalPlan& plan);
 
-}  // namespace loci
+}  // namespace loci::perception

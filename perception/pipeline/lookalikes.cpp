@@ -7,7 +7,7 @@
 #include "perception/cas/copy.h"
 #include "perception/cas/graph.h"
 
-namespace loci {
+namespace loci::perception {
 
 void AlikeOptions::declare(OptionTable& table) {
   table.integer("bits", bits, "", "Perceptual hashes of 64 bits may differ in so many.", 0, 64);
@@ -93,4 +93,4 @@ void Lookalikes::remember(const types::Cluster& cluster, size_t known, int64_t f
   if (entries_.size() > static_cast<size_t>(options_.remembered)) entries_.pop_back();
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -8,7 +8,7 @@
 #include "perception/types/geometry.h"
 #include "perception/types/scene_cas.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// When a cluster counts as unchanged.
 struct AlikeOptions {
@@ -57,4 +57,4 @@ class Lookalikes {
   std::list<Entry> entries_;  ///< the newest first
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -5,7 +5,7 @@
 
 #include "perception/pipeline/annotator.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Makes CASes of their own out of a scene (a CAS multiplier, §2.1): a flow is run over each, and what it
 /// said is brought home. Made for one run; scenes come one after the other. Its descriptor says what it needs
@@ -20,4 +20,4 @@ class CasMultiplier {
   virtual void join(size_t part, cas::Cas& done, cas::Cas& scene) = 0;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

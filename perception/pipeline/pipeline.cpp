@@ -6,7 +6,7 @@
 
 #include "mapping/base/stopwatch.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr const char* kDefaultReader = "RecordingReader";
@@ -71,8 +71,8 @@ void Pipeline::check(const AnnotatorRegistry& registry) const {
 
 Json Pipeline::to_json() const {
   return {{"reader", {{reader_->descriptor().name, reader_options_}}},
-          {"flow", loci::to_json(flow_)},
-          {"writers", loci::to_json(writers_)}};
+          {"flow", loci::perception::to_json(flow_)},
+          {"writers", loci::perception::to_json(writers_)}};
 }
 
 std::set<std::string> Pipeline::annotating() const {
@@ -153,4 +153,4 @@ PipelineResult Pipeline::run(Context& context, const std::shared_ptr<const cas::
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -12,7 +12,7 @@
 #include "perception/pipeline/flow.h"
 #include "perception/pipeline/registry.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// What a run did.
 struct PipelineResult {
@@ -82,4 +82,4 @@ class Pipeline {
   bool started_ = false;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -5,7 +5,7 @@
 
 #include "perception/types/types.h"
 
-namespace loci {
+namespace loci::perception {
 
 LoadedPlugin load_plugin(const std::filesystem::path& path, AnnotatorRegistry& registry) {
   const Place place{path.string(), 0, {}};
@@ -41,4 +41,4 @@ std::shared_ptr<const cas::TypeSystem> type_system_with_plugins(const std::vecto
   return cas::TypeSystem::load(sources, {}, {});
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -8,7 +8,7 @@
 #include "perception/pipeline/registry.h"
 #include "perception/pipeline/version.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// What a plugin says about itself. The layout up to `compiler` never changes, so that any version can be
 /// read and refused; the rest is only looked at when all of that agrees.
@@ -48,4 +48,4 @@ LoadedPlugin load_plugin(const std::filesystem::path& path, AnnotatorRegistry& r
 /// Our types with those of the plugins.
 std::shared_ptr<const cas::TypeSystem> type_system_with_plugins(const std::vector<LoadedPlugin>& plugins);
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -8,7 +8,7 @@
 
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 template <class Map>
@@ -135,4 +135,4 @@ std::string description_text(const AnnotatorDescriptor& descriptor, const Option
   return text;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

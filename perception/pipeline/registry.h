@@ -7,7 +7,7 @@
 #include "perception/pipeline/annotator.h"
 #include "perception/pipeline/multiplier.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Which annotators, readers and CAS multipliers there are, by name. Built explicitly by who starts a
 /// pipeline.
@@ -58,4 +58,4 @@ Json describe(const AnnotatorDescriptor& descriptor, const OptionTable& options)
 /// The same for people.
 std::string description_text(const AnnotatorDescriptor& descriptor, const OptionTable& options);
 
-}  // namespace loci
+}  // namespace loci::perception

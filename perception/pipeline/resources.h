@@ -7,7 +7,7 @@
 
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// What annotators share and the pipeline itself knows nothing about: a recording, a map, a memory. At most
 /// one of each C++ type. Owned jointly; put in place by who starts the pipeline.
@@ -51,4 +51,4 @@ class Resources {
   std::map<std::type_index, Kept> resources_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

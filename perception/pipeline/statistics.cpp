@@ -7,7 +7,7 @@
 #include "mapping/base/error.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 AnnotatorStatistics from_json(const Json& json) {
@@ -117,4 +117,4 @@ std::string statistics_text(const AnnotatorStatistics& statistics) {
   return text;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -7,7 +7,7 @@
 
 #include "mapping/base/json_fwd.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// What is known about an annotator from its runs (§2.2, principle 3): how long it takes, how often it fails,
 /// and how often and how surely it has something to say.
@@ -50,4 +50,4 @@ Json to_json(const AnnotatorStatistics& statistics);
 /// "42 scenes, 3.1 ms each; ColorAnnotation for 98 % of 120 clusters", for people.
 std::string statistics_text(const AnnotatorStatistics& statistics);
 
-}  // namespace loci
+}  // namespace loci::perception

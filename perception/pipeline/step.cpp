@@ -11,7 +11,7 @@
 #include "mapping/base/stopwatch.h"
 #include "perception/types/scene_cas.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Everything that the annotator touches, so that it can be left behind.
 struct Step::Attempt {
@@ -240,4 +240,4 @@ void wait_for(const std::shared_ptr<Step::Attempt>& attempt) {
   if (attempt->done.valid()) attempt->done.wait();
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -9,7 +9,7 @@
 #include "perception/pipeline/registry.h"
 #include "perception/pipeline/statistics.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// How a pipeline treats an annotator: what stands beside its name.
 ///
@@ -93,4 +93,4 @@ Json read_declared(Declarer& declarer, const Config& config) {
   return table.to_json();
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -7,7 +7,7 @@
 #include <map>
 #include <opencv2/imgproc.hpp>
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 std::string symbology_of(zbar::zbar_symbol_type_t type) {
@@ -174,4 +174,4 @@ std::vector<Barcode> read_barcodes(const cv::Mat& image, bool thorough) {
   return {};
 }
 
-}  // namespace loci
+}  // namespace loci::perception

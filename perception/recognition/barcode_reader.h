@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace loci {
+namespace loci::perception {
 
 struct Barcode {
   std::string symbology;  ///< "EAN-13", "EAN-8", "UPC-A", "UPC-E", "QR", "Code 128", …, as people write them
@@ -23,4 +23,4 @@ struct Barcode {
 /// only a changed image yields counts when two preparations agree on it.
 std::vector<Barcode> read_barcodes(const cv::Mat& image, bool thorough = true);
 
-}  // namespace loci
+}  // namespace loci::perception

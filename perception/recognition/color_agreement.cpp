@@ -4,7 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr int kWhite = 245;
@@ -52,4 +52,4 @@ double color_agreement(const cv::Mat& from, const cv::Size& from_size, const cv:
   return count < kFewCells ? kUnknown : sum / count;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

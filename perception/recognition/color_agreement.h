@@ -2,7 +2,7 @@
 
 #include <opencv2/core.hpp>
 
-namespace loci {
+namespace loci::perception {
 
 /// The colours of an image without its brightness, small: CV_8UC3 with a and b of CIE Lab, and 255 where the
 /// image is not blown out to white (the background of a catalogue's images). The longer side has `side`
@@ -15,4 +15,4 @@ cv::Mat chroma_of(const cv::Mat& image, int side);
 double color_agreement(const cv::Mat& from, const cv::Size& from_size, const cv::Mat& to,
                        const cv::Size& to_size, const cv::Matx23d& to_from_from);
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 bool is_blank(char c) {
@@ -165,4 +165,4 @@ void read_html(std::string_view page, const std::function<void(const HtmlTag&)>&
   read_utf8(converted, tag, text);
 }
 
-}  // namespace loci
+}  // namespace loci::perception

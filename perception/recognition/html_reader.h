@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace loci {
+namespace loci::perception {
 
 /// A tag of a page; names of tags and attributes are in lower case, values without entities.
 struct HtmlTag {
@@ -25,4 +25,4 @@ void read_html(std::string_view page, const std::function<void(const HtmlTag&)>&
 /// Text with its entities replaced (&amp; &#228; &auml; …) and runs of blanks made one.
 std::string html_text(std::string_view text);
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -6,7 +6,7 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 // Half of Lowe's threshold: packages show soft shades, and matching sorts out what is noise.
@@ -44,11 +44,10 @@ ImageFeatures image_features(const cv::Mat& image, int side, int most) {
   const auto to_given = static_cast<float>(1 / scale);
   for (size_t i = 0; i < found.size(); ++i) {
     features.keypoints.push_back({found[i].pt.x * to_given, found[i].pt.y * to_given,
-                                  found[i].size * to_given,
-                                  found[i].angle * std::numbers::pi_v<float> / 180});
+                                  found[i].size * to_given, found[i].angle * std::numbers::pi_v<float> / 180});
     features.descriptors.push_back(root_sift(values.ptr<float>(static_cast<int>(i))));
   }
   return features;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-namespace loci {
+namespace loci::perception {
 
 /// A SIFT descriptor as RootSIFT (Arandjelovic and Zisserman, CVPR 2012) in bytes: 512 times the square root
 /// of each share, so that the squared distance of two lies between 0 and 2 · 512².
@@ -32,4 +32,4 @@ struct ImageFeatures {
 /// are kept. A uniform image has none.
 ImageFeatures image_features(const cv::Mat& image, int side, int most);
 
-}  // namespace loci
+}  // namespace loci::perception

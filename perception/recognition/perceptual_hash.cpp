@@ -5,7 +5,7 @@
 #include <bit>
 #include <opencv2/imgproc.hpp>
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr int kSide = 32, kFrequencies = 8, kColorCells = 4;
@@ -45,4 +45,4 @@ int hash_distance(uint64_t a, uint64_t b) {
   return std::popcount(a ^ b);
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -10,7 +10,7 @@
 #include "mapping/base/json.h"
 #include "perception/recognition/product_pages.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 namespace fs = std::filesystem;
@@ -211,4 +211,4 @@ std::vector<Product> read_catalogue(const fs::path& folder) {
   return products;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -7,7 +7,7 @@
 
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Keys and values, in the order in which they were found; keys in lower case with underscores, each once.
 using Properties = std::vector<std::pair<std::string, std::string>>;
@@ -38,4 +38,4 @@ struct Product {
 /// or NAME_1.jpg, NAME_2.jpg. Error when there is no image at all.
 std::vector<Product> read_catalogue(const std::filesystem::path& folder);
 
-}  // namespace loci
+}  // namespace loci::perception

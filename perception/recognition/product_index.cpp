@@ -10,7 +10,7 @@
 #include "perception/recognition/color_agreement.h"
 #include "perception/recognition/similarity_fit.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr int kCatalogueSide = 400;
@@ -116,7 +116,7 @@ ProductIndex ProductIndex::build(const std::vector<Product>& catalogue, int thre
     progress.check(0.9 * static_cast<double>(i) / static_cast<double>(catalogue.size()), "features");
     cv::Mat image;
     try {
-      image = read_color(catalogue[i].image);
+      image = mapping::read_color(catalogue[i].image);
     } catch (const Error& error) {
       warnings.add("left out of the catalogue: " + std::string(error.what()));
       continue;
@@ -214,4 +214,4 @@ std::vector<ProductMatch> ProductIndex::recognise(const cv::Mat& image, const Re
   return ranked(std::move(matches), products_, most);
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -8,7 +8,7 @@
 #include "perception/recognition/product_catalogue.h"
 #include "perception/recognition/vocabulary_tree.h"
 
-namespace loci {
+namespace loci::perception {
 
 struct RecognitionOptions {
   int side_px = 400;
@@ -75,4 +75,4 @@ class ProductIndex {
   VocabularyTree tree_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

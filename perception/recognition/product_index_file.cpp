@@ -6,7 +6,7 @@
 #include "mapping/base/json.h"
 #include "perception/recognition/product_index.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 // A line of text, the SHA-256 of all that follows in hexadecimal, then a JSON header (its length first, 8
@@ -124,4 +124,4 @@ ProductIndex ProductIndex::load(const std::filesystem::path& path) try {
               "make it anew with `loci-perceive index`");
 }
 
-}  // namespace loci
+}  // namespace loci::perception

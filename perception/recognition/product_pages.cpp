@@ -7,7 +7,7 @@
 #include "mapping/image/image_io.h"
 #include "perception/recognition/html_reader.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 namespace fs = std::filesystem;
@@ -242,7 +242,7 @@ fs::path saved_image(const std::string& url, const fs::path& page) {
     if (last.empty() || !fs::is_regular_file(place, ignored) || !is_below(place, page.parent_path()))
       continue;
     try {
-      const ImageHeader header = read_image_header(place);
+      const mapping::ImageHeader header = mapping::read_image_header(place);
       if (std::min(header.width, header.height) >= kMinSide) return place;
     } catch (const Error&) {
       continue;
@@ -262,7 +262,7 @@ fs::path image_of(const Page& page, const fs::path& file) {
   for (const std::string& url : page.images) {
     const fs::path saved = saved_image(url, file);
     if (saved.empty()) continue;
-    const ImageHeader header = read_image_header(saved);
+    const mapping::ImageHeader header = mapping::read_image_header(saved);
     if (header.width * header.height <= most) continue;
     most = header.width * header.height;
     largest = saved;
@@ -313,4 +313,4 @@ std::vector<Product> read_product_pages(const fs::path& folder) {
   return products;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

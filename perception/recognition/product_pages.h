@@ -2,7 +2,7 @@
 
 #include "perception/recognition/product_catalogue.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Whether there are saved web pages (.html, .htm) in a folder.
 bool has_product_pages(const std::filesystem::path& folder);
@@ -14,4 +14,4 @@ bool has_product_pages(const std::filesystem::path& folder);
 /// without an image or a name are left out.
 std::vector<Product> read_product_pages(const std::filesystem::path& folder);
 
-}  // namespace loci
+}  // namespace loci::perception

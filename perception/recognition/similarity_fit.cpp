@@ -2,18 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <set>
 
-namespace loci {
+#include "mapping/base/math.h"
+
+namespace loci::perception {
 namespace {
 
-constexpr double kMaxTurn = 35 * std::numbers::pi / 180;  // between a key point's own turn and the map's
-constexpr double kMaxZoom = 1.8;                          // likewise, of the scale
+constexpr double kMaxTurn = 35 * kPi / 180;  // between a key point's own turn and the map's
+constexpr double kMaxZoom = 1.8;             // likewise, of the scale
 constexpr double kCoarse = 2;  // Similarities of single key points are less precise than the fitted map.
 constexpr double kMaxStretch = 2.5;  // of an affine map: a package seen from 66 degrees aside
-constexpr size_t kMax = 250;            // correspondences, the weightiest: the time grows with their square
+constexpr size_t kMax = 250;         // correspondences, the weightiest: the time grows with their square
 
 cv::Matx23d similarity(const Keypoint& from, const Keypoint& to) {
   const double scale = static_cast<double>(to.size) / static_cast<double>(from.size);
@@ -42,7 +43,7 @@ bool agrees(const Correspondence& pair, const cv::Matx23d& map, const Shape& sha
   const double zoom = static_cast<double>(pair.to.size) / (static_cast<double>(pair.from.size) * shape.scale);
   const auto turn = static_cast<double>(pair.to.angle - pair.from.angle);
   return std::abs(std::log(zoom)) < std::log(kMaxZoom) &&
-         std::abs(std::remainder(turn - shape.turn, 2 * std::numbers::pi)) < kMaxTurn;
+         std::abs(std::remainder(turn - shape.turn, 2 * kPi)) < kMaxTurn;
 }
 
 /// Those that agree; of several with the same key point (of either image) the weightiest. `order` by weight.
@@ -126,8 +127,8 @@ ImageFit fit_images(const std::vector<Correspondence>& pairs, double tolerance) 
 double log_false_alarms(const std::vector<Correspondence>& pairs, const ImageFit& fit, double tolerance,
                         const cv::Size& to, size_t images) {
   constexpr double kScales = 16;  // between the smallest and the largest key points of an image
-  const double place = std::numbers::pi * tolerance * tolerance / std::max(1, to.area());
-  const double turn = kMaxTurn / std::numbers::pi;
+  const double place = kPi * tolerance * tolerance / std::max(1, to.area());
+  const double turn = kMaxTurn / kPi;
   const double zoom = 2 * std::log(kMaxZoom) / std::log(kScales);
   const double p = std::min(0.5, place * turn * zoom);
   std::set<std::pair<int, int>> places;
@@ -144,4 +145,4 @@ double log_false_alarms(const std::vector<Correspondence>& pairs, const ImageFit
   return (std::log(tests) + std::min(0.0, chance)) / std::numbers::ln10;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

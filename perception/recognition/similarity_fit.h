@@ -5,7 +5,7 @@
 
 #include "perception/recognition/image_features.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// That a key point of one image (a catalogue's) looks like one of another (a query).
 struct Correspondence {
@@ -33,4 +33,4 @@ ImageFit fit_images(const std::vector<Correspondence>& correspondences, double t
 double log_false_alarms(const std::vector<Correspondence>& correspondences, const ImageFit& fit,
                         double tolerance, const cv::Size& to, size_t images);
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -5,23 +5,23 @@
 #include <bit>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/base/error.h"
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr std::array<double, 4> kScales = {0.8, 0.9, 1.0, 1.12};
 constexpr std::array<double, 3> kTurnsDeg = {-12, 0, 12};
 constexpr int kDirections = 8;
-constexpr int kSpread = 8;            // Pixels by which a feature may be off.
-constexpr int kStep = 4;              // Places are tried this far apart.
+constexpr int kSpread = 8;           // Pixels by which a feature may be off.
+constexpr int kStep = 4;             // Places are tried this far apart.
 constexpr size_t kMaxFeatures = 60;  // of each kind
 constexpr size_t kMinFeatures = 15;
-constexpr double kMinGradient = 40;    // Grey values over a Sobel mask, summed.
+constexpr double kMinGradient = 40;      // Grey values over a Sobel mask, summed.
 constexpr float kSameSurface_m = 0.03f;  // Neighbours farther away tell nothing about a normal.
 constexpr uint8_t kBest = 4;
 
@@ -41,8 +41,8 @@ cv::Mat quantised_gradients(const cv::Mat& color, cv::Mat& strength) {
       if (static_cast<double>(strength.at<float>(v, u)) < kMinGradient) continue;
       double angle =
           std::atan2(static_cast<double>(dy.at<float>(v, u)), static_cast<double>(dx.at<float>(v, u)));
-      if (angle < 0) angle += std::numbers::pi;
-      const int direction = static_cast<int>(angle / std::numbers::pi * kDirections) % kDirections;
+      if (angle < 0) angle += kPi;
+      const int direction = static_cast<int>(angle / kPi * kDirections) % kDirections;
       bits.at<uint8_t>(v, u) = static_cast<uint8_t>(1 << direction);
     }
   return bits;
@@ -68,7 +68,7 @@ cv::Mat quantised_normals(const cv::Mat& depth) {
       const double x = static_cast<double>(right - left) / width,
                    y = static_cast<double>(below - above) / width;
       if (std::hypot(x, y) < kMinLean) continue;
-      const double turn = (std::atan2(y, x) / (2 * std::numbers::pi) + 1) * kDirections;
+      const double turn = (std::atan2(y, x) / (2 * kPi) + 1) * kDirections;
       bits.at<uint8_t>(v, u) = static_cast<uint8_t>(1 << (static_cast<int>(turn) % kDirections));
     }
   return bits;
@@ -272,4 +272,4 @@ TemplateDetector TemplateDetector::load(const std::filesystem::path& path) try {
   throw Error("the templates contradict themselves", {path.string(), 0, {}}, "make them anew");
 }
 
-}  // namespace loci
+}  // namespace loci::perception

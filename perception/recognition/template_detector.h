@@ -7,7 +7,7 @@
 
 #include "mapping/base/options.h"
 
-namespace loci {
+namespace loci::perception {
 
 struct TemplateOptions {
   double min_similarity = 0.88;
@@ -55,4 +55,4 @@ class TemplateDetector {
   std::vector<View> views_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -10,12 +10,12 @@
 
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr double kSide = 1200;  // pixels: letters of a package then are as high as those of a scanned page
 constexpr double kMaxZoom = 3;  // more adds no detail
-constexpr int kMargin = 12;         // letters at the border are not recognised
+constexpr int kMargin = 12;     // letters at the border are not recognised
 constexpr size_t kMinLetters = 3;
 
 bool is_letter(char c) {
@@ -127,4 +127,4 @@ std::vector<RankedWord> rank_words(const std::vector<TextWord>& words, size_t mo
   return ranked;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

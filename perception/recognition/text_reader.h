@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace loci {
+namespace loci::perception {
 
 struct TextWord {
   std::string text;
@@ -43,4 +43,4 @@ class TextReader {
 /// by how often they occur, then by confidence; upper and lower case alike.
 std::vector<RankedWord> rank_words(const std::vector<TextWord>& words, size_t most = 5);
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -10,7 +10,7 @@
 #include "mapping/base/parallel.h"
 #include "mapping/base/random.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr size_t kBranches = 10;  // As Nistér and Stewénius.
@@ -160,4 +160,4 @@ std::vector<VocabularyTree::Neighbour> VocabularyTree::nearest(const Descriptor&
   return found;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -6,7 +6,7 @@
 
 #include "perception/recognition/image_features.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// A vocabulary tree (Nistér and Stewénius, CVPR 2006): descriptors clustered by k-means, each cluster again,
 /// until few are left, which are the words. Its leaves hold the numbers of their descriptors, so that it also
@@ -49,4 +49,4 @@ class VocabularyTree {
   std::vector<uint32_t> numbers_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -9,7 +9,7 @@
 #include <regex>
 #include <thread>
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using Seconds = std::chrono::duration<double>;
@@ -98,4 +98,4 @@ HttpAnswer http_post(const HttpAddress& address, const std::string& body, double
   throw ServerAway(address.server + " " + reason_of(result.error()));
 }
 
-}  // namespace loci
+}  // namespace loci::perception

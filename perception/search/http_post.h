@@ -4,7 +4,7 @@
 
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// The server could not be reached, did not answer in time, or broke off: trying again may help.
 class ServerAway : public Error {
@@ -27,7 +27,6 @@ struct HttpAddress {
 
 /// Sends `body` and waits for the answer, at most `timeout_s` for all of it, however slowly it drips in.
 /// Throws ServerAway, or Error when the answer has more than `max_bytes`.
-HttpAnswer http_post(const HttpAddress& address, const std::string& body, double timeout_s,
-                     size_t max_bytes);
+HttpAnswer http_post(const HttpAddress& address, const std::string& body, double timeout_s, size_t max_bytes);
 
-}  // namespace loci
+}  // namespace loci::perception

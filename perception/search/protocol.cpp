@@ -7,7 +7,7 @@
 #include "perception/search/goggles.pb.h"
 #include "perception/search/unknown_fields.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using google::protobuf::Message;
@@ -277,4 +277,4 @@ SearchAnswer decode_response(std::string_view bytes) {
   return answer;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

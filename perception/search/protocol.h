@@ -5,7 +5,7 @@
 
 #include "perception/search/search_result.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// A request of the visual-search protocol (§5.4.3).
 struct SearchRequest {
@@ -23,4 +23,4 @@ std::string encode(const std::vector<SearchResult>& results, bool details = true
 /// came, but within ±2^20.
 SearchAnswer decode_response(std::string_view bytes);
 
-}  // namespace loci
+}  // namespace loci::perception

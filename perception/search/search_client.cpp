@@ -14,7 +14,7 @@
 #include "perception/recognition/perceptual_hash.h"
 #include "perception/search/protocol.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr double kBytesPerMegabyte = 1e6;
@@ -57,8 +57,7 @@ void SearchOptions::declare(OptionTable& table) {
   table.integer("retry", retry, "", "How often a server that is away, busy or confused is asked again.", 0,
                 100);
   table.number("pause_s", pause_s, "s", "Wait before it is asked again; doubles each time.", 0, 60);
-  table.integer("side_px", side_px, "px", "Images whose longer side is longer are sent smaller.", 32,
-                10000);
+  table.integer("side_px", side_px, "px", "Images whose longer side is longer are sent smaller.", 32, 10000);
   table.text("language", language, "Of the answers.");
   table.text("country", country, "For the answers.");
   table.integer(
@@ -137,7 +136,7 @@ SearchAnswer SearchClient::ask(const cv::Mat& image, int& attempts) const {
     cv::resize(image, sent,
                {std::max(1, cvRound(image.cols * scale)), std::max(1, cvRound(image.rows * scale))}, 0, 0,
                cv::INTER_AREA);
-  const std::vector<unsigned char> jpeg = encode_image(sent, ".jpg");
+  const std::vector<unsigned char> jpeg = mapping::encode_image(sent, ".jpg");
   const std::string request = encode({{jpeg.begin(), jpeg.end()}, options_.language, options_.country, true});
   double pause_s = options_.pause_s;
   for (int left = options_.retry;; --left) {
@@ -183,4 +182,4 @@ void SearchClient::keep_unknown(const SearchAnswer& answer, const std::string& b
   write_file_atomically(stem.string() + ".txt", fmt::format("{}\n", fmt::join(answer.unknown, "\n")));
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -8,7 +8,7 @@
 #include "perception/search/http_post.h"
 #include "perception/search/search_result.h"
 
-namespace loci {
+namespace loci::perception {
 
 struct SearchOptions {
   std::string server = "http://127.0.0.1:8600";
@@ -75,4 +75,4 @@ class SearchClient {
   SearchCache cache_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -3,13 +3,13 @@
 #include <array>
 #include <set>
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 /// Keys whose values are no words about the thing.
 bool is_address(const std::string& key) {
-  return key.ends_with("_url") || key.ends_with("_site") || key == "confidence" ||
-         key == "uploader_image" || key == "product_id";
+  return key.ends_with("_url") || key.ends_with("_site") || key == "confidence" || key == "uploader_image" ||
+         key == "product_id";
 }
 
 }  // namespace
@@ -55,4 +55,4 @@ std::vector<RankedWord> terms_of(const SearchAnswer& answer, size_t most) {
   return words;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

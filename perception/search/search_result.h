@@ -8,7 +8,7 @@
 #include "perception/recognition/product_catalogue.h"
 #include "perception/recognition/text_reader.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Kinds of results of a visual search (§5.4.1).
 enum class SearchCategory {
@@ -65,4 +65,4 @@ struct SearchAnswer {
 /// ("translate", "similar") do not count.
 std::vector<RankedWord> terms_of(const SearchAnswer& answer, size_t most = 5);
 
-}  // namespace loci
+}  // namespace loci::perception

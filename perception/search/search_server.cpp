@@ -11,7 +11,7 @@
 #include "mapping/image/image_format.h"
 #include "perception/search/protocol.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr const char* kContentType = "application/x-protobuf";
@@ -29,11 +29,11 @@ cv::Mat image_of(const std::string& jpeg, double max_megapixels) {
   if (jpeg.empty()) throw BadRequest("the request holds no image");
   if (!jpeg.starts_with("\xff\xd8\xff")) throw BadRequest("the image is no JPEG");
   try {
-    const ImageHeader header = parse_image_header(jpeg, "the image");
+    const mapping::ImageHeader header = mapping::parse_image_header(jpeg, "the image");
     if (1e-6 * header.width * header.height > max_megapixels)
       throw BadRequest(
           fmt::format("the image has {} x {} pixels, which are too many", header.width, header.height));
-    const cv::Mat image = decode_image({jpeg.begin(), jpeg.end()}, "the image");
+    const cv::Mat image = mapping::decode_image({jpeg.begin(), jpeg.end()}, "the image");
     if (image.channels() == 3) return image;
     cv::Mat color;
     cv::cvtColor(image, color, image.channels() == 1 ? cv::COLOR_GRAY2BGR : cv::COLOR_BGRA2BGR);
@@ -179,4 +179,4 @@ std::string SearchServer::url() const {
   return url_of(running_->options.address, running_->port);
 }
 
-}  // namespace loci
+}  // namespace loci::perception

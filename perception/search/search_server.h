@@ -6,7 +6,7 @@
 
 #include "perception/search/search_service.h"
 
-namespace loci {
+namespace loci::perception {
 
 struct ServerOptions {
   std::string address = "127.0.0.1";
@@ -40,4 +40,4 @@ class SearchServer {
   std::unique_ptr<Running> running_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

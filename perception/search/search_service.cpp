@@ -7,7 +7,7 @@
 
 #include "perception/recognition/barcode_reader.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr size_t kCandidates = 10;
@@ -229,4 +229,4 @@ std::optional<SearchResult> SearchService::read_text(const cv::Mat& image) const
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -8,7 +8,7 @@
 #include "perception/recognition/text_reader.h"
 #include "perception/search/search_result.h"
 
-namespace loci {
+namespace loci::perception {
 
 struct ServiceOptions {
   RecognitionOptions recognition;
@@ -57,4 +57,4 @@ class SearchService {
   std::optional<TextReader> reader_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using google::protobuf::FieldDescriptor;
@@ -89,4 +89,4 @@ std::vector<std::string> structural_differences(const Message& message, std::str
   return lines;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -8,7 +8,7 @@ namespace google::protobuf {
 class Message;
 }
 
-namespace loci {
+namespace loci::perception {
 
 /// How a message that was read from `bytes` differs from what we would make of it (§5.4.2): it is encoded
 /// again with what its definition names, and where the two differ, every field that is not named is listed by
@@ -18,4 +18,4 @@ namespace loci {
 std::vector<std::string> structural_differences(const google::protobuf::Message& message,
                                                 std::string_view bytes);
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -2,7 +2,7 @@
 
 #include "perception/types/types.h"
 
-namespace loci::types {
+namespace loci::perception::types {
 
 /// How a native C++ type is kept in a CAS. Specialised per native type (geometry.h here;
 /// perception/conversions for OpenCV, PCL and cameras; anybody for types of their own) with
@@ -29,4 +29,4 @@ Native from(const typename Conversion<Native>::Proxy& proxy) {
   return Conversion<Native>::from(proxy);
 }
 
-}  // namespace loci::types
+}  // namespace loci::perception::types

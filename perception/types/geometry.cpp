@@ -1,6 +1,6 @@
 #include "perception/types/geometry.h"
 
-namespace loci::types {
+namespace loci::perception::types {
 
 Vector Conversion<Eigen::Vector3d>::to(cas::Cas& cas, const Eigen::Vector3d& value) {
   const Vector vector = Vector::create(cas);
@@ -71,4 +71,4 @@ std::vector<Eigen::Vector3d> points_from_values(const cas::Buffer<double>& value
   return points;
 }
 
-}  // namespace loci::types
+}  // namespace loci::perception::types

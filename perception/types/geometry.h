@@ -4,7 +4,7 @@
 #include "mapping/base/time.h"
 #include "perception/types/conversion.h"
 
-namespace loci::types {
+namespace loci::perception::types {
 
 // Vectors, rotations and poses of Eigen. Metres; from<Isometry3d> takes quaternions of length one within
 // 1e-2.
@@ -38,4 +38,4 @@ StampedTransform to_stamped(cas::Cas& cas, const Eigen::Isometry3d& frame_from_c
 std::vector<double> values_from_points(const std::vector<Eigen::Vector3d>& points);
 std::vector<Eigen::Vector3d> points_from_values(const cas::Buffer<double>& values);
 
-}  // namespace loci::types
+}  // namespace loci::perception::types

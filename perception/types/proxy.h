@@ -5,7 +5,7 @@
 
 #include "perception/cas/cas.h"
 
-namespace loci::types {
+namespace loci::perception::types {
 
 template <typename P>
 class ListFeature;
@@ -214,4 +214,4 @@ class ListFeature : public FeatureBase {
   cas::List list() const { return owner_.list(feature()); }
 };
 
-}  // namespace loci::types
+}  // namespace loci::perception::types

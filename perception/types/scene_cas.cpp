@@ -1,6 +1,6 @@
 #include "perception/types/scene_cas.h"
 
-namespace loci::types {
+namespace loci::perception::types {
 namespace {
 
 /// Without those that are hidden in a branch that works on a part.
@@ -115,4 +115,4 @@ void SceneCas::log(const std::string& annotator, const std::string& level, const
   scene().log.get_or_create().entries.push_back(entry);
 }
 
-}  // namespace loci::types
+}  // namespace loci::perception::types

@@ -2,7 +2,7 @@
 
 #include "perception/types/types.h"
 
-namespace loci::types {
+namespace loci::perception::types {
 
 /// A scene-centric look at a CAS: the scene, its images, clouds and clusters. One of many possible facades
 /// over the same CAS; it keeps no state.
@@ -64,4 +64,4 @@ class SceneCas {
   cas::Cas* cas_;
 };
 
-}  // namespace loci::types
+}  // namespace loci::perception::types

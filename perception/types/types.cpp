@@ -1,6 +1,6 @@
 #include "perception/types/types.h"
 
-namespace loci::types {
+namespace loci::perception::types {
 
 const std::shared_ptr<const cas::TypeSystem>& type_system() {
   static const std::shared_ptr<const cas::TypeSystem> system = type_system_with({});
@@ -12,4 +12,4 @@ std::shared_ptr<const cas::TypeSystem> type_system_with(const std::vector<std::f
   return cas::TypeSystem::load(type_sources(), files, path_dirs);
 }
 
-}  // namespace loci::types
+}  // namespace loci::perception::types

@@ -2,7 +2,7 @@
 
 #include "perception/types/generated.h"
 
-namespace loci::types {
+namespace loci::perception::types {
 
 /// Our types, from texts that are part of the program. Made once.
 const std::shared_ptr<const cas::TypeSystem>& type_system();
@@ -13,4 +13,4 @@ std::shared_ptr<const cas::TypeSystem> type_system_with(
     const std::vector<std::filesystem::path>& files,
     const std::vector<std::filesystem::path>& path_dirs = {});
 
-}  // namespace loci::types
+}  // namespace loci::perception::types

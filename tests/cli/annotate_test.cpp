@@ -6,7 +6,7 @@
 #include "mapping/base/json.h"
 #include "tests/cli/command.h"
 
-namespace loci::test {
+namespace loci::apps::test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -76,4 +76,4 @@ TEST_F(Annotate, MakesNoMemory) {
 }
 
 }  // namespace
-}  // namespace loci::test
+}  // namespace loci::apps::test

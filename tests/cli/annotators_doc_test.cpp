@@ -4,7 +4,7 @@
 #include "mapping/base/json.h"
 #include "tests/cli/command.h"
 
-namespace loci::test {
+namespace loci::apps::test {
 namespace {
 
 /// The part of docs/annotators.md that follows from the declarations.
@@ -31,4 +31,4 @@ TEST(AnnotatorsDocument, HoldsTheDefaultPipeline) {
 }
 
 }  // namespace
-}  // namespace loci::test
+}  // namespace loci::apps::test

@@ -12,7 +12,7 @@
 #include "mapping/sensor/scan.h"
 #include "tests/cli/command.h"
 
-namespace loci::test {
+namespace loci::apps::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -26,44 +26,44 @@ class BadScans : public testing::Test {
 
   std::string path(const std::string& name) const { return folder_ + "/" + name; }
 
-  ScanSet scans_of(const std::string& world, const std::string& poses) const {
-    const std::string out = path("of_" + fs::path(world).stem().string());
+  mapping::ScanSet scans_of(const std::string& world, const std::string& poses) const {
+    const std::string out = path("of_" + test::fs::path(world).stem().string());
     const Outcome outcome =
         run("loci-simulate scan " + world + " --azimuth-step-deg 0.5 --tilt-step-deg 0.5" + " --poses '" +
             poses + "' -o " + out);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
-    return read_scan_set(out);
+    return mapping::read_scan_set(out);
   }
 
-  ScanSet kitchen() const {
+  mapping::ScanSet kitchen() const {
     return scans_of(kSamples + "kitchen.urdf", "1,1.5,90; 2,1.5,90; 3,1.5,90; 2,1.5,-90");
   }
 
-  std::string written(const ScanSet& scans) const {
+  std::string written(const mapping::ScanSet& scans) const {
     write_scan_set(scans, path("scans"));
     return path("scans");
   }
 
-  Outcome interpreted(const ScanSet& scans) const {
+  Outcome interpreted(const mapping::ScanSet& scans) const {
     return run("loci-map interpret " + written(scans) + " -o " + path("map"));
   }
 
   std::string folder_;
 };
 
-void turn_upside_down(Scan& scan) {
-  for (ScanPoint& point : scan.points) {
+void turn_upside_down(mapping::Scan& scan) {
+  for (mapping::ScanPoint& point : scan.points) {
     point.position.y() = -point.position.y();
     point.position.z() = -point.position.z();
   }
 }
 
-void empty(Scan& scan) {
-  for (ScanPoint& point : scan.points) point.returned = false;
+void empty(mapping::Scan& scan) {
+  for (mapping::ScanPoint& point : scan.points) point.returned = false;
 }
 
 TEST_F(BadScans, OfTwoDifferentRoomsAreNotBroughtTogether) {
-  ScanSet scans = scans_of(kSamples + "kitchen.urdf", "2,1.5,90");
+  mapping::ScanSet scans = scans_of(kSamples + "kitchen.urdf", "2,1.5,90");
   scans.scans.push_back(scans_of(kSamples + "kitchen_l.urdf", "2,1.2,90").scans.front());
   scans.scans.back().name = "elsewhere";
   scans.scans.back().map_from_scan = scans.scans.front().map_from_scan;
@@ -71,21 +71,21 @@ TEST_F(BadScans, OfTwoDifferentRoomsAreNotBroughtTogether) {
   EXPECT_EQ(outcome.exit_code, 1) << outcome.out;
   EXPECT_THAT(outcome.out, HasSubstr("refused"));
   EXPECT_THAT(outcome.error, HasSubstr("different places"));
-  EXPECT_FALSE(fs::exists(path("registered")));
+  EXPECT_FALSE(test::fs::exists(path("registered")));
 }
 
 TEST_F(BadScans, OfAnotherRoomIsLeftOutOfTheRest) {
-  ScanSet scans = scans_of(kSamples + "kitchen.urdf", "1.5,1.5,90; 2,1.5,90");
+  mapping::ScanSet scans = scans_of(kSamples + "kitchen.urdf", "1.5,1.5,90; 2,1.5,90");
   scans.scans.push_back(scans_of(kSamples + "kitchen_l.urdf", "2,1.2,90").scans.front());
   scans.scans.back().name = "elsewhere";
   scans.scans.back().map_from_scan = scans.scans.front().map_from_scan;
   const Outcome outcome = run("loci-map register " + written(scans) + " -o " + path("registered"));
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
-  EXPECT_EQ(read_scan_set(path("registered")).scans.size(), 2U);
+  EXPECT_EQ(mapping::read_scan_set(path("registered")).scans.size(), 2U);
 }
 
 TEST_F(BadScans, OneWithoutReturnsIsNamedAndChangesNothing) {
-  ScanSet scans = kitchen();
+  mapping::ScanSet scans = kitchen();
   scans.scans.push_back(scans.scans.front());
   scans.scans.back().name = "blind";
   empty(scans.scans.back());
@@ -96,19 +96,19 @@ TEST_F(BadScans, OneWithoutReturnsIsNamedAndChangesNothing) {
   const Outcome registered = run("loci-map register " + path("scans") + " -o " + path("registered"));
   EXPECT_EQ(registered.exit_code, 0) << registered.error;
   // Nothing ties the one that looks south to the others either.
-  EXPECT_EQ(read_scan_set(path("registered")).scans.size(), 3U);
+  EXPECT_EQ(mapping::read_scan_set(path("registered")).scans.size(), 3U);
 }
 
 TEST_F(BadScans, AllWithoutReturnsAreRefused) {
-  ScanSet scans = scans_of(kSamples + "kitchen.urdf", "2,1.5,90");
+  mapping::ScanSet scans = scans_of(kSamples + "kitchen.urdf", "2,1.5,90");
   empty(scans.scans.front());
   const Outcome outcome = interpreted(scans);
   EXPECT_EQ(outcome.exit_code, 1) << outcome.out;
-  EXPECT_FALSE(fs::exists(path("map/map.urdf")));
+  EXPECT_FALSE(test::fs::exists(path("map/map.urdf")));
 }
 
 TEST_F(BadScans, OneThatStandsOnItsHeadIsLeftOutAndAllOfThemAreRefused) {
-  ScanSet scans = kitchen();
+  mapping::ScanSet scans = kitchen();
   turn_upside_down(scans.scans[1]);
   const Outcome outcome = interpreted(scans);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
@@ -122,14 +122,15 @@ TEST_F(BadScans, OneThatStandsOnItsHeadIsLeftOutAndAllOfThemAreRefused) {
 
 TEST_F(BadScans, CutOffFileIsNamed) {
   const std::string scans = written(scans_of(kSamples + "kitchen.urdf", "2,1.5,90"));
-  for (const auto& entry : fs::directory_iterator(scans))
-    if (entry.path().extension() == ".pcd") fs::resize_file(entry.path(), fs::file_size(entry.path()) / 2);
+  for (const auto& entry : test::fs::directory_iterator(scans))
+    if (entry.path().extension() == ".pcd")
+      test::fs::resize_file(entry.path(), test::fs::file_size(entry.path()) / 2);
   for (const std::string command : {"interpret", "register"}) {
     const Outcome outcome = run("loci-map " + command + " " + scans + " -o " + path("out"));
     EXPECT_EQ(outcome.exit_code, 1) << command;
     EXPECT_EQ(lines_of(outcome.error), 1) << outcome.error;
     EXPECT_THAT(outcome.error, HasSubstr(".pcd"));
-    EXPECT_FALSE(fs::exists(path("out")));
+    EXPECT_FALSE(test::fs::exists(path("out")));
   }
 }
 
@@ -160,4 +161,4 @@ TEST_F(BadScans, RoomWithoutFurnitureIsAMapOfFloorAndWalls) {
 }
 
 }  // namespace
-}  // namespace loci::test
+}  // namespace loci::apps::test

@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace loci::test {
+namespace loci::apps::test {
 
 /// What a program did.
 struct Outcome {
@@ -23,7 +23,7 @@ std::string shared(const std::string& relative);
 /// Number of lines of a text that are not empty.
 int lines_of(const std::string& text);
 
-}  // namespace loci::test
+}  // namespace loci::apps::test
 
 /// Skips the test with a line when shared data is not there.
 #define LOCI_NEEDS_SHARED(relative)         \

@@ -5,7 +5,7 @@
 #include "mapping/base/json.h"
 #include "tests/cli/command.h"
 
-namespace loci::test {
+namespace loci::apps::test {
 namespace {
 
 using testing::HasSubstr;
@@ -78,4 +78,4 @@ TEST(MapCheck, LoadsOrRefusesEveryRobot) {
 }
 
 }  // namespace
-}  // namespace loci::test
+}  // namespace loci::apps::test

@@ -6,7 +6,7 @@
 #include "tests/cli/command.h"
 #include "tests/memory/questions/synthetic_day.h"
 
-namespace loci::test {
+namespace loci::apps::test {
 namespace {
 
 using testing::HasSubstr;
@@ -98,4 +98,4 @@ TEST(ResolveCli, RefusesBadVectorsInOneLine) {
 }
 
 }  // namespace
-}  // namespace loci::test
+}  // namespace loci::apps::test

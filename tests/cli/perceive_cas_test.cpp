@@ -7,7 +7,7 @@
 #include "tests/cli/command.h"
 #include "tests/mapping/recording/bag_writer.h"
 
-namespace loci::test {
+namespace loci::apps::test {
 namespace {
 
 using testing::HasSubstr;
@@ -50,7 +50,9 @@ TEST(PerceiveCas, RefusesInOneLine) {
 TEST(PerceiveCas, MessagesOfABagAreFeatureStructures) {
   const std::string folder = fresh_folder();
   write_bag(folder + "/small.bag",
-            {{"/say", kSecond, {"std_msgs/String", "string data\n", MessageBytes().text("hello").bytes()}}});
+            {{"/say",
+              kSecond,
+              {"std_msgs/String", "string data\n", mapping::test::MessageBytes().text("hello").bytes()}}});
   const Outcome outcome = run("loci-perceive cas " + folder + "/small.bag -o " + folder + "/a.json");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
   EXPECT_THAT(read_file(folder + "/a.json"), HasSubstr("ros.std_msgs.String"));
@@ -68,4 +70,4 @@ TEST(PerceiveCas, MessagesOfABagAreFeatureStructures) {
 }
 
 }  // namespace
-}  // namespace loci::test
+}  // namespace loci::apps::test

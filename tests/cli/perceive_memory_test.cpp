@@ -10,7 +10,7 @@
 #include "tests/cli/command.h"
 #include "tests/memory/recorder/memory_dump.h"
 
-namespace loci::test {
+namespace loci::apps::test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -64,23 +64,23 @@ TEST_F(PerceiveIntoMemory, KilledAtAnyMomentAndResumedGivesTheMemoryOfAnUninterr
   }
   const Outcome rest = loci::test::run(command("killed.loci", "--resume"));
   ASSERT_EQ(rest.exit_code, 0) << rest.error;
-  EXPECT_EQ(memory_dump(folder / "whole.loci"), memory_dump(folder / "killed.loci"));
+  EXPECT_EQ(memory::memory_dump(folder / "whole.loci"), memory::memory_dump(folder / "killed.loci"));
 }
 
 TEST_F(PerceiveIntoMemory, ThreadsDoNotChangeTheMemory) {
   ASSERT_EQ(loci::test::run(command("one.loci", "--threads 1")).exit_code, 0);
   ASSERT_EQ(loci::test::run(command("two.loci", "--threads 2")).exit_code, 0);
-  EXPECT_EQ(memory_dump(folder / "one.loci"), memory_dump(folder / "two.loci"));
+  EXPECT_EQ(memory::memory_dump(folder / "one.loci"), memory::memory_dump(folder / "two.loci"));
 }
 
 TEST_F(PerceiveIntoMemory, SameRecordingTwiceIsRefusedWithOneLine) {
   ASSERT_EQ(loci::test::run(command("twice.loci")).exit_code, 0);
-  const std::string before = memory_dump(folder / "twice.loci");
+  const std::string before = memory::memory_dump(folder / "twice.loci");
   const Outcome again = loci::test::run(command("twice.loci"));
   EXPECT_EQ(again.exit_code, 1);
   EXPECT_THAT(again.error, HasSubstr("in the memory already"));
   EXPECT_EQ(std::count(again.error.begin(), again.error.end(), '\n'), 1);
-  EXPECT_EQ(memory_dump(folder / "twice.loci"), before);
+  EXPECT_EQ(memory::memory_dump(folder / "twice.loci"), before);
 }
 
 TEST_F(PerceiveIntoMemory, RecordingIsKnownByItsContentNotItsPath) {
@@ -105,7 +105,7 @@ TEST_F(PerceiveIntoMemory, InterruptLeavesWholeScenesAndExits130) {
   EXPECT_EQ(WEXITSTATUS(status), 130);
   EXPECT_EQ(loci::test::run(command("stopped.loci", "--resume")).exit_code, 0);
   ASSERT_EQ(loci::test::run(command("whole.loci")).exit_code, 0);
-  EXPECT_EQ(memory_dump(folder / "whole.loci"), memory_dump(folder / "stopped.loci"));
+  EXPECT_EQ(memory::memory_dump(folder / "whole.loci"), memory::memory_dump(folder / "stopped.loci"));
 }
 
 TEST_F(PerceiveIntoMemory, WhatItSawIsADatasetToTrainFrom) {
@@ -146,4 +146,4 @@ TEST(EvaluateChanges, TellsMostOfWhatHappenedOnARealTable) {
 }
 
 }  // namespace
-}  // namespace loci::test
+}  // namespace loci::apps::test

@@ -5,7 +5,7 @@
 #include "mapping/base/json.h"
 #include "tests/cli/command.h"
 
-namespace loci::test {
+namespace loci::apps::test {
 namespace {
 
 using testing::HasSubstr;
@@ -70,4 +70,4 @@ TEST(PerceiveTypes, ListsTypeSystemsOfOtherProjects) {
 }
 
 }  // namespace
-}  // namespace loci::test
+}  // namespace loci::apps::test

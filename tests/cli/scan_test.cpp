@@ -8,7 +8,7 @@
 #include "mapping/sensor/scan.h"
 #include "tests/cli/command.h"
 
-namespace loci::test {
+namespace loci::apps::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -23,7 +23,7 @@ TEST(ScanCommand, WritesAScanSetWithTruePoses) {
   const Outcome outcome = run(kScan + kCoarse + "--poses '2,1.2,90; 3,3,180' --json -o " + folder);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
   EXPECT_EQ(Json::parse(outcome.out)["scans"].size(), 2u);
-  const ScanSet set = read_scan_set(folder);
+  const mapping::ScanSet set = mapping::read_scan_set(folder);
   EXPECT_EQ(set.sensor, "hokuyo");
   EXPECT_TRUE(set.levelled);
   EXPECT_TRUE(set.free_space);
@@ -40,7 +40,7 @@ TEST(ScanCommand, OdometryDriftsFromTheTruthThatStandsBeside) {
   ASSERT_EQ(run(command + folder + "/b --threads 1").exit_code, 0);
   for (const char* file : {"scans.yaml", "scan_000.pcd", "scan_001.pcd", "truth.jsonl"})
     EXPECT_EQ(read_file(folder + "/a/" + file), read_file(folder + "/b/" + file)) << file;
-  const ScanSet set = read_scan_set(folder + "/a");
+  const mapping::ScanSet set = mapping::read_scan_set(folder + "/a");
   EXPECT_GT(set.scans[1].covariance(0, 0), 0);
   const std::string truth = read_file(folder + "/a/truth.jsonl");
   const Json second = Json::parse(truth.substr(truth.find('\n') + 1));
@@ -80,4 +80,4 @@ TEST(ScanCommand, RefusesWhatItCannotDo) {
 }
 
 }  // namespace
-}  // namespace loci::test
+}  // namespace loci::apps::test

@@ -27,7 +27,7 @@
 #include "memory/questions/answers.h"
 #include "tests/gui/window_fixture.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 using test::BrowserWindow;
@@ -70,7 +70,7 @@ TEST_F(BrowserWindow, ClickInTheMapSelectsWhatIsThere) {
 /// As on a machine without a graphics card.
 class WindowDrawnInMemory : public BrowserWindow {
  protected:
-  WindowDrawnInMemory() : BrowserWindow(MapBackend::memory) {}
+  WindowDrawnInMemory() : test::BrowserWindow(MapBackend::memory) {}
 };
 
 TEST_F(WindowDrawnInMemory, TheMapTakesClicksAndDrags) {
@@ -226,12 +226,12 @@ TEST_F(BrowserWindow, AnEmptyWindowSaysWhatToDo) {
 }
 
 TEST_F(BrowserWindow, SaysTheSameAsTheQuestionsOfTheCommandLine) {
-  const Store store = Store::open_read(sample_.path);
+  const memory::Store store = memory::Store::open_read(sample_.path);
   for (const TimeNs time : {sample_.first, sample_.second, sample_.third}) {
     go_to(time);
-    const auto states = ask(store, ObjectsQuestion{{}, {time, std::nullopt}}).objects;
+    const auto states = ask(store, memory::ObjectsQuestion{{}, {time, std::nullopt}}).objects;
     EXPECT_EQ(states.size(), window.browser().belief().objects.size());
-    for (const ObjectState& state : states) {
+    for (const memory::ObjectState& state : states) {
       const BelievedObject* shown = window.browser().belief().find(state.object.id);
       ASSERT_NE(shown, nullptr) << state.object.name;
       EXPECT_EQ(shown->name, state.object.name);
@@ -267,4 +267,4 @@ TEST_F(BrowserWindow, NothingIsClippedAtTheSmallestSizePromised) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::gui

@@ -8,7 +8,7 @@
 #include "gui/views/compare_view.h"
 #include "tests/gui/window_fixture.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 BelievedObject at(int64_t id, const std::string& place, double x, Presence presence = Presence::seen) {
@@ -116,4 +116,4 @@ TEST_F(CompareInWindow, AnotherMemoryStandsBesideWithItsOwnNumbers) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::gui

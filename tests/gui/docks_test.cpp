@@ -15,7 +15,7 @@
 #include "mapping/base/json.h"
 #include "tests/gui/window_fixture.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 class DocksInWindow : public test::BrowserWindow {
@@ -99,4 +99,4 @@ TEST_F(DocksInWindow, AnUnknownDockIsRefusedWithTheNamesOfAll) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::gui

@@ -11,7 +11,7 @@
 #include "memory/questions/facts.h"
 #include "tests/gui/window_fixture.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 class EditsInWindow : public test::BrowserWindow {
@@ -21,7 +21,9 @@ class EditsInWindow : public test::BrowserWindow {
     settle();
     choose(2);
   }
-  std::vector<Fact> facts() { return ask(Store::open_read(sample_.path), FactsQuestion{}).facts; }
+  std::vector<memory::Fact> facts() {
+    return ask(memory::Store::open_read(sample_.path), memory::FactsQuestion{}).facts;
+  }
 };
 
 TEST_F(EditsInWindow, ARenamedObjectIsCalledSoInAllViews) {
@@ -117,7 +119,7 @@ TEST_F(EditsInWindow, UndoAndRedoRestoreWhatHeldAndLoseNothing) {
   edits.say("object_2", "owner", "Alan");
   settle();
   EXPECT_FALSE(edits.can_redo()) << "a new edit ends what could be redone";
-  const Store store = Store::open_read(sample_.path);
+  const memory::Store store = memory::Store::open_read(sample_.path);
   EXPECT_EQ(store.runs().size(), 7U) << "one run of the memory, and one for each that was said or taken back";
 }
 
@@ -169,7 +171,7 @@ TEST_F(EditsInWindow, FromTheChosenTimeOnItIsAnother) {
 
 TEST_F(EditsInWindow, WhileAnotherProgramWritesTheEditIsRefusedWithTheReason) {
   QSignalSpy failed(&window.browser(), &Browser::failed);
-  const Store writer = Store::open_write(sample_.path);
+  const memory::Store writer = memory::Store::open_write(sample_.path);
   window.edits().say("object_2", "class", "cup");
   settle();
   EXPECT_EQ(failed.count(), 1);
@@ -177,4 +179,4 @@ TEST_F(EditsInWindow, WhileAnotherProgramWritesTheEditIsRefusedWithTheReason) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::gui

@@ -13,7 +13,7 @@
 #include "memory/store/scene_transaction.h"
 #include "tests/gui/window_fixture.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 /// Root may write everything: for as long as this lives, root is nobody.
@@ -44,11 +44,11 @@ class FilesInWindow : public test::BrowserWindow {
   }
   /// Adds a scene at the end, as a program that perceives would.
   void add_scene(TimeNs time) {
-    Store store = Store::open_write(sample_.path);
-    const Id run = store.begin_run("test", "{}");
+    memory::Store store = memory::Store::open_write(sample_.path);
+    const memory::Id run = store.begin_run("test", "{}");
     {
-      SceneTransaction transaction(store, run);
-      SceneRow row;
+      memory::SceneTransaction transaction(store, run);
+      memory::SceneRow row;
       row.time = time;
       transaction.add_scene(row);
       transaction.commit();
@@ -140,4 +140,4 @@ TEST_F(FilesInWindow, AReadOnlyFileSaysSo) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::gui

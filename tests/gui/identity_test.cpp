@@ -12,7 +12,7 @@
 #include "memory/store/scene_transaction.h"
 #include "tests/gui/window_fixture.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 /// One thing was seen; it is object_1 rather than object_2, and object_3 is gone.
@@ -93,15 +93,15 @@ TEST_F(IdentityInWindow, TheCardShowsItsImagesAndWhyItIsBelieved) {
 
 TEST_F(IdentityInWindow, TheSecondClockShowsWhatWasKnownBeforeARunAddedMore) {
   {
-    Store store = Store::open_write(sample_.path);
-    BeliefRow row = *store.belief(2);
+    memory::Store store = memory::Store::open_write(sample_.path);
+    memory::BeliefRow row = *store.belief(2);
     row.place = store.belief(1, {sample_.first, std::nullopt})->place;
     row.scene.reset();
     row.status = "out_of_view";
     row.clock = {.valid_from = sample_.third + kSecond};
-    const Id run = store.begin_run("somebody who knows better", "{}");
+    const memory::Id run = store.begin_run("somebody who knows better", "{}");
     {
-      SceneTransaction rows(store, run);
+      memory::SceneTransaction rows(store, run);
       rows.add_belief(row);
       rows.commit();
     }
@@ -122,4 +122,4 @@ TEST_F(IdentityInWindow, TheSecondClockShowsWhatWasKnownBeforeARunAddedMore) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::gui

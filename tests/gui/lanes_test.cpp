@@ -9,7 +9,7 @@
 #include "gui/views/time_track.h"
 #include "tests/gui/window_fixture.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 class LanesInWindow : public test::BrowserWindow {
@@ -91,4 +91,4 @@ TEST(TimeAxis, PansAndZoomsOnlyWithinTheMemory) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::gui

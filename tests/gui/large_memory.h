@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-namespace loci::test {
+namespace loci::gui::test {
 
 /// A memory of a large map, written through the store: `objects` boxes in rows on the floor of the room, some
 /// of which move in every scene, and `scenes` looks with image and depth from around. The map is the URDF
@@ -10,4 +10,4 @@ namespace loci::test {
 void write_large_memory(const std::filesystem::path& path, const std::filesystem::path& package,
                         const std::string& urdf, int objects, int scenes);
 
-}  // namespace loci::test
+}  // namespace loci::gui::test

@@ -15,7 +15,7 @@
 #include "gui/views/time_bar.h"
 #include "tests/gui/window_fixture.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 struct Look {
@@ -30,7 +30,7 @@ std::ostream& operator<<(std::ostream& out, const Look& look) {
 
 class Layout : public test::BrowserWindow, public testing::WithParamInterface<Look> {
  protected:
-  Layout() : BrowserWindow(MapBackend::memory) {
+  Layout() : test::BrowserWindow(MapBackend::memory) {
     apply_theme(*static_cast<QApplication*>(QApplication::instance()), GetParam().theme, false);
     window.resize(GetParam().size);
     choose(2);
@@ -169,4 +169,4 @@ INSTANTIATE_TEST_SUITE_P(At, Layout,
                          });
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::gui

@@ -18,7 +18,7 @@
 #include "memory/report/annotator_times.h"
 #include "tests/gui/window_fixture.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 /// A wall two metres before both cameras, which stand side by side.
@@ -202,7 +202,7 @@ TEST_F(BrowserWindow, AnnotatorsAreListedByTheirTimes) {
                   {"annotators",
                    {{"Fast", {{"scenes", 10}, {"seconds", 0.01}}},
                     {"Slow", {{"scenes", 10}, {"seconds", 1.0}, {"failures", 2}}}}}});
-  const auto times = annotator_times(sample_.path);
+  const auto times = memory::annotator_times(sample_.path);
   ASSERT_EQ(times.size(), 2U);
   EXPECT_EQ(times[0].name, "Slow");
   EXPECT_NEAR(times[0].ms_per_scene(), 100, 1e-9);
@@ -210,4 +210,4 @@ TEST_F(BrowserWindow, AnnotatorsAreListedByTheirTimes) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::gui

@@ -13,8 +13,8 @@ int main(int argc, char** argv) {
   QSurfaceFormat::setDefaultFormat(format);
   QStandardPaths::setTestModeEnabled(true);
   testing::InitGoogleTest(&argc, argv);
-  loci::TimedApplication application(argc, argv);
+  loci::gui::TimedApplication application(argc, argv);
   QApplication::setOrganizationName("loci-test");
-  loci::apply_theme(application, loci::ThemeChoice::light, false);
+  loci::gui::apply_theme(application, loci::gui::ThemeChoice::light, false);
   return RUN_ALL_TESTS();
 }

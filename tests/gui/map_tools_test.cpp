@@ -8,12 +8,12 @@
 #include "gui/views/map_tools.h"
 #include "tests/gui/window_fixture.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 class MapToolsInWindow : public test::BrowserWindow {
  protected:
-  MapToolsInWindow() : BrowserWindow(MapBackend::memory) {
+  MapToolsInWindow() : test::BrowserWindow(MapBackend::memory) {
     window.show_dock("tools3d");
     settle();
   }
@@ -137,4 +137,4 @@ TEST_F(MapToolsInWindow, AllCamerasAreALayerThatIsOffAtFirst) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::gui

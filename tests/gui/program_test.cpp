@@ -13,7 +13,7 @@
 #include "mapping/base/files.h"
 #include "tests/gui/sample_memory.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 struct Ran {
@@ -122,4 +122,4 @@ TEST_F(BrowseProgram, UsageErrorsExitTwo) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::gui

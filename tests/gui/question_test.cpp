@@ -16,7 +16,7 @@
 #include "mapping/base/json.h"
 #include "tests/gui/window_fixture.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 using test::BrowserWindow;
@@ -180,4 +180,4 @@ TEST(QuestionHistory, IsKeptFromOneStartToTheNext) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::gui

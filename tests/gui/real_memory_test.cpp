@@ -17,7 +17,7 @@
 #include "gui/views/time_track.h"
 #include "tests/gui/window_fixture.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 const std::filesystem::path kShared = LOCI_SHARED_DIR, kSource = LOCI_SOURCE_DIR, kPrograms = LOCI_BIN_DIR;
@@ -113,4 +113,4 @@ INSTANTIATE_TEST_SUITE_P(Of, RealMemory,
                          [](const auto& frames) { return std::string(frames.param.name); });
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::gui

@@ -15,25 +15,25 @@
 #include "memory/store/scene_kinds.h"
 #include "memory/store/scene_transaction.h"
 
-namespace loci::test {
+namespace loci::gui::test {
 namespace {
 
 constexpr int kThumbnailStep = 4;
 const std::filesystem::path kKitchen = std::filesystem::path(LOCI_SOURCE_DIR) / "apps/samples/kitchen.urdf";
 
 struct Thing {
-  Id object;
+  memory::Id object;
   Vector3d centre, size;
-  HsvColor hsv;
+  memory::HsvColor hsv;
   const char* color;
   cv::Scalar bgr;
 };
 
-TriangleMesh box_mesh(const Thing& thing) {
+mapping::TriangleMesh box_mesh(const Thing& thing) {
   Warnings warnings;
-  TriangleMesh mesh = triangulate(Box{thing.size}, {}, warnings);
-  const Rgba color(static_cast<float>(thing.bgr[2] / 255), static_cast<float>(thing.bgr[1] / 255),
-                   static_cast<float>(thing.bgr[0] / 255), 1);
+  mapping::TriangleMesh mesh = triangulate(mapping::Box{thing.size}, {}, warnings);
+  const mapping::Rgba color(static_cast<float>(thing.bgr[2] / 255), static_cast<float>(thing.bgr[1] / 255),
+                            static_cast<float>(thing.bgr[0] / 255), 1);
   mesh.colors.assign(mesh.triangles.size(), color);
   return mesh;
 }
@@ -42,10 +42,12 @@ TriangleMesh box_mesh(const Thing& thing) {
 class Writer {
  public:
   Writer(const std::filesystem::path& path)
-      : store_(Store::open_write(path)), world_(read_urdf(kKitchen)), run_(store_.begin_run("test", "{}")) {
+      : store_(memory::Store::open_write(path)),
+        world_(mapping::read_urdf(kKitchen)),
+        run_(store_.begin_run("test", "{}")) {
     map_ = store_.add_map("kitchen.urdf", read_file(kKitchen), "");
     for (const char* name : {"counter_1", "table_1"}) {
-      PlaceRow row;
+      memory::PlaceRow row;
       row.name = name;
       row.map = map_;
       places_[name] = store_.add_place(row, run_);
@@ -54,42 +56,43 @@ class Writer {
   ~Writer() { store_.finish_run(run_); }
 
   /// Draws what the camera sees, adds the scene with one observation per thing; returns the scene's id.
-  Id add_scene(SceneTransaction& transaction, TimeNs time, const Isometry3d& map_from_camera,
-               const std::vector<Thing>& things, const JointState& joints) {
-    const PinholeCamera camera;
-    RenderScene scene;
+  memory::Id add_scene(memory::SceneTransaction& transaction, TimeNs time, const Isometry3d& map_from_camera,
+                       const std::vector<Thing>& things, const JointState& joints) {
+    const mapping::PinholeCamera camera;
+    mapping::RenderScene scene;
     Warnings warnings;
     scene.add(world_, {{}, kKitchen.parent_path()}, Isometry3d::Identity(), warnings);
     scene.set_joints(0, joints);
     for (const Thing& thing : things)
       scene.add("thing_" + std::to_string(thing.object), box_mesh(thing),
                 Isometry3d(Eigen::Translation3d(thing.centre)));
-    RenderOptions options;
+    mapping::RenderOptions options;
     options.colors = true;
-    const RenderedView view = scene.render(camera, map_from_camera, options);
+    const mapping::RenderedView view = scene.render(camera, map_from_camera, options);
     depth_ = view.depth;
-    SceneRow row;
+    memory::SceneRow row;
     row.time = time;
     row.map = map_;
-    row.camera = SceneCamera{camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, 0.5, 5};
+    row.camera =
+        memory::SceneCamera{camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, 0.5, 5};
     row.map_from_camera = map_from_camera;
     row.joints = joints;
-    const auto image = encode_image(view.color, ".png");
+    const auto image = mapping::encode_image(view.color, ".png");
     row.image =
         transaction.add_blob({reinterpret_cast<const char*>(image.data()), image.size()}, "image/png");
     std::vector<float> depth;
     for (int y = kThumbnailStep / 2; y < camera.height; y += kThumbnailStep)
       for (int x = kThumbnailStep / 2; x < camera.width; x += kThumbnailStep)
         depth.push_back(view.depth.at<float>(y, x));
-    row.depth = transaction.add_blob(encode_depth_thumbnail(depth), kDepthThumbnailMedia);
+    row.depth = transaction.add_blob(memory::encode_depth_thumbnail(depth), memory::kDepthThumbnailMedia);
     row.depth_width = camera.width / kThumbnailStep;
     row.depth_height = camera.height / kThumbnailStep;
     // Above the middle the map explains all; things are looked for below.
-    std::string kinds(depth.size(), static_cast<char>(SceneKind::known));
+    std::string kinds(depth.size(), static_cast<char>(memory::SceneKind::known));
     std::fill(kinds.begin() + static_cast<ptrdiff_t>(kinds.size() / 2), kinds.end(),
-              static_cast<char>(SceneKind::interest));
-    row.kinds = transaction.add_blob(kinds, kSceneKindsMedia);
-    const Id id = transaction.add_scene(row);
+              static_cast<char>(memory::SceneKind::interest));
+    row.kinds = transaction.add_blob(kinds, memory::kSceneKindsMedia);
+    const memory::Id id = transaction.add_scene(row);
     transaction.add_log({.scene = id, .annotator = "NormalEstimator", .milliseconds = 2.5});
     transaction.add_log({.scene = id,
                          .number = 1,
@@ -102,16 +105,17 @@ class Writer {
 
   /// An observation of a thing in the last scene that is believed to be the object; returns its id. In the
   /// first scene no points are kept.
-  Id add_sight(SceneTransaction& transaction, Id scene, const std::string& place, const Thing& thing,
-               const Isometry3d& map_from_camera, const std::string& explanation) {
-    const PinholeCamera camera;
+  memory::Id add_sight(memory::SceneTransaction& transaction, memory::Id scene, const std::string& place,
+                       const Thing& thing, const Isometry3d& map_from_camera,
+                       const std::string& explanation) {
+    const mapping::PinholeCamera camera;
     Eigen::AlignedBox2d area;
     for (int i = 0; i < 8; ++i) {
       const Vector3d corner(i & 1 ? 0.5 : -0.5, i & 2 ? 0.5 : -0.5, i & 4 ? 0.5 : -0.5);
       area.extend(
           camera.project(map_from_camera.inverse() * (thing.centre + corner.cwiseProduct(thing.size))));
     }
-    ObservationRow row;
+    memory::ObservationRow row;
     row.scene = scene;
     row.number = number_++;
     row.place = place_id(place);
@@ -126,7 +130,7 @@ class Writer {
     cv::Mat mask(std::max(1, (*row.roi)[3]), std::max(1, (*row.roi)[2]), CV_8U, cv::Scalar(0));
     cv::ellipse(mask, cv::Point(mask.cols / 2, mask.rows / 2), cv::Size(mask.cols / 2, mask.rows / 2), 0, 0,
                 360, cv::Scalar(255), cv::FILLED);
-    const auto outline = encode_image(mask, ".png");
+    const auto outline = mapping::encode_image(mask, ".png");
     row.mask =
         transaction.add_blob({reinterpret_cast<const char*>(outline.data()), outline.size()}, "image/png");
     if (scene > 1) {
@@ -135,12 +139,12 @@ class Writer {
         for (int x = 0; x < mask.cols; ++x)
           if (mask.at<uint8_t>(y, x) != 0)
             depth.push_back(depth_.at<float>(y + (*row.roi)[1], x + (*row.roi)[0]));
-      row.cloud = transaction.add_blob(encode_cluster_depth(depth), kClusterDepthMedia);
+      row.cloud = transaction.add_blob(memory::encode_cluster_depth(depth), memory::kClusterDepthMedia);
     }
-    const auto crop = encode_image(cv::Mat(40, 30, CV_8UC3, thing.bgr), ".png");
+    const auto crop = mapping::encode_image(cv::Mat(40, 30, CV_8UC3, thing.bgr), ".png");
     row.crop = transaction.add_blob({reinterpret_cast<const char*>(crop.data()), crop.size()}, "image/png");
-    const Id observation = transaction.add_observation(row);
-    AssociationRow association;
+    const memory::Id observation = transaction.add_observation(row);
+    memory::AssociationRow association;
     association.scene = scene;
     association.observation = observation;
     association.object = thing.object;
@@ -152,24 +156,26 @@ class Writer {
   }
 
   /// What a scene could tell about a thing.
-  void add_look(SceneTransaction& transaction, Id scene, Id object, const std::string& status) {
+  void add_look(memory::SceneTransaction& transaction, memory::Id scene, memory::Id object,
+                const std::string& status) {
     transaction.add_visibility({.scene = scene, .object = object, .status = status, .probability = 0.95});
   }
-  void add_look_at(SceneTransaction& transaction, Id scene, const std::string& place, double fraction) {
+  void add_look_at(memory::SceneTransaction& transaction, memory::Id scene, const std::string& place,
+                   double fraction) {
     transaction.add_visibility(
         {.scene = scene, .place = place_id(place), .status = "seen", .fraction = fraction});
   }
 
-  Id add_object(SceneTransaction& transaction, TimeNs time) {
-    ObjectRow row;
+  memory::Id add_object(memory::SceneTransaction& transaction, TimeNs time) {
+    memory::ObjectRow row;
     row.clock.valid_from = time;
     return transaction.add_object(row);
   }
 
-  void add_belief(SceneTransaction& transaction, TimeNs time, Id scene, const Thing& thing,
+  void add_belief(memory::SceneTransaction& transaction, TimeNs time, memory::Id scene, const Thing& thing,
                   const std::string& place, const std::string& status, double probability,
-                  std::optional<Id> last_scene, std::optional<Id> last_observation) {
-    BeliefRow row;
+                  std::optional<memory::Id> last_scene, std::optional<memory::Id> last_observation) {
+    memory::BeliefRow row;
     row.object = thing.object;
     row.scene = scene;
     row.status = status;
@@ -185,9 +191,10 @@ class Writer {
     transaction.add_belief(row);
   }
 
-  void add_event(SceneTransaction& transaction, TimeNs time, Id scene, const std::string& kind, Id object,
-                 const std::string& place, const std::string& from = {}) {
-    EventRow row;
+  void add_event(memory::SceneTransaction& transaction, TimeNs time, memory::Id scene,
+                 const std::string& kind, memory::Id object, const std::string& place,
+                 const std::string& from = {}) {
+    memory::EventRow row;
     row.scene = scene;
     row.kind = kind;
     row.object = object;
@@ -197,18 +204,18 @@ class Writer {
     transaction.add_event(row);
   }
 
-  Store& store() { return store_; }
-  Id run() const { return run_; }
+  memory::Store& store() { return store_; }
+  memory::Id run() const { return run_; }
 
  private:
-  Id place_id(const std::string& name) const { return places_.at(name); }
+  memory::Id place_id(const std::string& name) const { return places_.at(name); }
 
-  Store store_;
-  World world_;
-  Id run_;
-  Id map_ = 0;
+  memory::Store store_;
+  mapping::World world_;
+  memory::Id run_;
+  memory::Id map_ = 0;
   cv::Mat depth_;  ///< of the last scene
-  std::map<std::string, Id> places_;
+  std::map<std::string, memory::Id> places_;
   int64_t number_ = 0;
 };
 
@@ -218,16 +225,16 @@ SampleMemory write_sample_memory(const std::filesystem::path& path) {
   SampleMemory sample{path, parse_time("2026-05-01T07:00:00Z"), parse_time("2026-05-01T07:30:00Z"),
                       parse_time("2026-05-01T08:00:00Z")};
   Writer writer(path);
-  const Isometry3d at_counter = looking_at({1.7, 1.4, 1.5}, {1.75, 2.65, 0.9});
-  const Isometry3d at_table = looking_at({2.0, 1.7, 1.5}, {2.0, 0.62, 0.74});
+  const Isometry3d at_counter = mapping::looking_at({1.7, 1.4, 1.5}, {1.75, 2.65, 0.9});
+  const Isometry3d at_table = mapping::looking_at({2.0, 1.7, 1.5}, {2.0, 0.62, 0.74});
   Thing cup{0, {1.5, 2.5, 0.95}, {0.09, 0.12, 0.10}, {4, 0.85, 0.8}, "red", {30, 35, 205}};
   Thing box{0, {1.9, 2.55, 1.00}, {0.10, 0.06, 0.20}, {215, 0.75, 0.75}, "blue", {190, 105, 48}};
   Thing tin{0, {2.2, 2.5, 0.95}, {0.07, 0.07, 0.11}, {110, 0.7, 0.6}, "green", {45, 150, 60}};
-  Id cup_seen = 0;
-  Id box_seen = 0;
-  Id first_scene = 0;
+  memory::Id cup_seen = 0;
+  memory::Id box_seen = 0;
+  memory::Id first_scene = 0;
   {
-    SceneTransaction t(writer.store(), writer.run());
+    memory::SceneTransaction t(writer.store(), writer.run());
     cup.object = writer.add_object(t, sample.first);
     box.object = writer.add_object(t, sample.first);
     first_scene = writer.add_scene(t, sample.first, at_counter, {cup, box}, {});
@@ -241,8 +248,8 @@ SampleMemory write_sample_memory(const std::filesystem::path& path) {
   }
   box.centre = {2.0, 0.7, 0.85};
   {
-    SceneTransaction t(writer.store(), writer.run());
-    const Id scene =
+    memory::SceneTransaction t(writer.store(), writer.run());
+    const memory::Id scene =
         writer.add_scene(t, sample.second, at_table, {cup, box}, {{"drawer_2_front_joint", 0.35}});
     box_seen = writer.add_sight(t, scene, "table_1", box, at_table, "move");
     writer.add_belief(t, sample.second, scene, cup, "counter_1", "out_of_view", 0.9, first_scene, cup_seen);
@@ -253,10 +260,10 @@ SampleMemory write_sample_memory(const std::filesystem::path& path) {
     t.commit();
   }
   {
-    SceneTransaction t(writer.store(), writer.run());
+    memory::SceneTransaction t(writer.store(), writer.run());
     tin.object = writer.add_object(t, sample.third);
-    const Id scene = writer.add_scene(t, sample.third, at_counter, {box, tin}, {});
-    const Id tin_seen = writer.add_sight(t, scene, "counter_1", tin, at_counter, "appear");
+    const memory::Id scene = writer.add_scene(t, sample.third, at_counter, {box, tin}, {});
+    const memory::Id tin_seen = writer.add_sight(t, scene, "counter_1", tin, at_counter, "appear");
     writer.add_belief(t, sample.third, scene, cup, "counter_1", "gone", 0.04, first_scene, cup_seen);
     writer.add_belief(t, sample.third, scene, box, "table_1", "out_of_view", 0.93, scene, box_seen);
     writer.add_belief(t, sample.third, scene, tin, "counter_1", "seen", 0.99, scene, tin_seen);
@@ -269,4 +276,4 @@ SampleMemory write_sample_memory(const std::filesystem::path& path) {
   return sample;
 }
 
-}  // namespace loci::test
+}  // namespace loci::gui::test

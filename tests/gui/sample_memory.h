@@ -4,7 +4,7 @@
 
 #include "mapping/base/time.h"
 
-namespace loci::test {
+namespace loci::gui::test {
 
 /// A small memory of the sample kitchen, written through the store: three scenes half an hour apart.
 ///   07:00  a red cup (object 1) and a blue box (object 2) on counter_1
@@ -17,4 +17,4 @@ struct SampleMemory {
 
 SampleMemory write_sample_memory(const std::filesystem::path& path);
 
-}  // namespace loci::test
+}  // namespace loci::gui::test

@@ -12,7 +12,7 @@
 #include "mapping/base/files.h"
 #include "tests/gui/large_memory.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 const std::filesystem::path kApartment = std::filesystem::path(LOCI_SHARED_DIR) / "data/iai_apartment";
@@ -36,4 +36,4 @@ TEST(WindowSpeed, TheApartmentWithTwoHundredObjectsCanBeScrubbed) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::gui

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 TEST(TimeText, IsInTheZoneOfTheMemory) {
@@ -26,4 +26,4 @@ TEST(PercentText, KeepsCertaintyForWhatIsCertain) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::gui

@@ -17,7 +17,7 @@
 #include "gui/views/time_track.h"
 #include "tests/gui/window_fixture.h"
 
-namespace loci {
+namespace loci::gui {
 namespace {
 
 class Walk : public test::BrowserWindow {
@@ -134,4 +134,4 @@ TEST_F(Walk, HowIsItGivenAName) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::gui

@@ -18,7 +18,7 @@
 #include "mapping/base/files.h"
 #include "tests/gui/sample_memory.h"
 
-namespace loci::test {
+namespace loci::gui::test {
 
 /// A window on the sample memory, shown on the virtual screen.
 class BrowserWindow : public testing::Test {
@@ -82,4 +82,4 @@ class BrowserWindow : public testing::Test {
   MainWindow window;
 };
 
-}  // namespace loci::test
+}  // namespace loci::gui::test

@@ -6,19 +6,19 @@
 
 #include "tests/mapping/occupancy/box_room.h"
 
-namespace loci {
+namespace loci::nbv {
 namespace {
 
 /// A cupboard stands along the east wall, 90 cm high.
-BoxRoom furnished_room() {
-  BoxRoom room;
+mapping::BoxRoom furnished_room() {
+  mapping::BoxRoom room;
   room.room = {Vector3d(-4, -2, 0), Vector3d(3, 2, 2.8)};
   room.furniture = {{Vector3d(2.4, -1.5, 0), Vector3d(3, 1.5, 0.9)}};
   return room;
 }
 
-LaserModel coarse_laser() {
-  LaserModel laser;
+mapping::LaserModel coarse_laser() {
+  mapping::LaserModel laser;
   laser.azimuth_step_deg = laser.tilt_step_deg = 0.5;
   laser.azimuth_range_deg = 360;
   laser.tilt_min_deg = -60;
@@ -26,19 +26,19 @@ LaserModel coarse_laser() {
   return laser;
 }
 
-ScanSet scans_from(const BoxRoom& room, const std::vector<PlanarPose>& poses) {
-  ScanSet set;
-  for (const PlanarPose& pose : poses) {
+mapping::ScanSet scans_from(const mapping::BoxRoom& room, const std::vector<mapping::PlanarPose>& poses) {
+  mapping::ScanSet set;
+  for (const mapping::PlanarPose& pose : poses) {
     Isometry3d scanner = map_from_base(pose);
-    scanner.translation().z() = LaserModel().height_m;
+    scanner.translation().z() = mapping::LaserModel().height_m;
     set.scans.push_back(room.sweep(scanner, 720, 240, 10, 0.005, 3, 60));
   }
   return set;
 }
 
-NextView inspect(const ScanSet& scans) {
-  OccupancyMap map({0.05, 7, 2});
-  for (const Scan& scan : scans.scans) map.insert(scan);
+NextView inspect(const mapping::ScanSet& scans) {
+  mapping::OccupancyMap map({0.05, 7, 2});
+  for (const mapping::Scan& scan : scans.scans) map.insert(scan);
   InspectionOptions options;
   options.points_per_cm2 = 0.25;  // As with the laser's own steps, four times the points.
   return inspection_view({scans.scans.begin(), scans.scans.end()}, map, {-2, 0, 0}, coarse_laser(), {},
@@ -61,10 +61,10 @@ TEST(Inspection, FurnitureSeenFromNearNeedsNoOtherView) {
 }
 
 TEST(Inspection, BareWallsAreNotLookedAt) {
-  BoxRoom room = furnished_room();
+  mapping::BoxRoom room = furnished_room();
   room.furniture.clear();
   EXPECT_FALSE(inspect(scans_from(room, {{-2, 0, 0}, {-1, 1, 0}})).pose);
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::nbv

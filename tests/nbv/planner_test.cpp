@@ -1,49 +1,47 @@
 #include "nbv/planner.h"
+#include "mapping/base/math.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "nbv/images.h"
 #include "tests/mapping/occupancy/box_room.h"
 
-namespace loci {
+namespace loci::nbv {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-
-Isometry3d scanner_at(const PlanarPose& pose) {
+Isometry3d scanner_at(const mapping::PlanarPose& pose) {
   Isometry3d scanner = map_from_base(pose);
-  scanner.translation().z() = LaserModel().height_m;
+  scanner.translation().z() = mapping::LaserModel().height_m;
   return scanner;
 }
 
 /// A long room with a cupboard that hides its east end from the west.
-BoxRoom divided_room() {
-  BoxRoom room;
+mapping::BoxRoom divided_room() {
+  mapping::BoxRoom room;
   room.room = {Vector3d(-3, -2, 0), Vector3d(4, 2, 2.5)};
   room.furniture = {{Vector3d(0.5, -2, 0), Vector3d(0.9, 0.6, 2.2)}};
   return room;
 }
 
-Scan scan_from(const BoxRoom& room, const PlanarPose& pose) {
+mapping::Scan scan_from(const mapping::BoxRoom& room, const mapping::PlanarPose& pose) {
   return room.sweep(scanner_at(pose), 360, 190, 10, 0.005, 3, 180);
 }
 
-OccupancyMap map_of(const BoxRoom& room, const std::vector<PlanarPose>& poses) {
-  OccupancyMap map({0.05, 5, 2});
-  for (const PlanarPose& pose : poses) map.insert(scan_from(room, pose));
+mapping::OccupancyMap map_of(const mapping::BoxRoom& room, const std::vector<mapping::PlanarPose>& poses) {
+  mapping::OccupancyMap map({0.05, 5, 2});
+  for (const mapping::PlanarPose& pose : poses) map.insert(scan_from(room, pose));
   return map;
 }
 
-const PlanarPose kStart{-2, -0.5, 0};
+const mapping::PlanarPose kStart{-2, -0.5, 0};
 
 TEST(FloorGrid, TellsFloorObstaclesAndTheUnseenApart) {
-  BoxRoom room = divided_room();
+  mapping::BoxRoom room = divided_room();
   room.furniture.push_back({Vector3d(-1, -1.5, 0.7), Vector3d(-0.2, -1, 0.75)});  // A table top.
-  const FloorGrid floor = floor_grid(map_of(room, {kStart}).voxels(), 0.1, 1.35);
+  const mapping::FloorGrid floor = floor_grid(map_of(room, {kStart}).voxels(), 0.1, 1.35);
   const auto at = [&](double x, double y) {
     const Eigen::Vector2i cell = floor.cell_of({x, y});
     return floor.index(cell.x(), cell.y());
@@ -57,25 +55,26 @@ TEST(FloorGrid, TellsFloorObstaclesAndTheUnseenApart) {
 }
 
 TEST(FloorGrid, FloorUnderSpaceThatWasNotSeenIsNoPlaceToStand) {
-  Voxels voxels;  // The floor is seen everywhere; over its east half only what is below 40 cm.
+  mapping::Voxels voxels;  // The floor is seen everywhere; over its east half only what is below 40 cm.
   voxels.resolution = 0.05;
   voxels.size = {80, 40, 40};
-  voxels.states.assign(80 * 40 * 40, Occupancy::free);
+  voxels.states.assign(80 * 40 * 40, mapping::Occupancy::free);
   for (int y = 0; y < 40; ++y)
     for (int x = 0; x < 80; ++x) {
-      voxels.states[voxels.index({x, y, 0})] = Occupancy::occupied;
-      for (int z = 8; x >= 40 && z < 40; ++z) voxels.states[voxels.index({x, y, z})] = Occupancy::unknown;
+      voxels.states[voxels.index({x, y, 0})] = mapping::Occupancy::occupied;
+      for (int z = 8; x >= 40 && z < 40; ++z)
+        voxels.states[voxels.index({x, y, z})] = mapping::Occupancy::unknown;
     }
-  const PlanarPose robot{1, 1, 0};
-  const FloorGrid floor = drivable_floor(voxels, robot, LaserModel(), {});
+  const mapping::PlanarPose robot{1, 1, 0};
+  const mapping::FloorGrid floor = drivable_floor(voxels, robot, mapping::LaserModel(), {});
   const Reach reach = drivable_ways(floor, robot, {});
   EXPECT_TRUE(reach.stands(floor, floor.index(15, 10)));
   EXPECT_TRUE(floor.seen[floor.index(30, 10)]);
   EXPECT_FALSE(floor.obstacle[floor.index(30, 10)]);
   EXPECT_FALSE(reach.stands(floor, floor.index(30, 10)));
   // What hangs as low as the robot is high is in its way wherever its radius reaches.
-  for (int x = 19; x <= 21; ++x) voxels.states[voxels.index({x, 30, 25})] = Occupancy::occupied;
-  const FloorGrid below = drivable_floor(voxels, robot, LaserModel(), {});
+  for (int x = 19; x <= 21; ++x) voxels.states[voxels.index({x, 30, 25})] = mapping::Occupancy::occupied;
+  const mapping::FloorGrid below = drivable_floor(voxels, robot, mapping::LaserModel(), {});
   const Reach around = drivable_ways(below, robot, {});
   EXPECT_FALSE(around.stands(below, below.index(10, 15)));
   EXPECT_FALSE(around.stands(below, below.index(12, 15)));
@@ -83,13 +82,13 @@ TEST(FloorGrid, FloorUnderSpaceThatWasNotSeenIsNoPlaceToStand) {
 }
 
 TEST(FloorGrid, AFalsePointIsNoObstacleAThinPoleIs) {
-  Voxels voxels;  // Free space over a floor.
+  mapping::Voxels voxels;  // Free space over a floor.
   voxels.resolution = 0.05;
   voxels.size = {60, 40, 30};
-  voxels.states.assign(60 * 40 * 30, Occupancy::free);
+  voxels.states.assign(60 * 40 * 30, mapping::Occupancy::free);
   const auto occupy = [&](int x, int y, int z) {
     const size_t voxel = voxels.index({x, y, z});
-    voxels.states[voxel] = Occupancy::occupied;
+    voxels.states[voxel] = mapping::Occupancy::occupied;
     return voxel;
   };
   for (int y = 0; y < 40; ++y)
@@ -98,7 +97,7 @@ TEST(FloorGrid, AFalsePointIsNoObstacleAThinPoleIs) {
   for (int x = 20; x < 24; ++x)
     for (int y = 10; y < 14; ++y) voxels.doubtful.push_back(occupy(x, y, 12));
   for (int z = 2; z < 20; ++z) occupy(40, 30, z);
-  const FloorGrid floor = floor_grid(voxels, 0.1, 1.35);
+  const mapping::FloorGrid floor = floor_grid(voxels, 0.1, 1.35);
   const auto obstacle = [&](int x, int y) {
     const Eigen::Vector2i cell = floor.cell_of(voxels.center({x, y, 0}).head<2>());
     return floor.obstacle[floor.index(cell.x(), cell.y())] != 0;
@@ -111,11 +110,11 @@ TEST(FloorGrid, AFalsePointIsNoObstacleAThinPoleIs) {
 }
 
 TEST(Reach, KeepsTheRobotsRadiusFromObstaclesAndGoesAroundThem) {
-  const OccupancyMap map = map_of(divided_room(), {kStart, {1.5, 1.4, -1.2}, {-0.3, 1.3, 0}});
-  const FloorGrid floor = floor_grid(map.voxels(), 0.1, 1.35);
+  const mapping::OccupancyMap map = map_of(divided_room(), {kStart, {1.5, 1.4, -1.2}, {-0.3, 1.3, 0}});
+  const mapping::FloorGrid floor = floor_grid(map.voxels(), 0.1, 1.35);
   const Reach reach = find_ways(floor, kStart, 0.3, 1.2);
-  const PlanarPose goal{2, -1, 0.5};
-  const std::vector<PlanarPose> way = way_to(floor, reach, goal);
+  const mapping::PlanarPose goal{2, -1, 0.5};
+  const std::vector<mapping::PlanarPose> way = way_to(floor, reach, goal);
   ASSERT_GE(way.size(), 3U);
   EXPECT_EQ(way.back().yaw, goal.yaw);
   double length = 0;
@@ -142,11 +141,11 @@ TEST(VisibilityKernel, HoldsThePlacesFromWhichTheVoxelIsSeen) {
       EXPECT_GE(std::hypot(x, run.y), 10 - 1e-9);
       EXPECT_LE(std::hypot(x, run.y), 40 + 1e-9);
     }
-  EXPECT_NEAR(static_cast<double>(cells) * 0.01, std::numbers::pi / 2 * (16 - 1), 0.5);  // Half a ring, m².
+  EXPECT_NEAR(static_cast<double>(cells) * 0.01, kPi / 2 * (16 - 1), 0.5);  // Half a ring, m².
 }
 
 TEST(Costmaps, AStencilIsTheSumOverAllVoxels) {
-  FloorGrid floor;
+  mapping::FloorGrid floor;
   floor.cell = 0.1;
   floor.width = 70;
   floor.height = 50;
@@ -162,7 +161,7 @@ TEST(Costmaps, AStencilIsTheSumOverAllVoxels) {
     for (int vy = 0; vy < 50; ++vy)
       for (int vx = 0; vx < 70; ++vx) {
         const double distance = 0.1 * std::hypot(vx - x, vy - y);
-        const double off = std::remainder(std::atan2(vy - y, vx - x) - 45 * kDegree, 2 * std::numbers::pi);
+        const double off = std::remainder(std::atan2(vy - y, vx - x) - 45 * kDegree, 2 * kPi);
         if (distance >= 0.5 && distance <= 2 && std::abs(off) <= 60 * kDegree + 1e-9)
           sum += votes[floor.index(vx, vy)];
       }
@@ -171,10 +170,10 @@ TEST(Costmaps, AStencilIsTheSumOverAllVoxels) {
 }
 
 TEST(ViewCaster, AllAroundCountsTheAreaOfTheWallsOfARoom) {
-  Voxels voxels;  // A closed box of 4 × 4 × 2.5 m, its walls one voxel thick.
+  mapping::Voxels voxels;  // A closed box of 4 × 4 × 2.5 m, its walls one voxel thick.
   voxels.resolution = 0.05;
   voxels.size = {80, 80, 50};
-  voxels.states.assign(80 * 80 * 50, Occupancy::free);
+  voxels.states.assign(80 * 80 * 50, mapping::Occupancy::free);
   ViewVoxels view;
   view.states.assign(voxels.states.size(), ViewVoxel::free);
   for (int z = 0; z < 50; ++z)
@@ -184,22 +183,22 @@ TEST(ViewCaster, AllAroundCountsTheAreaOfTheWallsOfARoom) {
           view.states[voxels.index({x, y, z})] = x == 79 ? ViewVoxel::unknown : ViewVoxel::occupied;
         else if (x == 78)
           view.states[voxels.index({x, y, z})] = ViewVoxel::fringe;
-  const ViewCaster caster(voxels, view, LaserModel(), 10, 2);
-  const ViewCounts east = caster.view({2, 2, 0}), west = caster.view({2, 2, std::numbers::pi});
+  const ViewCaster caster(voxels, view, mapping::LaserModel(), 10, 2);
+  const ViewCounts east = caster.view({2, 2, 0}), west = caster.view({2, 2, kPi});
   EXPECT_GT(east.fringe, 3);
   EXPECT_LT(west.fringe, 0.5);
   const std::vector<ViewCounts> panorama = caster.panorama({2, 2});
   EXPECT_DOUBLE_EQ(caster.part(panorama, 0).fringe, east.fringe);
-  EXPECT_DOUBLE_EQ(caster.part(panorama, std::numbers::pi).occupied, west.occupied);
-  const ViewCaster finer(voxels, view, LaserModel(), 10, 1);
+  EXPECT_DOUBLE_EQ(caster.part(panorama, kPi).occupied, west.occupied);
+  const ViewCaster finer(voxels, view, mapping::LaserModel(), 10, 1);
   EXPECT_NEAR(finer.view({2, 2, 0}).fringe, east.fringe,
               0.1 * east.fringe);  // An area, not a number of rays.
 }
 
 TEST(NextView, LooksAroundTheCornerAndSaysWhy) {
-  const BoxRoom room = divided_room();
-  const OccupancyMap map = map_of(room, {kStart});
-  const NextView view = next_view(map, kStart, LaserModel(), {}, Random(1));
+  const mapping::BoxRoom room = divided_room();
+  const mapping::OccupancyMap map = map_of(room, {kStart});
+  const NextView view = next_view(map, kStart, mapping::LaserModel(), {}, Random(1));
   ASSERT_TRUE(view.pose) << view.reason;
   EXPECT_GT(view.expected_gain, 1);
   EXPECT_GT(view.expected_overlap, 0.1);
@@ -207,34 +206,34 @@ TEST(NextView, LooksAroundTheCornerAndSaysWhy) {
   ASSERT_FALSE(view.path.empty());
   EXPECT_EQ(view.path.back().x, view.pose->x);
   // The scan there shows what was hidden.
-  OccupancyMap after = map_of(room, {kStart});
+  mapping::OccupancyMap after = map_of(room, {kStart});
   after.insert(scan_from(room, *view.pose));
-  const auto known = [](const OccupancyMap& m) {
-    const Voxels voxels = m.voxels();
-    return std::count(voxels.states.begin(), voxels.states.end(), Occupancy::occupied);
+  const auto known = [](const mapping::OccupancyMap& m) {
+    const mapping::Voxels voxels = m.voxels();
+    return std::count(voxels.states.begin(), voxels.states.end(), mapping::Occupancy::occupied);
   };
   EXPECT_GT(known(after), 1.15 * static_cast<double>(known(map)));
 }
 
 TEST(NextView, IsTheSameOnAnyNumberOfThreads) {
-  const OccupancyMap map = map_of(divided_room(), {kStart});
+  const mapping::OccupancyMap map = map_of(divided_room(), {kStart});
   PlannerOptions options;
   options.threads = 1;
-  const NextView one = next_view(map, kStart, LaserModel(), options, Random(9));
+  const NextView one = next_view(map, kStart, mapping::LaserModel(), options, Random(9));
   options.threads = 3;
-  const NextView three = next_view(map, kStart, LaserModel(), options, Random(9));
+  const NextView three = next_view(map, kStart, mapping::LaserModel(), options, Random(9));
   EXPECT_EQ(one.details["samples"], three.details["samples"]);
   EXPECT_EQ(one.reason, three.reason);
 }
 
 TEST(NextView, StopsInTheEndWithItsReason) {
-  const BoxRoom room = divided_room();
-  OccupancyMap map = map_of(room, {kStart});
-  PlanarPose robot = kStart;
+  const mapping::BoxRoom room = divided_room();
+  mapping::OccupancyMap map = map_of(room, {kStart});
+  mapping::PlanarPose robot = kStart;
   int scans = 1;
   NextView view;
   for (; scans < 20; ++scans) {
-    view = next_view(map, robot, LaserModel(), {}, Random(static_cast<uint64_t>(scans)));
+    view = next_view(map, robot, mapping::LaserModel(), {}, Random(static_cast<uint64_t>(scans)));
     if (!view.pose) break;
     robot = *view.pose;
     map.insert(scan_from(room, robot));
@@ -242,18 +241,18 @@ TEST(NextView, StopsInTheEndWithItsReason) {
   EXPECT_FALSE(view.pose);
   EXPECT_LT(scans, 14);
   EXPECT_NE(view.reason.find("no reachable view"), std::string::npos) << view.reason;
-  EXPECT_TRUE(map.at({3.97, -1.5, 1.0}) == Occupancy::occupied ||
+  EXPECT_TRUE(map.at({3.97, -1.5, 1.0}) == mapping::Occupancy::occupied ||
               map.at({4.02, -1.5, 1.0}) ==
-                  Occupancy::occupied);  // The hidden end's wall, give or take noise.
+                  mapping::Occupancy::occupied);  // The hidden end's wall, give or take noise.
 }
 
 TEST(NextView, WeightTurnsFromOverlapToGain) {
-  const OccupancyMap map = map_of(divided_room(), {kStart});
+  const mapping::OccupancyMap map = map_of(divided_room(), {kStart});
   PlannerOptions options;
   std::vector<NextView> views;
   for (const double weight : {0.0, 0.5, 1.0}) {
     options.gain_weight = weight;
-    views.push_back(next_view(map, kStart, LaserModel(), options, Random(2)));
+    views.push_back(next_view(map, kStart, mapping::LaserModel(), options, Random(2)));
     ASSERT_TRUE(views.back().pose);
   }
   EXPECT_GE(views[0].expected_overlap, views[1].expected_overlap);
@@ -262,21 +261,21 @@ TEST(NextView, WeightTurnsFromOverlapToGain) {
 }
 
 TEST(NextView, ChoosesFromAPoolWhatShowsMost) {
-  const OccupancyMap map = map_of(divided_room(), {kStart});
-  const std::vector<PlanarPose> pool = {{-2, 0.5, 0}, {1.6, 1.3, -1.0}, {-1.8, -0.5, 0}};
+  const mapping::OccupancyMap map = map_of(divided_room(), {kStart});
+  const std::vector<mapping::PlanarPose> pool = {{-2, 0.5, 0}, {1.6, 1.3, -1.0}, {-1.8, -0.5, 0}};
   PlannerOptions options;
   options.gain_weight = 1;
-  const PoolChoice choice = choose_view(map, pool, LaserModel(), options);
+  const PoolChoice choice = choose_view(map, pool, mapping::LaserModel(), options);
   ASSERT_TRUE(choice.index) << choice.view.reason;
   EXPECT_EQ(*choice.index, 1U);  // Behind the cupboard.
   options.min_gain = 50;
-  EXPECT_FALSE(choose_view(map, pool, LaserModel(), options).index);
-  EXPECT_FALSE(choose_view(map, {}, LaserModel(), options).index);
+  EXPECT_FALSE(choose_view(map, pool, mapping::LaserModel(), options).index);
+  EXPECT_FALSE(choose_view(map, {}, mapping::LaserModel(), options).index);
 }
 
 TEST(ViewImages, ShowFringeCostsOfEachOrientationAndTheChoice) {
-  const OccupancyMap map = map_of(divided_room(), {kStart});
-  const ViewPlan plan = plan_view(map, kStart, LaserModel(), {}, Random(1));
+  const mapping::OccupancyMap map = map_of(divided_room(), {kStart});
+  const ViewPlan plan = plan_view(map, kStart, mapping::LaserModel(), {}, Random(1));
   const std::vector<ViewImage> images = view_images(plan, kStart);
   EXPECT_EQ(images.size(), 4U + 8 + 1);
   for (const ViewImage& image : images) {
@@ -286,18 +285,20 @@ TEST(ViewImages, ShowFringeCostsOfEachOrientationAndTheChoice) {
     EXPECT_GT(deviation[1], 1) << image.name;  // Not blank.
   }
   EXPECT_TRUE(
-      view_images(plan_view(OccupancyMap({0.05, 5, 1}), {}, LaserModel(), {}, Random(1)), {}).empty());
+      view_images(plan_view(mapping::OccupancyMap({0.05, 5, 1}), {}, mapping::LaserModel(), {}, Random(1)),
+                  {})
+          .empty());
 }
 
 TEST(NextView, SaysThatNothingIsKnownOrNothingCanBeReached) {
-  const OccupancyMap empty({0.05, 5, 1});
-  NextView view = next_view(empty, {}, LaserModel(), {}, Random(1));
+  const mapping::OccupancyMap empty({0.05, 5, 1});
+  NextView view = next_view(empty, {}, mapping::LaserModel(), {}, Random(1));
   EXPECT_FALSE(view.pose);
   EXPECT_NE(view.reason.find("nothing is known"), std::string::npos);
-  view = next_view(map_of(divided_room(), {kStart}), {30, 30, 0}, LaserModel(), {}, Random(1));
+  view = next_view(map_of(divided_room(), {kStart}), {30, 30, 0}, mapping::LaserModel(), {}, Random(1));
   EXPECT_FALSE(view.pose);
   EXPECT_NE(view.reason.find("no pose can be reached"), std::string::npos);
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::nbv

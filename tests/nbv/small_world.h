@@ -8,7 +8,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/pose.h"
 
-namespace loci::test {
+namespace loci::nbv::test {
 
 /// A room of 3.6 m × 3 m, its floor at z = 0 around the origin, with furniture along its north wall; written
 /// as URDF.
@@ -60,4 +60,4 @@ class SmallWorld {
   std::string text_;
 };
 
-}  // namespace loci::test
+}  // namespace loci::nbv::test

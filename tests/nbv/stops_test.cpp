@@ -1,4 +1,5 @@
 #include "nbv/stops.h"
+#include "mapping/base/math.h"
 
 #include <gtest/gtest.h>
 
@@ -6,52 +7,53 @@
 
 #include "tests/mapping/occupancy/box_room.h"
 
-namespace loci {
+namespace loci::nbv {
 namespace {
 
 /// A cupboard along the east wall; a screen as high as the room stands before its southern half.
-BoxRoom room_with_screen() {
-  BoxRoom room;
+mapping::BoxRoom room_with_screen() {
+  mapping::BoxRoom room;
   room.room = {Vector3d(-3, -2, 0), Vector3d(3, 2, 2.8)};
   room.furniture = {{Vector3d(2.4, -1.5, 0), Vector3d(3, 1.5, 0.9)},
                     {Vector3d(1.4, -1.9, 0), Vector3d(1.5, 0, 2)}};
   return room;
 }
 
-OccupancyMap mapped(const BoxRoom& room) {
-  OccupancyMap map({0.05, 7, 2});
-  for (const PlanarPose& pose : {PlanarPose{-1, 0, 0}, {0.5, 1.3, 0}, {1.9, 0.8, -M_PI_2}, {0.5, -1, 0}}) {
+mapping::OccupancyMap mapped(const mapping::BoxRoom& room) {
+  mapping::OccupancyMap map({0.05, 7, 2});
+  for (const mapping::PlanarPose& pose :
+       {mapping::PlanarPose{-1, 0, 0}, {0.5, 1.3, 0}, {1.9, 0.8, -kPi / 2}, {0.5, -1, 0}}) {
     Isometry3d scanner = map_from_base(pose);
-    scanner.translation().z() = LaserModel().height_m;
+    scanner.translation().z() = mapping::LaserModel().height_m;
     map.insert(room.sweep(scanner, 720, 240, 10, 0, 3, 60));
   }
   return map;
 }
 
-Front front_at(double y) {
-  Front front;
+mapping::Front front_at(double y) {
+  mapping::Front front;
   front.centre = {2.4, y, 0.5};
   front.normal = -Vector3d::UnitX();
   front.width = 0.5;
   front.height = 0.6;
-  front.fixture = Fixture();
+  front.fixture = mapping::Fixture();
   front.fixture->centre = {2.36, y, 0.7};
   return front;
 }
 
-StopPlanner planner_for(const OccupancyMap& map) {
-  return StopPlanner(map, {-1, 0, 0}, LaserModel(), {}, {}, 0.3);
+StopPlanner planner_for(const mapping::OccupancyMap& map) {
+  return StopPlanner(map, {-1, 0, 0}, mapping::LaserModel(), {}, {}, 0.3);
 }
 
 TEST(Stops, LookAtTheFrontsFromWhereNothingHidesThem) {
-  const BoxRoom room = room_with_screen();
-  const OccupancyMap map = mapped(room);
-  const std::vector<Front> fronts = {front_at(1.0), front_at(-0.5)};
+  const mapping::BoxRoom room = room_with_screen();
+  const mapping::OccupancyMap map = mapped(room);
+  const std::vector<mapping::Front> fronts = {front_at(1.0), front_at(-0.5)};
   bool first_served = false;
   for (const InteractionStop& stop : planner_for(map).plan(fronts))
     for (const size_t front : stop.fronts) {
       first_served = first_served || front == 0;
-      const Vector3d from(stop.pose.x, stop.pose.y, LaserModel().height_m),
+      const Vector3d from(stop.pose.x, stop.pose.y, mapping::LaserModel().height_m),
           way = fronts[front].fixture->centre - from;
       EXPECT_GE(room.cast(from, way.normalized()), way.norm() - 1e-9) << from.transpose();
     }
@@ -59,7 +61,7 @@ TEST(Stops, LookAtTheFrontsFromWhereNothingHidesThem) {
 }
 
 TEST(Stops, StandOutOfTheWayOfWhatOpens) {
-  const OccupancyMap map = mapped(room_with_screen());
+  const mapping::OccupancyMap map = mapped(room_with_screen());
   for (const InteractionStop& stop : planner_for(map).plan({front_at(1.0)})) {
     const double beside = std::max(0.0, std::abs(stop.pose.y - 1.0) - 0.25),
                  before = std::max(0.0, 2.4 - stop.pose.x - 0.3);
@@ -68,15 +70,15 @@ TEST(Stops, StandOutOfTheWayOfWhatOpens) {
 }
 
 TEST(Stops, NoneForAFrontWithoutFixtureOrBehindAWall) {
-  const OccupancyMap map = mapped(room_with_screen());
-  Front bare = front_at(1.0), behind = front_at(1.0);
+  const mapping::OccupancyMap map = mapped(room_with_screen());
+  mapping::Front bare = front_at(1.0), behind = front_at(1.0);
   bare.fixture.reset();
   behind.centre = behind.fixture->centre = {4, 1.0, 1.6};  // In the next room.
   EXPECT_TRUE(planner_for(map).plan({bare, behind}).empty());
 }
 
 TEST(Stops, GoElsewhereWhereTheRobotCouldNotStand) {
-  const OccupancyMap map = mapped(room_with_screen());
+  const mapping::OccupancyMap map = mapped(room_with_screen());
   StopPlanner planner = planner_for(map);
   const std::vector<InteractionStop> before = planner.plan({front_at(1.0)});
   ASSERT_EQ(before.size(), 1U);
@@ -88,4 +90,4 @@ TEST(Stops, GoElsewhereWhereTheRobotCouldNotStand) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::nbv

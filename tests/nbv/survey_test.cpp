@@ -1,4 +1,5 @@
 #include "nbv/survey.h"
+#include "mapping/base/math.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +8,7 @@
 #include "mapping/world/urdf.h"
 #include "tests/nbv/small_world.h"
 
-namespace loci::test {
+namespace loci::nbv::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -36,26 +37,26 @@ SmallWorld drawers_that_hang_together() {
 class Survey : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / "survey" /
+    folder_ = test::fs::path(testing::TempDir()) / "survey" /
               testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+    test::fs::remove_all(folder_);
+    test::fs::create_directories(folder_);
   }
 
   SurveyResult explore(const SmallWorld& world, const std::string& out, int threads, Progress& progress,
-                       bool resume = false, const PlanarPose& start = {0, -0.4, M_PI_2}) {
+                       bool resume = false, const mapping::PlanarPose& start = {0, -0.4, kPi / 2}) {
     SurveyOptions options;
     options.interact = true;
     options.exploration.max_scans = 3;
     options.exploration.threads = threads;
-    ScannedWorldOptions simulated;
+    mapping::ScannedWorldOptions simulated;
     simulated.threads = threads;
-    ScannedWorld robot(world.write(folder_), simulated, start, warnings_);
+    mapping::ScannedWorld robot(world.write(folder_), simulated, start, warnings_);
     return survey(robot, start, folder_ / out, resume, options, progress, warnings_);
   }
   std::string bytes(const std::string& file) const { return read_file(folder_ / file); }
 
-  fs::path folder_;
+  test::fs::path folder_;
   Warnings warnings_;
   NoProgress quiet_;
 };
@@ -85,10 +86,10 @@ TEST_F(Survey, GoesOnAfterInterruptionsAsIfThereHadBeenNone) {
 TEST_F(Survey, FrontsThatShareAJointAreEachMappedAsTheDrawersThatTheyAre) {
   const SurveyResult result = explore(drawers_that_hang_together(), "map", 0, quiet_);
   ASSERT_EQ(result.map.fronts.size(), 2U);
-  for (const Front& front : result.map.fronts) {
+  for (const mapping::Front& front : result.map.fronts) {
     EXPECT_EQ(front.class_name, "drawer");
     ASSERT_TRUE(front.joint);
-    EXPECT_EQ(front.joint->type, JointEstimate::Type::prismatic);
+    EXPECT_EQ(front.joint->type, mapping::JointEstimate::Type::prismatic);
     EXPECT_GT(-front.joint->axis.y(), 0.999) << front.joint->axis.transpose();
     EXPECT_NEAR(front.width, 0.8, 0.03);
     EXPECT_NEAR(front.height, 0.38, 0.03);
@@ -108,4 +109,4 @@ TEST_F(Survey, SaysThatItCannotStartInsideFurniture) {
 }
 
 }  // namespace
-}  // namespace loci::test
+}  // namespace loci::nbv::test

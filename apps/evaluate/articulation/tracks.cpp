@@ -10,15 +10,15 @@
 #include "mapping/base/json.h"
 #include "mapping/base/random.h"
 
-namespace loci::articulation {
+namespace loci::apps::articulation {
 namespace {
 
 constexpr size_t kStillPoses = 15;
 constexpr size_t kHeldPoses = 60;
 constexpr double kHeldNoise = 0.002;
 
-Track first_poses(const Track& track, size_t count) {
-  Track first;
+mapping::Track first_poses(const mapping::Track& track, size_t count) {
+  mapping::Track first;
   count = std::min(count, track.positions.size());
   first.positions.assign(track.positions.begin(),
                          track.positions.begin() + static_cast<std::ptrdiff_t>(count));
@@ -28,8 +28,8 @@ Track first_poses(const Track& track, size_t count) {
   return first;
 }
 
-Track held_pose(const Track& track, Random random) {
-  Track held;
+mapping::Track held_pose(const mapping::Track& track, Random random) {
+  mapping::Track held;
   for (size_t i = 0; i < kHeldPoses; ++i) {
     const Vector3d noise(random.normal(kHeldNoise), random.normal(kHeldNoise), random.normal(kHeldNoise));
     held.positions.push_back(track.positions.front() + noise);
@@ -92,7 +92,7 @@ std::vector<KnownTrack> read_known_tracks(const std::filesystem::path& folder) {
   for (size_t row = 0; row < index.rows(); ++row) {
     KnownTrack known{index.cell(row, file), index.cell(row, type), index.cell(row, confidence), {}};
     if (known.type == "rotational") known.type = "revolute";
-    known.track = read_track(folder / known.name);
+    known.track = mapping::read_track(folder / known.name);
     still.push_back({known.name + ", one pose held", "rigid", "made", held_pose(known.track, Random(row))});
     if (!known.track.orientations.empty() && known.confidence == "high")
       still.push_back({known.name + ", first poses", "rigid", "made", first_poses(known.track, kStillPoses)});
@@ -102,7 +102,7 @@ std::vector<KnownTrack> read_known_tracks(const std::filesystem::path& folder) {
   return tracks;
 }
 
-std::string plain_decision(const Track& track) {
+std::string plain_decision(const mapping::Track& track) {
   Vector3d mean = Vector3d::Zero();
   const double count = static_cast<double>(track.positions.size());
   for (const Vector3d& p : track.positions) mean += p / count;
@@ -128,7 +128,7 @@ std::string plain_decision(const Track& track) {
   return circle_square < line_square ? "revolute" : "prismatic";
 }
 
-TrackEvaluation evaluate_tracks(const std::vector<KnownTrack>& tracks, const TrackOptions& options) {
+TrackEvaluation evaluate_tracks(const std::vector<KnownTrack>& tracks, const mapping::TrackOptions& options) {
   TrackEvaluation evaluation;
   for (const KnownTrack& known : tracks) {
     const Json answer = fit_track(known.track, options).report();
@@ -185,4 +185,4 @@ Json TrackEvaluation::report() const {
   return json;
 }
 
-}  // namespace loci::articulation
+}  // namespace loci::apps::articulation

@@ -7,14 +7,14 @@
 
 #include "mapping/articulation/articulation.h"
 
-namespace loci::articulation {
+namespace loci::apps::articulation {
 
 /// A track and what made it: rigid, prismatic, revolute, unknown (neither line nor circle).
 struct KnownTrack {
   std::string name;
   std::string type;
   std::string confidence;  ///< of the label: high, medium, low
-  Track track;
+  mapping::Track track;
 };
 
 /// The tracks of a folder with index.csv (file, joint_type, confidence), and rigid ones made of them: of
@@ -33,7 +33,7 @@ struct Judged {
 
 /// The peer: least squares line and circle, and whichever has the smaller rms; no outliers, no penalty. It
 /// knows no third answer.
-std::string plain_decision(const Track& track);
+std::string plain_decision(const mapping::Track& track);
 
 struct TrackEvaluation {
   std::vector<Judged> tracks;
@@ -42,6 +42,6 @@ struct TrackEvaluation {
   Json report() const;
 };
 
-TrackEvaluation evaluate_tracks(const std::vector<KnownTrack>& tracks, const TrackOptions& options);
+TrackEvaluation evaluate_tracks(const std::vector<KnownTrack>& tracks, const mapping::TrackOptions& options);
 
-}  // namespace loci::articulation
+}  // namespace loci::apps::articulation

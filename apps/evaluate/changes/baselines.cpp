@@ -4,24 +4,24 @@
 #include "apps/evaluate/pairing.h"
 #include "memory/belief/similarity.h"
 
-namespace loci::changes {
+namespace loci::apps::changes {
 namespace {
 
 constexpr double kReach = 0.25;          ///< metres; beyond that nearest does not look, and closeness fades
-constexpr double kMinCombined = 0.2;   ///< RoboSherlock's
+constexpr double kMinCombined = 0.2;     ///< RoboSherlock's
 constexpr double kMoved = 0.05;          ///< metres between two looks; visible parts differ by less
-constexpr double kMinSimilar = 0.5;    ///< below, it looks different
+constexpr double kMinSimilar = 0.5;      ///< below, it looks different
 constexpr double kNear = 0.3, kFar = 5;  ///< metres that a camera sees
 
 /// An object as it was seen last.
 struct Entry {
-  Id id = 0;
-  belief::Observation last;
+  memory::Id id = 0;
+  memory::belief::Observation last;
 };
 
 double similar(const Entry& old, const Sight& seen) {
-  const belief::Likeness likeness =
-      belief::compare(old.last.descriptors, seen.evidence.descriptors, false, 1);
+  const memory::belief::Likeness likeness =
+      memory::belief::compare(old.last.descriptors, seen.evidence.descriptors, false, 1);
   return likeness.closeness.value_or(0.5);
 }
 
@@ -40,7 +40,7 @@ bool in_image(const Vector3d& point, const Moment& moment) {
 
 Pairs greedy_pairs(const std::vector<Entry>& old, const std::vector<Sight>& seen) {
   return mutual_best(old.size(), seen.size(), kMinCombined, [&](size_t o, size_t k) {
-    const double proximity = belief::gaussian_closeness(distance(old[o], seen[k]), kReach);
+    const double proximity = memory::belief::gaussian_closeness(distance(old[o], seen[k]), kReach);
     return 0.5 * similar(old[o], seen[k]) + 0.5 * proximity;
   });
 }
@@ -54,7 +54,7 @@ template <class PairUp>
 Story tell(const Moments& moments, PairUp pair_up) {
   Story story;
   std::vector<Entry> old;
-  Id next = 1;
+  memory::Id next = 1;
   for (const auto& [frame, moment] : moments) {
     Told& told = story[frame];
     std::vector<bool> found(old.size()), known(moment.sights.size());
@@ -96,4 +96,4 @@ Story nearest_story(const Moments& moments) {
   return tell(moments, nearest_pairs);
 }
 
-}  // namespace loci::changes
+}  // namespace loci::apps::changes

@@ -6,14 +6,14 @@
 #include "memory/identity/matchings.h"
 #include "memory/recorder/scene_reasoning.h"
 
-namespace loci::changes {
+namespace loci::apps::changes {
 namespace {
 
 /// One frame: which object each true thing is taken for.
 struct Frame {
-  std::map<std::string, Id> object;  ///< of true things that were found; 0 = not attributed
-  std::map<Id, std::set<std::string>> events;
-  std::set<Id> seen;  ///< objects
+  std::map<std::string, memory::Id> object;  ///< of true things that were found; 0 = not attributed
+  std::map<memory::Id, std::set<std::string>> events;
+  std::set<memory::Id> seen;  ///< objects
   size_t attributed = 0;
 };
 
@@ -80,7 +80,7 @@ std::map<int64_t, Frame> read_frames(const Truth& truth, const Moments& moments,
   return frames;
 }
 
-Id object_in(const Frame& frame, const std::string& thing) {
+memory::Id object_in(const Frame& frame, const std::string& thing) {
   const auto found = frame.object.find(thing);
   return found == frame.object.end() ? 0 : found->second;
 }
@@ -139,7 +139,7 @@ class Judge {
     return "unchanged";
   }
 
-  bool happened(int64_t after, int64_t until, Id object, const char* kind) const {
+  bool happened(int64_t after, int64_t until, memory::Id object, const char* kind) const {
     for (auto frame = frames_.upper_bound(after); frame != frames_.end() && frame->first <= until; ++frame) {
       const auto events = frame->second.events.find(object);
       if (events != frame->second.events.end() && events->second.contains(kind)) return true;
@@ -154,7 +154,7 @@ class Judge {
 
 /// Things that were removed and came back: recognised as the same?
 void count_returns(Comparison& comparison) {
-  std::map<std::string, Id> removed;
+  std::map<std::string, memory::Id> removed;
   for (const JudgedTransition& t : comparison.transitions) {
     if (t.truth.kind == "removed") removed[t.truth.object] = t.from_object;
     if (t.truth.kind != "added" || !removed.contains(t.truth.object)) continue;
@@ -165,11 +165,11 @@ void count_returns(Comparison& comparison) {
 }
 
 void count_switches(const std::map<int64_t, Frame>& frames, Comparison& comparison) {
-  std::map<std::string, Id> last;
+  std::map<std::string, memory::Id> last;
   for (const auto& [index, frame] : frames)
     for (const auto& [thing, object] : frame.object) {
       if (object == 0) continue;
-      Id& before = last[thing];
+      memory::Id& before = last[thing];
       comparison.pairs += before != 0 ? 1 : 0;
       comparison.switches += before != 0 && before != object ? 1 : 0;
       before = object;
@@ -181,7 +181,7 @@ void count_false_gone(const Truth& truth, const std::map<int64_t, Frame>& frames
     std::string thing;
     int handled = 0;
   };
-  std::map<Id, Seen> last;
+  std::map<memory::Id, Seen> last;
   for (const auto& [index, frame] : frames) {
     const auto world = truth.handled.find(index);
     if (world == truth.handled.end()) continue;
@@ -198,7 +198,7 @@ void count_false_gone(const Truth& truth, const std::map<int64_t, Frame>& frames
 /// Sightings that agree with the best pairing of things with objects, each once.
 size_t count_agreed(const std::map<int64_t, Frame>& frames) {
   std::map<std::string, size_t> row_of;
-  std::map<Id, size_t> column_of;
+  std::map<memory::Id, size_t> column_of;
   std::map<std::pair<size_t, size_t>, double> common;
   for (const auto& [index, frame] : frames)
     for (const auto& [thing, object] : frame.object) {
@@ -210,10 +210,10 @@ size_t count_agreed(const std::map<int64_t, Frame>& frames) {
   if (common.empty()) return 0;
   const size_t rows = std::min(row_of.size(), column_of.size());
   const size_t columns = std::max(row_of.size(), column_of.size());
-  IdentityComponent component;
+  memory::IdentityComponent component;
   component.transposed = column_of.size() < row_of.size();
   component.log_ratio.setConstant(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns),
-                                  kNever);
+                                  memory::kNever);
   for (const auto& [pair, count] : common) {
     const auto [thing, object] = pair;
     component.log_ratio(static_cast<Eigen::Index>(component.transposed ? object : thing),
@@ -223,7 +223,7 @@ size_t count_agreed(const std::map<int64_t, Frame>& frames) {
   for (size_t j = 0; j < columns; ++j) component.columns.push_back(j);
   component.row_free.assign(rows, true);
   component.column_free.assign(columns, true);
-  const std::vector<Matching> best = ranked_matchings(component, 1);
+  const std::vector<memory::Matching> best = ranked_matchings(component, 1);
   double agreed = 0;
   for (const auto& pair : best.front().pairs) agreed += common.at(pair);
   return static_cast<size_t>(agreed);
@@ -243,7 +243,7 @@ Comparison compare(const std::string& method, const Truth& truth, const Moments&
   Comparison comparison;
   comparison.method = method;
   const std::map<int64_t, Frame> frames = read_frames(truth, moments, story);
-  std::set<Id> true_objects, all;
+  std::set<memory::Id> true_objects, all;
   for (const auto& [index, frame] : frames) {
     comparison.visible += things_in(truth.visible, index).size();
     comparison.found += frame.object.size();
@@ -251,7 +251,7 @@ Comparison compare(const std::string& method, const Truth& truth, const Moments&
     for (const auto& [name, object] : frame.object) true_objects.insert(object);
     all.insert(frame.seen.begin(), frame.seen.end());
   }
-  for (const Id object : all) comparison.phantoms += true_objects.contains(object) ? 0 : 1;
+  for (const memory::Id object : all) comparison.phantoms += true_objects.contains(object) ? 0 : 1;
   const Judge judge(frames);
   for (const TrueTransition& transition : truth.transitions)
     if (frames.contains(transition.from_frame) && frames.contains(transition.to_frame))
@@ -311,8 +311,8 @@ double Comparison::identity_f1() const {
   return sum == 0 ? 1.0 : 2 * double(agreed) / double(sum);
 }
 
-std::vector<Comparison> compare_all(const std::filesystem::path& folder, const Recording& recording,
-                                    const Store& memory) {
+std::vector<Comparison> compare_all(const std::filesystem::path& folder, const mapping::Recording& recording,
+                                    const memory::Store& memory) {
   std::vector<int64_t> frames;
   for (size_t i = 0; i < recording.size(); ++i) frames.push_back(recording.index_of(i));
   const Truth truth = read_truth(folder, frames);
@@ -320,10 +320,10 @@ std::vector<Comparison> compare_all(const std::filesystem::path& folder, const R
   std::vector<Comparison> methods = {compare("loci", truth, moments, memory_story(memory, moments)),
                                      compare("greedy", truth, moments, greedy_story(moments)),
                                      compare("nearest", truth, moments, nearest_story(moments))};
-  for (const SceneRow& scene : memory.scenes())
-    if (const std::optional<SceneReasoning> reasoning = load_reasoning(memory, scene.id))
+  for (const memory::SceneRow& scene : memory.scenes())
+    if (const std::optional<memory::SceneReasoning> reasoning = load_reasoning(memory, scene.id))
       methods.front().arbiter.add(reasoning->matrices, reasoning->decisions);
   return methods;
 }
 
-}  // namespace loci::changes
+}  // namespace loci::apps::changes

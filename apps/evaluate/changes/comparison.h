@@ -9,7 +9,7 @@
 #include "mapping/recording/recording.h"
 #include "memory/belief/kept_votes.h"
 
-namespace loci::changes {
+namespace loci::apps::changes {
 
 /// What can be said of a true transition: unchanged, moved, looks_different, added, removed, kept (neither
 /// seen nor gone), identity lost (gone and appeared as another object), confused (taken for another thing),
@@ -21,8 +21,8 @@ inline constexpr const char* kSaidKinds[] = {"unchanged", "moved",         "look
 /// What is said about one true transition.
 struct JudgedTransition {
   TrueTransition truth;
-  std::string said;                   ///< one of kSaidKinds
-  Id from_object = 0, to_object = 0;  ///< objects at the two ends; 0 = none
+  std::string said;                           ///< one of kSaidKinds
+  memory::Id from_object = 0, to_object = 0;  ///< objects at the two ends; 0 = none
   bool counts() const { return truth.kind != "uncertain"; }
   /// The kind of the truth; moved also for what moved and turned, moved or looks_different for what turned in
   /// its place, looks_different for what was given another colour.
@@ -39,9 +39,9 @@ struct Comparison {
   size_t switches = 0;    ///< a thing that is found gets another number than when it was found before
   size_t pairs = 0;       ///< that could have been switches
   size_t false_gone = 0;  ///< said to be gone while it stood where it had been seen
-  size_t returned = 0, recognised = 0;  ///< came back after having been removed: recognised as the same
-  size_t phantoms = 0;                  ///< objects that never were a true thing
-  belief::ArbiterCount arbiter;         ///< of a memory: what simple trackers would have settled
+  size_t returned = 0, recognised = 0;   ///< came back after having been removed: recognised as the same
+  size_t phantoms = 0;                   ///< objects that never were a true thing
+  memory::belief::ArbiterCount arbiter;  ///< of a memory: what simple trackers would have settled
 
   /// Counts those of another recording, too.
   void add(const Comparison& other);
@@ -57,11 +57,11 @@ struct Comparison {
 Comparison compare(const std::string& method, const Truth& truth, const Moments& moments, const Story& story);
 
 /// What a memory of a recording says (first), and greedy and nearest of the same observations.
-std::vector<Comparison> compare_all(const std::filesystem::path& folder, const Recording& recording,
-                                    const Store& memory);
+std::vector<Comparison> compare_all(const std::filesystem::path& folder, const mapping::Recording& recording,
+                                    const memory::Store& memory);
 
 /// The methods beside each other, the first being the one that is looked at in detail.
 std::string text(const std::vector<Comparison>& methods, bool verbose);
 Json to_json(const std::vector<Comparison>& methods);
 
-}  // namespace loci::changes
+}  // namespace loci::apps::changes

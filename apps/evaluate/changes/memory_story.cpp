@@ -1,18 +1,18 @@
 #include "apps/evaluate/changes/story.h"
 #include "memory/recorder/scene_reasoning.h"
 
-namespace loci::changes {
+namespace loci::apps::changes {
 
-Moments read_moments(const Store& store) {
+Moments read_moments(const memory::Store& store) {
   Moments moments;
-  for (const SceneRow& scene : store.scenes()) {
+  for (const memory::SceneRow& scene : store.scenes()) {
     if (!scene.frame_index) continue;
     Moment& moment = moments[*scene.frame_index];
     moment.scene = scene.id;
     moment.camera = scene.camera;
     if (scene.map_from_camera) moment.map_from_camera = *scene.map_from_camera;
-    const std::optional<SceneReasoning> reasoning = load_reasoning(store, scene.id);
-    for (const ObservationRow& row : store.observations(scene.id)) {
+    const std::optional<memory::SceneReasoning> reasoning = load_reasoning(store, scene.id);
+    for (const memory::ObservationRow& row : store.observations(scene.id)) {
       if (!row.position) continue;
       Sight sight{row.id, *row.position, row.roi, {}};
       if (reasoning) sight.evidence = reasoning->evidence.observations.at(static_cast<size_t>(row.number));
@@ -23,19 +23,19 @@ Moments read_moments(const Store& store) {
   return moments;
 }
 
-Story memory_story(const Store& store, const Moments& moments) {
+Story memory_story(const memory::Store& store, const Moments& moments) {
   Story story;
-  std::map<Id, int64_t> frame_of_scene;
-  std::set<Id> put_elsewhere;  // observations whose object was found in another place than before
+  std::map<memory::Id, int64_t> frame_of_scene;
+  std::set<memory::Id> put_elsewhere;  // observations whose object was found in another place than before
   for (const auto& [frame, moment] : moments) {
     frame_of_scene[moment.scene] = frame;
-    for (const AssociationRow& row : store.associations(moment.scene)) {
+    for (const memory::AssociationRow& row : store.associations(moment.scene)) {
       if (!row.chosen || !row.observation || !row.object) continue;
       story[frame].object_of[*row.observation] = *row.object;
       if (row.explanation == "move") put_elsewhere.insert(*row.observation);
     }
   }
-  for (const EventRow& event : store.events()) {
+  for (const memory::EventRow& event : store.events()) {
     if (!event.object || !event.scene || !frame_of_scene.contains(*event.scene)) continue;
     std::set<std::string>& events = story[frame_of_scene.at(*event.scene)].events[*event.object];
     events.insert(event.kind);
@@ -46,4 +46,4 @@ Story memory_story(const Store& store, const Moments& moments) {
   return story;
 }
 
-}  // namespace loci::changes
+}  // namespace loci::apps::changes

@@ -13,7 +13,7 @@
 #include "mapping/base/pose.h"
 #include "mapping/base/random.h"
 
-namespace loci::changes {
+namespace loci::apps::changes {
 namespace {
 
 struct View {
@@ -243,4 +243,4 @@ std::string random_day(const DayWorld& world, const std::filesystem::path& urdf,
   return Day(world, seed).write(urdf, scenes);
 }
 
-}  // namespace loci::changes
+}  // namespace loci::apps::changes

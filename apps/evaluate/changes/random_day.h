@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace loci::changes {
+namespace loci::apps::changes {
 
 /// A sample kitchen in which random days can be: where things stand and from where one looks at them.
 struct DayWorld;
@@ -19,4 +19,4 @@ inline constexpr int kScenesOfADay = 18;
 std::string random_day(const DayWorld& world, const std::filesystem::path& urdf, uint64_t seed,
                        int scenes = kScenesOfADay);
 
-}  // namespace loci::changes
+}  // namespace loci::apps::changes

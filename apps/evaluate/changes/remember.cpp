@@ -8,33 +8,34 @@
 #include "perception/annotators/hypotheses/known_map.h"
 #include "perception/types/types.h"
 
-namespace loci::changes {
+namespace loci::apps::changes {
 
-void remember(const std::shared_ptr<Recording>& recording, const RememberOptions& options, Progress& progress,
-              Warnings& warnings) {
-  AnnotatorRegistry registry;
+void remember(const std::shared_ptr<mapping::Recording>& recording, const RememberOptions& options,
+              Progress& progress, Warnings& warnings) {
+  perception::AnnotatorRegistry registry;
   add_annotators(registry);
-  add_memory_annotators(registry);
-  Pipeline pipeline = options.pipeline.empty()
-                          ? Pipeline::parse(default_pipeline(), "the default pipeline", registry)
-                          : Pipeline::parse(Config::read(options.pipeline), registry);
+  memory::add_memory_annotators(registry);
+  perception::Pipeline pipeline =
+      options.pipeline.empty()
+          ? perception::Pipeline::parse(perception::default_pipeline(), "the default pipeline", registry)
+          : perception::Pipeline::parse(Config::read(options.pipeline), registry);
   pipeline.add("IdentityResolution", registry);
   pipeline.add_writer("MemoryWriter", registry);
-  Resources resources;
+  perception::Resources resources;
   resources.put(recording);
   if (!options.map.empty()) {
-    const auto map = KnownMap::load(options.map, {}, warnings);
+    const auto map = perception::KnownMap::load(options.map, {}, warnings);
     resources.put(map);
-    resources.put(std::make_shared<World>(map->world));
+    resources.put(std::make_shared<mapping::World>(map->world));
   }
-  MemorySessionOptions session;
+  memory::MemorySessionOptions session;
   session.memory = options.memory;
   session.program = options.program;
   session.configuration = pipeline.to_json();
   session.map = options.map;
-  resources.put(std::make_shared<MemorySession>(session, *recording));
-  Context context{resources, warnings, options.threads, {}};
-  run_with_memory(pipeline, context, types::type_system(), progress);
+  resources.put(std::make_shared<memory::MemorySession>(session, *recording));
+  perception::Context context{resources, warnings, options.threads, {}};
+  memory::run_with_memory(pipeline, context, perception::types::type_system(), progress);
 }
 
-}  // namespace loci::changes
+}  // namespace loci::apps::changes

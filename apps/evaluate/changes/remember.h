@@ -8,7 +8,7 @@
 #include "mapping/base/progress.h"
 #include "mapping/recording/recording.h"
 
-namespace loci::changes {
+namespace loci::apps::changes {
 
 struct RememberOptions {
   std::filesystem::path memory;    ///< to be made
@@ -19,7 +19,7 @@ struct RememberOptions {
 };
 
 /// Perceives a recording into a memory, as `loci-perceive run` does.
-void remember(const std::shared_ptr<Recording>& recording, const RememberOptions& options, Progress& progress,
-              Warnings& warnings);
+void remember(const std::shared_ptr<mapping::Recording>& recording, const RememberOptions& options,
+              Progress& progress, Warnings& warnings);
 
-}  // namespace loci::changes
+}  // namespace loci::apps::changes

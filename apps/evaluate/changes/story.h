@@ -9,38 +9,39 @@
 #include "memory/belief/observation.h"
 #include "memory/store/store.h"
 
-namespace loci::changes {
+namespace loci::apps::changes {
 
 /// Something that was observed in a frame.
 struct Sight {
-  Id observation = 0;
+  memory::Id observation = 0;
   Vector3d position = Vector3d::Zero();
   std::optional<std::array<int, 4>> pixels;  ///< x, y, width, height in the depth image
-  belief::Observation evidence;              ///< what it looked like; of observations with kept evidence
+  memory::belief::Observation evidence;      ///< what it looked like; of observations with kept evidence
 };
 
 /// One frame as the memory observed it.
 struct Moment {
-  Id scene = 0;
+  memory::Id scene = 0;
   std::vector<Sight> sights;
-  std::optional<SceneCamera> camera;
+  std::optional<memory::SceneCamera> camera;
   Isometry3d map_from_camera = Isometry3d::Identity();
 };
 
 /// What somebody makes of one frame.
 struct Told {
-  std::map<Id, Id> object_of;                  ///< of observations; false clusters are not in it
-  std::map<Id, std::set<std::string>> events;  ///< by object: appeared, moved, looks_different, gone, ...
+  std::map<memory::Id, memory::Id> object_of;  ///< of observations; false clusters are not in it
+  std::map<memory::Id, std::set<std::string>>
+      events;  ///< by object: appeared, moved, looks_different, gone, ...
 };
 
 using Moments = std::map<int64_t, Moment>;  ///< by frame index of the recording
 using Story = std::map<int64_t, Told>;
 
 /// Error when the memory has no frame of a recording.
-Moments read_moments(const Store& store);
+Moments read_moments(const memory::Store& store);
 
 /// What the memory itself says.
-Story memory_story(const Store& store, const Moments& moments);
+Story memory_story(const memory::Store& store, const Moments& moments);
 
 /// RoboSherlock's way: who is each other's best in half likeness, half closeness is the same, if alike
 /// enough. What stays alone is gone when the place of its centre is in the image.
@@ -49,4 +50,4 @@ Story greedy_story(const Moments& moments);
 /// The nearest first, whatever it looks like.
 Story nearest_story(const Moments& moments);
 
-}  // namespace loci::changes
+}  // namespace loci::apps::changes

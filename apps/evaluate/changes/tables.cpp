@@ -3,7 +3,7 @@
 #include "apps/evaluate/changes/comparison.h"
 #include "mapping/base/json.h"
 
-namespace loci::changes {
+namespace loci::apps::changes {
 namespace {
 
 std::string share(size_t right, size_t total) {
@@ -52,7 +52,7 @@ std::string what_was_said(const Comparison& comparison) {
 
 std::string one_by_one(const Comparison& comparison) {
   std::string out;
-  const auto name = [](Id id) { return id == 0 ? std::string("-") : object_name(id); };
+  const auto name = [](memory::Id id) { return id == 0 ? std::string("-") : memory::object_name(id); };
   for (const JudgedTransition& t : comparison.transitions)
     out += fmt::format("{:>4} -> {:<4} {:<16} {:<16} {:<16} {} -> {}{}\n", t.truth.from_frame,
                        t.truth.to_frame, t.truth.object, t.truth.kind, t.said, name(t.from_object),
@@ -69,8 +69,8 @@ Json list_of(const Comparison& comparison) {
                     {"truth", t.truth.kind},
                     {"said", t.said},
                     {"right", t.right()},
-                    {"memory_from", t.from_object == 0 ? Json() : Json(object_name(t.from_object))},
-                    {"memory_to", t.to_object == 0 ? Json() : Json(object_name(t.to_object))}});
+                    {"memory_from", t.from_object == 0 ? Json() : Json(memory::object_name(t.from_object))},
+                    {"memory_to", t.to_object == 0 ? Json() : Json(memory::object_name(t.to_object))}});
   return list;
 }
 
@@ -106,7 +106,7 @@ std::string text(const std::vector<Comparison>& methods, bool verbose) {
   const Comparison& first = methods.front();
   std::string out = figures(methods);
   out += fmt::format("found: {} of {} visible things\n", first.found, first.visible);
-  const belief::ArbiterCount& arbiter = first.arbiter;
+  const memory::belief::ArbiterCount& arbiter = first.arbiter;
   if (arbiter.observations > 0)
     out += fmt::format("simple trackers settle {} of {} observations, {} as was decided\n", arbiter.settled,
                        arbiter.observations, arbiter.as_decided);
@@ -122,4 +122,4 @@ Json to_json(const std::vector<Comparison>& methods) {
   return json;
 }
 
-}  // namespace loci::changes
+}  // namespace loci::apps::changes

@@ -11,7 +11,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 
-namespace loci::changes {
+namespace loci::apps::changes {
 namespace {
 
 constexpr double kMoved = 0.01;      ///< metres
@@ -185,4 +185,4 @@ Truth read_truth(const std::filesystem::path& folder, const std::vector<int64_t>
               "it needs objects.csv and transitions.csv, or truth.jsonl");
 }
 
-}  // namespace loci::changes
+}  // namespace loci::apps::changes

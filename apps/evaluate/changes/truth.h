@@ -9,7 +9,7 @@
 
 #include "mapping/base/pose.h"
 
-namespace loci::changes {
+namespace loci::apps::changes {
 
 /// What truly happened to a thing between two frames in which it could be seen. `turned` stands where it
 /// stood, `recoloured` too; `uncertain` does not count: a person was not sure, or nobody could see it.
@@ -43,4 +43,4 @@ struct Truth {
 /// recording. `frames` are the recording's frame indexes in order. Error when the folder has neither.
 Truth read_truth(const std::filesystem::path& folder, const std::vector<int64_t>& frames);
 
-}  // namespace loci::changes
+}  // namespace loci::apps::changes

@@ -6,7 +6,7 @@
 
 #include "mapping/image/image_io.h"
 
-namespace loci::description_evaluation {
+namespace loci::apps::description_evaluation {
 namespace {
 
 constexpr int kSide = 198;
@@ -66,15 +66,15 @@ cv::Mat invented_package(Random random) {
   return image;
 }
 
-std::vector<Product> invent_products(int count, const std::filesystem::path& folder) {
-  std::vector<Product> products;
+std::vector<perception::Product> invent_products(int count, const std::filesystem::path& folder) {
+  std::vector<perception::Product> products;
   const Random random(1);
   for (int i = 0; i < count; ++i) {
     const std::filesystem::path path = folder / fmt::format("invented_{}.png", i);
-    write_image(path, invented_package(random.fork(static_cast<uint64_t>(i))));
+    mapping::write_image(path, invented_package(random.fork(static_cast<uint64_t>(i))));
     products.push_back({fmt::format("invented {}", i), {}, path});
   }
   return products;
 }
 
-}  // namespace loci::description_evaluation
+}  // namespace loci::apps::description_evaluation

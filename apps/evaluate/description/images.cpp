@@ -13,21 +13,21 @@
 #include "mapping/image/image_io.h"
 #include "perception/classification/ensemble.h"
 
-namespace loci::description_evaluation {
+namespace loci::apps::description_evaluation {
 namespace {
 
 constexpr int kFolds = 2;
 
-std::vector<LabelledThing> described(const std::filesystem::path& folder,
-                                     const std::vector<std::string>& features, int threads) {
+std::vector<perception::LabelledThing> described(const std::filesystem::path& folder,
+                                                 const std::vector<std::string>& features, int threads) {
   const CsvTable table = CsvTable::read(folder / "labels.csv");
   const size_t file = table.require_column("file"), name = table.require_column("class_name");
-  std::vector<LabelledThing> things(table.rows());
+  std::vector<perception::LabelledThing> things(table.rows());
   parallel_for(things.size(), threads, [&](size_t begin, size_t end) {
     for (size_t row = begin; row < end; ++row) {
-      ThingView view;
-      view.image = read_color(folder / table.cell(row, file));
-      ThingFeatures of = thing_features(features, view);
+      perception::ThingView view;
+      view.image = mapping::read_color(folder / table.cell(row, file));
+      perception::ThingFeatures of = thing_features(features, view);
       things[row] = {table.cell(row, name), std::move(of.features), std::move(of.local)};
     }
   });
@@ -35,21 +35,22 @@ std::vector<LabelledThing> described(const std::filesystem::path& folder,
 }
 
 /// Which part each thing belongs to: each class spread evenly; classes of too few things are left out.
-std::vector<int> parts_of(std::vector<LabelledThing>& things, int parts) {
+std::vector<int> parts_of(std::vector<perception::LabelledThing>& things, int parts) {
   std::map<std::string, int> count;
-  for (const LabelledThing& thing : things) ++count[thing.label];
-  std::erase_if(things, [&](const LabelledThing& thing) { return count[thing.label] < kFolds * parts; });
+  for (const perception::LabelledThing& thing : things) ++count[thing.label];
+  std::erase_if(things,
+                [&](const perception::LabelledThing& thing) { return count[thing.label] < kFolds * parts; });
   std::map<std::string, int> seen;
   std::vector<int> part;
-  for (const LabelledThing& thing : things) part.push_back(seen[thing.label]++ % parts);
+  for (const perception::LabelledThing& thing : things) part.push_back(seen[thing.label]++ % parts);
   return part;
 }
 
-void test(const Ensemble& model, const LabelledThing& thing, ImagesResult::Row& row) {
+void test(const perception::Ensemble& model, const perception::LabelledThing& thing, ImagesResult::Row& row) {
   ++row.things;
   const auto truth = std::find(model.classes().begin(), model.classes().end(), thing.label);
   if (!model.knows_enough(thing.features, thing.local) || truth == model.classes().end()) return;
-  const Classification result = model.classify(thing.features, thing.local);
+  const perception::Classification result = model.classify(thing.features, thing.local);
   const auto number = static_cast<size_t>(truth - model.classes().begin());
   row.right += result.best == number;
   row.log_loss -= std::log(std::max(result.probabilities[number], 1e-9));
@@ -63,10 +64,10 @@ void ImagesOptions::declare(OptionTable& table) {
   table.integer("image_seed", seed, "", "Seed of the words.", 0, 1 << 30);
 }
 
-ImagesResult evaluate_images(const std::filesystem::path& folder, const ImagesOptions& options,
-                                 int threads, Progress& progress) {
-  std::vector<std::vector<ExpertSpec>> groups;
-  std::vector<ExpertSpec> all;
+ImagesResult evaluate_images(const std::filesystem::path& folder, const ImagesOptions& options, int threads,
+                             Progress& progress) {
+  std::vector<std::vector<perception::ExpertSpec>> groups;
+  std::vector<perception::ExpertSpec> all;
   std::vector<std::string> features;
   for (const std::string& text : options.experts) {
     all.push_back(parse_expert(text));
@@ -75,11 +76,11 @@ ImagesResult evaluate_images(const std::filesystem::path& folder, const ImagesOp
   }
   groups.push_back(all);
   progress.check(0, "features");
-  std::vector<LabelledThing> things = described(folder, features, threads);
+  std::vector<perception::LabelledThing> things = described(folder, features, threads);
   const std::vector<int> part = parts_of(things, options.parts);
   ImagesResult result;
   std::set<std::string> classes;
-  for (const LabelledThing& thing : things) classes.insert(thing.label);
+  for (const perception::LabelledThing& thing : things) classes.insert(thing.label);
   result.classes = classes.size();
   const Random random(static_cast<uint64_t>(options.seed));
   for (size_t g = 0; g < groups.size(); ++g) {
@@ -87,11 +88,12 @@ ImagesResult evaluate_images(const std::filesystem::path& folder, const ImagesOp
     row.name = g < all.size() ? name_of(all[g]) : "fused";
     for (int tested = 0; tested < options.parts; ++tested) {
       progress.check(0.2 + 0.8 * static_cast<double>(g) / static_cast<double>(groups.size()), row.name);
-      std::vector<LabelledThing> examples;
+      std::vector<perception::LabelledThing> examples;
       for (size_t i = 0; i < things.size(); ++i)
         if (part[i] != tested) examples.push_back(things[i]);
       NoProgress none;
-      const Ensemble model = Ensemble::train(std::move(examples), groups[g], kFolds, random, threads, none);
+      const perception::Ensemble model =
+          perception::Ensemble::train(std::move(examples), groups[g], kFolds, random, threads, none);
       for (size_t i = 0; i < things.size(); ++i)
         if (part[i] == tested) test(model, things[i], row);
     }
@@ -117,4 +119,4 @@ Json ImagesResult::to_json() const {
   return json;
 }
 
-}  // namespace loci::description_evaluation
+}  // namespace loci::apps::description_evaluation

@@ -8,7 +8,7 @@
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
 
-namespace loci::description_evaluation {
+namespace loci::apps::description_evaluation {
 
 struct ImagesOptions {
   std::vector<std::string> experts = {"SIFTBag:svm", "ORBBag:svm", "HOG:svm"};
@@ -34,7 +34,7 @@ struct ImagesResult {
 
 /// Experts of images (bags of words of key points, gradients) learn what DIR/labels.csv's images show
 /// (columns file, class_name) from all parts but one and are tested on that one, each in its turn.
-ImagesResult evaluate_images(const std::filesystem::path& folder, const ImagesOptions& options,
-                                 int threads, Progress& progress);
+ImagesResult evaluate_images(const std::filesystem::path& folder, const ImagesOptions& options, int threads,
+                             Progress& progress);
 
-}  // namespace loci::description_evaluation
+}  // namespace loci::apps::description_evaluation

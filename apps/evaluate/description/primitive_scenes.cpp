@@ -6,46 +6,46 @@
 #include <array>
 
 #include <cmath>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/base/math.h"
 #include "mapping/render/render.h"
 #include "mapping/sensor/kinect.h"
 #include "mapping/simulation/scenario.h"
 #include "mapping/simulation/shapes.h"
 
-namespace loci::description_evaluation {
+namespace loci::apps::description_evaluation {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-const Rgba kGrey(0.6f, 0.6f, 0.6f, 1);
+const mapping::Rgba kGrey(0.6f, 0.6f, 0.6f, 1);
 const std::array<const char*, 4> kClasses = {"box", "cylinder", "flat", "sphere"};
 
-Rgba grey(double /*u*/, double /*v*/) {
+mapping::Rgba grey(double /*u*/, double /*v*/) {
   return kGrey;
 }
 
 /// A shape on z = 0 about the origin.
 struct Primitive {
-  TriangleMesh mesh;
+  mapping::TriangleMesh mesh;
   double reach = 0;  ///< no point is further from the z axis
   double top = 0;    ///< height of its flat top
   double room =
       0;  ///< so far from the z axis the top reaches in every direction; 0 = nothing can stand on it
-  PrimitiveShape shape{};
+  perception::PrimitiveShape shape{};
   bool exact = true;  ///< whether the shape is all that there is
 };
 
-PrimitiveShape box_shape(double x, double y, double z) {
-  PrimitiveShape shape;
+perception::PrimitiveShape box_shape(double x, double y, double z) {
+  perception::PrimitiveShape shape;
   shape.frame_from_shape.translation().z() = z / 2;
   shape.size = {x, y, z};
   return shape;
 }
 
-PrimitiveShape round_shape(double radius_low, double radius_high, double height) {
-  PrimitiveShape shape;
-  shape.kind = radius_low == radius_high ? PrimitiveShape::Kind::cylinder : PrimitiveShape::Kind::cone;
+perception::PrimitiveShape round_shape(double radius_low, double radius_high, double height) {
+  perception::PrimitiveShape shape;
+  shape.kind = radius_low == radius_high ? perception::PrimitiveShape::Kind::cylinder
+                                         : perception::PrimitiveShape::Kind::cone;
   shape.frame_from_shape.translation().z() = height / 2;
   shape.radius_low = radius_low;
   shape.radius_high = radius_high;
@@ -55,7 +55,7 @@ PrimitiveShape round_shape(double radius_low, double radius_high, double height)
 }
 
 Primitive block(double x, double y, double z) {
-  ShapeBuilder builder;
+  mapping::ShapeBuilder builder;
   builder.box({-x / 2, -y / 2, 0}, {x / 2, y / 2, z}, kGrey);
   return {builder.take(), std::hypot(x, y) / 2, z, std::min(x, y) / 2, box_shape(x, y, z)};
 }
@@ -72,7 +72,7 @@ Primitive box(Random& draw) {
   }
 }
 
-void turn_over(TriangleMesh& mesh, double height) {
+void turn_over(mapping::TriangleMesh& mesh, double height) {
   for (auto& vertex : mesh.vertices) {
     vertex.y() = -vertex.y();
     vertex.z() = static_cast<float>(height) - vertex.z();
@@ -81,7 +81,7 @@ void turn_over(TriangleMesh& mesh, double height) {
 
 /// A full cylinder on its side.
 Primitive lying(double radius, double length) {
-  ShapeBuilder builder;
+  mapping::ShapeBuilder builder;
   builder.lathe({{0, 0}, {radius, 0}, {radius, length}, {0, length}}, grey);
   Primitive primitive{builder.take(), std::hypot(radius, length / 2), 0, 0,
                       round_shape(radius, radius, length)};
@@ -102,7 +102,7 @@ Primitive standing(Random& draw) {
   const double bottom = taper * top;
   const double wall = draw.uniform(0.003, 0.006);
   const bool hollow = draw.uniform() < 0.5;
-  ShapeBuilder builder;
+  mapping::ShapeBuilder builder;
   if (hollow)
     builder.lathe({{0, 0},
                    {bottom, 0},
@@ -155,7 +155,7 @@ Primitive flat(Random& draw) {
   const double height = draw.uniform(0.022, 0.03);
   const double width = height * draw.uniform(6, 9);
   if (draw.uniform() < 0.6) return block(width, width * draw.uniform(1, 1.4), height);
-  ShapeBuilder builder;
+  mapping::ShapeBuilder builder;
   builder.lathe({{0, 0}, {width / 2, 0}, {width / 2, height}, {0, height}}, grey);
   return {builder.take(), width / 2, height, width / 2, round_shape(width / 2, width / 2, height)};
 }
@@ -168,10 +168,10 @@ Primitive sphere(Random& draw) {
     const double angle = kPi * i / kRings;
     profile.emplace_back(radius * std::sin(angle), radius * (1 - std::cos(angle)));
   }
-  ShapeBuilder builder;
+  mapping::ShapeBuilder builder;
   builder.lathe(profile, grey);
   Primitive primitive{builder.take(), radius, 0, 0, round_shape(radius, radius, 2 * radius)};
-  primitive.shape.kind = PrimitiveShape::Kind::sphere;
+  primitive.shape.kind = perception::PrimitiveShape::Kind::sphere;
   return primitive;
 }
 
@@ -220,7 +220,7 @@ cv::Mat seen_through_window(const cv::Mat& depth, double focal_times_baseline, R
 
 /// A table before a camera.
 struct Layout {
-  RenderScene scene;
+  mapping::RenderScene scene;
   Isometry3d map_from_camera;
   std::vector<PrimitiveTruth> things;  ///< the objects 20, 30, ...
 };
@@ -259,32 +259,32 @@ Layout layout_of(Random& draw) {
   add_things(layout, draw);
   const double elevation = draw.uniform(25, 65) * kPi / 180, side = draw.uniform(-0.4, 0.4);
   const Vector3d from(side, -std::cos(elevation), std::sin(elevation));
-  layout.map_from_camera = looking_at(from.normalized() * draw.uniform(0.75, 1.4), Vector3d::Zero());
+  layout.map_from_camera = mapping::looking_at(from.normalized() * draw.uniform(0.75, 1.4), Vector3d::Zero());
   return layout;
 }
 
 struct Image {
-  RgbdFrame frame;
+  mapping::RgbdFrame frame;
   cv::Mat labels;
   std::vector<PrimitiveTruth> things;  ///< the objects 20, 30, ...
 };
 
-class PrimitiveScenes : public Recording {
+class PrimitiveScenes : public mapping::Recording {
  public:
   PrimitiveScenes(size_t scenes, const Random& random) : random_(random) {
     info_.format = "simulated";
     info_.path = "primitive shapes";
     info_.map_frame = "table";
-    info_.camera = kinect_camera();
+    info_.camera = mapping::kinect_camera();
     info_.frames = info_.frames_with_pose = scenes;
     if (scenes > 0) info_.last_time = time_of(scenes - 1);
   }
 
-  const RecordingInfo& info() const override { return info_; }
+  const mapping::RecordingInfo& info() const override { return info_; }
   size_t size() const override { return info_.frames; }
   TimeNs time_of(size_t i) const override { return static_cast<TimeNs>(i) * kSecond; }
   int64_t index_of(size_t i) const override { return static_cast<int64_t>(i); }
-  RgbdFrame frame(size_t i) const override {
+  mapping::RgbdFrame frame(size_t i) const override {
     last_ = image(i);
     return last_.frame;
   }
@@ -297,17 +297,18 @@ class PrimitiveScenes : public Recording {
     const Layout layout = layout_of(draw);
     Image image;
     image.things = layout.things;
-    RgbdFrame& frame = image.frame;
+    mapping::RgbdFrame& frame = image.frame;
     frame.camera = info_.camera;
     frame.index = static_cast<int64_t>(number);
     frame.name = fmt::format("scene{}", number);
     frame.time_ns = time_of(number);
     frame.map_from_camera = layout.map_from_camera;
-    RenderOptions options;
+    mapping::RenderOptions options;
     options.normals = true;
-    const RenderedView view = layout.scene.render(frame.camera.depth, *frame.map_from_camera, options);
+    const mapping::RenderedView view =
+        layout.scene.render(frame.camera.depth, *frame.map_from_camera, options);
     // Half of the images have the simulation's own noise, which differs from pixel to pixel.
-    KinectModel sensor;
+    mapping::KinectModel sensor;
     cv::Mat depth = view.depth;
     if (draw.uniform() < 0.5) {
       depth = seen_through_window(depth, frame.camera.depth.fx * sensor.baseline_m, draw.fork(1));
@@ -323,15 +324,15 @@ class PrimitiveScenes : public Recording {
   }
 
   Random random_;
-  RecordingInfo info_;
+  mapping::RecordingInfo info_;
   mutable Image last_;
 };
 
 }  // namespace
 
-LabelledRecording primitive_scenes(size_t scenes, const Random& random) {
+perception::LabelledRecording primitive_scenes(size_t scenes, const Random& random) {
   const auto recording = std::make_shared<PrimitiveScenes>(scenes, random);
-  LabelledRecording labelled;
+  perception::LabelledRecording labelled;
   labelled.recording = recording;
   const PrimitiveScenes* images = recording.get();
   labelled.labels = [images](const std::string&) { return images->last().labels; };
@@ -351,4 +352,4 @@ std::vector<PrimitiveTruth> primitive_truths(size_t scene, const Random& random)
   return layout.things;
 }
 
-}  // namespace loci::description_evaluation
+}  // namespace loci::apps::description_evaluation

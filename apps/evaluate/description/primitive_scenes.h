@@ -3,7 +3,7 @@
 #include "mapping/base/random.h"
 #include "perception/annotators/io/labelled_recording.h"
 
-namespace loci::description_evaluation {
+namespace loci::apps::description_evaluation {
 
 /// Tables with primitive shapes of random size on them, before a Kinect (pinned noise) somewhere around: a
 /// recording of `scenes` frames whose images are made when they are asked for. Classes: "box" (standing or
@@ -12,16 +12,16 @@ namespace loci::description_evaluation {
 /// that lie), "flat" (boards and discs, 22 to 30 mm high and at least six times as wide) and "sphere". Things
 /// may hide each other, and stand on each other where there is room. The same bytes for the same random
 /// numbers.
-LabelledRecording primitive_scenes(size_t scenes, const Random& random);
+perception::LabelledRecording primitive_scenes(size_t scenes, const Random& random);
 
 /// What a scene shows of one thing.
 struct PrimitiveTruth {
   std::string label;
-  PrimitiveShape shape;  ///< in the camera's frame
-  bool exact = true;     ///< whether these numbers are all that there is to it: no bowl whose wall is bent
+  perception::PrimitiveShape shape;  ///< in the camera's frame
+  bool exact = true;  ///< whether these numbers are all that there is to it: no bowl whose wall is bent
 };
 
 /// The things of a scene of the recording that these random numbers make, in the order of their labels.
 std::vector<PrimitiveTruth> primitive_truths(size_t scene, const Random& random);
 
-}  // namespace loci::description_evaluation
+}  // namespace loci::apps::description_evaluation

@@ -5,33 +5,34 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
-#include <numbers>
 
 #include "apps/evaluate/description/primitive_scenes.h"
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 #include "mapping/base/quantile.h"
 
-namespace loci::description_evaluation {
+namespace loci::apps::description_evaluation {
 namespace {
 
-using Kind = PrimitiveShape::Kind;
+using Kind = perception::PrimitiveShape::Kind;
 
 double degrees_between(const Vector3d& a, const Vector3d& b) {
-  return std::acos(std::min(1.0, std::abs(a.dot(b)))) * 180 / std::numbers::pi;
+  return std::acos(std::min(1.0, std::abs(a.dot(b)))) * 180 / kPi;
 }
 
-Vector3d axis_of(const PrimitiveShape& shape) {
+Vector3d axis_of(const perception::PrimitiveShape& shape) {
   return shape.frame_from_shape.linear().col(2);
 }
 
 /// Least angle between an edge of one box and an edge of the other, both about the upright.
-double yaw_between(const PrimitiveShape& a, const PrimitiveShape& b) {
+double yaw_between(const perception::PrimitiveShape& a, const perception::PrimitiveShape& b) {
   const Vector3d edge = a.frame_from_shape.linear().col(0);
   return std::min(degrees_between(edge, b.frame_from_shape.linear().col(0)),
                   degrees_between(edge, b.frame_from_shape.linear().col(1)));
 }
 
-void compare(const PrimitiveShape& truth, const PrimitiveShape& found, PrimitivesResult& result) {
+void compare(const perception::PrimitiveShape& truth, const perception::PrimitiveShape& found,
+             PrimitivesResult& result) {
   const std::string kind = name_of(truth.kind);
   const auto add = [&](const std::string& name, double error) {
     result.parameters[kind + " " + name].errors.push_back(std::abs(error));
@@ -73,14 +74,15 @@ double ParameterErrors::at(double share) const {
 PrimitivesResult evaluate_primitives(size_t scenes, const Random& random, Progress& progress,
                                      Warnings& warnings) {
   PrimitivesResult result;
-  const LabelledSurfaces surfaces = labelled_surfaces(primitive_scenes(scenes, random), progress, warnings);
+  const perception::LabelledSurfaces surfaces =
+      labelled_surfaces(primitive_scenes(scenes, random), progress, warnings);
   double seconds = 0;
-  for (const LabelledSurface& each : surfaces.found) {
-    const auto scene = static_cast<size_t>(scene_number(each.frame));
+  for (const perception::LabelledSurface& each : surfaces.found) {
+    const auto scene = static_cast<size_t>(perception::scene_number(each.frame));
     const PrimitiveTruth truth =
         primitive_truths(scene, random).at(static_cast<size_t>(each.object / 10 - 2));
     const std::clock_t start = std::clock();
-    const std::optional<PrimitiveShape> found = fit_primitive(each.view.surface, each.ground);
+    const std::optional<perception::PrimitiveShape> found = fit_primitive(each.view.surface, each.ground);
     seconds += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     ++result.kinds[name_of(truth.shape.kind)][found ? name_of(found->kind) : "nothing"];
     if (found && truth.exact && found->kind == truth.shape.kind) compare(truth.shape, *found, result);
@@ -117,4 +119,4 @@ Json PrimitivesResult::to_json() const {
   return json;
 }
 
-}  // namespace loci::description_evaluation
+}  // namespace loci::apps::description_evaluation

@@ -8,7 +8,7 @@
 #include "mapping/base/progress.h"
 #include "mapping/base/random.h"
 
-namespace loci::description_evaluation {
+namespace loci::apps::description_evaluation {
 
 /// Errors of one number over many things, m (angles: degrees).
 struct ParameterErrors {
@@ -35,4 +35,4 @@ struct PrimitivesResult {
 PrimitivesResult evaluate_primitives(size_t scenes, const Random& random, Progress& progress,
                                      Warnings& warnings);
 
-}  // namespace loci::description_evaluation
+}  // namespace loci::apps::description_evaluation

@@ -15,7 +15,7 @@
 #include "mapping/base/stopwatch.h"
 #include "mapping/image/image_io.h"
 
-namespace loci::description_evaluation {
+namespace loci::apps::description_evaluation {
 namespace {
 
 namespace fs = std::filesystem;
@@ -45,10 +45,10 @@ class Counting {
 /// Every query feature against every catalogue image.
 class BruteForce {
  public:
-  explicit BruteForce(const std::vector<Product>& catalogue) {
-    for (const Product& product : catalogue) {
+  explicit BruteForce(const std::vector<perception::Product>& catalogue) {
+    for (const perception::Product& product : catalogue) {
       names_.push_back(product.name);
-      descriptors_.push_back(describe(read_color(product.image)));
+      descriptors_.push_back(describe(mapping::read_color(product.image)));
     }
   }
 
@@ -118,16 +118,18 @@ void ProductsOptions::declare(OptionTable& table) {
   table.flag("peer", peer, "Run plain brute-force SIFT beside.");
 }
 
-ProductsResult evaluate_products(const fs::path& folder, const ProductsOptions& options,
-                                 const RecognitionOptions& recognition, int threads, Progress& progress,
-                                 Warnings& warnings) {
+ProductsResult evaluate_products(const description_evaluation::fs::path& folder,
+                                 const ProductsOptions& options,
+                                 const perception::RecognitionOptions& recognition, int threads,
+                                 Progress& progress, Warnings& warnings) {
   ProductsResult result;
-  std::vector<Product> catalogue = read_catalogue(folder);
+  std::vector<perception::Product> catalogue = perception::read_catalogue(folder);
   const TemporaryFolder scratch("products");
   std::ranges::move(invent_products(options.distractors, scratch.path()), std::back_inserter(catalogue));
   const Stopwatch watch;
   PartialProgress building(progress, 0, 0.2);
-  const ProductIndex index = ProductIndex::build(catalogue, threads, building, warnings);
+  const perception::ProductIndex index =
+      perception::ProductIndex::build(catalogue, threads, building, warnings);
   result.index_seconds = watch.seconds();
   result.images = index.products().size();
   result.features = index.features();
@@ -137,12 +139,14 @@ ProductsResult evaluate_products(const fs::path& folder, const ProductsOptions& 
   const size_t file = labels.require_column("file"), name = labels.require_column("class_name");
   for (size_t row = 0; row < labels.rows(); row += static_cast<size_t>(options.every)) {
     progress.check(0.2 + 0.8 * static_cast<double>(row) / static_cast<double>(labels.rows()), "queries");
-    const cv::Mat image = read_color(folder / labels.cell(row, file));
+    const cv::Mat image = mapping::read_color(folder / labels.cell(row, file));
     const std::string& truth = labels.cell(row, name);
     Counting counting(result.ours);
-    const std::vector<ProductMatch> matches = index.recognise(image, recognition, threads, kAmong);
+    const std::vector<perception::ProductMatch> matches =
+        index.recognise(image, recognition, threads, kAmong);
     std::vector<std::string> names;
-    for (const ProductMatch& match : matches) names.push_back(index.products()[match.product].name);
+    for (const perception::ProductMatch& match : matches)
+      names.push_back(index.products()[match.product].name);
     counting.done(names, truth);
     const bool right = !names.empty() && names[0] == truth,
                believed = !matches.empty() && matches[0].verified;
@@ -168,11 +172,11 @@ std::string ProductsResult::text() const {
 }
 
 Json ProductsResult::to_json() const {
-  Json json = {{"images", images},     {"features", features}, {"index_seconds", index_seconds},
+  Json json = {{"images", images},         {"features", features}, {"index_seconds", index_seconds},
                {"ours", score_json(ours)}, {"verified", believed}, {"verified_wrong", believed_wrong},
                {"mistakes", mistakes}};
   if (brute_force.queries > 0) json["brute_force"] = score_json(brute_force);
   return json;
 }
 
-}  // namespace loci::description_evaluation
+}  // namespace loci::apps::description_evaluation

@@ -8,7 +8,7 @@
 #include "mapping/base/json_fwd.h"
 #include "perception/recognition/product_index.h"
 
-namespace loci::description_evaluation {
+namespace loci::apps::description_evaluation {
 
 struct ProductsOptions {
   int every = 1;
@@ -40,7 +40,7 @@ struct ProductsResult {
 /// brute-force SIFT: OpenCV's defaults, each catalogue image by the number of matches that pass Lowe's
 /// ratio test (0.75).
 ProductsResult evaluate_products(const std::filesystem::path& folder, const ProductsOptions& options,
-                                 const RecognitionOptions& recognition, int threads, Progress& progress,
-                                 Warnings& warnings);
+                                 const perception::RecognitionOptions& recognition, int threads,
+                                 Progress& progress, Warnings& warnings);
 
-}  // namespace loci::description_evaluation
+}  // namespace loci::apps::description_evaluation

@@ -15,7 +15,7 @@
 #include "perception/recognition/barcode_reader.h"
 #include "perception/recognition/text_reader.h"
 
-namespace loci::description_evaluation {
+namespace loci::apps::description_evaluation {
 namespace {
 
 namespace fs = std::filesystem;
@@ -24,8 +24,8 @@ std::string without_leading_zero(const std::string& code) {
   return code.size() == 13 && code[0] == '0' ? code.substr(1) : code;
 }
 
-bool holds(const std::vector<Barcode>& codes, const std::string& truth) {
-  return std::any_of(codes.begin(), codes.end(), [&](const Barcode& code) {
+bool holds(const std::vector<perception::Barcode>& codes, const std::string& truth) {
+  return std::any_of(codes.begin(), codes.end(), [&](const perception::Barcode& code) {
     return without_leading_zero(code.code) == without_leading_zero(truth);
   });
 }
@@ -40,11 +40,11 @@ size_t longest_run(const std::string& number, const std::string& text) {
   return longest;
 }
 
-void read_number(const TextReader& reader, const cv::Mat& image, const std::string& number,
+void read_number(const perception::TextReader& reader, const cv::Mat& image, const std::string& number,
                  ReadingResult& result) {
   if (number.find_first_not_of("0123456789") != std::string::npos) return;
   std::string digits;
-  for (const TextWord& word : reader.read(image, 0))
+  for (const perception::TextWord& word : reader.read(image, 0))
     std::copy_if(word.text.begin(), word.text.end(), std::back_inserter(digits),
                  [](char c) { return c >= '0' && c <= '9'; });
   const size_t run = longest_run(number, digits);
@@ -53,12 +53,14 @@ void read_number(const TextReader& reader, const cv::Mat& image, const std::stri
   result.digits_read += static_cast<double>(run) / static_cast<double>(number.size());
 }
 
-void read_words(const TextReader& reader, const fs::path& folder, ReadingResult& result) {
+void read_words(const perception::TextReader& reader, const description_evaluation::fs::path& folder,
+                ReadingResult& result) {
   const CsvTable table = CsvTable::read(folder / "visible_text.csv");
   const size_t file = table.require_column("file"), words = table.require_column("words");
   for (size_t row = 0; row < table.rows(); ++row) {
     std::set<std::string> read;
-    for (const TextWord& word : reader.read(read_color(folder / table.cell(row, file)), 0.5))
+    for (const perception::TextWord& word :
+         reader.read(mapping::read_color(folder / table.cell(row, file)), 0.5))
       read.insert(folded(word.text));
     std::istringstream stream(table.cell(row, words));
     for (std::string word; std::getline(stream, word, '|'); ++result.words)
@@ -68,21 +70,22 @@ void read_words(const TextReader& reader, const fs::path& folder, ReadingResult&
 
 }  // namespace
 
-ReadingResult evaluate_reading(const fs::path& folder, const fs::path& words, Progress& progress) {
+ReadingResult evaluate_reading(const description_evaluation::fs::path& folder,
+                               const description_evaluation::fs::path& words, Progress& progress) {
   ReadingResult result;
-  const TextReader reader;
+  const perception::TextReader reader;
   const CsvTable table = CsvTable::read(folder / "expected.csv");
   const size_t file = table.require_column("file"), symbology = table.require_column("symbology"),
                text = table.require_column("text");
   for (size_t row = 0; row < table.rows(); ++row) {
     progress.check(static_cast<double>(row) / static_cast<double>(table.rows()), "codes");
-    const cv::Mat image = read_color(folder / "images" / table.cell(row, file));
+    const cv::Mat image = mapping::read_color(folder / "images" / table.cell(row, file));
     const std::string& truth = table.cell(row, text);
     CodesScore& score = result.codes[table.cell(row, symbology)];
     ++score.images;
-    score.plain += holds(read_barcodes(image, false), truth);
+    score.plain += holds(perception::read_barcodes(image, false), truth);
     const Stopwatch watch;
-    const std::vector<Barcode> codes = read_barcodes(image);
+    const std::vector<perception::Barcode> codes = perception::read_barcodes(image);
     result.seconds += watch.seconds();
     const bool right = holds(codes, truth);
     score.right += right;
@@ -91,7 +94,8 @@ ReadingResult evaluate_reading(const fs::path& folder, const fs::path& words, Pr
     read_number(reader, image, truth, result);
   }
   if (result.printed > 0) result.digits_read /= result.printed;
-  if (!words.empty() && fs::exists(words / "visible_text.csv")) read_words(reader, words, result);
+  if (!words.empty() && description_evaluation::fs::exists(words / "visible_text.csv"))
+    read_words(reader, words, result);
   return result;
 }
 
@@ -127,4 +131,4 @@ Json ReadingResult::to_json() const {
   return json;
 }
 
-}  // namespace loci::description_evaluation
+}  // namespace loci::apps::description_evaluation

@@ -8,7 +8,7 @@
 #include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
 
-namespace loci::description_evaluation {
+namespace loci::apps::description_evaluation {
 
 /// Codes of one symbology that images show, and who read them.
 struct CodesScore {
@@ -37,4 +37,4 @@ struct ReadingResult {
 ReadingResult evaluate_reading(const std::filesystem::path& folder, const std::filesystem::path& words,
                                Progress& progress);
 
-}  // namespace loci::description_evaluation
+}  // namespace loci::apps::description_evaluation

@@ -13,7 +13,7 @@
 #include "perception/search/search_client.h"
 #include "perception/search/search_server.h"
 
-namespace loci::description_evaluation {
+namespace loci::apps::description_evaluation {
 namespace {
 
 namespace fs = std::filesystem;
@@ -23,20 +23,21 @@ const std::array<double, 9> kSteps_s = {0.1, 0.2, 0.3, 0.6, 0.7, 0.8, 0.9, 1.0, 
 
 struct Asked {
   std::string file;  ///< for people
-  fs::path path;
+  description_evaluation::fs::path path;
   std::string truth;
   std::set<std::string> relevant;  ///< empty: nobody says what it is called
 };
 
-std::vector<Asked> images_of(const fs::path& folder, const std::vector<Product>& catalogue, int every) {
+std::vector<Asked> images_of(const description_evaluation::fs::path& folder,
+                             const std::vector<perception::Product>& catalogue, int every) {
   std::map<std::string, std::set<std::string>> known, visible;
-  for (const Product& product : catalogue) {
+  for (const perception::Product& product : catalogue) {
     std::set<std::string>& words = known[product.name];
     words.merge(folded_words(product.name));
     for (const auto& [key, value] : product.properties)
       if (key == "category" || key == "brand" || key == "manufacturer") words.merge(folded_words(value));
   }
-  if (fs::exists(folder / "visible_text.csv")) {
+  if (description_evaluation::fs::exists(folder / "visible_text.csv")) {
     const CsvTable table = CsvTable::read(folder / "visible_text.csv");
     for (size_t row = 0; row < table.rows(); ++row)
       visible[table.cell(row, table.require_column("file"))] =
@@ -47,38 +48,43 @@ std::vector<Asked> images_of(const fs::path& folder, const std::vector<Product>&
   for (size_t row = 0; row < labels.rows(); row += static_cast<size_t>(every)) {
     const std::string& file = labels.cell(row, labels.require_column("file"));
     const std::string& name = labels.cell(row, labels.require_column("class_name"));
-    asked.push_back({fs::path(file).stem().string(), folder / file, name, known[name]});
+    asked.push_back(
+        {description_evaluation::fs::path(file).stem().string(), folder / file, name, known[name]});
     asked.back().relevant.merge(visible[file]);
   }
   return asked;
 }
 
-void add_codes(const fs::path& folder, int every, std::vector<Asked>& asked) {
+void add_codes(const description_evaluation::fs::path& folder, int every, std::vector<Asked>& asked) {
   const CsvTable table = CsvTable::read(folder / "expected.csv");
   for (size_t row = 0; row < table.rows(); row += static_cast<size_t>(every)) {
     const std::string& file = table.cell(row, table.require_column("file"));
     const std::string& text = table.cell(row, table.require_column("text"));
-    asked.push_back({fs::path(file).stem().string(), folder / "images" / file, text, {}});
+    asked.push_back(
+        {description_evaluation::fs::path(file).stem().string(), folder / "images" / file, text, {}});
   }
 }
 
-std::string category_of(const SearchResult& result) {
-  return result.category == SearchCategory::kBarcode ? result.category_text : name_of(result.category);
+std::string category_of(const perception::SearchResult& result) {
+  return result.category == perception::SearchCategory::kBarcode ? result.category_text
+                                                                 : name_of(result.category);
 }
 
-void count(const Asked& asked, const SearchAnswer& answer, ServiceResult& result) {
+void count(const Asked& asked, const perception::SearchAnswer& answer, ServiceResult& result) {
   result.results += static_cast<int>(answer.results.size());
-  for (const SearchResult& each : answer.results) ++result.categories[category_of(each)];
+  for (const perception::SearchResult& each : answer.results) ++result.categories[category_of(each)];
   if (asked.relevant.empty()) return;
   ++result.named;
-  const std::vector<RankedWord> terms = terms_of(answer);
-  const auto is_relevant = [&](const RankedWord& term) { return asked.relevant.contains(folded(term.word)); };
+  const std::vector<perception::RankedWord> terms = terms_of(answer);
+  const auto is_relevant = [&](const perception::RankedWord& term) {
+    return asked.relevant.contains(folded(term.word));
+  };
   ++result.relevant.at(static_cast<size_t>(std::count_if(terms.begin(), terms.end(), is_relevant)));
   result.first_relevant += !terms.empty() && is_relevant(terms[0]);
   if (terms.size() < 5) return;
   ServiceResult::Example& example = result.examples.emplace_back();
   example.image = asked.file;
-  for (const RankedWord& term : terms) example.terms.emplace_back(term.word, term.count);
+  for (const perception::RankedWord& term : terms) example.terms.emplace_back(term.word, term.count);
 }
 
 /// A few, from the beginning to the end.
@@ -91,17 +97,18 @@ void thin_out(std::vector<ServiceResult::Example>& examples) {
 
 /// Whether a cache that knows all images before would have sent each.
 void try_cache(const std::vector<Asked>& asked, ServiceResult& result) {
-  const SearchOptions options;
-  SearchCache cache(options.alike_bits, options.alike_color, asked.size());
+  const perception::SearchOptions options;
+  perception::SearchCache cache(options.alike_bits, options.alike_color, asked.size());
   for (const Asked& each : asked) {
-    const SearchCache::Look look = SearchCache::look_at(read_color(each.path));
-    SearchAnswer answer;
+    const perception::SearchCache::Look look =
+        perception::SearchCache::look_at(mapping::read_color(each.path));
+    perception::SearchAnswer answer;
     ++result.alike_asked;
     if (cache.find(look, answer)) {
       ++result.alike_remembered;
       result.alike_wrong += answer.results.at(0).title != each.truth;
     }
-    SearchResult own;
+    perception::SearchResult own;
     own.title = each.truth;
     cache.remember(look, {{own}, {}});
   }
@@ -109,25 +116,27 @@ void try_cache(const std::vector<Asked>& asked, ServiceResult& result) {
 
 }  // namespace
 
-ServiceResult evaluate_service(const fs::path& folder, const fs::path& codes, int every, int threads,
+ServiceResult evaluate_service(const description_evaluation::fs::path& folder,
+                               const description_evaluation::fs::path& codes, int every, int threads,
                                Progress& progress, Warnings& warnings) {
-  const std::vector<Product> catalogue = read_catalogue(folder);
+  const std::vector<perception::Product> catalogue = perception::read_catalogue(folder);
   std::vector<Asked> asked = images_of(folder, catalogue, every);
   if (!codes.empty()) add_codes(codes, every, asked);
   PartialProgress building(progress, 0, 0.1);
-  const SearchService service(ProductIndex::build(catalogue, threads, building, warnings), ServiceOptions());
-  ServerOptions server_options;
+  const perception::SearchService service(
+      perception::ProductIndex::build(catalogue, threads, building, warnings), perception::ServiceOptions());
+  perception::ServerOptions server_options;
   server_options.port = 0;
-  const SearchServer server(service, server_options, threads);
-  SearchOptions options;
+  const perception::SearchServer server(service, server_options, threads);
+  perception::SearchOptions options;
   options.server = server.url();
   options.timeout_s = 60;
   options.alike_bits = -1;
-  SearchClient client(options);
+  perception::SearchClient client(options);
   ServiceResult result;
   for (const Asked& each : asked) {
     progress.check(0.1 + 0.9 * result.images / static_cast<double>(asked.size()), "searches");
-    const SearchClient::Outcome outcome = client.search(read_color(each.path));
+    const perception::SearchClient::Outcome outcome = client.search(mapping::read_color(each.path));
     result.seconds.push_back(outcome.seconds);
     count(each, outcome.answer, result);
     ++result.images;
@@ -143,8 +152,8 @@ std::string ServiceResult::text() const {
     return 100.0 * static_cast<double>(part) / static_cast<double>(std::max<size_t>(1, whole));
   };
   const auto all = static_cast<size_t>(images);
-  std::string text = fmt::format("visual search: {} results for {} images, {:.1f} each\n", results,
-                                 images, static_cast<double>(results) / std::max(1, images));
+  std::string text = fmt::format("visual search: {} results for {} images, {:.1f} each\n", results, images,
+                                 static_cast<double>(results) / std::max(1, images));
   text += "  categories (Table 5.3)\n";
   std::vector<std::pair<std::string, int>> sorted(categories.begin(), categories.end());
   std::stable_sort(sorted.begin(), sorted.end(),
@@ -204,4 +213,4 @@ Json ServiceResult::to_json() const {
   return json;
 }
 
-}  // namespace loci::description_evaluation
+}  // namespace loci::apps::description_evaluation

@@ -10,7 +10,7 @@
 #include "mapping/base/progress.h"
 #include "perception/recognition/product_index.h"
 
-namespace loci::description_evaluation {
+namespace loci::apps::description_evaluation {
 
 struct ServiceResult {
   int images = 0, results = 0;
@@ -38,4 +38,4 @@ struct ServiceResult {
 ServiceResult evaluate_service(const std::filesystem::path& folder, const std::filesystem::path& codes,
                                int every, int threads, Progress& progress, Warnings& warnings);
 
-}  // namespace loci::description_evaluation
+}  // namespace loci::apps::description_evaluation

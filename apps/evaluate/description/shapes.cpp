@@ -13,14 +13,14 @@
 #include "mapping/base/parallel.h"
 #include "perception/classification/ensemble.h"
 
-namespace loci::description_evaluation {
+namespace loci::apps::description_evaluation {
 namespace {
 
 namespace fs = std::filesystem;
 
 struct TestSet {
   std::string name;
-  std::vector<LabelledThing> things;
+  std::vector<perception::LabelledThing> things;
   std::vector<std::string> frames;  ///< of each thing
   int missed = 0;
 };
@@ -31,13 +31,13 @@ std::string class_of_category(const std::string& category) {
   return "";
 }
 
-LabelledRecording by_category(const fs::path& folder) {
-  LabelledRecording labelled;
-  labelled.recording = open_recording(folder);
-  const auto images = find_label_images(folder);
+perception::LabelledRecording by_category(const description_evaluation::fs::path& folder) {
+  perception::LabelledRecording labelled;
+  labelled.recording = mapping::open_recording(folder);
+  const auto images = perception::find_label_images(folder);
   labelled.labels = [images](const std::string& frame) {
     const auto found = images.find(frame);
-    return found == images.end() ? cv::Mat() : read_label_image(found->second);
+    return found == images.end() ? cv::Mat() : perception::read_label_image(found->second);
   };
   const CsvTable table = CsvTable::read(folder / "scenes.csv");
   std::map<int64_t, std::string> classes;
@@ -45,37 +45,37 @@ LabelledRecording by_category(const fs::path& folder) {
   for (size_t row = 0; row < table.rows(); ++row)
     classes[table.integer(row, scene)] = class_of_category(table.cell(row, category));
   labelled.class_of = [classes](const std::string& frame, int) {
-    const auto found = classes.find(scene_number(frame));
+    const auto found = classes.find(perception::scene_number(frame));
     return found == classes.end() ? std::string() : found->second;
   };
   return labelled;
 }
 
-TestSet described(const std::string& name, const LabelledRecording& labelled,
+TestSet described(const std::string& name, const perception::LabelledRecording& labelled,
                   const std::vector<std::string>& features, int threads, Progress& progress,
                   Warnings& warnings) {
-  const LabelledSurfaces surfaces = labelled_surfaces(labelled, progress, warnings);
+  const perception::LabelledSurfaces surfaces = labelled_surfaces(labelled, progress, warnings);
   TestSet set{name,
-              std::vector<LabelledThing>(surfaces.found.size()),
+              std::vector<perception::LabelledThing>(surfaces.found.size()),
               {},
               static_cast<int>(surfaces.objects - surfaces.found.size())};
-  for (const LabelledSurface& each : surfaces.found) set.frames.push_back(each.frame);
+  for (const perception::LabelledSurface& each : surfaces.found) set.frames.push_back(each.frame);
   parallel_for(surfaces.found.size(), threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      ThingFeatures of = thing_features(features, surfaces.found[i].view);
+      perception::ThingFeatures of = thing_features(features, surfaces.found[i].view);
       set.things[i] = {surfaces.found[i].label, std::move(of.features), std::move(of.local)};
     }
   });
   return set;
 }
 
-Confusion confusion_of(const Ensemble& model, const TestSet& set) {
+Confusion confusion_of(const perception::Ensemble& model, const TestSet& set) {
   Confusion confusion{model.classes(), {}, 0, set.missed, {}};
   const size_t classes = model.classes().size();
   confusion.counts.assign(classes, std::vector<int>(classes, 0));
   int count = 0;
   for (size_t i = 0; i < set.things.size(); ++i) {
-    const LabelledThing& thing = set.things[i];
+    const perception::LabelledThing& thing = set.things[i];
     const bool complete = model.knows_enough(thing.features, thing.local);
     const auto truth = std::find(confusion.classes.begin(), confusion.classes.end(), thing.label);
     if (!complete || truth == confusion.classes.end()) {
@@ -83,7 +83,7 @@ Confusion confusion_of(const Ensemble& model, const TestSet& set) {
       continue;
     }
     const auto row = static_cast<size_t>(truth - confusion.classes.begin());
-    const Classification result = model.classify(thing.features, thing.local);
+    const perception::Classification result = model.classify(thing.features, thing.local);
     ++confusion.counts[row][result.best];
     confusion.log_loss -= std::log(std::max(result.probabilities[row], 1e-9));
     if (result.best != row)
@@ -136,7 +136,7 @@ double Confusion::accuracy() const {
 
 ShapesResult evaluate_shapes(const std::vector<std::string>& folders, const ShapesOptions& options,
                              int threads, Progress& progress, Warnings& warnings) {
-  std::vector<ExpertSpec> experts;
+  std::vector<perception::ExpertSpec> experts;
   std::set<std::string> names;
   for (const std::string& text : options.experts) {
     experts.push_back(parse_expert(text));
@@ -153,16 +153,16 @@ ShapesResult evaluate_shapes(const std::vector<std::string>& folders, const Shap
                            primitive_scenes(static_cast<size_t>(options.test_scenes), random.fork(1)),
                            features, threads, testing, warnings));
   for (const std::string& folder : folders)
-    sets.push_back(described(fs::path(folder).lexically_normal().filename().string(), by_category(folder),
-                             features, threads, real, warnings));
+    sets.push_back(described(description_evaluation::fs::path(folder).lexically_normal().filename().string(),
+                             by_category(folder), features, threads, real, warnings));
   ShapesResult result;
   result.trained_on = train.things.size();
   for (const TestSet& set : sets) result.test_sets.push_back(set.name);
   PartialProgress learning(progress, 0.7, 1);
-  const auto judge = [&](const std::string& name, const std::vector<ExpertSpec>& together) {
+  const auto judge = [&](const std::string& name, const std::vector<perception::ExpertSpec>& together) {
     NoProgress none;
-    const Ensemble model =
-        Ensemble::train(train.things, together, options.folds, random.fork(2), threads, none);
+    const perception::Ensemble model =
+        perception::Ensemble::train(train.things, together, options.folds, random.fork(2), threads, none);
     ShapesResult::Row& row = result.rows.emplace_back();
     row.name = name;
     for (const TestSet& set : sets) row.by_test_set.push_back(confusion_of(model, set));
@@ -208,4 +208,4 @@ Json ShapesResult::to_json() const {
   return json;
 }
 
-}  // namespace loci::description_evaluation
+}  // namespace loci::apps::description_evaluation

@@ -8,7 +8,7 @@
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
 
-namespace loci::description_evaluation {
+namespace loci::apps::description_evaluation {
 
 struct ShapesOptions {
   int train_scenes = 160;
@@ -53,4 +53,4 @@ struct ShapesResult {
 ShapesResult evaluate_shapes(const std::vector<std::string>& folders, const ShapesOptions& options,
                              int threads, Progress& progress, Warnings& warnings);
 
-}  // namespace loci::description_evaluation
+}  // namespace loci::apps::description_evaluation

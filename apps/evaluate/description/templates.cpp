@@ -10,16 +10,16 @@
 #include "perception/annotators/io/labelled_recording.h"
 #include "perception/recognition/template_detector.h"
 
-namespace loci::description_evaluation {
+namespace loci::apps::description_evaluation {
 namespace {
 
 constexpr double kSameThing = 0.4;
 
-void judge(const TemplateMatch& match, const std::vector<LabelledPart>& parts, const std::string& frame,
-           TemplatesResult& result) {
-  const LabelledPart* best = nullptr;
+void judge(const perception::TemplateMatch& match, const std::vector<perception::LabelledPart>& parts,
+           const std::string& frame, TemplatesResult& result) {
+  const perception::LabelledPart* best = nullptr;
   double most = kSameThing;
-  for (const LabelledPart& part : parts) {
+  for (const perception::LabelledPart& part : parts) {
     const cv::Rect box = cv::boundingRect(part.mask);
     const double both = (box & match.region).area();
     const double overlap = both / (box.area() + match.region.area() - both);
@@ -37,29 +37,29 @@ void judge(const TemplateMatch& match, const std::vector<LabelledPart>& parts, c
 }  // namespace
 
 TemplatesResult evaluate_templates(const std::filesystem::path& folder, Progress& progress) {
-  const LabelledRecording labelled = open_labelled_recording(folder);
+  const perception::LabelledRecording labelled = perception::open_labelled_recording(folder);
   TemplatesResult result;
   const size_t frames = labelled.recording->size();
   for (const size_t half : {0u, 1u}) {
-    TemplateDetector detector;
+    perception::TemplateDetector detector;
     std::set<std::string> known;
     for (size_t i = half; i < frames; i += 2) {
-      const RgbdFrame frame = labelled.recording->frame(i);
-      for (const LabelledPart& part : labelled_parts(labelled, frame.name))
+      const mapping::RgbdFrame frame = labelled.recording->frame(i);
+      for (const perception::LabelledPart& part : labelled_parts(labelled, frame.name))
         if (detector.add(part.label, frame.color, frame.depth, part.mask) > 0) known.insert(part.label);
     }
     result.templates += detector.templates();
     for (size_t i = 1 - half; i < frames; i += 2) {
       progress.check((static_cast<double>(half) + static_cast<double>(i) / static_cast<double>(frames)) / 2,
                      "templates");
-      const RgbdFrame frame = labelled.recording->frame(i);
-      const std::vector<LabelledPart> parts = labelled_parts(labelled, frame.name);
-      for (const LabelledPart& part : parts) result.things += known.contains(part.label);
+      const mapping::RgbdFrame frame = labelled.recording->frame(i);
+      const std::vector<perception::LabelledPart> parts = labelled_parts(labelled, frame.name);
+      for (const perception::LabelledPart& part : parts) result.things += known.contains(part.label);
       const Stopwatch watch;
-      const std::vector<TemplateMatch> matches = detector.detect(frame.color, frame.depth, {});
+      const std::vector<perception::TemplateMatch> matches = detector.detect(frame.color, frame.depth, {});
       result.seconds += watch.seconds();
       ++result.images;
-      for (const TemplateMatch& match : matches) judge(match, parts, frame.name, result);
+      for (const perception::TemplateMatch& match : matches) judge(match, parts, frame.name, result);
     }
   }
   result.seconds /= static_cast<double>(std::max<size_t>(1, result.images));
@@ -78,7 +78,7 @@ std::string TemplatesResult::text() const {
 
 Json TemplatesResult::to_json() const {
   return {{"images", images}, {"templates", templates}, {"things", things},    {"right", right},
-          {"wrong", wrong},       {"seconds", seconds},     {"mistakes", mistakes}};
+          {"wrong", wrong},   {"seconds", seconds},     {"mistakes", mistakes}};
 }
 
-}  // namespace loci::description_evaluation
+}  // namespace loci::apps::description_evaluation

@@ -7,7 +7,7 @@
 #include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
 
-namespace loci::description_evaluation {
+namespace loci::apps::description_evaluation {
 
 /// Templates of half of a recording's images, looked for in the other half.
 struct TemplatesResult {
@@ -25,4 +25,4 @@ struct TemplatesResult {
 /// least 0.4.
 TemplatesResult evaluate_templates(const std::filesystem::path& folder, Progress& progress);
 
-}  // namespace loci::description_evaluation
+}  // namespace loci::apps::description_evaluation

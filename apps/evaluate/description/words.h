@@ -3,7 +3,7 @@
 #include <set>
 #include <string>
 
-namespace loci::description_evaluation {
+namespace loci::apps::description_evaluation {
 
 /// In lower case, letters and digits alone: how printed words are compared.
 inline std::string folded(const std::string& word) {
@@ -36,4 +36,4 @@ inline std::set<std::string> folded_words(const std::string& text) {
   return words;
 }
 
-}  // namespace loci::description_evaluation
+}  // namespace loci::apps::description_evaluation

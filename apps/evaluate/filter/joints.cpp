@@ -10,7 +10,7 @@
 #include "perception/annotators/hypotheses/articulated_fronts.h"
 #include "perception/annotators/hypotheses/depth_normals.h"
 
-namespace loci::filter_evaluation {
+namespace loci::apps::filter_evaluation {
 namespace {
 
 constexpr double kOpen = 0.03;   ///< metres of the farthest point: less is not told
@@ -24,20 +24,21 @@ double at_share(const std::vector<double>& sorted, double share) {
 
 }  // namespace
 
-JointFits measure_joints(const std::filesystem::path& path, const KnownMap& map, int threads,
+JointFits measure_joints(const std::filesystem::path& path, const perception::KnownMap& map, int threads,
                          Progress& progress) {
-  const auto recording = open_recording(path);
-  const PinholeCamera camera = recording->info().camera.depth;
-  const ArticulatedFronts fronts(map.world, map.meshes);
+  const auto recording = mapping::open_recording(path);
+  const mapping::PinholeCamera camera = recording->info().camera.depth;
+  const perception::ArticulatedFronts fronts(map.world, map.meshes);
   JointFits fits;
   fits.name = path.lexically_normal().filename().string();
   for (size_t i = 0; i < recording->size(); ++i) {
     progress.check(static_cast<double>(i) / static_cast<double>(recording->size()), fits.name);
-    const RgbdFrame frame = recording->frame(i);
+    const mapping::RgbdFrame frame = recording->frame(i);
     if (!frame.map_from_camera || frame.joints.empty()) continue;
     ++fits.frames;
-    const cv::Mat points = points_from_depth(frame.depth, camera);
-    for (const FrontState& state : fronts.estimate(points, camera, *frame.map_from_camera, {}, threads)) {
+    const cv::Mat points = perception::points_from_depth(frame.depth, camera);
+    for (const perception::FrontState& state :
+         fronts.estimate(points, camera, *frame.map_from_camera, {}, threads)) {
       const auto truth = frame.joints.find(state.joint);
       if (truth == frame.joints.end() || state.in_view < kInView) continue;
       ++fits.fronts;
@@ -81,4 +82,4 @@ Json joints_json(const std::vector<JointFits>& fits) {
   return json;
 }
 
-}  // namespace loci::filter_evaluation
+}  // namespace loci::apps::filter_evaluation

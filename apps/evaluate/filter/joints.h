@@ -8,7 +8,7 @@
 #include "mapping/base/progress.h"
 #include "perception/annotators/hypotheses/known_map.h"
 
-namespace loci::filter_evaluation {
+namespace loci::apps::filter_evaluation {
 
 /// How well the joints of a recording are told from its depth images alone. Truth is the recording's own
 /// joint states, which the estimate does not see.
@@ -24,10 +24,10 @@ struct JointFits {
 };
 
 /// Fits the joints of every frame that has a pose and joint states.
-JointFits measure_joints(const std::filesystem::path& recording, const KnownMap& map, int threads,
+JointFits measure_joints(const std::filesystem::path& recording, const perception::KnownMap& map, int threads,
                          Progress& progress);
 
 std::string joints_text(const std::vector<JointFits>& fits);
 Json joints_json(const std::vector<JointFits>& fits);
 
-}  // namespace loci::filter_evaluation
+}  // namespace loci::apps::filter_evaluation

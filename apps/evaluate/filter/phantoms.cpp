@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 #include "mapping/base/random.h"
 #include "mapping/recording/recording.h"
 #include "perception/annotators/annotators.h"
@@ -13,7 +13,7 @@
 #include "perception/pipeline/pipeline.h"
 #include "perception/types/types.h"
 
-namespace loci::filter_evaluation {
+namespace loci::apps::filter_evaluation {
 namespace {
 
 Vector3d random_direction(Random& random) {
@@ -21,28 +21,28 @@ Vector3d random_direction(Random& random) {
 }
 
 /// A recording whose poses are wrong.
-class Mislocated : public Recording {
+class Mislocated : public mapping::Recording {
  public:
-  Mislocated(std::shared_ptr<const Recording> recording, const PoseError& error, int seed)
+  Mislocated(std::shared_ptr<const mapping::Recording> recording, const PoseError& error, int seed)
       : recording_(std::move(recording)), error_(error), seed_(seed) {}
 
-  const RecordingInfo& info() const override { return recording_->info(); }
+  const mapping::RecordingInfo& info() const override { return recording_->info(); }
   size_t size() const override { return recording_->size(); }
   TimeNs time_of(size_t i) const override { return recording_->time_of(i); }
   int64_t index_of(size_t i) const override { return recording_->index_of(i); }
-  RgbdFrame frame(size_t i) const override {
-    RgbdFrame frame = recording_->frame(i);
+  mapping::RgbdFrame frame(size_t i) const override {
+    mapping::RgbdFrame frame = recording_->frame(i);
     if (!frame.map_from_camera) return frame;
     Random random = Random(static_cast<uint64_t>(seed_)).fork(i);
     const Vector3d shift = error_.position_m * random_direction(random);
-    const Eigen::AngleAxisd turn(error_.angle_deg * std::numbers::pi / 180, random_direction(random));
+    const Eigen::AngleAxisd turn(error_.angle_deg * kPi / 180, random_direction(random));
     frame.map_from_camera->linear() = turn.toRotationMatrix() * frame.map_from_camera->linear();
     frame.map_from_camera->translation() += shift;
     return frame;
   }
 
  private:
-  std::shared_ptr<const Recording> recording_;
+  std::shared_ptr<const mapping::Recording> recording_;
   PoseError error_;
   int seed_;
 };
@@ -54,36 +54,39 @@ struct Found {
   std::optional<Isometry3d> map_from_camera;
 };
 
-std::vector<Found> run(const std::shared_ptr<Recording>& recording, const std::shared_ptr<KnownMap>& map,
-                       bool refine, int threads, Progress& progress, double& filter_seconds) {
-  AnnotatorRegistry registry;
+std::vector<Found> run(const std::shared_ptr<mapping::Recording>& recording,
+                       const std::shared_ptr<perception::KnownMap>& map, bool refine, int threads,
+                       Progress& progress, double& filter_seconds) {
+  perception::AnnotatorRegistry registry;
   add_annotators(registry);
-  Pipeline pipeline = Pipeline::parse(
+  perception::Pipeline pipeline = perception::Pipeline::parse(
       fmt::format("flow:\n  - NormalEstimator\n  - KnownStructureFilter: {{refine_pose: {}}}\n"
                   "  - PlaneClusterExtractor\n",
                   refine),
       "the pipeline of the evaluation", registry);
-  Resources resources;
+  perception::Resources resources;
   resources.put(recording);
   resources.put(map);
   Warnings warnings;
-  Context context{resources, warnings, threads, {}};
+  perception::Context context{resources, warnings, threads, {}};
   std::vector<Found> found;
-  const auto keep = [&](cas::Cas& cas) {
-    const types::SceneCas scene(cas);
-    const PinholeCamera& camera = recording->info().camera.depth;
+  const auto keep = [&](perception::cas::Cas& cas) {
+    const perception::types::SceneCas scene(cas);
+    const mapping::PinholeCamera& camera = recording->info().camera.depth;
     Found& frame = found.emplace_back();
     frame.things = cv::Mat::zeros(camera.height, camera.width, CV_8U);
-    for (const types::Cluster& cluster : scene.scene().clusters) {
+    for (const perception::types::Cluster& cluster : scene.scene().clusters) {
       auto& pixels = frame.clusters.emplace_back();
-      for (const int32_t pixel : cluster_indices(cluster)) {
+      for (const int32_t pixel : perception::cluster_indices(cluster)) {
         pixels.push_back(pixel);
         frame.things.ptr<uint8_t>()[pixel] = 1;
       }
     }
-    if (scene.scene().map_from_camera.is_set()) frame.map_from_camera = map_from_camera(scene.scene());
+    if (scene.scene().map_from_camera.is_set())
+      frame.map_from_camera = perception::map_from_camera(scene.scene());
   };
-  const PipelineResult result = pipeline.run(context, types::type_system(), progress, keep);
+  const perception::PipelineResult result =
+      pipeline.run(context, perception::types::type_system(), progress, keep);
   for (const auto& [name, seconds] : result.seconds)
     if (name == "KnownStructureFilter") filter_seconds = seconds;
   return found;
@@ -107,10 +110,10 @@ double median(std::vector<double> values) {
 }  // namespace
 
 std::vector<Phantoms> measure_phantoms(const std::filesystem::path& path,
-                                       const std::shared_ptr<KnownMap>& map,
+                                       const std::shared_ptr<perception::KnownMap>& map,
                                        const std::vector<PoseError>& errors, int seed, int threads,
                                        Progress& progress) {
-  const std::shared_ptr<Recording> recording = open_recording(path);
+  const std::shared_ptr<mapping::Recording> recording = mapping::open_recording(path);
   if (recording->info().frames_with_pose == 0)
     throw Error("the recording has no poses to be put wrong", {path, 0, {}});
   NoProgress silent;
@@ -123,7 +126,7 @@ std::vector<Phantoms> measure_phantoms(const std::filesystem::path& path,
                      fmt::format("{:.0f} cm, {}°", 100 * error.position_m, error.angle_deg));
       const auto wrong = std::make_shared<Mislocated>(recording, error, seed);
       const std::vector<Found> found =
-          run(std::static_pointer_cast<Recording>(wrong), map, refined, threads, silent, seconds);
+          run(std::static_pointer_cast<mapping::Recording>(wrong), map, refined, threads, silent, seconds);
       Phantoms row;
       row.error = error;
       row.refined = refined;
@@ -139,8 +142,7 @@ std::vector<Phantoms> measure_phantoms(const std::filesystem::path& path,
         const Isometry3d& a = *found[i].map_from_camera;
         const Isometry3d& b = *reference[i].map_from_camera;
         shifts.push_back((a.translation() - b.translation()).norm());
-        turns.push_back(Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() * 180 /
-                        std::numbers::pi);
+        turns.push_back(Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() * 180 / kPi);
       }
       row.position_m = median(shifts);
       row.angle_deg = median(turns);
@@ -178,4 +180,4 @@ Json phantoms_json(const std::vector<Phantoms>& rows) {
   return json;
 }
 
-}  // namespace loci::filter_evaluation
+}  // namespace loci::apps::filter_evaluation

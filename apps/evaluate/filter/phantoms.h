@@ -8,7 +8,7 @@
 #include "mapping/base/progress.h"
 #include "perception/annotators/hypotheses/known_map.h"
 
-namespace loci::filter_evaluation {
+namespace loci::apps::filter_evaluation {
 
 /// An error of localisation that is added to every pose, in a random direction of its own per frame.
 struct PoseError {
@@ -31,11 +31,11 @@ struct Phantoms {
 /// Runs normals, filter and clusters over a recording with poses: as they are, then with errors, with the
 /// refinement off and on.
 std::vector<Phantoms> measure_phantoms(const std::filesystem::path& recording,
-                                       const std::shared_ptr<KnownMap>& map,
+                                       const std::shared_ptr<perception::KnownMap>& map,
                                        const std::vector<PoseError>& errors, int seed, int threads,
                                        Progress& progress);
 
 std::string phantoms_text(const std::vector<Phantoms>& rows);
 Json phantoms_json(const std::vector<Phantoms>& rows);
 
-}  // namespace loci::filter_evaluation
+}  // namespace loci::apps::filter_evaluation

@@ -6,7 +6,7 @@
 
 #include "mapping/base/stopwatch.h"
 
-namespace loci::filter_evaluation {
+namespace loci::apps::filter_evaluation {
 
 struct InstanceRays::Impl {
   RTCDevice device = rtcNewDevice("threads=1");
@@ -20,11 +20,11 @@ struct InstanceRays::Impl {
     for (const RTCScene mesh : meshes) rtcReleaseScene(mesh);
     rtcReleaseDevice(device);
   }
-  void add_mesh(const TriangleMesh& mesh);
+  void add_mesh(const mapping::TriangleMesh& mesh);
   void add_instance(RTCScene mesh, const Isometry3d& pose);
 };
 
-void InstanceRays::Impl::add_mesh(const TriangleMesh& mesh) {
+void InstanceRays::Impl::add_mesh(const mapping::TriangleMesh& mesh) {
   const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* corners = static_cast<Eigen::Vector3f*>(rtcSetNewGeometryBuffer(
       geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Eigen::Vector3f), mesh.vertices.size()));
@@ -50,10 +50,10 @@ void InstanceRays::Impl::add_instance(RTCScene mesh, const Isometry3d& pose) {
   rtcReleaseGeometry(instance);
 }
 
-InstanceRays::InstanceRays(const std::vector<TriangleMesh>& meshes,
+InstanceRays::InstanceRays(const std::vector<mapping::TriangleMesh>& meshes,
                            const std::vector<Isometry3d>& camera_from_instances)
     : impl_(std::make_unique<Impl>()) {
-  for (const TriangleMesh& mesh : meshes) impl_->add_mesh(mesh);
+  for (const mapping::TriangleMesh& mesh : meshes) impl_->add_mesh(mesh);
   const Stopwatch watch;
   for (size_t i = 0; i < camera_from_instances.size(); ++i)
     impl_->add_instance(impl_->meshes[i % meshes.size()], camera_from_instances[i]);
@@ -67,7 +67,7 @@ double InstanceRays::tree_seconds() const {
   return impl_->tree_seconds;
 }
 
-cv::Mat InstanceRays::depth(const PinholeCamera& camera) const {
+cv::Mat InstanceRays::depth(const mapping::PinholeCamera& camera) const {
   cv::Mat depth(camera.height, camera.width, CV_32F);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -89,4 +89,4 @@ cv::Mat InstanceRays::depth(const PinholeCamera& camera) const {
   return depth;
 }
 
-}  // namespace loci::filter_evaluation
+}  // namespace loci::apps::filter_evaluation

@@ -8,7 +8,7 @@
 #include "mapping/recording/recording.h"
 #include "perception/annotators/hypotheses/depth_normals.h"
 
-namespace loci::filter_evaluation {
+namespace loci::apps::filter_evaluation {
 namespace {
 
 size_t measured(const cv::Mat& depth) {
@@ -23,23 +23,23 @@ double Removal::removed() const {
   return points == 0 ? 0 : static_cast<double>(known + outside) / static_cast<double>(points);
 }
 
-Removal measure_removal(const std::filesystem::path& path, KnownMap& map,
-                        const KnownStructureOptions& options, int threads, Progress& progress) {
-  const auto recording = open_recording(path);
-  const PinholeCamera camera = recording->info().camera.depth;
-  const std::vector<SupportSurface> surfaces = map.support_surfaces(options.regions);
+Removal measure_removal(const std::filesystem::path& path, perception::KnownMap& map,
+                        const perception::KnownStructureOptions& options, int threads, Progress& progress) {
+  const auto recording = mapping::open_recording(path);
+  const mapping::PinholeCamera camera = recording->info().camera.depth;
+  const std::vector<perception::SupportSurface> surfaces = map.support_surfaces(options.regions);
   Removal removal;
   removal.name = path.lexically_normal().filename().string();
   for (size_t i = 0; i < recording->size(); ++i) {
     progress.check(static_cast<double>(i) / static_cast<double>(recording->size()), removal.name);
-    const RgbdFrame frame = recording->frame(i);
+    const mapping::RgbdFrame frame = recording->frame(i);
     if (!frame.map_from_camera) continue;
     JointState joints;
     for (const auto& [name, position] : frame.joints)
       if (map.world.find_joint(name)) joints[name] = position;
-    const KnownStructure found =
-        find_known_structure(points_from_depth(frame.depth, camera), camera, *frame.map_from_camera, map,
-                             surfaces, joints, options, threads);
+    const perception::KnownStructure found =
+        find_known_structure(perception::points_from_depth(frame.depth, camera), camera,
+                             *frame.map_from_camera, map, surfaces, joints, options, threads);
     ++removal.frames;
     removal.points += measured(frame.depth);
     removal.known += static_cast<size_t>(found.known);
@@ -70,4 +70,4 @@ Json removal_json(const std::vector<Removal>& removals) {
   return json;
 }
 
-}  // namespace loci::filter_evaluation
+}  // namespace loci::apps::filter_evaluation

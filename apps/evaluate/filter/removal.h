@@ -8,7 +8,7 @@
 #include "mapping/base/progress.h"
 #include "perception/annotators/hypotheses/known_structure.h"
 
-namespace loci::filter_evaluation {
+namespace loci::apps::filter_evaluation {
 
 /// What the filter leaves of a recording.
 struct Removal {
@@ -22,10 +22,10 @@ struct Removal {
 };
 
 /// Filters every frame that has a pose against a map.
-Removal measure_removal(const std::filesystem::path& recording, KnownMap& map,
-                        const KnownStructureOptions& options, int threads, Progress& progress);
+Removal measure_removal(const std::filesystem::path& recording, perception::KnownMap& map,
+                        const perception::KnownStructureOptions& options, int threads, Progress& progress);
 
 std::string removal_text(const std::vector<Removal>& removals);
 Json removal_json(const std::vector<Removal>& removals);
 
-}  // namespace loci::filter_evaluation
+}  // namespace loci::apps::filter_evaluation

@@ -14,7 +14,7 @@
 #include "mapping/base/stopwatch.h"
 #include "mapping/render/render.h"
 
-namespace loci::filter_evaluation {
+namespace loci::apps::filter_evaluation {
 namespace {
 
 double processor_seconds() {
@@ -34,7 +34,7 @@ Time best_time(int repeats, const std::function<void()>& work) {
   return best;
 }
 
-bool same(const RenderedView& a, const RenderedView& b) {
+bool same(const mapping::RenderedView& a, const mapping::RenderedView& b) {
   const auto equal = [](const cv::Mat& x, const cv::Mat& y) {
     return std::memcmp(x.data, y.data, x.total() * x.elemSize()) == 0;
   };
@@ -50,10 +50,10 @@ int different_pixels(const cv::Mat& a, const cv::Mat& b) {
   return count;
 }
 
-CrowdTimes time_crowd(int count, const std::vector<TriangleMesh>& meshes,
+CrowdTimes time_crowd(int count, const std::vector<mapping::TriangleMesh>& meshes,
                       const std::vector<Isometry3d>& poses, const SpeedOptions& options) {
-  const PinholeCamera camera;
-  RenderScene scene;
+  const mapping::PinholeCamera camera;
+  mapping::RenderScene scene;
   for (size_t i = 0; i < static_cast<size_t>(count); ++i)
     if (i < meshes.size())
       scene.add(fmt::format("mesh_{}", i), meshes[i], poses[i]);
@@ -61,12 +61,12 @@ CrowdTimes time_crowd(int count, const std::vector<TriangleMesh>& meshes,
       scene.add_copy(i % meshes.size(), poses[i]);
   CrowdTimes times;
   times.meshes = count;
-  RenderedView one, two, all;
+  mapping::RenderedView one, two, all;
   times.one = best_time(options.repeats, [&] { one = scene.render(camera, Isometry3d::Identity(), {}, 1); });
   times.two = best_time(options.repeats, [&] { two = scene.render(camera, Isometry3d::Identity(), {}, 2); });
   times.same_pixels = same(one, two);
   if (!options.reference) return times;
-  RenderOptions everything;
+  mapping::RenderOptions everything;
   everything.occlusion_culling = false;
   times.all = best_time(1, [&] { all = scene.render(camera, Isometry3d::Identity(), everything, 2); });
   times.same_pixels = times.same_pixels && same(one, all);
@@ -78,10 +78,11 @@ CrowdTimes time_crowd(int count, const std::vector<TriangleMesh>& meshes,
   return times;
 }
 
-RobotTimes time_robots(int count, const World& robot, const MeshSearch& meshes, const SpeedOptions& options) {
-  const PinholeCamera camera;
+RobotTimes time_robots(int count, const mapping::World& robot, const mapping::MeshSearch& meshes,
+                       const SpeedOptions& options) {
+  const mapping::PinholeCamera camera;
   Random random = Random(static_cast<uint64_t>(options.seed)).fork(2);
-  RenderScene scene;
+  mapping::RenderScene scene;
   Warnings warnings;
   for (int i = 0; i < count; ++i) {
     const Isometry3d pose = random_pose_in_view(camera, random);
@@ -123,7 +124,7 @@ Speed measure_speed(const SpeedOptions& options, Progress& progress) {
   if (options.min_half_m > options.max_half_m)
     throw Error("the least size of a mesh is larger than the largest", {}, "--half-least-m, --half-most-m");
   Random random(static_cast<uint64_t>(options.seed));
-  std::vector<TriangleMesh> meshes;
+  std::vector<mapping::TriangleMesh> meshes;
   for (int i = 0; i < std::min(kDistinctMeshes, options.meshes); ++i)
     meshes.push_back(random_body(options.min_half_m, options.max_half_m, random));
   std::vector<Isometry3d> poses;
@@ -137,7 +138,7 @@ Speed measure_speed(const SpeedOptions& options, Progress& progress) {
     speed.crowds.push_back(time_crowd(counts[i], meshes, poses, options));
   }
   const TemporaryFolder folder("robot");
-  const World robot = random_robot(folder.path(), random);
+  const mapping::World robot = random_robot(folder.path(), random);
   for (const int count : steps_to(options.robots, options.steps)) {
     progress.check(0.7 + 0.3 * count / options.robots, fmt::format("{} robots", count));
     speed.robots.push_back(time_robots(count, robot, {{}, folder.path()}, options));
@@ -145,4 +146,4 @@ Speed measure_speed(const SpeedOptions& options, Progress& progress) {
   return speed;
 }
 
-}  // namespace loci::filter_evaluation
+}  // namespace loci::apps::filter_evaluation

@@ -7,7 +7,7 @@
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
 
-namespace loci::filter_evaluation {
+namespace loci::apps::filter_evaluation {
 
 struct SpeedOptions {
   int meshes = 10000;
@@ -60,4 +60,4 @@ Speed measure_speed(const SpeedOptions& options, Progress& progress);
 /// Both figures as one image.
 std::string speed_svg(const Speed& speed);
 
-}  // namespace loci::filter_evaluation
+}  // namespace loci::apps::filter_evaluation

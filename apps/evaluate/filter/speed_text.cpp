@@ -5,7 +5,7 @@
 #include "apps/evaluate/filter/speed.h"
 #include "mapping/base/json.h"
 
-namespace loci::filter_evaluation {
+namespace loci::apps::filter_evaluation {
 namespace {
 
 constexpr double kWidth = 420, kHeight = 260, kLeft = 52, kTop = 34, kGap = 80;
@@ -116,4 +116,4 @@ std::string speed_svg(const Speed& speed) {
          "</svg>\n";
 }
 
-}  // namespace loci::filter_evaluation
+}  // namespace loci::apps::filter_evaluation

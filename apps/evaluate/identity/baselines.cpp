@@ -5,7 +5,7 @@
 #include "apps/evaluate/pairing.h"
 #include "memory/identity/matchings.h"
 
-namespace loci::identity_experiment {
+namespace loci::apps::identity_experiment {
 namespace {
 
 /// Methods that pair up and know no probabilities. What stays alone in view is gone, out of view it is
@@ -15,14 +15,15 @@ class PairingModel : public Model {
   Judgement judge(const View& view, int, std::vector<Entry>& old, const std::vector<Measurement>& seen,
                   bool) override {
     Judgement judgement;
-    judgement.seen.assign(seen.size(), {std::nullopt, 1, Explanation::appear, 1});
+    judgement.seen.assign(seen.size(), {std::nullopt, 1, memory::Explanation::appear, 1});
     for (const Entry& entry : old) {
       const bool in_view = view.contains(entry.last.table, entry.last.position.x());
-      judgement.old.push_back({std::nullopt, 1, in_view ? Explanation::disappear : Explanation::hidden, 1});
+      judgement.old.push_back(
+          {std::nullopt, 1, in_view ? memory::Explanation::disappear : memory::Explanation::hidden, 1});
       judgement.kept.push_back(!in_view);
     }
     for (const auto& [o, k] : pair_up(old, seen)) {
-      const Explanation explanation = explain(old[o], seen[k]);
+      const memory::Explanation explanation = explain(old[o], seen[k]);
       judgement.links.push_back({o, k});
       judgement.old[o] = {k, 1, explanation, 1};
       judgement.seen[k] = {o, 1, explanation, 1};
@@ -33,10 +34,10 @@ class PairingModel : public Model {
  private:
   virtual Pairs pair_up(const std::vector<Entry>& old, const std::vector<Measurement>& seen) const = 0;
 
-  virtual Explanation explain(const Entry& old, const Measurement& seen) const {
+  virtual memory::Explanation explain(const Entry& old, const Measurement& seen) const {
     const Closeness close = compare(old.last, seen, kEffectiveScale);
-    if (close.proximity < 0.5 && close.similar > close.proximity) return Explanation::move;
-    return close.similar < 0.5 ? Explanation::newview : Explanation::stay;
+    if (close.proximity < 0.5 && close.similar > close.proximity) return memory::Explanation::move;
+    return close.similar < 0.5 ? memory::Explanation::newview : memory::Explanation::stay;
   }
 };
 
@@ -64,14 +65,16 @@ class NearestModel : public PairingModel {
                                                 : std::numeric_limits<double>::infinity();
     });
   }
-  Explanation explain(const Entry&, const Measurement&) const override { return Explanation::stay; }
+  memory::Explanation explain(const Entry&, const Measurement&) const override {
+    return memory::Explanation::stay;
+  }
 };
 
 /// The assignment of the largest sum of what the greedy method compares.
 class HungarianModel : public PairingModel {
   Pairs pair_up(const std::vector<Entry>& old, const std::vector<Measurement>& seen) const override {
     if (old.empty() || seen.empty()) return {};
-    IdentityComponent component;
+    memory::IdentityComponent component;
     component.transposed = seen.size() < old.size();
     const size_t rows = std::min(old.size(), seen.size()), columns = std::max(old.size(), seen.size());
     component.log_ratio.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
@@ -82,7 +85,7 @@ class HungarianModel : public PairingModel {
         const size_t o = component.transposed ? j : i, k = component.transposed ? i : j;
         const double gain = combined(old[o], seen[k]) - kMinCombined;
         component.log_ratio(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-            gain > 0 ? gain : kNever;
+            gain > 0 ? gain : memory::kNever;
       }
     component.row_free.assign(rows, true);
     component.column_free.assign(columns, true);
@@ -104,4 +107,4 @@ std::unique_ptr<Model> make_hungarian_model() {
   return std::make_unique<HungarianModel>();
 }
 
-}  // namespace loci::identity_experiment
+}  // namespace loci::apps::identity_experiment

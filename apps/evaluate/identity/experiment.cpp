@@ -7,7 +7,7 @@
 
 #include "mapping/base/parallel.h"
 
-namespace loci::identity_experiment {
+namespace loci::apps::identity_experiment {
 namespace {
 
 std::vector<std::string> split_list(const std::string& text) {
@@ -93,14 +93,14 @@ class Run {
     std::vector<Link> links;
     for (size_t k = 0; k < scene.seen.size(); ++k)
       if (truth.partner_of_seen[k])
-        links.push_back({*truth.partner_of_seen[k], k, truth.seen[k] == Explanation::move ? 0.0 : 1.0,
-                         truth.seen[k] == Explanation::newview ? 0.0 : 1.0});
+        links.push_back({*truth.partner_of_seen[k], k, truth.seen[k] == memory::Explanation::move ? 0.0 : 1.0,
+                         truth.seen[k] == memory::Explanation::newview ? 0.0 : 1.0});
     std::vector<bool> kept;
     for (size_t o = 0; o < believed_.size(); ++o) {
       const bool seen = std::any_of(scene.seen.begin(), scene.seen.end(), [&](const Sighting& sighting) {
         return sighting.origin.object == believed_[o].origin.object;
       });
-      kept.push_back(!seen && truth.old[o] == Explanation::hidden);
+      kept.push_back(!seen && truth.old[o] == memory::Explanation::hidden);
     }
     go_on(scene, number, links, kept);
   }
@@ -189,4 +189,4 @@ ExperimentResult run_experiment(const WorldOptions& world, const ExperimentOptio
   return result;
 }
 
-}  // namespace loci::identity_experiment
+}  // namespace loci::apps::identity_experiment

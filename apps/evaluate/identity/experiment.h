@@ -7,7 +7,7 @@
 #include "apps/evaluate/identity/score.h"
 #include "mapping/base/progress.h"
 
-namespace loci::identity_experiment {
+namespace loci::apps::identity_experiment {
 
 /// What the next scene is compared with.
 enum class Condition {
@@ -56,4 +56,4 @@ ExperimentResult run_experiment(const WorldOptions& world, const ExperimentOptio
 /// Judges one sequence after another with one model.
 Score run_model(Model& model, Condition condition, const std::vector<Sequence>& sequences);
 
-}  // namespace loci::identity_experiment
+}  // namespace loci::apps::identity_experiment

@@ -7,7 +7,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/html.h"
 
-namespace loci::identity_experiment {
+namespace loci::apps::identity_experiment {
 namespace {
 
 constexpr double kWidth = 420, kHeight = 280, kMargin = 46;
@@ -94,4 +94,4 @@ std::vector<std::filesystem::path> write_figures(const ExperimentResult& result,
   return files;
 }
 
-}  // namespace loci::identity_experiment
+}  // namespace loci::apps::identity_experiment

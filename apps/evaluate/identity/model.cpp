@@ -4,7 +4,7 @@
 
 #include "mapping/base/error.h"
 
-namespace loci::identity_experiment {
+namespace loci::apps::identity_experiment {
 
 Entry Model::update(const Entry&, const Measurement& seen, int step, const Link&) const {
   return Entry::first(seen, step);
@@ -39,4 +39,4 @@ Closeness compare(const Measurement& old, const Measurement& seen, double scale)
   return result;
 }
 
-}  // namespace loci::identity_experiment
+}  // namespace loci::apps::identity_experiment

@@ -8,15 +8,15 @@
 #include "memory/belief/whereabouts.h"
 #include "memory/identity/solution.h"
 
-namespace loci::identity_experiment {
+namespace loci::apps::identity_experiment {
 
 /// What a model believes about one object: its last measurement, and what its sightings add up to.
 struct Entry {
   Measurement last;
-  int step = 0;                                ///< of the last measurement
-  Measurement fused;                           ///< mean over the sightings since the last change
-  double position_looks = 1, color_looks = 1;  ///< how many sightings are in that mean
-  std::vector<belief::Whereabouts> where;      ///< when it is not seen; per level of busyness
+  int step = 0;                                    ///< of the last measurement
+  Measurement fused;                               ///< mean over the sightings since the last change
+  double position_looks = 1, color_looks = 1;      ///< how many sightings are in that mean
+  std::vector<memory::belief::Whereabouts> where;  ///< when it is not seen; per level of busyness
 
   static Entry first(const Measurement& seen, int step) { return {seen, step, seen, 1, 1, {}}; }
 };
@@ -28,10 +28,10 @@ struct Link {
 
 /// A model's answer to one scene.
 struct Judgement {
-  std::vector<IdentityDecision> seen;  ///< per measurement
-  std::vector<IdentityDecision> old;   ///< per believed object
-  std::vector<Link> links;             ///< one consistent story, for the belief that goes on
-  std::vector<bool> kept;              ///< per believed object without link: still believed in
+  std::vector<memory::IdentityDecision> seen;  ///< per measurement
+  std::vector<memory::IdentityDecision> old;   ///< per believed object
+  std::vector<Link> links;                     ///< one consistent story, for the belief that goes on
+  std::vector<bool> kept;                      ///< per believed object without link: still believed in
 };
 
 /// One method. It sees measurements only. The same instance judges all sequences of one noise level, one
@@ -78,4 +78,4 @@ std::unique_ptr<Model> make_hungarian_model();
 /// `told`: the rates of change are those of the simulator instead of learned ones.
 std::unique_ptr<Model> make_our_model(const WorldOptions& world, const NoiseSetting& noise, bool told);
 
-}  // namespace loci::identity_experiment
+}  // namespace loci::apps::identity_experiment

@@ -3,13 +3,13 @@
 
 #include "apps/evaluate/identity/our_view.h"
 
-namespace loci::identity_experiment {
+namespace loci::apps::identity_experiment {
 namespace {
 
-using belief::Change;
-using belief::ChangeRates;
-using belief::Untracked;
-using belief::Whereabouts;
+using memory::belief::Change;
+using memory::belief::ChangeRates;
+using memory::belief::Untracked;
+using memory::belief::Whereabouts;
 
 constexpr double kTiny = 1e-12;
 
@@ -22,22 +22,22 @@ struct Level {
   ChangeRates rates;
   Untracked untracked{0};
   double weight = 1;
-  IdentitySolution solution;
+  memory::IdentitySolution solution;
 };
 
 /// What the levels say together.
-IdentitySolution mixture(const std::vector<Level>& levels) {
+memory::IdentitySolution mixture(const std::vector<Level>& levels) {
   const auto likeliest = std::max_element(levels.begin(), levels.end(),
                                           [](const Level& a, const Level& b) { return a.weight < b.weight; });
-  IdentitySolution sum = likeliest->solution;
-  for (PairTable* table : {&sum.stay, &sum.move, &sum.newview, &sum.none}) table->setZero();
+  memory::IdentitySolution sum = likeliest->solution;
+  for (memory::PairTable* table : {&sum.stay, &sum.move, &sum.newview, &sum.none}) table->setZero();
   for (auto* row : {&sum.appear, &sum.clutter, &sum.disappear, &sum.missed, &sum.hidden})
     std::fill(row->begin(), row->end(), 0.0);
   const auto add = [](std::vector<double>& to, const std::vector<double>& from, double weight) {
     for (size_t i = 0; i < to.size(); ++i) to[i] += weight * from[i];
   };
   for (const Level& level : levels) {
-    const IdentitySolution& part = level.solution;
+    const memory::IdentitySolution& part = level.solution;
     sum.stay += level.weight * part.stay;
     sum.move += level.weight * part.move;
     sum.newview += level.weight * part.newview;
@@ -57,7 +57,8 @@ class OurModel : public Model {
       : world_(world),
         told_(told),
         cells_(world.tables),
-        position_noise_(noise.known ? belief::NoiseEstimate::known(noise.sigma) : belief::NoiseEstimate(0.1)),
+        position_noise_(noise.known ? memory::belief::NoiseEstimate::known(noise.sigma)
+                                    : memory::belief::NoiseEstimate(0.1)),
         color_noise_(position_noise_) {
     options_.best = 1;
   }
@@ -93,7 +94,7 @@ class OurModel : public Model {
     }
     for (size_t i = 0; i < levels_.size(); ++i) learn_rates(i, old, evidence);
     learner_.finish_scene();
-    const IdentitySolution solution = mixture(levels_);
+    const memory::IdentitySolution solution = mixture(levels_);
     learn_noise(old, seen, solution);
     const Judgement judgement = judgement_of(old, seen, solution);
     learn_absence(old, judgement, evidence);
@@ -142,7 +143,8 @@ class OurModel : public Model {
     Level& level = levels_[index];
     double present = level.untracked.sum();
     for (const Entry& entry : old) present += entry.where[index].present();
-    const belief::Handling handling = belief::handling(level.rates, 1 / std::max(1.0, present));
+    const memory::belief::Handling handling =
+        memory::belief::handling(level.rates, 1 / std::max(1.0, present));
     predict(level.untracked, handling, level.rates[Change::arrived] * Cells::kArea);
     for (Entry& entry : old) predict(entry.where[index], handling, cells_.count(), level.untracked);
   }
@@ -152,12 +154,13 @@ class OurModel : public Model {
            evidence.visible_part(level.untracked.lost);
   }
 
-  LogOddsProblem problem_of(size_t index, const std::vector<Entry>& old, const ViewEvidence& evidence) const {
+  memory::LogOddsProblem problem_of(size_t index, const std::vector<Entry>& old,
+                                    const ViewEvidence& evidence) const {
     const Untracked& untracked = levels_[index].untracked;
-    LogOddsProblem problem;
+    memory::LogOddsProblem problem;
     problem.log_similar = evidence.log_similar;
     problem.log_proximity = evidence.log_proximity;
-    for (PairTable* table : {&problem.stay_prior, &problem.move_prior, &problem.newview_prior})
+    for (memory::PairTable* table : {&problem.stay_prior, &problem.move_prior, &problem.newview_prior})
       table->setZero(evidence.log_similar.rows(), evidence.log_similar.cols());
     for (size_t k = 0; k < evidence.from_cell.size(); ++k)
       problem.appear_prior.push_back(log_of(evidence.density(k, untracked.arrived) +
@@ -206,7 +209,7 @@ class OurModel : public Model {
   }
 
   void learn_noise(const std::vector<Entry>& old, const std::vector<Measurement>& seen,
-                   const IdentitySolution& solution) {
+                   const memory::IdentitySolution& solution) {
     for (size_t o = 0; o < old.size(); ++o)
       for (size_t k = 0; k < seen.size(); ++k) {
         const auto row = static_cast<Eigen::Index>(o), column = static_cast<Eigen::Index>(k);
@@ -239,7 +242,7 @@ class OurModel : public Model {
   }
 
   static Judgement judgement_of(const std::vector<Entry>& old, const std::vector<Measurement>& seen,
-                                const IdentitySolution& solution) {
+                                const memory::IdentitySolution& solution) {
     Judgement judgement;
     std::vector<bool> linked(old.size(), false);
     for (const auto& [o, k] : solution.map.pairs) {
@@ -260,12 +263,12 @@ class OurModel : public Model {
   const WorldOptions world_;
   const bool told_;
   const Cells cells_;
-  IdentityOptions options_;
-  belief::RateLearner learner_;
-  belief::Busyness busyness_;
+  memory::IdentityOptions options_;
+  memory::belief::RateLearner learner_;
+  memory::belief::Busyness busyness_;
   ChangeRates told_rates_;
   std::vector<Level> levels_;
-  belief::NoiseEstimate position_noise_, color_noise_;
+  memory::belief::NoiseEstimate position_noise_, color_noise_;
 };
 
 }  // namespace
@@ -274,4 +277,4 @@ std::unique_ptr<Model> make_our_model(const WorldOptions& world, const NoiseSett
   return std::make_unique<OurModel>(world, noise, told);
 }
 
-}  // namespace loci::identity_experiment
+}  // namespace loci::apps::identity_experiment

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-namespace loci::identity_experiment {
+namespace loci::apps::identity_experiment {
 namespace {
 
-using belief::Domain;
-using belief::Measured;
+using memory::belief::Domain;
+using memory::belief::Measured;
 
 constexpr double kTiny = 1e-12;
 constexpr double kWidth = Cells::kTable / Cells::kStripes;
@@ -15,8 +15,8 @@ constexpr double kWidth = Cells::kTable / Cells::kStripes;
 double log_color(const Entry& entry, const Measurement& seen, double variance) {
   double sum = 0;
   for (int i = 0; i < 3; ++i)
-    sum += belief::log_same({entry.fused.color[i], variance / entry.color_looks}, {0, 1},
-                            {seen.color[i], variance}, {0, 1});
+    sum += memory::belief::log_same({entry.fused.color[i], variance / entry.color_looks}, {0, 1},
+                                    {seen.color[i], variance}, {0, 1});
   return sum;
 }
 
@@ -24,8 +24,8 @@ double log_position(const Entry& entry, const Measurement& seen, double variance
   const Domain table{0, Cells::kTable};
   double sum = 0;
   for (int i = 0; i < 2; ++i)
-    sum += belief::log_same({entry.fused.position[i], variance / entry.position_looks}, table,
-                            {seen.position[i], variance}, i == 0 ? visible : table);
+    sum += memory::belief::log_same({entry.fused.position[i], variance / entry.position_looks}, table,
+                                    {seen.position[i], variance}, i == 0 ? visible : table);
   return sum;
 }
 
@@ -78,7 +78,7 @@ ViewEvidence evidence_of(const View& view, const Cells& cells, const Noise& nois
     evidence.from_cell.push_back(origin_of(measurement, view.table, evidence.cells, noise.position));
   const auto m = static_cast<Eigen::Index>(old.size()), n = static_cast<Eigen::Index>(seen.size());
   evidence.log_similar.setZero(m, n);
-  evidence.log_proximity.setConstant(m, n, kNever);
+  evidence.log_proximity.setConstant(m, n, memory::kNever);
   for (Eigen::Index o = 0; o < m; ++o) {
     const Entry& entry = old[static_cast<size_t>(o)];
     const bool same_table = entry.last.table == view.table;
@@ -97,4 +97,4 @@ ViewEvidence evidence_of(const View& view, const Cells& cells, const Noise& nois
   return evidence;
 }
 
-}  // namespace loci::identity_experiment
+}  // namespace loci::apps::identity_experiment

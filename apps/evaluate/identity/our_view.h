@@ -5,7 +5,7 @@
 #include "apps/evaluate/identity/model.h"
 #include "memory/belief/likelihood.h"
 
-namespace loci::identity_experiment {
+namespace loci::apps::identity_experiment {
 
 /// The tables cut into cells, side by side: the sensor sees all of a table's depth.
 class Cells {
@@ -30,7 +30,7 @@ struct Noise {
 
 /// What a scene shows, apart from all rates: likelihood ratios and what of the tables was in view.
 struct ViewEvidence {
-  PairTable log_similar, log_proximity;
+  memory::PairTable log_similar, log_proximity;
   std::vector<double> in_view;                 ///< per believed object: probability that its place is
   std::vector<double> cells;                   ///< share of each cell that is in view
   std::vector<std::vector<double>> from_cell;  ///< per measurement: probability of coming from the cell
@@ -44,4 +44,4 @@ struct ViewEvidence {
 ViewEvidence evidence_of(const View& view, const Cells& cells, const Noise& noise,
                          const std::vector<Entry>& old, const std::vector<Measurement>& seen);
 
-}  // namespace loci::identity_experiment
+}  // namespace loci::apps::identity_experiment

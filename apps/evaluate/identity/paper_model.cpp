@@ -1,6 +1,6 @@
 #include "apps/evaluate/identity/model.h"
 
-namespace loci::identity_experiment {
+namespace loci::apps::identity_experiment {
 namespace {
 
 /// The dissertation's model: closeness as the probability of the evidence, table 6.1, exact inference.
@@ -10,7 +10,7 @@ class PaperModel : public Model {
 
   Judgement judge(const View& view, int, std::vector<Entry>& old, const std::vector<Measurement>& seen,
                   bool) override {
-    IdentityProblem problem;
+    memory::IdentityProblem problem;
     problem.old_count = old.size();
     problem.new_count = seen.size();
     for (const Entry& entry : old) {
@@ -23,19 +23,19 @@ class PaperModel : public Model {
       }
       problem.out_of_view.push_back(view.contains(entry.last.table, entry.last.position.x()) ? 0 : 1);
     }
-    const IdentitySolution solution = solve(problem, options_);
+    const memory::IdentitySolution solution = solve(problem, options_);
     Judgement judgement;
     for (size_t k = 0; k < seen.size(); ++k) judgement.seen.push_back(decide_observation(solution, k));
     for (size_t o = 0; o < old.size(); ++o) {
       judgement.old.push_back(decide_object(solution, o));
-      judgement.kept.push_back(judgement.old.back().explanation == Explanation::hidden);
+      judgement.kept.push_back(judgement.old.back().explanation == memory::Explanation::hidden);
     }
     return judgement;
   }
 
  private:
   double scale_;
-  IdentityOptions options_;
+  memory::IdentityOptions options_;
 };
 
 }  // namespace
@@ -44,4 +44,4 @@ std::unique_ptr<Model> make_paper_model(double scale) {
   return std::make_unique<PaperModel>(scale);
 }
 
-}  // namespace loci::identity_experiment
+}  // namespace loci::apps::identity_experiment

@@ -3,31 +3,31 @@
 #include <algorithm>
 #include <cmath>
 
-namespace loci::identity_experiment {
+namespace loci::apps::identity_experiment {
 namespace {
 
-size_t old_column(Explanation explanation) {
+size_t old_column(memory::Explanation explanation) {
   switch (explanation) {
-    case Explanation::newview:
+    case memory::Explanation::newview:
       return 0;
-    case Explanation::move:
+    case memory::Explanation::move:
       return 1;
-    case Explanation::hidden:
+    case memory::Explanation::hidden:
       return 2;
-    case Explanation::stay:
+    case memory::Explanation::stay:
       return 4;
     default:
       return 3;
   }
 }
 
-size_t new_column(Explanation explanation) {
+size_t new_column(memory::Explanation explanation) {
   switch (explanation) {
-    case Explanation::stay:
+    case memory::Explanation::stay:
       return 0;
-    case Explanation::move:
+    case memory::Explanation::move:
       return 1;
-    case Explanation::newview:
+    case memory::Explanation::newview:
       return 2;
     default:
       return 3;
@@ -53,9 +53,9 @@ struct SideResult {
   bool association = true, explanation = true;
 };
 
-SideResult count_side(const std::vector<IdentityDecision>& answers,
+SideResult count_side(const std::vector<memory::IdentityDecision>& answers,
                       const std::vector<std::optional<size_t>>& partners,
-                      const std::vector<Explanation>& explanations, Success& side, Score& score) {
+                      const std::vector<memory::Explanation>& explanations, Success& side, Score& score) {
   SideResult result;
   for (size_t i = 0; i < answers.size(); ++i) {
     const bool association = answers[i].partner == partners[i];
@@ -120,9 +120,9 @@ SceneTruth truth_of(const SimulatedScene& scene, const std::vector<Believed>& be
   truth.partner_of_seen.resize(scene.seen.size());
   for (const Believed& old : believed) {
     const bool in_view = scene.view.contains(old.origin.table, old.origin.position.x());
-    truth.old.push_back(in_view ? Explanation::disappear : Explanation::hidden);
+    truth.old.push_back(in_view ? memory::Explanation::disappear : memory::Explanation::hidden);
   }
-  truth.seen.assign(scene.seen.size(), Explanation::appear);
+  truth.seen.assign(scene.seen.size(), memory::Explanation::appear);
   for (size_t k = 0; k < scene.seen.size(); ++k) {
     const Origin& now = scene.seen[k].origin;
     std::optional<size_t> newest;
@@ -136,9 +136,9 @@ SceneTruth truth_of(const SimulatedScene& scene, const std::vector<Believed>& be
     if (moved && changed) continue;  // nothing in the evidence can link them
     truth.partner_of_seen[k] = newest;
     truth.partner_of_old[*newest] = k;
-    truth.seen[k] = truth.old[*newest] = moved     ? Explanation::move
-                                         : changed ? Explanation::newview
-                                                   : Explanation::stay;
+    truth.seen[k] = truth.old[*newest] = moved     ? memory::Explanation::move
+                                         : changed ? memory::Explanation::newview
+                                                   : memory::Explanation::stay;
   }
   return truth;
 }
@@ -167,4 +167,4 @@ void count_scene(const SimulatedScene& scene, int actions, const std::vector<Bel
     ++score.old_confusion[old_column(truth.old[o])][old_column(judgement.old[o].explanation)];
 }
 
-}  // namespace loci::identity_experiment
+}  // namespace loci::apps::identity_experiment

@@ -6,7 +6,7 @@
 
 #include "apps/evaluate/identity/model.h"
 
-namespace loci::identity_experiment {
+namespace loci::apps::identity_experiment {
 
 /// How many were right.
 struct Tally {
@@ -80,7 +80,7 @@ struct Score {
 /// What is true of one scene, relative to what is believed.
 struct SceneTruth {
   std::vector<std::optional<size_t>> partner_of_seen, partner_of_old;
-  std::vector<Explanation> seen, old;
+  std::vector<memory::Explanation> seen, old;
 };
 
 /// A believed object with what the simulator knows about its last measurement.
@@ -94,4 +94,4 @@ SceneTruth truth_of(const SimulatedScene& scene, const std::vector<Believed>& be
 void count_scene(const SimulatedScene& scene, int actions, const std::vector<Believed>& believed,
                  const SceneTruth& truth, const Judgement& judgement, Score& score);
 
-}  // namespace loci::identity_experiment
+}  // namespace loci::apps::identity_experiment

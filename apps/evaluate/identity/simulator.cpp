@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace loci::identity_experiment {
+namespace loci::apps::identity_experiment {
 namespace {
 
 struct Thing {
@@ -160,4 +160,4 @@ std::vector<Sequence> simulate_level(const WorldOptions& options, double sigma, 
   return sequences;
 }
 
-}  // namespace loci::identity_experiment
+}  // namespace loci::apps::identity_experiment

@@ -7,7 +7,7 @@
 #include "mapping/base/random.h"
 #include "memory/identity/solution.h"
 
-namespace loci::identity_experiment {
+namespace loci::apps::identity_experiment {
 
 /// What the simulated world is like: tables of 1 m × 1 m, objects that people put there, move, change and
 /// take away, and a sensor that sees a strip of one table at a time (dissertation, section 6.3).
@@ -83,4 +83,4 @@ Sequence simulate(const WorldOptions& options, int limit, int actions, double si
 /// All sequences of one noise level: every object limit with every number of actions.
 std::vector<Sequence> simulate_level(const WorldOptions& options, double sigma, const Random& random);
 
-}  // namespace loci::identity_experiment
+}  // namespace loci::apps::identity_experiment

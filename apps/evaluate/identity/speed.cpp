@@ -9,13 +9,13 @@
 #include "mapping/base/random.h"
 #include "memory/identity/solution.h"
 
-namespace loci::identity_experiment {
+namespace loci::apps::identity_experiment {
 namespace {
 
 /// Objects in groups of `block` that may be confused with each other; pairs of different groups are as unlike
 /// as calibrated evidence makes them.
-LogOddsProblem problem_of(Eigen::Index size, Eigen::Index block, Random random) {
-  LogOddsProblem problem;
+memory::LogOddsProblem problem_of(Eigen::Index size, Eigen::Index block, Random random) {
+  memory::LogOddsProblem problem;
   problem.log_similar.resize(size, size);
   problem.log_proximity.resize(size, size);
   for (Eigen::Index o = 0; o < size; ++o)
@@ -36,8 +36,8 @@ double processor_ms() {
 }
 
 SpeedRow measure(const std::string& name, Eigen::Index size, Eigen::Index block, double aim, int seed) {
-  const LogOddsProblem problem = problem_of(size, block, Random(static_cast<uint64_t>(seed)));
-  IdentityOptions options;
+  const memory::LogOddsProblem problem = problem_of(size, block, Random(static_cast<uint64_t>(seed)));
+  memory::IdentityOptions options;
   options.best = 1;
   SpeedRow row{name, 1e300, aim, 0};
   const double start = processor_ms();
@@ -78,4 +78,4 @@ Json json_of(const std::vector<SpeedRow>& rows) {
   return {{"speed", json}};
 }
 
-}  // namespace loci::identity_experiment
+}  // namespace loci::apps::identity_experiment

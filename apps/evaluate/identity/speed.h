@@ -5,7 +5,7 @@
 
 #include "mapping/base/json_fwd.h"
 
-namespace loci::identity_experiment {
+namespace loci::apps::identity_experiment {
 
 /// How long one problem takes to solve exactly on one core.
 struct SpeedRow {
@@ -21,4 +21,4 @@ std::vector<SpeedRow> measure_speed(int seed);
 std::string text_of(const std::vector<SpeedRow>& rows);
 Json json_of(const std::vector<SpeedRow>& rows);
 
-}  // namespace loci::identity_experiment
+}  // namespace loci::apps::identity_experiment

@@ -7,7 +7,7 @@
 
 #include "mapping/base/json.h"
 
-namespace loci::identity_experiment {
+namespace loci::apps::identity_experiment {
 namespace {
 
 std::string level_name(double level) {
@@ -229,4 +229,4 @@ Json json_of(const ExperimentResult& result) {
   return json;
 }
 
-}  // namespace loci::identity_experiment
+}  // namespace loci::apps::identity_experiment

@@ -4,7 +4,7 @@
 
 #include "apps/evaluate/identity/experiment.h"
 
-namespace loci::identity_experiment {
+namespace loci::apps::identity_experiment {
 
 /// Every table and figure as text.
 std::string text_of(const ExperimentResult& result, bool verbose);
@@ -12,4 +12,4 @@ std::string text_of(const ExperimentResult& result, bool verbose);
 /// {"A": {"paper": {"0.025": {"association", "explanation", …}, …}, …}, …, "evidence", "actions"}.
 Json json_of(const ExperimentResult& result);
 
-}  // namespace loci::identity_experiment
+}  // namespace loci::apps::identity_experiment

@@ -8,7 +8,7 @@
 
 #include "mapping/base/json.h"
 
-namespace loci::mapping_claim {
+namespace loci::apps::mapping_claim {
 namespace {
 
 /// What a figure must be: at least or at most so much; NaN = no aim, it is reported.
@@ -48,34 +48,34 @@ class Table {
   std::vector<Figure> figures() {
     count("handles found", "handle", false);
     count("handles not invented", "handle", true);
-    const std::vector<double> centres = things(kLast, "handle", &ComparedThing::centre_error);
+    const std::vector<double> centres = things(kLast, "handle", &mapping::ComparedThing::centre_error);
     spread("handle centre, mean", "cm", 100, centres, mean_of, kNone);
     part("handle centres within 1.5 cm", centres, 0.015);
     count("fronts found", "front", false);
     count("fronts not invented", "front", true);
-    spread("front IoU before pulling, mean", "", 1, things(kBefore, "front", &ComparedThing::overlap),
-           mean_of, kNone);
-    spread("front IoU after, mean", "", 1, things(kAfter, "front", &ComparedThing::overlap), mean_of,
+    spread("front IoU before pulling, mean", "", 1,
+           things(kBefore, "front", &mapping::ComparedThing::overlap), mean_of, kNone);
+    spread("front IoU after, mean", "", 1, things(kAfter, "front", &mapping::ComparedThing::overlap), mean_of,
            least(0.85));
     joint_types("joint type before pulling", kBefore, 85);
     joint_types("joint type after", kAfter, 95);
     other_way();
-    const std::vector<double> axes = joints(kAfter, &ComparedJoint::axis_error_deg);
-    const std::vector<double> hinges = joints(kAfter, &ComparedJoint::hinge_error);
+    const std::vector<double> axes = joints(kAfter, &mapping::ComparedJoint::axis_error_deg);
+    const std::vector<double> hinges = joints(kAfter, &mapping::ComparedJoint::hinge_error);
     spread("axis after, mean", "deg", 1, axes, mean_of, kNone);
     part("axes within 1 deg", axes, 1);
     spread("hinge after, mean", "cm", 100, hinges, mean_of, kNone);
     part("hinges within 2 cm", hinges, 0.02);
     count("supports found", "support", false);
-    spread("support height, worst", "cm", 100, things(kLast, "support", &ComparedThing::height_error),
-           worst_of, most(1));
-    spread("support IoU, mean", "", 1, things(kLast, "support", &ComparedThing::overlap), mean_of,
+    spread("support height, worst", "cm", 100,
+           things(kLast, "support", &mapping::ComparedThing::height_error), worst_of, most(1));
+    spread("support IoU, mean", "", 1, things(kLast, "support", &mapping::ComparedThing::overlap), mean_of,
            least(0.9));
     count("walls found", "wall", false);
-    spread("wall offset, worst", "cm", 100, things(kLast, "wall", &ComparedThing::offset_error), worst_of,
-           most(1));
-    spread("wall angle, worst", "deg", 1, things(kLast, "wall", &ComparedThing::angle_error_deg), worst_of,
-           most(0.3));
+    spread("wall offset, worst", "cm", 100, things(kLast, "wall", &mapping::ComparedThing::offset_error),
+           worst_of, most(1));
+    spread("wall angle, worst", "deg", 1, things(kLast, "wall", &mapping::ComparedThing::angle_error_deg),
+           worst_of, most(0.3));
     each(
         "scans", "", [](const MappedWorld& map) { return static_cast<double>(map.scans); }, kNone);
     each(
@@ -106,7 +106,7 @@ class Table {
   void count(const char* name, const char* kind, bool of_found) {
     size_t right = 0, all = 0;
     for (const MappedWorld* map : maps_) {
-      const Comparison::Counts counts = map->last().counts(kind);
+      const mapping::Comparison::Counts counts = map->last().counts(kind);
       right += counts.matched + (of_found ? counts.minor : 0);
       all += counts.matched + (of_found ? counts.minor + counts.extra : counts.missed);
     }
@@ -116,8 +116,8 @@ class Table {
 
   void joint_types(const char* name, When when, double aim) {
     size_t right = 0, all = 0;
-    for (const Comparison* comparison : comparisons(when)) {
-      const Comparison::Joints joints = comparison->joints();
+    for (const mapping::Comparison* comparison : comparisons(when)) {
+      const mapping::Comparison::Joints joints = comparison->joints();
       right += joints.right;
       all += joints.asked;
     }
@@ -126,7 +126,7 @@ class Table {
 
   void other_way() {
     size_t wrong = 0;
-    for (const Comparison* comparison : comparisons(kLast)) wrong += comparison->joints().other_way;
+    for (const mapping::Comparison* comparison : comparisons(kLast)) wrong += comparison->joints().other_way;
     add("joints that open the other way", "", static_cast<double>(wrong), most(0));
   }
 
@@ -152,8 +152,8 @@ class Table {
     spread(name, unit, 1, values, worst_of, aim);
   }
 
-  std::vector<const Comparison*> comparisons(When when) const {
-    std::vector<const Comparison*> all;
+  std::vector<const mapping::Comparison*> comparisons(When when) const {
+    std::vector<const mapping::Comparison*> all;
     for (const MappedWorld* map : maps_)
       if (when == kBefore)
         all.push_back(&map->before);
@@ -163,16 +163,16 @@ class Table {
   }
 
   std::vector<double> things(When when, const char* kind,
-                             std::optional<double> ComparedThing::*figure) const {
+                             std::optional<double> mapping::ComparedThing::*figure) const {
     std::vector<double> values;
-    for (const Comparison* comparison : comparisons(when))
+    for (const mapping::Comparison* comparison : comparisons(when))
       std::ranges::copy(comparison->errors(kind, figure), std::back_inserter(values));
     return values;
   }
 
-  std::vector<double> joints(When when, std::optional<double> ComparedJoint::*figure) const {
+  std::vector<double> joints(When when, std::optional<double> mapping::ComparedJoint::*figure) const {
     std::vector<double> values;
-    for (const Comparison* comparison : comparisons(when))
+    for (const mapping::Comparison* comparison : comparisons(when))
       std::ranges::copy(comparison->joint_errors(figure), std::back_inserter(values));
     return values;
   }
@@ -244,4 +244,4 @@ Json table_json(const std::vector<MappedWorld>& maps) {
   return json;
 }
 
-}  // namespace loci::mapping_claim
+}  // namespace loci::apps::mapping_claim

@@ -6,19 +6,19 @@
 
 #include "mapping/exchange/compare.h"
 
-namespace loci::mapping_claim {
+namespace loci::apps::mapping_claim {
 
 /// One map that was made of a world, against the truth.
 struct MappedWorld {
   std::string world;
   uint64_t seed = 0;
-  Comparison before;                ///< of what looking alone gives
-  std::optional<Comparison> after;  ///< of what it is after the handles were pulled
+  mapping::Comparison before;                ///< of what looking alone gives
+  std::optional<mapping::Comparison> after;  ///< of what it is after the handles were pulled
   size_t scans = 0, pulls = 0;
   double seconds = 0;    ///< the sensor's simulation is in it where the robot explored
   double memory_mb = 0;  ///< peak of the whole process so far
 
-  const Comparison& last() const { return after ? *after : before; }
+  const mapping::Comparison& last() const { return after ? *after : before; }
 };
 
 /// A figure of the claim with its aim, over all seeds of a world.
@@ -36,4 +36,4 @@ std::vector<Figure> figures_of(const std::vector<const MappedWorld*>& maps);
 std::string table_text(const std::vector<MappedWorld>& maps);
 Json table_json(const std::vector<MappedWorld>& maps);
 
-}  // namespace loci::mapping_claim
+}  // namespace loci::apps::mapping_claim

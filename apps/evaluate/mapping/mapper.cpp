@@ -8,7 +8,7 @@
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
 
-namespace loci::mapping_claim {
+namespace loci::apps::mapping_claim {
 namespace {
 
 double peak_memory_mb() {
@@ -17,8 +17,8 @@ double peak_memory_mb() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-ScannedWorldOptions world_of(const Run& run) {
-  ScannedWorldOptions options;
+mapping::ScannedWorldOptions world_of(const Run& run) {
+  mapping::ScannedWorldOptions options;
   options.package_paths = run.package_paths;
   options.ceiling = run.ceiling;
   options.laser = run.survey.exploration.laser;
@@ -28,14 +28,14 @@ ScannedWorldOptions world_of(const Run& run) {
 }
 
 /// Scans from known poses: what interpretation makes of them is not blamed on exploration or registration.
-ScanSet scan_from(const Run& run, Progress& progress, Warnings& warnings) {
-  ScannedWorldOptions options = world_of(run);
-  options.odometry = OdometryModel{0, 0, 0};
-  ScannedWorld robot(run.world, options, run.poses.front(), warnings);
-  ScanSet scans;
+mapping::ScanSet scan_from(const Run& run, Progress& progress, Warnings& warnings) {
+  mapping::ScannedWorldOptions options = world_of(run);
+  options.odometry = mapping::OdometryModel{0, 0, 0};
+  mapping::ScannedWorld robot(run.world, options, run.poses.front(), warnings);
+  mapping::ScanSet scans;
   scans.sensor = "hokuyo";
   scans.range_max = options.laser.range_max_m;
-  for (const PlanarPose& pose : run.poses) {
+  for (const mapping::PlanarPose& pose : run.poses) {
     progress.check(static_cast<double>(scans.scans.size()) / static_cast<double>(run.poses.size()),
                    "scanning " + run.world.string());
     scans.scans.push_back(robot.scan_at(pose));
@@ -43,31 +43,31 @@ ScanSet scan_from(const Run& run, Progress& progress, Warnings& warnings) {
   return scans;
 }
 
-SurveyResult survey_from_poses(const Run& run, Progress& progress, Warnings& warnings) {
-  SurveyResult result;
+nbv::SurveyResult survey_from_poses(const Run& run, Progress& progress, Warnings& warnings) {
+  nbv::SurveyResult result;
   result.scans = scan_from(run, progress, warnings);
-  InterpretationOptions options = run.survey.interpretation;
+  mapping::InterpretationOptions options = run.survey.interpretation;
   options.threads = run.threads;
   const Stopwatch watch;
   result.map = interpret(result.scans, options, progress);
   result.seconds = watch.seconds();
   make_folder(run.folder);
   write_urdf(result.map.world, run.folder / "map.urdf");
-  write_semantic_map(result.map.semantics, sidecar_path(run.folder / "map.urdf"));
+  write_semantic_map(result.map.semantics, mapping::sidecar_path(run.folder / "map.urdf"));
   return result;
 }
 
-SurveyResult survey_by_exploring(const Run& run, Progress& progress, Warnings& warnings) {
-  ScannedWorld robot(run.world, world_of(run), {}, warnings);
-  const PlanarPose start = run.start ? *run.start : robot.open_place();
+nbv::SurveyResult survey_by_exploring(const Run& run, Progress& progress, Warnings& warnings) {
+  mapping::ScannedWorld robot(run.world, world_of(run), {}, warnings);
+  const mapping::PlanarPose start = run.start ? *run.start : robot.open_place();
   robot.put_at(start);
-  SurveyOptions options = run.survey;
+  nbv::SurveyOptions options = run.survey;
   options.exploration.seed = run.seed;
   options.exploration.threads = run.threads;
   return survey(robot, start, run.folder, false, options, progress, warnings);
 }
 
-MeshSearch search_of(const Run& run, const std::filesystem::path& file) {
+mapping::MeshSearch search_of(const Run& run, const std::filesystem::path& file) {
   return {run.package_paths, file.parent_path()};
 }
 
@@ -77,13 +77,13 @@ MappedWorld map_world(const Run& run, Progress& progress, Warnings& warnings) {
   MappedWorld mapped;
   mapped.world = run.world;
   mapped.seed = run.seed;
-  SurveyResult made = run.poses.empty() ? survey_by_exploring(run, progress, warnings)
-                                        : survey_from_poses(run, progress, warnings);
+  nbv::SurveyResult made = run.poses.empty() ? survey_by_exploring(run, progress, warnings)
+                                             : survey_from_poses(run, progress, warnings);
   mapped.seconds = made.seconds;
   mapped.scans = made.scans.scans.size();
   mapped.pulls = made.interactions.size();
   mapped.memory_mb = peak_memory_mb();
-  const MapStructure truth = read_structure(run.truth, search_of(run, run.truth), warnings);
+  const mapping::MapStructure truth = read_structure(run.truth, search_of(run, run.truth), warnings);
   const auto compared = [&] {
     return compare(structure_from_sidecar(made.map.semantics, made.map.world, run.world.string()), truth,
                    run.comparison);
@@ -96,4 +96,4 @@ MappedWorld map_world(const Run& run, Progress& progress, Warnings& warnings) {
   return mapped;
 }
 
-}  // namespace loci::mapping_claim
+}  // namespace loci::apps::mapping_claim

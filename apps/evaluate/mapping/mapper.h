@@ -10,22 +10,22 @@
 #include "mapping/simulation/scanned_world.h"
 #include "nbv/survey.h"
 
-namespace loci::mapping_claim {
+namespace loci::apps::mapping_claim {
 
 /// One run: a world is mapped by a simulated robot that has not seen the truth, and compared with it.
 struct Run {
   std::filesystem::path world, truth;
   std::filesystem::path folder;  ///< of the survey: scans, map, report
   std::vector<std::filesystem::path> package_paths;
-  std::vector<PlanarPose> poses;    ///< where to scan from, exactly; empty: the robot explores
-  std::optional<PlanarPose> start;  ///< of the exploration; unset: the most open floor
+  std::vector<mapping::PlanarPose> poses;    ///< where to scan from, exactly; empty: the robot explores
+  std::optional<mapping::PlanarPose> start;  ///< of the exploration; unset: the most open floor
   std::optional<double> ceiling;
   uint64_t seed = 1;
   int threads = 0;
-  SurveyOptions survey;
-  ComparisonOptions comparison;
+  nbv::SurveyOptions survey;
+  mapping::ComparisonOptions comparison;
 };
 
 MappedWorld map_world(const Run& run, Progress& progress, Warnings& warnings);
 
-}  // namespace loci::mapping_claim
+}  // namespace loci::apps::mapping_claim

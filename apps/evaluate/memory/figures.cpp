@@ -18,7 +18,7 @@
 #include "memory/questions/answers.h"
 #include "memory/recorder/recorder.h"
 
-namespace loci::memory_experiment {
+namespace loci::apps::memory_experiment {
 namespace {
 
 namespace fs = std::filesystem;
@@ -40,10 +40,10 @@ double resident_megabytes() {
 /// Takes scenes in and counts.
 class Writer {
  public:
-  Writer(const MemoryOptions& options, const fs::path& file)
+  Writer(const MemoryOptions& options, const memory_experiment::fs::path& file)
       : options_(options),
         home_(options.home, options.seed),
-        store_(Store::open_write(file)),
+        store_(memory::Store::open_write(file)),
         run_(store_.begin_run("loci-evaluate memory", "{}")),
         recorder_(store_, run_) {}
 
@@ -51,10 +51,10 @@ class Writer {
   void write(size_t observations, const std::function<void()>& done) {
     const size_t end = observations_ + observations;
     while (observations_ < end) {
-      const SceneRecord record = scene_of_detections(home_.look(), options_.home.noise_m, {});
+      const memory::SceneRecord record = scene_of_detections(home_.look(), options_.home.noise_m, {});
       const Stopwatch wall;
       const double begin = processor_s();
-      const RecordedScene recorded = recorder_.record(record);
+      const memory::RecordedScene recorded = recorder_.record(record);
       processor_ += processor_s() - begin;
       wall_ += wall.seconds();
       judge(recorded.update);
@@ -72,22 +72,23 @@ class Writer {
   IdentityFigures identity() const { return judge_.figures(); }
 
  private:
-  void judge(const belief::BeliefUpdate& update) {
+  void judge(const memory::belief::BeliefUpdate& update) {
     std::vector<JudgedSighting> scene;
     for (size_t k = 0; k < update.observations.size(); ++k) {
-      const belief::ObservationOutcome& outcome = update.observations[k];
+      const memory::belief::ObservationOutcome& outcome = update.observations[k];
       const TrueThing& truth = home_.seen()[k];
-      scene.push_back({truth.number, truth.event, outcome.object, outcome.explanation == Explanation::appear,
-                       outcome.explanation == Explanation::move});
+      scene.push_back({truth.number, truth.event, outcome.object,
+                       outcome.explanation == memory::Explanation::appear,
+                       outcome.explanation == memory::Explanation::move});
     }
     judge_.see(scene);
   }
 
   const MemoryOptions& options_;
   Home home_;
-  Store store_;
-  Id run_;
-  Recorder recorder_;
+  memory::Store store_;
+  memory::Id run_;
+  memory::Recorder recorder_;
   IdentityJudge judge_;
   size_t observations_ = 0, scenes_ = 0;
   double processor_ = 0, wall_ = 0;
@@ -115,8 +116,9 @@ void ingest_all(Writer& writer, const MemoryOptions& options, MemoryFigures& fig
 }
 
 /// A tenth more alone, then as much beside readers.
-void write_beside_readers(Writer& writer, const MemoryOptions& options, const fs::path& file,
-                          MemoryFigures& figures, Progress& progress) {
+void write_beside_readers(Writer& writer, const MemoryOptions& options,
+                          const memory_experiment::fs::path& file, MemoryFigures& figures,
+                          Progress& progress) {
   const size_t part = std::max<size_t>(2000, static_cast<size_t>(options.observations) / 20);
   const auto tell = [&] { progress.check(0.5, "one writer, several readers"); };
   const auto rate = [&] {
@@ -131,11 +133,12 @@ void write_beside_readers(Writer& writer, const MemoryOptions& options, const fs
   std::vector<std::thread> readers;
   for (int i = 0; i < options.readers; ++i)
     readers.emplace_back([&, i] {
-      const Store store = Store::open_read(file);
+      const memory::Store store = memory::Store::open_read(file);
       Random random(static_cast<uint64_t>(options.seed + 100 + i));
       const auto objects = static_cast<uint64_t>(store.last_object());
       while (!stop) {
-        ask(store, WhereQuestion{object_name(static_cast<Id>(1 + random.index(objects))), {}});
+        ask(store, memory::WhereQuestion{
+                       memory::object_name(static_cast<memory::Id>(1 + random.index(objects))), {}});
         ++asked;
         std::this_thread::sleep_for(std::chrono::duration<double>(1 / options.reader_hz));
       }
@@ -148,7 +151,7 @@ void write_beside_readers(Writer& writer, const MemoryOptions& options, const fs
 
 class Asker {
  public:
-  Asker(const MemoryOptions& options, const Store& store, PlainTables& plain)
+  Asker(const MemoryOptions& options, const memory::Store& store, PlainTables& plain)
       : options_(options), store_(store), plain_(plain), random_(static_cast<uint64_t>(options.seed + 1)) {
     first_ = store.scene(1).time;
     last_ = *store.last_scene_time();
@@ -156,44 +159,47 @@ class Asker {
   }
 
   std::vector<QuestionFigures> run() {
-    const auto object = [&] { return static_cast<Id>(1 + random_.index(objects_)); };
+    const auto object = [&] { return static_cast<memory::Id>(1 + random_.index(objects_)); };
     const auto place = [&] { return Home::place_name(static_cast<int>(random_.index(places()))); };
     const auto hour = 3600 * kSecond;
     time("where is object N", [&] {
-      return ask(store_, WhereQuestion{object_name(object()), {}}).objects.size();
+      return ask(store_, memory::WhereQuestion{memory::object_name(object()), {}}).objects.size();
     });
     compare([&] { return plain_.last_seen(object()); });
     time(
         "where was object N at T",
         [&] {
-          const Id id = object();
+          const memory::Id id = object();
           const TimeNs seen = store_.first_sighting_after(id, 0, {})->time;  // before, it was not known
           asked_at_ = std::max(seen, some_time());
           return id;
         },
-        [&](Id id) {
-          return ask(store_, WhereQuestion{object_name(id), {.at = asked_at_}}).objects.size();
+        [&](memory::Id id) {
+          return ask(store_, memory::WhereQuestion{memory::object_name(id), {.at = asked_at_}})
+              .objects.size();
         });
     time("what is on PLACE",
-         [&] { return ask(store_, ContentsQuestion{.place = place()}).places.front().there.size(); });
-    compare([&] { return plain_.at_place(1 + static_cast<Id>(random_.index(places())), last_); });
+         [&] { return ask(store_, memory::ContentsQuestion{.place = place()}).places.front().there.size(); });
+    compare([&] { return plain_.at_place(1 + static_cast<memory::Id>(random_.index(places())), last_); });
     time("what was on PLACE at T", [&] {
-      return ask(store_, ContentsQuestion{.place = place(), .as_of = {.at = some_time()}})
+      return ask(store_, memory::ContentsQuestion{.place = place(), .as_of = {.at = some_time()}})
           .places.front()
           .there.size();
     });
-    compare([&] { return plain_.at_place(1 + static_cast<Id>(random_.index(places())), some_time()); });
+    compare(
+        [&] { return plain_.at_place(1 + static_cast<memory::Id>(random_.index(places())), some_time()); });
     const auto point = [&] { return Vector3d(random_.uniform(-1, 13), random_.uniform(-1, 5), 0.8); };
     time("what was within 0.5 m of a point at T",
          [&] { return store_.objects_near(point(), 0.5, {.at = some_time()}).size(); });
     compare([&] { return plain_.near(point(), 0.5, some_time()); });
     time("what changed in an hour", [&] {
       const TimeNs from = some_time();
-      return ask(store_, ChangesQuestion{.from = from, .to = from + hour}).changes.size();
+      return ask(store_, memory::ChangesQuestion{.from = from, .to = from + hour}).changes.size();
     });
     time("was object N on PLACE in an hour", [&] {
       const TimeNs from = some_time();
-      return ask(store_, WasQuestion{object_name(object()), place(), from, from + hour, {}}).objects.size();
+      return ask(store_, memory::WasQuestion{memory::object_name(object()), place(), from, from + hour, {}})
+          .objects.size();
     });
     time("what bears the word milk", [&] { return store_.objects_with_text("milk").size(); });
     compare([&] { return plain_.with_text("milk"); });
@@ -227,7 +233,7 @@ class Asker {
   }
   template <class Prepare, class Ask>
   void time(const std::string& name, Prepare prepare, Ask ask_one) {
-    std::vector<Id> prepared;
+    std::vector<memory::Id> prepared;
     std::vector<TimeNs> at;
     for (int i = 0; i < options_.questions; ++i) {
       prepared.push_back(prepare());
@@ -248,7 +254,7 @@ class Asker {
   }
 
   const MemoryOptions& options_;
-  const Store& store_;
+  const memory::Store& store_;
   PlainTables& plain_;
   Random random_;
   TimeNs first_ = 0, last_ = 0, asked_at_ = 0;
@@ -275,11 +281,12 @@ void MemoryOptions::declare(OptionTable& table) {
   table.number("noise_m", home.noise_m, "m", "Noise of positions per axis.", 0.0001, 0.1);
 }
 
-MemoryFigures measure(const MemoryOptions& options, const fs::path& folder, Progress& progress) {
+MemoryFigures measure(const MemoryOptions& options, const memory_experiment::fs::path& folder,
+                      Progress& progress) {
   MemoryFigures figures;
   size_t stored = 0;
-  const fs::path file = folder / "simulated.loci", plain_file = folder / "plain.sqlite";
-  for (const fs::path& old : {file, plain_file}) fs::remove(old);
+  const memory_experiment::fs::path file = folder / "simulated.loci", plain_file = folder / "plain.sqlite";
+  for (const memory_experiment::fs::path& old : {file, plain_file}) memory_experiment::fs::remove(old);
   {
     Writer writer(options, file);
     PartialProgress part(progress, 0, 0.7);
@@ -288,9 +295,9 @@ MemoryFigures measure(const MemoryOptions& options, const fs::path& folder, Prog
     writer.finish();
     stored = writer.observations();
   }
-  figures.bytes_per_observation = double(fs::file_size(file)) / double(stored);
+  figures.bytes_per_observation = double(memory_experiment::fs::file_size(file)) / double(stored);
   {
-    const Store store = Store::open_read(file);
+    const memory::Store store = memory::Store::open_read(file);
     figures.objects = static_cast<size_t>(store.last_object());
     PlainTables plain(plain_file, file);
     figures.plain_rate = plain.write_rate();
@@ -308,10 +315,10 @@ MemoryFigures measure(const MemoryOptions& options, const fs::path& folder, Prog
       throw Error("the memory is not sound: " + problems.front(), {file.string(), 0, {}});
     figures.verify_s = verify.seconds();
   }
-  fs::remove(plain_file);
+  memory_experiment::fs::remove(plain_file);
   if (options.kills > 0) {
-    const fs::path killed = folder / "killed.loci";
-    fs::remove(killed);
+    const memory_experiment::fs::path killed = folder / "killed.loci";
+    memory_experiment::fs::remove(killed);
     kill_writers(options, killed, figures, progress);
   }
   return figures;
@@ -379,4 +386,4 @@ Json json_of(const MemoryFigures& f) {
           {"questions", questions}};
 }
 
-}  // namespace loci::memory_experiment
+}  // namespace loci::apps::memory_experiment

@@ -7,7 +7,7 @@
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
 
-namespace loci::memory_experiment {
+namespace loci::apps::memory_experiment {
 
 struct MemoryOptions {
   int observations = 20000;
@@ -51,4 +51,4 @@ MemoryFigures measure(const MemoryOptions& options, const std::filesystem::path&
 std::string text_of(const MemoryFigures& figures);
 Json json_of(const MemoryFigures& figures);
 
-}  // namespace loci::memory_experiment
+}  // namespace loci::apps::memory_experiment

@@ -6,7 +6,7 @@
 
 #include "mapping/base/json.h"
 
-namespace loci::memory_experiment {
+namespace loci::apps::memory_experiment {
 
 double IdentityFigures::f1() const {
   return visible + attributed == 0 ? 0.0 : 2 * double(agreed) / double(visible + attributed);
@@ -104,4 +104,4 @@ const char* true_event_name(size_t event) {
   return kNames[event];
 }
 
-}  // namespace loci::memory_experiment
+}  // namespace loci::apps::memory_experiment

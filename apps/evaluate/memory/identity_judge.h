@@ -8,7 +8,7 @@
 
 #include "mapping/base/json_fwd.h"
 
-namespace loci::memory_experiment {
+namespace loci::apps::memory_experiment {
 
 /// What had really happened to a thing that is seen, since it was seen last.
 enum class TrueEvent { stayed, moved_here, moved_elsewhere, fresh, ghost };
@@ -59,4 +59,4 @@ const char* true_event_name(size_t event);
 std::string text_of(const IdentityFigures& figures);
 Json json_of(const IdentityFigures& figures);
 
-}  // namespace loci::memory_experiment
+}  // namespace loci::apps::memory_experiment

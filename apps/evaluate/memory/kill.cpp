@@ -9,19 +9,19 @@
 #include "memory/ingest/scene_of_detections.h"
 #include "memory/recorder/recorder.h"
 
-namespace loci::memory_experiment {
+namespace loci::apps::memory_experiment {
 namespace {
 
 /// Goes on with the memory until it is killed; tells the number of each scene after its commit.
 [[noreturn]] void write_until_killed(const MemoryOptions& options, const std::filesystem::path& file,
                                      int pipe) {
   try {
-    Store store = Store::open_write(file);
-    Recorder recorder(store, store.begin_run("loci-evaluate memory", "{}"));
+    memory::Store store = memory::Store::open_write(file);
+    memory::Recorder recorder(store, store.begin_run("loci-evaluate memory", "{}"));
     const std::optional<TimeNs> last = store.last_scene_time();
     Home home(options.home, options.seed);
     for (;;) {
-      const DetectedScene scene = home.look();
+      const memory::DetectedScene scene = home.look();
       if (last && scene.time <= *last) continue;
       const int64_t id = recorder.record(scene_of_detections(scene, options.home.noise_m, {})).scene;
       if (::write(pipe, &id, sizeof(id)) != sizeof(id)) break;
@@ -57,7 +57,7 @@ void kill_writers(const MemoryOptions& options, const std::filesystem::path& fil
     while (::read(ends[0], &told, sizeof(told)) == sizeof(told)) committed = told;
     ::close(ends[0]);
     if (!WIFSIGNALED(status)) throw Error("the writer ended by itself", {file.string(), 0, {}});
-    const Store store = Store::open_read(file);
+    const memory::Store store = memory::Store::open_read(file);
     NoProgress silent;
     ++figures.kills;
     const auto last = store.last_scene();
@@ -66,4 +66,4 @@ void kill_writers(const MemoryOptions& options, const std::filesystem::path& fil
   }
 }
 
-}  // namespace loci::memory_experiment
+}  // namespace loci::apps::memory_experiment

@@ -4,7 +4,7 @@
 
 #include "mapping/base/stopwatch.h"
 
-namespace loci::memory_experiment {
+namespace loci::apps::memory_experiment {
 
 struct PlainTables::Implementation {
   SQLite::Database database;
@@ -119,4 +119,4 @@ size_t PlainTables::last_seen(int64_t object) {
   return implementation_->count(query);
 }
 
-}  // namespace loci::memory_experiment
+}  // namespace loci::apps::memory_experiment

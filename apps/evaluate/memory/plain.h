@@ -5,7 +5,7 @@
 
 #include "apps/evaluate/memory/figures.h"
 
-namespace loci::memory_experiment {
+namespace loci::apps::memory_experiment {
 
 /// The same rows in plain tables with ordinary indexes, without R*Tree, full text and reasoning: who is who
 /// is copied from the memory.
@@ -26,4 +26,4 @@ class PlainTables {
   std::unique_ptr<Implementation> implementation_;
 };
 
-}  // namespace loci::memory_experiment
+}  // namespace loci::apps::memory_experiment

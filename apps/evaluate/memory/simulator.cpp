@@ -7,7 +7,7 @@
 
 #include "mapping/simulation/scenario.h"
 
-namespace loci::memory_experiment {
+namespace loci::apps::memory_experiment {
 namespace {
 
 constexpr double kTableHeight_m = 0.75, kTableLength_m = 1.5, kTableWidth_m = 0.9;
@@ -23,7 +23,7 @@ Vector3d centre_of(int place) {
 /// Stands before the table and looks down at its middle.
 Isometry3d camera_at(int place) {
   const Vector3d at = centre_of(place);
-  return looking_at(at + Vector3d(0, -1.3, 1.1), at);
+  return mapping::looking_at(at + Vector3d(0, -1.3, 1.1), at);
 }
 
 }  // namespace
@@ -72,8 +72,8 @@ void Home::put(Thing& thing, int place) {
   }
 }
 
-Detection Home::detect(const Thing& thing) {
-  Detection detection;
+memory::Detection Home::detect(const Thing& thing) {
+  memory::Detection detection;
   detection.position = thing.position;
   Vector3d size = thing.size, color = thing.color;
   for (int axis = 0; axis < 3; ++axis) {
@@ -97,7 +97,7 @@ TrueEvent Home::event_of(const Thing& thing) {
   return thing.moved ? TrueEvent::moved_here : TrueEvent::stayed;
 }
 
-DetectedScene Home::look() {
+memory::DetectedScene Home::look() {
   time_ += static_cast<TimeNs>(options_.scene_s * static_cast<double>(kSecond));
   const auto places = static_cast<uint64_t>(options_.places);
   if (random_.uniform() < options_.moves) {
@@ -112,9 +112,10 @@ DetectedScene Home::look() {
     put(thing, static_cast<int>(random_.index(places)));
   }
   const int place = scenes_++ % options_.places;
-  DetectedScene scene;
+  memory::DetectedScene scene;
   scene.time = time_;
-  scene.camera = DetectedScene::Camera{camera_at(place), PinholeCamera{640, 480, 525, 525, 320, 240}, {}, {}};
+  scene.camera = memory::DetectedScene::Camera{
+      camera_at(place), mapping::PinholeCamera{640, 480, 525, 525, 320, 240}, {}, {}};
   scene.observed = {{place_name(place), 1.0}};
   seen_.clear();
   for (Thing& thing : things_) {
@@ -133,4 +134,4 @@ DetectedScene Home::look() {
   return scene;
 }
 
-}  // namespace loci::memory_experiment
+}  // namespace loci::apps::memory_experiment

@@ -8,7 +8,7 @@
 #include "mapping/base/random.h"
 #include "memory/ingest/detections.h"
 
-namespace loci::memory_experiment {
+namespace loci::apps::memory_experiment {
 
 struct HomeOptions {
   int places = 10;
@@ -34,7 +34,7 @@ class Home {
   Home(const HomeOptions& options, int seed);
 
   /// Half a minute later, at the next table.
-  DetectedScene look();
+  memory::DetectedScene look();
   /// Of what the detections of the last look are.
   const std::vector<TrueThing>& seen() const { return seen_; }
 
@@ -53,7 +53,7 @@ class Home {
   };
   Thing new_thing();
   void put(Thing& thing, int place);
-  Detection detect(const Thing& thing);
+  memory::Detection detect(const Thing& thing);
   static TrueEvent event_of(const Thing& thing);
 
   HomeOptions options_;
@@ -64,4 +64,4 @@ class Home {
   int scenes_ = 0, numbers_ = 0;
 };
 
-}  // namespace loci::memory_experiment
+}  // namespace loci::apps::memory_experiment

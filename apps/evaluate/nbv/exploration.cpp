@@ -3,22 +3,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 
-namespace loci::nbv {
+#include "mapping/base/math.h"
+
+namespace loci::apps::nbv_evaluation {
 namespace {
 
 /// Starts: random reachable places, looking where there is most room.
-std::vector<PlanarPose> starts_of(const Truth& truth, const RayScene& scene,
-                                  const ExplorationOptions& options) {
-  std::vector<PlanarPose> starts;
+std::vector<mapping::PlanarPose> starts_of(const Truth& truth, const mapping::RayScene& scene,
+                                           const ExplorationOptions& options) {
+  std::vector<mapping::PlanarPose> starts;
   Random random(static_cast<uint64_t>(options.seed));
   for (int i = 0; i < options.starts; ++i) {
     const Vector2d place = truth.places[random.index(truth.places.size())];
-    PlanarPose start{place.x(), place.y(), 0};
+    mapping::PlanarPose start{place.x(), place.y(), 0};
     double most = 0;
     for (int direction = 0; direction < 8; ++direction) {
-      const double yaw = std::numbers::pi / 4 * direction;
+      const double yaw = kPi / 4 * direction;
       const Eigen::Vector3f ray(static_cast<float>(std::cos(yaw)), static_cast<float>(std::sin(yaw)), 0);
       const double room =
           std::min(10.F, scene.cast(Vector3d(place.x(), place.y(), 0.5).cast<float>(), ray, 10).distance);
@@ -32,14 +33,15 @@ std::vector<PlanarPose> starts_of(const Truth& truth, const RayScene& scene,
   return starts;
 }
 
-Run run_of(const NamedStrategy& strategy, const PlanarPose& start, const Truth& truth, const RayScene& scene,
-           const LaserModel& laser, const ExplorationOptions& options, uint64_t seed, Progress& progress) {
+Run run_of(const NamedStrategy& strategy, const mapping::PlanarPose& start, const Truth& truth,
+           const mapping::RayScene& scene, const mapping::LaserModel& laser,
+           const ExplorationOptions& options, uint64_t seed, Progress& progress) {
   Run run;
   run.strategy = strategy.name;
   run.start = start;
   Random random(seed);
-  OccupancyMap map(options.occupancy);
-  PlanarPose robot = start;
+  mapping::OccupancyMap map(options.occupancy);
+  mapping::PlanarPose robot = start;
   while (true) {
     progress.check(static_cast<double>(run.coverage.size()) / options.max_scans,
                    fmt::format("{}: {:.1f} % known", strategy.name,
@@ -82,12 +84,12 @@ int Run::scans_to(double goal) const {
 WorldResult explore(const std::filesystem::path& urdf,
                     const std::vector<std::filesystem::path>& package_paths,
                     const ExplorationOptions& options, Progress& progress, Warnings& warnings) {
-  ScannedWorldOptions world_options;
+  mapping::ScannedWorldOptions world_options;
   world_options.package_paths = package_paths;
   world_options.threads = options.threads;
   world_options.ceiling = options.ceiling;
-  const ScannedWorld world(urdf, world_options, {}, warnings);
-  const PlanarPose inside = world.open_place();
+  const mapping::ScannedWorld world(urdf, world_options, {}, warnings);
+  const mapping::PlanarPose inside = world.open_place();
   TruthOptions truth_options;
   truth_options.robot_radius = options.planner.robot_radius_m;
   truth_options.voxel = options.occupancy.resolution_m;
@@ -99,7 +101,7 @@ WorldResult explore(const std::filesystem::path& urdf,
   result.world = urdf.stem().string();
   result.places = truth.places.size();
   result.surface = truth.surface.size();
-  const std::vector<PlanarPose> starts = starts_of(truth, world.scene(), options);
+  const std::vector<mapping::PlanarPose> starts = starts_of(truth, world.scene(), options);
   std::vector<NamedStrategy> all = strategies(world_options.laser, options.planner, options.exhaustive_s);
   std::erase_if(all, [&](const NamedStrategy& strategy) {
     return std::find(options.planners.begin(), options.planners.end(), strategy.name) ==
@@ -116,4 +118,4 @@ WorldResult explore(const std::filesystem::path& urdf,
   return result;
 }
 
-}  // namespace loci::nbv
+}  // namespace loci::apps::nbv_evaluation

@@ -10,7 +10,7 @@
 #include "mapping/base/progress.h"
 #include "mapping/simulation/scanned_world.h"
 
-namespace loci::nbv {
+namespace loci::apps::nbv_evaluation {
 
 struct ExplorationOptions {
   int starts = 5;
@@ -21,8 +21,8 @@ struct ExplorationOptions {
   int threads = 0;
   std::optional<double> ceiling;  ///< height of one to add, metres
   std::vector<std::string> planners = planner_names();
-  PlannerOptions planner;
-  OccupancyOptions occupancy;
+  nbv::PlannerOptions planner;
+  mapping::OccupancyOptions occupancy;
 
   void declare(OptionTable& table);
 };
@@ -30,7 +30,7 @@ struct ExplorationOptions {
 /// One exploration: a strategy from a start.
 struct Run {
   std::string strategy;
-  PlanarPose start;
+  mapping::PlanarPose start;
   std::vector<double> coverage;           ///< after each scan
   std::vector<double> seconds;            ///< of each decision
   std::vector<double> processor_seconds;  ///< of each decision, all threads
@@ -58,4 +58,4 @@ Json json_of_results(const std::vector<WorldResult>& results, double goal);
 /// Coverage against number of scans, mean over starts, one panel per world.
 std::string coverage_svg(const std::vector<WorldResult>& results, double goal);
 
-}  // namespace loci::nbv
+}  // namespace loci::apps::nbv_evaluation

@@ -3,12 +3,12 @@
 #include <cmath>
 #include <ctime>
 #include <mutex>
-#include <numbers>
 
+#include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
 
-namespace loci::nbv {
+namespace loci::apps::nbv_evaluation {
 namespace {
 
 /// Seconds since it was made, on the clock and of the processor.
@@ -29,13 +29,13 @@ class DecisionWatch {
 
 /// What the peers see of a map: the same as our planner.
 struct Surroundings {
-  Voxels voxels;
-  FloorGrid floor;
-  Reach reach;
+  mapping::Voxels voxels;
+  mapping::FloorGrid floor;
+  nbv::Reach reach;
   std::vector<size_t> standing;
 
-  Surroundings(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
-               const PlannerOptions& options) {
+  Surroundings(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
+               const mapping::LaserModel& laser, const nbv::PlannerOptions& options) {
     voxels = map.voxels();
     floor = drivable_floor(voxels, robot, laser, options);
     reach = drivable_ways(floor, robot, options);
@@ -48,32 +48,32 @@ struct Surroundings {
   }
 };
 
-Decision ours(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
-              const PlannerOptions& options, Random& random) {
+Decision ours(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
+              const mapping::LaserModel& laser, const nbv::PlannerOptions& options, Random& random) {
   Decision decision;
   const DecisionWatch watch;
-  const NextView view = next_view(map, robot, laser, options, random.fork(random.bits()));
+  const nbv::NextView view = next_view(map, robot, laser, options, random.fork(random.bits()));
   watch.stop(decision);
   decision.pose = view.pose;
   decision.overlap = view.expected_overlap;
   return decision;
 }
 
-Decision random_pose(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
-                     const PlannerOptions& options, Random& random) {
+Decision random_pose(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
+                     const mapping::LaserModel& laser, const nbv::PlannerOptions& options, Random& random) {
   Decision decision;
   const DecisionWatch watch;
   const Surroundings around(map, robot, laser, options);
   if (!around.standing.empty()) {
     const Vector2d place = around.center(around.standing[random.index(around.standing.size())]);
-    decision.pose = PlanarPose{place.x(), place.y(), random.uniform(-std::numbers::pi, std::numbers::pi)};
+    decision.pose = mapping::PlanarPose{place.x(), place.y(), random.uniform(-kPi, kPi)};
   }
   watch.stop(decision);
   return decision;
 }
 
 /// Frontier cells, free floor beside floor that is not known, in connected groups (eight neighbours).
-std::vector<std::vector<size_t>> frontiers(const FloorGrid& floor) {
+std::vector<std::vector<size_t>> frontiers(const mapping::FloorGrid& floor) {
   const auto is_frontier = [&](int x, int y) {
     const size_t at = floor.index(x, y);
     if (floor.seen[at] == 0 || floor.obstacle[at] != 0) return false;
@@ -109,12 +109,12 @@ std::vector<std::vector<size_t>> frontiers(const FloorGrid& floor) {
 
 /// Goes to the nearest frontier that is as long as the robot is wide: to the reachable place nearest to its
 /// middle, looking at it. A frontier that the robot stands beside already shows nothing new, it is left out.
-Decision nearest_frontier(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
-                          const PlannerOptions& options, Random&) {
+Decision nearest_frontier(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
+                          const mapping::LaserModel& laser, const nbv::PlannerOptions& options, Random&) {
   Decision decision;
   const DecisionWatch watch;
   const Surroundings around(map, robot, laser, options);
-  float nearest = Reach::kNever;
+  float nearest = nbv::Reach::kNever;
   for (const auto& group : frontiers(around.floor)) {
     if (static_cast<double>(group.size()) * around.floor.cell < 2 * options.robot_radius_m) continue;
     Vector2d middle = Vector2d::Zero();
@@ -133,39 +133,39 @@ Decision nearest_frontier(const OccupancyMap& map, const PlanarPose& robot, cons
     nearest = around.reach.distance[place];
     const Vector2d at = around.center(place), look = middle - at;
     decision.pose =
-        PlanarPose{at.x(), at.y(), look.norm() > 1e-6 ? std::atan2(look.y(), look.x()) : robot.yaw};
+        mapping::PlanarPose{at.x(), at.y(), look.norm() > 1e-6 ? std::atan2(look.y(), look.x()) : robot.yaw};
   }
   watch.stop(decision);
   return decision;
 }
 
-Decision exhaustive(const OccupancyMap& map, const PlanarPose& robot, const LaserModel& laser,
-                    const PlannerOptions& options, double limit, Random& random) {
+Decision exhaustive(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
+                    const mapping::LaserModel& laser, const nbv::PlannerOptions& options, double limit,
+                    Random& random) {
   Decision decision;
   const DecisionWatch watch;
   const Surroundings around(map, robot, laser, options);
-  const ViewVoxels fringe = find_fringe(around.voxels, options.threads);
-  const ViewCaster caster(around.voxels, fringe, laser, options.distance_max_m, options.ray_step_deg);
+  const nbv::ViewVoxels fringe = nbv::find_fringe(around.voxels, options.threads);
+  const nbv::ViewCaster caster(around.voxels, fringe, laser, options.distance_max_m, options.ray_step_deg);
   std::vector<size_t> places = around.standing;
   for (size_t i = places.size(); i > 1; --i) std::swap(places[i - 1], places[random.index(i)]);
   std::mutex mutex;
-  ViewCounts best;
+  nbv::ViewCounts best;
   size_t looked_at = 0;
   Decision prepared;
   watch.stop(prepared);
   parallel_for(places.size(), options.threads, [&](size_t from, size_t to) {
     for (size_t i = from; i < to && watch.seconds() < limit; ++i) {
       const Vector2d place = around.center(places[i]);
-      const std::vector<ViewCounts> panorama = caster.panorama(place);
+      const std::vector<nbv::ViewCounts> panorama = caster.panorama(place);
       const std::lock_guard lock(mutex);
       ++looked_at;
       for (int k = 0; k < options.orientations; ++k) {
-        const double yaw =
-            std::remainder(2 * std::numbers::pi * k / options.orientations, 2 * std::numbers::pi);
-        const ViewCounts counts = caster.part(panorama, yaw);
+        const double yaw = std::remainder(2 * kPi * k / options.orientations, 2 * kPi);
+        const nbv::ViewCounts counts = caster.part(panorama, yaw);
         if (counts.fringe < options.min_gain || counts.fringe <= best.fringe) continue;
         best = counts;
-        decision.pose = PlanarPose{place.x(), place.y(), yaw};
+        decision.pose = mapping::PlanarPose{place.x(), place.y(), yaw};
         decision.overlap = counts.overlap();
       }
     }
@@ -188,21 +188,21 @@ std::vector<std::string> planner_names() {
   return names;
 }
 
-std::vector<NamedStrategy> strategies(const LaserModel& laser, const PlannerOptions& options,
+std::vector<NamedStrategy> strategies(const mapping::LaserModel& laser, const nbv::PlannerOptions& options,
                                       double exhaustive_s) {
   const auto named = [&](std::string name, auto decide) {
-    return NamedStrategy{std::move(name), [laser, options, decide](const OccupancyMap& map,
-                                                                   const PlanarPose& robot, Random& random) {
-                           return decide(map, robot, laser, options, random);
-                         }};
+    return NamedStrategy{
+        std::move(name),
+        [laser, options, decide](const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
+                                 Random& random) { return decide(map, robot, laser, options, random); }};
   };
   return {named("ours", ours),
           named("random", random_pose),
           named("frontier", nearest_frontier),
-          {"exhaustive",
-           [laser, options, exhaustive_s](const OccupancyMap& map, const PlanarPose& robot, Random& random) {
+          {"exhaustive", [laser, options, exhaustive_s](const mapping::OccupancyMap& map,
+                                                        const mapping::PlanarPose& robot, Random& random) {
              return exhaustive(map, robot, laser, options, exhaustive_s, random);
            }}};
 }
 
-}  // namespace loci::nbv
+}  // namespace loci::apps::nbv_evaluation

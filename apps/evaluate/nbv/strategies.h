@@ -6,18 +6,18 @@
 
 #include "nbv/planner.h"
 
-namespace loci::nbv {
+namespace loci::apps::nbv_evaluation {
 
 /// A decision of any planner.
 struct Decision {
-  std::optional<PlanarPose> pose;  ///< unset: stop
-  double seconds = 0;              ///< that it took, or would have taken without the limit
-  double processor_seconds = 0;    ///< likewise, of all threads: other programs do not count
-  bool cut = false;                ///< by the time limit
-  double overlap = 0;              ///< expected
+  std::optional<mapping::PlanarPose> pose;  ///< unset: stop
+  double seconds = 0;                       ///< that it took, or would have taken without the limit
+  double processor_seconds = 0;             ///< likewise, of all threads: other programs do not count
+  bool cut = false;                         ///< by the time limit
+  double overlap = 0;                       ///< expected
 };
 
-using Strategy = std::function<Decision(const OccupancyMap&, const PlanarPose&, Random&)>;
+using Strategy = std::function<Decision(const mapping::OccupancyMap&, const mapping::PlanarPose&, Random&)>;
 
 struct NamedStrategy {
   std::string name;
@@ -33,7 +33,7 @@ std::vector<std::string> planner_names();
 /// `exhaustive_s` seconds per decision: places are taken in random order, and its time is then that of all of
 /// them by rule of three. All see the same map, floor and ways,
 /// and stop alike: when no pose is left or, where a gain is known, at options.min_gain.
-std::vector<NamedStrategy> strategies(const LaserModel& laser, const PlannerOptions& options,
+std::vector<NamedStrategy> strategies(const mapping::LaserModel& laser, const nbv::PlannerOptions& options,
                                       double exhaustive_s);
 
-}  // namespace loci::nbv
+}  // namespace loci::apps::nbv_evaluation

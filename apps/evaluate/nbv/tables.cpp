@@ -6,7 +6,7 @@
 #include "apps/evaluate/nbv/exploration.h"
 #include "mapping/base/json.h"
 
-namespace loci::nbv {
+namespace loci::apps::nbv_evaluation {
 namespace {
 
 const std::vector<std::pair<std::string, std::string>> kColors = {
@@ -169,4 +169,4 @@ std::string coverage_svg(const std::vector<WorldResult>& results, double goal) {
   return svg + "</svg>\n";
 }
 
-}  // namespace loci::nbv
+}  // namespace loci::apps::nbv_evaluation

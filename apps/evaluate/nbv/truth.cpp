@@ -3,25 +3,24 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "mapping/base/error.h"
+#include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
 
-namespace loci::nbv {
+namespace loci::apps::nbv_evaluation {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kBodyBottom = 0.05;
 
 /// Whether a robot can stand at a place: there is floor, and its body fits, by level rays at several heights
 /// and rays down from its top.
-bool fits(const RayScene& scene, const Vector2d& place, double radius, double top) {
+bool fits(const mapping::RayScene& scene, const Vector2d& place, double radius, double top) {
   constexpr int kDirections = 24;
   const Eigen::Vector3f above = Vector3d(place.x(), place.y(), kBodyBottom).cast<float>();
   if (scene.cast(above, {0, 0, -1}, static_cast<float>(2 * kBodyBottom)).link < 0) return false;
   for (int i = 0; i < kDirections; ++i) {
-    const double angle = 2 * std::numbers::pi * i / kDirections;
+    const double angle = 2 * kPi * i / kDirections;
     const Eigen::Vector3f along(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), 0);
     for (double height = kBodyBottom + 0.05; height < top; height += 0.2)
       if (scene.cast(Vector3d(place.x(), place.y(), height).cast<float>(), along, static_cast<float>(radius))
@@ -36,7 +35,7 @@ bool fits(const RayScene& scene, const Vector2d& place, double radius, double to
   return true;
 }
 
-std::vector<Vector2d> reachable_places(const RayScene& scene, const Vector2d& inside, double top,
+std::vector<Vector2d> reachable_places(const mapping::RayScene& scene, const Vector2d& inside, double top,
                                        const TruthOptions& options) {
   CellIndex seen;
   std::vector<Vector2d> places;
@@ -64,23 +63,24 @@ std::vector<Vector2d> reachable_places(const RayScene& scene, const Vector2d& in
 
 }  // namespace
 
-double Truth::coverage(const OccupancyMap& map) const {
+double Truth::coverage(const mapping::OccupancyMap& map) const {
   if (surface.size() == 0) return 0;
   const std::array<Vector3d, 7> around = {Vector3d{0, 0, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0},
                                           {0, -1, 0},        {0, 0, 1}, {0, 0, -1}};
   size_t known = 0;
   for (const Eigen::Vector3i& cell : surface.cells()) {
     const Vector3d center = voxel * (cell.cast<double>().array() + 0.5).matrix();
-    known += std::any_of(
-                 around.begin(), around.end(),
-                 [&](const Vector3d& side) { return map.at(center + voxel * side) == Occupancy::occupied; })
+    known += std::any_of(around.begin(), around.end(),
+                         [&](const Vector3d& side) {
+                           return map.at(center + voxel * side) == mapping::Occupancy::occupied;
+                         })
                  ? 1
                  : 0;
   }
   return static_cast<double>(known) / static_cast<double>(surface.size());
 }
 
-Truth find_truth(const RayScene& scene, const Vector2d& inside, const LaserModel& laser,
+Truth find_truth(const mapping::RayScene& scene, const Vector2d& inside, const mapping::LaserModel& laser,
                  const TruthOptions& options) {
   Truth truth;
   truth.step = options.step;
@@ -96,7 +96,7 @@ Truth find_truth(const RayScene& scene, const Vector2d& inside, const LaserModel
           const double t = tilt * kDegree, a = azimuth * kDegree;
           const Eigen::Vector3f ray =
               Vector3d(std::cos(t) * std::cos(a), std::cos(t) * std::sin(a), std::sin(t)).cast<float>();
-          const RayHit hit = scene.cast(origin, ray, static_cast<float>(options.range_max));
+          const mapping::RayHit hit = scene.cast(origin, ray, static_cast<float>(options.range_max));
           if (hit.link >= 0)
             hits[i].push_back(cell_of(Eigen::Vector3f(origin + hit.distance * ray), options.voxel));
         }
@@ -115,4 +115,4 @@ Truth find_truth(const RayScene& scene, const Vector2d& inside, const LaserModel
   return truth;
 }
 
-}  // namespace loci::nbv
+}  // namespace loci::apps::nbv_evaluation

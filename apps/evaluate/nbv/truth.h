@@ -7,7 +7,7 @@
 #include "mapping/render/ray_scene.h"
 #include "mapping/sensor/laser.h"
 
-namespace loci::nbv {
+namespace loci::apps::nbv_evaluation {
 
 /// What there is to explore in a world, from the world itself: for evaluation only.
 struct Truth {
@@ -17,7 +17,7 @@ struct Truth {
   CellIndex surface{1 << 16};    ///< voxels of the surface that is seen from these places
 
   /// Share of the surface that a map knows: an occupied voxel in it or beside it (six neighbours).
-  double coverage(const OccupancyMap& map) const;
+  double coverage(const mapping::OccupancyMap& map) const;
 };
 
 struct TruthOptions {
@@ -31,7 +31,7 @@ struct TruthOptions {
 /// Places are those that a disc of the robot's radius reaches from `inside` between 5 cm and the scanner's
 /// height; the surface is what rays of the laser's tilts, all around, meet from any of them (1° apart). A
 /// voxel counts that is met at least twice.
-Truth find_truth(const RayScene& scene, const Vector2d& inside, const LaserModel& laser,
+Truth find_truth(const mapping::RayScene& scene, const Vector2d& inside, const mapping::LaserModel& laser,
                  const TruthOptions& options);
 
-}  // namespace loci::nbv
+}  // namespace loci::apps::nbv_evaluation

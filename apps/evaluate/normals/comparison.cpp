@@ -10,14 +10,14 @@
 #include "mapping/base/json.h"
 #include "mapping/recording/recording.h"
 
-namespace loci::normals_evaluation {
+namespace loci::apps::normals_evaluation {
 namespace {
 
 class Ours : public Method {
  public:
-  Ours(const NormalOptions& options, bool corrected) : options_(options), corrected_(corrected) {}
+  Ours(const perception::NormalOptions& options, bool corrected) : options_(options), corrected_(corrected) {}
 
-  Estimate estimate(const cv::Mat& depth, const PinholeCamera& camera) override {
+  Estimate estimate(const cv::Mat& depth, const mapping::PinholeCamera& camera) override {
     if (corrected_ && camera != bias_camera_) {
       bias_ = measure_inclination_bias(camera, options_);
       bias_camera_ = camera;
@@ -28,15 +28,15 @@ class Ours : public Method {
   }
 
  private:
-  NormalOptions options_;
+  perception::NormalOptions options_;
   bool corrected_;
-  InclinationBias bias_;
-  PinholeCamera bias_camera_{0, 0, 0, 0, 0, 0};
-  DepthNormals found_;
+  perception::InclinationBias bias_;
+  mapping::PinholeCamera bias_camera_{0, 0, 0, 0, 0, 0};
+  perception::DepthNormals found_;
 };
 
 /// Seconds of the fastest of some runs: what other programs do to the caches is not the method's.
-double fastest(Method& method, const cv::Mat& depth, const PinholeCamera& camera) {
+double fastest(Method& method, const cv::Mat& depth, const mapping::PinholeCamera& camera) {
   constexpr int kRuns = 3;
   double seconds = std::numeric_limits<double>::infinity();
   for (int run = 0; run < kRuns; ++run) seconds = std::min(seconds, method.estimate(depth, camera).seconds);
@@ -46,7 +46,7 @@ double fastest(Method& method, const cv::Mat& depth, const PinholeCamera& camera
 /// The methods, and what they did so far to one set.
 class Contest {
  public:
-  Contest(const ComparisonOptions& options, const NormalOptions& normals) : options_(options) {
+  Contest(const ComparisonOptions& options, const perception::NormalOptions& normals) : options_(options) {
     entries_.emplace_back(kBefore, std::make_unique<Ours>(normals, false));
     entries_.emplace_back(kAfter, std::make_unique<Ours>(normals, true));
     if (!options.peers) return;
@@ -60,7 +60,7 @@ class Contest {
     if (reference_) set.methods.emplace_back(kReference, MethodErrors());
   }
 
-  void add(const Surfaces& surfaces, const PinholeCamera& camera, SetResult& set) {
+  void add(const Surfaces& surfaces, const mapping::PinholeCamera& camera, SetResult& set) {
     Estimate reference;
     // The reference takes most of a second, so that it judges a part of the frames only.
     if (reference_ && set.frames < options_.reference_frames) {
@@ -83,14 +83,14 @@ class Contest {
   std::unique_ptr<Method> reference_;
 };
 
-DisparityNoise sensor_of(const NormalOptions& normals, double sigma_px) {
+DisparityNoise sensor_of(const perception::NormalOptions& normals, double sigma_px) {
   return {normals.baseline_m, normals.disparity_quantum_px, sigma_px};
 }
 
 SetResult synthetic_set(const std::string& name, double sigma_px, Contest& contest,
-                        const ComparisonOptions& options, const NormalOptions& normals, const Random& random,
-                        Progress& progress) {
-  const PinholeCamera kinect;
+                        const ComparisonOptions& options, const perception::NormalOptions& normals,
+                        const Random& random, Progress& progress) {
+  const mapping::PinholeCamera kinect;
   SetResult set;
   set.name = name;
   set.synthetic = true;
@@ -105,8 +105,8 @@ SetResult synthetic_set(const std::string& name, double sigma_px, Contest& conte
 }
 
 SetResult recorded_set(const std::filesystem::path& path, Contest& contest, const ComparisonOptions& options,
-                       const NormalOptions& normals, Progress& progress) {
-  const std::unique_ptr<Recording> recording = open_recording(path);
+                       const perception::NormalOptions& normals, Progress& progress) {
+  const std::unique_ptr<mapping::Recording> recording = mapping::open_recording(path);
   SetResult set;
   set.name = std::filesystem::path(recording->info().path).filename().string();
   contest.begin(set);
@@ -115,7 +115,7 @@ SetResult recorded_set(const std::filesystem::path& path, Contest& contest, cons
   const size_t step = std::max<size_t>(1, all / static_cast<size_t>(2 * options.real_frames));
   for (size_t i = 0; i < all && set.frames < options.real_frames; i += step) {
     progress.check(static_cast<double>(i) / static_cast<double>(all), set.name);
-    const RgbdFrame frame = recording->frame(i);
+    const mapping::RgbdFrame frame = recording->frame(i);
     if (share_of_holes(frame.depth) < options.min_holes) continue;
     contest.add(flat_areas(frame.depth, frame.camera.depth, sensor_of(normals, 0)), frame.camera.depth, set);
   }
@@ -132,8 +132,8 @@ void ComparisonOptions::declare(OptionTable& table) {
   table.integer("reference_frames", reference_frames, "",
                 "Frames of each set on which the slow PCL NormalEstimation is run.", 0, 100000);
   table.integer("real_frames", real_frames, "", "Frames of each recording.", 1, 100000);
-  table.number("min_holes", min_holes, "", "Share of pixels without depth that a real frame must have.",
-               0, 1);
+  table.number("min_holes", min_holes, "", "Share of pixels without depth that a real frame must have.", 0,
+               1);
   table.flag("peers", peers, "Runs PCL's methods beside ours.");
   table.integer("seed", seed, "", "Seed of the planes and their noise.", 0, 1 << 30);
 }
@@ -145,7 +145,7 @@ const MethodErrors* SetResult::find(const std::string& method) const {
 }
 
 Comparison compare(const std::vector<std::filesystem::path>& recordings, const ComparisonOptions& options,
-                   const NormalOptions& normals, Progress& progress) {
+                   const perception::NormalOptions& normals, Progress& progress) {
   Contest contest(options, normals);
   const Random random(static_cast<uint64_t>(options.seed));
   Comparison comparison;
@@ -211,4 +211,4 @@ Json Comparison::to_json() const {
   return {{"sets", list}};
 }
 
-}  // namespace loci::normals_evaluation
+}  // namespace loci::apps::normals_evaluation

@@ -11,7 +11,7 @@
 #include "mapping/base/progress.h"
 #include "perception/annotators/hypotheses/depth_normals.h"
 
-namespace loci::normals_evaluation {
+namespace loci::apps::normals_evaluation {
 
 struct ComparisonOptions {
   int frames = 170;
@@ -52,6 +52,6 @@ struct Comparison {
 /// Synthetic planes with disparity noise of 0, 1/16, 1/8 and 1/4 px, then the recordings' frames with enough
 /// holes; one thread.
 Comparison compare(const std::vector<std::filesystem::path>& recordings, const ComparisonOptions& options,
-                   const NormalOptions& normals, Progress& progress);
+                   const perception::NormalOptions& normals, Progress& progress);
 
-}  // namespace loci::normals_evaluation
+}  // namespace loci::apps::normals_evaluation

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
-namespace loci::normals_evaluation {
+#include "mapping/base/math.h"
+
+namespace loci::apps::normals_evaluation {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kDegrees = 180 / kPi;
 
 /// From the chord, which is exact for small angles where the cosine is not.
 double angle_deg(const cv::Vec3f& a, const cv::Vec3f& b) {
@@ -109,4 +110,4 @@ double MethodErrors::median_ms() const {
   return quantile_ms(0.5);
 }
 
-}  // namespace loci::normals_evaluation
+}  // namespace loci::apps::normals_evaluation

@@ -4,7 +4,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-namespace loci::normals_evaluation {
+namespace loci::apps::normals_evaluation {
 
 /// Angles between normals, counted in steps of a tenth of a degree.
 class ErrorHistogram {
@@ -58,4 +58,4 @@ struct MethodErrors {
   double quantile_ms(double share) const;
 };
 
-}  // namespace loci::normals_evaluation
+}  // namespace loci::apps::normals_evaluation

@@ -7,7 +7,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/html.h"
 
-namespace loci::normals_evaluation {
+namespace loci::apps::normals_evaluation {
 namespace {
 
 constexpr double kWidth = 560, kHeight = 320, kLeft = 52, kRight = 16, kTop = 30, kBottom = 42;
@@ -141,4 +141,4 @@ std::vector<std::filesystem::path> write_figures(const Comparison& comparison,
   return files;
 }
 
-}  // namespace loci::normals_evaluation
+}  // namespace loci::apps::normals_evaluation

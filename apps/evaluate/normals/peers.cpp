@@ -11,14 +11,14 @@
 #include <ctime>
 #include <limits>
 
-namespace loci::normals_evaluation {
+namespace loci::apps::normals_evaluation {
 namespace {
 
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 using Normals = pcl::PointCloud<pcl::Normal>;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-Cloud::Ptr cloud_of(const cv::Mat& depth, const PinholeCamera& camera) {
+Cloud::Ptr cloud_of(const cv::Mat& depth, const mapping::PinholeCamera& camera) {
   Cloud::Ptr cloud(
       new Cloud(static_cast<uint32_t>(depth.cols), static_cast<uint32_t>(depth.rows), {kNan, kNan, kNan}));
   cloud->is_dense = false;
@@ -34,7 +34,7 @@ Cloud::Ptr cloud_of(const cv::Mat& depth, const PinholeCamera& camera) {
 
 class PclMethod : public Method {
  public:
-  Estimate estimate(const cv::Mat& depth, const PinholeCamera& camera) override {
+  Estimate estimate(const cv::Mat& depth, const mapping::PinholeCamera& camera) override {
     const Cloud::Ptr cloud = cloud_of(depth, camera);
     Normals normals;
     const double begin = thread_seconds();
@@ -92,4 +92,4 @@ std::unique_ptr<Method> pcl_linear_least_squares() {
   return std::make_unique<Organized<pcl::LinearLeastSquaresNormalEstimation<pcl::PointXYZ, pcl::Normal>>>();
 }
 
-}  // namespace loci::normals_evaluation
+}  // namespace loci::apps::normals_evaluation

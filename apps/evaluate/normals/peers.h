@@ -7,7 +7,7 @@
 
 #include "mapping/sensor/camera.h"
 
-namespace loci::normals_evaluation {
+namespace loci::apps::normals_evaluation {
 
 /// Normals of one image and what they cost.
 struct Estimate {
@@ -19,7 +19,7 @@ struct Estimate {
 class Method {
  public:
   virtual ~Method() = default;
-  virtual Estimate estimate(const cv::Mat& depth, const PinholeCamera& camera) = 0;
+  virtual Estimate estimate(const cv::Mat& depth, const mapping::PinholeCamera& camera) = 0;
 };
 
 /// Processor time of the calling thread.
@@ -32,4 +32,4 @@ std::unique_ptr<Method> pcl_integral_image();
 /// pcl::LinearLeastSquaresNormalEstimation as constructed.
 std::unique_ptr<Method> pcl_linear_least_squares();
 
-}  // namespace loci::normals_evaluation
+}  // namespace loci::apps::normals_evaluation

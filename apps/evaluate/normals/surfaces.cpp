@@ -4,10 +4,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <vector>
 
-namespace loci::normals_evaluation {
+#include "mapping/base/math.h"
+
+namespace loci::apps::normals_evaluation {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -24,12 +25,12 @@ cv::Vec3f to_float(const Vector3d& n) {
   return {static_cast<float>(n.x()), static_cast<float>(n.y()), static_cast<float>(n.z())};
 }
 
-Patch random_patch(const PinholeCamera& camera, double bf, Random& random) {
-  constexpr double kSteepest = 75 * std::numbers::pi / 180;
+Patch random_patch(const mapping::PinholeCamera& camera, double bf, Random& random) {
+  constexpr double kSteepest = 75 * kPi / 180;
   Patch patch;
   patch.u = random.uniform(0, camera.width);
   patch.v = random.uniform(0, camera.height);
-  const double inclination = random.uniform(0, kSteepest), azimuth = random.uniform(0, 2 * std::numbers::pi);
+  const double inclination = random.uniform(0, kSteepest), azimuth = random.uniform(0, 2 * kPi);
   const double sine = std::sin(inclination);
   const Vector3d normal(sine * std::cos(azimuth), sine * std::sin(azimuth), -std::cos(inclination));
   patch.normal = to_float(normal);
@@ -70,7 +71,7 @@ Fit fit_plane(const cv::Mat& disparity, const Vector3d* plane, double limit) {
 
 }  // namespace
 
-Surfaces planar_patches(const PinholeCamera& camera, const DisparityNoise& noise, Random& random) {
+Surfaces planar_patches(const mapping::PinholeCamera& camera, const DisparityNoise& noise, Random& random) {
   constexpr size_t kPatches = 8;
   constexpr double kNearest = 0.5, kFarthest = 5;
   const double bf = noise.baseline_m * camera.fx;
@@ -98,7 +99,8 @@ Surfaces planar_patches(const PinholeCamera& camera, const DisparityNoise& noise
   return surfaces;
 }
 
-Surfaces flat_areas(const cv::Mat& depth, const PinholeCamera& camera, const DisparityNoise& sensor) {
+Surfaces flat_areas(const cv::Mat& depth, const mapping::PinholeCamera& camera,
+                    const DisparityNoise& sensor) {
   constexpr int kSquare = 48, kRounds = 4;
   constexpr double kMeasured = 0.5, kOnPlane = 0.97, kQuanta = 3;
   const double bf = sensor.baseline_m * camera.fx;
@@ -132,4 +134,4 @@ double share_of_holes(const cv::Mat& depth) {
   return 1 - static_cast<double>(cv::countNonZero(depth > 0)) / static_cast<double>(depth.total());
 }
 
-}  // namespace loci::normals_evaluation
+}  // namespace loci::apps::normals_evaluation

@@ -12,17 +12,17 @@
 #include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
 
-namespace loci::occupancy_claim {
+namespace loci::apps::occupancy_claim {
 namespace {
 
 /// A scan as both ways get it.
 struct Cloud {
-  Scan scan;
+  mapping::Scan scan;
   octomap::Pointcloud points;
   octomap::point3d origin;
 };
 
-Cloud cloud_of(const Scan& scan, double range_max) {
+Cloud cloud_of(const mapping::Scan& scan, double range_max) {
   if (scan.origins.size() != 1)
     throw Error("scan " + scan.name + " has several origins", {}, "OctoMap inserts clouds with one");
   const auto in_map = [&](const Eigen::Vector3f& position) {
@@ -30,11 +30,11 @@ Cloud cloud_of(const Scan& scan, double range_max) {
     return octomap::point3d(p.x(), p.y(), p.z());
   };
   Cloud cloud{scan, {}, in_map(scan.origins[0])};
-  std::erase_if(cloud.scan.points, [&](const ScanPoint& point) {
+  std::erase_if(cloud.scan.points, [&](const mapping::ScanPoint& point) {
     if (!point.position.allFinite()) return true;
     return !point.returned && (in_map(point.position) - cloud.origin).norm() <= range_max;
   });
-  for (const ScanPoint& point : cloud.scan.points) cloud.points.push_back(in_map(point.position));
+  for (const mapping::ScanPoint& point : cloud.scan.points) cloud.points.push_back(in_map(point.position));
   return cloud;
 }
 
@@ -66,11 +66,11 @@ void InsertionOptions::declare(OptionTable& table) {
   occupancy.declare(table);
 }
 
-SetResult measure(const std::string& name, const ScanSet& scans, const InsertionOptions& options,
+SetResult measure(const std::string& name, const mapping::ScanSet& scans, const InsertionOptions& options,
                   Progress& progress) {
   const double range = options.occupancy.range_max_m;
   std::vector<Cloud> clouds;
-  for (const Scan& scan : scans.scans) clouds.push_back(cloud_of(scan, range));
+  for (const mapping::Scan& scan : scans.scans) clouds.push_back(cloud_of(scan, range));
   if (clouds.empty()) throw Error("there is no scan in " + name);
   SetResult result;
   result.name = name;
@@ -88,9 +88,9 @@ SetResult measure(const std::string& name, const ScanSet& scans, const Insertion
     result.ways[0].identical = true;
     for (size_t k = 1; k < result.ways.size(); ++k) {
       Insertion& way = result.ways[k];
-      OccupancyOptions occupancy = options.occupancy;
+      mapping::OccupancyOptions occupancy = options.occupancy;
       occupancy.threads = way.threads;
-      OccupancyMap map(occupancy);
+      mapping::OccupancyMap map(occupancy);
       time_insertion(way, clouds.size(), [&] {
         for (const Cloud& cloud : clouds) map.insert(cloud.scan);
       });
@@ -131,4 +131,4 @@ Json table_json(const std::vector<SetResult>& results) {
   return json;
 }
 
-}  // namespace loci::occupancy_claim
+}  // namespace loci::apps::occupancy_claim

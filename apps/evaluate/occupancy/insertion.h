@@ -9,11 +9,11 @@
 #include "mapping/occupancy/occupancy.h"
 #include "mapping/sensor/scan.h"
 
-namespace loci::occupancy_claim {
+namespace loci::apps::occupancy_claim {
 
 struct InsertionOptions {
   int repeats = 5;
-  OccupancyOptions occupancy;
+  mapping::OccupancyOptions occupancy;
 
   void declare(OptionTable& table);
 };
@@ -37,10 +37,10 @@ struct SetResult {
 /// Inserts the same scans with OctoMap's insertPointCloud and with ours on one and on two threads, in turns
 /// in the same process. Points without return nearer than the map's range are left out of all: OctoMap has no
 /// word for them. Error for a scan with several origins, for the same reason.
-SetResult measure(const std::string& name, const ScanSet& scans, const InsertionOptions& options,
+SetResult measure(const std::string& name, const mapping::ScanSet& scans, const InsertionOptions& options,
                   Progress& progress);
 
 std::string table_text(const std::vector<SetResult>& results);
 Json table_json(const std::vector<SetResult>& results);
 
-}  // namespace loci::occupancy_claim
+}  // namespace loci::apps::occupancy_claim

@@ -10,10 +10,11 @@
 
 #include "apps/evaluate/registration/peers.h"
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/quantile.h"
 
-namespace loci::registration_evaluation {
+namespace loci::apps::registration_evaluation {
 namespace {
 
 double metres_off(const Isometry3d& a, const Isometry3d& b) {
@@ -21,7 +22,7 @@ double metres_off(const Isometry3d& a, const Isometry3d& b) {
 }
 
 double degrees_off(const Isometry3d& a, const Isometry3d& b) {
-  return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() * 180 / M_PI;
+  return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() * 180 / kPi;
 }
 
 double mean(const std::vector<double>& values) {
@@ -34,15 +35,15 @@ struct Answer {
   bool claimed = false;
 };
 
-Answer answer_of(const std::string& method, const Scan& target, const Scan& source, const Isometry3d& start,
-                 const RegistrationOptions& options) {
+Answer answer_of(const std::string& method, const mapping::Scan& target, const mapping::Scan& source,
+                 const Isometry3d& start, const mapping::RegistrationOptions& options) {
   if (method.starts_with("PCL")) {
     const PeerResult result = align_with_peer(method, target, source, start);
     return {result.target_from_source, result.converged};
   }
-  RegistrationOptions ours = options;
+  mapping::RegistrationOptions ours = options;
   ours.method = method.substr(method.find(' ') + 1);
-  const PairAlignment pair = align(target, source, start, ours);
+  const mapping::PairAlignment pair = align(target, source, start, ours);
   return {pair.target_from_source, pair.trusted};
 }
 
@@ -75,13 +76,13 @@ std::vector<MethodRow> compare_methods(const PairSet& set, const std::vector<Dis
   if (set.pairs.empty()) return {};
   std::vector<std::string> methods = {"loci plane", "loci generalised", "loci point"};
   if (with_peers) methods.insert(methods.end(), peers().begin(), peers().end());
-  RegistrationOptions options;
+  mapping::RegistrationOptions options;
   options.dof = set.planar ? 3 : 6;
   options.voxel_m = voxel_m;
   options.threads = 1;
-  std::map<const Scan*, Scan> thin;
+  std::map<const mapping::Scan*, mapping::Scan> thin;
   for (const TruePair& pair : set.pairs)
-    for (const Scan* scan : {pair.target, pair.source})
+    for (const mapping::Scan* scan : {pair.target, pair.source})
       if (!thin.contains(scan)) thin.emplace(scan, thinned(*scan, voxel_m));
   std::vector<MethodRow> rows;
   for (const Disturbance& disturbance : disturbances)
@@ -116,7 +117,7 @@ std::vector<MethodRow> compare_methods(const PairSet& set, const std::vector<Dis
 }
 
 std::vector<VerdictRow> test_verdicts(const PairSet& set, double shift_m, double turn_deg,
-                                      const RegistrationOptions& options, const Random& random,
+                                      const mapping::RegistrationOptions& options, const Random& random,
                                       Progress& progress) {
   std::vector<VerdictRow> rows;
   for (size_t p = 0; p < set.pairs.size(); ++p) {
@@ -138,16 +139,17 @@ std::vector<VerdictRow> test_verdicts(const PairSet& set, double shift_m, double
   return rows;
 }
 
-TourRow test_tour(const std::string& world, const std::vector<Scan>& scans, double shift_m, double turn_deg,
-                  const RegistrationOptions& options, const Random& random, Progress& progress) {
-  ScanSet set;
+TourRow test_tour(const std::string& world, const std::vector<mapping::Scan>& scans, double shift_m,
+                  double turn_deg, const mapping::RegistrationOptions& options, const Random& random,
+                  Progress& progress) {
+  mapping::ScanSet set;
   set.scans = scans;
   set.range_max = 10;
   for (size_t i = 1; i < set.scans.size(); ++i) {
     Random draw = random.fork(i);
     set.scans[i].map_from_scan = perturbed(scans[i].map_from_scan, shift_m, turn_deg, true, draw);
   }
-  const RegistrationResult result = register_scans(set, options, progress);
+  const mapping::RegistrationResult result = register_scans(set, options, progress);
   TourRow row;
   row.world = world;
   row.scans = scans.size();
@@ -268,4 +270,4 @@ Json Evaluation::to_json() const {
   return json;
 }
 
-}  // namespace loci::registration_evaluation
+}  // namespace loci::apps::registration_evaluation

@@ -8,7 +8,7 @@
 #include "mapping/base/progress.h"
 #include "mapping/registration/registration.h"
 
-namespace loci::registration_evaluation {
+namespace loci::apps::registration_evaluation {
 
 /// How far starts are off in a comparison.
 struct Disturbance {
@@ -39,7 +39,7 @@ struct VerdictRow {
   std::string name;
   bool same_place = true, trusted = false, right = false;
   double overlap = 0, error_m = 0, error_deg = 0;
-  PairAlignment alignment;
+  mapping::PairAlignment alignment;
 
   /// Trusted although it is wrong.
   bool false_trust() const { return trusted && !right; }
@@ -49,7 +49,7 @@ struct VerdictRow {
 
 /// Whole scans, from starts that are off by up to `shift_m` and `turn_deg`.
 std::vector<VerdictRow> test_verdicts(const PairSet& set, double shift_m, double turn_deg,
-                                      const RegistrationOptions& options, const Random& random,
+                                      const mapping::RegistrationOptions& options, const Random& random,
                                       Progress& progress);
 
 /// Pose errors of a tour after the pose graph against the truth, first scan at its true pose.
@@ -58,8 +58,9 @@ struct TourRow {
   size_t scans = 0, connected = 0;
   double max_m = 0, max_deg = 0, mean_m = 0, mean_deg = 0, seconds = 0;
 };
-TourRow test_tour(const std::string& world, const std::vector<Scan>& scans, double shift_m, double turn_deg,
-                  const RegistrationOptions& options, const Random& random, Progress& progress);
+TourRow test_tour(const std::string& world, const std::vector<mapping::Scan>& scans, double shift_m,
+                  double turn_deg, const mapping::RegistrationOptions& options, const Random& random,
+                  Progress& progress);
 
 /// Rows of the same method put together, in the order in which methods appear.
 std::vector<MethodRow> over_all_pairs(const std::vector<MethodRow>& rows);
@@ -73,4 +74,4 @@ struct Evaluation {
   Json to_json() const;
 };
 
-}  // namespace loci::registration_evaluation
+}  // namespace loci::apps::registration_evaluation

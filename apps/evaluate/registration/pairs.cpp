@@ -8,15 +8,14 @@
 
 #include "mapping/base/cell_index.h"
 #include "mapping/base/csv.h"
+#include "mapping/base/math.h"
 #include "mapping/fusion/fusion.h"
 #include "mapping/recording/recording.h"
 #include "mapping/simulation/laser_sweep.h"
 #include "mapping/world/urdf.h"
 
-namespace loci::registration_evaluation {
+namespace loci::apps::registration_evaluation {
 namespace {
-
-constexpr double kDegree = M_PI / 180;
 
 Isometry3d pose_of(const Vector3d& position, const Vector3d& rotation_vector) {
   Isometry3d pose = Isometry3d::Identity();
@@ -26,13 +25,13 @@ Isometry3d pose_of(const Vector3d& position, const Vector3d& rotation_vector) {
   return pose;
 }
 
-Isometry3d between(const Scan& target, const Scan& source) {
+Isometry3d between(const mapping::Scan& target, const mapping::Scan& source) {
   return target.map_from_scan.inverse() * source.map_from_scan;
 }
 
 /// The floor is a thin box so that it is seen from above as any other thing.
-TriangleMesh floor_of(const Eigen::AlignedBox3d& bounds) {
-  TriangleMesh mesh;
+mapping::TriangleMesh floor_of(const Eigen::AlignedBox3d& bounds) {
+  mapping::TriangleMesh mesh;
   const Eigen::Vector3f a = bounds.min().cast<float>(), b = bounds.max().cast<float>();
   mesh.vertices = {{a.x(), a.y(), 0}, {b.x(), a.y(), 0}, {b.x(), b.y(), 0}, {a.x(), b.y(), 0}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -40,7 +39,7 @@ TriangleMesh floor_of(const Eigen::AlignedBox3d& bounds) {
 }
 
 /// Whether a robot can stand there with walls around it.
-bool inside(const RayScene& scene, const Vector2d& place) {
+bool inside(const mapping::RayScene& scene, const Vector2d& place) {
   int walls = 0;
   for (int i = 0; i < 8; ++i) {
     const auto angle = static_cast<float>(i * 45 * kDegree);
@@ -50,19 +49,19 @@ bool inside(const RayScene& scene, const Vector2d& place) {
   return walls >= 6 && scene.link_in_cylinder(place, 0.3, 0.05, 1.3) < 0;
 }
 
-Scan scan_of_frame(const RgbdFrame& frame, int64_t index) {
+mapping::Scan scan_of_frame(const mapping::RgbdFrame& frame, int64_t index) {
   constexpr int step = 2;
-  Scan scan;
+  mapping::Scan scan;
   scan.name = fmt::format("frame_{}", index);
   scan.map_from_scan = *frame.map_from_camera;
   scan.origins.emplace_back(0.F, 0.F, 0.F);
   cv::Mat depth = frame.depth.clone();
-  drop_flying_pixels(depth);
+  mapping::drop_flying_pixels(depth);
   for (int v = 0; v < depth.rows; v += step)
     for (int u = 0; u < depth.cols; u += step) {
       const auto z = static_cast<double>(depth.at<float>(v, u));
       if (!(z > 0)) continue;
-      ScanPoint point;
+      mapping::ScanPoint point;
       point.position = frame.camera.depth.unproject(u, v, z).cast<float>();
       scan.points.push_back(point);
     }
@@ -71,20 +70,20 @@ Scan scan_of_frame(const RgbdFrame& frame, int64_t index) {
 
 }  // namespace
 
-std::vector<Scan> simulated_scans(const SimulatedWorld& world, size_t count, const Random& random,
-                                  int threads, Warnings& warnings) {
-  RayScene scene;
-  const World read = read_urdf(world.urdf);
+std::vector<mapping::Scan> simulated_scans(const SimulatedWorld& world, size_t count, const Random& random,
+                                           int threads, Warnings& warnings) {
+  mapping::RayScene scene;
+  const mapping::World read = mapping::read_urdf(world.urdf);
   scene.add(read, {world.package_paths, world.urdf.parent_path()}, Isometry3d::Identity(), warnings);
   const Eigen::AlignedBox3d bounds = scene.bounds();
   if (read.find_link("floor") == nullptr) scene.add("floor", floor_of(bounds), Isometry3d::Identity());
-  const LaserModel laser;
+  const mapping::LaserModel laser;
   Random places = random.fork(0);
-  std::vector<Scan> scans;
+  std::vector<mapping::Scan> scans;
   for (int attempt = 0; scans.size() < count && attempt < 10000; ++attempt) {
     const Vector2d place(places.uniform(bounds.min().x(), bounds.max().x()),
                          places.uniform(bounds.min().y(), bounds.max().y()));
-    const double yaw = places.uniform(-M_PI, M_PI);
+    const double yaw = places.uniform(-kPi, kPi);
     if (!inside(scene, place)) continue;
     Isometry3d pose = pose_of({place.x(), place.y(), laser.height_m}, {0, 0, yaw});
     scans.push_back(simulate_sweep(scene, pose, laser, random.fork(1 + scans.size()), threads));
@@ -93,7 +92,7 @@ std::vector<Scan> simulated_scans(const SimulatedWorld& world, size_t count, con
   return scans;
 }
 
-PairSet pairs_among(std::string name, std::vector<Scan> scans, double min_overlap, size_t count,
+PairSet pairs_among(std::string name, std::vector<mapping::Scan> scans, double min_overlap, size_t count,
                     const Random& random) {
   PairSet set;
   set.name = std::move(name);
@@ -101,7 +100,7 @@ PairSet pairs_among(std::string name, std::vector<Scan> scans, double min_overla
   for (size_t i = 0; i < set.scans.size(); ++i)
     for (size_t j = 0; j < set.scans.size(); ++j) {
       if (i == j) continue;
-      const Scan &target = set.scans[i], &source = set.scans[j];
+      const mapping::Scan &target = set.scans[i], &source = set.scans[j];
       const Isometry3d truth = between(target, source);
       const double overlap = true_overlap(target, source, truth);
       if (overlap < min_overlap) continue;
@@ -118,7 +117,7 @@ PairSet recording_pairs(const std::filesystem::path& folder, size_t count, size_
   set.name = folder.filename().string();
   set.planar = false;
   if (!std::filesystem::exists(folder)) return set;
-  const auto recording = open_recording(folder);
+  const auto recording = mapping::open_recording(folder);
   if (recording->size() <= ahead) return set;
   const size_t last = recording->size() - ahead;
   set.scans.reserve(2 * count);
@@ -126,7 +125,7 @@ PairSet recording_pairs(const std::filesystem::path& folder, size_t count, size_
     const size_t first = k * last / count;
     for (const size_t i : {first, first + ahead})
       set.scans.push_back(scan_of_frame(recording->frame(i), recording->index_of(i)));
-    const Scan &target = set.scans[2 * k], &source = set.scans[2 * k + 1];
+    const mapping::Scan &target = set.scans[2 * k], &source = set.scans[2 * k + 1];
     const Isometry3d truth = between(target, source);
     set.pairs.push_back({target.name + " <- " + source.name, &target, &source, truth, true,
                          true_overlap(target, source, truth)});
@@ -146,13 +145,13 @@ PairSet listed_pairs(const std::filesystem::path& file, const std::filesystem::p
   set.scans.reserve(2 * table.rows());
   for (size_t row = 0; row < table.rows(); ++row) {
     for (const size_t column : {target_column, source_column}) {
-      const ScanSet scans = read_scan_set(clouds / table.cell(row, column));
+      const mapping::ScanSet scans = mapping::read_scan_set(clouds / table.cell(row, column));
       if (scans.scans.empty()) throw Error("a listed cloud is empty", table.place(row));
       set.scans.push_back(scans.scans.front());
     }
     std::array<double, 6> v;
     for (size_t i = 0; i < 6; ++i) v[i] = table.number(row, columns[i]);
-    const Scan &target = set.scans[set.scans.size() - 2], &source = set.scans.back();
+    const mapping::Scan &target = set.scans[set.scans.size() - 2], &source = set.scans.back();
     const Isometry3d truth = pose_of({v[0], v[1], v[2]}, Vector3d(v[3], v[4], v[5]) * kDegree);
     set.pairs.push_back({fmt::format("{} <- {}", target.name, source.name), &target, &source, truth, true,
                          true_overlap(target, source, truth)});
@@ -160,12 +159,13 @@ PairSet listed_pairs(const std::filesystem::path& file, const std::filesystem::p
   return set;
 }
 
-double true_overlap(const Scan& target, const Scan& source, const Isometry3d& target_from_source) {
+double true_overlap(const mapping::Scan& target, const mapping::Scan& source,
+                    const Isometry3d& target_from_source) {
   constexpr double cell = 0.1;
   CellIndex own, other;
-  for (const ScanPoint& point : target.points)
+  for (const mapping::ScanPoint& point : target.points)
     if (point.returned) own.insert(cell_of(point.position, cell));
-  for (const ScanPoint& point : source.points)
+  for (const mapping::ScanPoint& point : source.points)
     if (point.returned) other.insert(cell_of(target_from_source * point.position.cast<double>(), cell));
   size_t common = 0;
   for (const Eigen::Vector3i& at : other.cells()) common += own.find(at) != CellIndex::kNone ? 1 : 0;
@@ -176,7 +176,7 @@ double true_overlap(const Scan& target, const Scan& source, const Isometry3d& ta
 Isometry3d perturbed(const Isometry3d& pose, double shift, double turn_deg, bool planar, Random& random) {
   const auto direction = [&] {
     if (planar) {
-      const double angle = random.uniform(-M_PI, M_PI);
+      const double angle = random.uniform(-kPi, kPi);
       return Vector3d(std::cos(angle), std::sin(angle), 0);
     }
     return Vector3d(Vector3d(random.normal(), random.normal(), random.normal()).normalized());
@@ -186,14 +186,14 @@ Isometry3d perturbed(const Isometry3d& pose, double shift, double turn_deg, bool
   return pose * pose_of(off, axis * random.uniform(0, turn_deg) * kDegree);
 }
 
-Scan thinned(const Scan& scan, double voxel) {
-  Scan result;
+mapping::Scan thinned(const mapping::Scan& scan, double voxel) {
+  mapping::Scan result;
   result.name = scan.name;
   result.map_from_scan = scan.map_from_scan;
   result.origins = scan.origins;
   CellIndex index;
   std::vector<std::pair<Vector3d, double>> sums;
-  for (const ScanPoint& point : scan.points) {
+  for (const mapping::ScanPoint& point : scan.points) {
     if (!point.returned) continue;
     const uint32_t number = index.insert(cell_of(point.position, voxel));
     if (number == sums.size()) {
@@ -208,4 +208,4 @@ Scan thinned(const Scan& scan, double voxel) {
   return result;
 }
 
-}  // namespace loci::registration_evaluation
+}  // namespace loci::apps::registration_evaluation

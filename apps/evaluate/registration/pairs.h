@@ -8,13 +8,13 @@
 #include "mapping/base/random.h"
 #include "mapping/sensor/scan.h"
 
-namespace loci::registration_evaluation {
+namespace loci::apps::registration_evaluation {
 
 /// Two scans of which the relative pose is known.
 struct TruePair {
   std::string name;
-  const Scan* target = nullptr;
-  const Scan* source = nullptr;
+  const mapping::Scan* target = nullptr;
+  const mapping::Scan* source = nullptr;
   Isometry3d target_from_source = Isometry3d::Identity();  ///< truth; of no use for different places
   bool same_place = true;
   double overlap = 0;  ///< at the truth: part of the smaller scan's 10 cm cells that the other one has
@@ -25,7 +25,7 @@ struct PairSet {
   std::string name;
   bool planar = true;                        ///< a levelled robot: x, y, yaw
   double trusted_m = 0.05, trusted_deg = 1;  ///< an error beyond is one
-  std::vector<Scan> scans;
+  std::vector<mapping::Scan> scans;
   std::vector<TruePair> pairs;
 };
 
@@ -35,11 +35,11 @@ struct SimulatedWorld {
 };
 
 /// Scans of a simulated laser from random free places, without error of their poses.
-std::vector<Scan> simulated_scans(const SimulatedWorld& world, size_t count, const Random& random,
-                                  int threads, Warnings& warnings);
+std::vector<mapping::Scan> simulated_scans(const SimulatedWorld& world, size_t count, const Random& random,
+                                           int threads, Warnings& warnings);
 
 /// All pairs of the scans of one world with at least this overlap, the first `count` in a random order.
-PairSet pairs_among(std::string name, std::vector<Scan> scans, double min_overlap, size_t count,
+PairSet pairs_among(std::string name, std::vector<mapping::Scan> scans, double min_overlap, size_t count,
                     const Random& random);
 
 /// Frames of a recording with poses and the frame `ahead` positions later, `count` of them spread evenly.
@@ -50,12 +50,13 @@ PairSet recording_pairs(const std::filesystem::path& folder, size_t count, size_
 /// and line when one cannot be read.
 PairSet listed_pairs(const std::filesystem::path& file, const std::filesystem::path& clouds);
 
-double true_overlap(const Scan& target, const Scan& source, const Isometry3d& target_from_source);
+double true_overlap(const mapping::Scan& target, const mapping::Scan& source,
+                    const Isometry3d& target_from_source);
 
 /// A start that is off by a shift and a turn of at most this size, uniformly drawn; planar: about z.
 Isometry3d perturbed(const Isometry3d& pose, double shift, double turn_deg, bool planar, Random& random);
 
 /// Returned points only, one per cell: the mean of those in it. What all methods get.
-Scan thinned(const Scan& scan, double voxel);
+mapping::Scan thinned(const mapping::Scan& scan, double voxel);
 
-}  // namespace loci::registration_evaluation
+}  // namespace loci::apps::registration_evaluation

@@ -6,23 +6,23 @@
 #include <pcl/registration/icp.h>
 #include <pcl/registration/ndt.h>
 
-namespace loci::registration_evaluation {
+namespace loci::apps::registration_evaluation {
 namespace {
 
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 
 constexpr double kReach = 1.0;  ///< metres
 
-Cloud::Ptr cloud_of(const Scan& scan) {
+Cloud::Ptr cloud_of(const mapping::Scan& scan) {
   Cloud::Ptr cloud(new Cloud);
   cloud->reserve(scan.points.size());
-  for (const ScanPoint& point : scan.points)
+  for (const mapping::ScanPoint& point : scan.points)
     if (point.returned) cloud->push_back({point.position.x(), point.position.y(), point.position.z()});
   return cloud;
 }
 
-PeerResult run(pcl::Registration<pcl::PointXYZ, pcl::PointXYZ>& method, const Scan& target,
-               const Scan& source, const Isometry3d& target_from_source) {
+PeerResult run(pcl::Registration<pcl::PointXYZ, pcl::PointXYZ>& method, const mapping::Scan& target,
+               const mapping::Scan& source, const Isometry3d& target_from_source) {
   method.setInputTarget(cloud_of(target));
   method.setInputSource(cloud_of(source));
   Cloud moved;
@@ -43,7 +43,7 @@ const std::vector<std::string>& peers() {
   return names;
 }
 
-PeerResult align_with_peer(const std::string& peer, const Scan& target, const Scan& source,
+PeerResult align_with_peer(const std::string& peer, const mapping::Scan& target, const mapping::Scan& source,
                            const Isometry3d& target_from_source) {
   if (peer == "PCL GICP") {
     pcl::GeneralizedIterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> method;
@@ -65,4 +65,4 @@ PeerResult align_with_peer(const std::string& peer, const Scan& target, const Sc
   return run(method, target, source, target_from_source);
 }
 
-}  // namespace loci::registration_evaluation
+}  // namespace loci::apps::registration_evaluation

@@ -5,7 +5,7 @@
 
 #include "mapping/sensor/scan.h"
 
-namespace loci::registration_evaluation {
+namespace loci::apps::registration_evaluation {
 
 struct PeerResult {
   Isometry3d target_from_source = Isometry3d::Identity();
@@ -16,7 +16,7 @@ struct PeerResult {
 const std::vector<std::string>& peers();
 
 /// Points are taken as they are. Correspondences reach 1 m, so that starts half a metre off are within reach.
-PeerResult align_with_peer(const std::string& peer, const Scan& target, const Scan& source,
+PeerResult align_with_peer(const std::string& peer, const mapping::Scan& target, const mapping::Scan& source,
                            const Isometry3d& target_from_source);
 
-}  // namespace loci::registration_evaluation
+}  // namespace loci::apps::registration_evaluation

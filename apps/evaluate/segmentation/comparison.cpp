@@ -14,19 +14,19 @@
 #include "mapping/image/image_io.h"
 #include "mapping/recording/recording.h"
 #include "perception/annotators/annotators.h"
-#include "perception/annotators/io/labelled_recording.h"
 #include "perception/annotators/io/images.h"
+#include "perception/annotators/io/labelled_recording.h"
 #include "perception/pipeline/pipeline.h"
 
-namespace loci::segmentation_evaluation {
+namespace loci::apps::segmentation_evaluation {
 namespace {
 
 namespace fs = std::filesystem;
 
 /// Category of a scene by the number in its name, where scenes.csv tells.
-std::map<int64_t, std::string> read_categories(const fs::path& folder) {
+std::map<int64_t, std::string> read_categories(const segmentation_evaluation::fs::path& folder) {
   std::map<int64_t, std::string> categories;
-  if (!fs::exists(folder / "scenes.csv")) return categories;
+  if (!segmentation_evaluation::fs::exists(folder / "scenes.csv")) return categories;
   const CsvTable table = CsvTable::read(folder / "scenes.csv");
   const int scene = table.column("scene");
   const int category = table.column("category");
@@ -38,24 +38,25 @@ std::map<int64_t, std::string> read_categories(const fs::path& folder) {
 }
 
 /// Our segments and seconds of every frame, by the frame's name.
-std::map<std::string, Segmentation> ours(const std::shared_ptr<Recording>& recording,
-                                         const fs::path& pipeline_file, Progress& progress,
-                                         Warnings& warnings) {
-  AnnotatorRegistry registry;
+std::map<std::string, Segmentation> ours(const std::shared_ptr<mapping::Recording>& recording,
+                                         const segmentation_evaluation::fs::path& pipeline_file,
+                                         Progress& progress, Warnings& warnings) {
+  perception::AnnotatorRegistry registry;
   add_annotators(registry);
-  Pipeline pipeline =
-      pipeline_file.empty()
-          ? Pipeline::parse("reader: RecordingReader\nflow: [NormalEstimator, PlaneClusterExtractor]\n",
-                            "the tabletop pipeline", registry)
-          : Pipeline::parse(Config::read(pipeline_file), registry);
-  Resources resources;
+  perception::Pipeline pipeline =
+      pipeline_file.empty() ? perception::Pipeline::parse(
+                                  "reader: RecordingReader\nflow: [NormalEstimator, PlaneClusterExtractor]\n",
+                                  "the tabletop pipeline", registry)
+                            : perception::Pipeline::parse(Config::read(pipeline_file), registry);
+  perception::Resources resources;
   resources.put(recording);
-  Context context{resources, warnings, 1, {}};
+  perception::Context context{resources, warnings, 1, {}};
   std::map<std::string, Segmentation> found;
-  const PipelineResult result = pipeline.run(context, types::type_system(), progress, [&](cas::Cas& cas) {
-    const types::SceneCas scene(cas);
-    found[scene.scene().frame_name.get()].segments = label_image(scene);
-  });
+  const perception::PipelineResult result =
+      pipeline.run(context, perception::types::type_system(), progress, [&](perception::cas::Cas& cas) {
+        const perception::types::SceneCas scene(cas);
+        found[scene.scene().frame_name.get()].segments = perception::label_image(scene);
+      });
   // Reading files is nobody's method.
   double seconds = 0;
   for (size_t i = 1; i < result.seconds.size(); ++i) seconds += result.seconds[i].second;
@@ -83,8 +84,8 @@ void ComparisonOptions::declare(OptionTable& table) {
   peer.declare(table);
 }
 
-LabelledImage read_labels(const fs::path& path) {
-  const cv::Mat raw = read_label_image(path);
+LabelledImage read_labels(const segmentation_evaluation::fs::path& path) {
+  const cv::Mat raw = perception::read_label_image(path);
   LabelledImage image{cv::Mat::zeros(raw.size(), CV_16U), raw > 0};
   for (int v = 0; v < raw.rows; ++v)
     for (int u = 0; u < raw.cols; ++u)
@@ -93,10 +94,13 @@ LabelledImage read_labels(const fs::path& path) {
   return image;
 }
 
-Comparison compare(const fs::path& folder, const fs::path& pipeline, const fs::path& images,
-                   const ComparisonOptions& options, Progress& progress, Warnings& warnings) {
-  const std::shared_ptr<Recording> recording = open_recording(folder);
-  const std::map<std::string, fs::path> label_files = find_label_images(folder);
+Comparison compare(const segmentation_evaluation::fs::path& folder,
+                   const segmentation_evaluation::fs::path& pipeline,
+                   const segmentation_evaluation::fs::path& images, const ComparisonOptions& options,
+                   Progress& progress, Warnings& warnings) {
+  const std::shared_ptr<mapping::Recording> recording = mapping::open_recording(folder);
+  const std::map<std::string, segmentation_evaluation::fs::path> label_files =
+      perception::find_label_images(folder);
   const std::map<int64_t, std::string> categories = read_categories(folder);
   if (label_files.empty())
     throw Error("there are no labels", {folder.string(), 0, {}},
@@ -116,17 +120,17 @@ Comparison compare(const fs::path& folder, const fs::path& pipeline, const fs::p
   }
   if (!images.empty()) make_folder(images);
   for (size_t i = 0; i < recording->size(); ++i) {
-    const RgbdFrame frame = recording->frame(i);
+    const mapping::RgbdFrame frame = recording->frame(i);
     progress.check(static_cast<double>(i) / static_cast<double>(recording->size()), frame.name);
     const auto label_file = label_files.find(frame.name);
     if (label_file == label_files.end()) continue;
     const LabelledImage truth = read_labels(label_file->second);
     if (truth.object.size() != frame.depth.size())
-      throw Error("the label image is not as large as the depth image",
-                  {label_file->second.string(), 0, {}}, "");
+      throw Error("the label image is not as large as the depth image", {label_file->second.string(), 0, {}},
+                  "");
     std::vector<Segmentation> results = {found.at(frame.name)};
     for (const auto& peer : peers) results.push_back(peer->segment(frame.depth, frame.camera.depth));
-    const auto category = categories.find(scene_number(frame.name));
+    const auto category = categories.find(perception::scene_number(frame.name));
     FrameResult& judged = comparison.frames.emplace_back();
     judged.name = frame.name;
     judged.category = category == categories.end() ? "" : category->second;
@@ -142,7 +146,7 @@ Comparison compare(const fs::path& folder, const fs::path& pipeline, const fs::p
     if (images.empty()) continue;
     const cv::Mat color = frame.color.empty() ? cv::Mat(frame.depth.size(), CV_8UC3, cv::Scalar::all(128))
                                               : color_in_depth(frame);
-    write_image(images / (frame.name + ".png"), strip(color, truth.object, segments, 0.5));
+    mapping::write_image(images / (frame.name + ".png"), strip(color, truth.object, segments, 0.5));
   }
   if (comparison.frames.empty())
     throw Error("no frame has labels", {folder.string(), 0, {}},
@@ -186,4 +190,4 @@ Json Comparison::to_json() const {
   return json;
 }
 
-}  // namespace loci::segmentation_evaluation
+}  // namespace loci::apps::segmentation_evaluation

@@ -8,7 +8,7 @@
 #include "apps/evaluate/segmentation/scores.h"
 #include "mapping/base/progress.h"
 
-namespace loci::segmentation_evaluation {
+namespace loci::apps::segmentation_evaluation {
 
 struct ComparisonOptions {
   bool peers = true;
@@ -48,7 +48,7 @@ LabelledImage read_labels(const std::filesystem::path& path);
 /// a YAML file; empty = the default one) without a map, and PCL's methods; one thread. With `images` a
 /// strip per frame goes there: colour, truth, and each method.
 Comparison compare(const std::filesystem::path& folder, const std::filesystem::path& pipeline,
-                   const std::filesystem::path& images, const ComparisonOptions& options,
-                   Progress& progress, Warnings& warnings);
+                   const std::filesystem::path& images, const ComparisonOptions& options, Progress& progress,
+                   Warnings& warnings);
 
-}  // namespace loci::segmentation_evaluation
+}  // namespace loci::apps::segmentation_evaluation

@@ -11,22 +11,23 @@
 #include "mapping/base/json.h"
 #include "mapping/image/image_io.h"
 
-namespace loci::segmentation_evaluation {
+namespace loci::apps::segmentation_evaluation {
 namespace {
 
 /// What two stages find, as segments of the colour image.
-cv::Mat two_stages(const FlatImage& image, const RgbdCamera& camera, const FlatSurface& surface,
-                   const FlatOptions& options) {
+cv::Mat two_stages(const FlatImage& image, const mapping::RgbdCamera& camera,
+                   const perception::FlatSurface& surface, const perception::FlatOptions& options) {
   cv::Mat segments = cv::Mat::zeros(image.color.size(), CV_16U);
   int number = 0;
-  for (const FlatObject& object : find_flat_objects(image.depth, image.color, camera, surface, options))
+  for (const perception::FlatObject& object :
+       find_flat_objects(image.depth, image.color, camera, surface, options))
     segments(object.box).setTo(++number, object.mask);
   return segments;
 }
 
 /// Connected pixels that are higher than the middle between table and object.
-cv::Mat threshold(const FlatImage& image, const RgbdCamera& camera, const FlatSurface& surface,
-                  const FlatOptions& options) {
+cv::Mat threshold(const FlatImage& image, const mapping::RgbdCamera& camera,
+                  const perception::FlatSurface& surface, const perception::FlatOptions& options) {
   const cv::Mat heights = heights_over_surface(image.depth, camera.depth, surface, options);
   const cv::Mat in_color = seen_by_color(heights, camera, surface, std::numeric_limits<double>::quiet_NaN());
   const double middle = (options.table_m + options.object_m) / 2;
@@ -48,14 +49,13 @@ cv::Mat threshold(const FlatImage& image, const RgbdCamera& camera, const FlatSu
 void FlatComparisonOptions::declare(OptionTable& table) {
   table.integer("flat_workspaces", workspaces, "", "Simulated workspaces, from near to far.", 1, 1000);
   table.integer("flat_images", images, "", "Images of each, under changing light.", 1, 1000);
-  table.integer("flat_empty", empty_images, "", "Images of the empty tables for the calibration.", 1,
-                10000);
+  table.integer("flat_empty", empty_images, "", "Images of the empty tables for the calibration.", 1, 10000);
   table.number("flat_nearest_m", nearest_m, "m", "Distance of the nearest camera.", 0.5, 4);
   table.number("flat_farthest_m", farthest_m, "m", "Distance of the farthest camera.", 0.5, 4);
   table.integer("flat_seed", seed, "", "Seed of the simulated workspaces.", 0, 1 << 30);
 }
 
-FlatComparison compare_flat(const FlatComparisonOptions& options, const FlatOptions& flat,
+FlatComparison compare_flat(const FlatComparisonOptions& options, const perception::FlatOptions& flat,
                             const std::filesystem::path& images, Progress& progress) {
   FlatComparison comparison;
   comparison.workspaces = options.workspaces;
@@ -64,7 +64,7 @@ FlatComparison compare_flat(const FlatComparisonOptions& options, const FlatOpti
                         {"two stages, not calibrated", {}, {}},
                         {"height > 5 mm, not calibrated", {}, {}},
                         {"height > 5 mm over the plane", {}, {}}};
-  FlatOptions over_plane = flat;
+  perception::FlatOptions over_plane = flat;
   over_plane.background_m = 0;
   const Random random(static_cast<uint64_t>(options.seed));
   if (!images.empty()) make_folder(images);
@@ -72,19 +72,19 @@ FlatComparison compare_flat(const FlatComparisonOptions& options, const FlatOpti
     const double part = options.workspaces == 1 ? 0.5 : static_cast<double>(w) / (options.workspaces - 1);
     const double distance = options.nearest_m + part * (options.farthest_m - options.nearest_m);
     const FlatWorkspace workspace(distance, random.fork(static_cast<uint64_t>(w)));
-    SurfaceCalibration calibration;
+    perception::SurfaceCalibration calibration;
     for (int i = 0; i < options.empty_images; ++i) {
       progress.check((w + 0.5 * i / options.empty_images) / options.workspaces, "empty tables");
       calibration.add(workspace.empty_depth(static_cast<uint64_t>(i)));
     }
-    const FlatSurface plain{workspace.normal(), workspace.offset(), workspace.inside(), {}};
-    FlatSurface calibrated = plain;
+    const perception::FlatSurface plain{workspace.normal(), workspace.offset(), workspace.inside(), {}};
+    perception::FlatSurface calibrated = plain;
     calibrated.empty_depth = calibration.mean();
     for (FlatMethod& method : comparison.methods) method.by_distance.emplace_back(distance, Scores());
     for (int i = 0; i < options.images; ++i) {
       progress.check((w + 0.5 + 0.5 * i / options.images) / options.workspaces, "images");
       const FlatImage image = workspace.image(static_cast<uint64_t>(i));
-      const RgbdCamera& camera = workspace.camera();
+      const mapping::RgbdCamera& camera = workspace.camera();
       const std::vector<cv::Mat> found = {
           two_stages(image, camera, calibrated, flat), threshold(image, camera, calibrated, flat),
           two_stages(image, camera, plain, flat), threshold(image, camera, plain, flat),
@@ -95,8 +95,8 @@ FlatComparison compare_flat(const FlatComparisonOptions& options, const FlatOpti
       }
       ++comparison.images;
       if (i + 1 == options.images && !images.empty())
-        write_image(images / fmt::format("flat_{}.png", w + 1),
-                    strip(image.color, image.truth.object, found, 0.25));
+        mapping::write_image(images / fmt::format("flat_{}.png", w + 1),
+                             strip(image.color, image.truth.object, found, 0.25));
     }
   }
   return comparison;
@@ -133,4 +133,4 @@ Json FlatComparison::to_json() const {
   return json;
 }
 
-}  // namespace loci::segmentation_evaluation
+}  // namespace loci::apps::segmentation_evaluation

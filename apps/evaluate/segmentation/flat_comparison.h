@@ -9,7 +9,7 @@
 #include "mapping/base/progress.h"
 #include "perception/annotators/hypotheses/flat_objects.h"
 
-namespace loci::segmentation_evaluation {
+namespace loci::apps::segmentation_evaluation {
 
 struct FlatComparisonOptions {
   int workspaces = 6;
@@ -42,7 +42,7 @@ struct FlatComparison {
 /// calibration on images of the empty tables, and that threshold over the tables' ideal plane. Masks are
 /// compared in the colour image. With `images` the last image of each workspace goes there, with the
 /// truth and what both methods found.
-FlatComparison compare_flat(const FlatComparisonOptions& options, const FlatOptions& flat,
+FlatComparison compare_flat(const FlatComparisonOptions& options, const perception::FlatOptions& flat,
                             const std::filesystem::path& images, Progress& progress);
 
-}  // namespace loci::segmentation_evaluation
+}  // namespace loci::apps::segmentation_evaluation

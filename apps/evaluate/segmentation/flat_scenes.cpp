@@ -2,34 +2,35 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/base/math.h"
 #include "mapping/simulation/scenario.h"
 
-namespace loci::segmentation_evaluation {
+namespace loci::apps::segmentation_evaluation {
 namespace {
 
 constexpr double kHalfLength = 0.5;  ///< of the tables, metres
 constexpr double kHalfWidth = 0.35;
 constexpr double kThickness = 0.010;
-constexpr double kPi = std::numbers::pi;
 
 /// Painted, laminated and wooden tops; the last are hardly another colour than the pieces.
-const std::array<std::pair<Rgba, Rgba>, 4> kTables = {{{{0.55f, 0.57f, 0.58f, 1}, {0.60f, 0.60f, 0.62f, 1}},
-                                                       {{0.25f, 0.38f, 0.30f, 1}, {0.28f, 0.36f, 0.32f, 1}},
-                                                       {{0.42f, 0.26f, 0.16f, 1}, {0.38f, 0.25f, 0.17f, 1}},
-                                                       {{0.78f, 0.66f, 0.50f, 1}, {0.74f, 0.64f, 0.50f, 1}}}};
-const std::array<Rgba, 3> kPieces = {
+const std::array<std::pair<mapping::Rgba, mapping::Rgba>, 4> kTables = {
+    {{{0.55f, 0.57f, 0.58f, 1}, {0.60f, 0.60f, 0.62f, 1}},
+     {{0.25f, 0.38f, 0.30f, 1}, {0.28f, 0.36f, 0.32f, 1}},
+     {{0.42f, 0.26f, 0.16f, 1}, {0.38f, 0.25f, 0.17f, 1}},
+     {{0.78f, 0.66f, 0.50f, 1}, {0.74f, 0.64f, 0.50f, 1}}}};
+const std::array<mapping::Rgba, 3> kPieces = {
     {{0.80f, 0.62f, 0.38f, 1}, {0.76f, 0.55f, 0.33f, 1}, {0.72f, 0.20f, 0.15f, 1}}};
 
-void add_triangle(TriangleMesh& mesh, uint32_t a, uint32_t b, uint32_t c, const Rgba& color) {
+void add_triangle(mapping::TriangleMesh& mesh, uint32_t a, uint32_t b, uint32_t c,
+                  const mapping::Rgba& color) {
   mesh.triangles.push_back({a, b, c});
   mesh.colors.push_back(color);
 }
 
 /// The same colour, a little lighter or darker.
-Rgba varied(const Rgba& color, Random& draw, double most) {
+mapping::Rgba varied(const mapping::Rgba& color, Random& draw, double most) {
   const auto gain = static_cast<float>(1 + draw.uniform(-most, most));
   return {color[0] * gain, color[1] * gain, color[2] * gain, 1};
 }
@@ -71,20 +72,20 @@ cv::Mat lit(const cv::Mat& colors, Random& draw) {
 }  // namespace
 
 FlatWorkspace::FlatWorkspace(double distance, Random random) : random_(std::move(random)) {
-  camera_ = kinect_camera();
+  camera_ = mapping::kinect_camera();
   camera_.color = {1280, 960, 1056, 1056, 640.5, 480.5};
   Random draw = random_.fork(0);
   const double elevation = draw.uniform(45, 60) * kPi / 180;
   const double side = draw.uniform(-0.3, 0.3);
   const Vector3d from(side * distance, -std::cos(elevation) * distance, std::sin(elevation) * distance);
-  map_from_camera_ = looking_at(from.normalized() * distance, Vector3d::Zero());
+  map_from_camera_ = mapping::looking_at(from.normalized() * distance, Vector3d::Zero());
   const auto& tables = kTables[draw.index(kTables.size())];
   colors_ = {tables.first, tables.second, {kPieces[0], kPieces[1], kPieces[2]}};
   for (double& wave : waves_) wave = draw.uniform();
   seam_ = draw.uniform(-0.2, 0.2);
   step_ = draw.uniform(-0.002, 0.002);
   empty_.add("tables", this->tables(), Isometry3d::Identity());
-  RenderOptions options;
+  mapping::RenderOptions options;
   options.normals = true;
   empty_view_ = empty_.render(camera_.depth, map_from_camera_, options);
 }
@@ -112,11 +113,11 @@ double FlatWorkspace::surface(double x, double y) const {
   return wave(0, 0.002, 0.5, 1.0) + wave(3, 0.0015, 0.3, 0.6) + other_table;
 }
 
-TriangleMesh FlatWorkspace::tables() const {
+mapping::TriangleMesh FlatWorkspace::tables() const {
   constexpr double kCell = 0.01;
   const int columns = static_cast<int>(2 * kHalfLength / kCell);
   const int rows = static_cast<int>(2 * kHalfWidth / kCell);
-  TriangleMesh mesh;
+  mapping::TriangleMesh mesh;
   Random draw = random_.fork(1);
   for (int row = 0; row <= rows; ++row)
     for (int column = 0; column <= columns; ++column) {
@@ -128,25 +129,26 @@ TriangleMesh FlatWorkspace::tables() const {
     for (int column = 0; column < columns; ++column) {
       const auto a = static_cast<uint32_t>(row * (columns + 1) + column);
       const auto above = a + static_cast<uint32_t>(columns) + 1;
-      const Rgba& base = -kHalfLength + column * kCell < seam_ ? colors_.left_table : colors_.right_table;
-      const Rgba color = varied(base, draw, 0.04);
+      const mapping::Rgba& base =
+          -kHalfLength + column * kCell < seam_ ? colors_.left_table : colors_.right_table;
+      const mapping::Rgba color = varied(base, draw, 0.04);
       add_triangle(mesh, a, a + 1, above + 1, color);
       add_triangle(mesh, a, above + 1, above, color);
     }
   return mesh;
 }
 
-TriangleMesh FlatWorkspace::piece(Random& draw, const Vector2d& at) const {
+mapping::TriangleMesh FlatWorkspace::piece(Random& draw, const Vector2d& at) const {
   // A strip along an arc; a straight piece is one of a very large circle.
   constexpr double kHalfPiece = 0.02;
   const double length = draw.uniform(0.08, 0.16);
   const double radius = draw.uniform() < 0.5 ? 0.18 : 100;
   const double turn = draw.uniform(0, 2 * kPi);
-  const Rgba color = colors_.pieces[draw.index(3)];
+  const mapping::Rgba color = colors_.pieces[draw.index(3)];
   const Vector2d slope((surface(at.x() + 0.02, at.y()) - surface(at.x() - 0.02, at.y())) / 0.04,
                        (surface(at.x(), at.y() + 0.02) - surface(at.x(), at.y() - 0.02)) / 0.04);
   constexpr int kSteps = 12;
-  TriangleMesh mesh;
+  mapping::TriangleMesh mesh;
   for (int i = 0; i <= kSteps; ++i) {
     const double angle = (static_cast<double>(i) / kSteps - 0.5) * length / radius;
     for (const double side : {-kHalfPiece, kHalfPiece}) {
@@ -176,8 +178,8 @@ TriangleMesh FlatWorkspace::piece(Random& draw, const Vector2d& at) const {
   return mesh;
 }
 
-cv::Mat FlatWorkspace::measured(const RenderedView& view, const Random& random) const {
-  return measured_by_kinect(view.depth, view.normal, camera_.depth, KinectModel(), random);
+cv::Mat FlatWorkspace::measured(const mapping::RenderedView& view, const Random& random) const {
+  return measured_by_kinect(view.depth, view.normal, camera_.depth, mapping::KinectModel(), random);
 }
 
 cv::Mat FlatWorkspace::empty_depth(uint64_t number) const {
@@ -186,7 +188,7 @@ cv::Mat FlatWorkspace::empty_depth(uint64_t number) const {
 
 FlatImage FlatWorkspace::image(uint64_t number) const {
   Random draw = random_.fork(3).fork(number);
-  RenderScene scene;
+  mapping::RenderScene scene;
   scene.add("tables", tables(), Isometry3d::Identity());
   std::vector<Vector2d> places;
   for (int attempt = 0; attempt < 60 && places.size() < 7; ++attempt) {
@@ -197,14 +199,15 @@ FlatImage FlatWorkspace::image(uint64_t number) const {
     places.push_back(at);
     scene.add("piece_" + std::to_string(places.size()), piece(draw, at), Isometry3d::Identity());
   }
-  RenderOptions options;
+  mapping::RenderOptions options;
   options.normals = true;
   FlatImage image;
   image.depth = measured(scene.render(camera_.depth, map_from_camera_, options), draw.fork(0));
   options.colors = true;
-  const RenderedView view = scene.render(camera_.color, map_from_camera_ * camera_.depth_from_color, options);
+  const mapping::RenderedView view =
+      scene.render(camera_.color, map_from_camera_ * camera_.depth_from_color, options);
   image.color = lit(view.color, draw);
-  add_color_noise(image.color, KinectModel(), draw.fork(1));
+  add_color_noise(image.color, mapping::KinectModel(), draw.fork(1));
   // Links: the tables are 0, the pieces follow.
   image.truth.object = cv::Mat(view.link.size(), CV_16U);
   for (int v = 0; v < view.link.rows; ++v)
@@ -214,4 +217,4 @@ FlatImage FlatWorkspace::image(uint64_t number) const {
   return image;
 }
 
-}  // namespace loci::segmentation_evaluation
+}  // namespace loci::apps::segmentation_evaluation

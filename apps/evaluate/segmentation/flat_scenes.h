@@ -8,12 +8,12 @@
 #include "mapping/sensor/camera.h"
 #include "mapping/sensor/kinect.h"
 
-namespace loci::segmentation_evaluation {
+namespace loci::apps::segmentation_evaluation {
 
 /// One image of a flat scene.
 struct FlatImage {
-  cv::Mat depth;          ///< CV_32F, as the sensor measures it
-  cv::Mat color;          ///< CV_8UC3, twice as large
+  cv::Mat depth;        ///< CV_32F, as the sensor measures it
+  cv::Mat color;        ///< CV_8UC3, twice as large
   LabelledImage truth;  ///< of the colour image: which piece
 };
 
@@ -25,7 +25,7 @@ class FlatWorkspace {
   /// The camera looks at the tables' middle from `distance` metres; everything else is drawn from `random`.
   FlatWorkspace(double distance, Random random);
 
-  const RgbdCamera& camera() const { return camera_; }
+  const mapping::RgbdCamera& camera() const { return camera_; }
   /// The ideal plane of the tables in the depth camera's frame: normal · p = offset.
   Vector3d normal() const;
   double offset() const;
@@ -39,25 +39,25 @@ class FlatWorkspace {
   FlatImage image(uint64_t number) const;
 
  private:
-  cv::Mat measured(const RenderedView& view, const Random& random) const;
+  cv::Mat measured(const mapping::RenderedView& view, const Random& random) const;
 
   struct Colors {
-    Rgba left_table, right_table;
-    Rgba pieces[3];
+    mapping::Rgba left_table, right_table;
+    mapping::Rgba pieces[3];
   };
   double surface(double x, double y) const;
-  TriangleMesh tables() const;
-  TriangleMesh piece(Random& draw, const Vector2d& at) const;
+  mapping::TriangleMesh tables() const;
+  mapping::TriangleMesh piece(Random& draw, const Vector2d& at) const;
 
   Random random_;
-  RgbdCamera camera_;
+  mapping::RgbdCamera camera_;
   Isometry3d map_from_camera_ = Isometry3d::Identity();
   Colors colors_;
   std::array<double, 8> waves_;
   double seam_ = 0;
   double step_ = 0;
-  RenderScene empty_;
-  RenderedView empty_view_;
+  mapping::RenderScene empty_;
+  mapping::RenderedView empty_view_;
 };
 
-}  // namespace loci::segmentation_evaluation
+}  // namespace loci::apps::segmentation_evaluation

@@ -16,14 +16,14 @@
 
 #include "mapping/base/stopwatch.h"
 
-namespace loci::segmentation_evaluation {
+namespace loci::apps::segmentation_evaluation {
 namespace {
 
 using Point = pcl::PointXYZRGBA;
 using Cloud = pcl::PointCloud<Point>;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-Cloud::Ptr cloud_of(const cv::Mat& depth, const PinholeCamera& camera) {
+Cloud::Ptr cloud_of(const cv::Mat& depth, const mapping::PinholeCamera& camera) {
   Cloud::Ptr cloud(new Cloud(static_cast<uint32_t>(depth.cols), static_cast<uint32_t>(depth.rows)));
   cloud->is_dense = false;
   for (int v = 0; v < depth.rows; ++v)
@@ -71,7 +71,7 @@ class Euclidean : public Peer {
  public:
   explicit Euclidean(const PeerOptions& options) : options_(options) {}
 
-  Segmentation segment(const cv::Mat& depth, const PinholeCamera& camera) override {
+  Segmentation segment(const cv::Mat& depth, const mapping::PinholeCamera& camera) override {
     const Cloud::Ptr cloud = cloud_of(depth, camera);
     const Stopwatch watch;
     const std::vector<float> heights = heights_over_plane(cloud, options_.plane_m);
@@ -127,7 +127,7 @@ class Lccp : public Peer {
  public:
   Lccp(const PeerOptions& options, bool above_plane) : options_(options), above_plane_(above_plane) {}
 
-  Segmentation segment(const cv::Mat& depth, const PinholeCamera& camera) override {
+  Segmentation segment(const cv::Mat& depth, const mapping::PinholeCamera& camera) override {
     const Cloud::Ptr cloud = cloud_of(depth, camera);
     const Stopwatch watch;
     const std::vector<float> heights = heights_over_plane(cloud, options_.plane_m);
@@ -218,4 +218,4 @@ std::unique_ptr<Peer> pcl_lccp(const PeerOptions& options, bool above_plane) {
   return std::make_unique<Lccp>(options, above_plane);
 }
 
-}  // namespace loci::segmentation_evaluation
+}  // namespace loci::apps::segmentation_evaluation

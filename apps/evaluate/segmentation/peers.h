@@ -6,7 +6,7 @@
 #include "mapping/base/options.h"
 #include "mapping/sensor/camera.h"
 
-namespace loci::segmentation_evaluation {
+namespace loci::apps::segmentation_evaluation {
 
 /// How PCL's methods are set.
 struct PeerOptions {
@@ -32,7 +32,7 @@ class Peer {
  public:
   virtual ~Peer() = default;
   /// `depth`: CV_32F, metres, NaN = none.
-  virtual Segmentation segment(const cv::Mat& depth, const PinholeCamera& camera) = 0;
+  virtual Segmentation segment(const cv::Mat& depth, const mapping::PinholeCamera& camera) = 0;
 };
 
 /// SACSegmentation removes the largest plane; what is above it goes through VoxelGrid and
@@ -45,4 +45,4 @@ std::unique_ptr<Peer> pcl_euclidean(const PeerOptions& options);
 /// way as it does best.
 std::unique_ptr<Peer> pcl_lccp(const PeerOptions& options, bool above_plane);
 
-}  // namespace loci::segmentation_evaluation
+}  // namespace loci::apps::segmentation_evaluation

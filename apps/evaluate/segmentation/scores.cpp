@@ -5,7 +5,7 @@
 
 #include "mapping/base/json.h"
 
-namespace loci::segmentation_evaluation {
+namespace loci::apps::segmentation_evaluation {
 
 void Scores::add(const LabelledImage& truth, const cv::Mat& segments) {
   constexpr double kFound = 0.75;
@@ -82,4 +82,4 @@ Json Scores::to_json() const {
           {"f1", f1()}};
 }
 
-}  // namespace loci::segmentation_evaluation
+}  // namespace loci::apps::segmentation_evaluation

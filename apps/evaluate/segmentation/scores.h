@@ -4,7 +4,7 @@
 
 #include "mapping/base/json_fwd.h"
 
-namespace loci::segmentation_evaluation {
+namespace loci::apps::segmentation_evaluation {
 
 /// What of an image is which object.
 struct LabelledImage {
@@ -51,4 +51,4 @@ class Scores {
   double wrong_ = 0;
 };
 
-}  // namespace loci::segmentation_evaluation
+}  // namespace loci::apps::segmentation_evaluation

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-namespace loci::segmentation_evaluation {
+namespace loci::apps::segmentation_evaluation {
 namespace {
 
 cv::Mat painted(const cv::Mat& labels, const cv::Mat& background) {
@@ -43,4 +43,4 @@ cv::Mat strip(const cv::Mat& color, const cv::Mat& truth, const std::vector<cv::
   return all;
 }
 
-}  // namespace loci::segmentation_evaluation
+}  // namespace loci::apps::segmentation_evaluation

@@ -16,7 +16,7 @@
 #include "perception/annotators/scene_data.h"
 #include "perception/cas/graph.h"
 
-namespace loci::system_evaluation {
+namespace loci::apps::system_evaluation {
 namespace {
 
 constexpr double kMargin = 0.01;  ///< metres, for the noise of the sensor
@@ -38,7 +38,7 @@ using Truth = std::map<int64_t, std::vector<TrueThing>>;
 Truth read_truth(const std::filesystem::path& file, const std::vector<HouseholdThing>& things) {
   std::map<std::string, std::pair<const HouseholdThing*, Eigen::AlignedBox3d>> by_name;
   for (const HouseholdThing& thing : things) {
-    const ObjectModel model = build_object(thing.spec);
+    const mapping::ObjectModel model = build_object(thing.spec);
     by_name[thing.spec.name] = {&thing, {model.low, model.high}};
   }
   Truth truth;
@@ -58,15 +58,17 @@ Truth read_truth(const std::filesystem::path& file, const std::vector<HouseholdT
   return truth;
 }
 
-Pipeline system_pipeline(const SystemOptions& options, const AnnotatorRegistry& registry) {
+perception::Pipeline system_pipeline(const SystemOptions& options,
+                                     const perception::AnnotatorRegistry& registry) {
   std::string flow =
       "flow: [NormalEstimator, KnownStructureFilter, PlaneClusterExtractor, FlatObjectExtractor, "
       "PlaceNaming, "
       "ColorHistogram, ColorName, GeometryAnnotator, LocationAnnotator";
   if (options.words) flow += ", BarcodeReader, TextReader";
-  Pipeline pipeline = options.pipeline.empty()
-                          ? Pipeline::parse(flow + "]\n", "the pipeline of the evaluation", registry)
-                          : Pipeline::parse(Config::read(options.pipeline), registry);
+  perception::Pipeline pipeline =
+      options.pipeline.empty()
+          ? perception::Pipeline::parse(flow + "]\n", "the pipeline of the evaluation", registry)
+          : perception::Pipeline::parse(Config::read(options.pipeline), registry);
   pipeline.add("IdentityResolution", registry);
   pipeline.add_writer("MemoryWriter", registry);
   return pipeline;
@@ -77,13 +79,13 @@ class Tally {
  public:
   Tally(const Truth& truth, SystemResult& result) : truth_(truth), result_(result) {}
 
-  void add(cas::Cas& cas) {
-    const types::SceneCas scene(cas);
-    const std::vector<types::Cluster> clusters = scene.clusters();
+  void add(perception::cas::Cas& cas) {
+    const perception::types::SceneCas scene(cas);
+    const std::vector<perception::types::Cluster> clusters = scene.clusters();
     compare(scene, clusters);
     count_sizes(clusters);
     count_types(scene);
-    for (const types::Cluster& cluster : clusters) {
+    for (const perception::types::Cluster& cluster : clusters) {
       count_results(cluster);
       if (const size_t rich = richness(cluster); rich > richest_) {
         richest_ = rich;
@@ -106,11 +108,12 @@ class Tally {
   }
 
  private:
-  void compare(const types::SceneCas& scene, const std::vector<types::Cluster>& clusters) {
+  void compare(const perception::types::SceneCas& scene,
+               const std::vector<perception::types::Cluster>& clusters) {
     const std::vector<TrueThing>& things = truth_.at(scene.scene().frame_index.get());
     std::vector<bool> found(things.size(), false);
-    for (const types::Cluster& cluster : clusters) {
-      const std::vector<Vector3d> points = cluster_points(scene, cluster);
+    for (const perception::types::Cluster& cluster : clusters) {
+      const std::vector<Vector3d> points = perception::cluster_points(scene, cluster);
       std::vector<double> inside(things.size(), 0);
       for (const Vector3d& point : points)
         for (size_t i = 0; i < things.size(); ++i)
@@ -136,11 +139,11 @@ class Tally {
     }
   }
 
-  void count_sizes(const std::vector<types::Cluster>& clusters) {
+  void count_sizes(const std::vector<perception::types::Cluster>& clusters) {
     int flat = 0;
-    for (const types::Cluster& cluster : clusters) {
-      result_.points.push_back(cluster_indices(cluster).size());
-      const auto points = cluster.hypotheses.first<types::ReferenceClusterPoints>();
+    for (const perception::types::Cluster& cluster : clusters) {
+      result_.points.push_back(perception::cluster_indices(cluster).size());
+      const auto points = cluster.hypotheses.first<perception::types::ReferenceClusterPoints>();
       flat += points && points.source.get() == "FlatObjectExtractor" ? 1 : 0;
     }
     result_.clusters += clusters.size();
@@ -150,36 +153,38 @@ class Tally {
     ++result_.total_found[all];
   }
 
-  void count_types(const types::SceneCas& scene) {
-    std::vector<cas::FeatureStructure> roots;
+  void count_types(const perception::types::SceneCas& scene) {
+    std::vector<perception::cas::FeatureStructure> roots;
     for (const std::string& name : scene.cas().view_names()) {
       if (name != "default") ++on_scenes_["view " + name];
-      for (const cas::FeatureStructure& each : scene.cas().find_view(name)->all()) roots.push_back(each);
+      for (const perception::cas::FeatureStructure& each : scene.cas().find_view(name)->all())
+        roots.push_back(each);
     }
-    for (const cas::FeatureStructure& each : cas::reachable_from(roots))
-      if (each.type().kind() == cas::Kind::kStructure) ++all_[each.type().short_name()];
+    for (const perception::cas::FeatureStructure& each : perception::cas::reachable_from(roots))
+      if (each.type().kind() == perception::cas::Kind::kStructure) ++all_[each.type().short_name()];
     ++on_scenes_["Scene"];
     for (const char* name : {"log", "similarities", "distances", "joint_state", "map_from_camera"})
-      if (const auto below = scene.scene().structure().get<cas::FeatureStructure>(name))
+      if (const auto below = scene.scene().structure().get<perception::cas::FeatureStructure>(name))
         ++on_scenes_[below.type().short_name()];
-    for (const types::Annotation& each : scene.scene().annotations)
+    for (const perception::types::Annotation& each : scene.scene().annotations)
       ++on_scenes_[each.structure().type().short_name()];
-    for (const types::Cluster& cluster : scene.clusters()) {
+    for (const perception::types::Cluster& cluster : scene.clusters()) {
       ++on_clusters_["Cluster"];
-      for (const types::ObjectHypothesis& each : cluster.hypotheses)
+      for (const perception::types::ObjectHypothesis& each : cluster.hypotheses)
         ++on_clusters_[each.structure().type().short_name()];
-      for (const types::Annotation& each : cluster.annotations)
+      for (const perception::types::Annotation& each : cluster.annotations)
         ++on_clusters_[each.structure().type().short_name()];
     }
   }
 
-  void count_results(const types::Cluster& cluster) {
-    for (const types::Annotation& annotation : cluster.annotations) {
-      if (const auto text = types::try_as<types::TextAnnotation>(annotation))
+  void count_results(const perception::types::Cluster& cluster) {
+    for (const perception::types::Annotation& annotation : cluster.annotations) {
+      if (const auto text = perception::types::try_as<perception::types::TextAnnotation>(annotation))
         ++result_.results[{"Text", text->text.get()}];
-      else if (const auto code = types::try_as<types::BarcodeAnnotation>(annotation))
+      else if (const auto code = perception::types::try_as<perception::types::BarcodeAnnotation>(annotation))
         ++result_.results[{"Barcode", code->code.get()}];
-      else if (const auto product = types::try_as<types::ProductAnnotation>(annotation))
+      else if (const auto product =
+                   perception::types::try_as<perception::types::ProductAnnotation>(annotation))
         ++result_.results[{"Product", product->name.get()}];
     }
   }
@@ -226,45 +231,45 @@ SystemResult run_system(const SystemOptions& options, const std::filesystem::pat
   const Random random(static_cast<uint64_t>(options.seed));
   const std::vector<HouseholdThing> things = household(options.map.parent_path() / "labels");
   result.things = things.size();
-  const auto map = KnownMap::load(options.map, {}, warnings);
+  const auto map = perception::KnownMap::load(options.map, {}, warnings);
   const std::vector<SceneCount> counts = scene_counts(options.scenes, random.fork(0));
   count_set_up(counts, result);
   PartialProgress simulating(progress, 0, 0.4), perceiving(progress, 0.4, 0.8), measuring(progress, 0.8, 1);
-  RecordOptions recording;
+  mapping::RecordOptions recording;
   recording.seed = options.seed;
   recording.threads = options.threads;
   record(household_scenario(*map, things, counts, random.fork(1)), folder / "recording", recording,
          simulating, warnings);
 
   const Truth truth = read_truth(folder / "recording" / "truth.jsonl", things);
-  const std::shared_ptr<Recording> opened = open_recording(folder / "recording");
-  AnnotatorRegistry registry;
+  const std::shared_ptr<mapping::Recording> opened = mapping::open_recording(folder / "recording");
+  perception::AnnotatorRegistry registry;
   add_annotators(registry);
-  add_memory_annotators(registry);
-  Pipeline pipeline = system_pipeline(options, registry);
-  Resources resources;
+  memory::add_memory_annotators(registry);
+  perception::Pipeline pipeline = system_pipeline(options, registry);
+  perception::Resources resources;
   resources.put(opened);
   resources.put(map);
-  resources.put(std::make_shared<World>(map->world));
-  MemorySessionOptions memory;
+  resources.put(std::make_shared<mapping::World>(map->world));
+  memory::MemorySessionOptions memory;
   memory.memory = folder / "memory.loci";
   memory.program = "loci-evaluate system";
   memory.configuration = pipeline.to_json();
   memory.map = options.map;
   std::filesystem::remove(memory.memory);
-  resources.put(std::make_shared<MemorySession>(memory, *opened));
-  Context context{resources, warnings, options.threads, {}};
+  resources.put(std::make_shared<memory::MemorySession>(memory, *opened));
+  perception::Context context{resources, warnings, options.threads, {}};
   Tally tally(truth, result);
   result.steps =
-      step_times(run_with_memory(pipeline, context, types::type_system(), perceiving, [&](cas::Cas& cas) {
-                   tally.add(cas);
-                 }).pipeline);
+      step_times(memory::run_with_memory(pipeline, context, perception::types::type_system(), perceiving,
+                                         [&](perception::cas::Cas& cas) { tally.add(cas); })
+                     .pipeline);
   tally.finish();
-  result.objects = resources.get<MemorySession>("memory").store().objects().size();
+  result.objects = resources.get<memory::MemorySession>("memory").store().objects().size();
   result.throughput = measure_throughput(
       opened, map, static_cast<size_t>(options.frames > 0 ? options.frames : options.scenes), options.threads,
       measuring);
   return result;
 }
 
-}  // namespace loci::system_evaluation
+}  // namespace loci::apps::system_evaluation

@@ -11,7 +11,7 @@
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
 
-namespace loci::system_evaluation {
+namespace loci::apps::system_evaluation {
 
 struct SystemOptions {
   int scenes = 103;
@@ -68,4 +68,4 @@ SystemResult run_system(const SystemOptions& options, const std::filesystem::pat
 std::string text_of(const SystemResult& result);
 Json json_of(const SystemResult& result);
 
-}  // namespace loci::system_evaluation
+}  // namespace loci::apps::system_evaluation

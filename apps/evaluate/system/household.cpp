@@ -2,22 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "mapping/base/math.h"
 #include "mapping/world/kinematics.h"
 
-namespace loci::system_evaluation {
+namespace loci::apps::system_evaluation {
 namespace {
 
 constexpr double kGap = 0.02;        ///< between two things, metres
 constexpr double kHalfReach = 0.45;  ///< along the counter that one look shows
 constexpr double kEdge = 0.04;       ///< kept free at the counter's edges
 
-ObjectSpec of_model(const std::string& model, const Rgba& color, const Rgba& accent,
-                    const std::string& pattern = "") {
-  ObjectSpec spec;
+mapping::ObjectSpec of_model(const std::string& model, const mapping::Rgba& color,
+                             const mapping::Rgba& accent, const std::string& pattern = "") {
+  mapping::ObjectSpec spec;
   spec.model = model;
   spec.color = color;
   spec.accent = accent;
@@ -25,9 +25,9 @@ ObjectSpec of_model(const std::string& model, const Rgba& color, const Rgba& acc
   return spec;
 }
 
-ObjectSpec of_box(const Vector3d& size, const Rgba& color, const Rgba& accent,
-                  const std::string& pattern = "") {
-  ObjectSpec spec = of_model("box", color, accent, pattern);
+mapping::ObjectSpec of_box(const Vector3d& size, const mapping::Rgba& color, const mapping::Rgba& accent,
+                           const std::string& pattern = "") {
+  mapping::ObjectSpec spec = of_model("box", color, accent, pattern);
   spec.size = size;
   return spec;
 }
@@ -49,12 +49,12 @@ struct Counter {
   }
 };
 
-std::vector<Counter> counters_of(const KnownMap& map) {
+std::vector<Counter> counters_of(const perception::KnownMap& map) {
   const std::vector<Isometry3d> poses = root_from_links(map.world, {});
   Vector3d middle = Vector3d::Zero();
   for (const Isometry3d& pose : poses) middle += pose.translation() / static_cast<double>(poses.size());
   std::vector<Counter> counters;
-  for (const SupportSurface& surface : map.support_surfaces({"counter*"})) {
+  for (const perception::SupportSurface& surface : map.support_surfaces({"counter*"})) {
     Counter counter;
     counter.link = surface.link;
     for (size_t i = 0; i < map.world.links.size(); ++i)
@@ -77,7 +77,7 @@ std::vector<Counter> counters_of(const KnownMap& map) {
 cv::RotatedRect footprint(const Vector2d& at, const Vector2d& size, double yaw, double gap) {
   return {{static_cast<float>(at.x()), static_cast<float>(at.y())},
           {static_cast<float>(size.x() + gap), static_cast<float>(size.y() + gap)},
-          static_cast<float>(yaw * 180 / std::numbers::pi)};
+          static_cast<float>(yaw * 180 / kPi)};
 }
 
 bool free_of(const cv::RotatedRect& one, const std::vector<cv::RotatedRect>& others) {
@@ -96,13 +96,13 @@ class Setter {
   }
 
   /// Nothing when no place was found.
-  std::optional<Action> place(const HouseholdThing& thing, const Vector2d& size) {
+  std::optional<mapping::Action> place(const HouseholdThing& thing, const Vector2d& size) {
     // A package's front looks at who stands before the counter, more or less; flat things lie anyhow.
     const Vector2d out = counter_.at(0, 1);
     const double facing = std::atan2(out.x(), -out.y());
     const double half_along = std::min(kHalfReach, counter_.half[counter_.along]);
     for (int attempt = 0; attempt < 400; ++attempt) {
-      const double yaw = facing + random_.uniform(-1, 1) * (thing.flat ? std::numbers::pi : 0.7);
+      const double yaw = facing + random_.uniform(-1, 1) * (thing.flat ? kPi : 0.7);
       const double radius = size.norm() / 2;
       const double along = centre_ + random_.uniform(-1, 1) * std::max(0.0, half_along - radius);
       const double room = std::max(0.0, counter_.half[1 - counter_.along] - kEdge - radius);
@@ -110,7 +110,7 @@ class Setter {
       const cv::RotatedRect covered = footprint(at, size, yaw, kGap);
       if (!free_of(covered, covered_)) continue;
       covered_.push_back(covered);
-      Action action;
+      mapping::Action action;
       action.subject = thing.spec.name;
       action.support = counter_.link;
       action.at = at;
@@ -127,7 +127,7 @@ class Setter {
       return Vector3d(counter_.map_from_top * Vector3d(at.x(), at.y(), height));
     };
     const double depth = counter_.half[1 - counter_.along];
-    return looking_at(
+    return mapping::looking_at(
         point(random_.uniform(-0.12, 0.12), depth + random_.uniform(0.5, 0.65), random_.uniform(0.55, 0.7)),
         point(0, 0, 0));
   }
@@ -150,8 +150,8 @@ std::vector<size_t> drawn(const std::vector<HouseholdThing>& things, bool flat, 
 }
 
 /// Everything of a scene, anew until it fits.
-SceneSpec set_up(const Counter& counter, const std::vector<HouseholdThing>& things,
-                 const std::vector<Vector2d>& sizes, const SceneCount& count, Random random) {
+mapping::SceneSpec set_up(const Counter& counter, const std::vector<HouseholdThing>& things,
+                          const std::vector<Vector2d>& sizes, const SceneCount& count, Random random) {
   for (int attempt = 0; attempt < 1000; ++attempt) {
     std::vector<size_t> chosen = drawn(things, false, count.solid, random);
     for (const size_t flat : drawn(things, true, count.flat, random)) chosen.push_back(flat);
@@ -159,7 +159,7 @@ SceneSpec set_up(const Counter& counter, const std::vector<HouseholdThing>& thin
     std::stable_sort(chosen.begin(), chosen.end(),
                      [&](size_t a, size_t b) { return sizes[a].prod() > sizes[b].prod(); });
     Setter setter(counter, random);
-    SceneSpec scene;
+    mapping::SceneSpec scene;
     for (const size_t thing : chosen)
       if (auto action = setter.place(things[thing], sizes[thing])) scene.actions.push_back(*action);
     if (scene.actions.size() < chosen.size()) continue;
@@ -172,10 +172,10 @@ SceneSpec set_up(const Counter& counter, const std::vector<HouseholdThing>& thin
 }  // namespace
 
 std::vector<HouseholdThing> household(const std::filesystem::path& labels) {
-  const Rgba white(0.93F, 0.94F, 0.95F, 1), red(0.80F, 0.14F, 0.12F, 1), blue(0.20F, 0.45F, 0.80F, 1),
-      yellow(0.93F, 0.75F, 0.14F, 1), green(0.16F, 0.45F, 0.24F, 1), steel(0.75F, 0.76F, 0.78F, 1),
-      dark(0.16F, 0.17F, 0.20F, 1), wood(0.55F, 0.36F, 0.20F, 1), cream(0.92F, 0.86F, 0.70F, 1),
-      orange(0.90F, 0.45F, 0.12F, 1);
+  const mapping::Rgba white(0.93F, 0.94F, 0.95F, 1), red(0.80F, 0.14F, 0.12F, 1),
+      blue(0.20F, 0.45F, 0.80F, 1), yellow(0.93F, 0.75F, 0.14F, 1), green(0.16F, 0.45F, 0.24F, 1),
+      steel(0.75F, 0.76F, 0.78F, 1), dark(0.16F, 0.17F, 0.20F, 1), wood(0.55F, 0.36F, 0.20F, 1),
+      cream(0.92F, 0.86F, 0.70F, 1), orange(0.90F, 0.45F, 0.12F, 1);
   std::vector<HouseholdThing> things = {
       {"mug", false, of_model("mug", red, red)},
       {"mug", false, of_model("mug", blue, white, "stripes")},
@@ -184,17 +184,17 @@ std::vector<HouseholdThing> household(const std::filesystem::path& labels) {
       {"bowl", false, of_model("bowl", orange, white)},
       {"can", false, of_model("can", cream, red, "band")},
       {"can", false, of_model("can", green, yellow, "band")},
-      {"jar", false, of_model("jar", Rgba(0.45F, 0.08F, 0.22F, 1), cream)},
+      {"jar", false, of_model("jar", mapping::Rgba(0.45F, 0.08F, 0.22F, 1), cream)},
       {"jar", false, of_model("jar", yellow, red, "band")},
       {"bottle", false, of_model("bottle", red, white, "band")},
-      {"bottle", false, of_model("bottle", Rgba(0.62F, 0.60F, 0.12F, 1), green)},
+      {"bottle", false, of_model("bottle", mapping::Rgba(0.62F, 0.60F, 0.12F, 1), green)},
       {"bottle", false, of_model("bottle", white, blue)},
       {"pot", false, of_model("pot", steel, dark)},
       {"cereal", false, of_box({0.19, 0.07, 0.28}, yellow, red)},
       {"carton", false, of_box({0.07, 0.07, 0.20}, white, blue, "band")},
       {"carton", false, of_box({0.09, 0.06, 0.22}, orange, cream, "checker")},
       {"tea", false, of_box({0.14, 0.08, 0.10}, green, cream, "band")},
-      {"apple", false, of_model("apple", Rgba(0.55F, 0.75F, 0.20F, 1), wood)},
+      {"apple", false, of_model("apple", mapping::Rgba(0.55F, 0.75F, 0.20F, 1), wood)},
       {"banana", false, of_model("banana", yellow, wood)},
       {"cutlery", true, of_model("cutlery", steel, orange)},
       {"cutlery", true, of_model("cutlery", steel, steel)},
@@ -204,7 +204,7 @@ std::vector<HouseholdThing> household(const std::filesystem::path& labels) {
       {"book", true, of_box({0.15, 0.21, 0.025}, red, white)},
       {"book", true, of_box({0.13, 0.19, 0.018}, dark, white)},
       {"magazine", true, of_box({0.21, 0.28, 0.005}, blue, white)},
-      {"chocolate", true, of_box({0.08, 0.17, 0.012}, Rgba(0.45F, 0.20F, 0.55F, 1), white)},
+      {"chocolate", true, of_box({0.08, 0.17, 0.012}, mapping::Rgba(0.45F, 0.20F, 0.55F, 1), white)},
   };
   for (size_t i = 0; i < things.size(); ++i) {
     HouseholdThing& thing = things[i];
@@ -215,15 +215,16 @@ std::vector<HouseholdThing> household(const std::filesystem::path& labels) {
   return things;
 }
 
-Scenario household_scenario(const KnownMap& map, const std::vector<HouseholdThing>& things,
-                            const std::vector<SceneCount>& counts, const Random& random) {
+mapping::Scenario household_scenario(const perception::KnownMap& map,
+                                     const std::vector<HouseholdThing>& things,
+                                     const std::vector<SceneCount>& counts, const Random& random) {
   const std::vector<Counter> counters = counters_of(map);
-  Scenario scenario;
+  mapping::Scenario scenario;
   scenario.world = map.path;
-  scenario.camera = kinect_camera();
+  scenario.camera = mapping::kinect_camera();
   std::vector<Vector2d> sizes;
   for (const HouseholdThing& thing : things) {
-    const ObjectModel model = build_object(thing.spec);
+    const mapping::ObjectModel model = build_object(thing.spec);
     // Models are not always in the middle of their origin (a mug's handle): cover both sides.
     sizes.push_back(2 * model.low.cwiseAbs().cwiseMax(model.high.cwiseAbs()).head<2>());
     scenario.objects[thing.spec.name] = thing.spec;
@@ -231,18 +232,18 @@ Scenario household_scenario(const KnownMap& map, const std::vector<HouseholdThin
   constexpr TimeNs kStart = 1777881600 * kSecond;  // 2026-05-04T08:00:00Z
   std::vector<std::string> there;
   for (size_t i = 0; i < counts.size(); ++i) {
-    SceneSpec scene = set_up(counters[i % counters.size()], things, sizes, counts[i],
-                             random.fork(static_cast<uint64_t>(i)));
+    mapping::SceneSpec scene = set_up(counters[i % counters.size()], things, sizes, counts[i],
+                                      random.fork(static_cast<uint64_t>(i)));
     scene.time_ns = kStart + static_cast<TimeNs>(i) * 120 * kSecond;
-    std::vector<Action> actions;
+    std::vector<mapping::Action> actions;
     for (const std::string& name : there) {
-      Action clear;
-      clear.kind = Action::Kind::remove;
+      mapping::Action clear;
+      clear.kind = mapping::Action::Kind::remove;
       clear.subject = name;
       actions.push_back(clear);
     }
     there.clear();
-    for (const Action& action : scene.actions) {
+    for (const mapping::Action& action : scene.actions) {
       there.push_back(action.subject);
       actions.push_back(action);
     }
@@ -252,4 +253,4 @@ Scenario household_scenario(const KnownMap& map, const std::vector<HouseholdThin
   return scenario;
 }
 
-}  // namespace loci::system_evaluation
+}  // namespace loci::apps::system_evaluation

@@ -8,13 +8,13 @@
 #include "mapping/simulation/scenario.h"
 #include "perception/annotators/hypotheses/known_map.h"
 
-namespace loci::system_evaluation {
+namespace loci::apps::system_evaluation {
 
 /// A thing of the pool from which scenes are set up.
 struct HouseholdThing {
   std::string kind;  ///< "mug", "book"
   bool flat = false;
-  ObjectSpec spec;
+  mapping::ObjectSpec spec;
 };
 
 /// Crockery, food, packages, cutlery, books: nothing transparent, as in §8.2. Images for labels are looked
@@ -24,7 +24,8 @@ std::vector<HouseholdThing> household(const std::filesystem::path& labels);
 /// Scenes as §8.2 has them: somebody clears one of the counters (links named counter…) and sets up so many
 /// things from the pool, no two touching, within what one look from before the counter shows. Counters take
 /// turns. Error when the map has no counter.
-Scenario household_scenario(const KnownMap& map, const std::vector<HouseholdThing>& things,
-                            const std::vector<SceneCount>& counts, const Random& random);
+mapping::Scenario household_scenario(const perception::KnownMap& map,
+                                     const std::vector<HouseholdThing>& things,
+                                     const std::vector<SceneCount>& counts, const Random& random);
 
-}  // namespace loci::system_evaluation
+}  // namespace loci::apps::system_evaluation

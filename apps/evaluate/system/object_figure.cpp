@@ -8,25 +8,25 @@
 #include "mapping/image/image_io.h"
 #include "perception/conversions/opencv.h"
 
-namespace loci::system_evaluation {
+namespace loci::apps::system_evaluation {
 namespace {
 
 constexpr size_t kMaxNumbers = 8;  ///< of an array that are shown
 
-std::string numbers_of(const cas::FeatureStructure& array) {
+std::string numbers_of(const perception::cas::FeatureStructure& array) {
   std::vector<std::string> shown;
   const auto add = [&](const auto& values, const char* format) {
     for (size_t i = 0; i < std::min(kMaxNumbers, values.size()); ++i)
       shown.push_back(fmt::format(fmt::runtime(format), values[i]));
   };
   switch (array.type().component_kind()) {
-    case cas::Kind::kString:
+    case perception::cas::Kind::kString:
       add(array.elements<std::string>(), "{}");
       break;
-    case cas::Kind::kFloat:
+    case perception::cas::Kind::kFloat:
       add(array.elements<float>(), "{:.3g}");
       break;
-    case cas::Kind::kDouble:
+    case perception::cas::Kind::kDouble:
       add(array.elements<double>(), "{:.3g}");
       break;
     default:
@@ -36,11 +36,11 @@ std::string numbers_of(const cas::FeatureStructure& array) {
 }
 
 /// A line per value; structures below are gone into, `deep` levels.
-void add_lines(const cas::FeatureStructure& structure, const std::string& indent, int deep,
+void add_lines(const perception::cas::FeatureStructure& structure, const std::string& indent, int deep,
                std::vector<std::string>& lines) {
-  for (const cas::Feature& feature : structure.type().features()) {
+  for (const perception::cas::Feature& feature : structure.type().features()) {
     if (!structure.is_set(feature)) continue;
-    const cas::Value& value = structure.value(feature);
+    const perception::cas::Value& value = structure.value(feature);
     const std::string name = indent + feature.name() + ": ";
     if (const auto* text = std::get_if<std::string>(&value)) {
       lines.push_back(name + *text);
@@ -50,11 +50,11 @@ void add_lines(const cas::FeatureStructure& structure, const std::string& indent
       lines.push_back(fmt::format("{}{}", name, *integer));
     } else if (const auto* flag = std::get_if<bool>(&value)) {
       lines.push_back(fmt::format("{}{}", name, *flag));
-    } else if (const auto below = structure.get<cas::FeatureStructure>(feature); below) {
-      if (below.type().kind() == cas::Kind::kArray &&
-          below.type().component_kind() != cas::Kind::kStructure) {
+    } else if (const auto below = structure.get<perception::cas::FeatureStructure>(feature); below) {
+      if (below.type().kind() == perception::cas::Kind::kArray &&
+          below.type().component_kind() != perception::cas::Kind::kStructure) {
         lines.push_back(name + numbers_of(below));
-      } else if (deep > 0 && below.type().kind() == cas::Kind::kStructure) {
+      } else if (deep > 0 && below.type().kind() == perception::cas::Kind::kStructure) {
         lines.push_back(name + below.type().short_name());
         add_lines(below, indent + "  ", deep - 1, lines);
       }
@@ -64,24 +64,24 @@ void add_lines(const cas::FeatureStructure& structure, const std::string& indent
 
 }  // namespace
 
-size_t richness(const types::Cluster& cluster) {
+size_t richness(const perception::types::Cluster& cluster) {
   size_t sum = 0;
-  for (const types::Annotation& annotation : cluster.annotations) {
-    const cas::FeatureStructure& structure = annotation;
-    const bool telling = types::is<types::TextAnnotation>(structure) ||
-                         types::is<types::BarcodeAnnotation>(structure) ||
-                         types::is<types::ProductAnnotation>(structure);
+  for (const perception::types::Annotation& annotation : cluster.annotations) {
+    const perception::cas::FeatureStructure& structure = annotation;
+    const bool telling = perception::types::is<perception::types::TextAnnotation>(structure) ||
+                         perception::types::is<perception::types::BarcodeAnnotation>(structure) ||
+                         perception::types::is<perception::types::ProductAnnotation>(structure);
     sum += telling ? 2 : 1;
   }
   return sum;
 }
 
-std::string object_svg(const types::Cluster& cluster) {
+std::string object_svg(const perception::types::Cluster& cluster) {
   constexpr int kLine = 15, kImage = 220, kLeft = 250;
   std::string text;
   int y = 20;
-  for (const types::Annotation& annotation : cluster.annotations) {
-    const cas::FeatureStructure& structure = annotation;
+  for (const perception::types::Annotation& annotation : cluster.annotations) {
+    const perception::cas::FeatureStructure& structure = annotation;
     text += fmt::format("<text x='{}' y='{}' font-weight='bold'>{}</text>\n", kLeft, y,
                         html_escape(structure.type().short_name()));
     y += kLine;
@@ -95,8 +95,9 @@ std::string object_svg(const types::Cluster& cluster) {
     y += kLine / 2;
   }
   std::string image;
-  if (const auto roi = cluster.hypotheses.first<types::StandaloneImageROI>()) {
-    const std::vector<unsigned char> png = encode_image(types::from<cv::Mat>(roi.image.get()), ".png");
+  if (const auto roi = cluster.hypotheses.first<perception::types::StandaloneImageROI>()) {
+    const std::vector<unsigned char> png =
+        mapping::encode_image(perception::types::from<cv::Mat>(roi.image.get()), ".png");
     image = fmt::format(
         "<image x='15' y='15' width='{0}' height='{0}' preserveAspectRatio='xMidYMin' "
         "href='data:image/png;base64,{1}'/>\n",
@@ -109,4 +110,4 @@ std::string object_svg(const types::Cluster& cluster) {
          image + text + "</svg>\n";
 }
 
-}  // namespace loci::system_evaluation
+}  // namespace loci::apps::system_evaluation

@@ -5,7 +5,7 @@
 
 #include "mapping/base/error.h"
 
-namespace loci::system_evaluation {
+namespace loci::apps::system_evaluation {
 namespace {
 
 std::vector<int> values_of(const Histogram& histogram) {
@@ -81,4 +81,4 @@ std::vector<SceneCount> scene_counts(int scenes, Random random) {
   return result;
 }
 
-}  // namespace loci::system_evaluation
+}  // namespace loci::apps::system_evaluation

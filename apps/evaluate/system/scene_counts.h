@@ -5,7 +5,7 @@
 
 #include "mapping/base/random.h"
 
-namespace loci::system_evaluation {
+namespace loci::apps::system_evaluation {
 
 /// How often each number occurs.
 using Histogram = std::map<int, int>;
@@ -25,4 +25,4 @@ struct SceneCount {
 /// more begin again. In random order.
 std::vector<SceneCount> scene_counts(int scenes, Random random);
 
-}  // namespace loci::system_evaluation
+}  // namespace loci::apps::system_evaluation

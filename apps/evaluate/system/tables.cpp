@@ -7,12 +7,12 @@
 #include "apps/evaluate/system/experiment.h"
 #include "mapping/base/json.h"
 
-namespace loci::system_evaluation {
+namespace loci::apps::system_evaluation {
 namespace {
 
 constexpr size_t kBin = 1000;  ///< points, of table 8.4
 constexpr size_t kBins = 13;   ///< the last is open
-constexpr size_t kMax = 25;   ///< lines of table 8.6
+constexpr size_t kMax = 25;    ///< lines of table 8.6
 
 double share(size_t part, size_t whole) {
   return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
@@ -208,4 +208,4 @@ Json json_of(const SystemResult& result) {
   return json;
 }
 
-}  // namespace loci::system_evaluation
+}  // namespace loci::apps::system_evaluation

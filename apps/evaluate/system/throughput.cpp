@@ -8,22 +8,22 @@
 #include "perception/annotators/annotators.h"
 #include "perception/types/types.h"
 
-namespace loci::system_evaluation {
+namespace loci::apps::system_evaluation {
 namespace {
 
 /// A recording that begins again at its end, with times that go on.
-class Again : public Recording {
+class Again : public mapping::Recording {
  public:
-  Again(const Recording& once, size_t size) : size_(size), info_(once.info()) {
+  Again(const mapping::Recording& once, size_t size) : size_(size), info_(once.info()) {
     constexpr size_t kKept = 16;
     for (size_t i = 0; i < std::min(kKept, once.size()); ++i)
       frames_.push_back(once.frame(i * once.size() / std::min(kKept, once.size())));
     info_.frames = info_.frames_with_pose = size;
   }
-  const RecordingInfo& info() const override { return info_; }
+  const mapping::RecordingInfo& info() const override { return info_; }
   size_t size() const override { return size_; }
-  RgbdFrame frame(size_t i) const override {
-    RgbdFrame frame = frames_[i % frames_.size()];
+  mapping::RgbdFrame frame(size_t i) const override {
+    mapping::RgbdFrame frame = frames_[i % frames_.size()];
     frame.index = index_of(i);
     frame.time_ns = time_of(i);
     return frame;
@@ -33,8 +33,8 @@ class Again : public Recording {
 
  private:
   size_t size_;
-  RecordingInfo info_;
-  std::vector<RgbdFrame> frames_;
+  mapping::RecordingInfo info_;
+  std::vector<mapping::RgbdFrame> frames_;
 };
 
 double resident_megabytes() {
@@ -46,7 +46,7 @@ double resident_megabytes() {
 
 }  // namespace
 
-std::vector<StepTime> step_times(const PipelineResult& result) {
+std::vector<StepTime> step_times(const perception::PipelineResult& result) {
   std::vector<StepTime> steps;
   const double frames = static_cast<double>(std::max<size_t>(1, result.frames));
   for (size_t i = 0; i < result.seconds.size(); ++i)
@@ -55,29 +55,30 @@ std::vector<StepTime> step_times(const PipelineResult& result) {
   return steps;
 }
 
-Throughput measure_throughput(const std::shared_ptr<Recording>& recording,
-                              const std::shared_ptr<KnownMap>& map, size_t frames, int threads,
+Throughput measure_throughput(const std::shared_ptr<mapping::Recording>& recording,
+                              const std::shared_ptr<perception::KnownMap>& map, size_t frames, int threads,
                               Progress& progress) {
-  AnnotatorRegistry registry;
+  perception::AnnotatorRegistry registry;
   add_annotators(registry);
   // Names that stay are the memory's business.
-  Pipeline pipeline = Pipeline::parse(
+  perception::Pipeline pipeline = perception::Pipeline::parse(
       "flow: [NormalEstimator, KnownStructureFilter, PlaneClusterExtractor, FlatObjectExtractor, "
       "ColorHistogram, ColorName, GeometryAnnotator, LocationAnnotator]\n",
       "the tabletop pipeline", registry);
-  Resources resources;
-  resources.put(std::shared_ptr<Recording>(std::make_shared<Again>(*recording, frames)));
+  perception::Resources resources;
+  resources.put(std::shared_ptr<mapping::Recording>(std::make_shared<Again>(*recording, frames)));
   resources.put(map);
   Warnings warnings;  // They were given when the scenes went through.
-  Context context{resources, warnings, threads, {}};
+  perception::Context context{resources, warnings, threads, {}};
   Throughput figures;
-  const PipelineResult result = pipeline.run(context, types::type_system(), progress, [&](cas::Cas&) {
-    ++figures.frames;
-    if (figures.frames == std::max<size_t>(1, frames / 10))
-      figures.megabytes_first_tenth = resident_megabytes();
-    if (figures.frames == std::max<size_t>(1, frames / 2)) figures.megabytes_half = resident_megabytes();
-    if (figures.frames == frames) figures.megabytes_at_end = resident_megabytes();
-  });
+  const perception::PipelineResult result =
+      pipeline.run(context, perception::types::type_system(), progress, [&](perception::cas::Cas&) {
+        ++figures.frames;
+        if (figures.frames == std::max<size_t>(1, frames / 10))
+          figures.megabytes_first_tenth = resident_megabytes();
+        if (figures.frames == std::max<size_t>(1, frames / 2)) figures.megabytes_half = resident_megabytes();
+        if (figures.frames == frames) figures.megabytes_at_end = resident_megabytes();
+      });
   figures.steps = step_times(result);
   for (size_t i = 1; i < figures.steps.size(); ++i) {
     figures.clock_ms += figures.steps[i].clock_ms;
@@ -86,4 +87,4 @@ Throughput measure_throughput(const std::shared_ptr<Recording>& recording,
   return figures;
 }
 
-}  // namespace loci::system_evaluation
+}  // namespace loci::apps::system_evaluation

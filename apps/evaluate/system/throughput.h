@@ -9,7 +9,7 @@
 #include "perception/annotators/hypotheses/known_map.h"
 #include "perception/pipeline/pipeline.h"
 
-namespace loci::system_evaluation {
+namespace loci::apps::system_evaluation {
 
 /// Time of one annotator per frame.
 struct StepTime {
@@ -19,7 +19,7 @@ struct StepTime {
 };
 
 /// Per frame, of a run.
-std::vector<StepTime> step_times(const PipelineResult& result);
+std::vector<StepTime> step_times(const perception::PipelineResult& result);
 
 /// The tabletop pipeline (the default one, without words or memory) over many frames.
 struct Throughput {
@@ -33,8 +33,8 @@ struct Throughput {
 };
 
 /// Runs over the recording again and again, up to 16 of its frames being kept in memory.
-Throughput measure_throughput(const std::shared_ptr<Recording>& recording,
-                              const std::shared_ptr<KnownMap>& map, size_t frames, int threads,
+Throughput measure_throughput(const std::shared_ptr<mapping::Recording>& recording,
+                              const std::shared_ptr<perception::KnownMap>& map, size_t frames, int threads,
                               Progress& progress);
 
-}  // namespace loci::system_evaluation
+}  // namespace loci::apps::system_evaluation

@@ -5,7 +5,7 @@
 
 #include "perception/conversions/opencv.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr float kGreySaturation = 0.12f;
@@ -71,4 +71,4 @@ void ColorHistogramAnnotator::process(cas::Cas& cas, Context& /*context*/) {
   }
 }
 
-}  // namespace loci
+}  // namespace loci::perception

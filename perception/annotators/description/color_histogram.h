@@ -5,7 +5,7 @@
 
 #include "perception/pipeline/annotator.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Share of the masked pixels (BGR) per hue and saturation, hue-major. Hue says nothing about pixels that are
 /// nearly grey or nearly black: they count in hue bin 0, saturation bin 0. All zero when the mask is empty.
@@ -27,4 +27,4 @@ class ColorHistogramAnnotator : public Annotator {
   int saturation_bins_ = 4;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

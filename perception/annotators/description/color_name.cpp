@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/base/math.h"
 #include "mapping/image/hsv.h"
 #include "perception/annotators/description/color_histogram.h"
 #include "perception/conversions/opencv.h"
 
-namespace loci {
+namespace loci::perception {
 
 NamedColors name_colors(const cv::Mat& image, const cv::Mat& mask, double least) {
   cv::Mat hsv;
@@ -25,9 +25,9 @@ NamedColors name_colors(const cv::Mat& image, const cv::Mat& mask, double least)
     for (int u = 0; u < image.cols; ++u) {
       if (!mask.at<unsigned char>(v, u)) continue;
       const cv::Vec3f& pixel = hsv.at<cv::Vec3f>(v, u);
-      ++counts[color_name(pixel[0], pixel[1], pixel[2])];
+      ++counts[mapping::color_name(pixel[0], pixel[1], pixel[2])];
       ++count;
-      const double angle = static_cast<double>(pixel[0]) * std::numbers::pi / 180;
+      const double angle = static_cast<double>(pixel[0]) * kPi / 180;
       const auto weight = static_cast<double>(pixel[1] * pixel[2]);
       cosine += weight * std::cos(angle);
       sine += weight * std::sin(angle);
@@ -37,7 +37,7 @@ NamedColors name_colors(const cv::Mat& image, const cv::Mat& mask, double least)
   if (count == 0) return colors;
   colors.mean_saturation /= count;
   colors.mean_value /= count;
-  colors.mean_hue = std::fmod(std::atan2(sine, cosine) * 180 / std::numbers::pi + 360, 360);
+  colors.mean_hue = std::fmod(std::atan2(sine, cosine) * 180 / kPi + 360, 360);
   std::vector<std::pair<int, std::string>> order;
   for (const auto& [name, pixels] : counts) order.emplace_back(-pixels, name);
   std::sort(order.begin(), order.end());
@@ -79,4 +79,4 @@ void ColorNameAnnotator::process(cas::Cas& cas, Context& /*context*/) {
   }
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -6,7 +6,7 @@
 
 #include "perception/pipeline/annotator.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Colour in words and numbers.
 struct NamedColors {
@@ -31,4 +31,4 @@ class ColorNameAnnotator : public Annotator {
   double min_fraction_ = 0.05;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "mapping/base/math.h"
 #include "mapping/base/quantile.h"
 #include "perception/annotators/scene_data.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 struct Range {
@@ -38,9 +38,9 @@ UprightBox upright_box(const std::vector<Vector3d>& points, double ground, doubl
     heights.push_back(p.z());
   }
   const cv::RotatedRect rectangle = cv::minAreaRect(footprint);
-  double yaw = static_cast<double>(rectangle.angle) * std::numbers::pi / 180;
-  if (rectangle.size.height > rectangle.size.width) yaw += std::numbers::pi / 2;
-  yaw = std::remainder(yaw, std::numbers::pi);
+  double yaw = static_cast<double>(rectangle.angle) * kPi / 180;
+  if (rectangle.size.height > rectangle.size.width) yaw += kPi / 2;
+  yaw = std::remainder(yaw, kPi);
   const Vector2d x(std::cos(yaw), std::sin(yaw));
   const Vector2d y(-x.y(), x.x());
   std::vector<double> along;
@@ -106,4 +106,4 @@ void GeometryAnnotator::process(cas::Cas& cas, Context& /*context*/) {
   }
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -6,7 +6,7 @@
 #include "mapping/base/pose.h"
 #include "perception/pipeline/annotator.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// A box that stands upright.
 struct UprightBox {
@@ -31,4 +31,4 @@ class GeometryAnnotator : public Annotator {
   double ground_m_ = 0.04;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -7,7 +7,7 @@
 
 #include "perception/annotators/scene_data.h"
 
-namespace loci {
+namespace loci::perception {
 
 std::string edge_phrase(const Vector2d& position, const std::vector<Vector2d>& outline) {
   if (outline.size() < 3) return {};
@@ -70,4 +70,4 @@ void LocationAnnotator::process(cas::Cas& cas, Context& /*context*/) {
   }
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -6,7 +6,7 @@
 #include "mapping/base/pose.h"
 #include "perception/pipeline/annotator.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// How far a position is from the nearest edge of an outline, in words: "0.30 m from its left edge". Seen
 /// along y of the place's frame: left is −x, right +x, front −y, back +y. `outline`: polygon in that frame.
@@ -22,4 +22,4 @@ class LocationAnnotator : public Annotator {
   void process(cas::Cas& cas, Context& context) override;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "mapping/base/math.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/cas/copy.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 Eigen::Vector3f vector(const cv::Vec3f& value) {
@@ -117,7 +117,7 @@ void ObjectViews::add_view(Object& object, View view) const {
   centre /= std::max<double>(1, static_cast<double>(view.points.size()));
   std::erase_if(object.views, [&](const View& older) {
     const Vector3d one = view.seen_from - centre, two = older.seen_from - centre;
-    return std::atan2(one.cross(two).norm(), one.dot(two)) < apart_deg_ * std::numbers::pi / 180;
+    return std::atan2(one.cross(two).norm(), one.dot(two)) < apart_deg_ * kPi / 180;
   });
   object.views.push_front(std::move(view));
   if (object.views.size() > static_cast<size_t>(last_)) object.views.pop_back();
@@ -219,4 +219,4 @@ std::unique_ptr<cas::Cas> ObjectViews::make_part(const types::SceneCas& scene, c
   return made;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -8,7 +8,7 @@
 #include "perception/pipeline/multiplier.h"
 #include "perception/types/scene_cas.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Collects the views of each object over time, and makes a CAS of the object alone (§2.1): annotators that
 /// run on it see what no single image shows. Which clusters are the same thing says a TrackingAnnotation,
@@ -64,4 +64,4 @@ class ObjectViews : public CasMultiplier {
   std::vector<Part> parts_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

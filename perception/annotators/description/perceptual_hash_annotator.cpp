@@ -4,7 +4,7 @@
 #include "perception/recognition/perceptual_hash.h"
 #include "perception/types/scene_cas.h"
 
-namespace loci {
+namespace loci::perception {
 
 AnnotatorDescriptor PerceptualHashAnnotator::descriptor() const {
   return {"PerceptualHash",
@@ -26,4 +26,4 @@ void PerceptualHashAnnotator::process(cas::Cas& cas, Context& /*context*/) {
   }
 }
 
-}  // namespace loci
+}  // namespace loci::perception

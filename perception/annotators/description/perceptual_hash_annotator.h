@@ -2,7 +2,7 @@
 
 #include "perception/pipeline/annotator.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Makes regions of the image comparable (§3.2.2): a perceptual hash, and what that does not tell, colours.
 class PerceptualHashAnnotator : public Annotator {
@@ -11,4 +11,4 @@ class PerceptualHashAnnotator : public Annotator {
   void process(cas::Cas& cas, Context& context) override;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

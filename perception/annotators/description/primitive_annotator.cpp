@@ -5,7 +5,7 @@
 #include "perception/annotators/description/shape_annotators.h"
 #include "perception/annotators/scene_data.h"
 
-namespace loci {
+namespace loci::perception {
 
 AnnotatorDescriptor PrimitiveShapeAnnotator::descriptor() const {
   return {"PrimitiveShape",
@@ -16,8 +16,8 @@ AnnotatorDescriptor PrimitiveShapeAnnotator::descriptor() const {
 
 void PrimitiveShapeAnnotator::declare(OptionTable& table) {
   options_.declare(table);
-  table.number("min_explained", min_explained_, "",
-               "Objects of which less lies on the best shape get none.", 0, 1);
+  table.number("min_explained", min_explained_, "", "Objects of which less lies on the best shape get none.",
+               0, 1);
 }
 
 void PrimitiveShapeAnnotator::process(cas::Cas& cas, Context& /*context*/) {
@@ -77,4 +77,4 @@ void SizeAnnotator::process(cas::Cas& cas, Context& /*context*/) {
   }
 }
 
-}  // namespace loci
+}  // namespace loci::perception

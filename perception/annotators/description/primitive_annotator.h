@@ -3,7 +3,7 @@
 #include "perception/classification/primitive_shape.h"
 #include "perception/pipeline/annotator.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// The box, cylinder, cone or sphere that explains a cluster best, with its numbers.
 class PrimitiveShapeAnnotator : public Annotator {
@@ -29,4 +29,4 @@ class SizeAnnotator : public Annotator {
   double large_m_ = 0.25;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -6,7 +6,7 @@
 #include "perception/recognition/barcode_reader.h"
 #include "perception/types/scene_cas.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 /// Calls task(cluster, image, corner) for every cluster with an image; corner: where it lies in the
@@ -132,4 +132,4 @@ void TextAnnotator::process(cas::Cas& cas, Context& /*context*/) {
   });
 }
 
-}  // namespace loci
+}  // namespace loci::perception

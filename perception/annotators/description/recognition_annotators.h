@@ -6,7 +6,7 @@
 #include "perception/recognition/product_index.h"
 #include "perception/recognition/text_reader.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Names each object's product (§5.3): a ProductAnnotation with what the catalogue says, and a
 /// ClassificationAnnotation with its category (its name where the catalogue has none).
@@ -49,4 +49,4 @@ class TextAnnotator : public Annotator {
   std::optional<TextReader> reader_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -5,7 +5,7 @@
 
 #include "perception/annotators/scene_data.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 /// What is needed of a cluster, once.
@@ -139,4 +139,4 @@ void RelationsAnnotator::process(cas::Cas& cas, Context& /*context*/) {
   }
 }
 
-}  // namespace loci
+}  // namespace loci::perception

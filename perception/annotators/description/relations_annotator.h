@@ -5,7 +5,7 @@
 #include "mapping/base/pose.h"
 #include "perception/pipeline/annotator.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// The rectangle that a thing covers on its support.
 struct Footprint {
@@ -41,4 +41,4 @@ class RelationsAnnotator : public Annotator {
   double min_probability_ = 0.1;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

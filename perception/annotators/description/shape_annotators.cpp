@@ -13,7 +13,7 @@
 #include "perception/conversions/opencv.h"
 #include "perception/conversions/pcl.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 /// Descriptors that a cluster has already.
@@ -60,7 +60,7 @@ std::vector<float> brightness_of(const types::SceneCas& scene, const std::vector
     return {};
   const cv::Mat image = types::view_image(scene, types::SceneCas::kColor);
   if (image.type() != CV_8UC3) return {};
-  const RgbdCamera camera = types::cameras(scene);
+  const mapping::RgbdCamera camera = types::cameras(scene);
   const Isometry3d color_from_depth = camera.depth_from_color.inverse();
   std::vector<float> brightness;
   for (const Eigen::Vector3f& point : points) {
@@ -229,8 +229,8 @@ AnnotatorDescriptor FeatureClassifier::descriptor() const {
 void FeatureClassifier::declare(OptionTable& table) {
   table.text("model", path_, "Made by `loci-perceive train`.");
   table.text("kind", kind_, "What the classes are: shape, object, ...");
-  table.number("min_confidence", min_confidence_, "",
-               "Objects whose best class is less probable get none.", 0, 1);
+  table.number("min_confidence", min_confidence_, "", "Objects whose best class is less probable get none.",
+               0, 1);
 }
 
 void FeatureClassifier::start(Context& /*context*/) {
@@ -282,4 +282,4 @@ void FeatureClassifier::process(cas::Cas& cas, Context& /*context*/) {
   }
 }
 
-}  // namespace loci
+}  // namespace loci::perception

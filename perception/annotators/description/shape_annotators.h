@@ -7,7 +7,7 @@
 #include "perception/pipeline/annotator.h"
 #include "perception/types/scene_cas.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// What a cluster shows of its surface: points with normals in the camera frame, with the brightness of the
 /// colour image where there is one.
@@ -65,4 +65,4 @@ class FeatureClassifier : public Annotator {
   std::optional<Ensemble> model_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

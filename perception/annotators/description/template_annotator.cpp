@@ -6,7 +6,7 @@
 #include "perception/conversions/opencv.h"
 #include "perception/types/scene_cas.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 /// The cluster whose image overlaps a region most, by at least `least` of both together; null = none.
@@ -83,4 +83,4 @@ void TemplateAnnotator::process(cas::Cas& cas, Context& context) {
   }
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -5,7 +5,7 @@
 #include "perception/pipeline/annotator.h"
 #include "perception/recognition/template_detector.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Finds things in the whole image as they were shown before (LINEMOD): what a cluster shows is annotated,
 /// elsewhere a match is a hypothesis of its own.
@@ -24,4 +24,4 @@ class TemplateAnnotator : public Annotator {
   std::optional<TemplateDetector> detector_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

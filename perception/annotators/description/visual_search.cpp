@@ -11,7 +11,7 @@
 #include "perception/recognition/perceptual_hash.h"
 #include "perception/types/scene_cas.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 /// One object's image, what became of the question, and where the image lies in the scene's.
@@ -243,4 +243,4 @@ void VisualSearch::process(cas::Cas& cas, Context& context) {
   }
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -5,7 +5,7 @@
 #include "perception/pipeline/annotator.h"
 #include "perception/search/search_client.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Asks a visual-search server about each object (§5.4): a VisualSearchAnnotation per result, and besides
 /// what the category means (product, text, book, logo, landmark, similar image, barcode, what somebody
@@ -30,4 +30,4 @@ class VisualSearch : public Annotator {
   std::shared_ptr<SearchClient> client_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -9,17 +9,16 @@
 #include "perception/annotators/hypotheses/in_view.h"
 #include "perception/annotators/hypotheses/support_planes.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr double kSpacing = 0.025;    ///< metres between points of a front
 constexpr double kTolerance = 0.015;  ///< metres, plus twice the noise
 constexpr double kThrough = 3;        ///< cost of a point in free space; one off by the tolerance costs 1
-constexpr double kMinOn = 0.25;     ///< share of a front that must be seen for it to be determined
-constexpr double kMaxThrough = 0.1;  ///< of those seen, that may lie in free space
-constexpr double kMinGain = 0.1;    ///< of cost, for the given position to be given up
-constexpr double kMinMotion =
-    0.03;  ///< metres of its farthest point; less may be the map's or pose's error
+constexpr double kMinOn = 0.25;       ///< share of a front that must be seen for it to be determined
+constexpr double kMaxThrough = 0.1;   ///< of those seen, that may lie in free space
+constexpr double kMinGain = 0.1;      ///< of cost, for the given position to be given up
+constexpr double kMinMotion = 0.03;   ///< metres of its farthest point; less may be the map's or pose's error
 constexpr int kFewPoints = 25;
 constexpr int kPositions = 60;   ///< of a joint, tried first
 constexpr double kReach = 0.5;   ///< metres before a front: what is further away is in nobody's way
@@ -30,7 +29,7 @@ Vector3d vector(const cv::Vec3f& value) {
 }
 
 /// The pixel that a point falls into; -1 outside.
-int pixel_of(const Vector3d& point, const PinholeCamera& camera) {
+int pixel_of(const Vector3d& point, const mapping::PinholeCamera& camera) {
   if (!(point.z() > 0.1)) return -1;
   const Vector2d at = camera.project(point);
   if (!(at.x() > -0.5 && at.y() > -0.5 && at.x() < camera.width - 0.5 && at.y() < camera.height - 0.5))
@@ -45,22 +44,22 @@ struct ArticulatedFronts::Match {
   int in_view = 0, on = 0, through = 0;
   double cost = 0;  ///< mean over those in view
 
-  bool sure() const {
-    return in_view >= kFewPoints && on >= kMinOn * in_view && through <= kMaxThrough * on;
-  }
+  bool sure() const { return in_view >= kFewPoints && on >= kMinOn * in_view && through <= kMaxThrough * on; }
 };
 
-ArticulatedFronts::ArticulatedFronts(const World& world, const MeshSearch& meshes) : world_(world) {
+ArticulatedFronts::ArticulatedFronts(const mapping::World& world, const mapping::MeshSearch& meshes)
+    : world_(world) {
   Warnings ignored;  // Missing meshes were warned about when the map was loaded.
-  for (const Joint& joint : world.joints) {
-    const bool slides = joint.type == JointType::prismatic, turns = joint.type == JointType::revolute;
+  for (const mapping::Joint& joint : world.joints) {
+    const bool slides = joint.type == mapping::JointType::prismatic,
+               turns = joint.type == mapping::JointType::revolute;
     if (!(slides || turns) || !joint.limits || joint.mimic) continue;
     if (!(joint.limits->upper > joint.limits->lower)) continue;
     Front front;
     front.joint = joint;
     front.link = world.link_index(joint.child);
-    for (const Visual& visual : world.links[front.link].visuals) {
-      const TriangleMesh mesh = triangulate(visual.geometry, meshes, ignored);
+    for (const mapping::Visual& visual : world.links[front.link].visuals) {
+      const mapping::TriangleMesh mesh = triangulate(visual.geometry, meshes, ignored);
       for (const auto& [a, b, c] : mesh.triangles) {
         const Vector3d origin = visual.link_from_visual * mesh.vertices[a].cast<double>();
         const Vector3d ab = visual.link_from_visual * mesh.vertices[b].cast<double>() - origin;
@@ -90,7 +89,7 @@ ArticulatedFronts::ArticulatedFronts(const World& world, const MeshSearch& meshe
 }
 
 ArticulatedFronts::Match ArticulatedFronts::match(const Front& front, const Isometry3d& camera_from_link,
-                                                  const cv::Mat& points, const PinholeCamera& camera,
+                                                  const cv::Mat& points, const mapping::PinholeCamera& camera,
                                                   bool only_if_sure) const {
   Match match;
   if (out_of_view(camera_from_link * front.middle, front.radius, camera)) return match;
@@ -116,7 +115,8 @@ ArticulatedFronts::Match ArticulatedFronts::match(const Front& front, const Isom
   return match;
 }
 
-std::vector<FrontState> ArticulatedFronts::estimate(const cv::Mat& points, const PinholeCamera& camera,
+std::vector<FrontState> ArticulatedFronts::estimate(const cv::Mat& points,
+                                                    const mapping::PinholeCamera& camera,
                                                     const Isometry3d& map_from_camera,
                                                     const JointState& joints, int threads) const {
   const std::vector<Isometry3d> map_from_links = root_from_links(world_, joints);
@@ -126,7 +126,7 @@ std::vector<FrontState> ArticulatedFronts::estimate(const cv::Mat& points, const
     const Front& front = fronts_[number];
     FrontState& state = states[number];
     state.joint = front.joint.name;
-    if (front.joint.type == JointType::revolute) state.reach = front.reach;
+    if (front.joint.type == mapping::JointType::revolute) state.reach = front.reach;
     if (const auto given = joints.find(state.joint); given != joints.end()) state.given = given->second;
     state.position = state.given;
     const Isometry3d camera_from_joint =
@@ -166,7 +166,7 @@ std::vector<FrontState> ArticulatedFronts::estimate(const cv::Mat& points, const
 }
 
 std::vector<Obstacle> ArticulatedFronts::obstacles(const cv::Mat& points, const cv::Mat& unknown,
-                                                   const PinholeCamera& camera,
+                                                   const mapping::PinholeCamera& camera,
                                                    const Isometry3d& map_from_camera,
                                                    const JointState& joints) const {
   const std::vector<Isometry3d> map_from_links = root_from_links(world_, joints);
@@ -196,4 +196,4 @@ std::vector<Obstacle> ArticulatedFronts::obstacles(const cv::Mat& points, const 
   return found;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -9,7 +9,7 @@
 #include "mapping/world/kinematics.h"
 #include "mapping/world/mesh.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// How a front (of a drawer or a door) stands in one depth image.
 struct FrontState {
@@ -34,26 +34,27 @@ struct Obstacle {
 class ArticulatedFronts {
  public:
   /// Joints with limits that slide or turn, and the surfaces of the links that they carry.
-  ArticulatedFronts(const World& world, const MeshSearch& meshes);
+  ArticulatedFronts(const mapping::World& world, const mapping::MeshSearch& meshes);
 
   /// Fits each joint by its front: of all positions within its limits, the one at which most of the front
   /// lies on the depth and least of it where the camera looked through. What hides a front says nothing.
   /// `points`: CV_32FC3, camera frame, NaN = none. The same on any number of threads.
-  std::vector<FrontState> estimate(const cv::Mat& points, const PinholeCamera& camera,
+  std::vector<FrontState> estimate(const cv::Mat& points, const mapping::PinholeCamera& camera,
                                    const Isometry3d& map_from_camera, const JointState& joints,
                                    int threads = 1) const;
 
   /// What is seen before fronts, within reach of those who would open them, and is no known structure
   /// (`unknown`: CV_8U, not 0 at pixels of points that the map does not explain).
-  std::vector<Obstacle> obstacles(const cv::Mat& points, const cv::Mat& unknown, const PinholeCamera& camera,
-                                  const Isometry3d& map_from_camera, const JointState& joints) const;
+  std::vector<Obstacle> obstacles(const cv::Mat& points, const cv::Mat& unknown,
+                                  const mapping::PinholeCamera& camera, const Isometry3d& map_from_camera,
+                                  const JointState& joints) const;
 
  private:
   struct Sample {
     Vector3d point, normal;  ///< frame of the link
   };
   struct Front {
-    Joint joint;
+    mapping::Joint joint;
     size_t link = 0;  ///< index into the world's links
     std::vector<Sample> samples;
     Vector3d middle = Vector3d::Zero();  ///< of a ball around the samples, in the link's frame
@@ -64,10 +65,10 @@ class ArticulatedFronts {
 
   /// With `only_if_sure` counting ends, with nothing, as soon as the match cannot be sure any more.
   Match match(const Front& front, const Isometry3d& camera_from_link, const cv::Mat& points,
-              const PinholeCamera& camera, bool only_if_sure) const;
+              const mapping::PinholeCamera& camera, bool only_if_sure) const;
 
-  World world_;
+  mapping::World world_;
   std::vector<Front> fronts_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

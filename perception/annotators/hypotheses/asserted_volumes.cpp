@@ -11,7 +11,7 @@
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/hypotheses.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr const char* kName = "AssertedVolumes";
@@ -160,4 +160,4 @@ void AssertedVolumes::process(cas::Cas& cas, Context& /*context*/) {
   }
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -5,7 +5,7 @@
 
 #include "perception/pipeline/annotator.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// A box along the axes of a frame, or a sphere, in which somebody says that there is a thing.
 struct AssertedVolume {
@@ -35,4 +35,4 @@ class AssertedVolumes : public Annotator {
   std::vector<AssertedVolume> volumes_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

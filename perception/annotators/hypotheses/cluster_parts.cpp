@@ -3,7 +3,7 @@
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/opencv.h"
 
-namespace loci {
+namespace loci::perception {
 
 void set_points(const types::Cluster& cluster, const std::string& source, const std::vector<int>& pixels,
                 const types::SceneCas& scene, const Isometry3d& pose) {
@@ -22,7 +22,7 @@ void set_points(const types::Cluster& cluster, const std::string& source, const 
 }
 
 void add_image(const types::Cluster& cluster, const std::string& source, const ColorRegion& region,
-                 const types::SceneCas& scene) {
+               const types::SceneCas& scene) {
   if (region.box.empty()) return;
   cas::Cas& cas = scene.cas();
   const cv::Mat color = types::view_image(scene, types::SceneCas::kColor);
@@ -34,4 +34,4 @@ void add_image(const types::Cluster& cluster, const std::string& source, const C
   cluster.hypotheses.push_back(roi);
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -6,7 +6,7 @@
 #include "perception/annotators/hypotheses/color_region.h"
 #include "perception/types/scene_cas.h"
 
-namespace loci {
+namespace loci::perception {
 
 // What every expert that finds clusters puts into them.
 
@@ -17,6 +17,6 @@ void set_points(const types::Cluster& cluster, const std::string& source, const 
 
 /// Its image, cut out of the colour view with its mask. Nothing where it lies outside that view.
 void add_image(const types::Cluster& cluster, const std::string& source, const ColorRegion& region,
-                 const types::SceneCas& scene);
+               const types::SceneCas& scene);
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-namespace loci {
+namespace loci::perception {
 
-ColorRegion color_region(const cv::Mat& points, const std::vector<int>& pixels, const RgbdCamera& camera,
-                         const cv::Size& size) {
+ColorRegion color_region(const cv::Mat& points, const std::vector<int>& pixels,
+                         const mapping::RgbdCamera& camera, const cv::Size& size) {
   const Isometry3d color_from_depth = camera.depth_from_color.inverse();
   // A depth pixel covers this many colour pixels, more where the colour image is larger.
   const double scale = camera.color.fx / camera.depth.fx * size.width / std::max(1, camera.color.width);
@@ -38,4 +38,4 @@ ColorRegion color_region(const cv::Mat& points, const std::vector<int>& pixels, 
   return {box, mask};
 }
 
-}  // namespace loci
+}  // namespace loci::perception

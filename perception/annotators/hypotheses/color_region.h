@@ -5,7 +5,7 @@
 
 #include "mapping/sensor/camera.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Where an object is in the colour image.
 struct ColorRegion {
@@ -16,7 +16,7 @@ struct ColorRegion {
 /// Projects pixels of the depth image (indices row · width + column into `points`, CV_32FC3 in the camera
 /// frame) through the registration of the two cameras into a colour image of `size`, and closes the gaps
 /// between them.
-ColorRegion color_region(const cv::Mat& points, const std::vector<int>& pixels, const RgbdCamera& camera,
-                         const cv::Size& size);
+ColorRegion color_region(const cv::Mat& points, const std::vector<int>& pixels,
+                         const mapping::RgbdCamera& camera, const cv::Size& size);
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -6,14 +6,14 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <numeric>
 #include <queue>
 #include <span>
 
+#include "mapping/base/math.h"
 #include "perception/annotators/hypotheses/disjoint_sets.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using Eigen::Vector3f;
@@ -272,7 +272,7 @@ class Patches {
 /// two surfaces in a point (the "sanity criterion" of the paper).
 bool convex(const Element& a, const Element& b, double concave_deg) {
   const Vector3f apart = (a.position - b.position).normalized();
-  const double degrees = 180 / std::numbers::pi;
+  const double degrees = 180 / kPi;
   const double cosine = std::clamp(static_cast<double>(a.normal.dot(b.normal)), -1.0, 1.0);
   const double angle = std::acos(cosine) * degrees;
   const bool turned_out = a.normal.dot(apart) - b.normal.dot(apart) >= 0;
@@ -371,4 +371,4 @@ ConvexParts split_at_concave_edges(const std::vector<Vector3f>& points, const st
   return parts;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -7,7 +7,7 @@
 
 #include "mapping/base/options.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// How a cloud is split along its concave edges.
 struct ConvexPartsOptions {
@@ -41,4 +41,4 @@ ConvexParts split_at_concave_edges(const std::vector<Eigen::Vector3f>& points,
                                    const std::vector<Eigen::Vector3f>& normals, double scale,
                                    const ConvexPartsOptions& options);
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -50,7 +50,7 @@ Workspace& workspace() {
   return memory;
 }
 
-float depth_times_disparity(const PinholeCamera& camera, const NormalOptions& options) {
+float depth_times_disparity(const mapping::PinholeCamera& camera, const NormalOptions& options) {
   return static_cast<float>(options.baseline_m * camera.fx);
 }
 
@@ -164,7 +164,7 @@ const DisparityImage& smoothed_disparity(const cv::Mat& depth, float scale, cons
   return memory.smoothed;
 }
 
-void set_normals(cv::Mat& normals, const DisparityImage& disparity, const PinholeCamera& camera,
+void set_normals(cv::Mat& normals, const DisparityImage& disparity, const mapping::PinholeCamera& camera,
                  const NormalOptions& options, const InclinationBias& bias) {
   const SlopeOptions slope_options = {2 * options.half_reach_px, static_cast<float>(options.edge_px), 0.05f};
   RowRays rays = {static_cast<float>(camera.fx), static_cast<float>(camera.fy), static_cast<float>(camera.cx),
@@ -219,15 +219,16 @@ void NormalOptions::declare(OptionTable& table) {
              "Corrects what smoothing does to inclinations, as measured on simulated planes.");
 }
 
-cv::Mat smooth_depth(const cv::Mat& depth, const PinholeCamera& camera, const NormalOptions& options) {
+cv::Mat smooth_depth(const cv::Mat& depth, const mapping::PinholeCamera& camera,
+                     const NormalOptions& options) {
   const float scale = depth_times_disparity(camera, options);
   cv::Mat result;
   set_depth(result, smoothed_disparity(depth, scale, options), scale);
   return result;
 }
 
-cv::Mat normals_from_depth(const cv::Mat& smoothed, const PinholeCamera& camera, const NormalOptions& options,
-                           const InclinationBias& bias) {
+cv::Mat normals_from_depth(const cv::Mat& smoothed, const mapping::PinholeCamera& camera,
+                           const NormalOptions& options, const InclinationBias& bias) {
   DisparityImage& disparity = workspace().measured;
   set_disparity(disparity, smoothed, depth_times_disparity(camera, options));
   cv::Mat normals;
@@ -235,15 +236,16 @@ cv::Mat normals_from_depth(const cv::Mat& smoothed, const PinholeCamera& camera,
   return normals;
 }
 
-void smooth_depth_and_normals(const cv::Mat& depth, const PinholeCamera& camera, const NormalOptions& options,
-                              const InclinationBias& bias, DepthNormals& result) {
+void smooth_depth_and_normals(const cv::Mat& depth, const mapping::PinholeCamera& camera,
+                              const NormalOptions& options, const InclinationBias& bias,
+                              DepthNormals& result) {
   const float scale = depth_times_disparity(camera, options);
   const DisparityImage& disparity = smoothed_disparity(depth, scale, options);
   set_depth(result.depth, disparity, scale);
   set_normals(result.normals, disparity, camera, options, bias);
 }
 
-cv::Mat points_from_depth(const cv::Mat& depth, const PinholeCamera& camera) {
+cv::Mat points_from_depth(const cv::Mat& depth, const mapping::PinholeCamera& camera) {
   cv::Mat points(depth.rows, depth.cols, CV_32FC3);
   std::vector<float> x_slope(static_cast<size_t>(depth.cols));
   for (int u = 0; u < depth.cols; ++u)
@@ -261,4 +263,4 @@ cv::Mat points_from_depth(const cv::Mat& depth, const PinholeCamera& camera) {
   return points;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

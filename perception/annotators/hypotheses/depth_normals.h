@@ -6,7 +6,7 @@
 #include "mapping/sensor/camera.h"
 #include "perception/annotators/hypotheses/inclination_bias.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// How a depth image is smoothed before normals are taken (§4.2.1). The defaults are a Kinect's.
 struct NormalOptions {
@@ -33,10 +33,11 @@ struct NormalOptions {
 /// within edge_px of disparity are not mixed: a plane has linear disparity and is left as it is, outlines
 /// stay where they are. `depth` is CV_32F in metres, NaN = none; so is the result, with values exactly where
 /// `depth` has some.
-cv::Mat smooth_depth(const cv::Mat& depth, const PinholeCamera& camera, const NormalOptions& options = {});
+cv::Mat smooth_depth(const cv::Mat& depth, const mapping::PinholeCamera& camera,
+                     const NormalOptions& options = {});
 
 /// CV_32FC3, metres, camera frame; NaN where there is no depth.
-cv::Mat points_from_depth(const cv::Mat& depth, const PinholeCamera& camera);
+cv::Mat points_from_depth(const cv::Mat& depth, const mapping::PinholeCamera& camera);
 
 /// Unit normals towards the camera (CV_32FC3, camera frame) of a smoothed depth image: the cross product of
 /// the vectors between left and right, upper and lower neighbour, written in disparity, where a plane is
@@ -44,7 +45,7 @@ cv::Mat points_from_depth(const cv::Mat& depth, const PinholeCamera& camera);
 /// Neighbours 2 · half_reach_px away are taken where the surface is straight so far, otherwise direct ones,
 /// of which one further than 5 % of the depth away counts as missing. `bias` is what the smoothing is known
 /// to do to inclinations.
-cv::Mat normals_from_depth(const cv::Mat& smoothed, const PinholeCamera& camera,
+cv::Mat normals_from_depth(const cv::Mat& smoothed, const mapping::PinholeCamera& camera,
                            const NormalOptions& options = {}, const InclinationBias& bias = {});
 
 struct DepthNormals {
@@ -52,11 +53,12 @@ struct DepthNormals {
   cv::Mat normals;  ///< as normals_from_depth()
 };
 /// Both of the above in one go, which is faster. Memory of `result` is used again where it has the size.
-void smooth_depth_and_normals(const cv::Mat& depth, const PinholeCamera& camera, const NormalOptions& options,
-                              const InclinationBias& bias, DepthNormals& result);
+void smooth_depth_and_normals(const cv::Mat& depth, const mapping::PinholeCamera& camera,
+                              const NormalOptions& options, const InclinationBias& bias,
+                              DepthNormals& result);
 
 /// The bias of these options with this camera, from simulated planes (see InclinationBias). Deterministic;
 /// some milliseconds.
-InclinationBias measure_inclination_bias(const PinholeCamera& camera, const NormalOptions& options);
+InclinationBias measure_inclination_bias(const mapping::PinholeCamera& camera, const NormalOptions& options);
 
-}  // namespace loci
+}  // namespace loci::perception

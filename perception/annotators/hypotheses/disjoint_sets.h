@@ -4,7 +4,7 @@
 #include <numeric>
 #include <vector>
 
-namespace loci {
+namespace loci::perception {
 
 /// Which of `count` things have been joined to one set (union-find). The smallest member represents a set.
 class DisjointSets {
@@ -28,4 +28,4 @@ class DisjointSets {
   std::vector<size_t> parent_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -14,7 +14,7 @@
 #define LOCI_VECTORISED
 #endif
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -147,4 +147,4 @@ void interleave(const float* x, const float* y, const float* z, float* __restric
   }
 }
 
-}  // namespace loci
+}  // namespace loci::perception

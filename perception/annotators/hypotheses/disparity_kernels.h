@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace loci {
+namespace loci::perception {
 
 /// Loops over rows of disparity (floats, pixels, 0 = missing) that compilers turn into vector instructions.
 /// All of them only add, multiply and compare, without contraction: the same bytes whatever instructions the
@@ -57,4 +57,4 @@ void tilt_normals(float* x, float* y, float* z, int count, const CosineTable& ti
 /// result = x0 y0 z0 x1 y1 z1 …
 void interleave(const float* x, const float* y, const float* z, float* result, int count);
 
-}  // namespace loci
+}  // namespace loci::perception

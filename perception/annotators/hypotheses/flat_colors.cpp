@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr float kMaxByColor = 4;
@@ -76,4 +76,4 @@ cv::Mat height_log_odds(const cv::Mat& heights, double table_m, double object_m,
   return odds;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

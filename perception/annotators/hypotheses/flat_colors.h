@@ -2,7 +2,7 @@
 
 #include <opencv2/core.hpp>
 
-namespace loci {
+namespace loci::perception {
 
 /// What is certain by its height alone; CV_8U, of the colour image's size.
 struct FlatSeeds {
@@ -21,4 +21,4 @@ cv::Mat color_log_odds(const cv::Mat& bin_of, const FlatSeeds& seeds, int bins);
 /// `table_m`, objects above `object_m`. Within ±3, and 0 where there is none.
 cv::Mat height_log_odds(const cv::Mat& heights, double table_m, double object_m, double noise);
 
-}  // namespace loci
+}  // namespace loci::perception

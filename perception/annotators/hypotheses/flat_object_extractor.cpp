@@ -14,7 +14,7 @@
 #include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr const char* kName = "FlatObjectExtractor";
@@ -47,9 +47,8 @@ AnnotatorDescriptor FlatObjectExtractor::descriptor() const {
 
 void FlatObjectExtractor::declare(OptionTable& table) {
   options_.declare(table);
-  table.text(
-      "calibration", calibration_,
-      "Image of the empty surface, made by `loci-perceive surface`, for a camera that stands still.");
+  table.text("calibration", calibration_,
+             "Image of the empty surface, made by `loci-perceive surface`, for a camera that stands still.");
 }
 
 void FlatObjectExtractor::start(Context& /*context*/) {
@@ -63,7 +62,7 @@ void FlatObjectExtractor::process(cas::Cas& cas, Context& /*context*/) {
     return;
   }
   const Isometry3d pose = map_from_camera(scene.scene());
-  const RgbdCamera camera = types::cameras(scene);
+  const mapping::RgbdCamera camera = types::cameras(scene);
   const cv::Mat depth = types::view_image(scene, types::SceneCas::kDepth);
   const cv::Mat color = types::view_image(scene, types::SceneCas::kColor);
   if (!empty_depth_.empty() && empty_depth_.size() != depth.size())
@@ -97,15 +96,15 @@ void write_surface(const std::filesystem::path& path, const cv::Mat& empty_depth
       const double value = static_cast<double>(empty_depth.at<float>(v, u)) * kUnitsPerMetre;
       units.at<uint16_t>(v, u) = value > 0 && value < 65535 ? static_cast<uint16_t>(std::lround(value)) : 0;
     }
-  write_image(path, units);
+  mapping::write_image(path, units);
 }
 
 cv::Mat read_surface(const std::filesystem::path& path) {
   cv::Mat depth;
-  const cv::Mat units = read_uint16(path);
+  const cv::Mat units = mapping::read_uint16(path);
   units.convertTo(depth, CV_32F, 1 / kUnitsPerMetre);
   depth.setTo(std::numeric_limits<float>::quiet_NaN(), units == 0);
   return depth;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -6,7 +6,7 @@
 #include "perception/annotators/hypotheses/flat_objects.h"
 #include "perception/pipeline/annotator.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Flat things on the supports that were found before it, one cluster each, with a mask in the colour image
 /// (§4.3): what is too low to be told from the support by its height alone. What already is a cluster is left
@@ -29,4 +29,4 @@ class FlatObjectExtractor : public Annotator {
 void write_surface(const std::filesystem::path& path, const cv::Mat& empty_depth);
 cv::Mat read_surface(const std::filesystem::path& path);
 
-}  // namespace loci
+}  // namespace loci::perception

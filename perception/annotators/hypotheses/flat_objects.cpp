@@ -11,7 +11,7 @@
 #include "perception/annotators/hypotheses/thin_objects.h"
 #include "perception/annotators/hypotheses/uneven_surface.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
@@ -37,7 +37,7 @@ int width_against(double noise, const FlatOptions& options) {
 }
 
 /// Heights of single pixels over the plane, or over the empty surface where that is known.
-cv::Mat raw_heights(const cv::Mat& depth, const PinholeCamera& camera, const FlatSurface& surface,
+cv::Mat raw_heights(const cv::Mat& depth, const mapping::PinholeCamera& camera, const FlatSurface& surface,
                     const FlatOptions& options) {
   const bool calibrated = !surface.empty_depth.empty();
   cv::Mat heights(depth.size(), CV_32F);
@@ -80,7 +80,7 @@ bool level(const cv::Mat& heights, double tolerance) {
   return 2 * within > all;
 }
 
-Leveled leveled(const cv::Mat& smooth, const PinholeCamera& camera, const FlatSurface& surface,
+Leveled leveled(const cv::Mat& smooth, const mapping::PinholeCamera& camera, const FlatSurface& surface,
                 const FlatOptions& options) {
   if (!surface.empty_depth.empty() || options.background_m == 0) return {smooth, smooth};
   Leveled heights;
@@ -94,8 +94,8 @@ Leveled leveled(const cv::Mat& smooth, const PinholeCamera& camera, const FlatSu
 }
 
 /// A step in height that the sensor tells from steps of its disparity, metres: one and a half of them.
-double min_step(const cv::Mat& depth, const PinholeCamera& camera, const FlatSurface& surface,
-                  const std::vector<int>& pixels, const FlatOptions& options) {
+double min_step(const cv::Mat& depth, const mapping::PinholeCamera& camera, const FlatSurface& surface,
+                const std::vector<int>& pixels, const FlatOptions& options) {
   constexpr double kNoises = 3;
   const int middle = pixels[pixels.size() / 2];
   const double slope =
@@ -108,10 +108,10 @@ double min_step(const cv::Mat& depth, const PinholeCamera& camera, const FlatSur
 struct SurfacePart {
   cv::Rect depth_box, color_box;
   cv::Mat depth, color;
-  RgbdCamera camera;
+  mapping::RgbdCamera camera;
   FlatSurface surface;
 
-  SurfacePart(const cv::Mat& whole_depth, const cv::Mat& whole_color, const RgbdCamera& whole_camera,
+  SurfacePart(const cv::Mat& whole_depth, const cv::Mat& whole_color, const mapping::RgbdCamera& whole_camera,
               const FlatSurface& whole)
       : depth_box(cv::boundingRect(whole.inside)),
         color_box(box_in_color(depth_box, whole_camera, whole.normal, whole.offset)),
@@ -176,20 +176,20 @@ cv::Mat SurfaceCalibration::mean() const {
   return mean;
 }
 
-cv::Mat heights_over_surface(const cv::Mat& depth, const PinholeCamera& camera, const FlatSurface& surface,
-                             const FlatOptions& options) {
+cv::Mat heights_over_surface(const cv::Mat& depth, const mapping::PinholeCamera& camera,
+                             const FlatSurface& surface, const FlatOptions& options) {
   const cv::Mat heights = raw_heights(depth, camera, surface, options);
   return leveled(smoothed(heights, width_against(pixel_noise(heights), options)), camera, surface, options)
       .uneven;
 }
 
-cv::Mat seen_by_color(const cv::Mat& image, const RgbdCamera& camera, const FlatSurface& surface,
+cv::Mat seen_by_color(const cv::Mat& image, const mapping::RgbdCamera& camera, const FlatSurface& surface,
                       double outside) {
   return PlaneRegistration(camera, surface.normal, surface.offset).seen_by_color(image, outside);
 }
 
 std::vector<FlatObject> find_flat_objects(const cv::Mat& depth, const cv::Mat& color,
-                                          const RgbdCamera& camera, const FlatSurface& surface,
+                                          const mapping::RgbdCamera& camera, const FlatSurface& surface,
                                           const FlatOptions& options) {
   const SurfacePart part(depth, color, camera, surface);
   if (part.depth_box.empty() || part.color_box.empty()) return {};
@@ -210,4 +210,4 @@ std::vector<FlatObject> find_flat_objects(const cv::Mat& depth, const cv::Mat& c
   return objects;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

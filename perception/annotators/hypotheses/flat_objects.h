@@ -7,7 +7,7 @@
 #include "mapping/base/pose.h"
 #include "mapping/sensor/camera.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// How flat things are told from the surface below them (§4.3).
 struct FlatOptions {
@@ -63,12 +63,12 @@ class SurfaceCalibration {
 /// bring the noise of this image below noise_m. Without calibration the surface is what most
 /// pixels show, bent as a whole; where that does not explain it, the lower envelope of the image's own
 /// heights, wider than background_m.
-cv::Mat heights_over_surface(const cv::Mat& depth, const PinholeCamera& camera, const FlatSurface& surface,
-                             const FlatOptions& options);
+cv::Mat heights_over_surface(const cv::Mat& depth, const mapping::PinholeCamera& camera,
+                             const FlatSurface& surface, const FlatOptions& options);
 
 /// An image of the depth camera as the colour camera would see it if it were painted on the surface's plane
 /// (nearest pixel; `outside` where the depth image does not reach). Flat things move by less than a pixel.
-cv::Mat seen_by_color(const cv::Mat& image, const RgbdCamera& camera, const FlatSurface& surface,
+cv::Mat seen_by_color(const cv::Mat& image, const mapping::RgbdCamera& camera, const FlatSurface& surface,
                       double outside);
 
 /// Flat things in two stages: what is certainly surface (below table_m) and certainly object (above object_m)
@@ -78,7 +78,7 @@ cv::Mat seen_by_color(const cv::Mat& image, const RgbdCamera& camera, const Flat
 /// plane as it bends as a whole): these must rise over what is next to them by step_m along their whole
 /// border, see rises_all_around(). `color`: CV_8UC3 of camera.color's size.
 std::vector<FlatObject> find_flat_objects(const cv::Mat& depth, const cv::Mat& color,
-                                          const RgbdCamera& camera, const FlatSurface& surface,
+                                          const mapping::RgbdCamera& camera, const FlatSurface& surface,
                                           const FlatOptions& options);
 
-}  // namespace loci
+}  // namespace loci::perception

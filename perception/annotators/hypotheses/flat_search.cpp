@@ -8,7 +8,7 @@
 #include "mapping/base/quantile.h"
 #include "perception/annotators/hypotheses/flat_colors.h"
 
-namespace loci {
+namespace loci::perception {
 
 double pixel_noise(const cv::Mat& heights) {
   constexpr float kStep = 0.02f;  // What differs by more is an edge.
@@ -26,7 +26,7 @@ double pixel_noise(const cv::Mat& heights) {
   return count == 0 ? 0 : std::sqrt(sum / count / 2);
 }
 
-FlatSearch::FlatSearch(const cv::Mat& depth, const cv::Mat& color, const RgbdCamera& camera,
+FlatSearch::FlatSearch(const cv::Mat& depth, const cv::Mat& color, const mapping::RgbdCamera& camera,
                        const FlatSurface& surface, const FlatOptions& options)
     : depth_(depth),
       camera_(camera),
@@ -129,4 +129,4 @@ void FlatSearch::assign_depth_pixels(const cv::Mat& heights, const cv::Mat& obje
     if (!over[i].empty()) objects[i].height = static_cast<double>(median(over[i]));
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -5,7 +5,7 @@
 #include "perception/annotators/hypotheses/flat_objects.h"
 #include "perception/annotators/hypotheses/plane_registration.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Standard deviation of single pixels' heights (CV_32F, metres, NaN = none), from neighbours on the same
 /// surface.
@@ -14,8 +14,8 @@ double pixel_noise(const cv::Mat& heights);
 /// The two stages of find_flat_objects() over one image, and over what is left of it.
 class FlatSearch {
  public:
-  FlatSearch(const cv::Mat& depth, const cv::Mat& color, const RgbdCamera& camera, const FlatSurface& surface,
-             const FlatOptions& options);
+  FlatSearch(const cv::Mat& depth, const cv::Mat& color, const mapping::RgbdCamera& camera,
+             const FlatSurface& surface, const FlatOptions& options);
 
   /// Things of which at least a quarter is higher than `object_m`, with the pixels of both images.
   /// `heights`: over the surface, CV_32F, metres, of the depth image.
@@ -32,7 +32,7 @@ class FlatSearch {
                            std::vector<FlatObject>& objects) const;
 
   const cv::Mat& depth_;
-  const RgbdCamera& camera_;
+  const mapping::RgbdCamera& camera_;
   const FlatSurface& surface_;
   const FlatOptions& options_;
   PlaneRegistration registration_;
@@ -40,4 +40,4 @@ class FlatSearch {
   cv::Mat open_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -5,11 +5,11 @@
 #include "mapping/base/pose.h"
 #include "mapping/sensor/camera.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Whether nothing of a ball (camera frame, metres) can fall into a pixel: it lies behind the camera or
 /// outside one of the planes through its centre and an edge of the image (a pixel more on every side).
-inline bool out_of_view(const Vector3d& middle, double radius, const PinholeCamera& camera) {
+inline bool out_of_view(const Vector3d& middle, double radius, const mapping::PinholeCamera& camera) {
   const auto outside = [&](double x, double y, double z) {
     return x * middle.x() + y * middle.y() + z * middle.z() < -1.001 * radius * std::hypot(x, y, z) - 1e-6;
   };
@@ -18,4 +18,4 @@ inline bool out_of_view(const Vector3d& middle, double radius, const PinholeCame
          outside(0, -camera.fy, camera.height - camera.cy);
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-namespace loci {
+#include "mapping/base/math.h"
+
+namespace loci::perception {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// Linear between the middles of the bins, 0 at both ends.
 double interpolate(const InclinationBias::Table& table, double inclination_deg) {
@@ -36,4 +35,4 @@ InclinationBias::InclinationBias(const Table& correction_deg) : correction_deg_(
   tilt_[kCosineSteps] = tilt_[kCosineSteps - 1];
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -4,7 +4,7 @@
 
 #include "perception/annotators/hypotheses/disparity_kernels.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// By how much estimated normals lean too little or too much, by their inclination to the sensor's plane
 /// (§4.2.1.1): a table in bins of 5°, as in Fig. 4.4, and its inverse, a rotation about z × n (Eq. 4.6). The
@@ -29,4 +29,4 @@ class InclinationBias {
   CosineTable tilt_ = {};
 };
 
-}  // namespace loci
+}  // namespace loci::perception

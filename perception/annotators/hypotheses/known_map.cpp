@@ -11,7 +11,7 @@
 #include "mapping/world/kinematics.h"
 #include "mapping/world/urdf.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 bool matches(const std::string& text, const std::vector<std::string>& patterns) {
@@ -27,12 +27,13 @@ struct Facet {
 };
 
 /// The triangles of a link that look up.
-std::vector<Facet> upper_facets(const KnownMap& map, const Link& link, const Isometry3d& map_from_link) {
+std::vector<Facet> upper_facets(const KnownMap& map, const mapping::Link& link,
+                                const Isometry3d& map_from_link) {
   std::vector<Facet> facets;
   Warnings ignored;  // Missing meshes were warned about when the map was loaded.
-  for (const Visual& visual : link.visuals) {
+  for (const mapping::Visual& visual : link.visuals) {
     const Isometry3d map_from_visual = map_from_link * visual.link_from_visual;
-    const TriangleMesh mesh = triangulate(visual.geometry, map.meshes, ignored);
+    const mapping::TriangleMesh mesh = triangulate(visual.geometry, map.meshes, ignored);
     for (const auto& triangle : mesh.triangles) {
       Facet facet;
       for (size_t i = 0; i < 3; ++i)
@@ -58,7 +59,7 @@ std::optional<double> top_height(const std::vector<Facet>& facets) {
   return std::nullopt;
 }
 
-std::optional<SupportSurface> surface_of(const KnownMap& map, const Link& link,
+std::optional<SupportSurface> surface_of(const KnownMap& map, const mapping::Link& link,
                                          const Isometry3d& map_from_link) {
   const std::vector<Facet> facets = upper_facets(map, link, map_from_link);
   const auto level = top_height(facets);
@@ -110,10 +111,10 @@ std::optional<SupportSurface> surface_of(const KnownMap& map, const Link& link,
 std::shared_ptr<KnownMap> KnownMap::load(const std::filesystem::path& urdf,
                                          const std::vector<std::filesystem::path>& package_paths,
                                          Warnings& warnings) {
-  World world = read_urdf(urdf);
-  SemanticMap semantics;
-  if (const auto sidecar = sidecar_path(urdf); std::filesystem::exists(sidecar))
-    semantics = read_semantic_map(sidecar);
+  mapping::World world = mapping::read_urdf(urdf);
+  mapping::SemanticMap semantics;
+  if (const auto sidecar = mapping::sidecar_path(urdf); std::filesystem::exists(sidecar))
+    semantics = mapping::read_semantic_map(sidecar);
   else
     warnings.add("the map has no sidecar " + sidecar.string() + ": classes are taken from the links' names");
   auto map = make(std::move(world), std::move(semantics), {package_paths, urdf.parent_path()}, warnings);
@@ -121,8 +122,8 @@ std::shared_ptr<KnownMap> KnownMap::load(const std::filesystem::path& urdf,
   return map;
 }
 
-std::shared_ptr<KnownMap> KnownMap::make(World world, SemanticMap semantics, MeshSearch meshes,
-                                         Warnings& warnings) {
+std::shared_ptr<KnownMap> KnownMap::make(mapping::World world, mapping::SemanticMap semantics,
+                                         mapping::MeshSearch meshes, Warnings& warnings) {
   auto map = std::make_shared<KnownMap>();
   map->world = std::move(world);
   map->semantics = std::move(semantics);
@@ -132,20 +133,20 @@ std::shared_ptr<KnownMap> KnownMap::make(World world, SemanticMap semantics, Mes
 }
 
 std::shared_ptr<KnownMap> KnownMap::without_room(Warnings& warnings) {
-  World world;
+  mapping::World world;
   world.name = world.root = "map";
   world.links.emplace_back().name = "map";
   return make(std::move(world), {}, {}, warnings);
 }
 
 bool KnownMap::has_room() const {
-  return std::ranges::any_of(world.links, [](const Link& link) { return !link.visuals.empty(); });
+  return std::ranges::any_of(world.links, [](const mapping::Link& link) { return !link.visuals.empty(); });
 }
 
 void KnownMap::add_robot(const std::filesystem::path& urdf, const std::filesystem::path& joints,
                          const std::vector<std::filesystem::path>& package_paths, Warnings& warnings) {
   KnownRobot robot;
-  robot.world = read_urdf(urdf);
+  robot.world = mapping::read_urdf(urdf);
   if (!joints.empty()) robot.rows = KnownRobot::read_joints(joints, robot.world);
   robot.part = scene.add(robot.world, {package_paths, urdf.parent_path()}, Isometry3d::Identity(), warnings);
   robots.push_back(std::move(robot));
@@ -195,7 +196,7 @@ std::vector<SupportSurface> KnownMap::support_surfaces(const std::vector<std::st
   std::vector<SupportSurface> surfaces;
   const std::vector<Isometry3d> map_from_links = root_from_links(world, {});
   for (size_t i = 0; i < world.links.size(); ++i) {
-    const Link& link = world.links[i];
+    const mapping::Link& link = world.links[i];
     if (!matches(link.name, patterns) && !matches(class_of(link.name), patterns)) continue;
     auto surface = surface_of(*this, link, map_from_links[i]);
     if (!surface) continue;
@@ -208,4 +209,4 @@ std::vector<SupportSurface> KnownMap::support_surfaces(const std::vector<std::st
   return surfaces;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -10,7 +10,7 @@
 #include "mapping/world/world.h"
 #include "perception/annotators/hypotheses/known_robot.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// A surface of the map on which things may stand.
 struct SupportSurface {
@@ -27,10 +27,10 @@ struct SupportSurface {
 /// resource of the pipeline.
 struct KnownMap {
   std::filesystem::path path;
-  World world;
-  SemanticMap semantics;
-  MeshSearch meshes;
-  RenderScene scene;
+  mapping::World world;
+  mapping::SemanticMap semantics;
+  mapping::MeshSearch meshes;
+  mapping::RenderScene scene;
   size_t part = 0;
   std::vector<KnownRobot> robots;
 
@@ -38,8 +38,8 @@ struct KnownMap {
   static std::shared_ptr<KnownMap> load(const std::filesystem::path& urdf,
                                         const std::vector<std::filesystem::path>& package_paths,
                                         Warnings& warnings);
-  static std::shared_ptr<KnownMap> make(World world, SemanticMap semantics, MeshSearch meshes,
-                                        Warnings& warnings);
+  static std::shared_ptr<KnownMap> make(mapping::World world, mapping::SemanticMap semantics,
+                                        mapping::MeshSearch meshes, Warnings& warnings);
 
   /// Only robots are known: a world without anything to be seen.
   static std::shared_ptr<KnownMap> without_room(Warnings& warnings);
@@ -65,4 +65,4 @@ struct KnownMap {
   std::vector<SupportSurface> support_surfaces(const std::vector<std::string>& patterns) const;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -5,7 +5,7 @@
 
 #include "mapping/base/csv.h"
 
-namespace loci {
+namespace loci::perception {
 
 JointState KnownRobot::joints_at(TimeNs time) const {
   if (rows.empty()) return {};
@@ -13,7 +13,8 @@ JointState KnownRobot::joints_at(TimeNs time) const {
   return after == rows.begin() ? rows.front().joints : std::prev(after)->joints;
 }
 
-std::vector<KnownRobot::Row> KnownRobot::read_joints(const std::filesystem::path& path, const World& world) {
+std::vector<KnownRobot::Row> KnownRobot::read_joints(const std::filesystem::path& path,
+                                                     const mapping::World& world) {
   const CsvTable table = CsvTable::read(path);
   const size_t joint = table.require_column("joint"), position = table.require_column("position");
   const int time = table.column("time_ns");
@@ -33,4 +34,4 @@ std::vector<KnownRobot::Row> KnownRobot::read_joints(const std::filesystem::path
   return rows;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

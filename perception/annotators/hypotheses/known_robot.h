@@ -6,7 +6,7 @@
 #include "mapping/base/time.h"
 #include "mapping/world/kinematics.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// A robot that may be in view, and how its joints stood.
 struct KnownRobot {
@@ -15,7 +15,7 @@ struct KnownRobot {
     JointState joints;  ///< all that were named until then
   };
 
-  World world;
+  mapping::World world;
   size_t part = 0;        ///< in KnownMap::scene
   std::vector<Row> rows;  ///< in order of time
 
@@ -23,7 +23,7 @@ struct KnownRobot {
   JointState joints_at(TimeNs time) const;
 
   /// Rows from a file as recordings have it (time_ns,joint,position), or without the column of times.
-  static std::vector<Row> read_joints(const std::filesystem::path& path, const World& world);
+  static std::vector<Row> read_joints(const std::filesystem::path& path, const mapping::World& world);
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -9,7 +9,7 @@
 #include "perception/annotators/hypotheses/in_view.h"
 #include "perception/annotators/hypotheses/support_planes.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr double kAround = 0.15;  ///< metres
@@ -22,7 +22,7 @@ struct Prism {
 };
 
 /// The regions of which something may be in view.
-std::vector<Prism> prisms_in_view(const std::vector<Region>& regions, const PinholeCamera& camera,
+std::vector<Prism> prisms_in_view(const std::vector<Region>& regions, const mapping::PinholeCamera& camera,
                                   const Isometry3d& map_from_camera, const KnownStructureOptions& options) {
   std::vector<Prism> prisms;
   for (size_t r = 0; r < regions.size(); ++r) {
@@ -81,13 +81,13 @@ void KnownStructureOptions::declare(OptionTable& table) {
   table.number("margin_m", margin_m, "m", "How far the region reaches over the edge of its surface.", 0, 0.5);
 }
 
-KnownStructure find_known_structure(const cv::Mat& points, const PinholeCamera& camera,
+KnownStructure find_known_structure(const cv::Mat& points, const mapping::PinholeCamera& camera,
                                     const Isometry3d& map_from_camera, KnownMap& map,
                                     const std::vector<SupportSurface>& surfaces, const JointState& joints,
                                     const KnownStructureOptions& options, int threads) {
   KnownStructure result;
   map.scene.set_joints(map.part, joints);
-  const RenderedView view = map.scene.render(camera, map_from_camera, {}, threads);
+  const mapping::RenderedView view = map.scene.render(camera, map_from_camera, {}, threads);
   result.map_depth = view.depth;
   for (const SupportSurface& surface : surfaces)
     result.regions.push_back({&surface, map.scene.map_from_link(surface.link_id) * surface.link_from_top, 0});
@@ -143,4 +143,4 @@ KnownStructure find_known_structure(const cv::Mat& points, const PinholeCamera& 
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

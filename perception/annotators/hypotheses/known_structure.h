@@ -8,7 +8,7 @@
 #include "mapping/base/options.h"
 #include "perception/annotators/hypotheses/known_map.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// How points are taken for known structure (§4.2.2).
 struct KnownStructureOptions {
@@ -54,9 +54,9 @@ struct KnownStructure {
 /// surface goes too; ε grows with the noise of the depth). The tops of the surfaces themselves stay: within
 /// the tolerance around a surface's height a point belongs to its region, so that neither flat objects nor a
 /// map that is some centimetres off cost anything. `points`: CV_32FC3, camera frame.
-KnownStructure find_known_structure(const cv::Mat& points, const PinholeCamera& camera,
+KnownStructure find_known_structure(const cv::Mat& points, const mapping::PinholeCamera& camera,
                                     const Isometry3d& map_from_camera, KnownMap& map,
                                     const std::vector<SupportSurface>& surfaces, const JointState& joints,
                                     const KnownStructureOptions& options, int threads);
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -11,7 +11,7 @@
 #include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr int kFewPixels = 200;  ///< A region with fewer is not in view.
@@ -30,7 +30,7 @@ JointState joints_of(const types::Scene& scene, const KnownMap& map, Warnings& w
   return joints;
 }
 
-JointState joints_of_map(const JointState& joints, const World& world) {
+JointState joints_of_map(const JointState& joints, const mapping::World& world) {
   JointState known;
   for (const auto& [name, position] : joints)
     if (world.find_joint(name)) known[name] = position;
@@ -131,7 +131,7 @@ void KnownStructureFilter::start(Context& context) {
 
 /// The pose of the camera, fitted to the map; the scene is told when it moves.
 Isometry3d KnownStructureFilter::refined_pose(const types::SceneCas& facade, const cv::Mat& points,
-                                              const PinholeCamera& camera, Context& context) {
+                                              const mapping::PinholeCamera& camera, Context& context) {
   const types::Scene scene = facade.scene();
   const Isometry3d given = map_from_camera(scene);
   if (!refinement_.refine_pose || !has_measured_pose(scene)) return given;
@@ -149,8 +149,8 @@ Isometry3d KnownStructureFilter::refined_pose(const types::SceneCas& facade, con
 }
 
 void KnownStructureFilter::fit_joints(const types::SceneCas& scene, const cv::Mat& points,
-                                      const PinholeCamera& camera, const Isometry3d& pose, int threads,
-                                      JointState& joints) {
+                                      const mapping::PinholeCamera& camera, const Isometry3d& pose,
+                                      int threads, JointState& joints) {
   if (!fit_joints_) return;
   JointState fitted = joints;
   for (const FrontState& front : fronts_->estimate(points, camera, pose, joints, threads)) {
@@ -176,7 +176,7 @@ void KnownStructureFilter::fit_joints(const types::SceneCas& scene, const cv::Ma
 }
 
 /// Without a room the robots' points simply go.
-void KnownStructureFilter::remove_robots(const types::SceneCas& facade, const PinholeCamera& camera,
+void KnownStructureFilter::remove_robots(const types::SceneCas& facade, const mapping::PinholeCamera& camera,
                                          Context& context) {
   const types::Scene scene = facade.scene();
   const Isometry3d pose = scene.map_from_camera.is_set() ? map_from_camera(scene) : Isometry3d::Identity();
@@ -195,7 +195,7 @@ void KnownStructureFilter::remove_robots(const types::SceneCas& facade, const Pi
 }
 
 void KnownStructureFilter::tell_obstacles(const types::SceneCas& scene, const cv::Mat& points,
-                                          const PinholeCamera& camera, const Isometry3d& pose,
+                                          const mapping::PinholeCamera& camera, const Isometry3d& pose,
                                           const JointState& joints, const cv::Mat& map_depth) {
   cv::Mat unknown(points.size(), CV_8U);
   const auto* point = points.ptr<cv::Vec3f>();
@@ -220,7 +220,7 @@ void KnownStructureFilter::process(cas::Cas& cas, Context& context) {
     facade.log("KnownStructureFilter", "info", "no map: nothing is known, nothing is removed");
     return;
   }
-  const PinholeCamera camera = types::cameras(facade).depth;
+  const mapping::PinholeCamera camera = types::cameras(facade).depth;
   if (!map_->has_room()) {
     remove_robots(facade, camera, context);
     return;
@@ -257,4 +257,4 @@ void KnownStructureFilter::process(cas::Cas& cas, Context& context) {
       fmt::format("{} points known, {} in no region, {} regions in view", known.known, known.outside, next));
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -8,7 +8,7 @@
 #include "perception/pipeline/annotator.h"
 #include "perception/types/scene_cas.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Takes what the map and the robots explain out of the cloud and names the regions of interest
 /// (URDFRegionFilter, §4.2.2): fits the pose of the camera to the map, then the fronts of drawers and doors
@@ -22,13 +22,14 @@ class KnownStructureFilter : public Annotator {
   void process(cas::Cas& cas, Context& context) override;
 
  private:
-  Isometry3d refined_pose(const types::SceneCas& scene, const cv::Mat& points, const PinholeCamera& camera,
-                          Context& context);
-  void fit_joints(const types::SceneCas& scene, const cv::Mat& points, const PinholeCamera& camera,
+  Isometry3d refined_pose(const types::SceneCas& scene, const cv::Mat& points,
+                          const mapping::PinholeCamera& camera, Context& context);
+  void fit_joints(const types::SceneCas& scene, const cv::Mat& points, const mapping::PinholeCamera& camera,
                   const Isometry3d& pose, int threads, JointState& joints);
-  void remove_robots(const types::SceneCas& scene, const PinholeCamera& camera, Context& context);
-  void tell_obstacles(const types::SceneCas& scene, const cv::Mat& points, const PinholeCamera& camera,
-                      const Isometry3d& pose, const JointState& joints, const cv::Mat& map_depth);
+  void remove_robots(const types::SceneCas& scene, const mapping::PinholeCamera& camera, Context& context);
+  void tell_obstacles(const types::SceneCas& scene, const cv::Mat& points,
+                      const mapping::PinholeCamera& camera, const Isometry3d& pose, const JointState& joints,
+                      const cv::Mat& map_depth);
 
   KnownStructureOptions options_;
   PoseRefinementOptions refinement_;
@@ -39,4 +40,4 @@ class KnownStructureFilter : public Annotator {
   std::unique_ptr<ArticulatedFronts> fronts_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

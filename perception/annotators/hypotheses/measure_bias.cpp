@@ -1,20 +1,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <vector>
 
+#include "mapping/base/math.h"
 #include "mapping/base/random.h"
 #include "perception/annotators/hypotheses/depth_normals.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-
 /// A plane through the middle of a small image as the sensor would measure it.
-cv::Mat plane_image(const PinholeCamera& camera, const NormalOptions& options, const Vector3d& normal,
-                      double distance, Random& random) {
+cv::Mat plane_image(const mapping::PinholeCamera& camera, const NormalOptions& options,
+                    const Vector3d& normal, double distance, Random& random) {
   const double bf = options.baseline_m * camera.fx;
   const double quantum = options.disparity_quantum_px;
   const double offset = normal.z() * distance;
@@ -51,10 +49,10 @@ double mean_of_peak(const std::vector<double>& values) {
 
 }  // namespace
 
-InclinationBias measure_inclination_bias(const PinholeCamera& camera, const NormalOptions& options) {
+InclinationBias measure_inclination_bias(const mapping::PinholeCamera& camera, const NormalOptions& options) {
   constexpr int kTurns = 4, kSize = 64, kMin = 200;
   constexpr double kMiddle = 1.2;
-  PinholeCamera small = camera;
+  mapping::PinholeCamera small = camera;
   small.width = small.height = kSize;
   small.cx = small.cy = kSize / 2.0;
   Random random(421);
@@ -62,7 +60,7 @@ InclinationBias measure_inclination_bias(const PinholeCamera& camera, const Norm
   DepthNormals found;
   for (double inclination = 2.5; inclination < 85; inclination += 2.5)
     for (int turn = 0; turn < kTurns; ++turn) {
-      const double azimuth = (turn + random.uniform()) * 2 * std::numbers::pi / kTurns;
+      const double azimuth = (turn + random.uniform()) * 2 * kPi / kTurns;
       const double sine = std::sin(inclination * kDegree);
       const Vector3d normal(sine * std::cos(azimuth), sine * std::sin(azimuth),
                             -std::cos(inclination * kDegree));
@@ -84,4 +82,4 @@ InclinationBias measure_inclination_bias(const PinholeCamera& camera, const Norm
   return InclinationBias(table);
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -4,7 +4,7 @@
 #include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
 
-namespace loci {
+namespace loci::perception {
 
 AnnotatorDescriptor NormalEstimator::descriptor() const {
   return {"NormalEstimator",
@@ -15,7 +15,7 @@ AnnotatorDescriptor NormalEstimator::descriptor() const {
 
 void NormalEstimator::process(cas::Cas& cas, Context& /*context*/) {
   const types::SceneCas scene(cas);
-  const PinholeCamera camera = types::cameras(scene).depth;
+  const mapping::PinholeCamera camera = types::cameras(scene).depth;
   if (!bias_ || camera != bias_camera_) {
     bias_ = options_.correct_inclination ? measure_inclination_bias(camera, options_) : InclinationBias();
     bias_camera_ = camera;
@@ -28,4 +28,4 @@ void NormalEstimator::process(cas::Cas& cas, Context& /*context*/) {
   set_cloud_normals(scene, found.normals);
 }
 
-}  // namespace loci
+}  // namespace loci::perception

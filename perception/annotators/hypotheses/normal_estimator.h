@@ -5,7 +5,7 @@
 #include "perception/annotators/hypotheses/depth_normals.h"
 #include "perception/pipeline/annotator.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Smoothed depth, cloud and normals of the depth image (§4.2.1).
 class NormalEstimator : public Annotator {
@@ -17,7 +17,7 @@ class NormalEstimator : public Annotator {
  private:
   NormalOptions options_ = NormalOptions::for_objects();
   std::optional<InclinationBias> bias_;  ///< of the camera that was seen last
-  PinholeCamera bias_camera_;
+  mapping::PinholeCamera bias_camera_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

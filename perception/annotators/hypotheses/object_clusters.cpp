@@ -9,7 +9,7 @@
 #include "mapping/base/parallel.h"
 #include "mapping/base/quantile.h"
 
-namespace loci {
+namespace loci::perception {
 
 cv::Rect box_of(const std::vector<int>& pixels, const cv::Size& image) {
   int left = image.width;
@@ -104,8 +104,9 @@ int support_below(const Vector3f& p, int label, const std::vector<Ground>& groun
 
 /// Gives every pixel to the highest support below it.
 std::vector<Standing> stand_on_supports(const cv::Mat& points, const cv::Mat& normals, const cv::Mat& region,
-                                        const PinholeCamera& camera, const std::vector<Ground>& grounds,
-                                        const ClusterOptions& options, int threads) {
+                                        const mapping::PinholeCamera& camera,
+                                        const std::vector<Ground>& grounds, const ClusterOptions& options,
+                                        int threads) {
   const auto* point = points.ptr<cv::Vec3f>();
   const auto* normal = normals.ptr<cv::Vec3f>();
   const auto* label_of = region.empty() ? nullptr : region.ptr<uint16_t>();
@@ -404,7 +405,7 @@ void ClusterOptions::declare(OptionTable& table) {
 }
 
 std::vector<ObjectCluster> extract_clusters(const cv::Mat& points, const cv::Mat& normals,
-                                            const cv::Mat& region, const PinholeCamera& camera,
+                                            const cv::Mat& region, const mapping::PinholeCamera& camera,
                                             const std::vector<SupportPlane>& supports,
                                             const ClusterOptions& options, int threads) {
   std::vector<ObjectCluster> clusters;
@@ -445,4 +446,4 @@ std::vector<ObjectCluster> extract_clusters(const cv::Mat& points, const cv::Mat
   return clusters;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

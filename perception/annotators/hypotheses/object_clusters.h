@@ -8,7 +8,7 @@
 #include "perception/annotators/hypotheses/part_assembly.h"
 #include "perception/annotators/hypotheses/support_planes.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// What counts as an object on a support.
 struct ClusterOptions {
@@ -53,8 +53,8 @@ struct ObjectCluster {
 /// (CV_16U, may be empty) says which support's region of interest a pixel belongs to (SupportPlane::region);
 /// 0 = none, the pixel is left out. The same on any number of threads (0 = all cores).
 std::vector<ObjectCluster> extract_clusters(const cv::Mat& points, const cv::Mat& normals,
-                                            const cv::Mat& region, const PinholeCamera& camera,
+                                            const cv::Mat& region, const mapping::PinholeCamera& camera,
                                             const std::vector<SupportPlane>& supports,
                                             const ClusterOptions& options, int threads = 1);
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -4,15 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/base/math.h"
 #include "mapping/base/quantile.h"
 #include "perception/annotators/hypotheses/disjoint_sets.h"
 #include "perception/annotators/hypotheses/part_piece.h"
 #include "perception/annotators/hypotheses/upright_outline.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using Eigen::Vector2f;
@@ -440,4 +440,4 @@ std::vector<int> assemble_parts(const ConvexParts& parts, const PlaneCloud& clou
   return thing_of_part;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -8,7 +8,7 @@
 #include "mapping/sensor/camera.h"
 #include "perception/annotators/hypotheses/convex_parts.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// What assembling parts to things goes by.
 struct AssemblyOptions {
@@ -30,9 +30,8 @@ struct PlaneCloud {
   const std::vector<float>& areas;  ///< what each point stands for, m²
   Eigen::Vector2f viewpoint;        ///< where the camera is
   const Isometry3d& camera_from_plane;
-  const PinholeCamera& camera;
-  const cv::Mat&
-      image_points;  ///< CV_32FC3, the whole image in the camera frame: what is free, what hidden
+  const mapping::PinholeCamera& camera;
+  const cv::Mat& image_points;  ///< CV_32FC3, the whole image in the camera frame: what is free, what hidden
 };
 
 /// Puts convex parts together to things:
@@ -46,4 +45,4 @@ struct PlaneCloud {
 std::vector<int> assemble_parts(const ConvexParts& parts, const PlaneCloud& cloud,
                                 const AssemblyOptions& options, int& count);
 
-}  // namespace loci
+}  // namespace loci::perception

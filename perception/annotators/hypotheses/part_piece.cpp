@@ -7,7 +7,7 @@
 
 #include "mapping/base/quantile.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using Eigen::Vector2f;
@@ -79,4 +79,4 @@ void measure(Piece& piece, const PlaneCloud& cloud) {
   set_footprint(piece, cloud);
 }
 
-}  // namespace loci
+}  // namespace loci::perception

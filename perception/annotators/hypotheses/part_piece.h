@@ -2,7 +2,7 @@
 
 #include "perception/annotators/hypotheses/part_assembly.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// One or several parts that are taken for one thing so far.
 struct Piece {
@@ -23,4 +23,4 @@ void set_area(Piece& piece, const PlaneCloud& cloud);
 /// All but those: heights, footprint, where it is seen, where its walls face.
 void measure(Piece& piece, const PlaneCloud& cloud);
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -12,7 +12,7 @@
 #include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr const char* kName = "PlaneClusterExtractor";
@@ -71,7 +71,8 @@ SupportPlane support_of_region(const types::PlanarSupport& known, int label, con
 
 /// Share of the outline that the image shows: in view, and not hidden behind something that does not stand
 /// there.
-double covered_fraction(const SupportPlane& plane, const cv::Mat& points, const PinholeCamera& camera) {
+double covered_fraction(const SupportPlane& plane, const cv::Mat& points,
+                        const mapping::PinholeCamera& camera) {
   Eigen::AlignedBox2d extent;
   for (const Vector2d& corner : plane.outline) extent.extend(corner);
   const ConvexOutline outline(plane.outline);
@@ -167,7 +168,7 @@ void PlaneClusterExtractor::process(cas::Cas& cas, Context& context) {
     return;
   }
   const Isometry3d pose = map_from_camera(scene);
-  const PinholeCamera camera = types::cameras(facade).depth;
+  const mapping::PinholeCamera camera = types::cameras(facade).depth;
   const cv::Mat points = cloud_points(facade);
   const cv::Mat normals = cloud_normals(facade);
   cv::Mat region;
@@ -203,4 +204,4 @@ void PlaneClusterExtractor::process(cas::Cas& cas, Context& context) {
   facade.log(kName, "info", fmt::format("{} supports, {} clusters", planes.size(), clusters.size()));
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -3,7 +3,7 @@
 #include "perception/annotators/hypotheses/object_clusters.h"
 #include "perception/pipeline/annotator.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Supporting planes and the objects that stand on them (§4.3). With regions of interest (from
 /// KnownStructureFilter) a support is the region's surface, refined on what the frame shows; without, all
@@ -19,4 +19,4 @@ class PlaneClusterExtractor : public Annotator {
   ClusterOptions cluster_options_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

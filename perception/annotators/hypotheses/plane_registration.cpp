@@ -4,10 +4,10 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
-Eigen::Matrix3d intrinsics(const PinholeCamera& camera) {
+Eigen::Matrix3d intrinsics(const mapping::PinholeCamera& camera) {
   Eigen::Matrix3d k;
   k << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
   return k;
@@ -15,7 +15,7 @@ Eigen::Matrix3d intrinsics(const PinholeCamera& camera) {
 
 }  // namespace
 
-PlaneRegistration::PlaneRegistration(const RgbdCamera& camera, const Vector3d& normal, double offset)
+PlaneRegistration::PlaneRegistration(const mapping::RgbdCamera& camera, const Vector3d& normal, double offset)
     : columns_(camera.color.height, camera.color.width, CV_32F),
       rows_(camera.color.height, camera.color.width, CV_32F) {
   constexpr float kBeside = -10;
@@ -46,7 +46,8 @@ cv::Mat PlaneRegistration::seen_by_color(const cv::Mat& image, double outside) c
   return result;
 }
 
-cv::Rect box_in_color(const cv::Rect& box, const RgbdCamera& camera, const Vector3d& normal, double offset) {
+cv::Rect box_in_color(const cv::Rect& box, const mapping::RgbdCamera& camera, const Vector3d& normal,
+                      double offset) {
   constexpr int kMore = 20;  // What is higher than the plane is seen beside it.
   const cv::Rect all(0, 0, camera.color.width, camera.color.height);
   const Isometry3d color_from_depth = camera.depth_from_color.inverse();
@@ -71,8 +72,8 @@ cv::Rect box_in_color(const cv::Rect& box, const RgbdCamera& camera, const Vecto
   return cv::Rect(low, high) & all;
 }
 
-PinholeCamera cropped(const PinholeCamera& camera, const cv::Rect& box) {
+mapping::PinholeCamera cropped(const mapping::PinholeCamera& camera, const cv::Rect& box) {
   return {box.width, box.height, camera.fx, camera.fy, camera.cx - box.x, camera.cy - box.y};
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -5,14 +5,14 @@
 #include "mapping/base/pose.h"
 #include "mapping/sensor/camera.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Which pixel of the depth camera shows what a pixel of the colour camera shows, for everything on one plane
 /// (normal · p = offset, depth camera's frame): the homography that the plane induces. Flat things on it move
 /// by less than a pixel.
 class PlaneRegistration {
  public:
-  PlaneRegistration(const RgbdCamera& camera, const Vector3d& normal, double offset);
+  PlaneRegistration(const mapping::RgbdCamera& camera, const Vector3d& normal, double offset);
 
   /// An image of the depth camera as the colour camera would see it if it were painted on the plane (nearest
   /// pixel; `outside` where the depth image does not reach).
@@ -24,9 +24,10 @@ class PlaneRegistration {
 
 /// The pixels of the colour image that may show those of `box` of the depth image, some more included;
 /// all of it when the box looks beside the plane.
-cv::Rect box_in_color(const cv::Rect& box, const RgbdCamera& camera, const Vector3d& normal, double offset);
+cv::Rect box_in_color(const cv::Rect& box, const mapping::RgbdCamera& camera, const Vector3d& normal,
+                      double offset);
 
 /// The camera of a part of its image.
-PinholeCamera cropped(const PinholeCamera& camera, const cv::Rect& box);
+mapping::PinholeCamera cropped(const mapping::PinholeCamera& camera, const cv::Rect& box);
 
-}  // namespace loci
+}  // namespace loci::perception

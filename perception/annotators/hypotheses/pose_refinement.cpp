@@ -5,24 +5,24 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
+#include "mapping/base/math.h"
 #include "perception/annotators/hypotheses/support_planes.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-constexpr int kStride = 4;            ///< pixels between points
-constexpr int kSteps = 12;            ///< at most
-constexpr double kLastGate = 0.03;    ///< metres: what is further from the map at the end is not on it
-constexpr double kOnSurface = 0.02;   ///< metres, plus twice the noise: the filter's own tolerance
-constexpr double kSameNormal = 0.8;   ///< cosine
-constexpr double kMinShare = 0.15;  ///< of the points on the map's surfaces, for a fit to mean anything
-constexpr double kMinGain = 0.02;   ///< more of the points explained, for the given pose to be given up
+constexpr int kStride = 4;           ///< pixels between points
+constexpr int kSteps = 12;           ///< at most
+constexpr double kLastGate = 0.03;   ///< metres: what is further from the map at the end is not on it
+constexpr double kOnSurface = 0.02;  ///< metres, plus twice the noise: the filter's own tolerance
+constexpr double kSameNormal = 0.8;  ///< cosine
+constexpr double kMinShare = 0.15;   ///< of the points on the map's surfaces, for a fit to mean anything
+constexpr double kMinGain = 0.02;    ///< more of the points explained, for the given pose to be given up
 /// A direction is determined when a unit motion moves this share of the points (in the mean square) towards
 /// or away from their surfaces: an error of the sensor in them is at most its tenfold along it.
 constexpr double kDetermined = 0.01;
@@ -36,8 +36,8 @@ struct Pair {
 
 class Fit {
  public:
-  Fit(const cv::Mat& points, const cv::Mat& normals, const PinholeCamera& camera, const RenderScene& scene,
-      int threads)
+  Fit(const cv::Mat& points, const cv::Mat& normals, const mapping::PinholeCamera& camera,
+      const mapping::RenderScene& scene, int threads)
       : scene_(scene), threads_(threads), coarse_(camera) {
     coarse_.width = camera.width / kStride;
     coarse_.height = camera.height / kStride;
@@ -57,9 +57,9 @@ class Fit {
   size_t measured() const { return measured_; }
 
   std::vector<Pair> pairs(const Isometry3d& map_from_camera) const {
-    RenderOptions options;
+    mapping::RenderOptions options;
     options.normals = true;
-    const RenderedView view = scene_.render(coarse_, map_from_camera, options, threads_);
+    const mapping::RenderedView view = scene_.render(coarse_, map_from_camera, options, threads_);
     std::vector<Pair> pairs;
     pairs.reserve(samples_.size());
     for (const Sample& sample : samples_) {
@@ -94,9 +94,9 @@ class Fit {
     double noise;
   };
 
-  const RenderScene& scene_;
+  const mapping::RenderScene& scene_;
   int threads_;
-  PinholeCamera coarse_;
+  mapping::PinholeCamera coarse_;
   std::vector<Sample> samples_;  ///< those that have a normal
   size_t measured_ = 0;
 };
@@ -156,7 +156,7 @@ Step step_of(const std::vector<Pair>& pairs, double gate) {
 }
 
 double turn_deg(const Isometry3d& a, const Isometry3d& b) {
-  return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() * 180 / std::numbers::pi;
+  return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() * 180 / kPi;
 }
 
 }  // namespace
@@ -167,16 +167,17 @@ void PoseRefinementOptions::declare(OptionTable& table) {
   table.number("pose_error_deg", pose_error_deg, "deg", "Largest error of the given orientation.", 0.01, 30);
 }
 
-PoseRefinement refine_pose(const cv::Mat& points, const cv::Mat& normals, const PinholeCamera& camera,
-                           const Isometry3d& map_from_camera, const RenderScene& scene,
-                           const PoseRefinementOptions& options, int threads) {
+PoseRefinement refine_pose(const cv::Mat& points, const cv::Mat& normals,
+                           const mapping::PinholeCamera& camera, const Isometry3d& map_from_camera,
+                           const mapping::RenderScene& scene, const PoseRefinementOptions& options,
+                           int threads) {
   const Fit fit(points, normals, camera, scene, threads);
   PoseRefinement result;
   result.map_from_camera = map_from_camera;
   std::vector<Pair> pairs = fit.pairs(map_from_camera);
   result.explained_before = result.explained_after = fit.explained(pairs);
   // Far from the camera a wrong orientation moves points more than a wrong position.
-  double gate = options.pose_error_m + std::sin(options.pose_error_deg * std::numbers::pi / 180) * 2;
+  double gate = options.pose_error_m + std::sin(options.pose_error_deg * kPi / 180) * 2;
   Isometry3d pose = map_from_camera;
   for (int i = 0; i < kSteps; ++i) {
     if (static_cast<double>(pairs.size()) < kMinShare * static_cast<double>(fit.measured()) ||
@@ -214,4 +215,4 @@ PoseRefinement refine_pose(const cv::Mat& points, const cv::Mat& normals, const 
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

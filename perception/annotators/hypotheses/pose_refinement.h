@@ -8,7 +8,7 @@
 #include "mapping/render/render.h"
 #include "mapping/sensor/camera.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// How the pose of the camera is fitted to the map, frame by frame (§4.2.2: a localisation error turns walls
 /// into objects).
@@ -37,8 +37,9 @@ struct PoseRefinement {
 /// drawn anew after every step. Points that are not on the map (things, people) lose their weight. The given
 /// pose stays when it explains the image as well, when too little of the map is in view, and when the map
 /// would have to be further away than the expected error.
-PoseRefinement refine_pose(const cv::Mat& points, const cv::Mat& normals, const PinholeCamera& camera,
-                           const Isometry3d& map_from_camera, const RenderScene& scene,
-                           const PoseRefinementOptions& options, int threads);
+PoseRefinement refine_pose(const cv::Mat& points, const cv::Mat& normals,
+                           const mapping::PinholeCamera& camera, const Isometry3d& map_from_camera,
+                           const mapping::RenderScene& scene, const PoseRefinementOptions& options,
+                           int threads);
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -4,11 +4,11 @@
 #include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 Superpixels superpixels_of(const types::SceneCas& scene, const SuperpixelOptions& options) {
-  const RgbdCamera camera = types::cameras(scene);
+  const mapping::RgbdCamera camera = types::cameras(scene);
   const cv::Mat points = cloud_points(scene);
   const cv::Mat lab = lab_of_points(points, types::view_image(scene, types::SceneCas::kColor), camera);
   return find_superpixels(points, cloud_normals(scene), lab, camera.depth, options);
@@ -79,4 +79,4 @@ void SaliencyDetector::process(cas::Cas& cas, Context& /*context*/) {
   }
 }
 
-}  // namespace loci
+}  // namespace loci::perception

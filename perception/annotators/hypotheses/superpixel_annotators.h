@@ -3,7 +3,7 @@
 #include "perception/annotators/hypotheses/superpixels.h"
 #include "perception/pipeline/annotator.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Where the hypotheses of SaliencyDetector are indexed.
 inline constexpr std::string_view kSaliencyView = "saliency";
@@ -33,4 +33,4 @@ class SaliencyDetector : public Annotator {
   int most_ = 10;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -4,11 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
-namespace loci {
+#include "mapping/base/math.h"
+
+namespace loci::perception {
 namespace {
 
 constexpr double kColorScale = 25;  ///< Lab: colours this far apart count as much as one radius
@@ -30,8 +31,8 @@ struct Sum {
 
 class Growing {
  public:
-  Growing(const cv::Mat& points, const cv::Mat& normals, const cv::Mat& lab, const PinholeCamera& camera,
-          const SuperpixelOptions& options)
+  Growing(const cv::Mat& points, const cv::Mat& normals, const cv::Mat& lab,
+          const mapping::PinholeCamera& camera, const SuperpixelOptions& options)
       : points_(points.ptr<cv::Vec3f>()),
         normals_(normals.ptr<cv::Vec3f>()),
         lab_(lab.ptr<cv::Vec3f>()),
@@ -64,7 +65,7 @@ class Growing {
 
   /// Superpixels per pixel, and seeds as dense as that.
   void seed() {
-    const double area = std::numbers::pi * options_.radius_m * options_.radius_m;
+    const double area = kPi * options_.radius_m * options_.radius_m;
     for (int i = 0; i < rows_ * cols_; ++i) {
       if (!measured(i)) continue;
       const Vector3d point = vector(points_[i]);
@@ -255,7 +256,7 @@ class Growing {
   const cv::Vec3f* points_;
   const cv::Vec3f* normals_;
   const cv::Vec3f* lab_;
-  const PinholeCamera& camera_;
+  const mapping::PinholeCamera& camera_;
   const SuperpixelOptions& options_;
   int rows_, cols_;
   cv::Mat1f density_;
@@ -285,13 +286,13 @@ void SuperpixelOptions::declare(OptionTable& table) {
 }
 
 Superpixels find_superpixels(const cv::Mat& points, const cv::Mat& normals, const cv::Mat& lab,
-                             const PinholeCamera& camera, const SuperpixelOptions& options) {
+                             const mapping::PinholeCamera& camera, const SuperpixelOptions& options) {
   if (!(options.color + options.normal < 1))
     throw Error("the weights of colour and normal leave nothing for the place", {}, "their sum is below 1");
   return Growing(points, normals, lab, camera, options).run();
 }
 
-cv::Mat lab_of_points(const cv::Mat& points, const cv::Mat& color, const RgbdCamera& camera) {
+cv::Mat lab_of_points(const cv::Mat& points, const cv::Mat& color, const mapping::RgbdCamera& camera) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   cv::Mat lab, seen(points.size(), CV_32FC3, cv::Scalar::all(static_cast<double>(nan)));
   color.convertTo(lab, CV_32F, 1.0 / 255);
@@ -363,4 +364,4 @@ std::vector<SalientBall> salient_balls(const Superpixels& superpixels, const std
   return balls;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -8,7 +8,7 @@
 #include "mapping/base/pose.h"
 #include "mapping/sensor/camera.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Labels of superpixels: CV_16U, number of the superpixel, 0 = none.
 inline constexpr std::string_view kSuperpixelsView = "superpixels";
@@ -39,10 +39,10 @@ struct Superpixels {
 /// are there. Each is connected in the image. `points`, `normals`: CV_32FC3, camera frame, NaN = none;
 /// `lab`: CV_32FC3, colour of each of these pixels in CIE Lab, NaN = none (then colour does not count).
 Superpixels find_superpixels(const cv::Mat& points, const cv::Mat& normals, const cv::Mat& lab,
-                             const PinholeCamera& camera, const SuperpixelOptions& options);
+                             const mapping::PinholeCamera& camera, const SuperpixelOptions& options);
 
 /// The colour image as the depth camera's pixels see it, in CIE Lab: CV_32FC3, NaN where unknown.
-cv::Mat lab_of_points(const cv::Mat& points, const cv::Mat& color, const RgbdCamera& camera);
+cv::Mat lab_of_points(const cv::Mat& points, const cv::Mat& color, const mapping::RgbdCamera& camera);
 
 /// How much each superpixel stands out from what surrounds it (region contrast after Cheng et al. 2011, with
 /// distances in space): mean difference of colour to others, those within `reach` (m) counting most. 0 to 1,
@@ -62,4 +62,4 @@ struct SalientBall {
 std::vector<SalientBall> salient_balls(const Superpixels& superpixels, const std::vector<double>& saliency,
                                        double share, double step, double max_radius, size_t most);
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -6,7 +6,7 @@
 
 #include "perception/annotators/scene_data.h"
 
-namespace loci {
+namespace loci::perception {
 
 std::pair<Vector3d, double> plane_in_camera(const types::PlanarSupport& support, const Isometry3d& pose) {
   const auto normal = types::from<Vector3d>(support.normal.get());
@@ -14,7 +14,7 @@ std::pair<Vector3d, double> plane_in_camera(const types::PlanarSupport& support,
 }
 
 cv::Mat pixels_over(const types::PlanarSupport& support, const Isometry3d& camera_from_map,
-                    const PinholeCamera& camera) {
+                    const mapping::PinholeCamera& camera) {
   std::vector<cv::Point> corners;
   for (const Vector3d& corner : types::points_from_values(support.outline.get())) {
     const Vector3d p = camera_from_map * corner;
@@ -32,7 +32,7 @@ cv::Mat pixels_over(const types::PlanarSupport& support, const Isometry3d& camer
 }
 
 void leave_out_what_the_map_hides(const cv::Mat& map_depth, const Vector3d& normal, double offset,
-                                  const PinholeCamera& camera, cv::Mat& inside) {
+                                  const mapping::PinholeCamera& camera, cv::Mat& inside) {
   constexpr double kOver_m = 0.01;  // a surface is not over itself
   for (int v = 0; v < inside.rows; ++v) {
     const auto* depth = map_depth.ptr<float>(v);
@@ -52,4 +52,4 @@ cv::Mat pixels_of_clusters(const types::SceneCas& scene, const cv::Size& size, i
   return taken;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -3,13 +3,13 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/base/math.h"
 #include "mapping/base/random.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
@@ -262,7 +262,7 @@ bool is_top_of_object(const SupportPlane& upper, const SupportPlane& lower) {
 
 std::vector<SupportPlane> horizontal_supports(const cv::Mat& points, const cv::Mat& normals,
                                               const Vector3d& up, const SupportOptions& options) {
-  const double cosine = std::cos(options.normal_deg * std::numbers::pi / 180);
+  const double cosine = std::cos(options.normal_deg * kPi / 180);
   std::vector<Sample> all =
       samples_near(points, normals, all_pixels(points), up, -options.max_below_camera_m / 2,
                    options.max_below_camera_m / 2 + 0.5, cosine);
@@ -384,7 +384,7 @@ ConvexOutline::ConvexOutline(const std::vector<Vector2d>& corners) {
 std::optional<SupportPlane> refine_support(const cv::Mat& points, const cv::Mat& normals,
                                            const std::vector<int>& pixels, const Vector3d& normal,
                                            double offset, const SupportOptions& options) {
-  const double cosine = std::cos(options.normal_deg * std::numbers::pi / 180);
+  const double cosine = std::cos(options.normal_deg * kPi / 180);
   SupportPlane plane;
   plane.normal = normal;
   plane.offset = offset;
@@ -412,7 +412,7 @@ std::vector<SupportPlane> find_supports(const cv::Mat& points, const cv::Mat& no
                                         const std::optional<Vector3d>& up, const SupportOptions& options) {
   if (up) return horizontal_supports(points, normals, *up, options);
   double offset = 0;
-  const double cosine = std::cos(options.normal_deg * std::numbers::pi / 180);
+  const double cosine = std::cos(options.normal_deg * kPi / 180);
   const auto normal = dominant_plane(points, normals, options.inlier_m, cosine, offset);
   if (!normal) return {};
   if (auto plane = refine_support(points, normals, all_pixels(points), *normal, offset, options))
@@ -420,4 +420,4 @@ std::vector<SupportPlane> find_supports(const cv::Mat& points, const cv::Mat& no
   return {};
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -10,7 +10,7 @@
 #include "mapping/base/pose.h"
 #include "mapping/sensor/camera.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// How horizontal supports are found and refined in one frame.
 struct SupportOptions {
@@ -85,4 +85,4 @@ std::optional<SupportPlane> refine_support(const cv::Mat& points, const cv::Mat&
 std::vector<SupportPlane> find_supports(const cv::Mat& points, const cv::Mat& normals,
                                         const std::optional<Vector3d>& up, const SupportOptions& options);
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -9,7 +9,7 @@
 
 #include "mapping/base/quantile.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using Vector6f = Eigen::Matrix<float, 6, 1>;
@@ -29,7 +29,7 @@ class Terms {
     }
   };
 
-  Terms(const PinholeCamera& camera, const Vector3d& normal, double offset)
+  Terms(const mapping::PinholeCamera& camera, const Vector3d& normal, double offset)
       : camera_(camera),
         normal_(normal),
         x_(offset * normal.unitOrthogonal()),
@@ -54,7 +54,7 @@ class Terms {
   }
 
  private:
-  const PinholeCamera& camera_;
+  const mapping::PinholeCamera& camera_;
   Vector3d normal_;
   Vector3d x_, y_;  ///< axes of the plane, times its offset
 };
@@ -126,8 +126,8 @@ BorderPiece border_piece(const cv::Mat& heights, const cv::Mat& ground, const cv
 
 }  // namespace
 
-cv::Mat over_bent_surface(const cv::Mat& heights, const PinholeCamera& camera, const Vector3d& normal,
-                          double offset) {
+cv::Mat over_bent_surface(const cv::Mat& heights, const mapping::PinholeCamera& camera,
+                          const Vector3d& normal, double offset) {
   constexpr int kStep = 4;
   const Terms terms(camera, normal, offset);
   std::vector<Sample> samples;
@@ -189,4 +189,4 @@ bool rises_all_around(const cv::Mat& heights, const std::vector<int>& pixels, co
   return median(steps) >= step && quantile(steps, 0.2) >= step / 3;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

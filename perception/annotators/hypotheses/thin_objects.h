@@ -6,13 +6,13 @@
 #include "mapping/base/pose.h"
 #include "mapping/sensor/camera.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Heights over a plane (CV_32F, metres, image of a depth camera, NaN = none) made heights over the surface
 /// near the plane that bends as a whole: a polynomial of second degree, fitted to what most of the pixels
 /// show. It takes away what a sensor distorts and how a board sags, and no thing, however wide.
-cv::Mat over_bent_surface(const cv::Mat& heights, const PinholeCamera& camera, const Vector3d& normal,
-                          double offset);
+cv::Mat over_bent_surface(const cv::Mat& heights, const mapping::PinholeCamera& camera,
+                          const Vector3d& normal, double offset);
 
 /// Whether a thing (`pixels` of the depth image) lies higher than what is next to it by at least `step_m`
 /// along its border, and rises along nearly all of it. The border is cut into short pieces, each compared
@@ -22,4 +22,4 @@ cv::Mat over_bent_surface(const cv::Mat& heights, const PinholeCamera& camera, c
 bool rises_all_around(const cv::Mat& heights, const std::vector<int>& pixels, const cv::Mat& ground,
                       double step_m);
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -4,14 +4,14 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr double kMaxShadow = 0.3;  ///< of a hole's rows
-constexpr int kBorder = 8;           ///< Kinects measure nothing at the edges of their images
+constexpr int kBorder = 8;          ///< Kinects measure nothing at the edges of their images
 
 /// Where a pixel's ray meets the surface.
-Vector3d on_surface(const PinholeCamera& camera, const HoleSurface& surface, double u, double v) {
+Vector3d on_surface(const mapping::PinholeCamera& camera, const HoleSurface& surface, double u, double v) {
   const Vector3d ray = camera.unproject(u, v, 1);
   return surface.offset / surface.normal.dot(ray) * ray;
 }
@@ -24,7 +24,7 @@ double height_over(const Vector3d& foot, const Vector3d& up, const Vector3d& ray
 
 /// Which share of what is measured around a hole is the surface.
 double surface_around(const cv::Mat& hole, const cv::Rect& box, const cv::Mat& depth,
-                      const PinholeCamera& camera, const HoleSurface& surface, double tolerance) {
+                      const mapping::PinholeCamera& camera, const HoleSurface& surface, double tolerance) {
   cv::Mat ring;
   cv::dilate(hole, ring, cv::Mat::ones(7, 7, CV_8U));
   int all = 0;
@@ -48,7 +48,7 @@ double surface_around(const cv::Mat& hole, const cv::Rect& box, const cv::Mat& d
 /// Which share of a hole's rows a sensor whose projector stands beside its camera leaves by itself: the
 /// shadow of what is nearer on one side of the row falls on what is farther on the other.
 double shadow_share(const cv::Mat& hole, const cv::Rect& box, const cv::Mat& depth,
-                    const PinholeCamera& camera, double baseline_m) {
+                    const mapping::PinholeCamera& camera, double baseline_m) {
   constexpr double kSlack = 4;  // Edges are ragged.
   constexpr int kNear = 6;
   int rows = 0;
@@ -94,7 +94,7 @@ void TransparentOptions::declare(OptionTable& table) {
   table.number("surface_m", surface_m, "m", "Points this near to the plane are the surface.", 0.001, 0.1);
 }
 
-std::vector<TransparentCandidate> find_transparent(const cv::Mat& depth, const PinholeCamera& camera,
+std::vector<TransparentCandidate> find_transparent(const cv::Mat& depth, const mapping::PinholeCamera& camera,
                                                    const HoleSurface& surface,
                                                    const TransparentOptions& options) {
   cv::Mat holes = ~(depth > 0) & surface.inside & ~surface.taken;
@@ -136,4 +136,4 @@ std::vector<TransparentCandidate> find_transparent(const cv::Mat& depth, const P
   return found;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

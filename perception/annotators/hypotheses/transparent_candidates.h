@@ -7,7 +7,7 @@
 #include "mapping/base/pose.h"
 #include "mapping/sensor/camera.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// What a hole in the depth image must be like to be taken for something transparent (§4.3).
 struct TransparentOptions {
@@ -42,8 +42,8 @@ struct TransparentCandidate {
 /// Holes in `depth` (CV_32F, metres, NaN = none) on a surface that are as large as glasses, bottles or jars.
 /// Around a hole the surface itself must be seen, and the shadows that a sensor with a projector beside its
 /// camera leaves where one row jumps from near to far are none.
-std::vector<TransparentCandidate> find_transparent(const cv::Mat& depth, const PinholeCamera& camera,
+std::vector<TransparentCandidate> find_transparent(const cv::Mat& depth, const mapping::PinholeCamera& camera,
                                                    const HoleSurface& surface,
                                                    const TransparentOptions& options);
 
-}  // namespace loci
+}  // namespace loci::perception

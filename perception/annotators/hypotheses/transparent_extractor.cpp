@@ -8,7 +8,7 @@
 #include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr const char* kName = "TransparentExtractor";
@@ -23,7 +23,7 @@ Isometry3d map_from_box(const TransparentCandidate& candidate, const Vector3d& f
 
 /// The hole in the colour image, as if it were as far away as the foot.
 void image_candidate(const TransparentCandidate& candidate, const types::Cluster& cluster,
-                       const types::SceneCas& scene, const RgbdCamera& camera) {
+                     const types::SceneCas& scene, const mapping::RgbdCamera& camera) {
   if (!scene.has(types::SceneCas::kColor)) return;
   const cv::Mat color = types::view_image(scene, types::SceneCas::kColor);
   cv::Mat points(camera.depth.height, camera.depth.width, CV_32FC3);
@@ -36,7 +36,7 @@ void image_candidate(const TransparentCandidate& candidate, const types::Cluster
 }
 
 void add_cluster(const TransparentCandidate& candidate, const types::PlanarSupport& support,
-                 const types::SceneCas& scene, const Isometry3d& pose, const RgbdCamera& camera) {
+                 const types::SceneCas& scene, const Isometry3d& pose, const mapping::RgbdCamera& camera) {
   cas::Cas& cas = scene.cas();
   const Isometry3d map_from_support = types::from<Isometry3d>(support.map_from_support.get());
   const Isometry3d map_from_object = map_from_box(candidate, pose * candidate.foot, map_from_support);
@@ -91,7 +91,7 @@ void TransparentExtractor::process(cas::Cas& cas, Context& /*context*/) {
   const types::SceneCas scene(cas);
   if (!scene.scene().map_from_camera.is_set()) return;
   const Isometry3d pose = map_from_camera(scene.scene());
-  const RgbdCamera camera = types::cameras(scene);
+  const mapping::RgbdCamera camera = types::cameras(scene);
   const cv::Mat depth = types::view_image(scene, types::SceneCas::kDepth);
   cv::Mat taken = pixels_of_clusters(scene, depth.size(), kMargin);
   size_t found = 0;
@@ -108,4 +108,4 @@ void TransparentExtractor::process(cas::Cas& cas, Context& /*context*/) {
   scene.log(kName, "info", fmt::format("{} transparent candidates", found));
 }
 
-}  // namespace loci
+}  // namespace loci::perception

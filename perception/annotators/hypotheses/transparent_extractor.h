@@ -3,7 +3,7 @@
 #include "perception/annotators/hypotheses/transparent_candidates.h"
 #include "perception/pipeline/annotator.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Holes in depth as candidates for glasses: clusters without points, with a box, a region of the colour
 /// image, and a classification of kind "material" that says "transparent" and how much speaks for it.
@@ -17,4 +17,4 @@ class TransparentExtractor : public Annotator {
   TransparentOptions options_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

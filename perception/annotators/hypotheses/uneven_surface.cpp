@@ -7,7 +7,7 @@
 
 #include "mapping/base/quantile.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr double kCell = 0.005;  ///< of the top view, metres
@@ -19,7 +19,8 @@ struct TopView {
   cv::Size size;
 };
 
-TopView top_view(const cv::Mat& heights, const PinholeCamera& camera, const Vector3d& normal, double offset) {
+TopView top_view(const cv::Mat& heights, const mapping::PinholeCamera& camera, const Vector3d& normal,
+                 double offset) {
   const Vector3d x = normal.unitOrthogonal();
   const Vector3d y = normal.cross(x);
   cv::Mat positions(heights.size(), CV_64FC2);
@@ -83,8 +84,8 @@ cv::Mat envelope(const cv::Mat& cells, const cv::Mat& known, double window_m) {
 
 }  // namespace
 
-cv::Mat over_uneven_surface(const cv::Mat& heights, const PinholeCamera& camera, const Vector3d& normal,
-                            double offset, double window_m, double object_m) {
+cv::Mat over_uneven_surface(const cv::Mat& heights, const mapping::PinholeCamera& camera,
+                            const Vector3d& normal, double offset, double window_m, double object_m) {
   const TopView view = top_view(heights, camera, normal, offset);
   if (view.size.empty()) return heights;
   cv::Mat sum = cv::Mat::zeros(view.size, CV_32F);
@@ -120,4 +121,4 @@ cv::Mat over_uneven_surface(const cv::Mat& heights, const PinholeCamera& camera,
   return result;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace loci {
+namespace loci::perception {
 
 OutlineBand outline_band(const std::vector<Eigen::Vector3f>& cloud, const std::vector<int>& members,
                          const Eigen::Vector2f& viewpoint, float low, float high) {
@@ -34,4 +34,4 @@ OutlineBand outline_band(const std::vector<Eigen::Vector3f>& cloud, const std::v
   return band;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

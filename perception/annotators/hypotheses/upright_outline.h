@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace loci {
+namespace loci::perception {
 
 /// What a camera sees of an upright thing between two heights, from left to right.
 struct OutlineBand {
@@ -19,4 +19,4 @@ struct OutlineBand {
 OutlineBand outline_band(const std::vector<Eigen::Vector3f>& cloud, const std::vector<int>& members,
                          const Eigen::Vector2f& viewpoint, float low, float high);
 
-}  // namespace loci
+}  // namespace loci::perception

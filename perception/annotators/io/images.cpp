@@ -8,7 +8,7 @@
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/opencv.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 const std::array<cv::Scalar, 8> kPalette = {{{60, 60, 230},
@@ -48,7 +48,7 @@ std::vector<int> tracked_numbers(const types::SceneCas& scene) {
 
 void write_label_image(const types::SceneCas& scene, const std::filesystem::path& folder,
                        const std::vector<int>& numbers) {
-  write_image(folder / (scene.scene().frame_name.get() + "_label.png"), label_image(scene, numbers));
+  mapping::write_image(folder / (scene.scene().frame_name.get() + "_label.png"), label_image(scene, numbers));
 }
 
 void write_overlay(const types::SceneCas& scene, const std::filesystem::path& folder) {
@@ -68,7 +68,7 @@ void write_overlay(const types::SceneCas& scene, const std::filesystem::path& fo
     cv::putText(image, std::to_string(number), box.tl() + cv::Point(2, 14), cv::FONT_HERSHEY_SIMPLEX, 0.5,
                 cv::Scalar(255, 255, 255), 1, cv::LINE_AA);
   }
-  write_image(folder / (std::to_string(scene.scene().frame_index.get()) + ".png"), image);
+  mapping::write_image(folder / (std::to_string(scene.scene().frame_index.get()) + ".png"), image);
 }
 
-}  // namespace loci
+}  // namespace loci::perception

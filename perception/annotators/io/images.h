@@ -5,7 +5,7 @@
 
 #include "perception/types/scene_cas.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Which object each pixel of the depth image shows: 0 = none, n = the scene's n-th cluster (from 1), or
 /// the number that `numbers` gives that cluster (0 = leave out).
@@ -22,4 +22,4 @@ void write_label_image(const types::SceneCas& scene, const std::filesystem::path
 /// Writes FOLDER/FRAME.png: the colour image with the clusters in colours, their boxes and numbers.
 void write_overlay(const types::SceneCas& scene, const std::filesystem::path& folder);
 
-}  // namespace loci
+}  // namespace loci::perception

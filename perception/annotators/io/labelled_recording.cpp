@@ -11,7 +11,7 @@
 #include "perception/annotators/io/images.h"
 #include "perception/pipeline/pipeline.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 namespace fs = std::filesystem;
@@ -63,7 +63,7 @@ std::map<std::string, fs::path> find_label_images(const fs::path& folder) {
 
 cv::Mat read_label_image(const fs::path& path) {
   const std::string text = read_file(path);
-  cv::Mat raw = decode_image(std::vector<unsigned char>(text.begin(), text.end()), path.string());
+  cv::Mat raw = mapping::decode_image(std::vector<unsigned char>(text.begin(), text.end()), path.string());
   if (raw.channels() != 1)
     throw Error("a label image has one channel", {path.string(), 0, {}},
                 "labels: 0 not judged, 1 to 19 table, from 20 on tens are objects");
@@ -81,7 +81,7 @@ int64_t scene_number(const std::string& frame_name) {
 
 LabelledRecording open_labelled_recording(const fs::path& folder) {
   LabelledRecording labelled;
-  labelled.recording = open_recording(folder);
+  labelled.recording = mapping::open_recording(folder);
   const auto images = find_label_images(folder);
   if (images.empty())
     throw Error("there are no labels", {folder.string(), 0, {}},
@@ -150,4 +150,4 @@ LabelledSurfaces labelled_surfaces(const LabelledRecording& labelled, Progress& 
   return surfaces;
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -13,7 +13,7 @@
 #include "perception/classification/local_features.h"
 #include "perception/classification/primitive_shape.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Label images (FRAME_label.png) anywhere in a folder, by the names of their frames.
 std::map<std::string, std::filesystem::path> find_label_images(const std::filesystem::path& folder);
@@ -37,7 +37,7 @@ struct LabelledSurface {
 
 /// A recording whose images are labelled.
 struct LabelledRecording {
-  std::shared_ptr<Recording> recording;
+  std::shared_ptr<mapping::Recording> recording;
   /// The label image of a frame; empty = the frame has none.
   std::function<cv::Mat(const std::string& frame)> labels;
   /// Class of an object (label rounded down to tens) of a frame; "" = nobody knows.
@@ -67,4 +67,4 @@ std::vector<LabelledPart> labelled_parts(const LabelledRecording& labelled, cons
 /// shares most pixels, at least half of both together.
 LabelledSurfaces labelled_surfaces(const LabelledRecording& labelled, Progress& progress, Warnings& warnings);
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -9,14 +9,14 @@
 #include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 /// The pose of a camera that stands still, from the first frame that shows a supporting plane.
-std::optional<Isometry3d> pose_over_first_support(const Recording& recording) {
+std::optional<Isometry3d> pose_over_first_support(const mapping::Recording& recording) {
   constexpr size_t kTries = 10;
   for (size_t i = 0; i < std::min(recording.size(), kTries); ++i) {
-    const RgbdFrame frame = recording.frame(i);
+    const mapping::RgbdFrame frame = recording.frame(i);
     const cv::Mat depth = smooth_depth(frame.depth, frame.camera.depth, NormalOptions::for_objects());
     const cv::Mat points = points_from_depth(depth, frame.camera.depth);
     const auto supports =
@@ -58,8 +58,8 @@ void RecordingReader::declare(OptionTable& table) {
 }
 
 void RecordingReader::start(Context& context) {
-  recording_ = &context.resources.get<Recording>("recording to read", "give its folder");
-  const RecordingInfo& info = recording_->info();
+  recording_ = &context.resources.get<mapping::Recording>("recording to read", "give its folder");
+  const mapping::RecordingInfo& info = recording_->info();
   if (info.frames_with_pose > 0) return;
   assumed_pose_ = pose_over_first_support(*recording_);
   if (!assumed_pose_)
@@ -81,8 +81,8 @@ FrameId RecordingReader::upcoming() const {
 }
 
 void RecordingReader::read_next(cas::Cas& cas, Context& context) {
-  const RgbdFrame frame = recording_->frame(frame_number(position_++));
-  const RecordingInfo& info = recording_->info();
+  const mapping::RgbdFrame frame = recording_->frame(frame_number(position_++));
+  const mapping::RecordingInfo& info = recording_->info();
   const types::SceneCas facade(cas);
   const types::Scene scene = facade.create_scene();
   if (!measures_anything(frame.depth)) {
@@ -109,4 +109,4 @@ void RecordingReader::read_next(cas::Cas& cas, Context& context) {
   if (!frame.joints.empty()) set_joints(scene, frame.joints);
 }
 
-}  // namespace loci
+}  // namespace loci::perception

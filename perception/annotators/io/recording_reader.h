@@ -3,7 +3,7 @@
 #include "mapping/recording/recording.h"
 #include "perception/pipeline/annotator.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Frames of the Recording among the resources, one scene each: views of colour and depth, cameras, pose,
 /// joints. Poses that the recording does not have are assumed: the camera stands still, and the map frame is
@@ -23,9 +23,9 @@ class RecordingReader : public Reader {
   size_t frame_number(size_t position) const { return position * static_cast<size_t>(every_); }
 
   int every_ = 1;
-  const Recording* recording_ = nullptr;
+  const mapping::Recording* recording_ = nullptr;
   size_t position_ = 0;
   std::optional<Isometry3d> assumed_pose_;
 };
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -2,7 +2,7 @@
 
 #include "perception/classification/features/pcl_clouds.h"
 
-namespace loci::feature_delegates {
+namespace loci::perception::feature_delegates {
 
 std::vector<float> cvfh(const SurfacePoints& surface) {
   pcl::CVFHEstimation<pcl::PointXYZ, pcl::Normal, pcl::VFHSignature308> estimator;
@@ -10,4 +10,4 @@ std::vector<float> cvfh(const SurfacePoints& surface) {
   return mean_histogram<pcl::VFHSignature308>(estimator);
 }
 
-}  // namespace loci::feature_delegates
+}  // namespace loci::perception::feature_delegates

@@ -2,7 +2,7 @@
 
 #include "perception/classification/local_features.h"
 
-namespace loci::feature_delegates {
+namespace loci::perception::feature_delegates {
 
 // One translation unit each: PCL is slow to compile. Points are thinned and have normals.
 std::vector<float> vfh(const SurfacePoints& surface);
@@ -26,4 +26,4 @@ std::vector<int> keypoints(const SurfacePoints& surface);
 LocalFeatures shot_at(const SurfacePoints& surface, const std::vector<int>& at);
 LocalFeatures fpfh_at(const SurfacePoints& surface, const std::vector<int>& at);
 
-}  // namespace loci::feature_delegates
+}  // namespace loci::perception::feature_delegates

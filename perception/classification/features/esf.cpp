@@ -22,7 +22,7 @@ thread_local loci::Random draw(0);
 #undef rand
 #undef srand
 
-namespace loci::feature_delegates {
+namespace loci::perception::feature_delegates {
 
 std::vector<float> esf(const SurfacePoints& surface) {
   // A type of point of which PCL's own library has no estimator: what was compiled above is used.
@@ -33,4 +33,4 @@ std::vector<float> esf(const SurfacePoints& surface) {
   return mean_histogram<pcl::ESFSignature640>(estimator);
 }
 
-}  // namespace loci::feature_delegates
+}  // namespace loci::perception::feature_delegates

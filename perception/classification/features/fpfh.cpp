@@ -2,7 +2,7 @@
 
 #include "perception/classification/features/pcl_clouds.h"
 
-namespace loci::feature_delegates {
+namespace loci::perception::feature_delegates {
 namespace {
 
 pcl::PointCloud<pcl::FPFHSignature33> signatures_at(const PclClouds& clouds, const pcl::IndicesPtr& indices) {
@@ -32,4 +32,4 @@ LocalFeatures fpfh_at(const SurfacePoints& surface, const std::vector<int>& at) 
       [](const auto& signature) -> const auto& { return signature.histogram; });
 }
 
-}  // namespace loci::feature_delegates
+}  // namespace loci::perception::feature_delegates

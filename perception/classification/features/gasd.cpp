@@ -2,7 +2,7 @@
 
 #include "perception/classification/features/pcl_clouds.h"
 
-namespace loci::feature_delegates {
+namespace loci::perception::feature_delegates {
 
 std::vector<float> gasd(const SurfacePoints& surface) {
   const PclClouds clouds(surface);
@@ -11,4 +11,4 @@ std::vector<float> gasd(const SurfacePoints& surface) {
   return mean_histogram<pcl::GASDSignature512>(estimator);
 }
 
-}  // namespace loci::feature_delegates
+}  // namespace loci::perception::feature_delegates

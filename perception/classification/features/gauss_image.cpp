@@ -6,13 +6,13 @@
 #include "mapping/base/quantile.h"
 #include "perception/classification/features/delegates.h"
 
-namespace loci::feature_delegates {
+namespace loci::perception::feature_delegates {
 namespace {
 
 using Eigen::Matrix3f;
 using Eigen::Vector3f;
 
-constexpr size_t kMax = 400;             ///< points whose normals are compared with one another
+constexpr size_t kMax = 400;              ///< points whose normals are compared with one another
 constexpr float kSameDirection = 0.978f;  ///< cosine of 12 degrees
 constexpr float kOtherDirection = 0.94f;  ///< cosine of 20 degrees
 
@@ -82,4 +82,4 @@ std::vector<float> gauss_image(const SurfacePoints& surface) {
   return values;
 }
 
-}  // namespace loci::feature_delegates
+}  // namespace loci::perception::feature_delegates

@@ -2,7 +2,7 @@
 
 #include "perception/classification/features/pcl_clouds.h"
 
-namespace loci::feature_delegates {
+namespace loci::perception::feature_delegates {
 
 std::vector<float> grsd(const SurfacePoints& surface) {
   constexpr double kRadius = 0.02;
@@ -12,4 +12,4 @@ std::vector<float> grsd(const SurfacePoints& surface) {
   return mean_histogram<pcl::GRSDSignature21>(estimator);
 }
 
-}  // namespace loci::feature_delegates
+}  // namespace loci::perception::feature_delegates

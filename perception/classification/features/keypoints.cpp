@@ -2,7 +2,7 @@
 
 #include "perception/classification/features/pcl_clouds.h"
 
-namespace loci::feature_delegates {
+namespace loci::perception::feature_delegates {
 
 std::vector<int> keypoints(const SurfacePoints& surface) {
   constexpr double kRadius = 0.025;
@@ -23,4 +23,4 @@ std::vector<int> keypoints(const SurfacePoints& surface) {
   return {spread->begin(), spread->end()};
 }
 
-}  // namespace loci::feature_delegates
+}  // namespace loci::perception::feature_delegates

@@ -3,7 +3,7 @@
 
 #include "perception/classification/features/pcl_clouds.h"
 
-namespace loci::feature_delegates {
+namespace loci::perception::feature_delegates {
 
 std::vector<float> our_cvfh(const SurfacePoints& surface) {
   pcl::OURCVFHEstimation<pcl::PointXYZ, pcl::Normal, pcl::VFHSignature308> estimator;
@@ -13,4 +13,4 @@ std::vector<float> our_cvfh(const SurfacePoints& surface) {
   return mean_histogram<pcl::VFHSignature308>(estimator);
 }
 
-}  // namespace loci::feature_delegates
+}  // namespace loci::perception::feature_delegates

@@ -10,7 +10,7 @@
 
 #include "perception/classification/features/delegates.h"
 
-namespace loci::feature_delegates {
+namespace loci::perception::feature_delegates {
 
 // Only the delegates include this header.
 
@@ -89,4 +89,4 @@ inline pcl::IndicesPtr some_of(const PclClouds& clouds, size_t most) {
 constexpr size_t kSpread = 250;  ///< points whose descriptors are averaged
 constexpr size_t kFew = 60;      ///< of those whose descriptors are slow
 
-}  // namespace loci::feature_delegates
+}  // namespace loci::perception::feature_delegates

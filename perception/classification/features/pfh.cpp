@@ -2,7 +2,7 @@
 
 #include "perception/classification/features/pcl_clouds.h"
 
-namespace loci::feature_delegates {
+namespace loci::perception::feature_delegates {
 
 std::vector<float> pfh(const SurfacePoints& surface) {
   constexpr int kDivisions = 5;
@@ -14,4 +14,4 @@ std::vector<float> pfh(const SurfacePoints& surface) {
   return {histogram.begin(), histogram.end()};
 }
 
-}  // namespace loci::feature_delegates
+}  // namespace loci::perception::feature_delegates

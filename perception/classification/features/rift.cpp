@@ -3,7 +3,7 @@
 
 #include "perception/classification/features/pcl_clouds.h"
 
-namespace loci::feature_delegates {
+namespace loci::perception::feature_delegates {
 
 std::vector<float> rift(const SurfacePoints& surface) {
   constexpr double kRadius = 0.03;
@@ -36,4 +36,4 @@ std::vector<float> rift(const SurfacePoints& surface) {
   return mean_histogram<pcl::Histogram<kDistances * kAngles>>(estimator);
 }
 
-}  // namespace loci::feature_delegates
+}  // namespace loci::perception::feature_delegates

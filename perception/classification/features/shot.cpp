@@ -3,7 +3,7 @@
 
 #include "perception/classification/features/pcl_clouds.h"
 
-namespace loci::feature_delegates {
+namespace loci::perception::feature_delegates {
 namespace {
 
 pcl::PointCloud<pcl::SHOT352> signatures_at(const PclClouds& clouds, const pcl::IndicesPtr& indices) {
@@ -36,4 +36,4 @@ LocalFeatures shot_at(const SurfacePoints& surface, const std::vector<int>& at) 
       [](const auto& signature) -> const auto& { return signature.descriptor; });
 }
 
-}  // namespace loci::feature_delegates
+}  // namespace loci::perception::feature_delegates

@@ -2,7 +2,7 @@
 
 #include "perception/classification/features/pcl_clouds.h"
 
-namespace loci::feature_delegates {
+namespace loci::perception::feature_delegates {
 
 std::vector<float> spin_image(const SurfacePoints& surface) {
   constexpr double kRadius = 0.05;
@@ -15,4 +15,4 @@ std::vector<float> spin_image(const SurfacePoints& surface) {
   return mean_histogram<pcl::Histogram<153>>(estimator);
 }
 
-}  // namespace loci::feature_delegates
+}  // namespace loci::perception::feature_delegates

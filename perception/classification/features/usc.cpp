@@ -3,7 +3,7 @@
 
 #include "perception/classification/features/pcl_clouds.h"
 
-namespace loci::feature_delegates {
+namespace loci::perception::feature_delegates {
 
 std::vector<float> usc(const SurfacePoints& surface) {
   constexpr double kRadius = 0.04;
@@ -26,4 +26,4 @@ std::vector<float> usc(const SurfacePoints& surface) {
       signatures, [](const auto& signature) -> const auto& { return signature.descriptor; });
 }
 
-}  // namespace loci::feature_delegates
+}  // namespace loci::perception::feature_delegates

@@ -5,7 +5,7 @@
 #include "mapping/base/files.h"
 #include "perception/cas/type_system.h"
 
-namespace loci::generator {
+namespace loci::perception::generator {
 
 using cas::Feature;
 using cas::Type;
@@ -94,4 +94,4 @@ void write_docs(const std::filesystem::path& output, const std::vector<std::file
   write_file_atomically(output, text);
 }
 
-}  // namespace loci::generator
+}  // namespace loci::perception::generator

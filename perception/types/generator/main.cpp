@@ -13,12 +13,13 @@ int main(int argc, char** argv) {
       const bool paths = arguments[4] == "--path" && arguments.size() >= 7;
       std::vector<std::filesystem::path> path_dirs;
       if (paths) path_dirs.emplace_back(arguments[5]);
-      loci::generator::write_proxies({arguments[1], arguments[2], arguments[3]},
-                                     {arguments.begin() + (paths ? 6 : 4), arguments.end()}, path_dirs);
+      loci::perception::generator::write_proxies({arguments[1], arguments[2], arguments[3]},
+                                                 {arguments.begin() + (paths ? 6 : 4), arguments.end()},
+                                                 path_dirs);
       return 0;
     }
     if (arguments.size() >= 3 && arguments[0] == "docs") {
-      loci::generator::write_docs(arguments[1], {arguments.begin() + 2, arguments.end()});
+      loci::perception::generator::write_docs(arguments[1], {arguments.begin() + 2, arguments.end()});
       return 0;
     }
   } catch (const loci::Error& error) {

@@ -8,7 +8,7 @@
 #include "mapping/base/files.h"
 #include "perception/cas/type_system.h"
 
-namespace loci::generator {
+namespace loci::perception::generator {
 
 using cas::Feature;
 using cas::Kind;
@@ -176,4 +176,4 @@ void write_proxies(const ProxyTarget& target, const std::vector<std::filesystem:
   write_when_changed(folder / "generated.cpp", generator.source());
 }
 
-}  // namespace loci::generator
+}  // namespace loci::perception::generator

@@ -13,21 +13,21 @@ namespace {
 using namespace loci;
 
 /// Says a word about every cluster, and fails in one scene.
-class Broken : public Annotator {
+class Broken : public loci::perception::Annotator {
  public:
-  AnnotatorDescriptor descriptor() const override {
+  loci::perception::AnnotatorDescriptor descriptor() const override {
     return {"Broken", "Fails in one scene.", {"Cluster"}, {"TextAnnotation"}};
   }
-  void declare(OptionTable& table) override {
+  void declare(loci::OptionTable& table) override {
     table.text("how", how_, "What it does there.",
                {"throws", "throws_once", "throws_an_int", "hangs", "nan"});
     table.integer("frame", frame_, "", "In which frame.", 0, 1000000);
   }
-  void process(cas::Cas& cas, Context& /*context*/) override {
-    const types::SceneCas scene(cas);
+  void process(loci::perception::cas::Cas& cas, loci::perception::Context& /*context*/) override {
+    const loci::perception::types::SceneCas scene(cas);
     const bool here = scene.scene().frame_index.get() == frame_;
-    for (const types::Cluster& cluster : scene.clusters()) {
-      const auto text = types::TextAnnotation::create(cas);
+    for (const loci::perception::types::Cluster& cluster : scene.clusters()) {
+      const auto text = loci::perception::types::TextAnnotation::create(cas);
       text.text.set("said");
       if (here && how_ == "nan") text.confidence.set(std::numeric_limits<double>::quiet_NaN());
       cluster.annotations.push_back(text);
@@ -48,7 +48,7 @@ class Broken : public Annotator {
   bool thrown_ = false;
 };
 
-void add_annotators(AnnotatorRegistry& registry) {
+void add_annotators(loci::perception::AnnotatorRegistry& registry) {
   registry.add<Broken>();
 }
 

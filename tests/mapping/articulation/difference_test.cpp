@@ -8,16 +8,16 @@
 #include "mapping/articulation/moved_face.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 #include "mapping/base/random.h"
 #include "mapping/simulation/scanned_world.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
 using Type = JointEstimate::Type;
 
-constexpr double kDegree = M_PI / 180;
 constexpr double kFaceX = 3;  ///< faces look towards -x
 constexpr double kPanel = 0.02;
 
@@ -336,4 +336,4 @@ TEST(Articulation, HingeFarOutsideAFrontIsNotItsHinge) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

@@ -7,7 +7,7 @@
 #include "mapping/articulation/articulation.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 using Type = JointEstimate::Type;
@@ -175,4 +175,4 @@ TEST(JointPrior, MostTypesOfTheApartmentAreRightBeforeAnythingIsTouched) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

@@ -10,9 +10,10 @@
 #include "mapping/base/csv.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 #include "mapping/base/random.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -53,7 +54,7 @@ const Vector3d kHinge(0.5, -1.0, 2.0);
 std::function<Isometry3d(double)> door(double radius, double arc_deg) {
   return [=](double u) {
     Isometry3d pose = Isometry3d::Identity();
-    pose.linear() = Eigen::AngleAxisd(u * arc_deg * M_PI / 180, kAxis).toRotationMatrix();
+    pose.linear() = Eigen::AngleAxisd(u * arc_deg * kPi / 180, kAxis).toRotationMatrix();
     pose.translation() = kHinge + pose.linear() * (radius * kAxis.unitOrthogonal());
     return pose;
   };
@@ -68,7 +69,7 @@ double probability(const TrackResult& result, Type type) {
 }
 
 double angle_deg(const Vector3d& a, const Vector3d& b) {
-  return std::acos(std::clamp(a.dot(b), -1.0, 1.0)) * 180 / M_PI;
+  return std::acos(std::clamp(a.dot(b), -1.0, 1.0)) * 180 / kPi;
 }
 
 TEST(Track, ArcGivesAxisHingeRadiusAndOpening) {
@@ -79,7 +80,7 @@ TEST(Track, ArcGivesAxisHingeRadiusAndOpening) {
     EXPECT_LT(angle_deg(result.estimate.axis, kAxis), 1);  // sense included: it opens by the right hand
     EXPECT_LT((result.estimate.origin - kHinge).cross(kAxis).norm(), 0.01);
     EXPECT_NEAR(result.fits[2].radius, 0.4, 0.01);
-    EXPECT_NEAR(result.estimate.upper, 80 * M_PI / 180, 0.04);
+    EXPECT_NEAR(result.estimate.upper, 80 * kPi / 180, 0.04);
     EXPECT_NEAR(result.estimate.lower, 0, 0.02);
   }
 }
@@ -120,7 +121,7 @@ TEST(Track, NeitherLineNorCircleIsSaidToBeUnknown) {
     return Isometry3d(Eigen::Translation3d(p));
   };
   const auto wave = [](double u) {
-    return Isometry3d(Eigen::Translation3d(0.6 * u, 0.06 * std::sin(4 * M_PI * u), 0.0));
+    return Isometry3d(Eigen::Translation3d(0.6 * u, 0.06 * std::sin(4 * kPi * u), 0.0));
   };
   for (const auto& path :
        {std::function<Isometry3d(double)>(corner), std::function<Isometry3d(double)>(wave)})
@@ -229,4 +230,4 @@ TEST(Track, EveryHighConfidenceTrackOfTheSharedDataIsRight) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

@@ -1,14 +1,14 @@
 #include "mapping/exchange/compare_furniture.h"
+#include "mapping/base/math.h"
 
 #include <gmock/gmock.h>
 
 #include <filesystem>
-#include <numbers>
 
 #include "mapping/exchange/furniture_structure.h"
 #include "mapping/world/urdf.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 KnownFront front(const std::string& name, double x, double z, double width = 0.6, double height = 0.3) {
@@ -108,7 +108,7 @@ TEST(CompareFurniture, FrontsMatchByTheirHandlesBeforeTheirOverlap) {
 
 TEST(CompareFurniture, JointErrorsAreThoseOfGeometry) {
   using Type = JointEstimate::Type;
-  const double tilt = 2 * std::numbers::pi / 180;
+  const double tilt = 2 * kPi / 180;
   const Vector3d centre(0, 2, 1);
   const JointEstimate drawer = joint(Type::prismatic, {0, -1, 0});
   const ComparedJoint slid =
@@ -185,4 +185,4 @@ TEST(CompareFurniture, ApartmentByGeometryIsNearItsTruth) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

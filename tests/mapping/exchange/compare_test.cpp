@@ -8,7 +8,7 @@
 #include "mapping/base/json.h"
 #include "mapping/world/urdf.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 SurfacePatch rectangle(const std::string& name, double height, const Vector2d& low, const Vector2d& high) {
@@ -100,4 +100,4 @@ TEST(Compare, RefusesJsonThatIsNoTruth) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

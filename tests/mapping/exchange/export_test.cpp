@@ -14,14 +14,14 @@
 #include "mapping/exchange/ply.h"
 #include "tests/mapping/exchange/furnished_map.h"
 
-namespace loci::test {
+namespace loci::mapping::test {
 namespace {
 
 using ::testing::HasSubstr;
 
 std::vector<WorldTriangle> triangles_of(const World& world) {
   Warnings warnings;
-  return loci::triangles_of(world, {}, warnings);
+  return loci::mapping::triangles_of(world, {}, warnings);
 }
 
 // OWL
@@ -280,4 +280,4 @@ TEST(LinkGraph, BeginsWhereItIsTold) {
 }
 
 }  // namespace
-}  // namespace loci::test
+}  // namespace loci::mapping::test

@@ -4,7 +4,7 @@
 #include "mapping/interpretation/link_parts.h"
 #include "mapping/world/urdf.h"
 
-namespace loci::test {
+namespace loci::mapping::test {
 
 /// A map as interpretation writes it: floor, a counter's top, below it a drawer and a door, and a front that
 /// is not known to move.
@@ -63,4 +63,4 @@ struct FurnishedMap {
   }
 };
 
-}  // namespace loci::test
+}  // namespace loci::mapping::test

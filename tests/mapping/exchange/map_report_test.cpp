@@ -5,7 +5,7 @@
 
 #include "mapping/base/html.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 TEST(MapReport, IsOnePageWithTopViewLinksAndNotes) {
@@ -41,4 +41,4 @@ TEST(MapReport, IsOnePageWithTopViewLinksAndNotes) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

@@ -8,7 +8,7 @@
 #include "mapping/world/kinematics.h"
 #include "tests/mapping/exchange/furnished_map.h"
 
-namespace loci::test {
+namespace loci::mapping::test {
 namespace {
 
 /// What sdformat has to say against a text; empty = nothing.
@@ -98,4 +98,4 @@ TEST(Sdf, SdformatAcceptsTheUrdf) {
 }
 
 }  // namespace
-}  // namespace loci::test
+}  // namespace loci::mapping::test

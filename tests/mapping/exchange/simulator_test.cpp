@@ -14,7 +14,7 @@
 #include "mapping/world/kinematics.h"
 #include "tests/mapping/exchange/furnished_map.h"
 
-namespace loci::test {
+namespace loci::mapping::test {
 namespace {
 
 constexpr btScalar kMargin = 0.001F;  // m; Bullet's 4 cm would fill a drawer
@@ -235,4 +235,4 @@ TEST(Simulator, SoDoesTheSampleKitchensDrawer) {
 }
 
 }  // namespace
-}  // namespace loci::test
+}  // namespace loci::mapping::test

@@ -1,4 +1,5 @@
 #include "mapping/fusion/fusion.h"
+#include "mapping/base/math.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +9,7 @@
 
 #include "mapping/base/random.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
@@ -36,7 +37,7 @@ class SmallRecording : public Recording {
     frame.depth = cv::Mat(120, 160, CV_32F, cv::Scalar(kNoDepth));
     frame.color = cv::Mat(120, 160, CV_8UC3, cv::Scalar(0, 0, 200));
     Isometry3d pose = Isometry3d::Identity();
-    pose.linear() = Eigen::AngleAxisd(M_PI, Vector3d::UnitX()).toRotationMatrix();
+    pose.linear() = Eigen::AngleAxisd(kPi, Vector3d::UnitX()).toRotationMatrix();
     pose.translation() = Vector3d(0.01 * static_cast<double>(i), 0, 1.5);
     Random random = Random(7).fork(i);
     for (int v = 0; v < 120; ++v)
@@ -161,4 +162,4 @@ TEST(Fusion, FlyingPixelsAreDropped) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

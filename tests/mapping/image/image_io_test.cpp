@@ -6,7 +6,7 @@
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -108,4 +108,4 @@ TEST(ImageBytes, EncodeAndDecodeInMemory) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

@@ -1,4 +1,5 @@
 #include "mapping/interpretation/fronts.h"
+#include "mapping/base/math.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +7,7 @@
 #include "mapping/interpretation/face_planes.h"
 #include "tests/mapping/interpretation/synthetic_furniture.h"
 
-namespace loci::test {
+namespace loci::mapping::test {
 namespace {
 
 std::vector<Front> fronts_of_furniture(const Furniture& furniture, uint64_t seed, int threads = 0) {
@@ -135,7 +136,7 @@ TEST(Fronts, CarcassBesideThePanelsDoesNotTurnTheirFace) {
   for (const Front& front : fronts) {
     EXPECT_TRUE(front.fixture.has_value());
     EXPECT_GT(front.normal.dot(cupboard.map_from_furniture.linear() * Vector3d::UnitX()),
-              std::cos(0.5 * std::numbers::pi / 180));
+              std::cos(0.5 * kPi / 180));
   }
 }
 
@@ -222,4 +223,4 @@ TEST(Fronts, NothingIsFoundInNothing) {
 }
 
 }  // namespace
-}  // namespace loci::test
+}  // namespace loci::mapping::test

@@ -10,7 +10,7 @@
 #include "mapping/world/kinematics.h"
 #include "mapping/world/urdf.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 using ::testing::UnorderedElementsAre;
@@ -270,4 +270,4 @@ TEST(FurnitureLinks, ReadsTheFrontsOfASampleMadeByHand) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

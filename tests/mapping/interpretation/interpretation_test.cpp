@@ -10,7 +10,7 @@
 #include "mapping/world/urdf.h"
 #include "tests/mapping/interpretation/synthetic_room.h"
 
-namespace loci::test {
+namespace loci::mapping::test {
 namespace {
 
 InterpretedMap interpreted(const ScanSet& scans, int threads = 0) {
@@ -239,4 +239,4 @@ TEST(Interpretation, OptionsOutOfBoundsAreAllNamed) {
 }
 
 }  // namespace
-}  // namespace loci::test
+}  // namespace loci::mapping::test

@@ -7,7 +7,7 @@
 #include "mapping/world/urdf.h"
 #include "tests/mapping/interpretation/synthetic_room.h"
 
-namespace loci::test {
+namespace loci::mapping::test {
 namespace {
 
 InterpretedMap interpreted(const ScanSet& scans) {
@@ -228,4 +228,4 @@ TEST(RoomStructure, NamesOfAnOlderMapAreTakenOver) {
 }
 
 }  // namespace
-}  // namespace loci::test
+}  // namespace loci::mapping::test

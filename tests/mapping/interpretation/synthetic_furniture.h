@@ -2,13 +2,13 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <vector>
 
+#include "mapping/base/math.h"
 #include "mapping/base/random.h"
 #include "mapping/sensor/scan.h"
 
-namespace loci::test {
+namespace loci::mapping::test {
 
 /// A box of furniture, in the furniture's frame: x outward, y to the left of someone who stands before it,
 /// z up; the face lies in x = 0.
@@ -84,7 +84,7 @@ inline ScanSet scan_furniture(const Furniture& furniture, const std::vector<Vect
     scan.name = "scan_" + std::to_string(i);
     scan.map_from_scan = furniture.map_from_furniture * Eigen::Translation3d(origins[i]);
     scan.origins.emplace_back(0.F, 0.F, 0.F);
-    constexpr double kStep = 0.25 * std::numbers::pi / 180;
+    constexpr double kStep = 0.25 * kPi / 180;
     for (double tilt = -0.87; tilt < 0.3; tilt += kStep)
       for (double azimuth = -0.9; azimuth < 0.9; azimuth += kStep) {
         const Vector3d ray(-std::cos(azimuth) * std::cos(tilt) + 1e-9,
@@ -104,4 +104,4 @@ inline ScanSet scan_furniture(const Furniture& furniture, const std::vector<Vect
 inline const std::vector<Vector3d> kStandpoints = {
     {1.2, 0.5, 1.25}, {1.4, 0.0, 1.25}, {1.2, -0.6, 1.25}, {1.9, 0.3, 1.25}, {1.6, -0.9, 1.25}};
 
-}  // namespace loci::test
+}  // namespace loci::mapping::test

@@ -3,13 +3,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
+#include "mapping/base/math.h"
 #include "mapping/base/random.h"
 #include "mapping/sensor/scan.h"
 
-namespace loci::test {
+namespace loci::mapping::test {
 
 /// A box of an analytic room, turned about its vertical middle, or an upright cylinder in it.
 struct Solid {
@@ -95,9 +95,9 @@ inline ScanSet scan_room(const AnalyticRoom& room, const std::vector<Vector3d>& 
     scan.name = "scan_" + std::to_string(i);
     scan.map_from_scan.translation() = origins[i];
     scan.origins.emplace_back(0.F, 0.F, 0.F);
-    constexpr double kStep = 0.45 * std::numbers::pi / 180;
+    constexpr double kStep = 0.45 * kPi / 180;
     for (double pitch = -1.25; pitch < highest_pitch; pitch += kStep)
-      for (double yaw = 0; yaw < 2 * std::numbers::pi; yaw += kStep / std::cos(pitch)) {
+      for (double yaw = 0; yaw < 2 * kPi; yaw += kStep / std::cos(pitch)) {
         const Vector3d ray(std::cos(yaw) * std::cos(pitch) + 1e-9, std::sin(yaw) * std::cos(pitch) + 1e-9,
                            std::sin(pitch));
         const double range = room.cast(origins[i], ray);
@@ -113,4 +113,4 @@ inline ScanSet scan_room(const AnalyticRoom& room, const std::vector<Vector3d>& 
 inline const std::vector<Vector3d> kOrigins = {
     {0.8, 1.9, 1.5}, {2.0, 1.8, 1.5}, {3.2, 1.7, 1.5}, {3.3, 0.6, 1.5}, {0.7, 0.6, 1.5}};
 
-}  // namespace loci::test
+}  // namespace loci::mapping::test

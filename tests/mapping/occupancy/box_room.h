@@ -5,11 +5,12 @@
 #include <limits>
 #include <vector>
 
+#include "mapping/base/math.h"
 #include "mapping/base/random.h"
 #include "mapping/sensor/laser.h"
 #include "mapping/sensor/scan.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// A room of axis-aligned boxes, and noiseless or noisy sweeps of it, worked out by hand: no renderer needed.
 struct BoxRoom {
@@ -40,8 +41,8 @@ struct BoxRoom {
     Random random(seed);
     for (int t = 0; t < tilts; ++t)
       for (int a = 0; a < azimuths; ++a) {
-        const double tilt = (-50 + 95.0 * t / (tilts - 1)) * M_PI / 180;
-        const double azimuth = (static_cast<double>(a) / azimuths - 0.5) * opening_deg * M_PI / 180;
+        const double tilt = (-50 + 95.0 * t / (tilts - 1)) * kPi / 180;
+        const double azimuth = (static_cast<double>(a) / azimuths - 0.5) * opening_deg * kPi / 180;
         const Vector3d ray(std::cos(tilt) * std::cos(azimuth), std::cos(tilt) * std::sin(azimuth),
                            std::sin(tilt));
         const double distance = cast(map_from_scan.translation(), map_from_scan.linear() * ray);
@@ -67,4 +68,4 @@ struct BoxRoom {
   }
 };
 
-}  // namespace loci
+}  // namespace loci::mapping

@@ -8,7 +8,7 @@
 #include "mapping/base/error.h"
 #include "tests/mapping/occupancy/box_room.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -215,4 +215,4 @@ TEST(OccupancyMap, VoxelsAndFileSayWhatTheTreeSays) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

@@ -10,7 +10,7 @@
 
 #include "mapping/base/time.h"
 
-namespace loci::test {
+namespace loci::mapping::test {
 
 /// A message that is serialised already.
 struct RawMessage {
@@ -40,7 +40,7 @@ class MessageBytes {
   std::string bytes_;
 };
 
-}  // namespace loci::test
+}  // namespace loci::mapping::test
 
 namespace ros {
 namespace message_traits {
@@ -74,7 +74,7 @@ struct Serializer<loci::test::RawMessage> {
 }  // namespace serialization
 }  // namespace ros
 
-namespace loci::test {
+namespace loci::mapping::test {
 
 struct BagEntry {
   std::string topic;
@@ -95,4 +95,4 @@ inline void write_bag(const std::filesystem::path& path, const std::vector<BagEn
   bag.close();
 }
 
-}  // namespace loci::test
+}  // namespace loci::mapping::test

@@ -7,12 +7,13 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/base/files.h"
+#include "mapping/base/math.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/recording.h"
 #include "mapping/sensor/pcd.h"
 #include "tests/mapping/recording/bag_writer.h"
 
-namespace loci::test {
+namespace loci::mapping::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -23,9 +24,9 @@ constexpr int kWidth = 12, kHeight = 10;
 class OtherLayouts : public testing::Test {
  protected:
   OtherLayouts() { make_folder(root_); }
-  ~OtherLayouts() override { fs::remove_all(root_); }
+  ~OtherLayouts() override { test::fs::remove_all(root_); }
 
-  static std::string refusal(const fs::path& path) {
+  static std::string refusal(const test::fs::path& path) {
     try {
       open_recording(path);
     } catch (const Error& error) {
@@ -35,8 +36,9 @@ class OtherLayouts : public testing::Test {
     return "no error";
   }
 
-  fs::path root_ = fs::path(testing::TempDir()) /
-                   (std::string("layouts_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+  test::fs::path root_ =
+      test::fs::path(testing::TempDir()) /
+      (std::string("layouts_") + testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
 // TUM RGB-D ------------------------------------------------------------------------------------------------
@@ -77,7 +79,7 @@ TEST_F(Tum, FramesTakeTheNearestColourAndThePoseBetweenItsNeighbours) {
   EXPECT_EQ(first.color.at<cv::Vec3b>(5, 5), cv::Vec3b(1, 2, 3));
   ASSERT_TRUE(first.map_from_camera);
   EXPECT_NEAR(first.map_from_camera->translation().x(), 0.5, 1e-9);
-  EXPECT_NEAR(Eigen::AngleAxisd(first.map_from_camera->linear()).angle(), M_PI / 4, 1e-6);
+  EXPECT_NEAR(Eigen::AngleAxisd(first.map_from_camera->linear()).angle(), kPi / 4, 1e-6);
   // The second has neither a colour image nor a pose within 20 ms.
   EXPECT_TRUE(recording->frame(1).color.empty());
   EXPECT_FALSE(recording->frame(1).map_from_camera);
@@ -88,7 +90,7 @@ TEST_F(Tum, BadListsAreNamedWithTheirLine) {
   EXPECT_THAT(refusal(root_), HasSubstr("groundtruth.txt:1"));
   write_file_atomically(root_ / "groundtruth.txt", "yesterday 0 0 1 0 0 0 1\n");
   EXPECT_THAT(refusal(root_), HasSubstr("'yesterday' is no stamp"));
-  fs::remove(root_ / "groundtruth.txt");
+  test::fs::remove(root_ / "groundtruth.txt");
   write_file_atomically(root_ / "depth.txt", "1305031102.1 depth/none.png\n");
   EXPECT_THAT(refusal(root_), HasSubstr("none.png"));
 }
@@ -211,7 +213,7 @@ class Bag : public OtherLayouts {
     }
     return all;
   }
-  fs::path bag_ = root_ / "small.bag";
+  test::fs::path bag_ = root_ / "small.bag";
 };
 
 TEST_F(Bag, GivesPosedFramesWhateverItsCompression) {
@@ -262,8 +264,8 @@ TEST_F(Bag, BrokenMessagesAreNamed) {
 }
 
 TEST_F(Bag, ReadsAsTheFolderThatItWasMadeOf) {
-  const fs::path shared = LOCI_SHARED_DIR;
-  if (!fs::exists(shared / "data/bag/redkitchen_12.bag")) GTEST_SKIP() << "no shared data";
+  const test::fs::path shared = LOCI_SHARED_DIR;
+  if (!test::fs::exists(shared / "data/bag/redkitchen_12.bag")) GTEST_SKIP() << "no shared data";
   const auto bag = open_recording(shared / "data/bag/redkitchen_12.bag");
   const auto folder = open_recording(shared / "data/redkitchen_rgbd");
   ASSERT_EQ(bag->size(), 12U);
@@ -282,4 +284,4 @@ TEST_F(Bag, ReadsAsTheFolderThatItWasMadeOf) {
 }
 
 }  // namespace
-}  // namespace loci::test
+}  // namespace loci::mapping::test

@@ -9,7 +9,7 @@
 #include "mapping/base/files.h"
 #include "mapping/image/image_io.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -297,4 +297,4 @@ TEST(SharedRecordings, OsdChangesHasAFixedCamera) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

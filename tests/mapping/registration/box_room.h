@@ -5,10 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "mapping/base/math.h"
 #include "mapping/base/random.h"
 #include "mapping/sensor/scan.h"
 
-namespace loci::testing {
+namespace loci::mapping::testing {
 
 /// A room of axis-aligned boxes that can be scanned: enough of a world to test registration against truth.
 struct BoxRoom {
@@ -76,9 +77,9 @@ inline Scan sweep(const BoxRoom& room, double x, double y, double yaw, uint64_t 
   scan.map_from_scan.linear() = Eigen::AngleAxisd(yaw, Vector3d::UnitZ()).toRotationMatrix();
   scan.origins.emplace_back(0.F, 0.F, 0.F);
   Random random(seed);
-  const double step = step_deg * M_PI / 180;
-  for (double tilt = -50 * M_PI / 180; tilt <= 45 * M_PI / 180; tilt += step)
-    for (double azimuth = -M_PI / 2; azimuth <= M_PI / 2; azimuth += step) {
+  const double step = step_deg * kPi / 180;
+  for (double tilt = -50 * kPi / 180; tilt <= 45 * kPi / 180; tilt += step)
+    for (double azimuth = -kPi / 2; azimuth <= kPi / 2; azimuth += step) {
       const Vector3d ray(std::cos(tilt) * std::cos(azimuth), std::cos(tilt) * std::sin(azimuth),
                          std::sin(tilt));
       const double range = room.range(scan.map_from_scan.translation(), scan.map_from_scan.linear() * ray);
@@ -90,4 +91,4 @@ inline Scan sweep(const BoxRoom& room, double x, double y, double yaw, uint64_t 
   return scan;
 }
 
-}  // namespace loci::testing
+}  // namespace loci::mapping::testing

@@ -1,4 +1,5 @@
 #include "mapping/registration/registration.h"
+#include "mapping/base/math.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,15 +7,13 @@
 #include "mapping/base/json.h"
 #include "tests/mapping/registration/box_room.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 using ::testing::HasSubstr;
 using testing::kitchen;
 using testing::study;
 using testing::sweep;
-
-constexpr double kDegree = M_PI / 180;
 
 Isometry3d planar_motion(double x, double y, double yaw_deg) {
   Isometry3d motion = Isometry3d::Identity();
@@ -36,7 +35,7 @@ double angle_error_deg(const Isometry3d& a, const Isometry3d& b) {
 }
 
 Scan kitchen_scan(double x, double y, double yaw_deg, uint64_t seed) {
-  return sweep(kitchen(), x, y, yaw_deg * kDegree, seed);
+  return sweep(testing::kitchen(), x, y, yaw_deg * kDegree, seed);
 }
 
 TEST(Align, FindsThePoseFromHalfAMetreAndThirtyDegreesOff) {
@@ -73,7 +72,7 @@ TEST(Align, FindsAllSixDegreesOfFreedom) {
 TEST(Align, RefusesScansOfTwoDifferentRooms) {
   const Scan target = kitchen_scan(-0.3, -0.3, 60, 1);
   for (const double yaw_deg : {0.0, 60.0, 120.0, 200.0, 290.0}) {
-    const Scan source = sweep(study(), 0.2, 0, yaw_deg * kDegree, 7);
+    const Scan source = sweep(testing::study(), 0.2, 0, yaw_deg * kDegree, 7);
     const PairAlignment pair = align(target, source, between(target, source), {});
     EXPECT_FALSE(pair.trusted) << yaw_deg << ": " << pair.reason;
     EXPECT_FALSE(pair.reason.empty());
@@ -147,7 +146,7 @@ TEST(Registration, SameResultOnAnyNumberOfThreads) {
 
 TEST(Registration, NamesTheScanOfAnotherRoomAndLeavesItBesideTheScanBefore) {
   ScanSet set = tour(0.05, 2);
-  set.scans.push_back(sweep(study(), 0.2, 0, 1.0, 9));
+  set.scans.push_back(sweep(testing::study(), 0.2, 0, 1.0, 9));
   NoProgress progress;
   const RegistrationResult result = register_scans(set, {}, progress);
   EXPECT_TRUE(result.usable());
@@ -241,4 +240,4 @@ TEST(Registration, RejectsFiveDegreesOfFreedom) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

@@ -9,7 +9,7 @@
 #include "mapping/render/render.h"
 #include "mapping/world/urdf.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 using Eigen::Vector3f;
@@ -189,4 +189,4 @@ TEST(RayScene, RasteriserAgreesOnTheApartment) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

@@ -1,4 +1,5 @@
 #include "mapping/render/render.h"
+#include "mapping/base/math.h"
 
 #include <gtest/gtest.h>
 
@@ -6,13 +7,12 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <numbers>
 #include <random>
 
 #include "mapping/base/json.h"
 #include "mapping/world/urdf.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 const PinholeCamera kCamera{160, 120, 146, 150, 79.3, 61.7};
@@ -131,7 +131,7 @@ TEST(Render, SphereIsWithinItsTessellation) {
   const RenderedView view = scene_of(world_of(link("ball", "<sphere radius=\"0.3\"/>", "0.05 -0.1 1.2")))
                                 .render(kCamera, Isometry3d::Identity(), everything());
   // 32 segments: facets lie inside the sphere by at most r (1 - cos²(π/32)).
-  const double sag = radius * (1 - std::pow(std::cos(std::numbers::pi / 32), 2));
+  const double sag = radius * (1 - std::pow(std::cos(kPi / 32), 2));
   int hits = 0;
   for (int v = 0; v < kCamera.height; ++v)
     for (int u = 0; u < kCamera.width; ++u) {
@@ -145,7 +145,7 @@ TEST(Render, SphereIsWithinItsTessellation) {
         EXPECT_LE(p.norm(), radius + 1e-6);
         EXPECT_GE(p.norm(), radius - sag - 1e-6);
         const cv::Vec3f n = view.normal.at<cv::Vec3f>(v, u);
-        EXPECT_GT(Vector3d(n[0], n[1], n[2]).dot(p.normalized()), std::cos(2 * std::numbers::pi / 32));
+        EXPECT_GT(Vector3d(n[0], n[1], n[2]).dot(p.normalized()), std::cos(2 * kPi / 32));
         ++hits;
       }
     }
@@ -155,7 +155,7 @@ TEST(Render, SphereIsWithinItsTessellation) {
 TEST(Render, NearAndFarCutOffWhatLiesBeyond) {
   // A floor 1 m below the camera, from far behind it to far ahead: depth by row is 1 / slope.
   RenderScene scene;
-  scene.add("floor", square(1000), at(0, 1, 0, {std::numbers::pi / 2, 0, 0}));
+  scene.add("floor", square(1000), at(0, 1, 0, {kPi / 2, 0, 0}));
   RenderOptions options;
   options.near_m = 3;
   options.far_m = 10;
@@ -187,7 +187,7 @@ TEST(Render, SharedEdgesBelongToExactlyOneTriangle) {
   const PinholeCamera camera{64, 64, 32, 32, 32, 32};
   const int count = 48;
   for (int i = 0; i < count; ++i) {
-    const double a = 2 * std::numbers::pi * i / count;
+    const double a = 2 * kPi * i / count;
     mesh.vertices.emplace_back(static_cast<float>(3 * std::cos(a)), static_cast<float>(3 * std::sin(a)), 1.f);
   }
   std::vector<int> covered(64 * 64, 0);
@@ -372,8 +372,7 @@ TEST(Render, ApartmentSeenFromAboveHasItsSupportsAtTheTrueHeights) {
     int here = 0;
     for (const double x : {x0 + 0.03, x1 - 0.03})
       for (const double y : {y0 + 0.03, y1 - 0.03}) {
-        const RenderedView view =
-            scene.render({3, 3, 100, 100, 1, 1}, at(x, y, height + 0.3, {std::numbers::pi, 0, 0}));
+        const RenderedView view = scene.render({3, 3, 100, 100, 1, 1}, at(x, y, height + 0.3, {kPi, 0, 0}));
         const int link_id = view.link.at<int32_t>(1, 1);
         if (link_id < 0 || scene.link_names()[static_cast<size_t>(link_id)] != support["link"]) continue;
         EXPECT_NEAR(view.depth.at<float>(1, 1), 0.3, 0.002) << support["name"];
@@ -394,4 +393,4 @@ TEST(Render, BadCamerasAndRangesAreRefused) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

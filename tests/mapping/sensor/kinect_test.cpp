@@ -1,11 +1,12 @@
 #include "mapping/sensor/kinect.h"
+#include "mapping/base/math.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <set>
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 /// A wall across the optical axis at z.
@@ -94,7 +95,7 @@ TEST(Kinect, NothingOutsideRangeOrBeyondTheIncidence) {
   EXPECT_EQ(measured_count(measured_by_kinect(wall(0.4), facing(), camera, model, Random(1))), 0);
   EXPECT_EQ(measured_count(measured_by_kinect(wall(5.5), facing(), camera, model, Random(1))), 0);
   // A surface whose normal is 80 degrees off the axis, looked at along the axis.
-  const double angle = 80 * M_PI / 180;
+  const double angle = 80 * kPi / 180;
   const cv::Mat slanted(480, 640, CV_32FC3, cv::Scalar(0, std::sin(angle), -std::cos(angle)));
   const cv::Mat depth = measured_by_kinect(wall(2), slanted, camera, model, Random(1));
   EXPECT_TRUE(std::isnan(depth.at<float>(240, 320)));
@@ -150,4 +151,4 @@ TEST(Kinect, SameSeedSameBytesOnAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

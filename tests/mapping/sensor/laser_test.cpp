@@ -1,14 +1,12 @@
 #include "mapping/sensor/laser.h"
+#include "mapping/base/math.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
-namespace loci {
+namespace loci::mapping {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 TEST(Laser, PinnedNumbersAreTheDefaults) {
   const LaserModel laser;
@@ -74,4 +72,4 @@ TEST(Odometry, StandingStillIsExact) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

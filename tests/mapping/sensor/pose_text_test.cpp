@@ -1,12 +1,11 @@
 #include "mapping/sensor/pose_text.h"
+#include "mapping/base/math.h"
 
 #include <gtest/gtest.h>
 
-#include <numbers>
-
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 TEST(PoseText, ReadsPosesInDegrees) {
@@ -14,8 +13,8 @@ TEST(PoseText, ReadsPosesInDegrees) {
   ASSERT_EQ(poses.size(), 2U);
   EXPECT_EQ(poses[0].x, 1);
   EXPECT_EQ(poses[0].y, 2.5);
-  EXPECT_NEAR(poses[0].yaw, std::numbers::pi / 2, 1e-12);
-  EXPECT_NEAR(poses[1].yaw, -std::numbers::pi / 4, 1e-12);
+  EXPECT_NEAR(poses[0].yaw, kPi / 2, 1e-12);
+  EXPECT_NEAR(poses[1].yaw, -kPi / 4, 1e-12);
 }
 
 TEST(PoseText, RefusesWhatIsNoPose) {
@@ -24,4 +23,4 @@ TEST(PoseText, RefusesWhatIsNoPose) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

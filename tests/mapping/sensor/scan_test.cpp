@@ -8,7 +8,7 @@
 #include "mapping/base/files.h"
 #include "mapping/sensor/pcd.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -137,4 +137,4 @@ TEST(Pcd, OtherPeoplesFilesAreRead) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

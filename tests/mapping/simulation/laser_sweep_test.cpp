@@ -1,16 +1,14 @@
 #include "mapping/simulation/laser_sweep.h"
+#include "mapping/base/math.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "mapping/world/urdf.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// A box with its middle at `origin` and a material of that name and colour.
 std::string block(const std::string& name, const std::string& size, const std::string& origin,
@@ -203,4 +201,4 @@ TEST(LaserSweep, SameSeedSameBytesOnAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 /// Volume by the divergence theorem: positive when triangles face outwards.
@@ -60,4 +60,4 @@ TEST(Models, PatternsShowBothColours) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

@@ -10,7 +10,7 @@
 #include "mapping/base/json.h"
 #include "mapping/recording/recording.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -128,4 +128,4 @@ TEST_F(Record, InterruptedRecordingLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

@@ -9,7 +9,7 @@
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -184,4 +184,4 @@ TEST(SampleKitchenFirst, DrawersOpenIntoTheRoom) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

@@ -9,7 +9,7 @@
 #include "mapping/base/files.h"
 #include "mapping/world/kinematics.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -234,4 +234,4 @@ TEST_F(ScannedCabinet, JointsCanBeSetWithinTheirLimits) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

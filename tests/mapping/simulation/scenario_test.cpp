@@ -7,7 +7,7 @@
 #include "mapping/simulation/play.h"
 #include "mapping/world/urdf.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -148,4 +148,4 @@ TEST(Samples, DayHasTwoIdenticalCups) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

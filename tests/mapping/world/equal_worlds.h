@@ -4,7 +4,7 @@
 
 #include "mapping/world/world.h"
 
-namespace loci {
+namespace loci::mapping {
 
 /// Everything equal; rotations to `angle_tolerance`, which roll-pitch-yaw text costs.
 inline void expect_equal(const Isometry3d& a, const Isometry3d& b, double angle_tolerance) {
@@ -121,4 +121,4 @@ inline void expect_equal(const World& a, const World& b, double angle_tolerance)
   for (size_t i = 0; i < a.joints.size(); ++i) expect_equal(a.joints[i], b.joints[i], angle_tolerance);
 }
 
-}  // namespace loci
+}  // namespace loci::mapping

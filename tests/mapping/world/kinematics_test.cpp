@@ -1,16 +1,16 @@
 #include "mapping/world/kinematics.h"
+#include "mapping/base/math.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <numbers>
 
 #include "mapping/base/error.h"
 #include "mapping/base/json.h"
 #include "mapping/world/urdf.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 World arm() {
@@ -27,7 +27,7 @@ World arm() {
 
 TEST(Kinematics, JointsMoveWhatHangsBelowThem) {
   const World world = arm();
-  const auto poses = root_from_links(world, {{"shoulder", std::numbers::pi / 2}, {"elbow", 0.25}});
+  const auto poses = root_from_links(world, {{"shoulder", kPi / 2}, {"elbow", 0.25}});
   EXPECT_TRUE(poses[world.link_index("base")].isApprox(Isometry3d::Identity()));
   EXPECT_TRUE(poses[world.link_index("tip")].translation().isApprox(Vector3d(0, 1.25, 1), 1e-12));
   EXPECT_TRUE(poses[world.link_index("tip")].linear().col(0).isApprox(Vector3d::UnitY(), 1e-12));
@@ -86,4 +86,4 @@ TEST(Kinematics, ApartmentJointsAreWhereTheTruthSays) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

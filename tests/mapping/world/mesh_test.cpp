@@ -1,14 +1,14 @@
 #include "mapping/world/mesh.h"
+#include "mapping/base/math.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <map>
-#include <numbers>
 
 #include "mapping/base/files.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -52,10 +52,10 @@ TEST(Mesh, PrimitivesAreClosedAndWoundOutwards) {
   EXPECT_NEAR(volume(box), 6, 1e-6);
   const TriangleMesh cylinder = triangulate(Cylinder{0.5, 2}, {}, warnings, 64);
   EXPECT_TRUE(closed(cylinder));
-  EXPECT_NEAR(volume(cylinder), std::numbers::pi * 0.25 * 2, 0.01);
+  EXPECT_NEAR(volume(cylinder), kPi * 0.25 * 2, 0.01);
   const TriangleMesh sphere = triangulate(Sphere{2}, {}, warnings, 64);
   EXPECT_TRUE(closed(sphere));
-  EXPECT_NEAR(volume(sphere), 4.0 / 3 * std::numbers::pi * 8, 0.3);
+  EXPECT_NEAR(volume(sphere), 4.0 / 3 * kPi * 8, 0.3);
 }
 
 TEST(Mesh, ObjIsReadWithItsMaterialsAndScale) {
@@ -132,4 +132,4 @@ TEST(Mesh, ColladaKeepsItsOwnAxes) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

@@ -6,7 +6,7 @@
 #include "mapping/base/error.h"
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 const char* kText =
@@ -64,4 +64,4 @@ TEST(SemanticMap, SidecarLiesBesideTheUrdf) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

@@ -1,16 +1,16 @@
 #include "mapping/world/urdf.h"
+#include "mapping/base/math.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 #include <random>
 
 #include "tests/mapping/world/equal_worlds.h"
 
-namespace loci {
+namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
@@ -149,8 +149,7 @@ TEST(Urdf, RoundTripKeepsRandomPoses) {
     joint.parent = "link_0";
     joint.child = world.links.back().name;
     // Every third pitch is ±90° to within a little: roll and yaw are then only determined together.
-    const double pitch =
-        i % 3 ? angle(random) : (i % 2 ? 1 : -1) * (std::numbers::pi / 2 + std::pow(10.0, -(i % 17)));
+    const double pitch = i % 3 ? angle(random) : (i % 2 ? 1 : -1) * (kPi / 2 + std::pow(10.0, -(i % 17)));
     joint.parent_from_joint.linear() = rotation_from_rpy({angle(random), pitch, angle(random)});
     joint.parent_from_joint.translation() = Vector3d(angle(random), angle(random), 1.0 / 3);
     world.joints.push_back(joint);
@@ -229,4 +228,4 @@ TEST(Urdf, RejectedRobotsAreRefusedWithTheReason) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::mapping

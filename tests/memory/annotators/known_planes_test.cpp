@@ -4,7 +4,7 @@
 
 #include "mapping/base/json.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 std::vector<Vector3d> rectangle(double x0, double y0, double x1, double y1, double z) {
@@ -35,4 +35,4 @@ TEST(KnownPlanes, ComeBackFromJson) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

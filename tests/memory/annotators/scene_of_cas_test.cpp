@@ -11,7 +11,7 @@
 #include "perception/conversions/opencv.h"
 #include "perception/types/geometry.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 TEST(RobustBox, OutliersDoNotCount) {
@@ -26,23 +26,23 @@ TEST(RobustBox, OutliersDoNotCount) {
 }
 
 TEST(SceneOfCas, ReadsWhatTheAnnotatorsSaid) {
-  cas::Cas cas(types::type_system());
-  const types::SceneCas facade(cas);
-  const types::Scene scene = facade.create_scene();
+  perception::cas::Cas cas(perception::types::type_system());
+  const perception::types::SceneCas facade(cas);
+  const perception::types::Scene scene = facade.create_scene();
   scene.timestamp.set(7 * kSecond);
   scene.frame_index.set(3);
-  types::set_cameras(facade, RgbdCamera{});
+  perception::types::set_cameras(facade, mapping::RgbdCamera{});
   scene.map_from_camera.set(
-      types::to_stamped(cas, Isometry3d::Identity(), "map", "depth_camera", 7 * kSecond));
+      perception::types::to_stamped(cas, Isometry3d::Identity(), "map", "depth_camera", 7 * kSecond));
   cv::Mat depth(480, 640, CV_32F, cv::Scalar(1.0));
   depth.at<float>(240, 320) = std::numeric_limits<float>::quiet_NaN();
-  types::set_view_image(facade, types::SceneCas::kDepth, depth);
-  const auto support = types::PlanarSupport::create(cas);
+  perception::types::set_view_image(facade, perception::types::SceneCas::kDepth, depth);
+  const auto support = perception::types::PlanarSupport::create(cas);
   support.name.set("table_1");
   support.support_class.set("table");
   facade.add_support(support);
-  const auto cluster = types::Cluster::create(cas);
-  const auto points = types::ReferenceClusterPoints::create(cas);
+  const auto cluster = perception::types::Cluster::create(cas);
+  const auto points = perception::types::ReferenceClusterPoints::create(cas);
   std::vector<int32_t> indices;
   for (int v = 230; v < 250; ++v)
     for (int u = 310; u < 330; ++u) indices.push_back(v * 640 + u);
@@ -50,7 +50,7 @@ TEST(SceneOfCas, ReadsWhatTheAnnotatorsSaid) {
   cluster.hypotheses.push_back(points);
   cluster.support.set(support);
   cluster.at_image_border.set(true);
-  const auto color = types::ColorAnnotation::create(cas);
+  const auto color = perception::types::ColorAnnotation::create(cas);
   color.names.set(std::vector<std::string>{"red"});
   color.mean_hue.set(0);
   color.mean_saturation.set(1);
@@ -59,7 +59,7 @@ TEST(SceneOfCas, ReadsWhatTheAnnotatorsSaid) {
   facade.add_cluster(cluster);
 
   for (const bool moved : {true, false}) {
-    const auto joint = types::JointAnnotation::create(cas);
+    const auto joint = perception::types::JointAnnotation::create(cas);
     joint.joint.set(moved ? "drawer" : "door");
     joint.moved.set(moved);
     scene.annotations.push_back(joint);
@@ -67,7 +67,7 @@ TEST(SceneOfCas, ReadsWhatTheAnnotatorsSaid) {
 
   cv::Mat structure(480, 640, CV_8U, cv::Scalar(1));
   structure(cv::Rect(310, 230, 20, 20)) = 3;
-  types::set_view_image(facade, "structure", structure);
+  perception::types::set_view_image(facade, "structure", structure);
   facade.log("NormalEstimator", "info", "done", 12.5);
   facade.log("KnownStructureFilter", "info", "drawer_1_joint stands at 0.300");
 
@@ -89,7 +89,7 @@ TEST(SceneOfCas, ReadsWhatTheAnnotatorsSaid) {
   EXPECT_TRUE(without.observations.at(0).cloud.bytes.empty());
   const auto kept = [&](const std::string& name) {
     return std::count_if(record.structures.begin(), record.structures.end(), [&](const auto& each) {
-      const auto joint = types::try_as<types::JointAnnotation>(each);
+      const auto joint = perception::types::try_as<perception::types::JointAnnotation>(each);
       return joint && joint->joint.get() == name;
     });
   };
@@ -114,4 +114,4 @@ TEST(SceneOfCas, ReadsWhatTheAnnotatorsSaid) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

@@ -4,7 +4,7 @@
 
 #include "tests/memory/belief/synthetic_scene.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 using ::testing::ElementsAre;
@@ -333,4 +333,4 @@ TEST_F(Belief, RefusesToGoBackInTime) {
 }
 
 }  // namespace
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

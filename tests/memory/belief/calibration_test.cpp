@@ -7,7 +7,7 @@
 
 #include "mapping/base/random.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 constexpr size_t kColor = 1, kExtents = 2;
@@ -63,4 +63,4 @@ TEST(Calibration, NewEvidenceOverrulesOld) {
 }
 
 }  // namespace
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -4,7 +4,7 @@
 
 #include "memory/belief/archive.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 constexpr double kHour = 3600;
@@ -95,4 +95,4 @@ TEST(Archive, RefusesBytesThatEndTooEarly) {
 }
 
 }  // namespace
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

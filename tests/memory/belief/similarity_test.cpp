@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 TEST(Similarity, ClosenessFunctionsAreOneAtZeroAndFall) {
@@ -61,4 +61,4 @@ TEST(Similarity, BaselineIsTheGeometricMeanOfCloseness) {
 }
 
 }  // namespace
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -7,7 +7,7 @@
 
 #include "memory/belief/belief.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 
 /// A box-shaped thing on a table, for scenes with known truth.
 struct Thing {
@@ -23,7 +23,7 @@ struct Thing {
 class SyntheticKitchen {
  public:
   std::vector<Thing> things;
-  PinholeCamera camera{320, 240, 290, 290, 160, 120};
+  mapping::PinholeCamera camera{320, 240, 290, 290, 160, 120};
   Isometry3d map_from_camera = look_from({0, -1.0, 1.4}, {0, 0, 0.72});
 
   /// A camera at `from` that looks at `at`, its image upright.
@@ -125,4 +125,4 @@ inline std::vector<std::string> told(const BeliefUpdate& update) {
   return texts;
 }
 
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 /// Two observations of two objects: offsets in millimetres, distances of extents and colours in steps.
@@ -48,4 +48,4 @@ TEST(Trackers, WhereNothingCanBeComparedNothingIsProposed) {
 }
 
 }  // namespace
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -4,7 +4,7 @@
 
 #include "tests/memory/belief/synthetic_scene.h"
 
-namespace loci::belief {
+namespace loci::memory::belief {
 namespace {
 
 const AxisBox kCup{SyntheticKitchen::on_table(0, 0), Vector3d(0.08, 0.08, 0.1)};
@@ -105,4 +105,4 @@ TEST(Visibility, ObservedFractionOfATableHalfInView) {
 }
 
 }  // namespace
-}  // namespace loci::belief
+}  // namespace loci::memory::belief

@@ -8,19 +8,19 @@
 #include "mapping/base/random.h"
 #include "memory/belief/likelihood.h"
 
-namespace loci::test {
+namespace loci::memory::test {
 namespace {
 
 using namespace belief;
 
-double away(const Whereabouts& object) {
+double away(const belief::Whereabouts& object) {
   return std::accumulate(object.elsewhere.begin(), object.elsewhere.end(), 0.0);
 }
 
 TEST(Whereabouts, KeepMassAsTimeGoesBy) {
-  ChangeRates rates;
-  Whereabouts object;
-  Untracked untracked(10);
+  belief::ChangeRates rates;
+  belief::Whereabouts object;
+  belief::Untracked untracked(10);
   for (int i = 0; i < 20; ++i) predict(object, handling(rates, 0.3), 10, untracked);
   EXPECT_NEAR(away(object), object.moved + object.returned, 1e-12);
   // What is moved and changed can never be recognised: it is among the unknown things or was taken away.
@@ -30,9 +30,9 @@ TEST(Whereabouts, KeepMassAsTimeGoesBy) {
 }
 
 TEST(Whereabouts, AreNotWhereOneLookedInVain) {
-  Whereabouts object;
-  Untracked untracked(4);
-  predict(object, handling(ChangeRates{}, 0.5), 4, untracked);
+  belief::Whereabouts object;
+  belief::Untracked untracked(4);
+  predict(object, handling(belief::ChangeRates{}, 0.5), 4, untracked);
   const double gone = object.gone, before = object.elsewhere[2];
   const double probability = not_seen(object, 0.0, {1, 1, 0, 0});
   EXPECT_EQ(object.elsewhere[0], 0.0);
@@ -44,11 +44,11 @@ TEST(Whereabouts, AreNotWhereOneLookedInVain) {
 }
 
 TEST(Handling, NeverHandlesMoreThanEverything) {
-  ChangeRates rates;
-  const Handling much = handling(rates, 1e6);
+  belief::ChangeRates rates;
+  const belief::Handling much = handling(rates, 1e6);
   EXPECT_GT(much.untouched(), 0.0);
   EXPECT_NEAR(much.removed, much.moved, 1e-12);
-  const Handling none = handling(rates, 0);
+  const belief::Handling none = handling(rates, 0);
   EXPECT_EQ(none.untouched(), 1.0);
 }
 
@@ -68,40 +68,40 @@ TEST(LogSame, IsALikelihoodRatioThatKnowsTheBorders) {
 
 TEST(NoiseEstimate, FindsTheDeviationOfRepeatedMeasurements) {
   Random random(6);
-  NoiseEstimate estimate(0.1);
+  belief::NoiseEstimate estimate(0.1);
   for (int i = 0; i < 3000; ++i) estimate.count(random.normal(0.03) - random.normal(0.03), 1, 1);
   EXPECT_NEAR(std::sqrt(estimate.variance()), 0.03, 0.003);
-  EXPECT_NEAR(NoiseEstimate::known(0.2).variance(), 0.04, 1e-12);
+  EXPECT_NEAR(belief::NoiseEstimate::known(0.2).variance(), 0.04, 1e-12);
 }
 
 TEST(RateLearner, ComesToExpectWhatIsFound) {
   Random random(7);
-  RateLearner learner;
+  belief::RateLearner learner;
   for (int i = 0; i < 4000; ++i) {
-    const double rate = learner.rates()[Change::moved];
+    const double rate = learner.rates()[belief::Change::moved];
     for (int object = 0; object < 5; ++object)
-      learner.count(Change::moved, random.uniform() < 0.03 ? 1 : 0, std::min(0.9, rate * 0.2));
+      learner.count(belief::Change::moved, random.uniform() < 0.03 ? 1 : 0, std::min(0.9, rate * 0.2));
     learner.finish_scene();
   }
-  EXPECT_NEAR(learner.rates()[Change::moved] * 0.2, 0.03, 0.004);
+  EXPECT_NEAR(learner.rates()[belief::Change::moved] * 0.2, 0.03, 0.004);
 }
 
 TEST(RateLearner, LearnsNothingFromScenesThatTellNothing) {
-  RateLearner learner, fresh;
+  belief::RateLearner learner, fresh;
   for (int i = 0; i < 1000; ++i) {
-    learner.count(Change::moved, 0.1, 0.1);
+    learner.count(belief::Change::moved, 0.1, 0.1);
     learner.finish_scene();
   }
   // It has not become surer of itself: the same news moves it as far.
-  for (RateLearner* each : {&learner, &fresh}) {
-    each->count(Change::moved, 1, 0.1);
+  for (belief::RateLearner* each : {&learner, &fresh}) {
+    each->count(belief::Change::moved, 1, 0.1);
     each->finish_scene();
   }
-  EXPECT_NEAR(learner.rates()[Change::moved], fresh.rates()[Change::moved], 1e-9);
+  EXPECT_NEAR(learner.rates()[belief::Change::moved], fresh.rates()[belief::Change::moved], 1e-9);
 }
 
 TEST(Busyness, IsTheLevelThatPredictsBest) {
-  Busyness busyness;
+  belief::Busyness busyness;
   std::vector<double> evidence(busyness.levels(), -1.0);
   evidence.back() = 0;
   for (int i = 0; i < 10; ++i) busyness.observe(evidence);
@@ -112,4 +112,4 @@ TEST(Busyness, IsTheLevelThatPredictsBest) {
 }
 
 }  // namespace
-}  // namespace loci::test
+}  // namespace loci::memory::test

@@ -14,7 +14,7 @@
 #include "memory/recorder/carried_belief.h"
 #include "tests/memory/store/temporary_folder.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using testing::Contains;
@@ -249,4 +249,4 @@ TEST_F(CatalogueTest, RefusesItsOwnHomeAndWhatIsNone) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

@@ -11,7 +11,7 @@
 #include "memory/questions/snapshot.h"
 #include "tests/memory/questions/day_fixture.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using testing::HasSubstr;
@@ -94,7 +94,7 @@ TEST_F(Edits, ObjectsThatWereSeenTogetherAreTwo) {
 
 TEST_F(Edits, ASplitObjectGoesOnAsAnother) {
   const size_t seen = store_->sightings(1).size();
-  edit([](Store& store) { return split_object(store, 1, day_time("09:15")); });
+  edit([](Store& store) { return split_object(store, 1, testing_support::day_time("09:15")); });
   const Id made = store_->last_object();
   EXPECT_EQ(store_->sightings(1).size() + store_->sightings(made).size(), seen);
   EXPECT_EQ(store_->belief(made)->status, "seen");
@@ -104,7 +104,7 @@ TEST_F(Edits, ASplitObjectGoesOnAsAnother) {
   ASSERT_FALSE(changes.empty());
   EXPECT_EQ(changes[0].kind, "appeared");
   expect_sound();
-  EXPECT_THAT(refusal([](Store& store) { split_object(store, 1, day_time("07:00")); }),
+  EXPECT_THAT(refusal([](Store& store) { split_object(store, 1, testing_support::day_time("07:00")); }),
               HasSubstr("not before"));
 }
 
@@ -112,7 +112,7 @@ TEST_F(Edits, UndoBringsEverythingBackAndRedoAgain) {
   const std::string first = everything();
   edit([](Store& store) { return merge_objects(store, 2, 3); });
   const std::string merged = everything();
-  edit([](Store& store) { return split_object(store, 1, day_time("09:15")); });
+  edit([](Store& store) { return split_object(store, 1, testing_support::day_time("09:15")); });
   const std::string split = everything();
   EXPECT_NE(first, merged);
   EXPECT_NE(merged, split);
@@ -248,7 +248,8 @@ TEST_F(MapEdits, AJointIsCalledSoInWhatOpensAndCanBeCorrectedByItsNewName) {
   }
   ASSERT_NE(named_map(*store_)->find_joint("cutlery slide"), nullptr);
   edit([](Store& store) { return set_joint_type(store, "cutlery slide", "revolute"); });
-  EXPECT_EQ(named_map(*store_)->find_joint("cutlery slide")->type, JointType::revolute) << "and keeps it";
+  EXPECT_EQ(named_map(*store_)->find_joint("cutlery slide")->type, mapping::JointType::revolute)
+      << "and keeps it";
 }
 
 TEST_F(MapEdits, EventsOfANamedJointSayTheName) {
@@ -287,16 +288,18 @@ TEST_F(Edits, ACorrectedJointIsInANewMapAndTheOldOneStays) {
   edit([&](Store& store) { return store.add_map("kitchen.urdf", read_file(kitchen), ""); });
   const auto type = [&] {
     const MapRow newest = store_->maps().back();
-    return parse_urdf(store_->blob(newest.urdf).bytes, newest.name).find_joint("drawer_2_front_joint")->type;
+    return mapping::parse_urdf(store_->blob(newest.urdf).bytes, newest.name)
+        .find_joint("drawer_2_front_joint")
+        ->type;
   };
-  ASSERT_EQ(type(), JointType::prismatic);
+  ASSERT_EQ(type(), mapping::JointType::prismatic);
   edit([](Store& store) { return set_joint_type(store, "drawer_2_front_joint", "revolute"); });
-  EXPECT_EQ(type(), JointType::revolute);
+  EXPECT_EQ(type(), mapping::JointType::revolute);
   EXPECT_EQ(store_->maps().size(), 2U);
   edit([](Store& store) { return undo(store); });
-  EXPECT_EQ(type(), JointType::prismatic);
+  EXPECT_EQ(type(), mapping::JointType::prismatic);
   edit([](Store& store) { return redo(store); });
-  EXPECT_EQ(type(), JointType::revolute);
+  EXPECT_EQ(type(), mapping::JointType::revolute);
   EXPECT_THAT(refusal([](Store& store) { set_joint_type(store, "drawer_2_front_join", "fixed"); }),
               HasSubstr("drawer_2_front_joint"));
   EXPECT_THAT(refusal([](Store& store) { set_joint_type(store, "drawer_2_front_joint", "bent"); }),
@@ -304,4 +307,4 @@ TEST_F(Edits, ACorrectedJointIsInANewMapAndTheOldOneStays) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

@@ -10,7 +10,7 @@
 #include "memory/ingest/ingest.h"
 #include "tests/memory/store/temporary_folder.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using testing::Contains;
@@ -18,7 +18,7 @@ using testing::Contains;
 class BeliefStates : public testing_support::TemporaryFolder {
  protected:
   void SetUp() override {
-    TemporaryFolder::SetUp();
+    testing_support::TemporaryFolder::SetUp();
     const std::string mug = R"("size": [0.08, 0.11, 0.1], "color": [2, 0.85, 0.8])";
     const std::string box = R"("size": [0.2, 0.1, 0.3], "color": [215, 0.8, 0.7])";
     std::ofstream(folder_ / "lines.jsonl")
@@ -74,4 +74,4 @@ TEST_F(BeliefStates, DistributionsAreOverObjectsAndEarlierClusters) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

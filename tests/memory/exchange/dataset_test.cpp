@@ -13,13 +13,13 @@
 #include "memory/store/scene_transaction.h"
 #include "tests/memory/store/temporary_folder.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 class DatasetTest : public testing_support::TemporaryFolder {
  protected:
   void SetUp() override {
-    TemporaryFolder::SetUp();
+    testing_support::TemporaryFolder::SetUp();
     Store store = Store::open_write(file_);
     const Id run = store.begin_run("test", "{}");
     for (int i = 0; i < 3; ++i) add_scene(store, run, (i + 1) * kSecond);
@@ -29,7 +29,7 @@ class DatasetTest : public testing_support::TemporaryFolder {
     SceneTransaction scene(store, run);
     const Id depth =
         scene.add_blob(encode_depth_thumbnail(std::vector<float>(40 * 30, 1.5F)), kDepthThumbnailMedia);
-    const auto png = encode_image(cv::Mat(60, 80, CV_8U, cv::Scalar(255)), ".png");
+    const auto png = mapping::encode_image(cv::Mat(60, 80, CV_8U, cv::Scalar(255)), ".png");
     const Id mask = scene.add_blob({reinterpret_cast<const char*>(png.data()), png.size()}, "image/png");
     const Id id = scene.add_scene({.time = time,
                                    .camera = SceneCamera{160, 120, 150, 150, 79.5, 59.5, {}, {}},
@@ -81,14 +81,14 @@ TEST_F(DatasetTest, IsARecordingWhoseLabelsSayWhatIsWhere) {
   const DatasetResult result = export_dataset(store, folder_ / "data", {}, silent_);
   EXPECT_EQ(result.things, 6U);
   EXPECT_EQ(result.classes.at("plate"), 3U);
-  const auto recording = open_recording(folder_ / "data");
+  const auto recording = mapping::open_recording(folder_ / "data");
   ASSERT_EQ(recording->size(), 3U);
-  const RgbdFrame frame = recording->frame(1);
+  const mapping::RgbdFrame frame = recording->frame(1);
   EXPECT_EQ(frame.index, 2) << "the scene's number";
   EXPECT_NEAR(frame.depth.at<float>(3, 3), 1.5, 1e-3);
   EXPECT_NEAR(frame.camera.depth.fx, 150.0 / 4, 1e-9);
   EXPECT_NEAR(frame.camera.depth.cx, 19.5, 1e-9) << "the middle stays the middle";
-  const cv::Mat labels = read_uint16(folder_ / "data/frames/000002_label.png");
+  const cv::Mat labels = mapping::read_uint16(folder_ / "data/frames/000002_label.png");
   EXPECT_EQ(labels.at<uint16_t>(10, 5), 20);
   EXPECT_EQ(labels.at<uint16_t>(10, 30), 30);
   EXPECT_EQ(labels.at<uint16_t>(1, 5), 0);
@@ -120,4 +120,4 @@ TEST_F(DatasetTest, WithoutDepthThereIsNone) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

@@ -1,6 +1,7 @@
 // A box on a table that is seen from several sides, and what its views add up to.
 
 #include "memory/exchange/object_model.h"
+#include "mapping/base/math.h"
 
 #include <gmock/gmock.h>
 
@@ -14,7 +15,7 @@
 #include "memory/store/scene_transaction.h"
 #include "tests/memory/store/temporary_folder.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 constexpr int kWidth = 160, kHeight = 120;
@@ -45,7 +46,7 @@ class ObjectModelTest : public testing_support::TemporaryFolder {
 
   /// The box as it is seen from an angle; where it stands.
   void add_view(Store& store, Id run, double angle_deg, const Vector3d& centre, const std::string& word) {
-    const double angle = angle_deg / 180 * M_PI;
+    const double angle = angle_deg / 180 * kPi;
     const Isometry3d pose =
         looking(centre + Vector3d(0.6 * std::cos(angle), 0.6 * std::sin(angle), 0.4), centre);
     std::vector<float> depth(kWidth * kHeight, 0.0F);
@@ -60,7 +61,7 @@ class ObjectModelTest : public testing_support::TemporaryFolder {
         mask.at<uint8_t>(v, u) = 255;
         ++points;
       }
-    const auto png = encode_image(mask, ".png");
+    const auto png = mapping::encode_image(mask, ".png");
     SceneTransaction scene(store, run);
     const Id blob = scene.add_blob(encode_depth_thumbnail(depth), kDepthThumbnailMedia);
     const Id mask_blob = scene.add_blob({reinterpret_cast<const char*>(png.data()), png.size()}, "image/png");
@@ -109,11 +110,11 @@ TEST_F(ObjectModelTest, PointsOfTheClusterComeBeforeTheThumbnail) {
   }
   const Store store = Store::open_read(file_);
   const SceneRow scene = store.scene(1);
-  const std::optional<Scan> cloud = cloud_of(store, scene, store.observation(1));
+  const std::optional<mapping::Scan> cloud = cloud_of(store, scene, store.observation(1));
   ASSERT_TRUE(cloud.has_value());
   EXPECT_EQ(cloud->points.size(), static_cast<size_t>(*store.observation(1).points));
   const auto thumbnail = DepthThumbnail::of(store, scene);
-  for (const ScanPoint& point : cloud->points) {
+  for (const mapping::ScanPoint& point : cloud->points) {
     const Vector3d p = scene.map_from_camera->inverse() * point.position.cast<double>();
     const long u = std::lround(kCamera.fx * p.x() / p.z() + kCamera.cx),
                v = std::lround(kCamera.fy * p.y() / p.z() + kCamera.cy);
@@ -137,8 +138,8 @@ TEST_F(ObjectModelTest, ViewsOfOneSpotLieOnTheBoxTogetherAndShowItsSides) {
   EXPECT_EQ(sides, (std::set<std::string>{"front", "left", "back", "right"}));
   EXPECT_EQ(model.best_crop.size(), 4U);
   size_t points = 0, off = 0;
-  for (const Scan& scan : model.cloud.scans)
-    for (const ScanPoint& point : scan.points) {
+  for (const mapping::Scan& scan : model.cloud.scans)
+    for (const mapping::ScanPoint& point : scan.points) {
       const Vector3d p = scan.map_from_scan * point.position.cast<double>();
       const Vector3d outside = (p.cwiseAbs() - kSize / 2).cwiseMax(0.0);
       ++points;
@@ -205,4 +206,4 @@ TEST_F(ObjectModelTest, WithoutDepthThereIsNoModel) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

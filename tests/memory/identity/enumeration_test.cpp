@@ -8,7 +8,7 @@
 #include "memory/identity/solution.h"
 #include "tests/memory/identity/random_problem.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using testing_support::random_problem;
@@ -67,7 +67,7 @@ TEST(IdentityEnumeration, AgreesWithTheSumOverAllWorlds) {
   Random random(11);
   for (int repeat = 0; repeat < 30; ++repeat) {
     const size_t m = 1 + random.index(3), n = 1 + random.index(m == 3 ? 2 : 3);
-    const IdentityProblem problem = random_problem(m, n, random);
+    const IdentityProblem problem = testing_support::random_problem(m, n, random);
     IdentityOptions options;
     options.gate = 0;
     const IdentitySolution solution = solve(problem, options);
@@ -150,8 +150,10 @@ TEST(IdentityEnumeration, AgreesWithTheSumOverAllMatchingsAndTheirRanking) {
     options.best = 40;
     options.priors = {random.normal(), random.normal(), random.normal(), random.normal(),
                       random.normal(), random.normal(), random.normal(), random.normal()};
-    expect_agreement(weights_of(random_problem(1 + random.index(5), 1 + random.index(5), random), options),
-                     options);
+    expect_agreement(
+        weights_of(testing_support::random_problem(1 + random.index(5), 1 + random.index(5), random),
+                   options),
+        options);
   }
 }
 
@@ -166,7 +168,7 @@ TEST(IdentityEnumeration, HandlesObservationsAndObjectsThatMustBeMatched) {
       options.priors.appear = kNever;
     else
       options.priors.disappear = options.priors.hidden = kNever;
-    const IdentityWeights weights = weights_of(random_problem(3, 3, random), options);
+    const IdentityWeights weights = weights_of(testing_support::random_problem(3, 3, random), options);
     if (all_matchings(weights).empty()) {
       EXPECT_THROW(solve(weights, options), Error);
       continue;
@@ -195,4 +197,4 @@ TEST(IdentityEnumeration, AgreesForLogOddsWithPriorsOfTheirOwn) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

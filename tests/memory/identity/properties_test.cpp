@@ -7,7 +7,7 @@
 #include "memory/identity/solution.h"
 #include "tests/memory/identity/random_problem.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using testing_support::random_problem;
@@ -27,7 +27,7 @@ TEST(Identity, ProbabilitiesOfRowsAndColumnsSumToOne) {
   IdentityOptions options = exact();
   options.priors.clutter = -2;
   options.priors.missed = -1;
-  const IdentitySolution solution = solve(random_problem(7, 9, random), options);
+  const IdentitySolution solution = solve(testing_support::random_problem(7, 9, random), options);
   for (size_t o = 0; o < 7; ++o)
     EXPECT_NEAR(matched(solution).row(static_cast<Eigen::Index>(o)).sum() + solution.disappear[o] +
                     solution.missed[o] + solution.hidden[o],
@@ -40,7 +40,7 @@ TEST(Identity, ProbabilitiesOfRowsAndColumnsSumToOne) {
 
 TEST(Identity, TransposingTheProblemTransposesTheAnswer) {
   Random random(2);
-  const IdentityProblem problem = random_problem(5, 8, random, false);
+  const IdentityProblem problem = testing_support::random_problem(5, 8, random, false);
   IdentityProblem turned;
   turned.old_count = 8;
   turned.new_count = 5;
@@ -60,7 +60,7 @@ TEST(Identity, TransposingTheProblemTransposesTheAnswer) {
 
 TEST(Identity, PermutingTheObjectsPermutesTheAnswer) {
   Random random(3);
-  const IdentityProblem problem = random_problem(6, 6, random);
+  const IdentityProblem problem = testing_support::random_problem(6, 6, random);
   const std::vector<size_t> order{3, 0, 5, 1, 4, 2};
   IdentityProblem permuted = problem;
   for (size_t o = 0; o < 6; ++o) {
@@ -78,7 +78,7 @@ TEST(Identity, PermutingTheObjectsPermutesTheAnswer) {
 
 TEST(Identity, ProximityOfAnObjectThatIsCertainlyOutOfViewHasNoEffect) {
   Random random(4);
-  IdentityProblem problem = random_problem(4, 4, random);
+  IdentityProblem problem = testing_support::random_problem(4, 4, random);
   problem.out_of_view[2] = 1;
   const IdentitySolution before = solve(problem, exact());
   for (auto& p : problem.proximity[2]) p = random.uniform();
@@ -91,7 +91,7 @@ TEST(Identity, ProximityOfAnObjectThatIsCertainlyOutOfViewHasNoEffect) {
 TEST(Identity, RaisingAnEntryRaisesTheProbabilityOfItsPair) {
   Random random(5);
   for (int repeat = 0; repeat < 20; ++repeat) {
-    IdentityProblem problem = random_problem(5, 4, random);
+    IdentityProblem problem = testing_support::random_problem(5, 4, random);
     const double before = matched(solve(problem, exact()))(1, 2);
     problem.similar[1][2] = *problem.similar[1][2] + 0.5 * (1 - *problem.similar[1][2]);
     EXPECT_GE(matched(solve(problem, exact()))(1, 2), before);
@@ -100,7 +100,7 @@ TEST(Identity, RaisingAnEntryRaisesTheProbabilityOfItsPair) {
 
 TEST(Identity, AnObjectWithoutAnyEvidenceChangesNothingElse) {
   Random random(6);
-  IdentityProblem problem = random_problem(4, 5, random);
+  IdentityProblem problem = testing_support::random_problem(4, 5, random);
   const IdentitySolution before = solve(problem, exact());
   problem.old_count = 5;
   problem.similar.emplace_back(5, 0.0);
@@ -114,7 +114,8 @@ TEST(Identity, AnObjectWithoutAnyEvidenceChangesNothingElse) {
 
 TEST(Identity, SplittingIntoComponentsDoesNotChangeTheAnswer) {
   Random random(7);
-  const IdentityProblem a = random_problem(4, 5, random), b = random_problem(5, 3, random);
+  const IdentityProblem a = testing_support::random_problem(4, 5, random),
+                        b = testing_support::random_problem(5, 3, random);
   IdentityProblem both;
   both.old_count = 9;
   both.new_count = 8;
@@ -137,7 +138,7 @@ TEST(Identity, SplittingIntoComponentsDoesNotChangeTheAnswer) {
 TEST(Identity, GatingStaysWithinItsBound) {
   Random random(8);
   for (int repeat = 0; repeat < 10; ++repeat) {
-    const IdentityProblem problem = random_problem(7, 7, random);
+    const IdentityProblem problem = testing_support::random_problem(7, 7, random);
     IdentityOptions gated = exact();
     gated.gate = 0.2;
     const IdentitySolution a = solve(problem, exact()), b = solve(problem, gated);
@@ -150,7 +151,7 @@ TEST(Identity, GatingStaysWithinItsBound) {
 
 TEST(Identity, AProblemThatIsTooLargeIsSolvedWithAReportedBound) {
   Random random(9);
-  IdentityProblem problem = random_problem(40, 40, random, false);
+  IdentityProblem problem = testing_support::random_problem(40, 40, random, false);
   for (size_t o = 0; o < 40; ++o)
     for (size_t k = 0; k < 40; ++k) {
       const bool together = o / 8 == k / 8;
@@ -217,7 +218,7 @@ TEST(Identity, RefusesBadInputAndSaysWhere) {
     return "";
   };
   Random random(1);
-  IdentityProblem problem = random_problem(2, 2, random);
+  IdentityProblem problem = testing_support::random_problem(2, 2, random);
   IdentityProblem bad = problem;
   bad.similar[1][0] = std::nan("");
   EXPECT_THAT(message(bad), testing::HasSubstr("similar[1][0]: invalid_value"));
@@ -236,4 +237,4 @@ TEST(Identity, RefusesBadInputAndSaysWhere) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

@@ -3,7 +3,7 @@
 #include "mapping/base/random.h"
 #include "memory/identity/solution.h"
 
-namespace loci::testing_support {
+namespace loci::memory::testing_support {
 
 /// A random problem in which about a third of the entries are zero.
 inline IdentityProblem random_problem(size_t m, size_t n, Random& random, bool views = true) {
@@ -23,4 +23,4 @@ inline IdentityProblem random_problem(size_t m, size_t n, Random& random, bool v
   return problem;
 }
 
-}  // namespace loci::testing_support
+}  // namespace loci::memory::testing_support

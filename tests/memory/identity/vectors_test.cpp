@@ -6,7 +6,7 @@
 #include "mapping/base/json.h"
 #include "memory/identity/vector_file.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 namespace fs = std::filesystem;
@@ -102,4 +102,4 @@ TEST(IdentityVectors, MalformedFilesAreRefusedWithTheEntry) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

@@ -15,7 +15,7 @@
 #include "memory/questions/answers.h"
 #include "tests/memory/recorder/memory_dump.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using testing::ElementsAre;
@@ -237,4 +237,4 @@ TEST_F(Ingest, KilledAtAnyMomentItGoesOnAsIfItHadNotBeen) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

@@ -8,7 +8,7 @@
 #include "memory/identity/solution.h"
 #include "memory/mln/ground.h"
 
-namespace loci::test {
+namespace loci::memory::test {
 namespace {
 
 IdentityProblem random_problem(size_t m, size_t n, Random& random) {
@@ -121,4 +121,4 @@ TEST(MarkovLogic, RefusesWhatHasNoWorldOrTooMany) {
 }
 
 }  // namespace
-}  // namespace loci::test
+}  // namespace loci::memory::test

@@ -2,7 +2,7 @@
 
 #include "tests/memory/questions/day_fixture.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using testing::HasSubstr;
@@ -68,4 +68,4 @@ TEST_F(CompanyQuestions, KindOfSceneIsByWhatOtherScenesHaveInCommon) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

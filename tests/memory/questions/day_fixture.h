@@ -6,7 +6,7 @@
 #include "tests/memory/questions/synthetic_day.h"
 #include "tests/memory/store/temporary_folder.h"
 
-namespace loci::testing_support {
+namespace loci::memory::testing_support {
 
 /// A test that asks the memory of the synthetic day.
 class DayFixture : public TemporaryFolder {
@@ -29,4 +29,4 @@ class DayFixture : public TemporaryFolder {
   std::optional<Store> store_;
 };
 
-}  // namespace loci::testing_support
+}  // namespace loci::memory::testing_support

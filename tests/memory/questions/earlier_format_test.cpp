@@ -13,7 +13,7 @@
 #include "memory/recorder/recorder.h"
 #include "memory/store/schema.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 namespace fs = std::filesystem;
@@ -120,4 +120,4 @@ INSTANTIATE_TEST_SUITE_P(Formats, EarlierFormat,
                          [](const auto& tested) { return "1_" + std::to_string(tested.param.minor); });
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

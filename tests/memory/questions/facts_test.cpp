@@ -9,7 +9,7 @@
 #include "tests/memory/questions/synthetic_day.h"
 #include "tests/memory/store/temporary_folder.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using testing::ElementsAre;
@@ -20,7 +20,7 @@ class Facts : public testing_support::TemporaryFolder {
   static constexpr TimeNs kLater = SyntheticDay::kKnownSecond + 3600 * kSecond;
 
   void SetUp() override {
-    TemporaryFolder::SetUp();
+    testing_support::TemporaryFolder::SetUp();
     const SyntheticDay day(file_);
   }
   /// Opened for writing `hours` after the day.
@@ -127,4 +127,4 @@ TEST_F(Facts, NamesThatAreNoUtf8AreRefused) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

@@ -2,7 +2,7 @@
 
 #include "tests/memory/questions/day_fixture.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using testing::HasSubstr;
@@ -55,4 +55,4 @@ TEST_F(Journeys, AWayCosts) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

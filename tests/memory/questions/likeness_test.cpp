@@ -6,7 +6,7 @@
 #include "mapping/image/image_io.h"
 #include "tests/memory/questions/day_fixture.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using Likeness = testing_support::TemporaryFolder;
@@ -23,7 +23,7 @@ void remember_three(const std::filesystem::path& file) {
   const Id id = scene.add_scene({.time = testing_support::day_time("08:00")});
   const std::array<cv::Scalar, 3> colors = {cv::Scalar(20, 20, 200), {30, 25, 210}, {210, 40, 30}};
   for (size_t i = 0; i < colors.size(); ++i) {
-    const auto bytes = encode_image(colored(colors[i]), ".png");
+    const auto bytes = mapping::encode_image(colored(colors[i]), ".png");
     const Id crop = scene.add_blob(std::string(bytes.begin(), bytes.end()), "image/png");
     const Id seen = scene.add_observation({.scene = id, .number = static_cast<int64_t>(i), .crop = crop});
     const Id object = scene.add_object({});
@@ -52,11 +52,11 @@ TEST_F(Likeness, OfAnObjectIsByItsImages) {
 TEST_F(Likeness, OfAImageIsTheSame) {
   remember_three(file_);
   const std::filesystem::path image = file_.parent_path() / "blue.png";
-  write_image(image, colored({200, 45, 35}));
+  mapping::write_image(image, colored({200, 45, 35}));
   const Store store = Store::open_read(file_);
   EXPECT_EQ(ask(store, LikeQuestion{.image = image}).objects.at(0).object.object.id, 3);
   EXPECT_THROW(ask(store, LikeQuestion{.image = "missing.png"}), Error);
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

@@ -4,7 +4,7 @@
 
 #include "mapping/base/error.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// The last scene is at 10:30 in a zone two hours east of UTC.
@@ -71,4 +71,4 @@ TEST(PeopleTime, WritesTheDateOnlyWhenThereAreSeveral) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

@@ -3,7 +3,7 @@
 #include "memory/questions/unseen.h"
 #include "tests/memory/questions/day_fixture.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using testing::ElementsAre;
@@ -19,8 +19,10 @@ class Questions : public testing_support::DayFixture {
   }
   WasObject was(const std::string& subject, const std::string& place, const std::string& from,
                 const std::string& to) const {
-    const WasAnswer answer = ask(
-        *store_, WasQuestion{.subject = subject, .place = place, .from = day_time(from), .to = day_time(to)});
+    const WasAnswer answer = ask(*store_, WasQuestion{.subject = subject,
+                                                      .place = place,
+                                                      .from = testing_support::day_time(from),
+                                                      .to = testing_support::day_time(to)});
     EXPECT_EQ(answer.objects.size(), 1U);
     return answer.objects.at(0);
   }
@@ -55,7 +57,7 @@ TEST_F(Questions, WhereTellsWhatElseMayBeTheObject) {
   {
     Store store = Store::open_write(file_);
     SceneTransaction scene(store, store.begin_run("test", "{}"));
-    const Id id = scene.add_scene({.time = day_time("20:00")});
+    const Id id = scene.add_scene({.time = testing_support::day_time("20:00")});
     const Id seen = scene.add_observation(
         {.scene = id, .number = 0, .position = Vector3d(0.2, 0.3, 0.8), .color = "red"});
     fresh = scene.add_object({});
@@ -89,7 +91,7 @@ TEST_F(Questions, WhatIsOutOfViewStaysRemembered) {
   EXPECT_EQ(blue.place->name, "table_1");
   EXPECT_EQ(blue.status, "out_of_view");
   EXPECT_EQ(blue.looks_out_of_view, 1U);
-  EXPECT_EQ(blue.last_seen->time, day_time("08:00"));
+  EXPECT_EQ(blue.last_seen->time, testing_support::day_time("08:00"));
 }
 
 TEST_F(Questions, WhatWasLookedForAndIsNotThereHasGone) {
@@ -150,7 +152,7 @@ TEST_F(Questions, OnListsWhatIsThereAndWhatIsNoLonger) {
   ASSERT_EQ(now.places.size(), 1U);
   ASSERT_EQ(now.places[0].there.size(), 1U);
   EXPECT_EQ(now.places[0].there[0].object.color, std::optional<std::string>("blue"));
-  EXPECT_EQ(now.places[0].last_look->time, day_time("10:00"));
+  EXPECT_EQ(now.places[0].last_look->time, testing_support::day_time("10:00"));
   EXPECT_EQ(ask(*store_, ContentsQuestion{"table_1", at("08:40")}).places[0].there.size(), 2U);
   EXPECT_EQ(ask(*store_, ContentsQuestion{"table_1", at("09:10")}).places[0].gone.size(), 1U);
 }
@@ -212,7 +214,8 @@ TEST_F(Questions, ChangesAreListedInOrderAndCanBeNarrowed) {
     return result;
   };
   EXPECT_EQ(ask(*store_, ChangesQuestion{}).changes.size(), 8U);
-  EXPECT_THAT(kinds(ask(*store_, ChangesQuestion{.from = day_time("08:50"), .to = day_time("10:00")})),
+  EXPECT_THAT(kinds(ask(*store_, ChangesQuestion{.from = testing_support::day_time("08:50"),
+                                                 .to = testing_support::day_time("10:00")})),
               ElementsAre("gone", "moved", "hidden"));
   EXPECT_THAT(kinds(ask(*store_, ChangesQuestion{.subject = "red"})),
               ElementsAre("appeared", "gone", "moved"));
@@ -241,13 +244,13 @@ TEST_F(Questions, ChangesOfAKindKnowWhatLeftAndWhatCame) {
 
 TEST_F(Questions, WhatWasNotSeenSinceATime) {
   std::vector<std::string> names;
-  for (const ObjectState& state : ask_unseen_since(*store_, {}, day_time("08:15")).objects)
+  for (const ObjectState& state : ask_unseen_since(*store_, {}, testing_support::day_time("08:15")).objects)
     names.push_back(state.object.name);
   EXPECT_THAT(names, testing::Not(testing::Contains("object_1")));
-  for (const ObjectState& state : ask_unseen_since(*store_, {}, day_time("10:00")).objects)
-    EXPECT_LT(state.last_seen->time, day_time("10:00")) << state.object.name;
-  EXPECT_EQ(ask_unseen_since(*store_, {}, day_time("11:00")).objects.size(), 4U);
-  EXPECT_TRUE(ask_unseen_since(*store_, {}, day_time("07:00")).objects.empty());
+  for (const ObjectState& state : ask_unseen_since(*store_, {}, testing_support::day_time("10:00")).objects)
+    EXPECT_LT(state.last_seen->time, testing_support::day_time("10:00")) << state.object.name;
+  EXPECT_EQ(ask_unseen_since(*store_, {}, testing_support::day_time("11:00")).objects.size(), 4U);
+  EXPECT_TRUE(ask_unseen_since(*store_, {}, testing_support::day_time("07:00")).objects.empty());
 }
 
 TEST_F(Questions, TheBiggestIsOneOfThoseThatAreMeant) {
@@ -271,7 +274,7 @@ TEST_F(Questions, HistoryJoinsSightingsAtOneSpotToAStay) {
 }
 
 TEST_F(Questions, TimelineHasScenesWithWhatHappenedInThem) {
-  const TimelineAnswer answer = ask(*store_, TimelineQuestion{.from = day_time("09:00")});
+  const TimelineAnswer answer = ask(*store_, TimelineQuestion{.from = testing_support::day_time("09:00")});
   ASSERT_EQ(answer.entries.size(), 4U);
   EXPECT_EQ(answer.entries[0].changes.size(), 1U);
   EXPECT_EQ(answer.entries[3].changes.size(), 2U);
@@ -283,7 +286,8 @@ TEST_F(Questions, JsonSaysTheSameAsTheStruct) {
   EXPECT_EQ(where["objects"][0]["object"], "object_1");
   EXPECT_EQ(where["objects"][0]["place"], "counter_1");
   EXPECT_EQ(where["objects"][0]["last_seen"]["time"], "2026-05-01T10:30:00Z");
-  const Json was = to_json(ask(*store_, WasQuestion{"red", "table_1", day_time("08:50"), day_time("09:10")}));
+  const Json was = to_json(ask(*store_, WasQuestion{"red", "table_1", testing_support::day_time("08:50"),
+                                                    testing_support::day_time("09:10")}));
   EXPECT_EQ(was["verdict"], "no");
   EXPECT_EQ(to_json(ask(*store_, ObjectsQuestion{}))["objects"].size(), 4U);
   EXPECT_EQ(to_json(ask(*store_, ScenesQuestion{}))["scenes"][0]["looked_at"]["table_1"], 0.95);
@@ -292,4 +296,4 @@ TEST_F(Questions, JsonSaysTheSameAsTheStruct) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

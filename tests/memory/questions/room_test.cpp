@@ -8,7 +8,7 @@
 #include "memory/store/scene_transaction.h"
 #include "tests/memory/questions/day_fixture.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using testing::ElementsAre;
@@ -36,7 +36,7 @@ constexpr const char* kSidecar = R"({"version": 1, "frame": "map", "links": {
 class Room : public testing_support::TemporaryFolder {
  protected:
   void SetUp() override {
-    TemporaryFolder::SetUp();
+    testing_support::TemporaryFolder::SetUp();
     {
       Store store = Store::open_write(file_);
       const Id run = store.begin_run("test", "{}");
@@ -61,7 +61,7 @@ class Room : public testing_support::TemporaryFolder {
   }
   void TearDown() override {
     store_.reset();
-    TemporaryFolder::TearDown();
+    testing_support::TemporaryFolder::TearDown();
   }
   std::optional<Store> store_;
 };
@@ -132,4 +132,4 @@ TEST(Length, IsReadWithItsUnit) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

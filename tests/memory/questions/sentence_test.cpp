@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// The last scene is on a Friday at 10:30.
@@ -233,4 +233,4 @@ TEST(CommandLine, QuotesWhatAShellWouldTakeApart) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

@@ -3,7 +3,7 @@
 #include "mapping/base/json.h"
 #include "tests/memory/questions/day_fixture.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using testing::HasSubstr;
@@ -129,4 +129,4 @@ TEST_F(Spoken, TasksNameObjectsTargetsAndWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

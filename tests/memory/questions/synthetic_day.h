@@ -6,7 +6,7 @@
 #include "memory/store/depth_thumbnail.h"
 #include "memory/store/scene_transaction.h"
 
-namespace loci::testing_support {
+namespace loci::memory::testing_support {
 
 inline TimeNs day_time(const std::string& clock) {
   return parse_time("2026-05-01T" + clock + ":00Z");
@@ -224,4 +224,4 @@ class SyntheticDay {
   std::map<Id, Id> last_seen_;
 };
 
-}  // namespace loci::testing_support
+}  // namespace loci::memory::testing_support

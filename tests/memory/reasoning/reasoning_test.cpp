@@ -12,7 +12,7 @@
 #include "memory/reasoning/why.h"
 #include "memory/recorder/scene_reasoning.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using testing::HasSubstr;
@@ -170,4 +170,4 @@ TEST_F(Reasoning, OverwritesNothing) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

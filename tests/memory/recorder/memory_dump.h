@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-namespace loci {
+namespace loci::memory {
 
 /// Everything in a memory as text, except when it became known, by which run and how long it took: two
 /// memories that were told the same have the same dump. How R*Tree and full text lie inside is left out.
@@ -34,4 +34,4 @@ inline std::string memory_dump(const std::filesystem::path& path) {
   return dump;
 }
 
-}  // namespace loci
+}  // namespace loci::memory

@@ -11,7 +11,7 @@
 #include "tests/memory/belief/synthetic_scene.h"
 #include "tests/memory/recorder/memory_dump.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using belief::SyntheticKitchen;
@@ -49,7 +49,7 @@ class RecorderTest : public ::testing::Test {
       observation.row.size = o.box.size;
       observation.row.hsv = HsvColor{double(10 * o.descriptors[0].values[0]), 0.5, 0.5};
       observation.row.color = "red";
-      types::ColorHistogram histogram = types::ColorHistogram::create(*cas);
+      perception::types::ColorHistogram histogram = perception::types::ColorHistogram::create(*cas);
       histogram.histogram.set(std::vector<float>(400, 0.25F));
       observation.annotations.push_back({"loci.annotation.ColorHistogram", "red", 0.5, histogram});
       record.observations.push_back(observation);
@@ -68,7 +68,8 @@ class RecorderTest : public ::testing::Test {
 
   std::filesystem::path folder;
   SyntheticKitchen kitchen;
-  std::shared_ptr<cas::Cas> cas = std::make_shared<cas::Cas>(types::type_system());
+  std::shared_ptr<perception::cas::Cas> cas =
+      std::make_shared<perception::cas::Cas>(perception::types::type_system());
 };
 
 TEST_F(RecorderTest, GoesOnAsIfItHadNeverBeenStopped) {
@@ -130,10 +131,12 @@ TEST_F(RecorderTest, FeatureStructuresComeBackIdenticalWithTheStoredTypeSystem) 
   Recorder(store, store.begin_run("test", "{}")).record(scene);
   const std::vector<FeatureStructureRow> rows = store.feature_structures(store.scenes().front().id);
   ASSERT_EQ(rows.size(), 2U);
-  const auto types = cas::TypeSystem::load({{"stored", store.type_system(rows[0].type_system)}}, {}, {});
-  cas::Cas fresh(types);
-  const cas::FeatureStructure back = read_feature_structure(store, rows[0].id, fresh);
-  EXPECT_EQ(cas::to_json(back).dump(), cas::to_json(scene.observations[0].annotations[0].structure).dump());
+  const auto types =
+      perception::cas::TypeSystem::load({{"stored", store.type_system(rows[0].type_system)}}, {}, {});
+  perception::cas::Cas fresh(types);
+  const perception::cas::FeatureStructure back = read_feature_structure(store, rows[0].id, fresh);
+  EXPECT_EQ(perception::cas::to_json(back).dump(),
+            perception::cas::to_json(scene.observations[0].annotations[0].structure).dump());
 }
 
 TEST(RecordingFingerprint, DependsOnContentOnly) {
@@ -145,4 +148,4 @@ TEST(RecordingFingerprint, DependsOnContentOnly) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

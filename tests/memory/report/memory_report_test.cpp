@@ -6,7 +6,7 @@
 #include "tests/memory/questions/synthetic_day.h"
 #include "tests/memory/store/temporary_folder.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using testing::HasSubstr;
@@ -15,13 +15,13 @@ using testing::Not;
 class MemoryReport : public testing_support::TemporaryFolder {
  protected:
   void SetUp() override {
-    TemporaryFolder::SetUp();
+    testing_support::TemporaryFolder::SetUp();
     const testing_support::SyntheticDay day(file_);
     store_.emplace(Store::open_read(file_));
   }
   void TearDown() override {
     store_.reset();
-    TemporaryFolder::TearDown();
+    testing_support::TemporaryFolder::TearDown();
   }
   std::string report(const std::optional<std::string>& page = {}, const ReportOptions& options = {}) const {
     NoProgress progress;
@@ -81,4 +81,4 @@ TEST_F(MemoryReport, GrowsAPageWithoutLosingItsSectionsOrDoublingItsOwn) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

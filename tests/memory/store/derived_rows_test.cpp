@@ -8,7 +8,7 @@
 #include "memory/store/store.h"
 #include "tests/memory/store/temporary_folder.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using testing::IsEmpty;
@@ -19,7 +19,7 @@ class DerivedRows : public testing_support::TemporaryFolder {
 
   /// Scenes with objects on places, now and then one that lies before others.
   void SetUp() override {
-    TemporaryFolder::SetUp();
+    testing_support::TemporaryFolder::SetUp();
     Store store = Store::open_write(file_);
     const Id run = store.begin_run("test", "{}");
     for (Id place = 1; place <= kPlaces; ++place)
@@ -141,4 +141,4 @@ TEST_F(DerivedRows, TellWhatWentLastFromAPlace) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

@@ -7,7 +7,7 @@
 #include "perception/types/types.h"
 #include "tests/memory/store/temporary_folder.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 /// A type that only this test knows.
@@ -30,14 +30,14 @@ TEST_F(FeatureStructureStore, BringsAUsersOwnTypeBackIdenticalFromTheFileAlone) 
   Json before;
   Id id = 0;
   {
-    const auto types = cas::TypeSystem::load({{"own.xml", kOwnTypes}}, {}, {});
-    cas::Cas cas(types);
+    const auto types = perception::cas::TypeSystem::load({{"own.xml", kOwnTypes}}, {}, {});
+    perception::cas::Cas cas(types);
     const auto taste = cas.create("my.Taste"), other = cas.create("my.Taste");
     taste.set("flavour", "sour");
     taste.set("strength", 0.1);
     taste.set_array("spectrum", std::vector<float>(1000, 0.25F));
     taste.set("next", cas.create_array({other, taste}));
-    before = cas::to_json(taste);
+    before = perception::cas::to_json(taste);
     Store store = Store::open_write(file_);
     SceneTransaction scene(store, store.begin_run("test", "{}"));
     const Id scene_id = scene.add_scene({.time = 1});
@@ -52,28 +52,28 @@ TEST_F(FeatureStructureStore, BringsAUsersOwnTypeBackIdenticalFromTheFileAlone) 
   EXPECT_EQ(rows[0].blobs, rows[1].blobs);
   EXPECT_EQ(rows[0].blobs.size(), 1U);
   const auto types = read_type_system(store, rows[0].type_system);
-  cas::Cas cas(types);
-  const cas::FeatureStructure back = read_feature_structure(store, id, cas);
-  EXPECT_EQ(cas::to_json(back), before);
+  perception::cas::Cas cas(types);
+  const perception::cas::FeatureStructure back = read_feature_structure(store, id, cas);
+  EXPECT_EQ(perception::cas::to_json(back), before);
   EXPECT_THROW(back.set("flavour", "salty"), Error);
   NoProgress quiet;
   EXPECT_TRUE(store.verify(quiet).problems.empty());
 }
 
 TEST_F(FeatureStructureStore, TypeSystemsAreStoredOnceAndReadBackEqual) {
-  const auto types = cas::TypeSystem::load({{"own.xml", kOwnTypes}}, {}, {});
+  const auto types = perception::cas::TypeSystem::load({{"own.xml", kOwnTypes}}, {}, {});
   const std::string xml = type_system_xml(*types);
-  EXPECT_EQ(type_system_xml(*cas::TypeSystem::load({{"again.xml", xml}}, {}, {})), xml);
+  EXPECT_EQ(type_system_xml(*perception::cas::TypeSystem::load({{"again.xml", xml}}, {}, {})), xml);
   Store store = Store::open_write(file_);
   SceneTransaction scene(store, store.begin_run("test", "{}"));
   EXPECT_EQ(scene.add_type_system(xml), scene.add_type_system(xml));
 }
 
 TEST_F(FeatureStructureStore, TheProjectsOwnTypeSystemReadsBackEqual) {
-  const auto own = types::type_system();
+  const auto own = perception::types::type_system();
   const std::string xml = type_system_xml(*own);
-  EXPECT_EQ(type_system_xml(*cas::TypeSystem::load({{"again.xml", xml}}, {}, {})), xml);
+  EXPECT_EQ(type_system_xml(*perception::cas::TypeSystem::load({{"again.xml", xml}}, {}, {})), xml);
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

@@ -8,7 +8,7 @@
 #include "memory/store/store.h"
 #include "tests/memory/store/temporary_folder.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 class ForgetDepth : public testing_support::TemporaryFolder {
@@ -98,4 +98,4 @@ TEST_F(ForgetDepth, DropsTheThumbnailWhereNobodyKnowsWhereTheObjectWas) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

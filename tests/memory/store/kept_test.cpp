@@ -15,7 +15,7 @@
 #include "memory/store/scene_transaction.h"
 #include "tests/memory/store/temporary_folder.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using testing::HasSubstr;
@@ -43,7 +43,7 @@ class Kept : public testing_support::TemporaryFolder {
     cv::Mat mask = cv::Mat::zeros(20, 20, CV_8U);
     mask.row(10) = 255;
     mask.col(5) = 255;
-    const std::vector<unsigned char> png = encode_image(mask, ".png");
+    const std::vector<unsigned char> png = mapping::encode_image(mask, ".png");
     std::vector<float> depth(39, 1.0F);
     depth[0] = 1.2344F;
     depth[1] = std::numeric_limits<float>::quiet_NaN();
@@ -239,4 +239,4 @@ TEST_F(Kept, KindsOfAnotherSizeAreFound) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

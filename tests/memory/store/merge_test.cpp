@@ -1,16 +1,15 @@
 #include "memory/store/merge.h"
+#include "mapping/base/math.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
-
-#include <numbers>
 
 #include "mapping/base/files.h"
 #include "memory/store/retention.h"
 #include "memory/store/scene_transaction.h"
 #include "tests/memory/store/temporary_folder.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 namespace fs = std::filesystem;
@@ -140,7 +139,7 @@ TEST_F(MergeTest, BringsTheSecondIntoTheFirstOnesFrame) {
   const fs::path a = robot("ada", {1, 0, 0.8}, {1000}, "rec a");
   const fs::path b = robot("ben", {2, 0, 0.8}, {2000}, "rec b");
   const fs::path out = folder_ / "both.loci";
-  const FrameChange frame{Vector3d(10, 20, 0.5), std::numbers::pi / 2};
+  const FrameChange frame{Vector3d(10, 20, 0.5), kPi / 2};
   const MergeResult result = merge(a, b, out, frame, quiet_);
   ASSERT_EQ(result.renamed.size(), 1U) << "another table of the same name";
   EXPECT_THAT(problems(out), IsEmpty());
@@ -177,4 +176,4 @@ TEST_F(MergeTest, OldImagesGoAndNumbersStay) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

@@ -11,7 +11,7 @@
 #include "memory/store/schema.h"
 #include "tests/memory/store/temporary_folder.h"
 
-namespace loci {
+namespace loci::memory {
 namespace {
 
 using testing::HasSubstr;
@@ -494,4 +494,4 @@ TEST(DepthThumbnailTest, TellsWhatASceneSaysAboutASpot) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::memory

@@ -7,7 +7,7 @@
 
 #include "mapping/base/files.h"
 
-namespace loci::testing_support {
+namespace loci::memory::testing_support {
 
 /// A fresh folder per test, removed afterwards.
 class TemporaryFolder : public testing::Test {
@@ -26,4 +26,4 @@ class TemporaryFolder : public testing::Test {
   std::filesystem::path file_;
 };
 
-}  // namespace loci::testing_support
+}  // namespace loci::memory::testing_support

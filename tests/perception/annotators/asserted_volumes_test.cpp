@@ -5,7 +5,7 @@
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/opencv.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 /// A plane at z = 1 m with a raised square, before a camera that is the map frame's origin.
@@ -72,4 +72,4 @@ TEST(AssertedVolume, RefusesWhatIsNone) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 
 #include <map>
-#include <numbers>
 
+#include "mapping/base/math.h"
 #include "mapping/image/hsv.h"
 #include "perception/annotators/annotators.h"
 #include "perception/annotators/description/color_histogram.h"
@@ -15,7 +15,7 @@
 #include "perception/types/scene_cas.h"
 #include "perception/types/types.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using ::testing::ElementsAre;
@@ -30,14 +30,14 @@ TEST(ColorName, HuesAcrossZeroHaveARedMean) {
 }
 
 TEST(ColorName, KnowsTheWords) {
-  EXPECT_STREQ(color_name(0, 0, 0.9f), "white");
-  EXPECT_STREQ(color_name(0, 0, 0.5f), "grey");
-  EXPECT_STREQ(color_name(200, 0.9f, 0.1f), "black");
-  EXPECT_STREQ(color_name(0, 0.9f, 0.8f), "red");
-  EXPECT_STREQ(color_name(55, 0.9f, 0.8f), "yellow");
-  EXPECT_STREQ(color_name(120, 0.9f, 0.8f), "green");
-  EXPECT_STREQ(color_name(220, 0.9f, 0.8f), "blue");
-  EXPECT_STREQ(color_name(28, 0.7f, 0.4f), "brown");
+  EXPECT_STREQ(mapping::color_name(0, 0, 0.9f), "white");
+  EXPECT_STREQ(mapping::color_name(0, 0, 0.5f), "grey");
+  EXPECT_STREQ(mapping::color_name(200, 0.9f, 0.1f), "black");
+  EXPECT_STREQ(mapping::color_name(0, 0.9f, 0.8f), "red");
+  EXPECT_STREQ(mapping::color_name(55, 0.9f, 0.8f), "yellow");
+  EXPECT_STREQ(mapping::color_name(120, 0.9f, 0.8f), "green");
+  EXPECT_STREQ(mapping::color_name(220, 0.9f, 0.8f), "blue");
+  EXPECT_STREQ(mapping::color_name(28, 0.7f, 0.4f), "brown");
 }
 
 TEST(ColorHistogram, SumsToOneAndPutsGreyInTheFirstBin) {
@@ -61,7 +61,7 @@ TEST(Geometry, TheBoxIsUprightTightAndReachesTheGround) {
   EXPECT_NEAR(box.size.z(), 0.08, 0.011);
   EXPECT_NEAR(box.map_from_box.translation().x(), 1, 0.005);
   const Vector3d x = box.map_from_box.linear().col(0);
-  EXPECT_NEAR(std::remainder(std::atan2(x.y(), x.x()) - yaw, std::numbers::pi), 0, 0.05);
+  EXPECT_NEAR(std::remainder(std::atan2(x.y(), x.x()) - yaw, kPi), 0, 0.05);
 }
 
 TEST(Location, SaysOnWhatAndHowFarFromWhichEdge) {
@@ -95,7 +95,7 @@ TEST(Relations, TheSceneGetsATableAndEachThingAWordForItsSize) {
   cas::Cas cas(types::type_system());
   const types::SceneCas scene(cas);
   Isometry3d map_from_camera = Isometry3d::Identity();  // It looks along y of the map.
-  map_from_camera.linear() = Eigen::AngleAxisd(-std::numbers::pi / 2, Vector3d::UnitX()).toRotationMatrix();
+  map_from_camera.linear() = Eigen::AngleAxisd(-kPi / 2, Vector3d::UnitX()).toRotationMatrix();
   scene.create_scene().map_from_camera.set(types::to_stamped(cas, map_from_camera, "map", "camera", 0));
   const auto put = [&](double x, double size) {
     const auto cluster = types::Cluster::create(cas);
@@ -146,4 +146,4 @@ TEST(Annotators, EveryTypeThatTheyNameExists) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

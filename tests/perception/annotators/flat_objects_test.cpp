@@ -8,13 +8,13 @@
 #include "perception/annotators/hypotheses/support_pixels.h"
 #include "perception/annotators/hypotheses/thin_objects.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 /// A camera 1.2 m before a plane that it looks at from 50° above; the surface waves by millimetres and bears
 /// one flat piece of another hue.
 struct Workspace {
-  RgbdCamera camera;
+  mapping::RgbdCamera camera;
   FlatSurface surface;
   double height = 0.010;  ///< of the piece
   Vector2d low{-0.06, -0.03};
@@ -163,7 +163,7 @@ TEST(ThinObjects, RiseAlongTheirWholeBorderOnASlopingSurface) {
 }
 
 TEST(ThinObjects, TheSurfaceBendsAsAWholeAndNotForAThing) {
-  const PinholeCamera camera;
+  const mapping::PinholeCamera camera;
   const Vector3d normal = -Vector3d::UnitZ();
   cv::Mat heights(camera.height, camera.width, CV_32F);
   for (int v = 0; v < heights.rows; ++v)
@@ -188,7 +188,7 @@ TEST(FlatObjects, WhatStandsHigherIsNotFlat) {
 }
 
 TEST(FlatObjects, AreNotLookedForWhereTheMapHidesTheSupport) {
-  const PinholeCamera camera{4, 1, 100, 100, 1.5, 0};
+  const mapping::PinholeCamera camera{4, 1, 100, 100, 1.5, 0};
   const Vector3d up(0, 0, -1);  // the camera looks straight down on a surface 1 m below
   cv::Mat inside(1, 4, CV_8U, cv::Scalar(255));
   const float nothing = std::numeric_limits<float>::quiet_NaN();
@@ -222,4 +222,4 @@ TEST(SurfaceCalibration, SurvivesItsFile) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

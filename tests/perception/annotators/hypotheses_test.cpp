@@ -2,16 +2,16 @@
 
 #include <filesystem>
 #include <map>
-#include <numbers>
 
 #include "mapping/base/files.h"
+#include "mapping/base/math.h"
 #include "mapping/image/image_io.h"
 #include "perception/annotators/hypotheses/depth_normals.h"
 #include "perception/annotators/hypotheses/known_structure.h"
 #include "perception/annotators/hypotheses/object_clusters.h"
 #include "tests/perception/annotators/synthetic_table.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using test::SyntheticTable;
@@ -60,7 +60,7 @@ TEST(Supports, TheTableIsFoundWithAndWithoutGravity) {
   for (const std::optional<Vector3d>& up : {std::optional<Vector3d>(table.up()), std::optional<Vector3d>()}) {
     const Found found = find(table, 0.1, up);
     ASSERT_EQ(found.supports.size(), 1U);
-    EXPECT_GT(found.supports[0].normal.dot(table.up()), std::cos(1.5 * std::numbers::pi / 180));
+    EXPECT_GT(found.supports[0].normal.dot(table.up()), std::cos(1.5 * kPi / 180));
     const Vector3d centre = table.map_from_camera * found.supports[0].camera_from_plane.translation();
     EXPECT_NEAR(centre.z(), 0, 0.005);
   }
@@ -218,17 +218,17 @@ TEST(Clusters, AreTheSameEveryTime) {
 TEST(Clusters, MatchTheLabelledTableScenes) {
   const std::filesystem::path root = std::filesystem::path(LOCI_SHARED_DIR) / "data";
   if (!std::filesystem::exists(root / "osd_tabletop")) GTEST_SKIP() << "needs data/osd_tabletop";
-  const PinholeCamera camera{640, 480, 525, 525, 319.5, 239.5};
+  const mapping::PinholeCamera camera{640, 480, 525, 525, 319.5, 239.5};
   double sum = 0;
   int objects = 0;
   for (const char* name : {"osd_tabletop/learn08", "osd_tabletop/learn21", "osd_tabletop/learn29",
                            "osd_changes/learn36", "osd_changes/learn41"}) {
-    const cv::Mat raw = read_uint16(root / (std::string(name) + "_depth.png"));
+    const cv::Mat raw = mapping::read_uint16(root / (std::string(name) + "_depth.png"));
     cv::Mat depth;
     raw.convertTo(depth, CV_32F, 0.001);
     depth.setTo(std::numeric_limits<float>::quiet_NaN(), raw == 0);
     const std::string bytes = read_file(root / (std::string(name) + "_label.png"));
-    const cv::Mat labels = decode_image({bytes.begin(), bytes.end()}, name);
+    const cv::Mat labels = mapping::decode_image({bytes.begin(), bytes.end()}, name);
     const cv::Mat smooth = smooth_depth(depth, camera, NormalOptions::for_objects());
     const cv::Mat points = points_from_depth(smooth, camera);
     const cv::Mat normals = normals_from_depth(smooth, camera, NormalOptions::for_objects());
@@ -255,18 +255,18 @@ TEST(Clusters, MatchTheLabelledTableScenes) {
 
 /// A table, and a wall behind it, as a map.
 std::shared_ptr<KnownMap> table_map(double height_error, Warnings& warnings) {
-  World world;
+  mapping::World world;
   world.name = "kitchen";
   world.root = "map";
   world.links.push_back({"map", {}, {}, {}});
   const auto add = [&](const std::string& name, const Vector3d& centre, const Vector3d& size) {
-    Link link;
+    mapping::Link link;
     link.name = name;
-    Visual visual;
-    visual.geometry = Box{size};
+    mapping::Visual visual;
+    visual.geometry = mapping::Box{size};
     visual.link_from_visual.translation() = Vector3d(0, 0, -size.z() / 2);
     link.visuals.push_back(visual);
-    Joint joint;
+    mapping::Joint joint;
     joint.name = name + "_joint";
     joint.parent = "map";
     joint.child = name;
@@ -321,4 +321,4 @@ TEST(KnownMap, ClassesComeFromNamesWithoutASidecar) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

@@ -1,24 +1,24 @@
 #include "perception/annotators/hypotheses/known_structure.h"
+#include "mapping/base/math.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <numbers>
 
 #include "mapping/world/urdf.h"
 #include "perception/annotators/hypotheses/articulated_fronts.h"
 #include "perception/annotators/hypotheses/depth_normals.h"
 #include "perception/annotators/hypotheses/pose_refinement.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
-const PinholeCamera kCamera{320, 240, 290, 290, 160, 120};
+const mapping::PinholeCamera kCamera{320, 240, 290, 290, 160, 120};
 
-World world_of(const std::string& parts) {
-  return parse_urdf("<robot name=\"kitchen\">" + parts + "</robot>", "test.urdf");
+mapping::World world_of(const std::string& parts) {
+  return mapping::parse_urdf("<robot name=\"kitchen\">" + parts + "</robot>", "test.urdf");
 }
 
 std::string box(const std::string& name, const std::string& size) {
@@ -32,7 +32,7 @@ std::string fixed(const std::string& child, const std::string& xyz) {
 }
 
 /// A floor, two walls, and a cabinet with a drawer and a door in front of one of them.
-World kitchen() {
+mapping::World kitchen() {
   return world_of(
       "<link name=\"map\"/>" + box("floor", "6 6 0.02") + fixed("floor", "0 0 -0.01") +
       box("wall_north", "6 0.1 3") + fixed("wall_north", "0 1.5 1.5") + box("wall_east", "0.1 6 3") +
@@ -56,30 +56,30 @@ Isometry3d looking(const Vector3d& from, const Vector3d& at) {
   return pose;
 }
 
-RenderScene scene_of(const World& world, const JointState& joints = {}) {
-  RenderScene scene;
+mapping::RenderScene scene_of(const mapping::World& world, const JointState& joints = {}) {
+  mapping::RenderScene scene;
   Warnings warnings;
   scene.add(world, {}, Isometry3d::Identity(), warnings);
   scene.set_joints(0, joints);
   return scene;
 }
 
-TriangleMesh cube(double side) {
+mapping::TriangleMesh cube(double side) {
   Warnings warnings;
-  return triangulate(Box{Vector3d(side, side, side)}, {}, warnings);
+  return triangulate(mapping::Box{Vector3d(side, side, side)}, {}, warnings);
 }
 
 struct Image {
   cv::Mat points, normals;
 };
 
-Image image_of(const RenderScene& scene, const Isometry3d& map_from_camera) {
+Image image_of(const mapping::RenderScene& scene, const Isometry3d& map_from_camera) {
   const cv::Mat depth = scene.render(kCamera, map_from_camera).depth;
   return {points_from_depth(depth, kCamera), normals_from_depth(depth, kCamera)};
 }
 
 double degrees(const Isometry3d& a, const Isometry3d& b) {
-  return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() * 180 / std::numbers::pi;
+  return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() * 180 / kPi;
 }
 
 Isometry3d at(const Vector3d& position) {
@@ -88,14 +88,14 @@ Isometry3d at(const Vector3d& position) {
 
 TEST(PoseRefinement, FindsTheCameraThoughThingsStandAround) {
   const Isometry3d truth = looking({-0.5, -0.8, 1.5}, {0.5, 1.2, 0.8});
-  RenderScene seen = scene_of(kitchen());
+  mapping::RenderScene seen = scene_of(kitchen());
   for (int i = 0; i < 5; ++i) seen.add("thing", cube(0.2), at({-0.6 + 0.3 * i, 1.0, 0.95}));
   const Image image = image_of(seen, truth);
-  const RenderScene map = scene_of(kitchen());
+  const mapping::RenderScene map = scene_of(kitchen());
   for (const double cm : {2.0, 5.0}) {
     Isometry3d given = truth;
     given.translation() += 0.01 * cm * Vector3d(0.6, -0.64, 0.48);
-    given.rotate(Eigen::AngleAxisd(0.4 * cm * std::numbers::pi / 180, Vector3d(0.6, 0.64, -0.48)));
+    given.rotate(Eigen::AngleAxisd(0.4 * cm * kPi / 180, Vector3d(0.6, 0.64, -0.48)));
     const PoseRefinement found =
         refine_pose(image.points, image.normals, kCamera, given, map, PoseRefinementOptions(), 1);
     EXPECT_TRUE(found.moved) << found.verdict;
@@ -106,8 +106,9 @@ TEST(PoseRefinement, FindsTheCameraThoughThingsStandAround) {
 }
 
 TEST(PoseRefinement, LeavesDirectionsThatASingleWallDoesNotDetermine) {
-  const World wall = world_of("<link name=\"map\"/>" + box("wall", "40 0.1 40") + fixed("wall", "0 1.5 0"));
-  const RenderScene map = scene_of(wall);
+  const mapping::World wall =
+      world_of("<link name=\"map\"/>" + box("wall", "40 0.1 40") + fixed("wall", "0 1.5 0"));
+  const mapping::RenderScene map = scene_of(wall);
   const Isometry3d truth = looking({0, 0, 0}, {0.1, 1.5, 0.1});
   const Image image = image_of(map, truth);
   Isometry3d given = truth;
@@ -124,7 +125,7 @@ TEST(PoseRefinement, LeavesDirectionsThatASingleWallDoesNotDetermine) {
 }
 
 TEST(PoseRefinement, KeepsThePoseThatIsRightAndThatOfAnotherPlace) {
-  const RenderScene map = scene_of(kitchen());
+  const mapping::RenderScene map = scene_of(kitchen());
   const Isometry3d truth = looking({-0.5, -0.8, 1.5}, {0.5, 1.2, 0.8});
   const Image image = image_of(map, truth);
   const PoseRefinement right =
@@ -143,7 +144,7 @@ const FrontState& state_of(const std::vector<FrontState>& states, const std::str
 }
 
 TEST(ArticulatedFronts, DrawersAndDoorsAreFoundWhereTheyStand) {
-  const World world = kitchen();
+  const mapping::World world = kitchen();
   const ArticulatedFronts fronts(world, {});
   const Isometry3d camera = looking({-0.3, -0.9, 1.4}, {0, 0.8, 0.5});
   for (const JointState& truth : {JointState{{"drawer_joint", 0.31}, {"door_joint", 0.9}}, JointState{},
@@ -161,12 +162,12 @@ TEST(ArticulatedFronts, DrawersAndDoorsAreFoundWhereTheyStand) {
 }
 
 TEST(ArticulatedFronts, WhatHidesAFrontLeavesItsJointAndIsReported) {
-  const World world = kitchen();
+  const mapping::World world = kitchen();
   const ArticulatedFronts fronts(world, {});
   const Isometry3d camera = looking({-0.4, -0.9, 0.9}, {-0.4, 0.8, 0.6});
-  RenderScene seen = scene_of(world);
+  mapping::RenderScene seen = scene_of(world);
   Warnings warnings;
-  seen.add("board", triangulate(Box{Vector3d(0.6, 0.04, 0.6)}, {}, warnings), at({-0.4, 0.31, 0.6}));
+  seen.add("board", triangulate(mapping::Box{Vector3d(0.6, 0.04, 0.6)}, {}, warnings), at({-0.4, 0.31, 0.6}));
   const Image image = image_of(seen, camera);
   const FrontState drawer = state_of(fronts.estimate(image.points, kCamera, camera, {}), "drawer_joint");
   EXPECT_FALSE(drawer.determined);
@@ -207,12 +208,12 @@ TEST(KnownRobot, ItsBodyIsKnownWhereverItsJointsAndTheCameraAre) {
   const auto surfaces = map->support_surfaces({"counter"});
   const Isometry3d camera = looking({-0.5, -0.8, 1.5}, {0, 1.2, 0.85});
   for (const auto& [time, angle] : {std::pair<TimeNs, double>(150, 0), std::pair<TimeNs, double>(250, 0.3)}) {
-    RenderScene seen = scene_of(kitchen());
+    mapping::RenderScene seen = scene_of(kitchen());
     const size_t cup = seen.add("cup", cube(0.1), at({0.2, 1.1, 0.9}));
     Isometry3d hand = Isometry3d::Identity();
     hand.rotate(Eigen::AngleAxisd(angle, Vector3d::UnitY()));
     const size_t body = seen.add("hand", cube(0.1), camera * hand * at({0, 0, 0.6}));
-    const RenderedView view = seen.render(kCamera, camera);
+    const mapping::RenderedView view = seen.render(kCamera, camera);
     map->place_robots(time, {}, "camera", camera);
     const KnownStructure known = find_known_structure(points_from_depth(view.depth, kCamera), kCamera, camera,
                                                       *map, surfaces, {}, {}, 1);
@@ -247,4 +248,4 @@ TEST(KnownRobot, JointsAreThoseOfTheLatestRow) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

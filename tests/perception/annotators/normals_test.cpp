@@ -3,18 +3,17 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/base/math.h"
 #include "mapping/base/random.h"
 #include "perception/annotators/hypotheses/depth_normals.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr double kDegree = std::numbers::pi / 180;
-const PinholeCamera kCamera{320, 240, 580, 580, 160, 120};
+const mapping::PinholeCamera kCamera{320, 240, 580, 580, 160, 120};
 
 Vector3d leaning(double inclination_deg, double azimuth_deg) {
   const double sine = std::sin(inclination_deg * kDegree);
@@ -177,4 +176,4 @@ TEST(InclinationBias, OfPlanesIsAFewDegrees) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

@@ -1,15 +1,14 @@
 #include "perception/annotators/description/object_views.h"
+#include "mapping/base/math.h"
 
 #include <gmock/gmock.h>
-
-#include <numbers>
 
 #include "perception/annotators/description/geometry_annotator.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/camera.h"
 #include "perception/pipeline/pipeline.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using ::testing::HasSubstr;
@@ -38,7 +37,7 @@ class Carousel : public Reader {
     const types::Scene made = scene.create_scene();
     made.frame_index.set(upcoming().index);
     Isometry3d map_from_camera(
-        Eigen::AngleAxisd(std::numbers::pi / 2 * static_cast<double>(position_ % 3), Vector3d::UnitZ()));
+        Eigen::AngleAxisd(kPi / 2 * static_cast<double>(position_ % 3), Vector3d::UnitZ()));
     map_from_camera.translation() = map_from_camera.linear() * Vector3d(0, -2, 0.5);
     made.map_from_camera.set(types::to_stamped(cas, map_from_camera, "map", "depth_camera", 0));
     const auto support = types::PlanarSupport::create(cas);
@@ -169,4 +168,4 @@ TEST(ObjectViews, WhatCannotBeBroughtBackIsRefused) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

@@ -4,7 +4,7 @@
 #include "perception/annotators/annotators.h"
 #include "perception/pipeline/pipeline.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 TEST(PipelineDocument, ItsExampleOfAFlowIsAccepted) {
@@ -19,4 +19,4 @@ TEST(PipelineDocument, ItsExampleOfAFlowIsAccepted) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

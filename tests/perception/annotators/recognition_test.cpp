@@ -9,7 +9,7 @@
 #include "perception/annotators/description/recognition_annotators.h"
 #include "perception/conversions/opencv.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 namespace fs = std::filesystem;
@@ -28,8 +28,7 @@ void show(cas::Cas& cas, const cv::Mat& image) {
   scene.add_cluster(cluster);
 }
 
-types::Cluster annotated(const std::string& name, const Json& options, const cv::Mat& image,
-                         cas::Cas& cas) {
+types::Cluster annotated(const std::string& name, const Json& options, const cv::Mat& image, cas::Cas& cas) {
   AnnotatorRegistry registry;
   add_annotators(registry);
   const auto annotator = registry.make(name);
@@ -52,7 +51,7 @@ TEST(RecognitionAnnotators, AProductComesWithWhatTheCatalogueSays) {
   ProductIndex::build(read_catalogue(kData / "products"), 2, progress, warnings).save(index);
   cas::Cas cas(types::type_system());
   const auto cluster = annotated("ProductRecognition", {{"index", index.string()}},
-                                 read_color(kData / "images/Alpro-Blueberry-Soyghurt_001.jpg"), cas);
+                                 mapping::read_color(kData / "images/Alpro-Blueberry-Soyghurt_001.jpg"), cas);
   const auto product = cluster.annotations.first<types::ProductAnnotation>();
   ASSERT_TRUE(product);
   EXPECT_EQ(product.name.get(), "Alpro-Blueberry-Soyghurt");
@@ -69,7 +68,7 @@ TEST(RecognitionAnnotators, AProductNeedsAnIndex) {
 TEST(RecognitionAnnotators, ABarcodeLiesInTheSceneWhereItIsOnTheObject) {
   cas::Cas cas(types::type_system());
   const auto cluster =
-      annotated("BarcodeReader", {{"thorough", true}}, read_color(kData / "images/ean13.png"), cas);
+      annotated("BarcodeReader", {{"thorough", true}}, mapping::read_color(kData / "images/ean13.png"), cas);
   const auto code = cluster.annotations.first<types::BarcodeAnnotation>();
   ASSERT_TRUE(code);
   EXPECT_EQ(code.code.get(), "9780441014989");
@@ -78,7 +77,7 @@ TEST(RecognitionAnnotators, ABarcodeLiesInTheSceneWhereItIsOnTheObject) {
 
 TEST(RecognitionAnnotators, OneTextForEachWord) {
   cas::Cas cas(types::type_system());
-  const cv::Mat image = read_color(kData / "products/Oatly-Oat-Milk.jpg");
+  const cv::Mat image = mapping::read_color(kData / "products/Oatly-Oat-Milk.jpg");
   const auto cluster = annotated("TextReader", {{"min_confidence", 0}}, image, cas);
   const auto text = cluster.annotations.first<types::TextAnnotation>();
   ASSERT_TRUE(text);
@@ -86,4 +85,4 @@ TEST(RecognitionAnnotators, OneTextForEachWord) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

@@ -1,4 +1,5 @@
 #include "perception/annotators/hypotheses/superpixels.h"
+#include "mapping/base/math.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +7,6 @@
 #include <filesystem>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/base/config.h"
@@ -18,12 +18,12 @@
 #include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 namespace fs = std::filesystem;
 
-const PinholeCamera kCamera{160, 120, 146, 146, 80, 60};
+const mapping::PinholeCamera kCamera{160, 120, 146, 146, 80, 60};
 const cv::Vec3f kGrey(60, 0, 0), kRed(50, 70, 50);
 
 /// A wall 2 m away, and before its left half a board at 1 m; a red patch of 6 x 6 cm in the middle of the
@@ -63,7 +63,7 @@ TEST(Superpixels, AreOfOneSizeInSpaceAndDoNotReachOverEdges) {
   for (const auto& [board, its] : areas) {
     double sum = 0;
     for (const double area : its) sum += area;
-    const double expected = std::numbers::pi * 0.05 * 0.05;
+    const double expected = kPi * 0.05 * 0.05;
     EXPECT_NEAR(sum / static_cast<double>(its.size()), expected, 0.25 * expected) << board;
   }
 }
@@ -156,7 +156,7 @@ struct SceneInCas {
     const Scene made;
     scene.create_scene().map_from_camera.set(
         types::to_stamped(cas, map_from_camera, "map", "depth_camera", 0));
-    RgbdCamera camera;
+    mapping::RgbdCamera camera;
     camera.depth = camera.color = kCamera;
     types::set_cameras(scene, camera);
     cv::Mat color;
@@ -218,20 +218,20 @@ struct LabelledTable {
   std::vector<SalientBall> balls;
 
   explicit LabelledTable(const std::string& name) {
-    const PinholeCamera camera{640, 480, 525, 525, 319.5, 239.5};
+    const mapping::PinholeCamera camera{640, 480, 525, 525, 319.5, 239.5};
     cv::Mat depth;
-    const cv::Mat raw = read_uint16(name + "_depth.png");
+    const cv::Mat raw = mapping::read_uint16(name + "_depth.png");
     raw.convertTo(depth, CV_32F, 0.001);
     depth.setTo(std::numeric_limits<float>::quiet_NaN(), raw == 0);
     const std::string bytes = read_file(name + "_label.png");
-    labels = decode_image({bytes.begin(), bytes.end()}, name);
+    labels = mapping::decode_image({bytes.begin(), bytes.end()}, name);
     const cv::Mat smoothed = smooth_depth(depth, camera);
     points = points_from_depth(smoothed, camera);
-    RgbdCamera cameras;
+    mapping::RgbdCamera cameras;
     cameras.depth = cameras.color = camera;
-    const Superpixels found =
-        find_superpixels(points, normals_from_depth(smoothed, camera),
-                         lab_of_points(points, read_color(name + "_color.png"), cameras), camera, {});
+    const Superpixels found = find_superpixels(
+        points, normals_from_depth(smoothed, camera),
+        lab_of_points(points, mapping::read_color(name + "_color.png"), cameras), camera, {});
     balls = salient_balls(found, saliency(found, 0.25), 0.6, 0.05, 0.2, 10);
   }
 };
@@ -283,4 +283,4 @@ TEST_P(SaliencyOnTables, BallsHoldTheObjectsAndLieOnThem) {
 INSTANTIATE_TEST_SUITE_P(Real, SaliencyOnTables, testing::Values("osd_tabletop", "osd_changes"));
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

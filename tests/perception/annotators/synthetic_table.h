@@ -9,7 +9,7 @@
 #include "mapping/base/random.h"
 #include "mapping/sensor/camera.h"
 
-namespace loci::test {
+namespace loci::perception::test {
 
 /// A box that stands on the table, along the axes of the map.
 struct TableBox {
@@ -71,7 +71,7 @@ struct TableBowl {
 /// A table (z = 0, 1.2 × 0.8 m) with boxes and round things before a camera that looks down on it, every
 /// pixel computed.
 struct SyntheticTable {
-  PinholeCamera camera{320, 240, 290, 290, 160, 120};
+  mapping::PinholeCamera camera{320, 240, 290, 290, 160, 120};
   Isometry3d map_from_camera = Isometry3d::Identity();
   std::vector<TableBox> boxes;
   std::vector<std::vector<TableCone>> rounds;  ///< things made of cones
@@ -146,4 +146,4 @@ struct SyntheticTable {
   }
 };
 
-}  // namespace loci::test
+}  // namespace loci::perception::test

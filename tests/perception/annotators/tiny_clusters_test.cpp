@@ -6,7 +6,7 @@
 #include "perception/conversions/opencv.h"
 #include "perception/pipeline/pipeline.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 /// One frame: a plane at z = 1 m, of which some pixels are a cluster with an image of one pixel.
@@ -32,7 +32,7 @@ class TinyReader : public Reader {
     const types::SceneCas scene(cas);
     scene.create_scene().map_from_camera.set(
         types::to_stamped(cas, Isometry3d(Isometry3d::Identity()), "map", "depth_camera", 0));
-    RgbdCamera camera;
+    mapping::RgbdCamera camera;
     camera.depth = camera.color = {40, 40, 100, 100, 20, 20};
     types::set_cameras(scene, camera);
     types::set_view_image(scene, types::SceneCas::kDepth, cv::Mat(40, 40, CV_32F, cv::Scalar(1)));
@@ -112,4 +112,4 @@ TYPED_TEST(TinyClusters, NoAnnotatorStumblesOverThem) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

@@ -6,12 +6,12 @@
 
 #include "perception/annotators/hypotheses/transparent_candidates.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 /// A camera 1.2 m before a table that it looks at from 50° above.
 struct Table {
-  PinholeCamera camera;
+  mapping::PinholeCamera camera;
   HoleSurface surface;
   cv::Mat depth;
 
@@ -97,4 +97,4 @@ TEST(TransparentCandidates, HolesOfOtherSizesOrBesideTheSurfaceAreNone) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

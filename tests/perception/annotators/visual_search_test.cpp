@@ -14,7 +14,7 @@
 #include "perception/search/protocol.h"
 #include "tests/perception/search/local_server.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using testing::ElementsAre;
@@ -173,4 +173,4 @@ TEST(VisualSearchAnnotator, NeedsAServer) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

@@ -4,7 +4,7 @@
 #include "perception/cas/cas.h"
 #include "perception/cas/json.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 namespace {
 
 using testing::ElementsAre;
@@ -167,4 +167,4 @@ TEST_F(Branch, ChangesAreWhatWasMadeAndWhatWasWrittenTo) {
 }
 
 }  // namespace
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace loci::cas {
+namespace loci::perception::cas {
 namespace {
 
 using testing::ElementsAre;
@@ -234,4 +234,4 @@ TEST_F(CasTest, ViewsHaveSofas) {
 }
 
 }  // namespace
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

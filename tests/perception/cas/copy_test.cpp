@@ -6,7 +6,7 @@
 #include "mapping/base/json.h"
 #include "perception/cas/json.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 namespace {
 
 const char* const kTypes = R"(<typeSystemDescription><types>
@@ -78,4 +78,4 @@ TEST_F(Copy, StaysWithinOneTypeSystem) {
 }
 
 }  // namespace
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

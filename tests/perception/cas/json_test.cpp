@@ -1,4 +1,5 @@
 #include "perception/cas/json.h"
+#include "mapping/base/math.h"
 
 #include <gmock/gmock.h>
 
@@ -6,12 +7,11 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <random>
 
 #include "mapping/base/json.h"
 
-namespace loci::cas {
+namespace loci::perception::cas {
 namespace {
 
 const char* const kTypes = R"(<typeSystemDescription><types>
@@ -67,8 +67,7 @@ FeatureStructure make_all(Cas& cas) {
   all.set_array("integers", buffer<int32_t>({1, -2}));
   all.set_array("longs", buffer<int64_t>({std::numeric_limits<int64_t>::max()}));
   all.set_array("floats", buffer<float>({0.3F, std::nanf(""), -0.0F}));
-  all.set_array("doubles",
-                buffer<double>({std::numbers::pi, -std::numeric_limits<double>::infinity(), 5e-324}));
+  all.set_array("doubles", buffer<double>({kPi, -std::numeric_limits<double>::infinity(), 5e-324}));
   all.set_array("strings", buffer<std::string>({"", "two"}));
   all.set("structures", cas.create_array({all, FeatureStructure(), cas.create("All")}));
   all.list("list").push_back(all);
@@ -276,4 +275,4 @@ TEST(CasJson, DamagedTextIsRefusedOrReadButNeverCrashes) {
 }
 
 }  // namespace
-}  // namespace loci::cas
+}  // namespace loci::perception::cas

@@ -2,14 +2,14 @@
 
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 #include <numeric>
 
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 #include "perception/classification/ensemble.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 /// The near side of a cylinder, or of a box of the same extent, upright before the camera.
@@ -21,12 +21,12 @@ SurfacePoints seen(bool round, double size, double turn, Random random) {
       const double part = i / 60.0 - 0.5, height = (j / 40.0 - 0.5) * 2 * size;
       Eigen::Vector3d point, normal;
       if (round) {
-        const double angle = part * std::numbers::pi;
+        const double angle = part * kPi;
         normal = {std::sin(angle), 0, -std::cos(angle)};
         point = size * normal + Eigen::Vector3d(0, height, 0);
       } else {
         // Two faces that meet at an edge towards the camera.
-        const double angle = (part < 0 ? -1 : 1) * std::numbers::pi / 4 + turn;
+        const double angle = (part < 0 ? -1 : 1) * kPi / 4 + turn;
         normal = {std::sin(angle), 0, -std::cos(angle)};
         const Eigen::Vector3d edge = Eigen::AngleAxisd(-turn, Eigen::Vector3d::UnitY()) *
                                      Eigen::Vector3d(0, 0, -size * std::numbers::sqrt2);
@@ -137,7 +137,7 @@ TEST(Classifier, each_kind_learns_a_ring_around_a_disc) {
   Random draw(5);
   const auto example = [&](size_t label) {
     const double radius = label == 0 ? draw.uniform(0, 0.08) : draw.uniform(0.12, 0.2);
-    const double angle = draw.uniform(0, 2 * std::numbers::pi);
+    const double angle = draw.uniform(0, 2 * kPi);
     const auto x = static_cast<float>(0.3 + radius * std::cos(angle)),
                y = static_cast<float>(0.3 + radius * std::sin(angle));
     return FeatureVector{x, y, 1 - x - y};
@@ -253,4 +253,4 @@ TEST(Ensemble, refuses_what_it_cannot_learn_or_read) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

@@ -9,7 +9,7 @@
 #include "mapping/base/json.h"
 #include "perception/classification/ensemble.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 /// Stripes or rings, somewhere in the image.
@@ -123,4 +123,4 @@ TEST(Ensemble, learns_words_of_key_points_and_keeps_them) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

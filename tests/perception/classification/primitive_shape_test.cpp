@@ -1,18 +1,17 @@
 #include "perception/classification/primitive_shape.h"
+#include "mapping/base/math.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
-#include <numbers>
 
 #include "mapping/base/random.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using Kind = PrimitiveShape::Kind;
-constexpr double kPi = std::numbers::pi;
 
 /// A camera that looks down on a table by 40 degrees: the table's frame has z up.
 Isometry3d camera_from_table() {
@@ -164,4 +163,4 @@ TEST(PrimitiveShape, few_points_or_none_with_a_normal_have_no_shape) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

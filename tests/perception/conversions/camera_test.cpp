@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace loci::types {
+namespace loci::perception::types {
 namespace {
 
 TEST(CameraConversion, BothCamerasComeBack) {
@@ -10,12 +10,12 @@ TEST(CameraConversion, BothCamerasComeBack) {
   const SceneCas scene_cas(cas);
   scene_cas.create_scene();
   EXPECT_THROW(cameras(scene_cas), Error);
-  RgbdCamera camera;
+  mapping::RgbdCamera camera;
   camera.color.fx = camera.color.fy = 528;
   camera.depth_from_color.translation().x() = 0.022;
   set_cameras(scene_cas, camera);
   set_cameras(scene_cas, camera);
-  const RgbdCamera back = cameras(scene_cas);
+  const mapping::RgbdCamera back = cameras(scene_cas);
   EXPECT_EQ(back.depth, camera.depth);
   EXPECT_EQ(back.color, camera.color);
   EXPECT_TRUE(back.depth_from_color.isApprox(camera.depth_from_color));
@@ -23,4 +23,4 @@ TEST(CameraConversion, BothCamerasComeBack) {
 }
 
 }  // namespace
-}  // namespace loci::types
+}  // namespace loci::perception::types

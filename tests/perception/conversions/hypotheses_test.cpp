@@ -1,13 +1,13 @@
 #include "perception/conversions/hypotheses.h"
+#include "mapping/base/math.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <numbers>
 
 #include "perception/conversions/pcl.h"
 
-namespace loci::types {
+namespace loci::perception::types {
 namespace {
 
 /// A board of 40 x 30 points, 5 mm apart, 1 m before the camera; every tenth point has no measurement.
@@ -35,7 +35,7 @@ class Hypotheses : public testing::Test {
   }
 
   cas::Cas cas{type_system()};
-  PinholeCamera camera;
+  mapping::PinholeCamera camera;
   Isometry3d same = Isometry3d::Identity();
   PointCloud cloud;
   Mat image;
@@ -65,7 +65,7 @@ TEST_F(Hypotheses, TheRegionIsWhereThePointsProject) {
 }
 
 TEST_F(Hypotheses, PointsBehindTheCameraHaveNoRegion) {
-  Isometry3d turned(Eigen::AngleAxisd(std::numbers::pi, Vector3d::UnitX()));
+  Isometry3d turned(Eigen::AngleAxisd(kPi, Vector3d::UnitX()));
   EXPECT_FALSE(image_roi(cluster, image, camera, turned));
 }
 
@@ -91,8 +91,8 @@ TEST_F(Hypotheses, VolumesHoldThePointsThatTheyWereMadeFrom) {
 
 TEST_F(Hypotheses, AreTheSameInAColourCameraOfAnotherSizeAndPlace) {
   // A finer camera, 5 cm beside the depth camera and turned by 4 degrees.
-  const PinholeCamera color{1280, 960, 1100, 1080, 650, 470};
-  Isometry3d color_from_depth(Eigen::AngleAxisd(4 * std::numbers::pi / 180, Vector3d::UnitY()));
+  const mapping::PinholeCamera color{1280, 960, 1100, 1080, 650, 470};
+  Isometry3d color_from_depth(Eigen::AngleAxisd(4 * kPi / 180, Vector3d::UnitY()));
   color_from_depth.translation() = Vector3d(0.05, -0.01, 0.003);
   const Mat image = to(cas, cv::Mat(color.height, color.width, CV_8UC3, cv::Scalar(4, 5, 6)));
   const auto roi = image_roi(cluster, image, color, color_from_depth, 4);
@@ -148,7 +148,7 @@ TEST_F(Hypotheses, VolumesCoverThePixelsOfWhatIsInThem) {
     const cv::Mat1b inner = from<cv::Mat_<uint8_t>>(points->mask.get());
     EXPECT_EQ(cv::countNonZero(inner & ~mask(tight - region.tl())), 0);
     // Behind the camera there is nothing to be seen of it.
-    Isometry3d turned(Eigen::AngleAxisd(std::numbers::pi, Vector3d::UnitX()));
+    Isometry3d turned(Eigen::AngleAxisd(kPi, Vector3d::UnitX()));
     EXPECT_FALSE(image_roi(volume, image, camera, turned * map_from_camera.inverse()));
   }
 }
@@ -169,7 +169,7 @@ TEST_F(Hypotheses, AVolumeAroundTheCameraCoversTheImage) {
 }
 
 TEST_F(Hypotheses, VolumesGoToOtherFramesAndShapes) {
-  Isometry3d table_from_map(Eigen::AngleAxisd(std::numbers::pi / 6, Vector3d::UnitZ()));
+  Isometry3d table_from_map(Eigen::AngleAxisd(kPi / 6, Vector3d::UnitZ()));
   table_from_map.translation() = Vector3d(1, 0, -1);
   const auto box = TFLinkBBoxROI::create(cas);
   box.tf_frame.set("map");
@@ -180,7 +180,7 @@ TEST_F(Hypotheses, VolumesGoToOtherFramesAndShapes) {
   const TFLinkBBoxROI there = bounding_box(box, "table", table_from_map);
   EXPECT_EQ(there.tf_frame.get(), "table");
   const Vector3d size = from<Vector3d>(there.bbox.get().size.get());
-  const double c = std::cos(std::numbers::pi / 6), s = 0.5;
+  const double c = std::cos(kPi / 6), s = 0.5;
   EXPECT_TRUE(size.isApprox(Vector3d(0.4 * c + 0.2 * s, 0.4 * s + 0.2 * c, 0.1), 1e-9)) << size.transpose();
   const TFLinkSphereROI ball = bounding_sphere(box, "table", table_from_map);
   EXPECT_NEAR(ball.radius.get(), Vector3d(0.2, 0.1, 0.05).norm(), 1e-12);
@@ -202,4 +202,4 @@ TEST_F(Hypotheses, RefuseWhatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace loci::types
+}  // namespace loci::perception::types

@@ -5,7 +5,7 @@
 #include "mapping/base/json.h"
 #include "perception/cas/json.h"
 
-namespace loci::types {
+namespace loci::perception::types {
 namespace {
 
 cv::Mat counting(int rows, int cols, int type) {
@@ -99,4 +99,4 @@ TEST(RectConversion, ComesBack) {
 }
 
 }  // namespace
-}  // namespace loci::types
+}  // namespace loci::perception::types

@@ -5,7 +5,7 @@
 #include "mapping/base/json.h"
 #include "perception/cas/json.h"
 
-namespace loci::types {
+namespace loci::perception::types {
 namespace {
 
 template <typename Point>
@@ -74,4 +74,4 @@ TEST(CloudConversion, AReferenceClusterBecomesAStandaloneOne) {
 }
 
 }  // namespace
-}  // namespace loci::types
+}  // namespace loci::perception::types

@@ -8,7 +8,7 @@
 
 #include "mapping/base/files.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 namespace fs = std::filesystem;
@@ -127,4 +127,4 @@ TEST(RosTypes, BrokenDefinitionsAreNamedWithTheirLine) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

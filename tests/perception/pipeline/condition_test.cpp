@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using ::testing::ElementsAre;
@@ -103,4 +103,4 @@ TEST_F(ConditionTest, TellsWhatItAsksFor) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

@@ -6,7 +6,7 @@
 
 #include "tests/perception/pipeline/test_annotators.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using ::testing::Each;
@@ -190,4 +190,4 @@ flow:
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

@@ -4,7 +4,7 @@
 
 #include "tests/perception/pipeline/test_annotators.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using ::testing::ElementsAre;
@@ -90,4 +90,4 @@ TEST(Goal, SaysWhatNobodyCanAnswer) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

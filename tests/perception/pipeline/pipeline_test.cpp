@@ -4,7 +4,7 @@
 
 #include "perception/types/scene_cas.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using ::testing::HasSubstr;
@@ -150,4 +150,4 @@ TEST(Resources, SayWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

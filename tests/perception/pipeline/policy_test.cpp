@@ -7,7 +7,7 @@
 
 #include "tests/perception/pipeline/test_annotators.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using ::testing::Each;
@@ -173,4 +173,4 @@ TEST(Statistics, AreKeptOverRuns) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

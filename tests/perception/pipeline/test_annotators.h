@@ -8,7 +8,7 @@
 #include "perception/types/geometry.h"
 #include "perception/types/scene_cas.h"
 
-namespace loci {
+namespace loci::perception {
 
 /// Four clusters per scene, of heights 0.01, 0.05, 0.10 and 0.15 m, on counter_1, counter_2, table_1 and
 /// nothing.
@@ -132,4 +132,4 @@ inline std::string refusal_of(const std::string& yaml, const AnnotatorRegistry& 
   return "accepted";
 }
 
-}  // namespace loci
+}  // namespace loci::perception

@@ -2,7 +2,7 @@
 
 #include "tests/perception/pipeline/test_annotators.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using ::testing::Each;
@@ -149,4 +149,4 @@ TEST_F(UnlessAlike, ItsConfigurationIsAPipelineAgain) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

@@ -8,7 +8,7 @@
 #include "perception/recognition/html_reader.h"
 #include "perception/recognition/product_index.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 namespace fs = std::filesystem;
@@ -31,7 +31,7 @@ class ProductPages : public testing::Test {
   }
   void draw(const std::string& name, int width, int height) const {
     make_folder((folder_ / name).parent_path());
-    write_image(folder_ / name, cv::Mat(height, width, CV_8UC3, cv::Scalar(20, 90, 200)));
+    mapping::write_image(folder_ / name, cv::Mat(height, width, CV_8UC3, cv::Scalar(20, 90, 200)));
   }
   Product only() const {
     const std::vector<Product> products = read_catalogue(folder_);
@@ -123,4 +123,4 @@ TEST(HtmlReader, EntitiesBecomeText) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

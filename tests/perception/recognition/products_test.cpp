@@ -11,7 +11,7 @@
 #include "perception/recognition/product_index.h"
 #include "perception/recognition/similarity_fit.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 namespace fs = std::filesystem;
@@ -47,7 +47,7 @@ TEST(Products, AreRecognisedTurnedAndSmallAndBeforeSomethingElse) {
   const ProductIndex index = sample_index();
   for (const Product& product : index.products()) {
     if (product.name == "Golden-Delicious") continue;  // An apple has next to no texture.
-    const cv::Mat scene = seen_obliquely(read_color(product.image), 130, 1.2);
+    const cv::Mat scene = seen_obliquely(mapping::read_color(product.image), 130, 1.2);
     const auto matches = index.recognise(scene, {}, 2);
     ASSERT_FALSE(matches.empty()) << product.name;
     EXPECT_EQ(index.products()[matches[0].product].name, product.name);
@@ -103,7 +103,7 @@ TEST(SimilarityFit, ChanceBringsFewInliersButNotMany) {
 TEST(Products, APhotographIsRecognisedAndAnEmptyImageIsNothing) {
   const ProductIndex index = sample_index();
   const auto matches =
-      index.recognise(read_color(kData / "images/Alpro-Blueberry-Soyghurt_001.jpg"), {}, 2);
+      index.recognise(mapping::read_color(kData / "images/Alpro-Blueberry-Soyghurt_001.jpg"), {}, 2);
   ASSERT_FALSE(matches.empty());
   EXPECT_EQ(index.products()[matches[0].product].name, "Alpro-Blueberry-Soyghurt");
   EXPECT_TRUE(index.recognise(cv::Mat(100, 100, CV_8UC3, cv::Scalar(200, 10, 10)), {}, 2).empty());
@@ -116,7 +116,7 @@ TEST(Products, TheAnswerDependsOnNoThreadsAndAKeptIndexAnswersAlike) {
   other.save(two);
   EXPECT_EQ(read_file(one), read_file(two));
   const ProductIndex loaded = ProductIndex::load(one);
-  const cv::Mat image = read_color(kData / "images/Alpro-Blueberry-Soyghurt_001.jpg");
+  const cv::Mat image = mapping::read_color(kData / "images/Alpro-Blueberry-Soyghurt_001.jpg");
   const auto a = index.recognise(image, {}, 1), b = loaded.recognise(image, {}, 3);
   ASSERT_EQ(a.size(), b.size());
   for (size_t i = 0; i < a.size(); ++i) {
@@ -188,4 +188,4 @@ TEST(ImageFit, FindsTheMapAmongOutliers) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

@@ -8,7 +8,7 @@
 #include "perception/recognition/barcode_reader.h"
 #include "perception/recognition/text_reader.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using ::testing::Contains;
@@ -16,7 +16,7 @@ using ::testing::Field;
 
 /// A photograph, blurred, in which ZBar alone finds nothing.
 cv::Mat hard_barcode() {
-  return read_color(std::filesystem::path(LOCI_SOURCE_DIR) / "tests/data/images/ean13.png");
+  return mapping::read_color(std::filesystem::path(LOCI_SOURCE_DIR) / "tests/data/images/ean13.png");
 }
 
 TEST(Barcodes, APreparedImageIsReadWhereItIsNotAsItIs) {
@@ -38,8 +38,7 @@ TEST(Barcodes, NoiseHoldsNone) {
 
 TEST(Text, PrintedWordsAreReadWhereTheyStand) {
   cv::Mat image(200, 500, CV_8UC3, cv::Scalar(255, 255, 255));
-  cv::putText(image, "Vanilla", {60, 110}, cv::FONT_HERSHEY_SIMPLEX, 2, cv::Scalar(0, 0, 0), 3,
-              cv::LINE_AA);
+  cv::putText(image, "Vanilla", {60, 110}, cv::FONT_HERSHEY_SIMPLEX, 2, cv::Scalar(0, 0, 0), 3, cv::LINE_AA);
   const auto words = TextReader().read(image);
   ASSERT_THAT(words, Contains(Field(&TextWord::text, "Vanilla")));
   for (const TextWord& word : words)
@@ -67,4 +66,4 @@ TEST(Text, ALanguageWithoutDataIsRefused) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

@@ -8,7 +8,7 @@
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 /// A table with a disc or a block on it, nearer than the table.
@@ -94,4 +94,4 @@ TEST(TemplateDetector, answers_the_same_after_saving_and_refuses_other_files) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

@@ -15,7 +15,7 @@
 #include "tests/perception/search/local_server.h"
 #include "tests/perception/search/wire.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 namespace fs = std::filesystem;
@@ -271,4 +271,4 @@ TEST(SearchClient, AddressesAreChecked) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

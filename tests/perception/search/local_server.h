@@ -5,7 +5,7 @@
 #include <string>
 #include <thread>
 
-namespace loci::testing_support {
+namespace loci::perception::testing_support {
 
 /// A server at a free port of this machine, which answers what is POSTed to "/".
 class LocalServer {
@@ -28,4 +28,4 @@ class LocalServer {
   std::thread thread_;
 };
 
-}  // namespace loci::testing_support
+}  // namespace loci::perception::testing_support

@@ -6,7 +6,7 @@
 #include "perception/search/goggles.pb.h"
 #include "tests/perception/search/wire.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using testing::ElementsAre;
@@ -29,44 +29,53 @@ TEST(SearchProtocol, ARequestIsTheseBytes) {
 }
 
 TEST(SearchProtocol, ARequestByHandIsRead) {
-  const std::string bytes = text(1, text(1, text(1, "JPEG"))) +
-                            text(10, number(1, 5) + text(4, "de") + number(5, 6) + text(6, "AT") +
-                                         text(kEnableUi, number(1, 1) + number(7, 1))) +
-                            text(kDevice, text(1, "id") + number(7, 77) +
-                                              text(9, text(1, "loci") + text(2, "1") + text(4, "robot")));
+  const std::string bytes =
+      wire::text(1, wire::text(1, wire::text(1, "JPEG"))) +
+      wire::text(10, wire::number(1, 5) + wire::text(4, "de") + wire::number(5, 6) + wire::text(6, "AT") +
+                         wire::text(wire::kEnableUi, wire::number(1, 1) + wire::number(7, 1))) +
+      wire::text(wire::kDevice,
+                 wire::text(1, "id") + wire::number(7, 77) +
+                     wire::text(9, wire::text(1, "loci") + wire::text(2, "1") + wire::text(4, "robot")));
   const SearchRequest request = decode_request(bytes);
   EXPECT_EQ(request.jpeg, "JPEG");
   EXPECT_EQ(request.language, "de");
   EXPECT_EQ(request.country, "AT");
   EXPECT_TRUE(request.details);
-  EXPECT_FALSE(decode_request(text(1, text(1, text(1, "JPEG")))).details);
+  EXPECT_FALSE(decode_request(wire::text(1, wire::text(1, wire::text(1, "JPEG")))).details);
 }
 
 TEST(SearchProtocol, EveryNumberOfTheTableIsWhereTheSchemaHasIt) {
   const std::string ui =
-      text(1, coords(1, 2, 3, 4)) +
-      text(3, text(1, "high") + text(2, "show") + text(3, "site") + text(4, "showhigh")) + text(6, "en") +
-      text(7, "result") + text(8, "more") + text(9, "describes") +
-      text(14, text(1, text(1, "http://a") + text(2, "Visit"))) +
-      text(15,
-           text(1, text(1, "City") + text(2, "Munich")) + text(3, text(1, "Net weight") + text(2, "500 g"))) +
-      text(19, "http://more") + text(20, "http://buy") +
-      text(21,
-           text(3, text(1, "1-2 EUR") + fixed64(2, 1) + fixed64(3, 2)) + text(4, "A. Uthor") +
-               text(5, "Press") + text(6, "2014") + text(7, "9783161484100") + text(8, "cid") +
-               text(9, text(1, "id") + text(2, "http://shop") + text(3, "Shop") + text(5, text(1, "3 EUR"))) +
-               text(10, "Maker") +
-               text(13, number(1, 0) + text(2, "Food") + number(3, 11) + text(4, "Essen")) +
-               text(13, number(1, 1) + text(2, "Milk"))) +
-      text(22, text(1, "uebersetzt") +
-                   text(2, text(1, coords(5, 6, 7, 8)) + text(2, "word") + text(3, coords(5, 6, 1, 8)))) +
-      text(23, text(1, text(2, "Ann") + text(3, "http://ann") + text(4, "http://ann.jpg")) +
-                   text(4, "my cup") + text(5, "http://abuse")) +
-      text(24, "Paris") + text(29, text(1, text(3, text(2, "Group")))) + text(30, text(1, "said"));
-  const std::string one = text(1, "Title") + text(2, "Product") + text(kUiInfo, ui) +
-                          text(kSearchQuery, text(2, "http://query")) +
-                          text(kDirectResult, text(1, "direct") + text(3, "described"));
-  const SearchAnswer answer = decode_response(text(1, one));
+      wire::text(1, wire::coords(1, 2, 3, 4)) +
+      wire::text(3, wire::text(1, "high") + wire::text(2, "show") + wire::text(3, "site") +
+                        wire::text(4, "showhigh")) +
+      wire::text(6, "en") + wire::text(7, "result") + wire::text(8, "more") + wire::text(9, "describes") +
+      wire::text(14, wire::text(1, wire::text(1, "http://a") + wire::text(2, "Visit"))) +
+      wire::text(15, wire::text(1, wire::text(1, "City") + wire::text(2, "Munich")) +
+                         wire::text(3, wire::text(1, "Net weight") + wire::text(2, "500 g"))) +
+      wire::text(19, "http://more") + wire::text(20, "http://buy") +
+      wire::text(21, wire::text(3, wire::text(1, "1-2 EUR") + wire::fixed64(2, 1) + wire::fixed64(3, 2)) +
+                         wire::text(4, "A. Uthor") + wire::text(5, "Press") + wire::text(6, "2014") +
+                         wire::text(7, "9783161484100") + wire::text(8, "cid") +
+                         wire::text(9, wire::text(1, "id") + wire::text(2, "http://shop") +
+                                           wire::text(3, "Shop") + wire::text(5, wire::text(1, "3 EUR"))) +
+                         wire::text(10, "Maker") +
+                         wire::text(13, wire::number(1, 0) + wire::text(2, "Food") + wire::number(3, 11) +
+                                            wire::text(4, "Essen")) +
+                         wire::text(13, wire::number(1, 1) + wire::text(2, "Milk"))) +
+      wire::text(22, wire::text(1, "uebersetzt") +
+                         wire::text(2, wire::text(1, wire::coords(5, 6, 7, 8)) + wire::text(2, "word") +
+                                           wire::text(3, wire::coords(5, 6, 1, 8)))) +
+      wire::text(23, wire::text(1, wire::text(2, "Ann") + wire::text(3, "http://ann") +
+                                       wire::text(4, "http://ann.jpg")) +
+                         wire::text(4, "my cup") + wire::text(5, "http://abuse")) +
+      wire::text(24, "Paris") + wire::text(29, wire::text(1, wire::text(3, wire::text(2, "Group")))) +
+      wire::text(30, wire::text(1, "said"));
+  const std::string one =
+      wire::text(1, "Title") + wire::text(2, "Product") + wire::text(wire::kUiInfo, ui) +
+      wire::text(wire::kSearchQuery, wire::text(2, "http://query")) +
+      wire::text(wire::kDirectResult, wire::text(1, "direct") + wire::text(3, "described"));
+  const SearchAnswer answer = decode_response(wire::text(1, one));
   EXPECT_THAT(answer.unknown, ElementsAre());
   ASSERT_EQ(answer.results.size(), 1U);
   const SearchResult& result = answer.results[0];
@@ -112,9 +121,12 @@ TEST(SearchProtocol, EveryNumberOfTheTableIsWhereTheSchemaHasIt) {
 
 TEST(SearchProtocol, UnknownFieldsSurviveARoundTripAndAreReported) {
   const std::string bytes =
-      text(1, text(1, "Title") + text(kUiInfo, number(2, 7) + text(99, text(3, "inside") + number(4, 5))) +
-                  text(kStructuredCopy, text(1, "copy"))) +
-      text(kAlternatives, fixed64(2, 9) + text(6, "3af9")) + fixed32(50, 8);
+      wire::text(
+          1, wire::text(1, "Title") +
+                 wire::text(wire::kUiInfo, wire::number(2, 7) +
+                                               wire::text(99, wire::text(3, "inside") + wire::number(4, 5))) +
+                 wire::text(wire::kStructuredCopy, wire::text(1, "copy"))) +
+      wire::text(wire::kAlternatives, wire::fixed64(2, 9) + wire::text(6, "3af9")) + wire::fixed32(50, 8);
   goggles::GogglesResponse message;
   ASSERT_TRUE(message.ParseFromString(bytes));
   goggles::GogglesResponse again;
@@ -127,18 +139,19 @@ TEST(SearchProtocol, UnknownFieldsSurviveARoundTripAndAreReported) {
 }
 
 TEST(SearchProtocol, AFieldOfAnotherKindThanTheTableSaysIsUnknown) {
-  EXPECT_THAT(decode_response(text(1, number(1, 3) + text(2, "Logo"))).unknown,
+  EXPECT_THAT(decode_response(wire::text(1, wire::number(1, 3) + wire::text(2, "Logo"))).unknown,
               ElementsAre("info[0].1: varint 3"));
 }
 
 TEST(SearchProtocol, WhatIsLostWhenEncodedAgainIsToldByItsLength) {
-  EXPECT_THAT(decode_response(text(1, text(1, "twice") + text(1, "said"))).unknown,
+  EXPECT_THAT(decode_response(wire::text(1, wire::text(1, "twice") + wire::text(1, "said"))).unknown,
               ElementsAre(HasSubstr("encoded again it has 8 bytes instead of 15")));
 }
 
 TEST(SearchProtocol, AlternativesAreResultsToo) {
   const std::string bytes =
-      info("A", "Logo", "") + text(kAlternatives, text(1, text(1, "B")) + text(7, text(1, "C")));
+      wire::info("A", "Logo", "") +
+      wire::text(wire::kAlternatives, wire::text(1, wire::text(1, "B")) + wire::text(7, wire::text(1, "C")));
   const SearchAnswer answer = decode_response(bytes);
   ASSERT_EQ(answer.results.size(), 3U);
   EXPECT_EQ(answer.results[1].title, "B");
@@ -147,19 +160,21 @@ TEST(SearchProtocol, AlternativesAreResultsToo) {
 
 TEST(SearchProtocol, TheCategoryFollowsFromTheNameOrFromWhatIsThere) {
   const auto category = [](const std::string& name, const std::string& ui) {
-    return decode_response(info("T", name, ui)).results.at(0).category;
+    return decode_response(wire::info("T", name, ui)).results.at(0).category;
   };
   EXPECT_EQ(category("Product", ""), SearchCategory::kProduct);
   EXPECT_EQ(category("EAN-13 Barcode", ""), SearchCategory::kBarcode);
   EXPECT_EQ(category("QR Code", ""), SearchCategory::kBarcode);
   EXPECT_EQ(category("User Submitted Result", ""), SearchCategory::kUserSubmitted);
   EXPECT_EQ(category("Similar Image", ""), SearchCategory::kSimilarImage);
-  EXPECT_EQ(category("www.example.org", text(3, text(2, "http://p"))), SearchCategory::kSimilarImage);
-  EXPECT_EQ(category("www.example.org", text(21, text(7, "978"))), SearchCategory::kBook);
-  EXPECT_EQ(category("www.example.org", text(21, text(10, "Maker"))), SearchCategory::kProduct);
-  EXPECT_EQ(category("www.example.org", text(22, text(2, text(2, "w")))), SearchCategory::kText);
-  EXPECT_EQ(category("www.example.org", text(23, text(4, "t"))), SearchCategory::kUserSubmitted);
-  EXPECT_EQ(category("www.example.org", text(24, "Paris")), SearchCategory::kLandmark);
+  EXPECT_EQ(category("www.example.org", wire::text(3, wire::text(2, "http://p"))),
+            SearchCategory::kSimilarImage);
+  EXPECT_EQ(category("www.example.org", wire::text(21, wire::text(7, "978"))), SearchCategory::kBook);
+  EXPECT_EQ(category("www.example.org", wire::text(21, wire::text(10, "Maker"))), SearchCategory::kProduct);
+  EXPECT_EQ(category("www.example.org", wire::text(22, wire::text(2, wire::text(2, "w")))),
+            SearchCategory::kText);
+  EXPECT_EQ(category("www.example.org", wire::text(23, wire::text(4, "t"))), SearchCategory::kUserSubmitted);
+  EXPECT_EQ(category("www.example.org", wire::text(24, "Paris")), SearchCategory::kLandmark);
   EXPECT_EQ(category("www.example.org", ""), SearchCategory::kOther);
 }
 
@@ -201,13 +216,14 @@ TEST(SearchProtocol, ResultsOfEveryCategoryComeBackAsTheyWere) {
 TEST(SearchProtocol, GarbageIsRefusedAndBadTextMended) {
   EXPECT_THROW(decode_response("\xff\xff\xff this is no message"), Error);
   EXPECT_THROW(decode_request("<html></html>"), Error);
-  EXPECT_THROW(decode_response(info("T", "Logo", "").substr(0, 5)), Error);
-  EXPECT_EQ(decode_response(text(1, text(1, "a\xffz"))).results.at(0).title, "a\xEF\xBF\xBDz");
+  EXPECT_THROW(decode_response(wire::info("T", "Logo", "").substr(0, 5)), Error);
+  EXPECT_EQ(decode_response(wire::text(1, wire::text(1, "a\xffz"))).results.at(0).title, "a\xEF\xBF\xBDz");
 }
 
 TEST(SearchProtocol, PlacesThatCannotBeAreBounded) {
   const cv::Rect region =
-      decode_response(info("T", "Logo", text(1, coords(-2147483647, 2147483647, -5, 2147483647))))
+      decode_response(
+          wire::info("T", "Logo", wire::text(1, wire::coords(-2147483647, 2147483647, -5, 2147483647))))
           .results.at(0)
           .region;
   EXPECT_GE(region.x, -(1 << 20));
@@ -232,4 +248,4 @@ TEST(SearchProtocol, DescriptiveTermsAreTheWordsThatAnAnswerRepeats) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

@@ -12,7 +12,7 @@
 #include "perception/search/search_client.h"
 #include "tests/perception/search/wire.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 namespace fs = std::filesystem;
@@ -31,7 +31,7 @@ ProductIndex index_of(const std::vector<Product>& more = {}) {
 }
 
 std::string jpeg_of(const cv::Mat& image) {
-  const std::vector<unsigned char> bytes = encode_image(image, ".jpg");
+  const std::vector<unsigned char> bytes = mapping::encode_image(image, ".jpg");
   return {bytes.begin(), bytes.end()};
 }
 
@@ -74,7 +74,7 @@ TEST_F(SearchServing, AProductIsRecognisedWithWhatTheCatalogueSays) {
   options.timeout_s = 60;
   SearchClient client(options);
   const SearchAnswer answer =
-      client.search(read_color(kData / "images/Alpro-Blueberry-Soyghurt_001.jpg")).answer;
+      client.search(mapping::read_color(kData / "images/Alpro-Blueberry-Soyghurt_001.jpg")).answer;
   EXPECT_TRUE(answer.unknown.empty());
   ASSERT_FALSE(answer.results.empty());
   const SearchResult& first = answer.results[0];
@@ -93,7 +93,7 @@ TEST_F(SearchServing, AProductIsRecognisedWithWhatTheCatalogueSays) {
 
 TEST_F(SearchServing, ARequestByHandIsAnsweredWithTitlesAloneUnlessItAsksForMore) {
   const std::string image =
-      wire::text(1, wire::text(1, wire::text(1, jpeg_of(read_color(kData / "images/ean13.png")))));
+      wire::text(1, wire::text(1, wire::text(1, jpeg_of(mapping::read_color(kData / "images/ean13.png")))));
   const httplib::Result brief = post(image);
   ASSERT_TRUE(brief);
   EXPECT_EQ(brief->status, 200);
@@ -119,8 +119,7 @@ TEST_F(SearchServing, WhatIsNoRequestIsRefusedWithTheReason) {
   expect_refused("", 400, "holds no image");
   expect_refused(encode(SearchRequest{"GIF89a", "en", "US", true}), 400, "no JPEG");
   const std::string jpeg = jpeg_of(cv::Mat(100, 100, CV_8UC3, cv::Scalar(9, 9, 9)));
-  expect_refused(encode(SearchRequest{jpeg.substr(0, jpeg.size() / 2), "en", "US", true}), 400,
-                 "the image");
+  expect_refused(encode(SearchRequest{jpeg.substr(0, jpeg.size() / 2), "en", "US", true}), 400, "the image");
   expect_refused(
       encode(SearchRequest{jpeg_of(cv::Mat(1500, 1500, CV_8UC3, cv::Scalar(9, 9, 9))), "en", "US", true}),
       400, "too many");
@@ -139,7 +138,7 @@ TEST_F(SearchServing, OtherPathsAreNotFound) {
 
 TEST_F(SearchServing, SeveralAreAnsweredAtTheSameTime) {
   const std::string body =
-      encode(SearchRequest{jpeg_of(read_color(kData / "images/ean13.png")), "en", "US", true});
+      encode(SearchRequest{jpeg_of(mapping::read_color(kData / "images/ean13.png")), "en", "US", true});
   const std::string expected = post(body)->body;
   std::vector<std::string> answers(4);
   std::vector<std::thread> threads;
@@ -165,7 +164,7 @@ std::vector<SearchResult> looked(const std::vector<Product>& more, const cv::Mat
 
 SearchCategory category_of_entry(const Properties& properties) {
   const fs::path image = kData / "images/ean13.png";
-  const auto results = looked({{"entry", properties, image}}, read_color(image));
+  const auto results = looked({{"entry", properties, image}}, mapping::read_color(image));
   for (const SearchResult& result : results)
     if (result.title == "entry") return result.category;
   return SearchCategory::kOther;
@@ -181,7 +180,7 @@ TEST(SearchService, EntriesOfTheIndexAreWhatTheySayTheyAre) {
 
 TEST(SearchService, ABrandOfTheCatalogueIsALogo) {
   const fs::path image = kData / "images/ean13.png";
-  const auto results = looked({{"entry", {{"brand", "Marca"}}, image}}, read_color(image));
+  const auto results = looked({{"entry", {{"brand", "Marca"}}, image}}, mapping::read_color(image));
   const auto logo = std::find_if(results.begin(), results.end(),
                                  [](const auto& result) { return result.category == SearchCategory::kLogo; });
   ASSERT_NE(logo, results.end());
@@ -189,7 +188,7 @@ TEST(SearchService, ABrandOfTheCatalogueIsALogo) {
 }
 
 TEST(SearchService, ABarcodeBringsTheProductThatItMarks) {
-  const cv::Mat image = read_color(kData / "images/ean13.png");
+  const cv::Mat image = mapping::read_color(kData / "images/ean13.png");
   const auto alone = looked({}, image);
   const auto code = std::find_if(alone.begin(), alone.end(), [](const auto& result) {
     return result.category == SearchCategory::kBarcode;
@@ -203,4 +202,4 @@ TEST(SearchService, ABarcodeBringsTheProductThatItMarks) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

@@ -4,7 +4,7 @@
 #include <string>
 
 /// Protocol Buffers written by hand, from nothing but numbers and types.
-namespace loci::wire {
+namespace loci::perception::wire {
 
 inline std::string varint(uint64_t value) {
   std::string bytes;
@@ -43,4 +43,4 @@ inline std::string info(const std::string& title, const std::string& category, c
   return text(1, text(1, title) + text(2, category) + text(kUiInfo, ui));
 }
 
-}  // namespace loci::wire
+}  // namespace loci::perception::wire

@@ -6,7 +6,7 @@
 
 #include "mapping/base/files.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 namespace fs = std::filesystem;
@@ -58,4 +58,4 @@ TEST(TypeGenerator, RefusesTwoTypesThatWouldBeOneClass) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace loci::types {
+namespace loci::perception::types {
 namespace {
 
 Isometry3d some_pose() {
@@ -42,4 +42,4 @@ TEST(EigenConversion, OutlinesComeBack) {
 }
 
 }  // namespace
-}  // namespace loci::types
+}  // namespace loci::perception::types

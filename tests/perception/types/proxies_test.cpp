@@ -5,7 +5,7 @@
 #include "perception/types/scene_cas.h"
 #include "tests/perception/types/generated.h"
 
-namespace loci {
+namespace loci::perception {
 namespace {
 
 using types::as;
@@ -60,14 +60,14 @@ TEST(Proxies, AnnotationsAreFilteredByTypeWithSubtypes) {
 TEST(Proxies, ConversionFromAFeatureStructureIsChecked) {
   cas::Cas cas(types::type_system());
   const cas::FeatureStructure structure = cas.create("loci.scene.Scene");
-  EXPECT_NO_THROW(as<types::Identifiable>(structure));
-  EXPECT_THROW(as<types::Cluster>(structure), Error);
-  EXPECT_FALSE(try_as<types::Cluster>(structure));
+  EXPECT_NO_THROW(types::as<types::Identifiable>(structure));
+  EXPECT_THROW(types::as<types::Cluster>(structure), Error);
+  EXPECT_FALSE(types::try_as<types::Cluster>(structure));
 }
 
 TEST(Proxies, GrowByHandWithoutTouchingGeneratedFiles) {
   cas::Cas cas(types::type_system_with({LOCI_SOURCE_DIR "/tests/data/climate.xml"}));
-  const Thermometer thermometer = as<Thermometer>(tests::Temperature::create(cas));
+  const Thermometer thermometer = types::as<Thermometer>(tests::Temperature::create(cas));
   thermometer.set_fahrenheit(212);
   EXPECT_DOUBLE_EQ(thermometer.degrees.get(), 100);
   thermometer.degrees.set(0);
@@ -90,7 +90,7 @@ TEST(Proxies, OfAUsersTypesHaveListsAndAllowedValues) {
 
   cas::Cas other(cas.shared_type_system());
   const Json json = cas::to_json(temperature);
-  const auto back = as<tests::Temperature>(cas::from_json(other, json));
+  const auto back = types::as<tests::Temperature>(cas::from_json(other, json));
   EXPECT_EQ(back.history[1], back) << "a cycle through a list comes back";
   EXPECT_EQ(cas::to_json(back).dump(), json.dump());
 }
@@ -198,4 +198,4 @@ TEST(TypeSystemDocs, EveryTypeAndFeatureOfOursIsDescribed) {
 }
 
 }  // namespace
-}  // namespace loci
+}  // namespace loci::perception

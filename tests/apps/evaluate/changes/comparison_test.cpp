@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace loci::changes {
+namespace loci::apps::changes {
 namespace {
 
 /// Cup and bowl stand on a table; in frame 1 the cup is 40 cm farther, in frame 2 the bowl is away.
@@ -21,7 +21,7 @@ struct Table : testing::Test {
 
   /// Observation 10 is the cup in frame 1, 11 the bowl, and so on.
   void add(int64_t frame, const std::vector<std::string>& things) {
-    moments[frame].camera = SceneCamera{640, 480, 500, 500, 320, 240, {}, {}};
+    moments[frame].camera = memory::SceneCamera{640, 480, 500, 500, 320, 240, {}, {}};
     moments[frame].map_from_camera.translation() = Vector3d(0.5, 0.5, -1.5);
     for (const std::string& thing : things) {
       const bool bowl = thing == "bowl";
@@ -74,4 +74,4 @@ TEST_F(Table, NearestKnowsNoMovesBeyondItsReachAndGreedyGoesByLooks) {
 }
 
 }  // namespace
-}  // namespace loci::changes
+}  // namespace loci::apps::changes

@@ -7,7 +7,7 @@
 #include "mapping/base/files.h"
 #include "mapping/simulation/scenario.h"
 
-namespace loci::changes {
+namespace loci::apps::changes {
 namespace {
 
 class RandomDay : public ::testing::TestWithParam<const char*> {
@@ -24,15 +24,15 @@ TEST_P(RandomDay, IsAScenarioInWhichTheMiddleCupGoesAwayAndComesBack) {
     const auto file =
         std::filesystem::temp_directory_path() / (std::string("loci_day_") + GetParam() + ".yaml");
     write_file_atomically(file, day(seed));
-    const Scenario scenario = read_scenario(file);
+    const mapping::Scenario scenario = mapping::read_scenario(file);
     std::filesystem::remove(file);
     EXPECT_EQ(scenario.scenes.size(), 18U);
     EXPECT_EQ(scenario.objects.size(), 16U);
     size_t moves = 0, actions = 0;
-    for (const SceneSpec& scene : scenario.scenes) {
+    for (const mapping::SceneSpec& scene : scenario.scenes) {
       actions += scene.actions.size();
       moves += static_cast<size_t>(std::ranges::count_if(
-          scene.actions, [](const Action& action) { return action.subject == "cup_1"; }));
+          scene.actions, [](const mapping::Action& action) { return action.subject == "cup_1"; }));
     }
     EXPECT_GE(moves, 2U);
     EXPECT_GT(actions, 20U) << "things are put there, and things happen";
@@ -47,4 +47,4 @@ TEST_P(RandomDay, IsTheSameForTheSameSeed) {
 INSTANTIATE_TEST_SUITE_P(Kitchens, RandomDay, ::testing::Values("kitchen", "kitchen_l"));
 
 }  // namespace
-}  // namespace loci::changes
+}  // namespace loci::apps::changes

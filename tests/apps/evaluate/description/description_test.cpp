@@ -8,13 +8,14 @@
 #include "apps/evaluate/description/words.h"
 #include "mapping/base/files.h"
 
-namespace loci::description_evaluation {
+namespace loci::apps::description_evaluation {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::ElementsAre;
 
-const fs::path kData = fs::path(LOCI_SOURCE_DIR) / "tests/data";
+const description_evaluation::fs::path kData =
+    description_evaluation::fs::path(LOCI_SOURCE_DIR) / "tests/data";
 
 TEST(DescriptionEvaluation, WordsAreComparedWithoutCaseAndSigns) {
   EXPECT_EQ(folded("ÄPPLE,"), folded("äpple"));
@@ -24,12 +25,13 @@ TEST(DescriptionEvaluation, WordsAreComparedWithoutCaseAndSigns) {
 }
 
 TEST(DescriptionEvaluation, CodesThatAreReadMissedAndWrongAreCounted) {
-  const fs::path folder = fs::temp_directory_path() / "loci_codes_evaluation";
-  fs::create_directories(folder / "images");
-  fs::copy_file(kData / "images/ean13.png", folder / "images/right.png",
-                fs::copy_options::overwrite_existing);
-  fs::copy_file(kData / "images/ean13.png", folder / "images/other.png",
-                fs::copy_options::overwrite_existing);
+  const description_evaluation::fs::path folder =
+      description_evaluation::fs::temp_directory_path() / "loci_codes_evaluation";
+  description_evaluation::fs::create_directories(folder / "images");
+  description_evaluation::fs::copy_file(kData / "images/ean13.png", folder / "images/right.png",
+                                        description_evaluation::fs::copy_options::overwrite_existing);
+  description_evaluation::fs::copy_file(kData / "images/ean13.png", folder / "images/other.png",
+                                        description_evaluation::fs::copy_options::overwrite_existing);
   write_file_atomically(
       folder / "expected.csv",
       "file,symbology,text\nright.png,EAN-13,9780441014989\nother.png,EAN-13,4000000000006\n");
@@ -39,7 +41,7 @@ TEST(DescriptionEvaluation, CodesThatAreReadMissedAndWrongAreCounted) {
   EXPECT_EQ(result.codes.at("EAN-13").right, 1);
   EXPECT_EQ(result.wrong, 1);
   EXPECT_THAT(result.missed, ElementsAre("other.png"));
-  fs::remove_all(folder);
+  description_evaluation::fs::remove_all(folder);
 }
 
 TEST(DescriptionEvaluation, OurServiceIsAskedAboutEveryImage) {
@@ -54,4 +56,4 @@ TEST(DescriptionEvaluation, OurServiceIsAskedAboutEveryImage) {
 }
 
 }  // namespace
-}  // namespace loci::description_evaluation
+}  // namespace loci::apps::description_evaluation

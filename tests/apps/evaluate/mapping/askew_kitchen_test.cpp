@@ -3,8 +3,9 @@
 #include <algorithm>
 
 #include "apps/evaluate/mapping/mapper.h"
+#include "mapping/base/math.h"
 
-namespace loci::mapping_claim {
+namespace loci::apps::mapping_claim {
 namespace {
 
 /// A kitchen with askew furniture on which nothing was tuned, scanned from eight places.
@@ -14,7 +15,7 @@ TEST(MappingFigures, AimsAreMetInAKitchenWithAskewFurniture) {
   run.truth = run.world;
   run.folder = std::filesystem::path(testing::TempDir()) / "loci_askew_kitchen";
   const auto pose = [&](double x, double y, double yaw_deg) {
-    run.poses.push_back({x, y, yaw_deg * M_PI / 180});
+    run.poses.push_back({x, y, yaw_deg * kPi / 180});
   };
   pose(1.0, 2.6, 90);
   pose(2.0, 2.65, 90);
@@ -45,4 +46,4 @@ TEST(MappingFigures, AimsAreMetInAKitchenWithAskewFurniture) {
 }
 
 }  // namespace
-}  // namespace loci::mapping_claim
+}  // namespace loci::apps::mapping_claim

@@ -6,11 +6,11 @@
 
 #include "mapping/base/json.h"
 
-namespace loci::mapping_claim {
+namespace loci::apps::mapping_claim {
 namespace {
 
-ComparedThing handle(const std::string& verdict, std::optional<double> centre_error = {}) {
-  ComparedThing thing;
+mapping::ComparedThing handle(const std::string& verdict, std::optional<double> centre_error = {}) {
+  mapping::ComparedThing thing;
   thing.kind = "handle";
   thing.verdict = verdict;
   thing.centre_error = centre_error;
@@ -56,17 +56,17 @@ TEST(MappingFigures, TableHasAColumnPerWorldOverItsSeeds) {
 
 TEST(MappingFigures, FrontsAndJointsAreShownBeforeAndAfterPulling) {
   const auto front = [](double overlap, const std::string& type) {
-    ComparedThing thing;
+    mapping::ComparedThing thing;
     thing.kind = "front";
     thing.verdict = "matched";
     thing.overlap = overlap;
-    thing.joint = ComparedJoint{type, "prismatic", "prior", {}, false, {}};
+    thing.joint = mapping::ComparedJoint{type, "prismatic", "prior", {}, false, {}};
     return thing;
   };
   MappedWorld map;
   map.before.things = {front(0.6, "revolute")};
   EXPECT_FALSE(figure(figures_of({&map}), "front IoU after, mean").known);
-  map.after = Comparison{{front(0.9, "prismatic")}, "", ""};
+  map.after = mapping::Comparison{{front(0.9, "prismatic")}, "", ""};
   const std::vector<Figure> figures = figures_of({&map});
   EXPECT_NEAR(figure(figures, "front IoU before pulling, mean").value, 0.6, 1e-9);
   EXPECT_NEAR(figure(figures, "front IoU after, mean").value, 0.9, 1e-9);
@@ -75,4 +75,4 @@ TEST(MappingFigures, FrontsAndJointsAreShownBeforeAndAfterPulling) {
 }
 
 }  // namespace
-}  // namespace loci::mapping_claim
+}  // namespace loci::apps::mapping_claim

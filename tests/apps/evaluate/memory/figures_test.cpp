@@ -6,7 +6,7 @@
 #include "mapping/base/files.h"
 #include "memory/store/store.h"
 
-namespace loci::memory_experiment {
+namespace loci::apps::memory_experiment {
 namespace {
 
 class MemoryAtSize : public ::testing::Test {
@@ -47,9 +47,9 @@ TEST_F(MemoryAtSize, KnowsTheThingsOfTheHomeAndWritesLittleForWhatDoesNotChange)
   EXPECT_LT(stayed.said_moved, 10U);
   EXPECT_GT(stayed.same, stayed.all * 99 / 100);
   EXPECT_GT(figures.reader_questions, 0U);
-  const Store store = Store::open_read(folder / "simulated.loci");
+  const memory::Store store = memory::Store::open_read(folder / "simulated.loci");
   size_t beliefs = 0;
-  for (const Store::TableSize& size : store.statistics())
+  for (const memory::Store::TableSize& size : store.statistics())
     if (size.table == "belief") beliefs = static_cast<size_t>(size.rows);
   EXPECT_LT(beliefs, figures.observations) << "a tenth of one row per object and scene";
 }
@@ -67,4 +67,4 @@ TEST_F(MemoryAtSize, LearnsHowMuchLooksVaryAndTellsFalseDetectionsFromThings) {
 }
 
 }  // namespace
-}  // namespace loci::memory_experiment
+}  // namespace loci::apps::memory_experiment

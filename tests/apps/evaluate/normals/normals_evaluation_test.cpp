@@ -1,17 +1,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "apps/evaluate/normals/comparison.h"
 #include "apps/evaluate/normals/peers.h"
 #include "apps/evaluate/normals/surfaces.h"
+#include "mapping/base/math.h"
 
-namespace loci::normals_evaluation {
+namespace loci::apps::normals_evaluation {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-const PinholeCamera kCamera{320, 240, 290, 290, 160, 120};
+const mapping::PinholeCamera kCamera{320, 240, 290, 290, 160, 120};
 
 /// Angle between the truth at a pixel and the plane through it and its neighbours.
 double angle_to_neighbours(const Surfaces& surfaces, int u, int v) {
@@ -91,4 +90,4 @@ TEST(NormalsComparison, MeetsTheAimsOfTheSection) {
 }
 
 }  // namespace
-}  // namespace loci::normals_evaluation
+}  // namespace loci::apps::normals_evaluation

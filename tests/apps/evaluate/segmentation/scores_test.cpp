@@ -2,7 +2,7 @@
 
 #include "apps/evaluate/segmentation/comparison.h"
 
-namespace loci::segmentation_evaluation {
+namespace loci::apps::segmentation_evaluation {
 namespace {
 
 /// One row of pixels: objects, segments, and whether anybody knows.
@@ -73,4 +73,4 @@ TEST(SegmentationComparison, FindsStackedAndTouchingThingsAheadOfItsPeers) {
 }
 
 }  // namespace
-}  // namespace loci::segmentation_evaluation
+}  // namespace loci::apps::segmentation_evaluation

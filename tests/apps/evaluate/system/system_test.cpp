@@ -8,7 +8,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 
-namespace loci::system_evaluation {
+namespace loci::apps::system_evaluation {
 namespace {
 
 const std::filesystem::path kSamples = std::filesystem::path(LOCI_SOURCE_DIR) / "apps/samples";
@@ -36,15 +36,16 @@ TEST(SceneCounts, AddUpToThePublished587Observations) {
 
 TEST(Household, SetsUpWhatTheCountsSayOnBothCountersInTurn) {
   Warnings warnings;
-  const auto map = KnownMap::load(kSamples / "kitchen_l.urdf", {}, warnings);
+  const auto map = perception::KnownMap::load(kSamples / "kitchen_l.urdf", {}, warnings);
   const std::vector<SceneCount> counts = {{6, 6}, {0, 3}, {2, 4}};
-  const Scenario scenario = household_scenario(*map, household(kSamples / "labels"), counts, Random(3));
+  const mapping::Scenario scenario =
+      household_scenario(*map, household(kSamples / "labels"), counts, Random(3));
   ASSERT_EQ(scenario.scenes.size(), 3U);
   std::vector<std::string> counters;
   for (size_t i = 0; i < counts.size(); ++i) {
     int placed = 0;
-    for (const Action& action : scenario.scenes[i].actions) {
-      if (action.kind != Action::Kind::place) continue;
+    for (const mapping::Action& action : scenario.scenes[i].actions) {
+      if (action.kind != mapping::Action::Kind::place) continue;
       ++placed;
       if (counters.size() <= i) counters.push_back(action.support);
       EXPECT_EQ(action.support, counters.back());
@@ -105,4 +106,4 @@ TEST_F(SystemEvaluation, TellsTheSameOnAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace loci::system_evaluation
+}  // namespace loci::apps::system_evaluation
