@@ -19,6 +19,9 @@ endif()
 # Same bytes on every build: floating-point expressions are not contracted.
 add_compile_options(-ffp-contract=off)
 
+# Only libraries that a program uses are loaded at its start.
+add_link_options(-Wl,--as-needed)
+
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace loci::mapping {
@@ -14,7 +15,7 @@ cv::Mat read_color(const std::filesystem::path& path);
 /// another kind.
 cv::Mat read_uint16(const std::filesystem::path& path);
 
-/// What the head of an image's file says.
+/// Size and kind of an image, from the head of its file.
 struct ImageHeader {
   int width = 0;     ///< pixels
   int height = 0;    ///< pixels
@@ -22,16 +23,19 @@ struct ImageHeader {
   int bits = 0;      ///< per channel
 };
 
-/// Size and kind of a PNG or JPEG, without decoding it. Error when it is missing, no image, or when its end
-/// is not there (cheap: head and tail are read).
+/// The header from the first bytes of a PNG or JPEG. Error when it is neither.
+ImageHeader parse_image_header(std::string_view head, const std::string& name);
+
+/// The header of a file, without decoding it. Error when the file is missing, not an image, or its end is
+/// missing (reads head and tail only).
 ImageHeader read_image_header(const std::filesystem::path& path);
 
 /// Writes PNG or JPEG by the file's ending, atomically; same pixels, same bytes.
 void write_image(const std::filesystem::path& path, const cv::Mat& image);
 
-/// In memory, for blobs: ".png" or ".jpg".
+/// In memory, for blobs: ".png" (8 or 16 bits; 1, 3 or 4 channels) or ".jpg" (8 bits; 1 or 3 channels).
 std::vector<unsigned char> encode_image(const cv::Mat& image, const std::string& ending);
-/// Any depth and number of channels as stored. Error when the bytes are no whole image; `name` is for the
+/// Depth and channels as stored. Error when the bytes are not a whole PNG or JPEG image; `name` is for the
 /// message.
 cv::Mat decode_image(const std::vector<unsigned char>& bytes, const std::string& name);
 

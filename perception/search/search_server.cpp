@@ -8,7 +8,7 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/stopwatch.h"
-#include "mapping/image/image_format.h"
+#include "mapping/image/image_io.h"
 #include "perception/search/protocol.h"
 
 namespace loci::perception {

@@ -1,7 +1,9 @@
-// No program but loci-browse may link Qt or VTK, directly or through others.
+// What programs load at their start, directly or through others: no program but loci-browse links Qt or VTK,
+// and none links OpenCV's image codecs, which bring GDAL, HDF5 and a hundred more libraries.
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -18,18 +20,28 @@ std::string output_of(const std::string& command) {
   return text;
 }
 
-class LinkedLibraries : public testing::TestWithParam<const char*> {};
+class ProgramLibraries : public testing::TestWithParam<const char*> {};
 
-TEST_P(LinkedLibraries, HaveNoQtAndNoVtk) {
+TEST_P(ProgramLibraries, HaveNoQtNoVtkAndNoCodecs) {
   const std::string program = std::string(LOCI_BIN_DIR) + "/" + GetParam();
   ASSERT_TRUE(std::filesystem::exists(program)) << "build all programs first";
   const std::string libraries = output_of("ldd " + program);
   ASSERT_NE(libraries.find("libc.so"), std::string::npos) << libraries;
   EXPECT_EQ(libraries.find("libvtk"), std::string::npos);
   EXPECT_EQ(libraries.find("libQt"), std::string::npos);
+  for (const char* heavy : {"opencv_imgcodecs", "libgdal", "libhdf5", "libpq."})
+    EXPECT_EQ(libraries.find(heavy), std::string::npos) << heavy;
 }
 
-INSTANTIATE_TEST_SUITE_P(Programs, LinkedLibraries,
+// Half of the time of a short question is loading libraries.
+TEST(LinkedLibraries, OfTheMemoryAreFew) {
+  const std::string libraries = output_of("ldd " + std::string(LOCI_BIN_DIR) + "/loci-memory");
+  for (const char* unwanted : {"librosbag", "libtesseract", "libpcl", "libopencv_features2d", "libopencv_ml"})
+    EXPECT_EQ(libraries.find(unwanted), std::string::npos) << unwanted;
+  EXPECT_LE(std::count(libraries.begin(), libraries.end(), '\n'), 60) << libraries;
+}
+
+INSTANTIATE_TEST_SUITE_P(Programs, ProgramLibraries,
                          testing::Values("loci-map", "loci-perceive", "loci-memory", "loci-simulate",
                                          "loci-evaluate"));
 

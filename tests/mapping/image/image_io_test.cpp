@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
 
@@ -100,6 +102,57 @@ TEST_F(ImageIo, OtherFilesAndOtherKindsAreRefused) {
   EXPECT_THAT(message_of([&] { read_uint16(folder_ / "c.png"); }), HasSubstr("16-bit grey"));
   EXPECT_THAT(message_of([&] { write_image(folder_ / "c.bmp", gradient(CV_8UC3)); }),
               HasSubstr(".png or .jpg"));
+}
+
+TEST(ImageBytes, EveryTruncationIsRefused) {
+  for (const char* ending : {".png", ".jpg"}) {
+    const std::vector<unsigned char> whole = encode_image(gradient(CV_8UC3), ending);
+    ASSERT_NO_THROW(decode_image(whole, "whole"));
+    for (size_t size = 0; size < whole.size(); ++size)
+      EXPECT_THROW(decode_image({whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)}, "part"),
+                   Error)
+          << ending << " " << size;
+  }
+}
+
+TEST(ImageBytes, EveryFlippedByteOfAPngIsRefused) {
+  const std::vector<unsigned char> whole = encode_image(gradient(CV_16UC1), ".png");
+  for (size_t at = 0; at < whole.size(); ++at) {
+    std::vector<unsigned char> damaged = whole;
+    damaged[at] ^= 0x55;
+    EXPECT_THROW(decode_image(damaged, "damaged"), Error) << at;
+  }
+}
+
+TEST(ImageBytes, SizesAreCheckedBeforeMemoryIsTaken) {
+  // The frame header of a JPEG states its size; there is no check sum.
+  std::vector<unsigned char> jpeg = encode_image(gradient(CV_8UC3), ".jpg");
+  const std::vector<unsigned char> frame = {0xff, 0xc0};
+  const auto size = std::search(jpeg.begin(), jpeg.end(), frame.begin(), frame.end()) + 5;
+  for (int i = 0; i < 4; ++i) size[i] = i % 2 == 0 ? 0xff : 0;
+  try {
+    decode_image(jpeg, "huge.jpg");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("too large: 65280 x 65280"));
+  }
+}
+
+TEST(ImageBytes, OtherKindsAreNotEncoded) {
+  EXPECT_THROW(encode_image(cv::Mat(4, 4, CV_32FC1, cv::Scalar(1)), ".png"), Error);
+  EXPECT_THROW(encode_image(cv::Mat(4, 4, CV_16UC1, cv::Scalar(1)), ".jpg"), Error);
+  EXPECT_THROW(encode_image(cv::Mat(), ".png"), Error);
+}
+
+TEST(ImageBytes, ChannelsAndDepthComeBack) {
+  for (const int type : {CV_8UC1, CV_8UC3, CV_8UC4, CV_16UC1, CV_16UC3, CV_16UC4}) {
+    cv::Mat image(7, 9, type);
+    cv::randu(image, 0, 255);
+    const cv::Mat part = image(cv::Rect(2, 1, 5, 6));  // Rows are not next to each other.
+    const cv::Mat back = decode_image(encode_image(part, ".png"), "blob");
+    ASSERT_EQ(back.type(), type);
+    EXPECT_EQ(cv::norm(part, back, cv::NORM_INF), 0);
+  }
 }
 
 TEST(ImageBytes, EncodeAndDecodeInMemory) {
