@@ -27,9 +27,9 @@ void expect_refused(const std::string& command, const std::vector<std::string>& 
 class BadInput : public testing::Test {
  protected:
   void SetUp() override { folder_ = fresh_folder(); }
-  std::string path(const std::string& name) const { return (test::fs::path(folder_) / name).string(); }
+  std::string path(const std::string& name) const { return (fs::path(folder_) / name).string(); }
   std::string write(const std::string& name, const std::string& text) const {
-    make_folder(test::fs::path(path(name)).parent_path());
+    make_folder(fs::path(path(name)).parent_path());
     write_file_atomically(path(name), text);
     return path(name);
   }
@@ -106,16 +106,16 @@ TEST_F(BadInput, EmptyFolder) {
 }
 
 TEST_F(BadInput, TruncatedImage) {
-  const test::fs::path rec = recording();
-  for (const auto& entry : test::fs::recursive_directory_iterator(rec))
+  const fs::path rec = recording();
+  for (const auto& entry : fs::recursive_directory_iterator(rec))
     if (entry.path().string().find("depth") != std::string::npos && entry.path().extension() == ".png")
-      test::fs::resize_file(entry.path(), test::fs::file_size(entry.path()) / 2);
+      fs::resize_file(entry.path(), fs::file_size(entry.path()) / 2);
   expect_refused("loci-perceive run " + rec.string() + " -m " + path("m.loci"), {".png"});
 }
 
 TEST_F(BadInput, AnEmptyDepthImageIsSaidAndTheRestIsSeen) {
-  const test::fs::path rec = recording();
-  for (const auto& entry : test::fs::recursive_directory_iterator(rec))
+  const fs::path rec = recording();
+  for (const auto& entry : fs::recursive_directory_iterator(rec))
     if (entry.path().string().find("000001_depth") != std::string::npos)
       mapping::write_image(entry.path(), cv::Mat::zeros(480, 640, CV_16U));
   for (const std::string& map : {std::string(), " --map " LOCI_SOURCE_DIR "/apps/samples/kitchen.urdf"s}) {
@@ -127,7 +127,7 @@ TEST_F(BadInput, AnEmptyDepthImageIsSaidAndTheRestIsSeen) {
 }
 
 TEST_F(BadInput, NanPose) {
-  const test::fs::path rec = recording();
+  const fs::path rec = recording();
   std::string csv = read_file(rec / "frames.csv");
   const size_t second = csv.find('\n', csv.find('\n') + 1) + 1;
   const size_t cell = csv.rfind(',', csv.find('\n', second) - 1) + 1;
@@ -137,7 +137,7 @@ TEST_F(BadInput, NanPose) {
 }
 
 TEST_F(BadInput, UnknownRecordingKeyIsNamedWithTheNearest) {
-  const test::fs::path rec = recording();
+  const fs::path rec = recording();
   write_file_atomically(rec / "recording.yaml", read_file(rec / "recording.yaml") + "deph_scale: 0.001\n");
   expect_refused("loci-perceive info " + rec.string(), {"recording.yaml", "deph_scale", "depth_scale"});
 }
@@ -180,8 +180,8 @@ TEST_F(BadInput, DatabasesThatAreNone) {
   expect_refused("loci-memory objects -m " + text, {"text.loci"});
   const std::string rec = recording();
   ASSERT_EQ(run("loci-perceive run " + rec + " --quiet -m " + path("m.loci")).exit_code, 0);
-  test::fs::copy(path("m.loci"), path("cut.loci"));
-  test::fs::resize_file(path("cut.loci"), test::fs::file_size(path("m.loci")) / 2 + 100);
+  fs::copy(path("m.loci"), path("cut.loci"));
+  fs::resize_file(path("cut.loci"), fs::file_size(path("m.loci")) / 2 + 100);
   expect_refused("loci-memory verify -m " + path("cut.loci"), {"cut.loci"});
   // Byte 60 of an SQLite file is its user_version: 9000 is major version 9.
   std::string bytes = read_file(path("m.loci"));
@@ -199,7 +199,7 @@ TEST_F(BadInput, MapsThatAreNoneLeaveNoMemoryBehind) {
                  {"map.urdf"});
   expect_refused("loci-perceive run " + recording() + " -m " + path("r.loci") + " --map " + map,
                  {"map.urdf"});
-  EXPECT_FALSE(test::fs::exists(path("i.loci")) || test::fs::exists(path("r.loci")));
+  EXPECT_FALSE(fs::exists(path("i.loci")) || fs::exists(path("r.loci")));
 }
 
 TEST_F(BadInput, ATaxonomyThatNamesNothingDoesNotReplaceTheOldOne) {
@@ -237,7 +237,7 @@ TEST_F(BadInput, FullDiskLosesNothing) {
   const Outcome outcome =
       run("trap '' XFSZ; ulimit -f 8; loci-memory report -m " + path("m.loci") + " -o " + path("r.html"));
   EXPECT_EQ(outcome.exit_code, 1) << outcome.error;
-  EXPECT_FALSE(test::fs::exists(path("r.html")));
+  EXPECT_FALSE(fs::exists(path("r.html")));
   EXPECT_EQ(read_file(path("m.loci")), before);
 }
 

@@ -27,7 +27,7 @@ class BadScans : public testing::Test {
   std::string path(const std::string& name) const { return folder_ + "/" + name; }
 
   mapping::ScanSet scans_of(const std::string& world, const std::string& poses) const {
-    const std::string out = path("of_" + test::fs::path(world).stem().string());
+    const std::string out = path("of_" + fs::path(world).stem().string());
     const Outcome outcome =
         run("loci-simulate scan " + world + " --azimuth-step-deg 0.5 --tilt-step-deg 0.5" + " --poses '" +
             poses + "' -o " + out);
@@ -71,7 +71,7 @@ TEST_F(BadScans, OfTwoDifferentRoomsAreNotBroughtTogether) {
   EXPECT_EQ(outcome.exit_code, 1) << outcome.out;
   EXPECT_THAT(outcome.out, HasSubstr("refused"));
   EXPECT_THAT(outcome.error, HasSubstr("different places"));
-  EXPECT_FALSE(test::fs::exists(path("registered")));
+  EXPECT_FALSE(fs::exists(path("registered")));
 }
 
 TEST_F(BadScans, OfAnotherRoomIsLeftOutOfTheRest) {
@@ -104,7 +104,7 @@ TEST_F(BadScans, AllWithoutReturnsAreRefused) {
   empty(scans.scans.front());
   const Outcome outcome = interpreted(scans);
   EXPECT_EQ(outcome.exit_code, 1) << outcome.out;
-  EXPECT_FALSE(test::fs::exists(path("map/map.urdf")));
+  EXPECT_FALSE(fs::exists(path("map/map.urdf")));
 }
 
 TEST_F(BadScans, OneThatStandsOnItsHeadIsLeftOutAndAllOfThemAreRefused) {
@@ -122,15 +122,14 @@ TEST_F(BadScans, OneThatStandsOnItsHeadIsLeftOutAndAllOfThemAreRefused) {
 
 TEST_F(BadScans, CutOffFileIsNamed) {
   const std::string scans = written(scans_of(kSamples + "kitchen.urdf", "2,1.5,90"));
-  for (const auto& entry : test::fs::directory_iterator(scans))
-    if (entry.path().extension() == ".pcd")
-      test::fs::resize_file(entry.path(), test::fs::file_size(entry.path()) / 2);
+  for (const auto& entry : fs::directory_iterator(scans))
+    if (entry.path().extension() == ".pcd") fs::resize_file(entry.path(), fs::file_size(entry.path()) / 2);
   for (const std::string command : {"interpret", "register"}) {
     const Outcome outcome = run("loci-map " + command + " " + scans + " -o " + path("out"));
     EXPECT_EQ(outcome.exit_code, 1) << command;
     EXPECT_EQ(lines_of(outcome.error), 1) << outcome.error;
     EXPECT_THAT(outcome.error, HasSubstr(".pcd"));
-    EXPECT_FALSE(test::fs::exists(path("out")));
+    EXPECT_FALSE(fs::exists(path("out")));
   }
 }
 

@@ -27,11 +27,11 @@ class BrokenAnnotator : public testing::TestWithParam<Failure> {
   /// Three frames of the sample kitchen, the second of which is one too many for the annotator.
   static void SetUpTestSuite() {
     // Of each process its own: ctest runs each test in one.
-    folder() = (test::fs::temp_directory_path() / ("loci_broken_" + std::to_string(::getpid()))).string();
-    test::fs::create_directories(folder());
+    folder() = (fs::temp_directory_path() / ("loci_broken_" + std::to_string(::getpid()))).string();
+    fs::create_directories(folder());
     const std::string view = R"(, view: {from: [2.0, 1.70, 1.45], at: [2.0, 0.62, 0.74]}})";
     write_file_atomically(
-        test::fs::path(folder()) / "three.yaml",
+        fs::path(folder()) / "three.yaml",
         "world: " LOCI_SOURCE_DIR
         "/apps/samples/kitchen.urdf\nobjects:\n"
         "  milk: {model: bottle, color: [0.9, 0.9, 0.9]}\nscenes:\n"
@@ -42,7 +42,7 @@ class BrokenAnnotator : public testing::TestWithParam<Failure> {
         run("loci-simulate record " + folder() + "/three.yaml --quiet -o " + folder() + "/three");
     ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
   }
-  static void TearDownTestSuite() { test::fs::remove_all(folder()); }
+  static void TearDownTestSuite() { fs::remove_all(folder()); }
   static std::string& folder() {
     static std::string path;
     return path;
@@ -55,7 +55,7 @@ class BrokenAnnotator : public testing::TestWithParam<Failure> {
                           "flow:\n  - NormalEstimator\n  - KnownStructureFilter\n  - PlaneClusterExtractor\n"
                           "  - GeometryAnnotator\n  - {Broken: {frame: 1, how: " +
                               std::string(GetParam().how) + policy + "}\n");
-    test::fs::remove(memory());
+    fs::remove(memory());
     return run("loci-perceive run " + folder() + "/three --json --plugin " LOCI_BROKEN_PLUGIN " --map " +
                std::string(LOCI_SOURCE_DIR) + "/apps/samples/kitchen.urdf --pipeline " + pipeline + " -m " +
                memory());

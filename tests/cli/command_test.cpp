@@ -20,15 +20,15 @@ std::string fresh_folder() {
   const auto* info = testing::UnitTest::GetInstance()->current_test_info();
   std::string name = std::string(info->test_suite_name()) + "_" + info->name();
   std::replace(name.begin(), name.end(), '/', '_');
-  const test::fs::path folder = test::fs::temp_directory_path() / "loci_cli_tests" / name;
-  test::fs::remove_all(folder);
-  test::fs::create_directories(folder);
+  const fs::path folder = fs::temp_directory_path() / "loci_cli_tests" / name;
+  fs::remove_all(folder);
+  fs::create_directories(folder);
   return folder.string();
 }
 
 Outcome run(const std::string& command) {
-  const test::fs::path folder = test::fs::temp_directory_path() / ("loci_run_" + std::to_string(::getpid()));
-  test::fs::create_directories(folder);
+  const fs::path folder = fs::temp_directory_path() / ("loci_run_" + std::to_string(::getpid()));
+  fs::create_directories(folder);
   const std::string out = (folder / "out").string();
   const std::string error = (folder / "err").string();
   const std::string line = std::string("cd '") + LOCI_SOURCE_DIR + "' && PATH='" + LOCI_BIN_DIR +
@@ -38,13 +38,13 @@ Outcome run(const std::string& command) {
   outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   outcome.out = read_file(out);
   outcome.error = read_file(error);
-  test::fs::remove_all(folder);
+  fs::remove_all(folder);
   return outcome;
 }
 
 std::string shared(const std::string& relative) {
-  const test::fs::path path = test::fs::path(LOCI_SHARED_DIR) / relative;
-  return test::fs::exists(path) ? test::fs::canonical(path).string() : "";
+  const fs::path path = fs::path(LOCI_SHARED_DIR) / relative;
+  return fs::exists(path) ? fs::canonical(path).string() : "";
 }
 
 int lines_of(const std::string& text) {

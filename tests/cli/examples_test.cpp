@@ -54,7 +54,7 @@ std::vector<std::string> help_examples(const std::string& program, const std::st
 }
 
 /// The `$ ` lines of the console blocks of a document.
-std::vector<std::string> console_commands(const test::fs::path& document) {
+std::vector<std::string> console_commands(const fs::path& document) {
   std::vector<std::string> commands;
   bool inside = false;
   for (const std::string& line : lines(read_file(document))) {
@@ -70,13 +70,13 @@ class Examples : public testing::Test {
  protected:
   void SetUp() override {
     // Tests run as processes side by side: each has a folder of its own.
-    root_ = test::fs::temp_directory_path() / ("loci_examples_" + std::to_string(::getpid()));
-    test::fs::remove_all(root_);
-    test::fs::create_directories(root_ / "demo-output");
+    root_ = fs::temp_directory_path() / ("loci_examples_" + std::to_string(::getpid()));
+    fs::remove_all(root_);
+    fs::create_directories(root_ / "demo-output");
     for (const char* folder : {"apps", "docs", "mapping", "perception", "memory", "tests"})
-      test::fs::create_directory_symlink(test::fs::path(LOCI_SOURCE_DIR) / folder, root_ / folder);
-    test::fs::create_directories(root_ / "build/release");
-    test::fs::create_directory_symlink(LOCI_BIN_DIR, root_ / "build/release/bin");
+      fs::create_directory_symlink(fs::path(LOCI_SOURCE_DIR) / folder, root_ / folder);
+    fs::create_directories(root_ / "build/release");
+    fs::create_directory_symlink(LOCI_BIN_DIR, root_ / "build/release/bin");
     for (const char* command :
          {"loci-map explore apps/samples/kitchen.urdf --interact -o demo-output/explored",
           "loci-simulate record apps/samples/tour.yaml -o demo-output/tour",
@@ -87,7 +87,7 @@ class Examples : public testing::Test {
       expect_works(command);
   }
 
-  void TearDown() override { test::fs::remove_all(root_); }
+  void TearDown() override { fs::remove_all(root_); }
 
   void expect_works(const std::string& command) const {
     const Stopwatch watch;
@@ -96,7 +96,7 @@ class Examples : public testing::Test {
     if (watch.seconds() > kSlow_s) std::cout << watch.seconds() << " s: " << command << "\n";
   }
 
-  test::fs::path root_;
+  fs::path root_;
 };
 
 // One test, as making the folder costs more than the examples.
@@ -108,10 +108,10 @@ TEST_F(Examples, OfHelpAndDocumentsWorkAsPrinted) {
       for (const std::string& example : examples) expect_works(example);
     }
   }
-  std::vector<test::fs::path> documents = {test::fs::path(LOCI_SOURCE_DIR) / "README.md"};
-  for (const auto& entry : test::fs::directory_iterator(test::fs::path(LOCI_SOURCE_DIR) / "docs"))
+  std::vector<fs::path> documents = {fs::path(LOCI_SOURCE_DIR) / "README.md"};
+  for (const auto& entry : fs::directory_iterator(fs::path(LOCI_SOURCE_DIR) / "docs"))
     if (entry.path().extension() == ".md") documents.push_back(entry.path());
-  for (const test::fs::path& document : documents)
+  for (const fs::path& document : documents)
     for (const std::string& command : console_commands(document))
       // What needs data that does not come with the project says so by its path.
       if (command.find("YOUR_") == std::string::npos && command.find("./") != 0) expect_works(command);

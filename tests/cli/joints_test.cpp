@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 TEST(Joints, OfOpenDrawersAreAnnotationsOfTheScene) {
   const std::string folder = fresh_folder();
-  write_file_atomically(test::fs::path(folder) / "drawer.yaml", R"(
+  write_file_atomically(fs::path(folder) / "drawer.yaml", R"(
 world: )" LOCI_SOURCE_DIR R"(/apps/samples/kitchen.urdf
 scenes:
   - time: "2026-05-01T08:05:00Z"
@@ -26,7 +26,7 @@ scenes:
 )");
   ASSERT_EQ(run("loci-simulate record " + folder + "/drawer.yaml --quiet -o " + folder + "/drawer").exit_code,
             0);
-  test::fs::remove(folder + "/drawer/joints.csv");  // Nobody says that it is open.
+  fs::remove(folder + "/drawer/joints.csv");  // Nobody says that it is open.
   const std::string memory = folder + "/memory.loci";
   const Outcome outcome =
       run("loci-perceive run " + folder +

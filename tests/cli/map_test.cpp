@@ -43,7 +43,7 @@ TEST(MapCommands, RealKitchenMeetsItsKnownFacts) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
   outcome = run("loci-map interpret " + folder + "/scans -o " + folder + "/map --quiet");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
-  EXPECT_TRUE(test::fs::exists(folder + "/map/report.html"));
+  EXPECT_TRUE(fs::exists(folder + "/map/report.html"));
   const CsvTable facts = CsvTable::read(recording + "/known_facts.csv");
   const Json links = read_json(folder + "/map/map.semantic.json").at("links");
   expect_fact(facts, "floor_z", links.at("floor").at("geometry").at("height"));
@@ -73,7 +73,7 @@ TEST(MapCommands, RealKitchenMeetsItsKnownFacts) {
 
 TEST(MapCommands, InterpretRefusesBadInputInOneLineAndWritesNothing) {
   const std::string folder = fresh_folder();
-  test::fs::create_directories(folder + "/empty");
+  fs::create_directories(folder + "/empty");
   write_file_atomically(
       folder + "/cut.pcd",
       "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 100\n"
@@ -82,7 +82,7 @@ TEST(MapCommands, InterpretRefusesBadInputInOneLineAndWritesNothing) {
     const Outcome outcome = run("loci-map interpret " + folder + input + " -o " + folder + "/map");
     EXPECT_EQ(outcome.exit_code, 1) << input;
     EXPECT_EQ(lines_of(outcome.error), 1) << outcome.error;
-    EXPECT_FALSE(test::fs::exists(folder + "/map")) << input;
+    EXPECT_FALSE(fs::exists(folder + "/map")) << input;
   }
 }
 

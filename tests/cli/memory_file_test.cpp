@@ -47,7 +47,7 @@ TEST_F(MemoryFileCli, MergeWithItselfAddsNothingAndWithoutACommonFrameIsRefused)
   const Outcome refused = run("loci-memory merge " + file_ + " " + other + " -o " + both);
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_THAT(refused.error, HasSubstr("--transform"));
-  EXPECT_FALSE(test::fs::exists(both));
+  EXPECT_FALSE(fs::exists(both));
   const Outcome joined_now =
       run("loci-memory merge " + file_ + " " + other + " --transform 0,0,0,0 -o " + both);
   EXPECT_EQ(joined_now.exit_code, 0) << joined_now.error;
@@ -57,7 +57,7 @@ TEST_F(MemoryFileCli, MergeWithItselfAddsNothingAndWithoutACommonFrameIsRefused)
 
 TEST_F(MemoryFileCli, MergeReasonsOverWhatTwoHalvesSaw) {
   // One story, told by two robots in turns.
-  const std::string lines = read_file(test::fs::path(LOCI_SOURCE_DIR) / "apps/samples/detections.jsonl");
+  const std::string lines = read_file(fs::path(LOCI_SOURCE_DIR) / "apps/samples/detections.jsonl");
   std::istringstream stream(lines);
   std::string halves[2];
   int n = 0;
@@ -126,13 +126,10 @@ class FullDisk : public MemoryFileCli {
   /// Names of the files in the test's folder.
   std::set<std::string> files() const {
     std::set<std::string> names;
-    for (const auto& entry : test::fs::directory_iterator(folder_))
-      names.insert(entry.path().filename().string());
+    for (const auto& entry : fs::directory_iterator(folder_)) names.insert(entry.path().filename().string());
     return names;
   }
-  static int kilobytes_of(const std::string& file) {
-    return static_cast<int>(test::fs::file_size(file) / 1024);
-  }
+  static int kilobytes_of(const std::string& file) { return static_cast<int>(fs::file_size(file) / 1024); }
 };
 
 TEST_F(FullDisk, WhatMakesAMemoryLeavesNothingBehind) {
@@ -190,7 +187,7 @@ TEST_F(MemoryFileCli, ExportsOwlIndividualsWithTime) {
 }
 
 TEST_F(MemoryFileCli, TheExamplesOfTheViewsWorkAsPrinted) {
-  const std::string page = read_file(test::fs::path(LOCI_SOURCE_DIR) / "docs/memory.md");
+  const std::string page = read_file(fs::path(LOCI_SOURCE_DIR) / "docs/memory.md");
   std::istringstream stream(page);
   bool inside = false;
   int executed = 0;

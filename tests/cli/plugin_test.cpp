@@ -26,9 +26,9 @@ class Plugin : public ::testing::Test {
   void SetUp() override {
     folder_ = fresh_folder();
     for (const char* part : {"apps", "docs"})
-      test::fs::create_directory_symlink(test::fs::path(LOCI_SOURCE_DIR) / part, folder_ / part);
-    test::fs::create_directories(folder_ / "build");
-    test::fs::create_directory_symlink(test::fs::path(LOCI_BIN_DIR).parent_path(), folder_ / "build/release");
+      fs::create_directory_symlink(fs::path(LOCI_SOURCE_DIR) / part, folder_ / part);
+    fs::create_directories(folder_ / "build");
+    fs::create_directory_symlink(fs::path(LOCI_BIN_DIR).parent_path(), folder_ / "build/release");
   }
   Outcome here(const std::string& command) const {
     return run("cd '" + folder_.string() + "' && " + command);
@@ -40,7 +40,7 @@ class Plugin : public ::testing::Test {
     EXPECT_EQ(built.exit_code, 0) << built.error;
     return (folder_ / "plugin.so").string();
   }
-  test::fs::path folder_;
+  fs::path folder_;
 };
 
 TEST_F(Plugin, TheGuideWorksAsPrinted) {

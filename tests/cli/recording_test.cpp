@@ -25,8 +25,7 @@ scenes:
 /// A folder with the sample kitchen and a scenario of one frame.
 std::string scenario_folder(const std::string& scenario = kScenario) {
   const std::string folder = fresh_folder();
-  test::fs::copy_file(test::fs::path(LOCI_SOURCE_DIR) / "apps/samples/kitchen.urdf",
-                      folder + "/kitchen.urdf");
+  fs::copy_file(fs::path(LOCI_SOURCE_DIR) / "apps/samples/kitchen.urdf", folder + "/kitchen.urdf");
   write_file_atomically(folder + "/s.yaml", scenario);
   return folder;
 }
@@ -66,11 +65,11 @@ TEST(RecordAndInfo, InfoSaysWhatWasGuessed) {
 TEST(RecordAndInfo, BadRecordingsAreRefusedInOneLine) {
   const std::string folder = scenario_folder();
   expect_one_line_refusal(run("loci-perceive info " + folder + "/nowhere"), "no such recording");
-  test::fs::create_directories(folder + "/empty");
+  fs::create_directories(folder + "/empty");
   expect_one_line_refusal(run("loci-perceive info " + folder + "/empty"), "the folder is empty");
   ASSERT_EQ(run("loci-simulate record " + folder + "/s.yaml -o " + folder + "/rec").exit_code, 0);
   const std::string depth = folder + "/rec/frames/000000_depth.png";
-  test::fs::resize_file(depth, test::fs::file_size(depth) / 2);
+  fs::resize_file(depth, fs::file_size(depth) / 2);
   expect_one_line_refusal(run("loci-perceive info " + folder + "/rec"),
                           "000000_depth.png: the image is truncated");
 }
@@ -89,7 +88,7 @@ TEST(RecordAndInfo, BadScenarioLeavesTheOldRecording) {
   expect_one_line_refusal(run(command), "s.yaml:1: unknown key 'wrld'; did you mean 'world'?");
   expect_one_line_refusal(run("loci-simulate record " + folder + "/absent.yaml -o " + folder + "/rec"),
                           "no such file");
-  test::fs::remove(folder + "/kitchen.urdf");
+  fs::remove(folder + "/kitchen.urdf");
   write_file_atomically(folder + "/s.yaml", std::string(kScenario));
   expect_one_line_refusal(run(command), "kitchen.urdf");
 }
@@ -98,7 +97,7 @@ TEST(RecordAndInfo, RecordDoesNotWriteIntoAFolderOfOtherThings) {
   const std::string folder = scenario_folder();
   expect_one_line_refusal(run("loci-simulate record " + folder + "/s.yaml -o " + folder),
                           "holds no recording");
-  EXPECT_TRUE(test::fs::exists(folder + "/s.yaml"));
+  EXPECT_TRUE(fs::exists(folder + "/s.yaml"));
 }
 
 }  // namespace

@@ -37,10 +37,10 @@ SmallWorld drawers_that_hang_together() {
 class Survey : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = test::fs::path(testing::TempDir()) / "survey" /
+    folder_ = fs::path(testing::TempDir()) / "survey" /
               testing::UnitTest::GetInstance()->current_test_info()->name();
-    test::fs::remove_all(folder_);
-    test::fs::create_directories(folder_);
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
   }
 
   SurveyResult explore(const SmallWorld& world, const std::string& out, int threads, Progress& progress,
@@ -56,7 +56,7 @@ class Survey : public testing::Test {
   }
   std::string bytes(const std::string& file) const { return read_file(folder_ / file); }
 
-  test::fs::path folder_;
+  fs::path folder_;
   Warnings warnings_;
   NoProgress quiet_;
 };

@@ -118,8 +118,7 @@ void ProductsOptions::declare(OptionTable& table) {
   table.flag("peer", peer, "Run plain brute-force SIFT beside.");
 }
 
-ProductsResult evaluate_products(const description_evaluation::fs::path& folder,
-                                 const ProductsOptions& options,
+ProductsResult evaluate_products(const fs::path& folder, const ProductsOptions& options,
                                  const perception::RecognitionOptions& recognition, int threads,
                                  Progress& progress, Warnings& warnings) {
   ProductsResult result;

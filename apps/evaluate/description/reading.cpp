@@ -53,8 +53,7 @@ void read_number(const perception::TextReader& reader, const cv::Mat& image, con
   result.digits_read += static_cast<double>(run) / static_cast<double>(number.size());
 }
 
-void read_words(const perception::TextReader& reader, const description_evaluation::fs::path& folder,
-                ReadingResult& result) {
+void read_words(const perception::TextReader& reader, const fs::path& folder, ReadingResult& result) {
   const CsvTable table = CsvTable::read(folder / "visible_text.csv");
   const size_t file = table.require_column("file"), words = table.require_column("words");
   for (size_t row = 0; row < table.rows(); ++row) {
@@ -70,8 +69,7 @@ void read_words(const perception::TextReader& reader, const description_evaluati
 
 }  // namespace
 
-ReadingResult evaluate_reading(const description_evaluation::fs::path& folder,
-                               const description_evaluation::fs::path& words, Progress& progress) {
+ReadingResult evaluate_reading(const fs::path& folder, const fs::path& words, Progress& progress) {
   ReadingResult result;
   const perception::TextReader reader;
   const CsvTable table = CsvTable::read(folder / "expected.csv");
@@ -94,8 +92,7 @@ ReadingResult evaluate_reading(const description_evaluation::fs::path& folder,
     read_number(reader, image, truth, result);
   }
   if (result.printed > 0) result.digits_read /= result.printed;
-  if (!words.empty() && description_evaluation::fs::exists(words / "visible_text.csv"))
-    read_words(reader, words, result);
+  if (!words.empty() && fs::exists(words / "visible_text.csv")) read_words(reader, words, result);
   return result;
 }
 

@@ -23,13 +23,13 @@ const std::array<double, 9> kSteps_s = {0.1, 0.2, 0.3, 0.6, 0.7, 0.8, 0.9, 1.0, 
 
 struct Asked {
   std::string file;  ///< for people
-  description_evaluation::fs::path path;
+  fs::path path;
   std::string truth;
   std::set<std::string> relevant;  ///< empty: nobody says what it is called
 };
 
-std::vector<Asked> images_of(const description_evaluation::fs::path& folder,
-                             const std::vector<perception::Product>& catalogue, int every) {
+std::vector<Asked> images_of(const fs::path& folder, const std::vector<perception::Product>& catalogue,
+                             int every) {
   std::map<std::string, std::set<std::string>> known, visible;
   for (const perception::Product& product : catalogue) {
     std::set<std::string>& words = known[product.name];
@@ -37,7 +37,7 @@ std::vector<Asked> images_of(const description_evaluation::fs::path& folder,
     for (const auto& [key, value] : product.properties)
       if (key == "category" || key == "brand" || key == "manufacturer") words.merge(folded_words(value));
   }
-  if (description_evaluation::fs::exists(folder / "visible_text.csv")) {
+  if (fs::exists(folder / "visible_text.csv")) {
     const CsvTable table = CsvTable::read(folder / "visible_text.csv");
     for (size_t row = 0; row < table.rows(); ++row)
       visible[table.cell(row, table.require_column("file"))] =
@@ -48,20 +48,18 @@ std::vector<Asked> images_of(const description_evaluation::fs::path& folder,
   for (size_t row = 0; row < labels.rows(); row += static_cast<size_t>(every)) {
     const std::string& file = labels.cell(row, labels.require_column("file"));
     const std::string& name = labels.cell(row, labels.require_column("class_name"));
-    asked.push_back(
-        {description_evaluation::fs::path(file).stem().string(), folder / file, name, known[name]});
+    asked.push_back({fs::path(file).stem().string(), folder / file, name, known[name]});
     asked.back().relevant.merge(visible[file]);
   }
   return asked;
 }
 
-void add_codes(const description_evaluation::fs::path& folder, int every, std::vector<Asked>& asked) {
+void add_codes(const fs::path& folder, int every, std::vector<Asked>& asked) {
   const CsvTable table = CsvTable::read(folder / "expected.csv");
   for (size_t row = 0; row < table.rows(); row += static_cast<size_t>(every)) {
     const std::string& file = table.cell(row, table.require_column("file"));
     const std::string& text = table.cell(row, table.require_column("text"));
-    asked.push_back(
-        {description_evaluation::fs::path(file).stem().string(), folder / "images" / file, text, {}});
+    asked.push_back({fs::path(file).stem().string(), folder / "images" / file, text, {}});
   }
 }
 
@@ -116,8 +114,7 @@ void try_cache(const std::vector<Asked>& asked, ServiceResult& result) {
 
 }  // namespace
 
-ServiceResult evaluate_service(const description_evaluation::fs::path& folder,
-                               const description_evaluation::fs::path& codes, int every, int threads,
+ServiceResult evaluate_service(const fs::path& folder, const fs::path& codes, int every, int threads,
                                Progress& progress, Warnings& warnings) {
   const std::vector<perception::Product> catalogue = perception::read_catalogue(folder);
   std::vector<Asked> asked = images_of(folder, catalogue, every);

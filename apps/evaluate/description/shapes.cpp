@@ -31,7 +31,7 @@ std::string class_of_category(const std::string& category) {
   return "";
 }
 
-perception::LabelledRecording by_category(const description_evaluation::fs::path& folder) {
+perception::LabelledRecording by_category(const fs::path& folder) {
   perception::LabelledRecording labelled;
   labelled.recording = mapping::open_recording(folder);
   const auto images = perception::find_label_images(folder);
@@ -153,8 +153,8 @@ ShapesResult evaluate_shapes(const std::vector<std::string>& folders, const Shap
                            primitive_scenes(static_cast<size_t>(options.test_scenes), random.fork(1)),
                            features, threads, testing, warnings));
   for (const std::string& folder : folders)
-    sets.push_back(described(description_evaluation::fs::path(folder).lexically_normal().filename().string(),
-                             by_category(folder), features, threads, real, warnings));
+    sets.push_back(described(fs::path(folder).lexically_normal().filename().string(), by_category(folder),
+                             features, threads, real, warnings));
   ShapesResult result;
   result.trained_on = train.things.size();
   for (const TestSet& set : sets) result.test_sets.push_back(set.name);

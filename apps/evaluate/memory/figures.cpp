@@ -40,7 +40,7 @@ double resident_megabytes() {
 /// Takes scenes in and counts.
 class Writer {
  public:
-  Writer(const MemoryOptions& options, const memory_experiment::fs::path& file)
+  Writer(const MemoryOptions& options, const fs::path& file)
       : options_(options),
         home_(options.home, options.seed),
         store_(memory::Store::open_write(file)),
@@ -116,9 +116,8 @@ void ingest_all(Writer& writer, const MemoryOptions& options, MemoryFigures& fig
 }
 
 /// A tenth more alone, then as much beside readers.
-void write_beside_readers(Writer& writer, const MemoryOptions& options,
-                          const memory_experiment::fs::path& file, MemoryFigures& figures,
-                          Progress& progress) {
+void write_beside_readers(Writer& writer, const MemoryOptions& options, const fs::path& file,
+                          MemoryFigures& figures, Progress& progress) {
   const size_t part = std::max<size_t>(2000, static_cast<size_t>(options.observations) / 20);
   const auto tell = [&] { progress.check(0.5, "one writer, several readers"); };
   const auto rate = [&] {
@@ -281,12 +280,11 @@ void MemoryOptions::declare(OptionTable& table) {
   table.number("noise_m", home.noise_m, "m", "Noise of positions per axis.", 0.0001, 0.1);
 }
 
-MemoryFigures measure(const MemoryOptions& options, const memory_experiment::fs::path& folder,
-                      Progress& progress) {
+MemoryFigures measure(const MemoryOptions& options, const fs::path& folder, Progress& progress) {
   MemoryFigures figures;
   size_t stored = 0;
-  const memory_experiment::fs::path file = folder / "simulated.loci", plain_file = folder / "plain.sqlite";
-  for (const memory_experiment::fs::path& old : {file, plain_file}) memory_experiment::fs::remove(old);
+  const fs::path file = folder / "simulated.loci", plain_file = folder / "plain.sqlite";
+  for (const fs::path& old : {file, plain_file}) fs::remove(old);
   {
     Writer writer(options, file);
     PartialProgress part(progress, 0, 0.7);
@@ -295,7 +293,7 @@ MemoryFigures measure(const MemoryOptions& options, const memory_experiment::fs:
     writer.finish();
     stored = writer.observations();
   }
-  figures.bytes_per_observation = double(memory_experiment::fs::file_size(file)) / double(stored);
+  figures.bytes_per_observation = double(fs::file_size(file)) / double(stored);
   {
     const memory::Store store = memory::Store::open_read(file);
     figures.objects = static_cast<size_t>(store.last_object());
@@ -315,10 +313,10 @@ MemoryFigures measure(const MemoryOptions& options, const memory_experiment::fs:
       throw Error("the memory is not sound: " + problems.front(), {file.string(), 0, {}});
     figures.verify_s = verify.seconds();
   }
-  memory_experiment::fs::remove(plain_file);
+  fs::remove(plain_file);
   if (options.kills > 0) {
-    const memory_experiment::fs::path killed = folder / "killed.loci";
-    memory_experiment::fs::remove(killed);
+    const fs::path killed = folder / "killed.loci";
+    fs::remove(killed);
     kill_writers(options, killed, figures, progress);
   }
   return figures;

@@ -24,9 +24,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Category of a scene by the number in its name, where scenes.csv tells.
-std::map<int64_t, std::string> read_categories(const segmentation_evaluation::fs::path& folder) {
+std::map<int64_t, std::string> read_categories(const fs::path& folder) {
   std::map<int64_t, std::string> categories;
-  if (!segmentation_evaluation::fs::exists(folder / "scenes.csv")) return categories;
+  if (!fs::exists(folder / "scenes.csv")) return categories;
   const CsvTable table = CsvTable::read(folder / "scenes.csv");
   const int scene = table.column("scene");
   const int category = table.column("category");
@@ -39,8 +39,8 @@ std::map<int64_t, std::string> read_categories(const segmentation_evaluation::fs
 
 /// Our segments and seconds of every frame, by the frame's name.
 std::map<std::string, Segmentation> ours(const std::shared_ptr<mapping::Recording>& recording,
-                                         const segmentation_evaluation::fs::path& pipeline_file,
-                                         Progress& progress, Warnings& warnings) {
+                                         const fs::path& pipeline_file, Progress& progress,
+                                         Warnings& warnings) {
   perception::AnnotatorRegistry registry;
   add_annotators(registry);
   perception::Pipeline pipeline =
@@ -84,7 +84,7 @@ void ComparisonOptions::declare(OptionTable& table) {
   peer.declare(table);
 }
 
-LabelledImage read_labels(const segmentation_evaluation::fs::path& path) {
+LabelledImage read_labels(const fs::path& path) {
   const cv::Mat raw = perception::read_label_image(path);
   LabelledImage image{cv::Mat::zeros(raw.size(), CV_16U), raw > 0};
   for (int v = 0; v < raw.rows; ++v)
@@ -94,13 +94,10 @@ LabelledImage read_labels(const segmentation_evaluation::fs::path& path) {
   return image;
 }
 
-Comparison compare(const segmentation_evaluation::fs::path& folder,
-                   const segmentation_evaluation::fs::path& pipeline,
-                   const segmentation_evaluation::fs::path& images, const ComparisonOptions& options,
-                   Progress& progress, Warnings& warnings) {
+Comparison compare(const fs::path& folder, const fs::path& pipeline, const fs::path& images,
+                   const ComparisonOptions& options, Progress& progress, Warnings& warnings) {
   const std::shared_ptr<mapping::Recording> recording = mapping::open_recording(folder);
-  const std::map<std::string, segmentation_evaluation::fs::path> label_files =
-      perception::find_label_images(folder);
+  const std::map<std::string, fs::path> label_files = perception::find_label_images(folder);
   const std::map<int64_t, std::string> categories = read_categories(folder);
   if (label_files.empty())
     throw Error("there are no labels", {folder.string(), 0, {}},

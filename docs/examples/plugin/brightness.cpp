@@ -8,7 +8,7 @@
 
 namespace {
 
-using namespace loci;
+using namespace loci::perception;
 
 class BrightnessAnnotator : public Annotator {
  public:
@@ -19,7 +19,7 @@ class BrightnessAnnotator : public Annotator {
             {"BrightnessAnnotation"}};          // makes
   }
 
-  void declare(OptionTable& table) override {
+  void declare(loci::OptionTable& table) override {
     table.number("dark", dark_, "", "Objects whose mean is below this are dark.", 0, 1);
     table.number("bright", bright_, "", "Objects whose mean is above this are bright.", 0, 1);
   }

@@ -10,12 +10,12 @@
 
 namespace {
 
-using namespace loci;
+using namespace loci::perception;
 
 /// Says a word about every cluster, and fails in one scene.
-class Broken : public loci::perception::Annotator {
+class Broken : public Annotator {
  public:
-  loci::perception::AnnotatorDescriptor descriptor() const override {
+  AnnotatorDescriptor descriptor() const override {
     return {"Broken", "Fails in one scene.", {"Cluster"}, {"TextAnnotation"}};
   }
   void declare(loci::OptionTable& table) override {
@@ -23,11 +23,11 @@ class Broken : public loci::perception::Annotator {
                {"throws", "throws_once", "throws_an_int", "hangs", "nan"});
     table.integer("frame", frame_, "", "In which frame.", 0, 1000000);
   }
-  void process(loci::perception::cas::Cas& cas, loci::perception::Context& /*context*/) override {
-    const loci::perception::types::SceneCas scene(cas);
+  void process(cas::Cas& cas, Context& /*context*/) override {
+    const types::SceneCas scene(cas);
     const bool here = scene.scene().frame_index.get() == frame_;
-    for (const loci::perception::types::Cluster& cluster : scene.clusters()) {
-      const auto text = loci::perception::types::TextAnnotation::create(cas);
+    for (const types::Cluster& cluster : scene.clusters()) {
+      const auto text = types::TextAnnotation::create(cas);
       text.text.set("said");
       if (here && how_ == "nan") text.confidence.set(std::numeric_limits<double>::quiet_NaN());
       cluster.annotations.push_back(text);
@@ -48,7 +48,7 @@ class Broken : public loci::perception::Annotator {
   bool thrown_ = false;
 };
 
-void add_annotators(loci::perception::AnnotatorRegistry& registry) {
+void add_annotators(AnnotatorRegistry& registry) {
   registry.add<Broken>();
 }
 

@@ -24,9 +24,9 @@ constexpr int kWidth = 12, kHeight = 10;
 class OtherLayouts : public testing::Test {
  protected:
   OtherLayouts() { make_folder(root_); }
-  ~OtherLayouts() override { test::fs::remove_all(root_); }
+  ~OtherLayouts() override { fs::remove_all(root_); }
 
-  static std::string refusal(const test::fs::path& path) {
+  static std::string refusal(const fs::path& path) {
     try {
       open_recording(path);
     } catch (const Error& error) {
@@ -36,9 +36,8 @@ class OtherLayouts : public testing::Test {
     return "no error";
   }
 
-  test::fs::path root_ =
-      test::fs::path(testing::TempDir()) /
-      (std::string("layouts_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+  fs::path root_ = fs::path(testing::TempDir()) /
+                   (std::string("layouts_") + testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
 // TUM RGB-D ------------------------------------------------------------------------------------------------
@@ -90,7 +89,7 @@ TEST_F(Tum, BadListsAreNamedWithTheirLine) {
   EXPECT_THAT(refusal(root_), HasSubstr("groundtruth.txt:1"));
   write_file_atomically(root_ / "groundtruth.txt", "yesterday 0 0 1 0 0 0 1\n");
   EXPECT_THAT(refusal(root_), HasSubstr("'yesterday' is no stamp"));
-  test::fs::remove(root_ / "groundtruth.txt");
+  fs::remove(root_ / "groundtruth.txt");
   write_file_atomically(root_ / "depth.txt", "1305031102.1 depth/none.png\n");
   EXPECT_THAT(refusal(root_), HasSubstr("none.png"));
 }
@@ -213,7 +212,7 @@ class Bag : public OtherLayouts {
     }
     return all;
   }
-  test::fs::path bag_ = root_ / "small.bag";
+  fs::path bag_ = root_ / "small.bag";
 };
 
 TEST_F(Bag, GivesPosedFramesWhateverItsCompression) {
@@ -264,8 +263,8 @@ TEST_F(Bag, BrokenMessagesAreNamed) {
 }
 
 TEST_F(Bag, ReadsAsTheFolderThatItWasMadeOf) {
-  const test::fs::path shared = LOCI_SHARED_DIR;
-  if (!test::fs::exists(shared / "data/bag/redkitchen_12.bag")) GTEST_SKIP() << "no shared data";
+  const fs::path shared = LOCI_SHARED_DIR;
+  if (!fs::exists(shared / "data/bag/redkitchen_12.bag")) GTEST_SKIP() << "no shared data";
   const auto bag = open_recording(shared / "data/bag/redkitchen_12.bag");
   const auto folder = open_recording(shared / "data/redkitchen_rgbd");
   ASSERT_EQ(bag->size(), 12U);

@@ -160,7 +160,7 @@ TEST(TypeSystem, BadOnesAreRefusedWithFileAndLine) {
   }
   EXPECT_THROW(TypeSystem::load({{"x", "<other/>"}}, {}, {}), Error);
   EXPECT_THROW(TypeSystem::load({{"x", ""}}, {}, {}), Error);
-  EXPECT_THROW(TypeSystem::load({cas::fs::path("/nowhere/x.xml")}), Error);
+  EXPECT_THROW(TypeSystem::load({fs::path("/nowhere/x.xml")}), Error);
 }
 
 TEST(TypeSystem, TypedArraysOfUima3AreFsArrays) {
@@ -181,16 +181,15 @@ TEST(TypeSystem, EndlessHierarchiesAreRefused) {
 class ImportedTypes : public testing::Test {
  protected:
   void SetUp() override {
-    cas::fs::remove_all(folder_);
-    cas::fs::create_directories(folder_ / "org" / "lib");
+    fs::remove_all(folder_);
+    fs::create_directories(folder_ / "org" / "lib");
   }
-  void TearDown() override { cas::fs::remove_all(folder_); }
+  void TearDown() override { fs::remove_all(folder_); }
   void write(const std::string& name, const std::string& imports, const std::string& types) const {
     std::ofstream(folder_ / name) << "<typeSystemDescription>\n<imports>" << imports << "</imports>\n<types>"
                                   << types << "</types></typeSystemDescription>";
   }
-  const cas::fs::path folder_ =
-      cas::fs::temp_directory_path() / fmt::format("loci_type_imports_{}", ::getpid());
+  const fs::path folder_ = fs::temp_directory_path() / fmt::format("loci_type_imports_{}", ::getpid());
 };
 
 TEST_F(ImportedTypes, AreFoundByLocationAndByNameAndReadOnce) {
@@ -216,14 +215,14 @@ TEST_F(ImportedTypes, AreRefusedWhenTheyAreNotThere) {
 
 // Type systems of other projects (shared data).
 
-cas::fs::path shared(const std::string& relative) {
-  return cas::fs::path(LOCI_SHARED_DIR) / "data" / relative;
+fs::path shared(const std::string& relative) {
+  return fs::path(LOCI_SHARED_DIR) / "data" / relative;
 }
 
 TEST(SharedTypeSystems, AllOfRoboSherlockLoad) {
-  if (!cas::fs::exists(shared("uima_types"))) GTEST_SKIP() << "needs uima_types of the shared data folder";
-  std::vector<cas::fs::path> all;
-  for (const auto& entry : cas::fs::directory_iterator(shared("uima_types/robosherlock"))) {
+  if (!fs::exists(shared("uima_types"))) GTEST_SKIP() << "needs uima_types of the shared data folder";
+  std::vector<fs::path> all;
+  for (const auto& entry : fs::directory_iterator(shared("uima_types/robosherlock"))) {
     EXPECT_NO_THROW(TypeSystem::load({entry.path()})) << entry.path();
     all.push_back(entry.path());
   }
@@ -234,8 +233,8 @@ TEST(SharedTypeSystems, AllOfRoboSherlockLoad) {
 }
 
 TEST(SharedTypeSystems, AllOfUimacppAreCompleteAndLoad) {
-  if (!cas::fs::exists(shared("uima_types"))) GTEST_SKIP() << "needs uima_types of the shared data folder";
-  for (const auto& entry : cas::fs::directory_iterator(shared("uima_types/uimacpp")))
+  if (!fs::exists(shared("uima_types"))) GTEST_SKIP() << "needs uima_types of the shared data folder";
+  for (const auto& entry : fs::directory_iterator(shared("uima_types/uimacpp")))
     EXPECT_NO_THROW(TypeSystem::load({entry.path()})) << entry.path();
   const auto system = TypeSystem::load({shared("uima_types/uimacpp/testTypeSystem_withMultiRefs.xml")});
   const Feature links = system->type("org.apache.uima.testTypeSystem.EntityAnnotation").feature("links");
@@ -244,7 +243,7 @@ TEST(SharedTypeSystems, AllOfUimacppAreCompleteAndLoad) {
 }
 
 TEST(SharedTypeSystems, WithoutOneOfItsTypesATypeSystemIsRefusedByTheMissingName) {
-  if (!cas::fs::exists(shared("uima_types"))) GTEST_SKIP() << "needs uima_types of the shared data folder";
+  if (!fs::exists(shared("uima_types"))) GTEST_SKIP() << "needs uima_types of the shared data folder";
   std::string text = read_file(shared("uima_types/uimacpp/testTypeSystem.xml"));
   const std::string name = "<name>org.apache.uima.testTypeSystem.RelationArgs</name>";
   ASSERT_NE(text.find(name), std::string::npos);
@@ -259,9 +258,9 @@ TEST(SharedTypeSystems, WithoutOneOfItsTypesATypeSystemIsRefusedByTheMissingName
 }
 
 TEST(SharedTypeSystems, ThoseOfUimasXmiCasesLoad) {
-  if (!cas::fs::exists(shared("uima_xmi"))) GTEST_SKIP() << "needs uima_xmi of the shared data folder";
+  if (!fs::exists(shared("uima_xmi"))) GTEST_SKIP() << "needs uima_xmi of the shared data folder";
   int count = 0;
-  for (const auto& entry : cas::fs::directory_iterator(shared("uima_xmi"))) {
+  for (const auto& entry : fs::directory_iterator(shared("uima_xmi"))) {
     if (!entry.is_directory()) continue;
     EXPECT_NO_THROW(TypeSystem::load({entry.path() / "typesystem.xml"})) << entry.path();
     ++count;

@@ -77,8 +77,8 @@ std::string refusal(const std::shared_ptr<const TypeSystem>& system, const std::
 class ReferenceCases : public testing::TestWithParam<const char*> {};
 
 TEST_P(ReferenceCases, SurviveInAllDirections) {
-  const cas::fs::path folder = cas::fs::path(LOCI_SHARED_DIR) / "data/uima_xmi" / GetParam();
-  if (!cas::fs::exists(folder)) GTEST_SKIP() << "no shared data";
+  const fs::path folder = fs::path(LOCI_SHARED_DIR) / "data/uima_xmi" / GetParam();
+  if (!fs::exists(folder)) GTEST_SKIP() << "no shared data";
   const auto system = TypeSystem::load({folder / "typesystem.xml"});
   const auto cas = read(system, read_file(folder / "cas.xmi"));
   expect_survives(*cas);
@@ -94,8 +94,8 @@ INSTANTIATE_TEST_SUITE_P(Uima, ReferenceCases,
                                          "emptyCas"));
 
 TEST(Xmi, ArraysHaveTheElementsThatUimaWrote) {
-  const cas::fs::path folder = cas::fs::path(LOCI_SHARED_DIR) / "data/uima_xmi/casWithArrays";
-  if (!cas::fs::exists(folder)) GTEST_SKIP() << "no shared data";
+  const fs::path folder = fs::path(LOCI_SHARED_DIR) / "data/uima_xmi/casWithArrays";
+  if (!fs::exists(folder)) GTEST_SKIP() << "no shared data";
   const auto cas = read(TypeSystem::load({folder / "typesystem.xml"}), read_file(folder / "cas.xmi"));
   const FeatureStructure annotations =
       cas->select("FsArrayHolder", "_InitialView").front().get<FeatureStructure>("fsArray");

@@ -14,8 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::ElementsAre;
 
-const description_evaluation::fs::path kData =
-    description_evaluation::fs::path(LOCI_SOURCE_DIR) / "tests/data";
+const fs::path kData = fs::path(LOCI_SOURCE_DIR) / "tests/data";
 
 TEST(DescriptionEvaluation, WordsAreComparedWithoutCaseAndSigns) {
   EXPECT_EQ(folded("ÄPPLE,"), folded("äpple"));
@@ -25,13 +24,12 @@ TEST(DescriptionEvaluation, WordsAreComparedWithoutCaseAndSigns) {
 }
 
 TEST(DescriptionEvaluation, CodesThatAreReadMissedAndWrongAreCounted) {
-  const description_evaluation::fs::path folder =
-      description_evaluation::fs::temp_directory_path() / "loci_codes_evaluation";
-  description_evaluation::fs::create_directories(folder / "images");
-  description_evaluation::fs::copy_file(kData / "images/ean13.png", folder / "images/right.png",
-                                        description_evaluation::fs::copy_options::overwrite_existing);
-  description_evaluation::fs::copy_file(kData / "images/ean13.png", folder / "images/other.png",
-                                        description_evaluation::fs::copy_options::overwrite_existing);
+  const fs::path folder = fs::temp_directory_path() / "loci_codes_evaluation";
+  fs::create_directories(folder / "images");
+  fs::copy_file(kData / "images/ean13.png", folder / "images/right.png",
+                fs::copy_options::overwrite_existing);
+  fs::copy_file(kData / "images/ean13.png", folder / "images/other.png",
+                fs::copy_options::overwrite_existing);
   write_file_atomically(
       folder / "expected.csv",
       "file,symbology,text\nright.png,EAN-13,9780441014989\nother.png,EAN-13,4000000000006\n");
@@ -41,7 +39,7 @@ TEST(DescriptionEvaluation, CodesThatAreReadMissedAndWrongAreCounted) {
   EXPECT_EQ(result.codes.at("EAN-13").right, 1);
   EXPECT_EQ(result.wrong, 1);
   EXPECT_THAT(result.missed, ElementsAre("other.png"));
-  description_evaluation::fs::remove_all(folder);
+  fs::remove_all(folder);
 }
 
 TEST(DescriptionEvaluation, OurServiceIsAskedAboutEveryImage) {

@@ -12,10 +12,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A folder with two clouds: two corners of walls, the second 0.1 m along x.
-registration_evaluation::fs::path two_clouds() {
-  const registration_evaluation::fs::path folder =
-      registration_evaluation::fs::path(::testing::TempDir()) / "listed_pairs";
-  registration_evaluation::fs::create_directories(folder);
+fs::path two_clouds() {
+  const fs::path folder = fs::path(::testing::TempDir()) / "listed_pairs";
+  fs::create_directories(folder);
   for (const char* name : {"a.pcd", "b.pcd"}) {
     const double shift = name[0] == 'b' ? -0.1 : 0;
     std::string points;
@@ -29,7 +28,7 @@ registration_evaluation::fs::path two_clouds() {
 }
 
 TEST(ListedPairs, AreReadWithTheirPoses) {
-  const registration_evaluation::fs::path folder = two_clouds();
+  const fs::path folder = two_clouds();
   write_file_atomically(folder / "pairs.csv",
                         "target,source,x_m,y_m,z_m,rx_deg,ry_deg,rz_deg\na.pcd,b.pcd,0.1,0,0,0,0,0\n");
   const PairSet set = listed_pairs(folder / "pairs.csv", folder);
@@ -39,7 +38,7 @@ TEST(ListedPairs, AreReadWithTheirPoses) {
 }
 
 TEST(ListedPairs, NameTheFileThatIsMissing) {
-  const registration_evaluation::fs::path folder = two_clouds();
+  const fs::path folder = two_clouds();
   write_file_atomically(folder / "bad.csv",
                         "target,source,x_m,y_m,z_m,rx_deg,ry_deg,rz_deg\na.pcd,none.pcd,0,0,0,0,0,0\n");
   try {
