@@ -74,7 +74,7 @@ int64_t export_kinds(const memory::Store& store, const fs::path& folder, Progres
     if (!kinds) continue;
     cv::Mat image(kinds->height, kinds->width, CV_8U);
     std::ranges::transform(kinds->pixels, image.ptr<uint8_t>(),
-                           [](memory::SceneKind kind) { return static_cast<uint8_t>(kind); });
+                           [](mapping::PixelKind kind) { return static_cast<uint8_t>(kind); });
     mapping::write_image(folder / fmt::format("scene_{:06}.png", scenes[i].id), image);
     ++written;
   }
@@ -206,7 +206,7 @@ Command export_command() {
         app.add_flag(
             "--kinds", arguments->kinds,
             "kinds/scene_N.png: what each pixel of the depth thumbnail is: 0 not measured, 1 known from "
-            "the map, 2 irrelevant, 3 of interest");
+            "the map, 2 background, 3 region of interest");
         app.add_flag("--clouds", arguments->clouds,
                      "clouds/object_N_scene_M.ply: the surface of each sighting, as far as depth is kept");
         app.add_flag("--map", arguments->map, "map.urdf: the map with what people corrected in it");

@@ -15,6 +15,7 @@
 #include "mapping/base/progress.h"
 #include "mapping/base/time.h"
 #include "mapping/sensor/camera.h"
+#include "mapping/sensor/pixel_kind.h"
 #include "mapping/world/mesh.h"
 #include "mapping/world/world.h"
 
@@ -89,14 +90,6 @@ struct ImageBox {
   std::vector<std::vector<cv::Point2f>> color_outline = {}, depth_outline = {};
 };
 
-/// What a pixel of the depth image is, by what the map knows: as the store's SceneKind.
-enum class PixelKind : uint8_t {
-  unmeasured = 0,
-  known = 1,        ///< the map explains it
-  irrelevant = 2,   ///< in no region of interest
-  of_interest = 3,  ///< what things are looked for in
-};
-
 /// What was recorded of one scene.
 struct SceneContent {
   SceneEntry scene;
@@ -104,7 +97,7 @@ struct SceneContent {
   cv::Mat depth;  ///< CV_32F, metres, NaN = no measurement; may be smaller than the camera's image
   mapping::RgbdCamera camera;
   std::optional<Isometry3d> map_from_camera;
-  cv::Mat kinds = {};  ///< CV_8U of depth's size, PixelKind; empty = not known
+  cv::Mat kinds = {};  ///< CV_8U of depth's size, mapping::PixelKind; empty = not known
   std::vector<ImageBox> boxes;
 };
 

@@ -4,8 +4,8 @@
 
 namespace loci::gui {
 
-/// What the pixels of the colour image are (CV_8U, PixelKind, as many pixels as the depth image has), by
-/// way of the depth that was measured there. Empty when it is not known.
+/// What the pixels of the colour image are (CV_8U, mapping::PixelKind, as many pixels as the depth image
+/// has), by way of the depth that was measured there. Empty when it is not known.
 cv::Mat kinds_in_color(const SceneContent& content);
 
 }  // namespace loci::gui

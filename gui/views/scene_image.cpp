@@ -37,15 +37,15 @@ QImage depth_image(const cv::Mat& depth) {
   return image;
 }
 
-QColor color_of(PixelKind kind) {
+QColor color_of(mapping::PixelKind kind) {
   switch (kind) {
-    case PixelKind::known:
+    case mapping::PixelKind::map_explained:
       return {40, 110, 230, 110};
-    case PixelKind::irrelevant:
+    case mapping::PixelKind::background:
       return {0, 0, 0, 150};
-    case PixelKind::of_interest:
+    case mapping::PixelKind::region_of_interest:
       return {60, 200, 80, 110};
-    case PixelKind::unmeasured:
+    case mapping::PixelKind::unmeasured:
       break;
   }
   return {0, 0, 0, 0};
@@ -56,7 +56,7 @@ QImage kinds_image(const cv::Mat& kinds) {
   QImage image(kinds.cols, kinds.rows, QImage::Format_ARGB32);
   for (int y = 0; y < kinds.rows; ++y)
     for (int x = 0; x < kinds.cols; ++x)
-      image.setPixelColor(x, y, color_of(static_cast<PixelKind>(kinds.at<uint8_t>(y, x))));
+      image.setPixelColor(x, y, color_of(static_cast<mapping::PixelKind>(kinds.at<uint8_t>(y, x))));
   return image;
 }
 
@@ -185,9 +185,11 @@ void SceneImage::paint_values(QPainter& painter) const {
 
 /// What the tints mean, at the top.
 void SceneImage::paint_kinds(QPainter& painter) const {
-  const std::vector<std::pair<PixelKind, QString>> kinds = {{PixelKind::known, "known"},
-                                                            {PixelKind::irrelevant, "irrelevant"},
-                                                            {PixelKind::of_interest, "of interest"}};
+  std::vector<std::pair<mapping::PixelKind, QString>> kinds;
+  for (int i = 1; i < mapping::kPixelKinds; ++i) {
+    const auto kind = static_cast<mapping::PixelKind>(i);
+    kinds.emplace_back(kind, QString::fromUtf8(to_text(kind).data()));
+  }
   painter.setFont(small_font(font()));
   const QFontMetrics metrics = painter.fontMetrics();
   const int side = metrics.ascent(), height = metrics.height() + 4;
@@ -206,7 +208,7 @@ void SceneImage::paint_kinds(QPainter& painter) const {
     QColor color = color_of(kind);
     color.setAlpha(255);
     painter.fillRect(x, (height - side) / 2, side, side, color);
-    painter.setPen(kind == PixelKind::irrelevant ? QColor(140, 140, 140) : color);
+    painter.setPen(kind == mapping::PixelKind::background ? QColor(140, 140, 140) : color);
     painter.drawRect(x, (height - side) / 2, side, side);
     painter.setPen(Qt::white);
     painter.drawText(QRect(x + side + 4, 0, width(), height), Qt::AlignVCenter, name);

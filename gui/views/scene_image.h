@@ -21,7 +21,7 @@ class SceneImage : public QWidget {
   void show_depth(bool depth);
   /// Around what belongs to each thing.
   void show_masks(bool masks);
-  /// What the map explains, what is irrelevant and what is of interest, as a tint.
+  /// Tints pixels by their mapping::PixelKind.
   void show_kinds(bool kinds);
   QSize sizeHint() const override { return {380, 285}; }
   /// Where an object's box is on the widget; unset when it is not in this image.

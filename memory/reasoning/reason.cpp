@@ -110,7 +110,7 @@ SceneRecord record_of(const Store& from, const SceneRow& row, const SceneReasoni
   record.row.kinds.reset();
   if (const std::optional<SceneKinds> kinds = scene_kinds(from, row))
     record.kinds = cv::Mat(kinds->height, kinds->width, CV_8U,
-                           const_cast<SceneKind*>(kinds->pixels.data()))
+                           const_cast<mapping::PixelKind*>(kinds->pixels.data()))
                        .clone();  // only read
   record.log = from.log(row.id);
   record.image = blob_of(from, row.image);

@@ -46,7 +46,7 @@ struct SceneRecord {
   std::vector<ObservationRecord> observations;
   std::vector<AnnotationRecord> annotations;                  ///< about the scene as a whole
   std::vector<perception::cas::FeatureStructure> structures;  ///< of the scene
-  cv::Mat kinds;            ///< CV_8U, SceneKind per pixel of view.depth; empty = not known
+  cv::Mat kinds;            ///< CV_8U, mapping::PixelKind per pixel of view.depth; empty = not known
   std::vector<LogRow> log;  ///< without scene and number, which the recorder fills in
 };
 

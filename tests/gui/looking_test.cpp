@@ -51,15 +51,16 @@ TEST(PixelValues, OfAColourPixelTakeTheCamerasOffsetIntoAccount) {
 TEST(PixelKinds, OfTheColourImageAreThoseOfTheSamePlaces) {
   SceneContent content = wall();
   EXPECT_TRUE(kinds_in_color(content).empty()) << "not known";
-  content.kinds = cv::Mat(content.depth.size(), CV_8U, cv::Scalar(static_cast<uint8_t>(PixelKind::known)));
-  content.kinds.colRange(80, 160) = static_cast<uint8_t>(PixelKind::of_interest);
+  content.kinds = cv::Mat(content.depth.size(), CV_8U,
+                          cv::Scalar(static_cast<uint8_t>(mapping::PixelKind::map_explained)));
+  content.kinds.colRange(80, 160) = static_cast<uint8_t>(mapping::PixelKind::region_of_interest);
   const cv::Mat seen = kinds_in_color(content);
   ASSERT_EQ(seen.size(), content.depth.size());
   // The colour camera is 5 cm to the right, so the border is 25 mm / 2 m * 1000 px = 25 of 1280 px further
   // left.
   const auto border = static_cast<int>((640 - 25) * 160 / 1280);
-  EXPECT_EQ(seen.at<uint8_t>(60, border - 4), static_cast<uint8_t>(PixelKind::known));
-  EXPECT_EQ(seen.at<uint8_t>(60, border + 4), static_cast<uint8_t>(PixelKind::of_interest));
+  EXPECT_EQ(seen.at<uint8_t>(60, border - 4), static_cast<uint8_t>(mapping::PixelKind::map_explained));
+  EXPECT_EQ(seen.at<uint8_t>(60, border + 4), static_cast<uint8_t>(mapping::PixelKind::region_of_interest));
 }
 
 TEST(ImageNotes, AreWhatHasARegionInTheImage) {
@@ -125,8 +126,9 @@ TEST_F(BrowserWindow, WhatBelongsToAThingIsOutlinedInBothImages) {
 TEST_F(BrowserWindow, WhatIsKnownAndOfInterestIsTinted) {
   const cv::Mat& kinds = window.browser().moment().content->kinds;
   ASSERT_FALSE(kinds.empty());
-  EXPECT_EQ(kinds.at<uint8_t>(0, 0), static_cast<uint8_t>(PixelKind::known));
-  EXPECT_EQ(kinds.at<uint8_t>(kinds.rows - 1, 0), static_cast<uint8_t>(PixelKind::of_interest));
+  EXPECT_EQ(kinds.at<uint8_t>(0, 0), static_cast<uint8_t>(mapping::PixelKind::map_explained));
+  EXPECT_EQ(kinds.at<uint8_t>(kinds.rows - 1, 0),
+            static_cast<uint8_t>(mapping::PixelKind::region_of_interest));
   const QImage plain = window.image().grab().toImage();
   press(Qt::Key_I);
   EXPECT_NE(window.image().grab().toImage(), plain);

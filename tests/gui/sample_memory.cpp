@@ -88,9 +88,9 @@ class Writer {
     row.depth_width = camera.width / kThumbnailStep;
     row.depth_height = camera.height / kThumbnailStep;
     // Above the middle the map explains all; things are looked for below.
-    std::string kinds(depth.size(), static_cast<char>(memory::SceneKind::known));
+    std::string kinds(depth.size(), static_cast<char>(mapping::PixelKind::map_explained));
     std::fill(kinds.begin() + static_cast<ptrdiff_t>(kinds.size() / 2), kinds.end(),
-              static_cast<char>(memory::SceneKind::interest));
+              static_cast<char>(mapping::PixelKind::region_of_interest));
     row.kinds = transaction.add_blob(kinds, memory::kSceneKindsMedia);
     const memory::Id id = transaction.add_scene(row);
     transaction.add_log({.scene = id, .annotator = "NormalEstimator", .milliseconds = 2.5});

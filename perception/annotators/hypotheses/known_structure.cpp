@@ -101,12 +101,12 @@ KnownStructure find_known_structure(const cv::Mat& points, const mapping::Pinhol
     Counts counts(result.regions.size());
     auto* kind_of = result.kind.ptr<uint8_t>();
     auto* region_label = result.region.ptr<uint16_t>();
-    const auto set = [&](int pixel, PixelKind kind, int region) {
+    const auto set = [&](int pixel, mapping::PixelKind kind, int region) {
       kind_of[pixel] = static_cast<uint8_t>(kind);
       region_label[pixel] = static_cast<uint16_t>(region + 1);
-      if (kind == PixelKind::known) ++counts.known;
-      if (kind == PixelKind::irrelevant) ++counts.outside;
-      if (kind == PixelKind::interest) ++counts.pixels[static_cast<size_t>(region)];
+      if (kind == mapping::PixelKind::map_explained) ++counts.known;
+      if (kind == mapping::PixelKind::background) ++counts.outside;
+      if (kind == mapping::PixelKind::region_of_interest) ++counts.pixels[static_cast<size_t>(region)];
     };
     const auto* point = points.ptr<cv::Vec3f>();
     const auto* model_depth = view.depth.ptr<float>();
@@ -120,7 +120,7 @@ KnownStructure find_known_structure(const cv::Mat& points, const mapping::Pinhol
       const int link = model_link[i];
       const bool by_surface = link >= 0 && is_surface[static_cast<size_t>(link)] != 0;
       if (explained && !by_surface) {  // Known, wherever it lies.
-        set(i, PixelKind::known, -1);
+        set(i, mapping::PixelKind::map_explained, -1);
         continue;
       }
       double height = 0;
@@ -130,9 +130,9 @@ KnownStructure find_known_structure(const cv::Mat& points, const mapping::Pinhol
       // Around the height of a surface the point belongs to it, even where the map has the surface lower; but
       // not the foot of the wall behind it.
       if (region >= 0 && (!explained || std::abs(height) <= tolerance))
-        set(i, PixelKind::interest, region);
+        set(i, mapping::PixelKind::region_of_interest, region);
       else
-        set(i, explained ? PixelKind::known : PixelKind::irrelevant, -1);
+        set(i, explained ? mapping::PixelKind::map_explained : mapping::PixelKind::background, -1);
     }
     const std::lock_guard lock(counting);
     result.known += counts.known;

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <cstdint>
 #include <opencv2/core.hpp>
 #include <string_view>
 #include <vector>
 
 #include "mapping/base/options.h"
+#include "mapping/sensor/pixel_kind.h"
 #include "perception/annotators/hypotheses/known_map.h"
 
 namespace loci::perception {
@@ -29,21 +29,13 @@ struct Region {
   int pixels = 0;                                    ///< that fell into it
 };
 
-/// View of the scene that says of each pixel what it is: CV_8U, PixelKind.
+/// View of the scene with the kind of each pixel: CV_8U, mapping::PixelKind.
 inline constexpr std::string_view kStructureView = "structure";
-
-/// What a pixel is (Fig. 2.1).
-enum class PixelKind : uint8_t {
-  unmeasured = 0,
-  known = 1,       ///< the map or a robot explains it
-  irrelevant = 2,  ///< in no region of interest
-  interest = 3,
-};
 
 struct KnownStructure {
   cv::Mat region;     ///< CV_16U: 1 + index into regions; 0 = known structure, or in no region
   cv::Mat map_depth;  ///< CV_32F: what the map alone would measure, NaN = nothing
-  cv::Mat kind;       ///< CV_8U: PixelKind
+  cv::Mat kind;       ///< CV_8U: mapping::PixelKind
   std::vector<Region> regions;
   int known = 0;    ///< pixels removed because a known surface explains them
   int outside = 0;  ///< pixels in no region

@@ -185,9 +185,11 @@ void KnownStructureFilter::remove_robots(const types::SceneCas& facade, const ma
   const KnownStructure known =
       find_known_structure(points, camera, pose, *map_, {}, {}, options_, context.threads);
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  points.setTo(cv::Scalar::all(static_cast<double>(nan)), known.kind == static_cast<int>(PixelKind::known));
+  points.setTo(cv::Scalar::all(static_cast<double>(nan)),
+               known.kind == static_cast<int>(mapping::PixelKind::map_explained));
   cv::Mat normals = cloud_normals(facade).clone();
-  normals.setTo(cv::Scalar::all(static_cast<double>(nan)), known.kind == static_cast<int>(PixelKind::known));
+  normals.setTo(cv::Scalar::all(static_cast<double>(nan)),
+                known.kind == static_cast<int>(mapping::PixelKind::map_explained));
   set_cloud_points(facade, points);
   set_cloud_normals(facade, normals);
   types::set_view_image(facade, kStructureView, known.kind);

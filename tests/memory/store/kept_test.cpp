@@ -88,8 +88,8 @@ TEST_F(Kept, ComesBackAsItWasGiven) {
   const auto kinds = scene_kinds(store, scene);
   ASSERT_TRUE(kinds.has_value());
   EXPECT_EQ(kinds->width, kWidth);
-  EXPECT_EQ(kinds->pixels[2 * kWidth + 3], SceneKind::interest);
-  EXPECT_EQ(kinds->pixels[0], SceneKind::known);
+  EXPECT_EQ(kinds->pixels[2 * kWidth + 3], mapping::PixelKind::region_of_interest);
+  EXPECT_EQ(kinds->pixels[0], mapping::PixelKind::map_explained);
   const auto cluster = cluster_points(store, scene, store.observation(1));
   ASSERT_TRUE(cluster.has_value());
   ASSERT_EQ(cluster->points.size(), 38U) << "one pixel of the cross was not measured";
@@ -161,8 +161,8 @@ TEST_F(Kept, IsForgottenWithTheObject) {
   const Store store = Store::open_read(file_);
   const auto kinds = scene_kinds(store, store.scene(1));
   ASSERT_TRUE(kinds.has_value());
-  EXPECT_EQ(kinds->pixels[2 * kWidth + 3], SceneKind::unmeasured) << "its shape is gone";
-  EXPECT_EQ(kinds->pixels[0], SceneKind::known);
+  EXPECT_EQ(kinds->pixels[2 * kWidth + 3], mapping::PixelKind::unmeasured) << "its shape is gone";
+  EXPECT_EQ(kinds->pixels[0], mapping::PixelKind::map_explained);
   EXPECT_EQ(store.log(1).at(0).milliseconds, 12.5) << "how long it took says nothing of it";
   SQLite::Database database(file_.string());
   EXPECT_EQ(database.execAndGet("SELECT count(*) FROM blob WHERE media = 'depth/uint16-mm-delta'").getInt(),

@@ -221,12 +221,12 @@ TEST(KnownRobot, ItsBodyIsKnownWhereverItsJointsAndTheCameraAre) {
     for (int i = 0; i < view.link.rows * view.link.cols; ++i) {
       const std::string name =
           view.link.ptr<int>()[i] < 0 ? "" : seen.link_names()[static_cast<size_t>(view.link.ptr<int>()[i])];
-      const auto kind = static_cast<PixelKind>(known.kind.ptr<uint8_t>()[i]);
+      const auto kind = static_cast<mapping::PixelKind>(known.kind.ptr<uint8_t>()[i]);
       hand_seen += name == "hand";
-      hand_left += name == "hand" && kind != PixelKind::known;
+      hand_left += name == "hand" && kind != mapping::PixelKind::map_explained;
       cup_seen += name == "cup";
-      cup_kept += name == "cup" && kind == PixelKind::interest;
-      wall_left += name == "wall_east" && kind != PixelKind::known;
+      cup_kept += name == "cup" && kind == mapping::PixelKind::region_of_interest;
+      wall_left += name == "wall_east" && kind != mapping::PixelKind::map_explained;
     }
     EXPECT_GT(hand_seen, 500) << body;
     EXPECT_EQ(hand_left, 0) << angle;
