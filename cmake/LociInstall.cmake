@@ -44,3 +44,13 @@ foreach(program loci-map loci-perceive loci-memory loci-simulate loci-evaluate l
     install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} OPTIONAL)
   endif()
 endforeach()
+
+# `cpack -G DEB` in the build folder makes a Debian package.
+set(CPACK_PACKAGE_NAME loci)
+set(CPACK_PACKAGE_CONTACT "The loci authors")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Semantic maps, perception and spatio-temporal object memory for kitchens")
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+include(CPack)
