@@ -25,7 +25,7 @@ void add_reasoning(const memory::belief::Decisions& decisions, size_t k, const M
                    DecidedObservation& observation) {
   const memory::belief::ObservationDecision& d = decisions.observations[k];
   observation.key = d.key;
-  observation.explanation = explanation_name(d.chosen());
+  observation.explanation = to_text(d.chosen());
   observation.probability = static_cast<double>(d.probability);
   observation.appear = static_cast<double>(d.appear);
   observation.clutter = static_cast<double>(d.clutter);
@@ -50,7 +50,7 @@ SceneDecisions read_decisions(const memory::Store& store, const MemoryIndex& ind
     observation.number = row.number;
     if (const auto found = chosen.find(row.id); found != chosen.end()) {
       observation.object = found->second.object.value_or(0);
-      observation.explanation = found->second.explanation;
+      observation.explanation = to_text(found->second.explanation);
       observation.probability = found->second.probability;
     }
     const auto k = static_cast<size_t>(row.number);

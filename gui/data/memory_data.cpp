@@ -27,11 +27,11 @@
 namespace loci::gui {
 namespace {
 
-Presence presence_of(const std::string& status) {
-  if (status == "seen") return Presence::seen;
-  if (status == "missed") return Presence::missed;
-  if (status == "hidden") return Presence::hidden;
-  if (status == "gone") return Presence::gone;
+Presence presence_of(memory::ObjectStatus status) {
+  if (status == memory::ObjectStatus::seen) return Presence::seen;
+  if (status == memory::ObjectStatus::missed) return Presence::missed;
+  if (status == memory::ObjectStatus::hidden) return Presence::hidden;
+  if (status == memory::ObjectStatus::gone) return Presence::gone;
   return Presence::remembered;
 }
 
@@ -348,7 +348,7 @@ std::vector<Look> MemoryData::looks_for_object(int64_t object, size_t first_scen
   if (looks.empty()) return looks;
   for (const memory::VisibilityRow& row :
        store_.visibility_of_object(object, index_.scenes[first_scene].time))
-    if (row.status == "missed")
+    if (row.status == memory::ObjectStatus::missed)
       mark_scene(row.scene, first_scene, [&](size_t number) { looks[number] = Look::missed; });
   for (const memory::Sighting& sighting : store_.sightings(object, {}, index_.scenes[first_scene].time))
     mark_scene(sighting.observation.scene, first_scene, [&](size_t number) { looks[number] = Look::seen; });

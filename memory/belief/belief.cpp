@@ -80,24 +80,6 @@ void Step::finish_outcomes() {
   }
 }
 
-const char* event_name(EventKind kind) {
-  switch (kind) {
-    case EventKind::appeared:
-      return "appeared";
-    case EventKind::moved:
-      return "moved";
-    case EventKind::looks_different:
-      return "looks_different";
-    case EventKind::gone:
-      return "gone";
-    case EventKind::hidden:
-      return "hidden";
-    case EventKind::reappeared:
-      return "reappeared";
-  }
-  return "";
-}
-
 BeliefUpdate advance(BeliefState& state, const Scene& scene, const BeliefOptions& options) {
   if (state.last_scene && scene.time < *state.last_scene)
     throw Error(

@@ -12,9 +12,6 @@
 
 namespace loci::memory::belief {
 
-enum class EventKind { appeared, moved, looks_different, gone, hidden, reappeared };
-const char* event_name(EventKind kind);
-
 /// Something that happened to an object, as far as the belief can tell. It happened between the object's last
 /// sighting and `time`.
 struct Event {

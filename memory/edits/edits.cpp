@@ -121,8 +121,8 @@ Edit merge_objects(Store& store, Id one, Id other) {
     for (const EventRow& event : events) {
       EventRow row = correction_of(event);
       row.object = kept;
-      if (event.kind == "appeared" && before) {  // it was known: it has come from somewhere
-        row.kind = "moved";
+      if (event.kind == EventKind::appeared && before) {  // it was known: it has come from somewhere
+        row.kind = EventKind::moved;
         row.from_place = before->observation.place;
         row.from_position = before->observation.position;
         row.since = before->time;
@@ -174,7 +174,7 @@ Edit split_object(Store& store, Id object, TimeNs from) {
     for (const Sighting& sighting : later) {
       AssociationRow association = correction_of(sighting.association);
       association.object = id;
-      if (sighting.time == first) association.explanation = "appear";
+      if (sighting.time == first) association.explanation = Explanation::appear;
       rows.add_association(association);
     }
     // There is only a row where there was news: what was believed then goes on as that of the new object.
@@ -196,7 +196,7 @@ Edit split_object(Store& store, Id object, TimeNs from) {
       EventRow corrected = correction_of(event);
       corrected.object = id;
       if (event.clock.valid_from == first && !appeared) {  // whatever it was taken for, it came then
-        corrected.kind = "appeared";
+        corrected.kind = EventKind::appeared;
         corrected.from_place.reset();
         corrected.from_position.reset();
         appeared = true;
@@ -206,7 +206,7 @@ Edit split_object(Store& store, Id object, TimeNs from) {
     if (!appeared) {
       EventRow event;
       event.scene = later.front().association.scene;
-      event.kind = "appeared";
+      event.kind = EventKind::appeared;
       event.object = id;
       event.observation = later.front().association.observation;
       event.place = later.front().observation.place;

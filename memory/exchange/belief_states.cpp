@@ -41,7 +41,7 @@ struct Clusters {
         continue;
       }
       is[*row.observation][*row.object] += row.probability;
-      if (row.explanation != "appear") known[*row.observation][*row.object] += row.probability;
+      if (row.explanation != Explanation::appear) known[*row.observation][*row.object] += row.probability;
       if (row.chosen) chosen[*row.observation] = *row.object;
     }
   }
@@ -56,7 +56,7 @@ class State {
     for (const BeliefRow& belief : beliefs_) {
       const bool seen =
           std::ranges::any_of(now_.chosen, [&](const auto& one) { return one.second == belief.object; });
-      if (!seen && belief.status != "gone") persisting_.push_back(&belief);
+      if (!seen && belief.status != ObjectStatus::gone) persisting_.push_back(&belief);
     }
   }
 
@@ -106,7 +106,7 @@ class State {
     };
     std::vector<const BeliefRow*> here;
     for (const BeliefRow& belief : beliefs_) {
-      if (belief.status == "gone") continue;
+      if (belief.status == ObjectStatus::gone) continue;
       here.push_back(&belief);
       const auto place = belief.place ? places_.find(*belief.place) : places_.end();
       if (place != places_.end())

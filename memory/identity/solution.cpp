@@ -137,28 +137,6 @@ IdentitySolution solve(const LogOddsProblem& problem, const IdentityOptions& opt
   return solve(weights_of(problem, options), options);
 }
 
-std::string explanation_name(Explanation explanation) {
-  switch (explanation) {
-    case Explanation::stay:
-      return "stay";
-    case Explanation::move:
-      return "move";
-    case Explanation::newview:
-      return "newview";
-    case Explanation::appear:
-      return "appear";
-    case Explanation::clutter:
-      return "clutter";
-    case Explanation::disappear:
-      return "disappear";
-    case Explanation::missed:
-      return "missed";
-    case Explanation::hidden:
-      return "hidden";
-  }
-  return {};
-}
-
 namespace {
 
 using Candidate = std::pair<Explanation, double>;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "memory/identity/problem.h"
+#include "memory/identity/states.h"
 
 namespace loci::memory {
 
@@ -33,10 +34,6 @@ struct IdentitySolution {
   size_t old_count() const { return disappear.size(); }
   size_t new_count() const { return appear.size(); }
 };
-
-/// What an observation or an object is taken to be.
-enum class Explanation { stay, move, newview, appear, clutter, disappear, missed, hidden };
-std::string explanation_name(Explanation explanation);
 
 /// The most probable partner (unset = none: appeared, or disappeared and the like) and, judged on its own,
 /// the most probable explanation. The two can disagree when everything is below one half; a consumer that

@@ -109,7 +109,7 @@ ContentsAnswer ask(const Store& store, const ContentsQuestion& question) {
     PlaceContents contents{.place = {place.id, place.name, place.container}};
     for (const Id object : store.objects_at(place.id, question.as_of)) {
       const BeliefRow* row = snapshot.belief(object);
-      if (row == nullptr || row->place != place.id || row->status == "gone") continue;
+      if (row == nullptr || row->place != place.id || row->status == ObjectStatus::gone) continue;
       if (question.subject.empty() || meant.contains(object)) contents.there.push_back(snapshot.state(*row));
     }
     const bool any = question.subject.empty();

@@ -125,7 +125,7 @@ std::vector<Visit> visits_of(const Snapshot& snapshot, const ScenesOfObjects& al
 }
 
 bool believed_at(const BeliefRow& belief, Id place) {
-  return belief.place == place && belief.status != "gone" && belief.probability >= 0.5;
+  return belief.place == place && belief.status != ObjectStatus::gone && belief.probability >= 0.5;
 }
 
 /// Visits before now that saw enough, at these hours, and had something of what is there now.
@@ -233,7 +233,9 @@ NearAnswer ask(const Store& store, const NearQuestion& question) {
   NearAnswer answer{.asked = question.subject, .radius_m = question.radius_m};
   locate(snapshot, question.subject, answer);
   for (const BeliefRow& belief : snapshot.beliefs()) {
-    if (!belief.position || belief.status == "gone" || object_name(belief.object) == answer.around) continue;
+    if (!belief.position || belief.status == ObjectStatus::gone ||
+        object_name(belief.object) == answer.around)
+      continue;
     Vector3d away = *belief.position - answer.point;
     if (answer.level) away.z() = 0;
     if (away.norm() <= question.radius_m) answer.objects.push_back({snapshot.state(belief), away.norm()});

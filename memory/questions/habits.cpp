@@ -122,7 +122,8 @@ KeptAnswer ask(const Store& store, const KeptQuestion& question) {
       if (object.sightings == 0) continue;
       object.now = snapshot.state(belief);
       object.share = static_cast<double>(object.sightings) / static_cast<double>(all);
-      object.still_there = belief.place == row.id && belief.status != "gone" && belief.probability >= 0.5;
+      object.still_there =
+          belief.place == row.id && belief.status != ObjectStatus::gone && belief.probability >= 0.5;
       kept.objects.push_back(std::move(object));
     }
     std::sort(kept.objects.begin(), kept.objects.end(), [](const KeptObject& a, const KeptObject& b) {

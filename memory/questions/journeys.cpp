@@ -121,7 +121,7 @@ class Search {
   NextLook plan(Id object) const {
     const BeliefRow& belief = *snapshot_.belief(object);
     NextLook look{.now = snapshot_.state(belief)};
-    const double there = belief.status == "gone" ? 0 : belief.probability;
+    const double there = belief.status == ObjectStatus::gone ? 0 : belief.probability;
     const TimeNs seen = look.now.last_seen ? look.now.last_seen->time : 0;
     std::map<Id, double> counts;
     for (const Sighting& sighting : snapshot_.store().sightings(object, snapshot_.as_of()))

@@ -176,7 +176,7 @@ void add_motions(const Snapshot& snapshot, std::vector<RoomPart>& parts) {
       }
   for (const EventRow& event : store.events(snapshot.as_of())) {
     const auto found =
-        event.kind == "joint_changed" && event.joint ? motions.find(*event.joint) : motions.end();
+        event.kind == EventKind::joint_changed && event.joint ? motions.find(*event.joint) : motions.end();
     if (found == motions.end()) continue;
     const bool opened =
         std::abs(event.joint_position.value_or(0)) > std::abs(event.from_joint_position.value_or(0));
@@ -190,7 +190,8 @@ void add_contents(const Snapshot& snapshot, std::vector<RoomPart>& parts) {
     if (!part.place) continue;
     for (const Id object : snapshot.store().objects_at(part.place->id, snapshot.as_of())) {
       const BeliefRow* row = snapshot.belief(object);
-      if (row != nullptr && row->place == part.place->id && row->status != "gone" && row->probability >= 0.5)
+      if (row != nullptr && row->place == part.place->id && row->status != ObjectStatus::gone &&
+          row->probability >= 0.5)
         ++part.objects;
     }
     if (const auto look = snapshot.store().last_look(part.place->id, snapshot.as_of()))

@@ -61,7 +61,8 @@ void order_objects(std::vector<Id>& objects, const Snapshot& snapshot) {
     const BeliefRow* belief = snapshot.belief(id);
     const SceneRow* seen =
         belief != nullptr && belief->last_scene ? snapshot.scene(*belief->last_scene) : nullptr;
-    const double probability = belief == nullptr || belief->status == "gone" ? 0 : belief->probability;
+    const double probability =
+        belief == nullptr || belief->status == ObjectStatus::gone ? 0 : belief->probability;
     return std::tuple(-std::round(probability * 100), seen == nullptr ? 0 : -seen->time, id);
   };
   std::sort(objects.begin(), objects.end(), [&](Id a, Id b) { return key(a) < key(b); });
@@ -88,7 +89,7 @@ std::optional<Id> most_of(const std::vector<Id>& objects, Measure measure, const
   for (const Id id : objects) {
     const BeliefRow& row = *snapshot.belief(id);
     if (!row.size) continue;
-    const std::pair<bool, double> value = {row.status != "gone", measure(*row.size)};
+    const std::pair<bool, double> value = {row.status != ObjectStatus::gone, measure(*row.size)};
     if (!most || value > best) most = id, best = value;
   }
   return most;
@@ -204,7 +205,7 @@ std::optional<PlaceRef> Snapshot::place_ref(std::optional<Id> place) const {
 ObjectState Snapshot::state(const BeliefRow& row) const {
   ObjectState state;
   state.object = object_ref(row.object);
-  state.status = row.status;
+  state.status = to_text(row.status);
   state.probability = row.probability;
   state.place = place_ref(row.place);
   state.position = row.position;
@@ -214,9 +215,9 @@ ObjectState Snapshot::state(const BeliefRow& row) const {
   state.first_seen = scene_ref(sightings.first_scene);
   if (!state.last_seen) return state;
   std::optional<TimeNs> gone;  // since when nobody expects it there
-  if (row.status == "gone")
+  if (row.status == ObjectStatus::gone)
     for (const BeliefRow& earlier : store_.belief_history(row.object, as_of_, state.last_seen->time))
-      if (!gone && earlier.status == "gone" && earlier.clock.valid_from > state.last_seen->time)
+      if (!gone && earlier.status == ObjectStatus::gone && earlier.clock.valid_from > state.last_seen->time)
         gone = earlier.clock.valid_from;
   const Store::LooksSince looks = store_.looks_since(row.object, state.last_seen->time, gone, as_of_);
   state.looks_out_of_view = looks.out_of_view;
@@ -228,7 +229,7 @@ ObjectState Snapshot::state(const BeliefRow& row) const {
 
 Change Snapshot::change(const EventRow& event) const {
   Change change;
-  change.kind = event.kind;
+  change.kind = to_text(event.kind);
   change.time = event.clock.valid_from;
   change.since = event.since;
   if (event.object) change.object = object_ref(*event.object);
@@ -373,7 +374,7 @@ std::vector<Id> Snapshot::there_now(Id place) const {
   std::vector<Id> found;
   for (const Id object : store_.objects_at(place, as_of_)) {
     const BeliefRow* row = belief(object);
-    if (row != nullptr && row->place == place && row->status != "gone") found.push_back(object);
+    if (row != nullptr && row->place == place && row->status != ObjectStatus::gone) found.push_back(object);
   }
   return found;
 }

@@ -191,7 +191,7 @@ class TaskPlanner {
       for (const PlaceRow& place : snapshot_.find_places(question_.place)) places.push_back(place.id);
     size_t in_place = 0;
     for (const BeliefRow& belief : snapshot_.beliefs()) {
-      if (belief.status == "gone" || !belief.place) continue;
+      if (belief.status == ObjectStatus::gone || !belief.place) continue;
       if (!everywhere && std::find(places.begin(), places.end(), *belief.place) == places.end()) continue;
       ObjectState object = state(belief.object);
       const auto target = usual_target(object, false);

@@ -202,12 +202,12 @@ class Judge {
     if (looks_.scenes().empty()) return told;
     for (const VisibilityRow& row :
          snapshot_.store().visibility_of_object(object, question_.from, question_.to))
-      told[row.scene] = row.status == "missed" ? "seen_empty" : row.status;
+      told[row.scene] = row.status == ObjectStatus::missed ? "seen_empty" : to_text(row.status);
     std::map<TimeNs, bool> present;  // from this time on
     AsOf then = snapshot_.as_of();
     then.at = std::min(then.at.value_or(question_.to), question_.to);
     for (const BeliefRow& row : snapshot_.store().belief_history(object, then, question_.from))
-      present[row.clock.valid_from] = row.status != "gone";
+      present[row.clock.valid_from] = row.status != ObjectStatus::gone;
     for (const SceneRow* scene : looks_.scenes()) {
       const auto next = present.upper_bound(scene->time);
       if (next != present.begin() && std::prev(next)->second) told.try_emplace(scene->id, "out_of_view");

@@ -33,7 +33,7 @@ void read_outcomes(const belief::Decisions& decisions, const belief::SceneMatric
     PairMatrices::Row& row = matrices.rows[k];
     row.appear = decision.appear;
     row.clutter = decision.clutter;
-    row.outcome = explanation_name(decision.chosen());
+    row.outcome = to_text(decision.chosen());
     for (size_t o = 0; o < kept.keys.size(); ++o) {
       for (const belief::Candidate& candidate : decision.candidates)
         if (candidate.key == kept.keys[o])
@@ -47,7 +47,7 @@ void read_outcomes(const belief::Decisions& decisions, const belief::SceneMatric
     PairMatrices::Column& column = matrices.columns[o];
     column.unseen = std::clamp(1 - matrices.is.col(static_cast<Eigen::Index>(o)).sum(), 0.0, 1.0);
     for (const belief::ObjectDecision& unseen : decisions.unseen)
-      if (unseen.key == kept.keys[o]) column.outcome = explanation_name(unseen.chosen());
+      if (unseen.key == kept.keys[o]) column.outcome = to_text(unseen.chosen());
   }
 }
 

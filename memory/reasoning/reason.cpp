@@ -273,8 +273,8 @@ HistoryDifference compare_histories(const Store& first, const Store& second) {
   difference.compared = all.size();
   difference.objects_first = first.objects().size();
   difference.objects_second = second.objects().size();
-  for (const EventRow& event : first.events()) ++difference.events[event.kind].first;
-  for (const EventRow& event : second.events()) ++difference.events[event.kind].second;
+  for (const EventRow& event : first.events()) ++difference.events[to_text(event.kind)].first;
+  for (const EventRow& event : second.events()) ++difference.events[to_text(event.kind)].second;
   return difference;
 }
 

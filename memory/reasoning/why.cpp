@@ -74,7 +74,7 @@ Json candidate_json(const belief::Decisions& decisions, size_t k, const belief::
 
 Why explain(const belief::Decisions& decisions, size_t k) {
   const belief::ObservationDecision& d = decisions.observations[k];
-  const std::string chosen = explanation_name(d.chosen());
+  const std::string chosen = to_text(d.chosen());
   Why why;
   why.text = fmt::format("observation {} is {}: {}, {}\n", k, name_of(d.object, d.key), chosen,
                          percent(d.probability));
@@ -109,11 +109,11 @@ Why explain(const belief::ObjectDecision& d) {
       "{} was not seen: {} (gone {}, missed {}, out of sight {}). Of its place {} out of view, {} hidden, {} "
       "not "
       "measured, {} taken, {} seen through, {} searched in vain; still there: {}\n",
-      name_of(d.object, d.key), explanation_name(d.chosen()), percent(d.disappear), percent(d.missed),
+      name_of(d.object, d.key), to_text(d.chosen()), percent(d.disappear), percent(d.missed),
       percent(d.out_of_sight), percent(d.out_of_view), percent(d.hidden), percent(d.unmeasured),
       percent(d.occupied), percent(d.seen_through), percent(d.searched), percent(d.here));
   why.json = {{"object", object_name(d.object)},
-              {"explanation", explanation_name(d.chosen())},
+              {"explanation", to_text(d.chosen())},
               {"disappear", number_or_null(d.disappear)},
               {"missed", number_or_null(d.missed)},
               {"hidden", number_or_null(d.out_of_sight)},

@@ -16,8 +16,8 @@ constexpr double kJointMoved = 0.01;  ///< metres or radians
 }  // namespace
 
 bool is_news(const BeliefRow& before, const BeliefRow& row, bool seen_now) {
-  const bool gone = row.status == "gone";
-  if (gone != (before.status == "gone")) return true;
+  const bool gone = row.status == ObjectStatus::gone;
+  if (gone != (before.status == ObjectStatus::gone)) return true;
   if (row.place != before.place || !before.position || !before.size) return true;
   if ((*row.position - *before.position).norm() > std::max(kToldDistance_m, before.sigma.value_or(0)))
     return true;
@@ -31,15 +31,15 @@ bool joint_moved(double from, double to) {
   return std::abs(to - from) > kJointMoved;
 }
 
-std::string unseen_status(const belief::Visibility& v) {
-  if (v.looked() >= v.out_of_view && v.looked() >= v.hidden + v.unmeasured) return "missed";
-  return v.out_of_view >= v.hidden + v.unmeasured ? "out_of_view" : "hidden";
+ObjectStatus unseen_status(const belief::Visibility& v) {
+  if (v.looked() >= v.out_of_view && v.looked() >= v.hidden + v.unmeasured) return ObjectStatus::missed;
+  return v.out_of_view >= v.hidden + v.unmeasured ? ObjectStatus::out_of_view : ObjectStatus::hidden;
 }
 
-double unseen_probability(const belief::Visibility& v, const std::string& status) {
-  const double share = status == "missed"        ? v.looked()
-                       : status == "out_of_view" ? v.out_of_view
-                                                 : v.hidden + v.unmeasured;
+double unseen_probability(const belief::Visibility& v, ObjectStatus status) {
+  const double share = status == ObjectStatus::missed        ? v.looked()
+                       : status == ObjectStatus::out_of_view ? v.out_of_view
+                                                             : v.hidden + v.unmeasured;
   return std::clamp(share, 0.0, 1.0);
 }
 

@@ -14,8 +14,8 @@ bool is_news(const BeliefRow& before, const BeliefRow& row, bool seen_now);
 /// Metres or radians.
 bool joint_moved(double from, double to);
 
-/// What a scene says about an object that it did not see ("missed", "out_of_view", "hidden"), and how surely.
-std::string unseen_status(const belief::Visibility& visibility);
-double unseen_probability(const belief::Visibility& visibility, const std::string& status);
+/// What a scene says about an object that it did not see (missed, out_of_view, hidden), and how surely.
+ObjectStatus unseen_status(const belief::Visibility& visibility);
+double unseen_probability(const belief::Visibility& visibility, ObjectStatus status);
 
 }  // namespace loci::memory

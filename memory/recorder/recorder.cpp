@@ -157,7 +157,7 @@ class Recorder::Writing {
         association.scene = recorder_.store_.observation(sighting.observation).scene;
         association.observation = sighting.observation;
         association.object = id;
-        association.explanation = sighting.first ? "appear" : "stay";
+        association.explanation = sighting.first ? Explanation::appear : Explanation::stay;
         association.probability = sighting.probability;
         association.chosen = true;
         association.clock = clock(sighting.time);
@@ -173,7 +173,7 @@ class Recorder::Writing {
     row.scene = result_.scene;
     row.observation = observation;
     row.object = object;
-    row.explanation = explanation_name(explanation);
+    row.explanation = explanation;
     // Probability 0 means taken back: what was acted on is a sighting, however improbable by itself.
     row.probability = std::clamp(probability, chosen ? kMinChosen : 0.0, 1.0);
     row.chosen = chosen;
@@ -212,7 +212,7 @@ class Recorder::Writing {
   /// Known to be gone before, and still not seen.
   bool is_old_news(const belief::ObjectOutcome& outcome) const {
     const auto before = recorder_.told_.find(outcome.object);
-    return before != recorder_.told_.end() && before->second.status == "gone" && !seen(outcome);
+    return before != recorder_.told_.end() && before->second.status == ObjectStatus::gone && !seen(outcome);
   }
 
   static bool seen(const belief::ObjectOutcome& outcome) {
@@ -224,7 +224,7 @@ class Recorder::Writing {
     for (const belief::Event& event : result_.update.events) {
       EventRow row;
       row.scene = result_.scene;
-      row.kind = belief::event_name(event.kind);
+      row.kind = event.kind;
       row.object = event.object;
       if (event.observation) row.observation = result_.observations[*event.observation];
       row.place = place(event.to_place);
@@ -246,7 +246,7 @@ class Recorder::Writing {
       if (!joint_moved(from, position)) continue;
       EventRow row;
       row.scene = result_.scene;
-      row.kind = "joint_changed";
+      row.kind = EventKind::joint_changed;
       row.joint = joint;
       row.joint_position = position;
       row.from_joint_position = from;
@@ -289,9 +289,9 @@ class Recorder::Writing {
     row.scene = result_.scene;
     row.probability =
         std::clamp(outcome == nullptr ? object.probability_here : outcome->probability_here, 0.0, 1.0);
-    row.status = gone                 ? "gone"
-                 : seen_now           ? "seen"
-                 : outcome == nullptr ? "out_of_view"
+    row.status = gone                 ? ObjectStatus::gone
+                 : seen_now           ? ObjectStatus::seen
+                 : outcome == nullptr ? ObjectStatus::out_of_view
                                       : unseen_status(outcome->visibility);
     if (const std::optional<Id> now = place(object.place)) row.place = now;
     const belief::AxisBox box = belief::box_in_map(object, record_.place_poses);
@@ -351,7 +351,7 @@ class Recorder::Writing {
     BeliefRow row;
     row.object = confirmed.object;
     row.scene = observation.scene;
-    row.status = "seen";
+    row.status = ObjectStatus::seen;
     row.place = observation.place;
     row.position = observation.position;
     row.size = observation.size;
@@ -374,7 +374,7 @@ class Recorder::Writing {
       row.scene = result_.scene;
       row.object = outcome.object;
       row.status = unseen_status(outcome.visibility);
-      if (row.status == "out_of_view") continue;
+      if (row.status == ObjectStatus::out_of_view) continue;
       row.probability = unseen_probability(outcome.visibility, row.status);
       transaction_.add_visibility(row);
     }
@@ -401,8 +401,8 @@ class Recorder::Writing {
 
   void add_look(const PlaceRow& place_row, double fraction) {
     if (fraction < kPlaceSeen) return;  // no row: not observed
-    transaction_.add_visibility({0, result_.scene, std::nullopt, *place(place_row.name), "seen", std::nullopt,
-                                 std::min(1.0, fraction)});
+    transaction_.add_visibility({0, result_.scene, std::nullopt, *place(place_row.name), ObjectStatus::seen,
+                                 std::nullopt, std::min(1.0, fraction)});
   }
 
   Recorder& recorder_;

@@ -32,7 +32,8 @@ std::string decisions_section(const ReportData& data) {
   std::vector<std::vector<std::string>> rows;
   for (const Decision& decision : all)
     rows.push_back({data.times.text(decision.scene->time), fmt::format("scene {}", decision.scene->id),
-                    explanation_name(decision.taken.chosen.object), decision.taken.chosen.explanation,
+                    explanation_name(decision.taken.chosen.object),
+                    to_text(decision.taken.chosen.explanation),
                     fmt::format("{:.0f} %", 100 * decision.taken.probability), decision.taken.instead});
   const std::string text = fmt::format(
       "<p>{} of {} observations were taken for something with 95 % or more. The least sure{}:</p>\n", sure,

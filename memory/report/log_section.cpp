@@ -52,7 +52,7 @@ std::string scene_log(const ReportData& data, const SceneRow& scene, const Scene
   for (const ObservationRow& observation : data.store.observations(scene.id)) {
     const auto& [row, probability, instead] = taken[observation.id];
     rows.push_back({fmt::format("{}", observation.number), row.object ? object_name(*row.object) : "none",
-                    fmt::format("{:.0f} %", 100 * probability), row.explanation,
+                    fmt::format("{:.0f} %", 100 * probability), to_text(row.explanation),
                     observation_text(observation), observation.sentence.value_or(""), said[observation.id]});
   }
   std::string looked;

@@ -300,7 +300,7 @@ void Store::Implementation::add_stay(Id belief, const BeliefRow& row, TimeNs fro
     return sql(static_cast<int64_t>(std::lround(std::clamp((*row.position)[axis] * 1000, -2e9, 2e9))));
   };
   const SqlValue x = millimetre(0), y = millimetre(1), z = millimetre(2),
-                 place = sql((row.status == "gone" ? -1 : 1) * row.place.value_or(0));
+                 place = sql((row.status == ObjectStatus::gone ? -1 : 1) * row.place.value_or(0));
   ++added["stay"];
   run("INSERT INTO stay VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
       {sql(belief), x, x, y, y, z, z, sql(seconds), sql(until), place, place, sql(row.object)});

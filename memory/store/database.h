@@ -37,6 +37,10 @@ inline SqlValue sql(double value) {
 inline SqlValue sql(const std::string& value) {
   return std::string_view(value);
 }
+template <StateEnum State>
+SqlValue sql(State state) {
+  return std::string_view(to_text(state));
+}
 SqlValue sql(std::string&& value) = delete;  // Only a view is kept: the text must outlive the columns.
 template <class T>
 SqlValue sql(const std::optional<T>& value) {
@@ -69,6 +73,10 @@ class SqlRow {
   int64_t integer(std::string_view name) const { return column(name).getInt64(); }
   double real(std::string_view name) const { return column(name).getDouble(); }
   std::string text(std::string_view name) const { return column(name).getString(); }
+  template <StateEnum State>
+  State state(std::string_view name) const {
+    return parse_state<State>(text(name));
+  }
   std::string bytes(std::string_view name) const;
   std::optional<int64_t> optional_integer(std::string_view name) const;
   std::optional<double> optional_real(std::string_view name) const;

@@ -9,6 +9,7 @@
 
 #include "mapping/base/pose.h"
 #include "mapping/base/time.h"
+#include "memory/identity/states.h"
 
 namespace loci::memory {
 
@@ -18,7 +19,7 @@ using Id = int64_t;
 // The rows of memory/store/schema.sql, where units and meanings are said. An unset optional is NULL. `id`,
 // `known_from`, `known_to` and `run` are filled by the store when a row is added.
 
-// Everything has an initializer, so that a row can be written as {.scene = 3, .status = "seen"}.
+// Everything has an initializer, so that a row can be written as {.scene = 3, .status = ObjectStatus::seen}.
 
 struct RunRow {
   Id id = 0;
@@ -146,7 +147,7 @@ struct AssociationRow {
   Id scene = 0;
   std::optional<Id> observation = {};  ///< unset = the object was not matched
   std::optional<Id> object = {};       ///< unset = false detection
-  std::string explanation = {};        ///< stay, move, newview, appear, clutter, disappear, missed, hidden
+  Explanation explanation = Explanation::stay;
   double probability = 0;
   bool chosen = false;  ///< part of the one consistent story that was acted on
   Bitemporal clock = {};
@@ -155,7 +156,7 @@ struct AssociationRow {
 struct EventRow {
   Id id = 0;
   std::optional<Id> scene = {};
-  std::string kind = {};  ///< appeared, moved, looks_different, gone, hidden, reappeared, joint_changed
+  EventKind kind = EventKind::appeared;
   std::optional<Id> object = {};
   std::optional<Id> observation = {};
   std::optional<Id> place = {};       ///< after it
@@ -174,8 +175,8 @@ struct BeliefRow {
   Id id = 0;
   Id object = 0;
   std::optional<Id> scene = {};
-  std::string status = {};  ///< seen, missed, hidden, out_of_view, gone
-  double probability = 1;   ///< that it still is at this place
+  ObjectStatus status = ObjectStatus::seen;
+  double probability = 1;  ///< that it still is at this place
   std::optional<Id> place = {};
   std::optional<Vector3d> position = {};
   std::optional<double> sigma = {};  ///< standard deviation of the position, metres
@@ -200,10 +201,10 @@ struct VisibilityRow {
   Id scene = 0;
   std::optional<Id> object = {};  ///< exactly one of object and place is set
   std::optional<Id> place = {};
-  std::string status = {};                 ///< seen, missed, hidden, out_of_view
-  std::optional<double> probability = {};  ///< object: that the status is right
-  std::optional<double> fraction = {};     ///< place: observed part of its surface
-  TimeNs time = 0;                         ///< of the scene
+  ObjectStatus status = ObjectStatus::seen;  ///< never gone
+  std::optional<double> probability = {};    ///< object: that the status is right
+  std::optional<double> fraction = {};       ///< place: observed part of its surface
+  TimeNs time = 0;                           ///< of the scene
 };
 
 struct FactRow {

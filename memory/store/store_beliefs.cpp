@@ -59,15 +59,15 @@ class Carrier {
   void carry_on(BeliefRow& row) {
     if (!latest_) return;
     const bool seen_later = read_last_sighting(row);
-    if (row.status == "gone" && !seen_later) return;
+    if (row.status == ObjectStatus::gone && !seen_later) return;
     if (seen_later) {
       row.probability_then = 1;
       row.then = sighting_time_;
-      row.status = "seen";
+      row.status = ObjectStatus::seen;
     }
     row.probability = faded(row, latest_->time);
     if (row.last_scene == latest_->id)
-      row.status = "seen";
+      row.status = ObjectStatus::seen;
     else if (seen_later || row.scene != latest_->id)
       row.status = unseen_status(row.object);
   }
@@ -90,11 +90,11 @@ class Carrier {
     return later;
   }
 
-  std::string unseen_status(Id object) {
-    std::string status = "out_of_view";
+  ObjectStatus unseen_status(Id object) {
+    ObjectStatus status = ObjectStatus::out_of_view;
     store_.query("SELECT status FROM visibility WHERE scene = ? AND object = ? AND status <> 'seen'",
                  {sql(latest_->id), sql(object)},
-                 [&](const SqlRow& found) { status = found.text("status"); });
+                 [&](const SqlRow& found) { status = found.state<ObjectStatus>("status"); });
     return status;
   }
 
@@ -149,7 +149,8 @@ int64_t scenes_until(Store::Implementation& store, std::optional<TimeNs> time) {
 Store::Gone gone_of(const std::vector<BeliefRow>& rows, Id place, size_t most) {
   std::vector<std::pair<TimeNs, Id>> gone;
   for (const BeliefRow& row : rows)
-    if (row.place == place && row.status == "gone") gone.emplace_back(-row.clock.valid_from, row.object);
+    if (row.place == place && row.status == ObjectStatus::gone)
+      gone.emplace_back(-row.clock.valid_from, row.object);
   std::ranges::sort(gone);
   Store::Gone result{.in_all = gone.size()};
   for (const auto& [time, object] : gone)
@@ -306,8 +307,9 @@ Store::LooksSince Store::looks_since(Id object, TimeNs after, std::optional<Time
             range + " GROUP BY status",
         values, [&](const SqlRow& row) {
           const auto number = static_cast<size_t>(row.integer("number"));
-          (row.text("status") == "missed" ? result.missed : result.hidden) = number;
-          if (row.text("status") == "missed") result.last_missed = row.integer("scene");
+          const bool missed = row.state<ObjectStatus>("status") == ObjectStatus::missed;
+          (missed ? result.missed : result.hidden) = number;
+          if (missed) result.last_missed = row.integer("scene");
           scenes -= row.integer("number");
         });
     result.out_of_view = static_cast<size_t>(std::max<int64_t>(0, scenes));

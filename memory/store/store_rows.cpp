@@ -124,7 +124,7 @@ AssociationRow association_row(const SqlRow& row) {
   result.scene = row.integer("scene");
   result.observation = row.optional_integer("observation");
   result.object = row.optional_integer("object");
-  result.explanation = row.text("explanation");
+  result.explanation = row.state<Explanation>("explanation");
   result.probability = row.real("probability");
   result.chosen = row.integer("chosen") != 0;
   result.clock = row.clock();
@@ -147,7 +147,7 @@ EventRow event_row(const SqlRow& row) {
   EventRow result;
   result.id = row.integer("id");
   result.scene = row.optional_integer("scene");
-  result.kind = row.text("kind");
+  result.kind = row.state<EventKind>("kind");
   result.object = row.optional_integer("object");
   result.observation = row.optional_integer("observation");
   result.place = row.optional_integer("place");
@@ -168,7 +168,7 @@ BeliefRow belief_row(const SqlRow& row) {
   result.id = row.integer("id");
   result.object = row.integer("object");
   result.scene = row.optional_integer("scene");
-  result.status = row.text("status");
+  result.status = row.state<ObjectStatus>("status");
   result.probability = row.real("probability");
   result.place = row.optional_integer("place");
   result.position = row.vector("");
@@ -192,7 +192,7 @@ VisibilityRow visibility_row(const SqlRow& row) {
   result.scene = row.integer("scene");
   result.object = row.optional_integer("object");
   result.place = row.optional_integer("place");
-  result.status = row.text("status");
+  result.status = row.state<ObjectStatus>("status");
   result.probability = row.optional_real("probability");
   result.fraction = row.optional_real("fraction");
   result.time = row.integer("valid_from");

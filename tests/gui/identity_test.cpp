@@ -97,7 +97,7 @@ TEST_F(IdentityInWindow, TheSecondClockShowsWhatWasKnownBeforeARunAddedMore) {
     memory::BeliefRow row = *store.belief(2);
     row.place = store.belief(1, {sample_.first, std::nullopt})->place;
     row.scene.reset();
-    row.status = "out_of_view";
+    row.status = memory::ObjectStatus::out_of_view;
     row.clock = {.valid_from = sample_.third + kSecond};
     const memory::Id run = store.begin_run("somebody who knows better", "{}");
     {

@@ -52,7 +52,7 @@ memory::BeliefRow belief_of(memory::Id object, memory::Id scene, const Vector3d&
   memory::BeliefRow row;
   row.object = object;
   row.scene = scene;
-  row.status = "seen";
+  row.status = memory::ObjectStatus::seen;
   row.probability = 0.9;
   row.position = position;
   row.size = Vector3d(0.08, 0.08, 0.15);

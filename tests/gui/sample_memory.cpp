@@ -148,7 +148,7 @@ class Writer {
     association.scene = scene;
     association.observation = observation;
     association.object = thing.object;
-    association.explanation = explanation;
+    association.explanation = memory::parse_state<memory::Explanation>(explanation);
     association.probability = 0.97;
     association.chosen = true;
     transaction.add_association(association);
@@ -158,12 +158,17 @@ class Writer {
   /// What a scene could tell about a thing.
   void add_look(memory::SceneTransaction& transaction, memory::Id scene, memory::Id object,
                 const std::string& status) {
-    transaction.add_visibility({.scene = scene, .object = object, .status = status, .probability = 0.95});
+    transaction.add_visibility({.scene = scene,
+                                .object = object,
+                                .status = memory::parse_state<memory::ObjectStatus>(status),
+                                .probability = 0.95});
   }
   void add_look_at(memory::SceneTransaction& transaction, memory::Id scene, const std::string& place,
                    double fraction) {
-    transaction.add_visibility(
-        {.scene = scene, .place = place_id(place), .status = "seen", .fraction = fraction});
+    transaction.add_visibility({.scene = scene,
+                                .place = place_id(place),
+                                .status = memory::ObjectStatus::seen,
+                                .fraction = fraction});
   }
 
   memory::Id add_object(memory::SceneTransaction& transaction, TimeNs time) {
@@ -178,7 +183,7 @@ class Writer {
     memory::BeliefRow row;
     row.object = thing.object;
     row.scene = scene;
-    row.status = status;
+    row.status = memory::parse_state<memory::ObjectStatus>(status);
     row.probability = probability;
     row.place = place_id(place);
     row.position = thing.centre;
@@ -196,7 +201,7 @@ class Writer {
                  const std::string& from = {}) {
     memory::EventRow row;
     row.scene = scene;
-    row.kind = kind;
+    row.kind = memory::parse_state<memory::EventKind>(kind);
     row.object = object;
     row.place = place_id(place);
     if (!from.empty()) row.from_place = place_id(from);

@@ -32,16 +32,16 @@ Story memory_story(const memory::Store& store, const Moments& moments) {
     for (const memory::AssociationRow& row : store.associations(moment.scene)) {
       if (!row.chosen || !row.observation || !row.object) continue;
       story[frame].object_of[*row.observation] = *row.object;
-      if (row.explanation == "move") put_elsewhere.insert(*row.observation);
+      if (row.explanation == memory::Explanation::move) put_elsewhere.insert(*row.observation);
     }
   }
   for (const memory::EventRow& event : store.events()) {
     if (!event.object || !event.scene || !frame_of_scene.contains(*event.scene)) continue;
     std::set<std::string>& events = story[frame_of_scene.at(*event.scene)].events[*event.object];
-    events.insert(event.kind);
+    events.insert(to_text(event.kind));
     // What was missed in its place and turns up in another one was moved; that it was missed was told before.
     const bool elsewhere = event.observation && put_elsewhere.contains(*event.observation);
-    if (event.kind == "reappeared" && elsewhere) events.insert("moved");
+    if (event.kind == memory::EventKind::reappeared && elsewhere) events.insert("moved");
   }
   return story;
 }

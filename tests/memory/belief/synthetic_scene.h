@@ -121,7 +121,7 @@ class SyntheticKitchen {
 inline std::vector<std::string> told(const BeliefUpdate& update) {
   std::vector<std::string> texts;
   for (const Event& event : update.events)
-    texts.push_back(std::string(event_name(event.kind)) + " " + std::to_string(event.object));
+    texts.push_back(std::string(to_text(event.kind)) + " " + std::to_string(event.object));
   return texts;
 }
 

@@ -73,7 +73,7 @@ TEST_F(Edits, MergedObjectsAreOneWithOneHistory) {
   EXPECT_EQ(history.now.place->name, "drawer_1_bottom");
   EXPECT_EQ(history.now.sightings, 3U);
   const Change& last = history.changes.back();
-  EXPECT_EQ(last.kind, "moved") << "it was known, so it has come from somewhere";
+  EXPECT_EQ(last.kind, EventKind::moved) << "it was known, so it has come from somewhere";
   EXPECT_EQ(last.from_place->name, "table_1");
   expect_sound();
 }
@@ -97,9 +97,9 @@ TEST_F(Edits, ASplitObjectGoesOnAsAnother) {
   edit([](Store& store) { return split_object(store, 1, testing_support::day_time("09:15")); });
   const Id made = store_->last_object();
   EXPECT_EQ(store_->sightings(1).size() + store_->sightings(made).size(), seen);
-  EXPECT_EQ(store_->belief(made)->status, "seen");
+  EXPECT_EQ(store_->belief(made)->status, ObjectStatus::seen);
   EXPECT_EQ(ask(*store_, WhereQuestion{object_name(made)}).objects.at(0).place->name, "counter_1");
-  EXPECT_EQ(store_->belief(1)->status, "gone") << "what was believed before stays";
+  EXPECT_EQ(store_->belief(1)->status, ObjectStatus::gone) << "what was believed before stays";
   const auto changes = ask(*store_, HistoryQuestion{object_name(made)}).objects.at(0).changes;
   ASSERT_FALSE(changes.empty());
   EXPECT_EQ(changes[0].kind, "appeared");

@@ -45,12 +45,12 @@ class DatasetTest : public testing_support::TemporaryFolder {
       scene.add_association({.scene = id,
                              .observation = seen,
                              .object = number + 1,
-                             .explanation = "stay",
+                             .explanation = Explanation::stay,
                              .probability = 1,
                              .chosen = true});
       scene.add_belief({.object = number + 1,
                         .scene = id,
-                        .status = "seen",
+                        .status = ObjectStatus::seen,
                         .position = Vector3d(0, 0, 1),
                         .last_scene = id});
       scene.add_annotation({.scene = id,

@@ -88,10 +88,11 @@ class ObjectModelTest : public testing_support::TemporaryFolder {
     scene.add_association({.scene = id,
                            .observation = seen,
                            .object = 1,
-                           .explanation = "stay",
+                           .explanation = Explanation::stay,
                            .probability = 1,
                            .chosen = true});
-    scene.add_belief({.object = 1, .scene = id, .status = "seen", .position = centre, .last_scene = id});
+    scene.add_belief(
+        {.object = 1, .scene = id, .status = ObjectStatus::seen, .position = centre, .last_scene = id});
     scene.commit();
   }
 
@@ -196,7 +197,7 @@ TEST_F(ObjectModelTest, WithoutDepthThereIsNoModel) {
     scene.add_association({.scene = id,
                            .observation = seen,
                            .object = 1,
-                           .explanation = "appear",
+                           .explanation = Explanation::appear,
                            .probability = 1,
                            .chosen = true});
     scene.commit();

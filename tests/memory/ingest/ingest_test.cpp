@@ -60,7 +60,7 @@ class Ingest : public testing::Test {
   Store memory() const { return Store::open_read(folder / "memory.loci"); }
   std::vector<std::string> events() const {
     std::vector<std::string> kinds;
-    for (const EventRow& event : memory().events()) kinds.push_back(event.kind);
+    for (const EventRow& event : memory().events()) kinds.push_back(to_text(event.kind));
     return kinds;
   }
 
@@ -87,7 +87,7 @@ TEST_F(Ingest, WhatNobodyLookedAtIsNotDeclaredGone) {
   for (int minute = 10; minute < 40; ++minute) text += moment(fmt::format("08:{}:00", minute), "");
   take(write(text));
   EXPECT_THAT(events(), ElementsAre("appeared", "appeared"));
-  EXPECT_EQ(memory().beliefs().front().status, "out_of_view");
+  EXPECT_EQ(memory().beliefs().front().status, ObjectStatus::out_of_view);
 }
 
 TEST_F(Ingest, WhatIsMissedWhereSomebodyLookedIsGone) {

@@ -77,7 +77,7 @@ TEST_P(EarlierFormat, GoesOnWithTheBeliefThatItHolds) {
   Recorder recorder(store, store.begin_run("test", "{}"));
   EXPECT_EQ(recorder.belief().last_scene, last->time);
   size_t believed = 0;
-  for (const BeliefRow& row : store.beliefs()) believed += row.status == "gone" ? 0 : 1;
+  for (const BeliefRow& row : store.beliefs()) believed += row.status == ObjectStatus::gone ? 0 : 1;
   EXPECT_EQ(std::ranges::count_if(recorder.belief().objects,
                                   [](const belief::ProtoObject& object) {
                                     return object.id != 0 && object.status == belief::Status::present;

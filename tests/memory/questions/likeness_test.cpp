@@ -30,10 +30,10 @@ void remember_three(const std::filesystem::path& file) {
     scene.add_association({.scene = id,
                            .observation = seen,
                            .object = object,
-                           .explanation = "appear",
+                           .explanation = Explanation::appear,
                            .probability = 1,
                            .chosen = true});
-    scene.add_belief({.object = object, .scene = id, .status = "seen", .last_scene = id});
+    scene.add_belief({.object = object, .scene = id, .status = ObjectStatus::seen, .last_scene = id});
   }
   scene.commit();
   store.finish_run(run);

@@ -61,7 +61,7 @@ TEST_F(Questions, WhereTellsWhatElseMayBeTheObject) {
     const Id seen = scene.add_observation(
         {.scene = id, .number = 0, .position = Vector3d(0.2, 0.3, 0.8), .color = "red"});
     fresh = scene.add_object({});
-    const auto considered = [&](Id object, const char* explanation, double probability) {
+    const auto considered = [&](Id object, Explanation explanation, double probability) {
       scene.add_association({.scene = id,
                              .observation = seen,
                              .object = object,
@@ -69,10 +69,10 @@ TEST_F(Questions, WhereTellsWhatElseMayBeTheObject) {
                              .probability = probability,
                              .chosen = object == fresh});
     };
-    considered(fresh, "appear", 0.6);
-    considered(1, "move", 0.3);
-    considered(1, "stay", 0.05);
-    considered(2, "move", 0.01);
+    considered(fresh, Explanation::appear, 0.6);
+    considered(1, Explanation::move, 0.3);
+    considered(1, Explanation::stay, 0.05);
+    considered(2, Explanation::move, 0.01);
     scene.commit();
   }
   store_.emplace(Store::open_read(file_));

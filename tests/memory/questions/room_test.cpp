@@ -47,9 +47,9 @@ class Room : public testing_support::TemporaryFolder {
         SceneTransaction scene(store, run);
         const Id id = scene.add_scene(
             {.time = time * 3600 * kSecond, .map = map, .joints = {{"drawer_1_joint", position}}});
-        scene.add_visibility({.scene = id, .place = table, .status = "seen", .fraction = 0.9});
+        scene.add_visibility({.scene = id, .place = table, .status = ObjectStatus::seen, .fraction = 0.9});
         scene.add_event({.scene = id,
-                         .kind = "joint_changed",
+                         .kind = EventKind::joint_changed,
                          .joint = "drawer_1_joint",
                          .joint_position = position,
                          .from_joint_position = 0.3 - position});

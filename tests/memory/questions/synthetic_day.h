@@ -92,14 +92,14 @@ class SyntheticDay {
     for (const Id other : {table_, counter_})
       scene.add_visibility({.scene = id,
                             .place = other,
-                            .status = other == place ? "seen" : "out_of_view",
+                            .status = other == place ? ObjectStatus::seen : ObjectStatus::out_of_view,
                             .fraction = other == place ? 0.95 : 0.0});
     return id;
   }
 
   /// An object seen at a spot.
   Id see(SceneTransaction& scene, Id scene_id, int64_t number, std::optional<Id> object,
-         const std::string& color, Id place, const Vector3d& at, const std::string& explanation) {
+         const std::string& color, Id place, const Vector3d& at, Explanation explanation) {
     const Id seen = scene.add_observation({.scene = scene_id,
                                            .number = number,
                                            .place = place,
@@ -113,13 +113,13 @@ class SyntheticDay {
                            .explanation = explanation,
                            .probability = 0.96,
                            .chosen = true});
-    scene.add_visibility({.scene = scene_id, .object = id, .status = "seen", .probability = 1});
-    believe(scene, scene_id, id, "seen", 0.98, place, at, color, scene_id);
+    scene.add_visibility({.scene = scene_id, .object = id, .status = ObjectStatus::seen, .probability = 1});
+    believe(scene, scene_id, id, ObjectStatus::seen, 0.98, place, at, color, scene_id);
     last_seen_[id] = scene_id;
     return seen;
   }
 
-  void believe(SceneTransaction& scene, Id scene_id, Id object, const std::string& status, double probability,
+  void believe(SceneTransaction& scene, Id scene_id, Id object, ObjectStatus status, double probability,
                Id place, const Vector3d& at, const std::string& color, Id last_scene) {
     scene.add_belief({.object = object,
                       .scene = scene_id,
@@ -132,43 +132,49 @@ class SyntheticDay {
                       .size = Vector3d(0.08, 0.08, 0.1)});
   }
 
-  void not_seen(SceneTransaction& scene, Id scene_id, Id object, const std::string& status) {
+  void not_seen(SceneTransaction& scene, Id scene_id, Id object, ObjectStatus status) {
     scene.add_visibility({.scene = scene_id, .object = object, .status = status, .probability = 0.9});
   }
 
   void appear(Store& store) {
     SceneTransaction scene(store, run_);
     const Id id = look(scene, 0, "08:00", table_);
-    const Id red = see(scene, id, 0, {}, "red", table_, red_spot_, "appear");
-    const Id blue = see(scene, id, 1, {}, "blue", table_, blue_spot_, "appear");
+    const Id red = see(scene, id, 0, {}, "red", table_, red_spot_, Explanation::appear);
+    const Id blue = see(scene, id, 1, {}, "blue", table_, blue_spot_, Explanation::appear);
     scene.add_annotation({.scene = id, .observation = red, .type = "loci.Text", .value = "Darjeeling"});
-    scene.add_event({.scene = id, .kind = "appeared", .object = 1, .observation = red, .place = table_});
-    scene.add_event({.scene = id, .kind = "appeared", .object = 2, .observation = blue, .place = table_});
+    scene.add_event(
+        {.scene = id, .kind = EventKind::appeared, .object = 1, .observation = red, .place = table_});
+    scene.add_event(
+        {.scene = id, .kind = EventKind::appeared, .object = 2, .observation = blue, .place = table_});
     scene.commit();
   }
 
   void counter_alone(Store& store) {
     SceneTransaction scene(store, run_);
     const Id id = look(scene, 1, "08:30", counter_);
-    const Id green = see(scene, id, 0, {}, "green", counter_, {3.2, 0.2, 0.8}, "appear");
-    scene.add_event({.scene = id, .kind = "appeared", .object = 3, .observation = green, .place = counter_});
-    for (const Id object : {Id{1}, Id{2}}) not_seen(scene, id, object, "out_of_view");
-    believe(scene, id, 1, "out_of_view", 0.95, table_, red_spot_, "red", last_seen_[1]);
-    believe(scene, id, 2, "out_of_view", 0.95, table_, blue_spot_, "blue", last_seen_[2]);
+    const Id green = see(scene, id, 0, {}, "green", counter_, {3.2, 0.2, 0.8}, Explanation::appear);
+    scene.add_event(
+        {.scene = id, .kind = EventKind::appeared, .object = 3, .observation = green, .place = counter_});
+    for (const Id object : {Id{1}, Id{2}}) not_seen(scene, id, object, ObjectStatus::out_of_view);
+    believe(scene, id, 1, ObjectStatus::out_of_view, 0.95, table_, red_spot_, "red", last_seen_[1]);
+    believe(scene, id, 2, ObjectStatus::out_of_view, 0.95, table_, blue_spot_, "blue", last_seen_[2]);
     scene.commit();
   }
 
   void red_is_gone(Store& store) {
     SceneTransaction scene(store, run_);
     const Id id = look(scene, 2, "09:00", table_);
-    see(scene, id, 0, 2, "blue", table_, blue_spot_, "stay");
-    not_seen(scene, id, 1, "missed");
-    not_seen(scene, id, 3, "out_of_view");
-    believe(scene, id, 1, "gone", 0.04, table_, red_spot_, "red", last_seen_[1]);
-    scene.add_association(
-        {.scene = id, .object = 1, .explanation = "disappear", .probability = 0.93, .chosen = true});
+    see(scene, id, 0, 2, "blue", table_, blue_spot_, Explanation::stay);
+    not_seen(scene, id, 1, ObjectStatus::missed);
+    not_seen(scene, id, 3, ObjectStatus::out_of_view);
+    believe(scene, id, 1, ObjectStatus::gone, 0.04, table_, red_spot_, "red", last_seen_[1]);
+    scene.add_association({.scene = id,
+                           .object = 1,
+                           .explanation = Explanation::disappear,
+                           .probability = 0.93,
+                           .chosen = true});
     scene.add_event({.scene = id,
-                     .kind = "gone",
+                     .kind = EventKind::gone,
                      .object = 1,
                      .from_place = table_,
                      .from_position = red_spot_,
@@ -180,10 +186,10 @@ class SyntheticDay {
   void red_is_on_the_counter(Store& store) {
     SceneTransaction scene(store, run_);
     const Id id = look(scene, 3, "09:30", counter_);
-    const Id red = see(scene, id, 0, 1, "red", counter_, {3.6, 0.4, 0.8}, "move");
-    see(scene, id, 1, 3, "green", counter_, {3.2, 0.2, 0.8}, "stay");
+    const Id red = see(scene, id, 0, 1, "red", counter_, {3.6, 0.4, 0.8}, Explanation::move);
+    see(scene, id, 1, 3, "green", counter_, {3.2, 0.2, 0.8}, Explanation::stay);
     scene.add_event({.scene = id,
-                     .kind = "moved",
+                     .kind = EventKind::moved,
                      .object = 1,
                      .observation = red,
                      .place = counter_,
@@ -198,9 +204,10 @@ class SyntheticDay {
   void blue_is_hidden(Store& store) {
     SceneTransaction scene(store, run_);
     const Id id = look(scene, 4, "10:00", table_, true);
-    not_seen(scene, id, 2, "hidden");
-    believe(scene, id, 2, "hidden", 0.85, table_, blue_spot_, "blue", last_seen_[2]);
-    scene.add_event({.scene = id, .kind = "hidden", .object = 2, .place = table_, .probability = 0.9});
+    not_seen(scene, id, 2, ObjectStatus::hidden);
+    believe(scene, id, 2, ObjectStatus::hidden, 0.85, table_, blue_spot_, "blue", last_seen_[2]);
+    scene.add_event(
+        {.scene = id, .kind = EventKind::hidden, .object = 2, .place = table_, .probability = 0.9});
     scene.commit();
   }
 
@@ -208,14 +215,15 @@ class SyntheticDay {
     SceneTransaction scene(store, run_);
     const Id id = look(scene, 5, "10:30", counter_);
     scene.add_event({.scene = id,
-                     .kind = "joint_changed",
+                     .kind = EventKind::joint_changed,
                      .place = drawer_,
                      .joint = "drawer_1_joint",
                      .joint_position = 0.35,
                      .from_joint_position = 0});
-    const Id yellow = see(scene, id, 0, {}, "yellow", drawer_, {3.5, -0.3, 0.5}, "appear");
-    scene.add_event({.scene = id, .kind = "appeared", .object = 4, .observation = yellow, .place = drawer_});
-    see(scene, id, 1, 1, "red", counter_, {3.6, 0.4, 0.8}, "stay");
+    const Id yellow = see(scene, id, 0, {}, "yellow", drawer_, {3.5, -0.3, 0.5}, Explanation::appear);
+    scene.add_event(
+        {.scene = id, .kind = EventKind::appeared, .object = 4, .observation = yellow, .place = drawer_});
+    see(scene, id, 1, 1, "red", counter_, {3.6, 0.4, 0.8}, Explanation::stay);
     scene.commit();
   }
 

@@ -99,13 +99,14 @@ TEST_F(RecorderTest, MemoryIsSoundAndTellsWhatHappened) {
   EXPECT_THAT(store.verify(progress).problems, IsEmpty());
   std::vector<std::string> events;
   for (const EventRow& event : store.events())
-    events.push_back(event.kind + (event.object ? " " + object_name(*event.object) : " " + *event.joint));
+    events.push_back(to_text(event.kind) +
+                     (event.object ? " " + object_name(*event.object) : " " + *event.joint));
   EXPECT_THAT(events, ElementsAre("appeared object_1", "appeared object_2", "joint_changed drawer_1_joint",
                                   "moved object_1", "gone object_2"));
   const std::vector<BeliefRow> beliefs = store.beliefs();
   ASSERT_EQ(beliefs.size(), 2U);
-  EXPECT_EQ(beliefs[0].status, "seen");
-  EXPECT_EQ(beliefs[1].status, "gone");
+  EXPECT_EQ(beliefs[0].status, ObjectStatus::seen);
+  EXPECT_EQ(beliefs[1].status, ObjectStatus::gone);
   EXPECT_NEAR(beliefs[0].position->x(), -0.3, 0.01);
   // Confirmed in the third frame, but believed and seen from the first on.
   EXPECT_EQ(store.sightings(1).size(), static_cast<size_t>(kScenes));

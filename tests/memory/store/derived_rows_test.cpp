@@ -39,9 +39,9 @@ class DerivedRows : public testing_support::TemporaryFolder {
     for (Id object = 1; object <= kObjects; ++object) {
       if (first) {
         scene.add_object({});
-        scene.add_belief({.object = object, .scene = id, .status = "seen"});
+        scene.add_belief({.object = object, .scene = id, .status = ObjectStatus::seen});
       }
-      const std::string status = random_.uniform() < 0.5 ? "missed" : "hidden";
+      const ObjectStatus status = random_.uniform() < 0.5 ? ObjectStatus::missed : ObjectStatus::hidden;
       if (random_.uniform() < 0.3) scene.add_visibility({.scene = id, .object = object, .status = status});
       if (random_.uniform() < 0.4) continue;
       std::optional<Id>& place = place_of_[object];
@@ -51,7 +51,7 @@ class DerivedRows : public testing_support::TemporaryFolder {
       scene.add_association({.scene = id,
                              .observation = seen,
                              .object = object,
-                             .explanation = "stay",
+                             .explanation = Explanation::stay,
                              .probability = 1,
                              .chosen = true});
     }
@@ -111,7 +111,7 @@ TEST_F(DerivedRows, CountTheLooksThatAWalkCounts) {
     size_t scenes = 0, missed = 0, hidden = 0;
     for (const SceneRow& scene : store.scenes()) scenes += counts(scene.time) ? 1 : 0;
     for (const VisibilityRow& row : store.visibility_of_object(object))
-      if (counts(row.time)) ++(row.status == "missed" ? missed : hidden);
+      if (counts(row.time)) ++(row.status == ObjectStatus::missed ? missed : hidden);
     const Store::LooksSince looks = store.looks_since(object, after, until, as_of);
     EXPECT_EQ(looks.missed, missed);
     EXPECT_EQ(looks.hidden, hidden);
@@ -125,7 +125,8 @@ TEST_F(DerivedRows, TellWhatWentLastFromAPlace) {
     SceneTransaction scene(store, 1);
     const Id id = scene.add_scene({.time = last_ + 10 * kSecond});
     for (Id object = 1; object <= kObjects; ++object) {
-      BeliefRow row{.object = object, .scene = id, .status = "gone", .place = object == 2 ? 2 : 1};
+      BeliefRow row{
+          .object = object, .scene = id, .status = ObjectStatus::gone, .place = object == 2 ? 2 : 1};
       row.position = Vector3d(1, 2, 3);
       row.clock.valid_from = last_ + (10 + object) * kSecond;
       scene.add_belief(row);

@@ -41,10 +41,10 @@ class ForgetDepth : public testing_support::TemporaryFolder {
       scene.add_association({.scene = id,
                              .observation = seen,
                              .object = object,
-                             .explanation = "appear",
+                             .explanation = Explanation::appear,
                              .probability = 1,
                              .chosen = true});
-      scene.add_belief({.object = object, .scene = id, .status = "seen", .last_scene = id});
+      scene.add_belief({.object = object, .scene = id, .status = ObjectStatus::seen, .last_scene = id});
     }
     scene.commit();
   }

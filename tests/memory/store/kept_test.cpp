@@ -56,13 +56,16 @@ class Kept : public testing_support::TemporaryFolder {
          .cloud = scene.add_blob(encode_cluster_depth(depth), kClusterDepthMedia)});
     if (store.last_object() == 0) {
       scene.add_object({});
-      scene.add_belief(
-          {.object = 1, .scene = id, .status = "seen", .position = Vector3d(1, 2, 0.8), .last_scene = id});
+      scene.add_belief({.object = 1,
+                        .scene = id,
+                        .status = ObjectStatus::seen,
+                        .position = Vector3d(1, 2, 0.8),
+                        .last_scene = id});
     }
     scene.add_association({.scene = id,
                            .observation = seen,
                            .object = 1,
-                           .explanation = "stay",
+                           .explanation = Explanation::stay,
                            .probability = 1,
                            .chosen = true});
     scene.set_reasoning(id, "reasons");

@@ -54,17 +54,17 @@ class MergeTest : public testing_support::TemporaryFolder {
       scene.add_association({.scene = id,
                              .observation = seen,
                              .object = object,
-                             .explanation = i == 0 ? "appear" : "stay",
+                             .explanation = i == 0 ? Explanation::appear : Explanation::stay,
                              .probability = 0.9,
                              .chosen = true});
       scene.add_belief({.object = object,
                         .scene = id,
-                        .status = "seen",
+                        .status = ObjectStatus::seen,
                         .place = table,
                         .position = at,
                         .last_scene = id,
                         .last_observation = seen});
-      scene.add_visibility({0, id, std::nullopt, table, "seen", std::nullopt, 1.0});
+      scene.add_visibility({0, id, std::nullopt, table, ObjectStatus::seen, std::nullopt, 1.0});
       scene.commit();
     }
     store.add_fact({.object = object, .key = "owner", .value = name, .clock = {.valid_from = 1}}, run);

@@ -39,11 +39,13 @@ class StoreTest : public testing_support::TemporaryFolder {
     scene.add_association({.scene = id,
                            .observation = seen,
                            .object = object,
-                           .explanation = "appear",
+                           .explanation = Explanation::appear,
                            .probability = 0.9,
                            .chosen = true});
-    scene.add_event({.scene = id, .kind = "appeared", .object = object, .observation = seen, .place = table});
-    scene.add_belief({.object = object, .scene = id, .status = "seen", .place = table, .last_scene = id});
+    scene.add_event(
+        {.scene = id, .kind = EventKind::appeared, .object = object, .observation = seen, .place = table});
+    scene.add_belief(
+        {.object = object, .scene = id, .status = ObjectStatus::seen, .place = table, .last_scene = id});
     scene.commit();
     return id;
   }
@@ -278,17 +280,17 @@ TEST_F(StoreTest, ARowThatSupersedesAnotherEndsItsBeingKnown) {
   {
     SceneTransaction correction(store, run);
     EventRow right = wrong;
-    right.kind = "moved";
+    right.kind = EventKind::moved;
     right.clock.supersedes = wrong.id;
     right.clock.source = "Ada";
     correction.add_event(right);
     correction.commit();
   }
   ASSERT_EQ(store.events().size(), 1U);
-  EXPECT_EQ(store.events()[0].kind, "moved");
+  EXPECT_EQ(store.events()[0].kind, EventKind::moved);
   EXPECT_EQ(store.events()[0].clock.source, "Ada");
   ASSERT_EQ(store.events({.at = {}, .known_at = before}).size(), 1U);
-  EXPECT_EQ(store.events({.at = {}, .known_at = before})[0].kind, "appeared");
+  EXPECT_EQ(store.events({.at = {}, .known_at = before})[0].kind, EventKind::appeared);
   EXPECT_EQ(store.events({.at = {}, .known_at = TimeNs{1}}).size(), 0U);
 }
 
@@ -303,7 +305,7 @@ TEST_F(StoreTest, WhoSaidSoIsKeptForObjectsAndBeliefs) {
     const Id id = scene.add_scene({.time = 2000});
     ObjectRow object;
     object.clock.source = source;
-    BeliefRow belief = {.object = scene.add_object(object), .scene = id, .status = "seen"};
+    BeliefRow belief = {.object = scene.add_object(object), .scene = id, .status = ObjectStatus::seen};
     belief.clock.source = source;
     scene.add_belief(belief);
     scene.commit();
@@ -372,11 +374,12 @@ TEST_F(StoreTest, CountsAndFindsSightingsAsTheRowsSay) {
       scene.add_association({.scene = id,
                              .observation = seen,
                              .object = object,
-                             .explanation = "stay",
+                             .explanation = Explanation::stay,
                              .probability = 0.9,
                              .chosen = true,
                              .clock = {.valid_from = time}});
-      scene.add_belief({.object = object, .scene = id, .status = "seen", .clock = {.valid_from = time}});
+      scene.add_belief(
+          {.object = object, .scene = id, .status = ObjectStatus::seen, .clock = {.valid_from = time}});
     }
     scene.commit();
   }

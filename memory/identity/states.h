@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+namespace loci::memory {
+
+/// How data association explains an observation (stay to clutter) or an object that it did not match.
+enum class Explanation { stay, move, newview, appear, clutter, disappear, missed, hidden };
+
+/// What happened to an object, or to a joint of the map.
+enum class EventKind { appeared, moved, looks_different, gone, hidden, reappeared, joint_changed };
+
+/// How a scene relates to a believed object: observed in it, looked for in vain, behind something, outside
+/// the view, or believed to be gone. For a place, whether the scene observed it.
+enum class ObjectStatus { seen, missed, hidden, out_of_view, gone };
+
+/// The name in SQL and JSON: "looks_different".
+const char* to_text(Explanation explanation);
+const char* to_text(EventKind kind);
+const char* to_text(ObjectStatus status);
+
+/// The inverse of to_text(). Error with the names for any other text.
+template <class State>
+State parse_state(std::string_view text);
+template <>
+Explanation parse_state(std::string_view text);
+template <>
+EventKind parse_state(std::string_view text);
+template <>
+ObjectStatus parse_state(std::string_view text);
+
+template <class T>
+concept StateEnum =
+    std::is_same_v<T, Explanation> || std::is_same_v<T, EventKind> || std::is_same_v<T, ObjectStatus>;
+
+// For nlohmann::json, which would write the number of the enumerator otherwise.
+template <class BasicJson, StateEnum State>
+void to_json(BasicJson& json, State state) {
+  json = to_text(state);
+}
+template <class BasicJson, StateEnum State>
+void from_json(const BasicJson& json, State& state) {
+  state = parse_state<State>(json.template get_ref<const std::string&>());
+}
+
+}  // namespace loci::memory
