@@ -88,7 +88,7 @@ int64_t export_clouds(const memory::Store& store, const fs::path& folder, Progre
   int64_t written = 0;
   for (size_t i = 0; i < objects.size(); ++i) {
     progress.check(double(i) / double(objects.size()), "clouds");
-    for (const memory::Sighting& sighting : store.sightings(objects[i].id)) {
+    for (const memory::ObjectObservation& sighting : store.observations_of(objects[i].id)) {
       const memory::SceneRow scene = store.scene(sighting.observation.scene);
       std::optional<mapping::Scan> cloud = cloud_of(store, scene, sighting.observation);
       if (!cloud) continue;

@@ -308,7 +308,8 @@ std::vector<HistoryEntry> MemoryData::history(int64_t object) const {
 std::vector<TimeNs> MemoryData::observations(int64_t object) const {
   const std::lock_guard lock(mutex_);
   std::vector<TimeNs> times;
-  for (const memory::Sighting& sighting : store_.sightings(object)) times.push_back(sighting.time);
+  for (const memory::ObjectObservation& sighting : store_.observations_of(object))
+    times.push_back(sighting.time);
   return times;
 }
 
@@ -316,7 +317,7 @@ std::vector<TracePoint> MemoryData::trace(int64_t object) const {
   constexpr double kStays = 0.03;  // metres: what is measured of a thing at rest differs by as much
   const std::lock_guard lock(mutex_);
   std::vector<TracePoint> trace;
-  for (const memory::Sighting& sighting : store_.sightings(object)) {
+  for (const memory::ObjectObservation& sighting : store_.observations_of(object)) {
     const auto& position = sighting.observation.position;
     if (position && (trace.empty() || (*position - trace.back().position).norm() > kStays))
       trace.push_back({sighting.time, *position});
@@ -326,7 +327,7 @@ std::vector<TracePoint> MemoryData::trace(int64_t object) const {
 
 ColoredCloud MemoryData::object_cloud(int64_t object, TimeNs time, std::optional<TimeNs> known_at) const {
   const std::lock_guard lock(mutex_);
-  const auto last = store_.last_sighting_before(object, time + 1, {}, {time, known_at});
+  const auto last = store_.last_observation_before(object, time + 1, {}, {time, known_at});
   if (!last) return {};
   const memory::SceneRow row = store_.scene(last->observation.scene);
   if (!row.camera || !row.map_from_camera) return {};
@@ -350,7 +351,8 @@ std::vector<Look> MemoryData::looks_for_object(int64_t object, size_t first_scen
        store_.visibility_of_object(object, index_.scenes[first_scene].time))
     if (row.status == memory::ObjectStatus::missed)
       mark_scene(row.scene, first_scene, [&](size_t number) { looks[number] = Look::missed; });
-  for (const memory::Sighting& sighting : store_.sightings(object, {}, index_.scenes[first_scene].time))
+  for (const memory::ObjectObservation& sighting :
+       store_.observations_of(object, {}, index_.scenes[first_scene].time))
     mark_scene(sighting.observation.scene, first_scene, [&](size_t number) { looks[number] = Look::seen; });
   return looks;
 }
@@ -369,10 +371,10 @@ std::vector<Look> MemoryData::looks_at_place(const std::string& place, size_t fi
 cv::Mat MemoryData::image(int64_t object, TimeNs time) const {
   const std::lock_guard lock(mutex_);
   std::optional<memory::Id> crop;
-  const auto last = store_.last_sighting_before(object, time + 1, {});
+  const auto last = store_.last_observation_before(object, time + 1, {});
   if (last) crop = last->observation.crop;
   if (last && !crop)
-    for (const memory::Sighting& sighting : store_.sightings(object, {time, std::nullopt}))
+    for (const memory::ObjectObservation& sighting : store_.observations_of(object, {time, std::nullopt}))
       if (sighting.observation.crop) crop = sighting.observation.crop;
   return crop ? read_image(store_, *crop) : cv::Mat();
 }

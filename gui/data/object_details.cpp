@@ -28,12 +28,12 @@ int side_of(const SceneEntry& scene, const memory::ObservationRow& seen) {
 }
 
 std::vector<ObjectImage> images_of(const memory::Store& store, const MemoryIndex& index,
-                                   const std::vector<memory::Sighting>& sightings) {
+                                   const std::vector<memory::ObjectObservation>& sightings) {
   // The map's axes: x is called east, as on a drawing.
   static constexpr std::array<const char*, 8> kSides = {"from +x", "from +x +y", "from +y", "from −x +y",
                                                         "from −x", "from −x −y", "from −y", "from +x −y"};
-  std::map<int, const memory::Sighting*> newest;  // by side
-  for (const memory::Sighting& sighting : sightings) {
+  std::map<int, const memory::ObjectObservation*> newest;  // by side
+  for (const memory::ObjectObservation& sighting : sightings) {
     const auto scene = index.number_of_scene.find(sighting.association.scene);
     if (sighting.observation.crop && scene != index.number_of_scene.end())
       newest[side_of(index.scenes[scene->second], sighting.observation)] = &sighting;
@@ -75,12 +75,12 @@ std::string expert_of(const memory::Store& store, const memory::AnnotationRow& r
 ObjectDetails read_details(const memory::Store& store, const MemoryIndex& index, memory::Id object,
                            TimeNs time) {
   ObjectDetails details;
-  std::vector<memory::Sighting> sightings = store.sightings(object, {time, std::nullopt});
+  std::vector<memory::ObjectObservation> sightings = store.observations_of(object, {time, std::nullopt});
   if (sightings.empty()) return details;
   if (sightings.size() > kSightingsLookedAt)
     sightings.erase(sightings.begin(), sightings.end() - static_cast<ptrdiff_t>(kSightingsLookedAt));
   details.images = images_of(store, index, sightings);
-  const memory::Sighting& last = sightings.back();
+  const memory::ObjectObservation& last = sightings.back();
   for (const memory::AnnotationRow& row : store.annotations(last.association.scene))
     if (row.observation == last.observation.id && !row.value.empty())
       details.annotations.push_back({short_type(row.type), row.value, expert_of(store, row), row.confidence});

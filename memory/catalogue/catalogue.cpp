@@ -117,7 +117,7 @@ Catalogue catalogue_of(const Store& store) {
     for (auto& [kind, values] : entry.words)
       for (auto& [value, agreement] : values) agreement = std::round(agreement * 1e3) / 1e3;
     entry.looks = looks.of(belief.object);
-    for (const Sighting& sighting : store.sightings(belief.object)) {
+    for (const ObjectObservation& sighting : store.observations_of(belief.object)) {
       ++entry.sightings;
       if (!entry.class_name.empty() && sighting.observation.place)
         catalogue.kept_on[entry.class_name][place_class[*sighting.observation.place]] += 1;

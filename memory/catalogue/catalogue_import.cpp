@@ -179,7 +179,7 @@ void settle(Store& store, Facts wanted, CatalogueResult& result) {
     const auto& [object, key, value] = about;
     FactRow row{.object = object, .key = key, .value = value, .probability = told.probability};
     row.clock.source = kSource;
-    const Store::SightingCount seen = store.count_sightings(object);
+    const Store::ObservationCount seen = store.count_observations(object);
     if (seen.first_scene) row.clock.valid_from = store.scene(*seen.first_scene).time;
     result.known.push_back({object, key, value, told.probability, told.by});
     ++result.added;

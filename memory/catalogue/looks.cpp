@@ -12,7 +12,7 @@ void drop_words(Looks& looks) {
 Looks LooksOfObjects::of(Id object) {
   constexpr size_t kMax = 6;
   std::vector<const belief::Observation*> seen;
-  for (const Sighting& sighting : store_.sightings(object))
+  for (const ObjectObservation& sighting : store_.observations_of(object))
     if (const belief::Observation* one = evidence(sighting.observation);
         one != nullptr && !one->descriptors.empty())
       seen.push_back(one);

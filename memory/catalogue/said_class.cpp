@@ -9,7 +9,7 @@ constexpr const char* kClassType = "loci.annotation.ClassificationAnnotation";
 
 std::string class_by_annotators(const Store& store, Id object) {
   std::map<std::string, double> said;
-  for (const Sighting& sighting : store.sightings(object))
+  for (const ObjectObservation& sighting : store.observations_of(object))
     for (const AnnotationRow& row : store.annotations(sighting.observation.scene))
       if (row.observation == sighting.observation.id && row.type == kClassType)
         said[row.value] += row.confidence.value_or(0.5);

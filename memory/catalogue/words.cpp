@@ -70,11 +70,11 @@ double distance(const std::map<std::string, double>& a, const std::map<std::stri
 }  // namespace
 
 Words words_of(const Store& store, Id object) {
-  std::vector<Sighting> sightings = store.sightings(object);
+  std::vector<ObjectObservation> sightings = store.observations_of(object);
   if (sightings.size() > kMaxSightings)
     sightings.erase(sightings.begin(), sightings.end() - static_cast<std::ptrdiff_t>(kMaxSightings));
   Words words;
-  for (const ObjectEvidence& evidence : evidence_of(store, sightings))
+  for (const AnnotationSupport& evidence : annotation_support(store, sightings))
     for (const WordKind& kind : word_kinds())
       if (evidence.type == kind.type) words[kind.kind][evidence.value] = evidence.agreement;
   if (const SaidClass said = class_of(store, object); said.by == "fact") words["label"] = {{said.name, 1.0}};

@@ -85,18 +85,19 @@ Edit merge_objects(Store& store, Id one, Id other) {
   need_object(store, other);
   const Id kept = std::min(one, other), given_up = std::max(one, other);
   std::set<Id> scenes;
-  for (const Sighting& sighting : store.sightings(kept)) scenes.insert(sighting.association.scene);
-  const std::vector<Sighting> moved = store.sightings(given_up);
+  for (const ObjectObservation& sighting : store.observations_of(kept))
+    scenes.insert(sighting.association.scene);
+  const std::vector<ObjectObservation> moved = store.observations_of(given_up);
   if (moved.empty())
     refuse(store, object_name(given_up) + " was never seen", "loci-memory objects lists them");
-  for (const Sighting& sighting : moved)
+  for (const ObjectObservation& sighting : moved)
     if (scenes.contains(sighting.association.scene))
       refuse(store,
              fmt::format("{} and {} were seen together in scene {}: they are two", object_name(kept),
                          object_name(given_up), sighting.association.scene),
              "loci-memory edit split takes a mistaken sighting away first");
   const std::vector<BeliefRow> beliefs = store.belief_history(given_up);
-  const std::optional<Sighting> before = store.last_sighting_before(kept, moved.front().time, {});
+  const std::optional<ObjectObservation> before = store.last_observation_before(kept, moved.front().time, {});
   std::vector<EventRow> events;
   for (EventRow& event : store.events())
     if (event.object == given_up) events.push_back(std::move(event));
@@ -107,7 +108,7 @@ Edit merge_objects(Store& store, Id one, Id other) {
   const EditRun run(store, {{"text", fmt::format("{} is {}", object_name(given_up), object_name(kept))}});
   {
     SceneTransaction rows(store, run.id());
-    for (const Sighting& sighting : moved) {
+    for (const ObjectObservation& sighting : moved) {
       AssociationRow row = correction_of(sighting.association);
       row.object = kept;
       rows.add_association(row);
@@ -142,8 +143,8 @@ Edit merge_objects(Store& store, Id one, Id other) {
 
 Edit split_object(Store& store, Id object, TimeNs from) {
   need_object(store, object);
-  const std::vector<Sighting> later = store.sightings(object, {}, from);
-  const std::optional<Sighting> before = store.last_sighting_before(object, from, {});
+  const std::vector<ObjectObservation> later = store.observations_of(object, {}, from);
+  const std::optional<ObjectObservation> before = store.last_observation_before(object, from, {});
   if (later.empty() || !before)
     refuse(store,
            fmt::format("{} was {} {}", object_name(object),
@@ -158,7 +159,7 @@ Edit split_object(Store& store, Id object, TimeNs from) {
   for (EventRow& event : store.events({}, first))
     if (event.object == object) events.push_back(std::move(event));
 
-  const Id made = store.last_object() + 1;
+  const Id made = store.max_object_id() + 1;
   const EditRun run(store,
                     {{"text", fmt::format("{} is {} from {} on", object_name(object), object_name(made),
                                           format_time(first, store.time_zone_minutes()))},
@@ -171,7 +172,7 @@ Edit split_object(Store& store, Id object, TimeNs from) {
     const Id id = rows.add_object(row);
     if (id != made)
       throw Error("another object was added meanwhile", {store.path().string(), 0, {}}, "try again");
-    for (const Sighting& sighting : later) {
+    for (const ObjectObservation& sighting : later) {
       AssociationRow association = correction_of(sighting.association);
       association.object = id;
       if (sighting.time == first) association.explanation = Explanation::appear;

@@ -24,15 +24,15 @@ constexpr double kAbove_deg = 55;
 
 /// A sighting that may become a view.
 struct Candidate {
-  Sighting sighting;
+  ObjectObservation sighting;
   size_t stay = 0;
 };
 
-std::vector<Candidate> candidates_of(const std::vector<Sighting>& sightings) {
+std::vector<Candidate> candidates_of(const std::vector<ObjectObservation>& sightings) {
   std::vector<Candidate> candidates;
   size_t stay = 0;
   const ObservationRow* before = nullptr;
-  for (const Sighting& sighting : sightings) {
+  for (const ObjectObservation& sighting : sightings) {
     const ObservationRow& seen = sighting.observation;
     if (!seen.position) continue;
     if (before != nullptr &&
@@ -135,13 +135,13 @@ void ObjectModelOptions::declare(OptionTable& table) {
 
 ObjectModel model_of(const Store& store, Id object, const ObjectModelOptions& options, Progress& progress,
                      const AsOf& as_of) {
-  const Store::Moment moment(store);
+  const Store::ReadTransaction moment(store);
   ObjectModel model;
   model.object = object;
-  const std::vector<Sighting> sightings = store.sightings(object, as_of);
+  const std::vector<ObjectObservation> sightings = store.observations_of(object, as_of);
   if (sightings.empty()) throw Error(object_name(object) + " was never seen", {store.path().string(), 0, {}});
   model.sightings = sightings.size();
-  model.evidence = evidence_of(store, sightings);
+  model.evidence = annotation_support(store, sightings);
   const std::vector<Candidate> candidates = candidates_of(sightings);
   const std::map<size_t, Vector3d> centres = centres_of(candidates);
   model.cloud.sensor = "remembered depth";
@@ -196,7 +196,7 @@ std::string ObjectModel::summary() const {
                                  object_name(object), points, views.size(), registered, sightings);
   for (const ObjectView& view : views)
     text += fmt::format("  scene {}: {}, {} points, {}\n", view.scene, view.side, view.points, view.placed);
-  for (const ObjectEvidence& one : evidence)
+  for (const AnnotationSupport& one : evidence)
     text += fmt::format("  {} '{}': {} sightings, {:.0f} % agree\n", one.type, one.value, one.sightings,
                         100 * one.agreement);
   return text;
@@ -215,7 +215,7 @@ Json ObjectModel::report() const {
                              {"points", view.points},
                              {"registered", view.registered},
                              {"placed", view.placed}});
-  for (const ObjectEvidence& one : evidence) json["evidence"].push_back(to_json(one));
+  for (const AnnotationSupport& one : evidence) json["evidence"].push_back(to_json(one));
   return json;
 }
 

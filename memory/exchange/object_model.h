@@ -40,10 +40,10 @@ struct ObjectView {
 /// where the object was believed to be, axes of the map then.
 struct ObjectModel {
   Id object = 0;
-  mapping::ScanSet cloud;                ///< one scan per view, in the object's frame; coloured
-  std::vector<ObjectView> views;         ///< in the order of the scans
-  std::map<std::string, Id> best_crop;   ///< by side: blob of the largest image
-  std::vector<ObjectEvidence> evidence;  ///< most often first, by type
+  mapping::ScanSet cloud;                   ///< one scan per view, in the object's frame; coloured
+  std::vector<ObjectView> views;            ///< in the order of the scans
+  std::map<std::string, Id> best_crop;      ///< by side: blob of the largest image
+  std::vector<AnnotationSupport> evidence;  ///< most often first, by type
   size_t sightings = 0;
 
   std::string summary() const;

@@ -74,7 +74,7 @@ class Writer {
 }  // namespace
 
 std::string owl_individuals(const Store& store, const std::string& name, const AsOf& as_of) {
-  const Store::Moment moment(store);
+  const Store::ReadTransaction moment(store);
   return Writer(store, name, as_of).text();
 }
 

@@ -11,11 +11,11 @@ AboutAnswer ask(const Store& store, const AboutQuestion& question) {
     AboutObject object{.now = snapshot.state(*snapshot.belief(id))};
     object.facts =
         ask(store, FactsQuestion{.about = object_name(id), .key = {}, .as_of = question.as_of}).facts;
-    std::vector<Sighting> sightings = store.sightings(id, question.as_of);
+    std::vector<ObjectObservation> sightings = store.observations_of(id, question.as_of);
     if (sightings.size() > question.max_sightings)
       sightings.erase(sightings.begin(),
                       sightings.end() - static_cast<std::ptrdiff_t>(question.max_sightings));
-    object.evidence = evidence_of(store, sightings);
+    object.evidence = annotation_support(store, sightings);
     object.sightings = sightings.size();
     answer.objects.push_back(std::move(object));
   }

@@ -15,7 +15,7 @@ struct AboutQuestion {
 struct AboutObject {
   ObjectState now = {};
   std::vector<Fact> facts = {};
-  std::vector<ObjectEvidence> evidence = {};
+  std::vector<AnnotationSupport> evidence = {};
   size_t sightings = 0;  ///< that the evidence is of
 };
 struct AboutAnswer {

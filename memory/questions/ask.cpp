@@ -13,7 +13,7 @@ constexpr double kSameSpot_m = 0.08;
 
 std::vector<Stay> stays_of(const Snapshot& snapshot, Id object) {
   std::vector<Stay> stays;
-  for (const Sighting& sighting : snapshot.store().sightings(object, snapshot.as_of())) {
+  for (const ObjectObservation& sighting : snapshot.store().observations_of(object, snapshot.as_of())) {
     const ObservationRow& seen = sighting.observation;
     const auto place = snapshot.place_ref(seen.place);
     bool same = !stays.empty() && stays.back().place.has_value() == place.has_value() &&
@@ -52,7 +52,8 @@ std::vector<Alternative> alternatives_of(const Store& store, const Snapshot& sna
                                          const ObjectState& state, const AsOf& as_of) {
   std::vector<Alternative> alternatives;
   if (!state.last_seen) return alternatives;
-  for (const Sighting& sighting : store.doubtful_sightings(state.object.id, state.last_seen->time, as_of)) {
+  for (const ObjectObservation& sighting :
+       store.alternative_observations(state.object.id, state.last_seen->time, as_of)) {
     Alternative alternative;
     alternative.probability = sighting.association.probability;
     alternative.place = snapshot.place_ref(sighting.observation.place);
@@ -120,7 +121,7 @@ ContentsAnswer ask(const Store& store, const ContentsQuestion& question) {
     gone.objects.resize(std::min(gone.objects.size(), question.max_gone));
     for (const Id object : gone.objects) contents.gone.push_back(snapshot.state(*snapshot.belief(object)));
     for (auto* list : {&contents.there, &contents.gone}) std::sort(list->begin(), list->end(), more_probable);
-    if (const std::optional<VisibilityRow> look = store.last_look(place.id, question.as_of)) {
+    if (const std::optional<VisibilityRow> look = store.last_visibility(place.id, question.as_of)) {
       contents.last_look = snapshot.scene_ref(look->scene);
       contents.fraction = look->fraction;
     }

@@ -73,7 +73,7 @@ void locate(const Snapshot& snapshot, const std::string& subject, NearAnswer& an
 /// Scenes in which an object was seen, with the place.
 std::map<Id, std::optional<Id>> scenes_of(const Snapshot& snapshot, Id object) {
   std::map<Id, std::optional<Id>> scenes;
-  for (const Sighting& sighting : snapshot.store().sightings(object, snapshot.as_of()))
+  for (const ObjectObservation& sighting : snapshot.store().observations_of(object, snapshot.as_of()))
     scenes[sighting.association.scene] = sighting.observation.place;
   return scenes;
 }

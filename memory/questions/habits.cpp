@@ -67,7 +67,7 @@ std::vector<UsualPlace> usual_places(const Snapshot& snapshot, Id object, const 
   std::vector<UsualPlace> places;
   const int zone = snapshot.store().time_zone_minutes();
   size_t all = 0;
-  for (const Sighting& sighting : snapshot.store().sightings(object, snapshot.as_of())) {
+  for (const ObjectObservation& sighting : snapshot.store().observations_of(object, snapshot.as_of())) {
     const auto place = snapshot.place_ref(sighting.observation.place);
     if (!place || !during.holds(sighting.time)) continue;
     ++all;
@@ -113,7 +113,7 @@ KeptAnswer ask(const Store& store, const KeptQuestion& question) {
     for (const BeliefRow& belief : snapshot.beliefs()) {
       KeptObject object;
       size_t all = 0;
-      for (const Sighting& sighting : store.sightings(belief.object, question.as_of)) {
+      for (const ObjectObservation& sighting : store.observations_of(belief.object, question.as_of)) {
         if (sighting.observation.place) ++all;
         if (sighting.observation.place != row.id) continue;
         object.last = *snapshot.scene_ref(sighting.association.scene);

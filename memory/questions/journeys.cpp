@@ -30,7 +30,7 @@ struct PlaceStay {
 /// Stays at known places; two at one place without another between are one.
 std::vector<PlaceStay> stays_at_places(const Snapshot& snapshot, Id object) {
   std::vector<PlaceStay> stays;
-  for (const Sighting& sighting : snapshot.store().sightings(object, snapshot.as_of()))
+  for (const ObjectObservation& sighting : snapshot.store().observations_of(object, snapshot.as_of()))
     if (sighting.observation.place && (stays.empty() || stays.back().place != *sighting.observation.place))
       stays.push_back({*sighting.observation.place, sighting.time});
   return stays;
@@ -124,7 +124,7 @@ class Search {
     const double there = belief.status == ObjectStatus::gone ? 0 : belief.probability;
     const TimeNs seen = look.now.last_seen ? look.now.last_seen->time : 0;
     std::map<Id, double> counts;
-    for (const Sighting& sighting : snapshot_.store().sightings(object, snapshot_.as_of()))
+    for (const ObjectObservation& sighting : snapshot_.store().observations_of(object, snapshot_.as_of()))
       if (sighting.observation.place) ++counts[*sighting.observation.place];
     double elsewhere = 0;
     for (const PlaceRow& place : snapshot_.places()) {

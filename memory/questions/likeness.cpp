@@ -53,7 +53,7 @@ struct Image {
 
 std::vector<Image> images_of(const Snapshot& snapshot, Id object) {
   std::vector<Image> images;
-  const std::vector<Sighting> sightings = snapshot.store().sightings(object, snapshot.as_of());
+  const std::vector<ObjectObservation> sightings = snapshot.store().observations_of(object, snapshot.as_of());
   for (auto sighting = sightings.rbegin(); sighting != sightings.rend(); ++sighting) {
     if (!sighting->observation.crop) continue;
     const std::string bytes = snapshot.store().blob(*sighting->observation.crop).bytes;

@@ -194,7 +194,7 @@ void add_contents(const Snapshot& snapshot, std::vector<RoomPart>& parts) {
           row->probability >= 0.5)
         ++part.objects;
     }
-    if (const auto look = snapshot.store().last_look(part.place->id, snapshot.as_of()))
+    if (const auto look = snapshot.store().last_visibility(part.place->id, snapshot.as_of()))
       part.last_look = snapshot.scene_ref(look->scene);
   }
 }

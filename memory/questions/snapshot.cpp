@@ -210,7 +210,7 @@ ObjectState Snapshot::state(const BeliefRow& row) const {
   state.place = place_ref(row.place);
   state.position = row.position;
   state.last_seen = scene_ref(row.last_scene);
-  const Store::SightingCount sightings = store_.count_sightings(row.object, as_of_);
+  const Store::ObservationCount sightings = store_.count_observations(row.object, as_of_);
   state.sightings = sightings.count;
   state.first_seen = scene_ref(sightings.first_scene);
   if (!state.last_seen) return state;
@@ -219,7 +219,8 @@ ObjectState Snapshot::state(const BeliefRow& row) const {
     for (const BeliefRow& earlier : store_.belief_history(row.object, as_of_, state.last_seen->time))
       if (!gone && earlier.status == ObjectStatus::gone && earlier.clock.valid_from > state.last_seen->time)
         gone = earlier.clock.valid_from;
-  const Store::LooksSince looks = store_.looks_since(row.object, state.last_seen->time, gone, as_of_);
+  const Store::VisibilityCounts looks =
+      store_.visibility_since(row.object, state.last_seen->time, gone, as_of_);
   state.looks_out_of_view = looks.out_of_view;
   state.looks_hidden = looks.hidden;
   state.looks_missed = looks.missed;

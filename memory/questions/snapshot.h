@@ -69,7 +69,7 @@ class Snapshot {
   std::string hint_for(const std::vector<std::string>& words, size_t unknown) const;
 
   const Store& store_;
-  Store::Moment moment_;
+  Store::ReadTransaction moment_;
   AsOf as_of_;
   std::vector<PlaceRow> places_;
   std::vector<FactRow> facts_;

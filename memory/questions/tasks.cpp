@@ -173,7 +173,7 @@ class TaskPlanner {
                                   : "needed is what was seen there at any hour");
     std::vector<Id> found;
     for (const BeliefRow& belief : snapshot_.beliefs())
-      for (const Sighting& sighting : store_.sightings(belief.object, question_.as_of)) {
+      for (const ObjectObservation& sighting : store_.observations_of(belief.object, question_.as_of)) {
         const int hour = local_hour(sighting.time, store_.time_zone_minutes());
         const bool then = !known || occasion->covers(hour);
         if (sighting.observation.place != place.id || !then) continue;

@@ -43,24 +43,6 @@ std::vector<Vector3d> points_on(const PlaceRow& place) {
   return points;
 }
 
-std::string look_name(DepthThumbnail::Look look) {
-  switch (look) {
-    case DepthThumbnail::Look::no_camera:
-      return "unknown";
-    case DepthThumbnail::Look::out_of_view:
-      return "out_of_view";
-    case DepthThumbnail::Look::hidden:
-      return "hidden";
-    case DepthThumbnail::Look::seen:
-      return "seen";
-    case DepthThumbnail::Look::seen_empty:
-      return "seen_empty";
-    case DepthThumbnail::Look::no_depth:
-      return "no_depth";
-  }
-  return {};
-}
-
 /// What the scenes of the asked time saw of the asked places, all together.
 class Looks {
  public:
@@ -101,8 +83,8 @@ class Looks {
       if (depth != nullptr) {
         size_t count = 0;
         for (size_t i = 0; i < points.size(); ++i) {
-          const auto look = depth->look_at(points[i]);
-          if (look != DepthThumbnail::Look::seen && look != DepthThumbnail::Look::seen_empty) continue;
+          const auto look = depth->spot_status(points[i]);
+          if (look != SpotStatus::seen && look != SpotStatus::seen_empty) continue;
           seen[i] = true;
           ++count;
         }
@@ -156,16 +138,16 @@ class Judge {
     const Store& store = snapshot_.store();
     std::vector<Id> asked;
     for (const PlaceRow& place : places_) asked.push_back(place.id);
-    if (const auto before = store.last_sighting_before(object, question_.from, asked, snapshot_.as_of())) {
+    if (const auto before = store.last_observation_before(object, question_.from, asked, snapshot_.as_of())) {
       result.before = snapshot_.scene_ref(before->association.scene);
       spot_ = before->observation.position;
     }
-    if (const auto after = store.first_sighting_after(object, question_.to, asked, snapshot_.as_of())) {
+    if (const auto after = store.first_observation_after(object, question_.to, asked, snapshot_.as_of())) {
       result.after = snapshot_.scene_ref(after->association.scene);
       if (!spot_) spot_ = after->observation.position;
     }
-    for (const Sighting& sighting :
-         store.sightings(object, snapshot_.as_of(), question_.from, question_.to)) {
+    for (const ObjectObservation& sighting :
+         store.observations_of(object, snapshot_.as_of(), question_.from, question_.to)) {
       const auto ref = snapshot_.scene_ref(sighting.association.scene);
       if (is_asked(sighting.observation.place)) {
         result.seen_there.push_back(*ref);
@@ -185,7 +167,7 @@ class Judge {
                      .spot = "unknown"};
       if (spot_) {
         if (const DepthThumbnail* depth = looks_.thumbnail(*scene))
-          look.spot = look_name(depth->look_at(*spot_));
+          look.spot = to_text(depth->spot_status(*spot_));
         // What the belief found with the full image, when it was asked about this very place.
         const auto found = told.find(scene->id);
         if (look.spot == "unknown" && found != told.end()) look.spot = found->second;

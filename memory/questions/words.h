@@ -56,7 +56,7 @@ Json to_json(const LikeAnswer& answer);
 Json to_json(const AboutAnswer& answer);
 Json to_json(const RoomAnswer& answer);
 Json to_json(const OpensAnswer& answer);
-Json to_json(const ObjectEvidence& evidence);
+Json to_json(const AnnotationSupport& evidence);
 Json to_json(const AnyAnswer& answer);
 Json to_json(const SpokenAnswer& answer);
 

@@ -113,7 +113,7 @@ std::string to_text(const AboutAnswer& answer, const TimeWriter& times) {
     lines.push_back(words::state_text(object.now, times));
     for (const Fact& fact : object.facts)
       lines.push_back(fmt::format("  {}: {} (said by {})", fact.key, fact.value, fact.source));
-    for (const ObjectEvidence& one : object.evidence)
+    for (const AnnotationSupport& one : object.evidence)
       lines.push_back(fmt::format(
           "  {}: {} ({} of {}, {} of those that say)", one.type.substr(one.type.rfind('.') + 1), one.value,
           one.sightings, words::plural(object.sightings, "sighting"), words::percent(one.agreement)));
@@ -135,7 +135,7 @@ Json to_json(const OpensAnswer& answer) {
   return {{"asked", answer.asked}, {"parts", parts_json(answer.parts)}};
 }
 
-Json to_json(const ObjectEvidence& evidence) {
+Json to_json(const AnnotationSupport& evidence) {
   return {{"type", evidence.type},
           {"value", evidence.value},
           {"sightings", evidence.sightings},
@@ -148,7 +148,7 @@ Json to_json(const AboutAnswer& answer) {
     Json one = words::state_json(object.now);
     one["facts"] = to_json(FactsAnswer{object.facts})["facts"];
     one["evidence"] = Json::array();
-    for (const ObjectEvidence& evidence : object.evidence) one["evidence"].push_back(to_json(evidence));
+    for (const AnnotationSupport& evidence : object.evidence) one["evidence"].push_back(to_json(evidence));
     json["objects"].push_back(std::move(one));
   }
   return json;

@@ -233,7 +233,7 @@ ReasonResult reason(const Store& from, const std::filesystem::path& other,
     throw Error("there is a file already", {other.string(), 0, {}}, "name a new memory with -o");
   const std::vector<SceneRow> scenes = from.scenes();
   ReasonResult result;
-  for (const SceneRow& scene : scenes) result.let_go += from.reasoning_let_go(scene.id) ? 1 : 0;
+  for (const SceneRow& scene : scenes) result.let_go += from.reasoning_discarded(scene.id) ? 1 : 0;
   if (result.let_go > 0 && result.let_go == scenes.size())
     throw Error("the evidence of all scenes was let go: nothing can be reasoned about anew",
                 {from.path().string(), 0, {}}, "loci-memory retain --reasoning was told how long it is kept");

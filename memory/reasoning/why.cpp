@@ -158,7 +158,7 @@ std::string heading(const SceneRow& scene) {
 }
 
 [[noreturn]] void nothing_kept(const Store& store, Id scene) {
-  if (store.reasoning_let_go(scene))
+  if (store.reasoning_discarded(scene))
     throw Error(fmt::format("what was thought of scene {} was let go", scene), {store.path().string(), 0, {}},
                 "loci-memory retain --reasoning was told how long it is kept; what was concluded is there");
   throw Error(fmt::format("scene {} has no reasoning", scene), {store.path().string(), 0, {}},
@@ -166,8 +166,8 @@ std::string heading(const SceneRow& scene) {
 }
 
 /// What the last look at an object's place said since it was seen.
-std::optional<std::pair<SceneRow, belief::ObjectDecision>> last_look(const Store& store, Id object,
-                                                                     TimeNs after, const AsOf& as_of) {
+std::optional<std::pair<SceneRow, belief::ObjectDecision>> last_visibility(const Store& store, Id object,
+                                                                           TimeNs after, const AsOf& as_of) {
   std::vector<SceneRow> scenes = store.scenes(as_of, after, as_of.at);
   std::reverse(scenes.begin(), scenes.end());
   if (scenes.size() > kScenesLookedAt) scenes.resize(kScenesLookedAt);
@@ -184,11 +184,11 @@ std::optional<std::pair<SceneRow, belief::ObjectDecision>> last_look(const Store
 }  // namespace
 
 Why why_object(const Store& store, Id object, const AsOf& as_of) {
-  const std::vector<Sighting> sightings = store.sightings(object, as_of);
+  const std::vector<ObjectObservation> sightings = store.observations_of(object, as_of);
   if (sightings.empty())
     throw Error(fmt::format("{} was not seen{}", object_name(object), as_of.at ? " by then" : ""),
                 {store.path().string(), 0, {}}, "loci-memory objects lists what is known");
-  const Sighting& last = sightings.back();
+  const ObjectObservation& last = sightings.back();
   const SceneRow scene = store.scene(last.association.scene);
   const std::optional<SceneReasoning> reasoning = load_reasoning(store, scene.id);
   if (!reasoning) nothing_kept(store, scene.id);
@@ -197,7 +197,7 @@ Why why_object(const Store& store, Id object, const AsOf& as_of) {
   why.json["scene"] = scene.id;
   why.json["time"] = format_time(scene.time);
   why.json = {{"object", object_name(object)}, {"last_seen", why.json}};
-  if (const auto look = last_look(store, object, scene.time, as_of)) {
+  if (const auto look = last_visibility(store, object, scene.time, as_of)) {
     const Why since = explain(look->second);
     why.text += heading(look->first) + since.text;
     why.json["since"] = since.json;

@@ -427,10 +427,10 @@ void Recorder::take_up() {
   for (const belief::ProtoObject& object : state_.objects)
     if (object.id != 0)
       if (std::optional<BeliefRow> row = store_.belief(object.id)) told_[object.id] = std::move(*row);
-  max_object_ = store_.last_object();
+  max_object_ = store_.max_object_id();
   places_.clear();
   for (const PlaceRow& place : store_.places()) places_[place.name] = place.id;
-  next_observation_ = store_.last_observation() + 1;
+  next_observation_ = store_.max_observation_id() + 1;
   last_joints_.clear();
   if (const std::optional<SceneRow> last = store_.last_scene()) last_joints_ = last->joints;
 }

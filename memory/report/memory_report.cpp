@@ -71,7 +71,7 @@ std::string memory_report(const Store& store, const std::optional<std::string>& 
                           const ReportOptions& options, Progress& progress) {
   if (page && !is_html_page(*page))
     throw Error("is no page of a report", {}, "give a page that loci-map or loci-memory wrote");
-  const Store::Moment moment(store);
+  const Store::ReadTransaction moment(store);
   PartialProgress reading(progress, 0, 0.3), counting(progress, 0.3, 1);
   const ReportData data(store, options, reading);
   const std::vector<std::pair<std::string, std::string>> sections = {

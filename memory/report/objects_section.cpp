@@ -32,7 +32,8 @@ std::string images_of(const ReportData& data, const ObjectHistory& history) {
   for (auto stay = history.stays.rbegin(); stay != history.stays.rend() && count < kImages; ++stay) {
     const Id scene = stay->scenes.back().scene;
     const TimeNs time = stay->scenes.back().time;
-    for (const Sighting& sighting : data.store.sightings(history.now.object.id, {}, time, time)) {
+    for (const ObjectObservation& sighting :
+         data.store.observations_of(history.now.object.id, {}, time, time)) {
       if (sighting.observation.scene != scene || !sighting.observation.crop) continue;
       const BlobRow blob = data.store.blob(*sighting.observation.crop);
       const auto* bytes = reinterpret_cast<const unsigned char*>(blob.bytes.data());
@@ -65,7 +66,7 @@ std::string said_of(const ReportData& data, const ObjectHistory& history) {
   for (const AboutObject& object : about.objects) {
     std::vector<std::vector<std::string>> rows;
     for (const Fact& fact : object.facts) rows.push_back({fact.key, fact.value, fact.source, ""});
-    for (const ObjectEvidence& evidence : object.evidence)
+    for (const AnnotationSupport& evidence : object.evidence)
       rows.push_back({evidence.type, evidence.value, fmt::format("{} sightings", evidence.sightings),
                       fmt::format("{:.0f} %", 100 * evidence.agreement)});
     if (!rows.empty()) body += html_table({"what", "value", "said by", "agreement"}, rows);

@@ -1,5 +1,6 @@
 #include "memory/store/depth_thumbnail.h"
 
+#include <array>
 #include <cmath>
 
 namespace loci::memory {
@@ -12,6 +13,11 @@ std::optional<DepthThumbnail> DepthThumbnail::of(const Store& store, const Scene
     throw Error("the depth thumbnail of scene " + std::to_string(scene.id) + " has another size than it says",
                 {store.path().string(), 0, {}});
   return DepthThumbnail(*scene.camera, *scene.map_from_camera, scene.depth_width, scene.depth_height, depth);
+}
+
+const char* to_text(SpotStatus status) {
+  constexpr std::array kNames = {"unknown", "out_of_view", "hidden", "seen", "seen_empty", "no_depth"};
+  return kNames.at(static_cast<size_t>(status));
 }
 
 DepthThumbnail::DepthThumbnail(SceneCamera camera, Isometry3d map_from_camera, int width, int height,
@@ -30,13 +36,13 @@ DepthThumbnail::DepthThumbnail(SceneCamera camera, Isometry3d map_from_camera, i
   camera_.cy = (camera_.cy + 0.5) * sy - 0.5;
 }
 
-DepthThumbnail::Look DepthThumbnail::look_at(const Vector3d& point, double tolerance_m) const {
+SpotStatus DepthThumbnail::spot_status(const Vector3d& point, double tolerance_m) const {
   const Vector3d p = camera_from_map_ * point;
   if (p.z() <= camera_.range_min.value_or(0.05) || p.z() > camera_.range_max.value_or(20))
-    return Look::out_of_view;
+    return SpotStatus::out_of_view;
   const long u = std::lround(camera_.fx * p.x() / p.z() + camera_.cx);
   const long v = std::lround(camera_.fy * p.y() / p.z() + camera_.cy);
-  if (u < 0 || v < 0 || u >= width_ || v >= height_) return Look::out_of_view;
+  if (u < 0 || v < 0 || u >= width_ || v >= height_) return SpotStatus::out_of_view;
   // A pixel beside an edge may belong to either side: the neighbours are asked too.
   bool measured = false, there = false, behind = false;
   for (long y = std::max(0L, v - 1); y <= std::min<long>(height_ - 1, v + 1); ++y)
@@ -47,9 +53,9 @@ DepthThumbnail::Look DepthThumbnail::look_at(const Vector3d& point, double toler
       if (std::abs(z - p.z()) <= tolerance_m) there = true;
       if (z > p.z() + tolerance_m) behind = true;
     }
-  if (!measured) return Look::no_depth;
-  if (there) return Look::seen;
-  return behind ? Look::seen_empty : Look::hidden;
+  if (!measured) return SpotStatus::no_depth;
+  if (there) return SpotStatus::seen;
+  return behind ? SpotStatus::seen_empty : SpotStatus::hidden;
 }
 
 std::string encode_depth_thumbnail(const std::vector<float>& depth) {

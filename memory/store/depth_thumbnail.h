@@ -6,20 +6,22 @@
 
 namespace loci::memory {
 
+/// What a scene reports about a spot.
+enum class SpotStatus {
+  no_camera,    ///< camera or pose is unknown
+  out_of_view,  ///< outside the image or the range of the sensor
+  hidden,       ///< something stands before it
+  seen,         ///< a surface was measured there
+  seen_empty,   ///< a surface was measured behind it
+  no_depth,     ///< in view, but nothing was measured there
+};
+/// The name in answers: "seen_empty"; "unknown" for no_camera.
+const char* to_text(SpotStatus status);
+
 /// The small depth image of a scene with the camera scaled to it: enough to say later whether a spot was
 /// looked at.
 class DepthThumbnail {
  public:
-  /// What a scene says about a spot.
-  enum class Look {
-    no_camera,    ///< camera or pose is unknown
-    out_of_view,  ///< outside the image or the sensor's range
-    hidden,       ///< something stands before it
-    seen,         ///< a surface was measured there
-    seen_empty,   ///< one looked through it
-    no_depth,     ///< in view, but nothing was measured there
-  };
-
   /// From the scene's row and its blob; unset when the scene has no thumbnail.
   static std::optional<DepthThumbnail> of(const Store& store, const SceneRow& scene);
 
@@ -28,7 +30,7 @@ class DepthThumbnail {
                  std::vector<float> depth);
 
   /// Judges a point of the map frame; measurements within `tolerance_m` of it count as being there.
-  Look look_at(const Vector3d& point, double tolerance_m = 0.04) const;
+  SpotStatus spot_status(const Vector3d& point, double tolerance_m = 0.04) const;
 
   int width() const { return width_; }
   int height() const { return height_; }

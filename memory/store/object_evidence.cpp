@@ -6,10 +6,11 @@
 
 namespace loci::memory {
 
-std::vector<ObjectEvidence> evidence_of(const Store& store, const std::vector<Sighting>& sightings) {
+std::vector<AnnotationSupport> annotation_support(const Store& store,
+                                                  const std::vector<ObjectObservation>& sightings) {
   std::map<std::pair<std::string, std::string>, size_t> said;
   std::map<std::string, size_t> of_type;
-  for (const Sighting& sighting : sightings) {
+  for (const ObjectObservation& sighting : sightings) {
     std::set<std::pair<std::string, std::string>> now;
     std::set<std::string> types;
     for (const AnnotationRow& row : store.annotations(sighting.observation.scene))
@@ -22,11 +23,11 @@ std::vector<ObjectEvidence> evidence_of(const Store& store, const std::vector<Si
     for (const auto& one : now) ++said[one];
     for (const auto& type : types) ++of_type[type];
   }
-  std::vector<ObjectEvidence> evidence;
+  std::vector<AnnotationSupport> evidence;
   for (const auto& [what, count] : said)
     evidence.push_back({what.first, what.second, count,
                         static_cast<double>(count) / static_cast<double>(of_type[what.first])});
-  std::ranges::stable_sort(evidence, [](const ObjectEvidence& a, const ObjectEvidence& b) {
+  std::ranges::stable_sort(evidence, [](const AnnotationSupport& a, const AnnotationSupport& b) {
     return a.type != b.type ? a.type < b.type : a.sightings > b.sightings;
   });
   return evidence;

@@ -5,12 +5,13 @@
 namespace loci::memory {
 
 /// What annotators of one type say about an object.
-struct ObjectEvidence {
+struct AnnotationSupport {
   std::string type, value;
   size_t sightings = 0;  ///< that say so
   double agreement = 0;  ///< part of the sightings of which this type says anything
 };
 /// By type, most often first; where it is and how it lies is left out.
-std::vector<ObjectEvidence> evidence_of(const Store& store, const std::vector<Sighting>& sightings);
+std::vector<AnnotationSupport> annotation_support(const Store& store,
+                                                  const std::vector<ObjectObservation>& sightings);
 
 }  // namespace loci::memory

@@ -236,7 +236,7 @@ struct BlobRow {
 };
 
 /// An object seen in a scene, as the chosen story has it.
-struct Sighting {
+struct ObjectObservation {
   AssociationRow association = {};
   ObservationRow observation = {};
   TimeNs time = 0;

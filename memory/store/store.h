@@ -68,12 +68,12 @@ class Store {
   /// While it lives, everything that is read is of one moment, whatever a writer adds meanwhile; it is also
   /// quicker than to ask for each row's moment anew. (The writer's own Store always sees the last of its
   /// changes.)
-  class Moment {
+  class ReadTransaction {
    public:
-    explicit Moment(const Store& store);
-    ~Moment();
-    Moment(const Moment&) = delete;
-    Moment& operator=(const Moment&) = delete;
+    explicit ReadTransaction(const Store& store);
+    ~ReadTransaction();
+    ReadTransaction(const ReadTransaction&) = delete;
+    ReadTransaction& operator=(const ReadTransaction&) = delete;
 
    private:
     Implementation& store_;
@@ -126,8 +126,8 @@ class Store {
   std::optional<SceneRow> latest_scene(const AsOf& as_of) const;
   std::vector<ObservationRow> observations(Id scene) const;
   ObservationRow observation(Id id) const;
-  Id last_observation() const;  ///< the highest number given; 0 = none
-  Id last_object() const;       ///< likewise
+  Id max_observation_id() const;  ///< the highest number given; 0 = none
+  Id max_object_id() const;       ///< likewise
   std::vector<AnnotationRow> annotations(Id scene) const;
   /// What annotators did in a scene and how long each took, in the order in which they were done.
   std::vector<LogRow> log(Id scene) const;
@@ -153,29 +153,33 @@ class Store {
   std::vector<BeliefRow> belief_history(Id object, const AsOf& as_of = {},
                                         std::optional<TimeNs> since = {}) const;
   /// When the chosen story saw an object, in order of time; with from <= time <= to.
-  std::vector<Sighting> sightings(Id object, const AsOf& as_of = {}, std::optional<TimeNs> from = {},
-                                  std::optional<TimeNs> to = {}) const;
+  std::vector<ObjectObservation> observations_of(Id object, const AsOf& as_of = {},
+                                                 std::optional<TimeNs> from = {},
+                                                 std::optional<TimeNs> to = {}) const;
   /// The last sighting before a time, or the first after it, on one of the places (empty = anywhere).
-  std::optional<Sighting> last_sighting_before(Id object, TimeNs time, const std::vector<Id>& places,
-                                               const AsOf& as_of = {}) const;
-  std::optional<Sighting> first_sighting_after(Id object, TimeNs time, const std::vector<Id>& places,
-                                               const AsOf& as_of = {}) const;
+  std::optional<ObjectObservation> last_observation_before(Id object, TimeNs time,
+                                                           const std::vector<Id>& places,
+                                                           const AsOf& as_of = {}) const;
+  std::optional<ObjectObservation> first_observation_after(Id object, TimeNs time,
+                                                           const std::vector<Id>& places,
+                                                           const AsOf& as_of = {}) const;
   /// How often the chosen story saw an object, and in which scene first.
-  struct SightingCount {
+  struct ObservationCount {
     size_t count = 0;
     std::optional<Id> first_scene = {};
   };
-  SightingCount count_sightings(Id object, const AsOf& as_of = {}) const;
+  ObservationCount count_observations(Id object, const AsOf& as_of = {}) const;
   /// What was taken for something else, or for a false cluster, but may be the object with a probability of
   /// at least `least`: in scenes from `from` on, the last `scenes` of them, most probable first.
-  std::vector<Sighting> doubtful_sightings(Id object, TimeNs from, const AsOf& as_of = {},
-                                           double least = 0.05, size_t scenes = 20) const;
+  std::vector<ObjectObservation> alternative_observations(Id object, TimeNs from, const AsOf& as_of = {},
+                                                          double least = 0.05, size_t scenes = 20) const;
   /// What the scenes after `after` and up to `until` could tell about an object that none of them saw.
-  struct LooksSince {
+  struct VisibilityCounts {
     size_t out_of_view = 0, hidden = 0, missed = 0;
     std::optional<Id> last_missed = {};  ///< scene
   };
-  LooksSince looks_since(Id object, TimeNs after, std::optional<TimeNs> until, const AsOf& as_of = {}) const;
+  VisibilityCounts visibility_since(Id object, TimeNs after, std::optional<TimeNs> until,
+                                    const AsOf& as_of = {}) const;
   /// Everything that was considered in a scene.
   std::vector<AssociationRow> associations(Id scene, const AsOf& as_of = {}) const;
   /// Events with from <= valid_from <= to, in order of time; those taken back (probability 0) are left out.
@@ -188,14 +192,14 @@ class Store {
   std::vector<VisibilityRow> visibility_of_place(Id place, std::optional<TimeNs> from = {},
                                                  std::optional<TimeNs> to = {}) const;
   /// The last look that saw any of a place.
-  std::optional<VisibilityRow> last_look(Id place, const AsOf& as_of = {}) const;
+  std::optional<VisibilityRow> last_visibility(Id place, const AsOf& as_of = {}) const;
   /// Facts that hold at `at`; those taken back are left out.
   std::vector<FactRow> facts(const AsOf& as_of = {}) const;
 
   /// What SceneTransaction::set_reasoning kept with a scene; unset = never kept, forgotten, or let go.
   std::optional<std::string> reasoning(Id scene) const;
   /// Whether it was let go by a rule of retention.
-  bool reasoning_let_go(Id scene) const;
+  bool reasoning_discarded(Id scene) const;
   /// What SceneTransaction::set_checkpoint kept, and after which scene.
   struct Checkpoint {
     std::optional<Id> scene = {};

@@ -159,8 +159,8 @@ Store::Gone gone_of(const std::vector<BeliefRow>& rows, Id place, size_t most) {
 }
 
 /// From the last mark on only the few sightings after it are counted.
-Store::SightingCount count_from_mark(Store::Implementation& store, Id object, const AsOf& as_of) {
-  Store::SightingCount result;
+Store::ObservationCount count_from_mark(Store::Implementation& store, Id object, const AsOf& as_of) {
+  Store::ObservationCount result;
   std::vector<SqlValue> values = {sql(object)};
   const std::string until = range_condition("valid_from", {}, as_of.at, values);
   const std::string marks = "SELECT number, valid_from, scene FROM sighting_mark WHERE object = ?1" + until;
@@ -264,8 +264,8 @@ std::vector<Id> Store::objects_near(const Vector3d& point, double radius, const 
   return found;
 }
 
-Store::SightingCount Store::count_sightings(Id object, const AsOf& as_of) const {
-  SightingCount result;
+Store::ObservationCount Store::count_observations(Id object, const AsOf& as_of) const {
+  ObservationCount result;
   implementation_->guarded([&] {
     if (has_marks(*implementation_) && !asks_what_was_known(*implementation_, as_of)) {
       result = count_from_mark(*implementation_, object, as_of);
@@ -282,9 +282,9 @@ Store::SightingCount Store::count_sightings(Id object, const AsOf& as_of) const 
   return result;
 }
 
-Store::LooksSince Store::looks_since(Id object, TimeNs after, std::optional<TimeNs> until,
-                                     const AsOf& as_of) const {
-  LooksSince result;
+Store::VisibilityCounts Store::visibility_since(Id object, TimeNs after, std::optional<TimeNs> until,
+                                                const AsOf& as_of) const {
+  VisibilityCounts result;
   if (as_of.at && (!until || *as_of.at < *until)) until = as_of.at;
   implementation_->guarded([&] {
     int64_t scenes = 0;

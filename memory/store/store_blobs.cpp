@@ -13,7 +13,7 @@ std::optional<std::string> Store::reasoning(Id scene) const {
   return rows.empty() || rows[0].empty() ? std::nullopt : std::optional(std::move(rows[0]));
 }
 
-bool Store::reasoning_let_go(Id scene) const {
+bool Store::reasoning_discarded(Id scene) const {
   return !all<bool>(*implementation_, "SELECT 1 FROM reasoning WHERE scene = ? AND length(content) = 0",
                     {sql(scene)}, [](const SqlRow&) { return true; })
               .empty();

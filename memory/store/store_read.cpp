@@ -4,7 +4,7 @@
 
 namespace loci::memory {
 
-Store::Moment::Moment(const Store& store) : store_(*store.implementation_) {
+Store::ReadTransaction::ReadTransaction(const Store& store) : store_(*store.implementation_) {
   if (store_.writable || store_.moments++ > 0) return;
   try {
     store_.guarded([&] { store_.database->exec("BEGIN"); });
@@ -14,7 +14,7 @@ Store::Moment::Moment(const Store& store) : store_(*store.implementation_) {
   }
 }
 
-Store::Moment::~Moment() {
+Store::ReadTransaction::~ReadTransaction() {
   if (store_.writable || --store_.moments > 0) return;
   for (auto& [text, statement] : store_.statements) statement->tryReset();
   store_.database->tryExec("COMMIT");
@@ -111,13 +111,13 @@ ObservationRow Store::observation(Id id) const {
   return one<ObservationRow>(*implementation_, "observation", id, observation_row);
 }
 
-Id Store::last_observation() const {
+Id Store::max_observation_id() const {
   return all<Id>(*implementation_, "SELECT coalesce(max(id), 0) AS id FROM observation", {},
                  [](const SqlRow& row) { return row.integer("id"); })
       .front();
 }
 
-Id Store::last_object() const {
+Id Store::max_object_id() const {
   return all<Id>(*implementation_, "SELECT coalesce(max(id), 0) AS id FROM object", {},
                  [](const SqlRow& row) { return row.integer("id"); })
       .front();
@@ -176,7 +176,7 @@ std::vector<VisibilityRow> Store::visibility_of_place(Id place, std::optional<Ti
   return visibility_of(*implementation_, "place", place, from, to);
 }
 
-std::optional<VisibilityRow> Store::last_look(Id place, const AsOf& as_of) const {
+std::optional<VisibilityRow> Store::last_visibility(Id place, const AsOf& as_of) const {
   std::vector<SqlValue> values = {sql(place)};
   const std::string range = range_condition("valid_from", {}, as_of.at, values) +
                             range_condition("known_from", {}, as_of.known_at, values);

@@ -50,13 +50,14 @@ std::vector<BeliefRow> Store::belief_history(Id object, const AsOf& as_of,
 namespace {
 
 /// Sightings of ?1 that fulfil a condition, in an order.
-std::vector<Sighting> sightings_where(Store::Implementation& store, const std::string& condition,
-                                      const std::string& order, const std::vector<SqlValue>& values) {
+std::vector<ObjectObservation> sightings_where(Store::Implementation& store, const std::string& condition,
+                                               const std::string& order,
+                                               const std::vector<SqlValue>& values) {
   const std::string chosen = fmt::format(
       "SELECT * FROM association_known WHERE object = ?1 AND chosen = 1 AND observation IS NOT NULL AND "
       "probability > 0 AND {} ORDER BY {}",
       condition, order);
-  std::vector<Sighting> result;
+  std::vector<ObjectObservation> result;
   for (AssociationRow& association : all<AssociationRow>(store, chosen, values, association_row))
     result.push_back({std::move(association)});
   // The same rows in the same order, seen from their observations.
@@ -64,7 +65,7 @@ std::vector<Sighting> sightings_where(Store::Implementation& store, const std::s
       "SELECT o.*, s.time AS scene_time, s.recording AS scene_recording, s.frame_index AS scene_frame FROM "
       "observation o JOIN scene s ON s.id = o.scene WHERE o.id = ?");
   store.guarded([&] {
-    for (Sighting& sighting : result) {
+    for (ObjectObservation& sighting : result) {
       seen.reset();
       bind_values(seen, {sql(sighting.association.observation)});
       if (!seen.executeStep()) continue;
@@ -88,8 +89,9 @@ std::string on_places(const std::vector<Id>& places) {
 
 }  // namespace
 
-std::vector<Sighting> Store::sightings(Id object, const AsOf& as_of, std::optional<TimeNs> from,
-                                       std::optional<TimeNs> to) const {
+std::vector<ObjectObservation> Store::observations_of(Id object, const AsOf& as_of,
+                                                      std::optional<TimeNs> from,
+                                                      std::optional<TimeNs> to) const {
   std::vector<SqlValue> values = {sql(object)};
   std::string condition = known_condition(as_of, values);
   condition +=
@@ -122,12 +124,13 @@ std::optional<Visit> visit_after(Store::Implementation& store, Id object, const 
                      {sql(object), sql(visit.from), sql(visit.scene)});
 }
 
-std::optional<Sighting> first_of(std::vector<Sighting> rows) {
+std::optional<ObjectObservation> first_of(std::vector<ObjectObservation> rows) {
   return rows.empty() ? std::nullopt : std::optional(std::move(rows[0]));
 }
 
 /// The last sighting on a place before a time.
-std::optional<Sighting> last_on_place(Store::Implementation& store, Id object, Id place, TimeNs time) {
+std::optional<ObjectObservation> last_on_place(Store::Implementation& store, Id object, Id place,
+                                               TimeNs time) {
   const auto visit =
       visit_where(store, "place = ?2 AND valid_from < ?3 ORDER BY valid_from DESC, scene DESC LIMIT 1",
                   {sql(object), sql(place), sql(time)});
@@ -142,7 +145,8 @@ std::optional<Sighting> last_on_place(Store::Implementation& store, Id object, I
 }
 
 /// The first sighting on a place after a time.
-std::optional<Sighting> first_on_place(Store::Implementation& store, Id object, Id place, TimeNs time) {
+std::optional<ObjectObservation> first_on_place(Store::Implementation& store, Id object, Id place,
+                                                TimeNs time) {
   const auto during = visit_where(store, "valid_from <= ?2 ORDER BY valid_from DESC, scene DESC LIMIT 1",
                                   {sql(object), sql(time)});
   if (during && during->place == place) {
@@ -169,11 +173,12 @@ bool has_visits(Store::Implementation& store, const AsOf& as_of) {
 
 }  // namespace
 
-std::optional<Sighting> Store::last_sighting_before(Id object, TimeNs time, const std::vector<Id>& places,
-                                                    const AsOf& as_of) const {
+std::optional<ObjectObservation> Store::last_observation_before(Id object, TimeNs time,
+                                                                const std::vector<Id>& places,
+                                                                const AsOf& as_of) const {
   if (as_of.at) time = std::min(time, *as_of.at + 1);
   if (!places.empty() && has_visits(*implementation_, as_of)) {
-    std::optional<Sighting> last;
+    std::optional<ObjectObservation> last;
     for (const Id place : places) {
       auto one = last_on_place(*implementation_, object, place, time);
       if (one && (!last || one->time > last->time)) last = std::move(one);
@@ -186,10 +191,11 @@ std::optional<Sighting> Store::last_sighting_before(Id object, TimeNs time, cons
       sightings_where(*implementation_, condition, "valid_from DESC, scene DESC LIMIT 1", values));
 }
 
-std::optional<Sighting> Store::first_sighting_after(Id object, TimeNs time, const std::vector<Id>& places,
-                                                    const AsOf& as_of) const {
+std::optional<ObjectObservation> Store::first_observation_after(Id object, TimeNs time,
+                                                                const std::vector<Id>& places,
+                                                                const AsOf& as_of) const {
   if (!places.empty() && has_visits(*implementation_, as_of)) {
-    std::optional<Sighting> first;
+    std::optional<ObjectObservation> first;
     for (const Id place : places) {
       auto one = first_on_place(*implementation_, object, place, time);
       if (one && (!as_of.at || one->time <= *as_of.at) && (!first || one->time < first->time))
@@ -203,8 +209,8 @@ std::optional<Sighting> Store::first_sighting_after(Id object, TimeNs time, cons
   return first_of(sightings_where(*implementation_, condition, "valid_from, scene LIMIT 1", values));
 }
 
-std::vector<Sighting> Store::doubtful_sightings(Id object, TimeNs from, const AsOf& as_of, double least,
-                                                size_t scenes) const {
+std::vector<ObjectObservation> Store::alternative_observations(Id object, TimeNs from, const AsOf& as_of,
+                                                               double least, size_t scenes) const {
   std::vector<SqlValue> values = {sql(object), sql(from), sql(as_of.at.value_or(INT64_MAX)),
                                   sql(static_cast<int64_t>(scenes))};
   const std::string known = known_condition(as_of, values);
@@ -223,16 +229,17 @@ std::vector<Sighting> Store::doubtful_sightings(Id object, TimeNs from, const As
     entry->second.probability += row.probability;
     entry->second.chosen = entry->second.chosen || row.chosen;
   }
-  std::vector<Sighting> result;
+  std::vector<ObjectObservation> result;
   for (auto& [observation, association] : doubtful) {
     if (association.chosen || association.probability < least) continue;
     const SceneRow seen_in = scene(association.scene);
-    Sighting sighting{std::move(association), {}, seen_in.time, seen_in.recording, seen_in.frame_index};
+    ObjectObservation sighting{
+        std::move(association), {}, seen_in.time, seen_in.recording, seen_in.frame_index};
     for (ObservationRow& row : observations(seen_in.id))
       if (row.id == observation) sighting.observation = std::move(row);
     result.push_back(std::move(sighting));
   }
-  std::stable_sort(result.begin(), result.end(), [](const Sighting& a, const Sighting& b) {
+  std::stable_sort(result.begin(), result.end(), [](const ObjectObservation& a, const ObjectObservation& b) {
     return a.association.probability > b.association.probability;
   });
   return result;

@@ -134,7 +134,7 @@ void write_beside_readers(Writer& writer, const MemoryOptions& options, const fs
     readers.emplace_back([&, i] {
       const memory::Store store = memory::Store::open_read(file);
       Random random(static_cast<uint64_t>(options.seed + 100 + i));
-      const auto objects = static_cast<uint64_t>(store.last_object());
+      const auto objects = static_cast<uint64_t>(store.max_object_id());
       while (!stop) {
         ask(store, memory::WhereQuestion{
                        memory::object_name(static_cast<memory::Id>(1 + random.index(objects))), {}});
@@ -154,7 +154,7 @@ class Asker {
       : options_(options), store_(store), plain_(plain), random_(static_cast<uint64_t>(options.seed + 1)) {
     first_ = store.scene(1).time;
     last_ = *store.last_scene_time();
-    objects_ = static_cast<uint64_t>(store.last_object());
+    objects_ = static_cast<uint64_t>(store.max_object_id());
   }
 
   std::vector<QuestionFigures> run() {
@@ -169,7 +169,7 @@ class Asker {
         "where was object N at T",
         [&] {
           const memory::Id id = object();
-          const TimeNs seen = store_.first_sighting_after(id, 0, {})->time;  // before, it was not known
+          const TimeNs seen = store_.first_observation_after(id, 0, {})->time;  // before, it was not known
           asked_at_ = std::max(seen, some_time());
           return id;
         },
@@ -296,7 +296,7 @@ MemoryFigures measure(const MemoryOptions& options, const fs::path& folder, Prog
   figures.bytes_per_observation = double(fs::file_size(file)) / double(stored);
   {
     const memory::Store store = memory::Store::open_read(file);
-    figures.objects = static_cast<size_t>(store.last_object());
+    figures.objects = static_cast<size_t>(store.max_object_id());
     PlainTables plain(plain_file, file);
     figures.plain_rate = plain.write_rate();
     progress.check(0.8, "asking");

@@ -93,10 +93,10 @@ TEST_F(Edits, ObjectsThatWereSeenTogetherAreTwo) {
 }
 
 TEST_F(Edits, ASplitObjectGoesOnAsAnother) {
-  const size_t seen = store_->sightings(1).size();
+  const size_t seen = store_->observations_of(1).size();
   edit([](Store& store) { return split_object(store, 1, testing_support::day_time("09:15")); });
-  const Id made = store_->last_object();
-  EXPECT_EQ(store_->sightings(1).size() + store_->sightings(made).size(), seen);
+  const Id made = store_->max_object_id();
+  EXPECT_EQ(store_->observations_of(1).size() + store_->observations_of(made).size(), seen);
   EXPECT_EQ(store_->belief(made)->status, ObjectStatus::seen);
   EXPECT_EQ(ask(*store_, WhereQuestion{object_name(made)}).objects.at(0).place->name, "counter_1");
   EXPECT_EQ(store_->belief(1)->status, ObjectStatus::gone) << "what was believed before stays";

@@ -75,7 +75,7 @@ TEST_F(Ingest, NeedsOnlyTimeAndPosition) {
   EXPECT_EQ(take(file).scenes, 2U);
   const Store store = memory();
   ASSERT_EQ(store.objects().size(), 1U);
-  EXPECT_EQ(store.sightings(1).size(), 2U);
+  EXPECT_EQ(store.observations_of(1).size(), 2U);
   const ObservationRow row = store.observation(1);
   EXPECT_FALSE(row.size || row.hsv || row.place);  // missing, not zero
   EXPECT_EQ(store.objects().front().clock.source, "ingest");

@@ -109,7 +109,7 @@ TEST_F(RecorderTest, MemoryIsSoundAndTellsWhatHappened) {
   EXPECT_EQ(beliefs[1].status, ObjectStatus::gone);
   EXPECT_NEAR(beliefs[0].position->x(), -0.3, 0.01);
   // Confirmed in the third frame, but believed and seen from the first on.
-  EXPECT_EQ(store.sightings(1).size(), static_cast<size_t>(kScenes));
+  EXPECT_EQ(store.observations_of(1).size(), static_cast<size_t>(kScenes));
   EXPECT_EQ(store.belief_history(1).front().clock.valid_from, kSecond);
   EXPECT_GT(store.visibility_of_place(store.places().front().id).front().fraction.value_or(0), 0.8);
 }

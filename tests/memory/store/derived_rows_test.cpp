@@ -81,16 +81,16 @@ TEST_F(DerivedRows, FindTheSightingsOnAPlaceThatAWalkFinds) {
     AsOf as_of;
     if (random_.uniform() < 0.3) as_of.at = some_time();
     std::optional<TimeNs> before, after;
-    for (const Sighting& sighting : store.sightings(object, as_of)) {
+    for (const ObjectObservation& sighting : store.observations_of(object, as_of)) {
       if (std::ranges::count(places, sighting.observation.place.value_or(0)) == 0) continue;
       if (sighting.time < time) before = sighting.time;
       if (sighting.time > time && !after) after = sighting.time;
     }
-    const auto time_of = [](const std::optional<Sighting>& sighting) {
+    const auto time_of = [](const std::optional<ObjectObservation>& sighting) {
       return sighting ? std::optional(sighting->time) : std::nullopt;
     };
-    EXPECT_EQ(time_of(store.last_sighting_before(object, time, places, as_of)), before);
-    EXPECT_EQ(time_of(store.first_sighting_after(object, time, places, as_of)), after);
+    EXPECT_EQ(time_of(store.last_observation_before(object, time, places, as_of)), before);
+    EXPECT_EQ(time_of(store.first_observation_after(object, time, places, as_of)), after);
     found += before && after ? 1 : 0;
   }
   EXPECT_GT(found, 50);
@@ -112,7 +112,7 @@ TEST_F(DerivedRows, CountTheLooksThatAWalkCounts) {
     for (const SceneRow& scene : store.scenes()) scenes += counts(scene.time) ? 1 : 0;
     for (const VisibilityRow& row : store.visibility_of_object(object))
       if (counts(row.time)) ++(row.status == ObjectStatus::missed ? missed : hidden);
-    const Store::LooksSince looks = store.looks_since(object, after, until, as_of);
+    const Store::VisibilityCounts looks = store.visibility_since(object, after, until, as_of);
     EXPECT_EQ(looks.missed, missed);
     EXPECT_EQ(looks.hidden, hidden);
     EXPECT_EQ(looks.out_of_view, scenes - missed - hidden);

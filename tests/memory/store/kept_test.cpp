@@ -54,7 +54,7 @@ class Kept : public testing_support::TemporaryFolder {
          .mask = scene.add_blob({reinterpret_cast<const char*>(png.data()), png.size()}, "image/png"),
          .roi = std::array<int, 4>{30, 20, 20, 20},
          .cloud = scene.add_blob(encode_cluster_depth(depth), kClusterDepthMedia)});
-    if (store.last_object() == 0) {
+    if (store.max_object_id() == 0) {
       scene.add_object({});
       scene.add_belief({.object = 1,
                         .scene = id,
@@ -139,9 +139,9 @@ TEST_F(Kept, GoesByTheRulesOfRetention) {
   EXPECT_TRUE(cluster_points(store, store.scene(2), store.observation(2)).has_value());
   EXPECT_EQ(store.log(1).size(), 2U) << "numbers and words stay";
   EXPECT_FALSE(store.reasoning(2).has_value());
-  EXPECT_TRUE(store.reasoning_let_go(2)) << "and it is not that there never was any";
+  EXPECT_TRUE(store.reasoning_discarded(2)) << "and it is not that there never was any";
   EXPECT_EQ(store.reasoning(3), "reasons");
-  EXPECT_FALSE(store.reasoning_let_go(3));
+  EXPECT_FALSE(store.reasoning_discarded(3));
   EXPECT_THAT(problems(store), IsEmpty());
 }
 

@@ -106,8 +106,8 @@ TEST_F(MergeTest, JoinsTwoRobotsWithoutLoss) {
     EXPECT_EQ(both[table], of_a.at(table) + of_b.at(table)) << table;
   EXPECT_EQ(both["place"], 1);
   const Store store = Store::open_read(out);
-  ASSERT_EQ(store.sightings(2).size(), 3U);
-  EXPECT_EQ(store.sightings(2)[1].time, 4000);
+  ASSERT_EQ(store.observations_of(2).size(), 3U);
+  EXPECT_EQ(store.observations_of(2)[1].time, 4000);
   EXPECT_EQ(store.objects_annotated("ben"), std::vector<Id>{2});
   EXPECT_EQ(store.facts().back().object, 2);
 }
@@ -168,7 +168,7 @@ TEST_F(MergeTest, OldImagesGoAndNumbersStay) {
   EXPECT_NE(bytes.find("image of ada200"), std::string::npos);
   EXPECT_NE(bytes.find("crop of ada"), std::string::npos) << "younger observations have the same crop";
   const Store store = Store::open_read(file);
-  EXPECT_EQ(store.sightings(1).size(), 3U);
+  EXPECT_EQ(store.observations_of(1).size(), 3U);
   EXPECT_EQ(store.runs().back().program, "loci-memory retain") << "it is logged";
   EXPECT_THAT(store.runs().back().configuration, HasSubstr("\"scenes_without_images\":2"));
   EXPECT_THAT([&] { retain(file, {.images_s = 9, .crops_s = 1}); },

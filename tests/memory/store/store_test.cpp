@@ -79,7 +79,7 @@ TEST_F(StoreTest, KeepsWhatASceneCommitted) {
   EXPECT_EQ(seen[0].color, std::optional<std::string>("red"));
   EXPECT_TRUE(seen[0].position->isApprox(Vector3d(1, 2, 0.8)));
   EXPECT_FALSE(seen[0].hsv.has_value());
-  EXPECT_EQ(store.sightings(1).size(), 1U);
+  EXPECT_EQ(store.observations_of(1).size(), 1U);
   EXPECT_EQ(store.events().size(), 1U);
   EXPECT_EQ(store.beliefs().size(), 1U);
   EXPECT_EQ(store.frames(1), (std::set<int64_t>{0}));
@@ -386,27 +386,27 @@ TEST_F(StoreTest, CountsAndFindsSightingsAsTheRowsSay) {
   NoProgress quiet;
   EXPECT_THAT(store.verify(quiet).problems, testing::IsEmpty());
   for (const Id object : {Id{1}, Id{2}}) {
-    const std::vector<Sighting> all = store.sightings(object);
+    const std::vector<ObjectObservation> all = store.observations_of(object);
     for (TimeNs at = 0; at <= 10 * (kScenes + 2); at += 5) {
       size_t count = 0;
       std::optional<TimeNs> before, after;
-      for (const Sighting& sighting : all) {
+      for (const ObjectObservation& sighting : all) {
         count += sighting.time <= at ? 1 : 0;
         if (sighting.observation.place != places[1]) continue;
         if (sighting.time < at) before = sighting.time;
         if (sighting.time > at && !after) after = sighting.time;
       }
-      ASSERT_EQ(store.count_sightings(object, {.at = at}).count, count) << at;
-      const auto found_before = store.last_sighting_before(object, at, {places[1]});
-      const auto found_after = store.first_sighting_after(object, at, {places[1]});
+      ASSERT_EQ(store.count_observations(object, {.at = at}).count, count) << at;
+      const auto found_before = store.last_observation_before(object, at, {places[1]});
+      const auto found_after = store.first_observation_after(object, at, {places[1]});
       ASSERT_EQ(found_before ? std::optional(found_before->time) : std::nullopt, before) << at;
       ASSERT_EQ(found_after ? std::optional(found_after->time) : std::nullopt, after) << at;
-      ASSERT_EQ(store.sightings(object, {}, at, at + 100).size(),
-                static_cast<size_t>(std::ranges::count_if(all, [&](const Sighting& sighting) {
+      ASSERT_EQ(store.observations_of(object, {}, at, at + 100).size(),
+                static_cast<size_t>(std::ranges::count_if(all, [&](const ObjectObservation& sighting) {
                   return sighting.time >= at && sighting.time <= at + 100;
                 })));
     }
-    EXPECT_EQ(store.count_sightings(object).first_scene, 1);
+    EXPECT_EQ(store.count_observations(object).first_scene, 1);
   }
 }
 
@@ -485,15 +485,14 @@ TEST(DepthThumbnailTest, TellsWhatASceneSaysAboutASpot) {
     for (size_t x = 60; x < 80; ++x) depth[y * 80 + x] = 0;
   depth = decode_depth_thumbnail(encode_depth_thumbnail(depth));
   const DepthThumbnail thumbnail(camera, Isometry3d::Identity(), 80, 60, depth);
-  using Look = DepthThumbnail::Look;
-  EXPECT_EQ(thumbnail.look_at({0, 0, 2.0}), Look::seen);
-  EXPECT_EQ(thumbnail.look_at({0, 0, 1.2}), Look::seen_empty);
-  EXPECT_EQ(thumbnail.look_at({0, 0, 2.4}), Look::hidden);
-  EXPECT_EQ(thumbnail.look_at({0, 0, -1}), Look::out_of_view);
-  EXPECT_EQ(thumbnail.look_at({0, 0, 6}), Look::out_of_view);
-  EXPECT_EQ(thumbnail.look_at({5, 0, 2}), Look::out_of_view);
-  EXPECT_EQ(thumbnail.look_at({(21.0 - 40) / 73.1 * 1.5, 0, 1.5}), Look::hidden);
-  EXPECT_EQ(thumbnail.look_at({0.8, 0, 2}), Look::no_depth);
+  EXPECT_EQ(thumbnail.spot_status({0, 0, 2.0}), SpotStatus::seen);
+  EXPECT_EQ(thumbnail.spot_status({0, 0, 1.2}), SpotStatus::seen_empty);
+  EXPECT_EQ(thumbnail.spot_status({0, 0, 2.4}), SpotStatus::hidden);
+  EXPECT_EQ(thumbnail.spot_status({0, 0, -1}), SpotStatus::out_of_view);
+  EXPECT_EQ(thumbnail.spot_status({0, 0, 6}), SpotStatus::out_of_view);
+  EXPECT_EQ(thumbnail.spot_status({5, 0, 2}), SpotStatus::out_of_view);
+  EXPECT_EQ(thumbnail.spot_status({(21.0 - 40) / 73.1 * 1.5, 0, 1.5}), SpotStatus::hidden);
+  EXPECT_EQ(thumbnail.spot_status({0.8, 0, 2}), SpotStatus::no_depth);
 }
 
 }  // namespace
