@@ -7,6 +7,7 @@
 #include <array>
 
 #include "mapping/base/error.h"
+#include "mapping/base/json.h"
 
 namespace loci::memory {
 namespace {
@@ -50,6 +51,16 @@ EventKind parse_state(std::string_view text) {
 template <>
 ObjectStatus parse_state(std::string_view text) {
   return parse<ObjectStatus>(text, kObjectStatuses, "a status of an object");
+}
+
+void to_json(Json& json, Explanation explanation) {
+  json = to_text(explanation);
+}
+void to_json(Json& json, EventKind kind) {
+  json = to_text(kind);
+}
+void to_json(Json& json, ObjectStatus status) {
+  json = to_text(status);
 }
 
 }  // namespace loci::memory

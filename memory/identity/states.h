@@ -1,9 +1,10 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
+
+#include "mapping/base/json_fwd.h"
 
 namespace loci::memory {
 
@@ -36,14 +37,9 @@ template <class T>
 concept StateEnum =
     std::is_same_v<T, Explanation> || std::is_same_v<T, EventKind> || std::is_same_v<T, ObjectStatus>;
 
-// For nlohmann::json, which would write the number of the enumerator otherwise.
-template <class BasicJson, StateEnum State>
-void to_json(BasicJson& json, State state) {
-  json = to_text(state);
-}
-template <class BasicJson, StateEnum State>
-void from_json(const BasicJson& json, State& state) {
-  state = parse_state<State>(json.template get_ref<const std::string&>());
-}
+/// JSON has the name; without these it would have the number of the enumerator.
+void to_json(Json& json, Explanation explanation);
+void to_json(Json& json, EventKind kind);
+void to_json(Json& json, ObjectStatus status);
 
 }  // namespace loci::memory
