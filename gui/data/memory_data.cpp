@@ -128,7 +128,7 @@ class MemoryData : public BrowserData {
   cv::Mat image(int64_t object, TimeNs time) const override;
   // A Store belongs to one thread at a time; a question may take long and gets one of its own.
   TypedAnswer answer(const TypedQuestion& question) const override {
-    return apps::answer_question(memory::Store::open_read(path_), question);
+    return gui::answer_question(memory::Store::open_read(path_), question);
   }
   std::vector<std::string> example_questions() const override {
     return loci::gui::example_questions(memory::Store::open_read(path_));

@@ -73,7 +73,7 @@ TEST_F(Edits, MergedObjectsAreOneWithOneHistory) {
   EXPECT_EQ(history.now.place->name, "drawer_1_bottom");
   EXPECT_EQ(history.now.sightings, 3U);
   const Change& last = history.changes.back();
-  EXPECT_EQ(last.kind, EventKind::moved) << "it was known, so it has come from somewhere";
+  EXPECT_EQ(last.kind, "moved") << "it was known, so it has come from somewhere";
   EXPECT_EQ(last.from_place->name, "table_1");
   expect_sound();
 }
