@@ -14,7 +14,7 @@
 namespace loci::apps::changes {
 namespace {
 
-constexpr double kMoved = 0.01;      ///< metres
+constexpr double kMinMove = 0.01;    ///< metres
 constexpr double kTurned = 0.09;     ///< radians
 constexpr int kVisiblePixels = 150;  ///< of the depth image
 constexpr double kVisibleShare = 0.3;
@@ -100,7 +100,7 @@ struct Course {
 };
 
 bool shifted(const Stand& from, const Stand& to) {
-  return (from.pose.translation() - to.pose.translation()).norm() > kMoved;
+  return (from.pose.translation() - to.pose.translation()).norm() > kMinMove;
 }
 
 bool turned(const Stand& from, const Stand& to) {

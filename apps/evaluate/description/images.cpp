@@ -70,7 +70,7 @@ ImagesResult evaluate_images(const std::filesystem::path& folder, const ImagesOp
   std::vector<perception::ExpertSpec> all;
   std::vector<std::string> features;
   for (const std::string& text : options.experts) {
-    all.push_back(parse_expert(text));
+    all.push_back(perception::parse_expert(text));
     groups.push_back({all.back()});
     features.push_back(all.back().feature);
   }

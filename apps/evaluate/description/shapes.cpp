@@ -139,7 +139,7 @@ ShapesResult evaluate_shapes(const std::vector<std::string>& folders, const Shap
   std::vector<perception::ExpertSpec> experts;
   std::set<std::string> names;
   for (const std::string& text : options.experts) {
-    experts.push_back(parse_expert(text));
+    experts.push_back(perception::parse_expert(text));
     names.insert(experts.back().feature);
   }
   const std::vector<std::string> features(names.begin(), names.end());
