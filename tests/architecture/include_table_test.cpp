@@ -1,4 +1,4 @@
-// Checks every #include line of the house against the table in docs/architecture.md, both columns.
+// Checks every #include line against the table in docs/architecture.md, both columns.
 
 #include <gtest/gtest.h>
 
@@ -214,11 +214,13 @@ TEST(IncludeTable, RefusesWhatItShouldRefuse) {
   EXPECT_EQ(problem_with("memory/annotators/x.cpp", "mapping/render/render.h", table), "");
 }
 
-TEST(House, TopLevelHoldsOnlyWhatTheDesignLists) {
+TEST(SourceTree, TopLevelHoldsOnlyWhatTheDesignLists) {
   const std::set<std::string> allowed = {"CMakeLists.txt",
                                          "CMakePresets.json",
                                          "README.md",
                                          "CHANGELOG.md",
+                                         "CONTRIBUTING.md",
+                                         "CITATION.cff",
                                          "LICENSE",
                                          "setup",
                                          "demo",

@@ -26,6 +26,6 @@ int lines_of(const std::string& text);
 }  // namespace loci::apps::test
 
 /// Skips the test with a line when shared data is not there.
-#define LOCI_NEEDS_SHARED(relative)         \
-  if (loci::test::shared(relative).empty()) \
+#define LOCI_NEEDS_SHARED(relative)               \
+  if (loci::apps::test::shared(relative).empty()) \
   GTEST_SKIP() << "needs " << (relative) << " of the shared data folder"

@@ -22,7 +22,7 @@ class PerceiveIntoMemory : public ::testing::Test {
     recording = std::filesystem::temp_directory_path() / ("loci_day_" + std::to_string(getpid()));
     folder = fresh_folder();
     const Outcome outcome =
-        loci::test::run("loci-simulate record apps/samples/day.yaml --quiet -o " + recording.string());
+        loci::apps::test::run("loci-simulate record apps/samples/day.yaml --quiet -o " + recording.string());
     ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
   }
   void TearDown() override { std::filesystem::remove_all(recording); }
@@ -53,30 +53,30 @@ class PerceiveIntoMemory : public ::testing::Test {
 };
 
 TEST_F(PerceiveIntoMemory, KilledAtAnyMomentAndResumedGivesTheMemoryOfAnUninterruptedRun) {
-  ASSERT_EQ(loci::test::run(command("whole.loci")).exit_code, 0);
+  ASSERT_EQ(loci::apps::test::run(command("whole.loci")).exit_code, 0);
   for (int attempt = 0; attempt < 6; ++attempt) {
     run_and_signal("killed.loci", "--resume", SIGKILL, std::chrono::milliseconds(150 + 170 * attempt));
     if (!std::filesystem::exists(folder / "killed.loci")) continue;
-    const Outcome verify = loci::test::run(std::string(LOCI_BIN_DIR) + "/loci-memory verify -m " +
-                                           (folder / "killed.loci").string());
+    const Outcome verify = loci::apps::test::run(std::string(LOCI_BIN_DIR) + "/loci-memory verify -m " +
+                                                 (folder / "killed.loci").string());
     // Killed before the first commit it leaves a database without tables.
     EXPECT_TRUE(verify.exit_code == 0 || verify.error.find("is empty") != std::string::npos) << verify.error;
   }
-  const Outcome rest = loci::test::run(command("killed.loci", "--resume"));
+  const Outcome rest = loci::apps::test::run(command("killed.loci", "--resume"));
   ASSERT_EQ(rest.exit_code, 0) << rest.error;
   EXPECT_EQ(memory::memory_dump(folder / "whole.loci"), memory::memory_dump(folder / "killed.loci"));
 }
 
 TEST_F(PerceiveIntoMemory, ThreadsDoNotChangeTheMemory) {
-  ASSERT_EQ(loci::test::run(command("one.loci", "--threads 1")).exit_code, 0);
-  ASSERT_EQ(loci::test::run(command("two.loci", "--threads 2")).exit_code, 0);
+  ASSERT_EQ(loci::apps::test::run(command("one.loci", "--threads 1")).exit_code, 0);
+  ASSERT_EQ(loci::apps::test::run(command("two.loci", "--threads 2")).exit_code, 0);
   EXPECT_EQ(memory::memory_dump(folder / "one.loci"), memory::memory_dump(folder / "two.loci"));
 }
 
 TEST_F(PerceiveIntoMemory, SameRecordingTwiceIsRefusedWithOneLine) {
-  ASSERT_EQ(loci::test::run(command("twice.loci")).exit_code, 0);
+  ASSERT_EQ(loci::apps::test::run(command("twice.loci")).exit_code, 0);
   const std::string before = memory::memory_dump(folder / "twice.loci");
-  const Outcome again = loci::test::run(command("twice.loci"));
+  const Outcome again = loci::apps::test::run(command("twice.loci"));
   EXPECT_EQ(again.exit_code, 1);
   EXPECT_THAT(again.error, HasSubstr("in the memory already"));
   EXPECT_EQ(std::count(again.error.begin(), again.error.end(), '\n'), 1);
@@ -84,11 +84,11 @@ TEST_F(PerceiveIntoMemory, SameRecordingTwiceIsRefusedWithOneLine) {
 }
 
 TEST_F(PerceiveIntoMemory, RecordingIsKnownByItsContentNotItsPath) {
-  ASSERT_EQ(loci::test::run(command("moved.loci")).exit_code, 0);
+  ASSERT_EQ(loci::apps::test::run(command("moved.loci")).exit_code, 0);
   std::filesystem::copy(recording, folder / "elsewhere", std::filesystem::copy_options::recursive);
   recording = folder / "elsewhere";
-  EXPECT_EQ(loci::test::run(command("moved.loci")).exit_code, 1);
-  const Outcome resumed = loci::test::run(command("moved.loci", "--resume"));
+  EXPECT_EQ(loci::apps::test::run(command("moved.loci")).exit_code, 1);
+  const Outcome resumed = loci::apps::test::run(command("moved.loci", "--resume"));
   EXPECT_EQ(resumed.exit_code, 0);
   EXPECT_THAT(resumed.out, HasSubstr("24 frames were in the memory already"));
 }
@@ -103,16 +103,16 @@ TEST_F(PerceiveIntoMemory, InterruptLeavesWholeScenesAndExits130) {
   ASSERT_TRUE(WIFEXITED(status));
   if (WEXITSTATUS(status) == 0) GTEST_SKIP() << "it was done before the signal came";
   EXPECT_EQ(WEXITSTATUS(status), 130);
-  EXPECT_EQ(loci::test::run(command("stopped.loci", "--resume")).exit_code, 0);
-  ASSERT_EQ(loci::test::run(command("whole.loci")).exit_code, 0);
+  EXPECT_EQ(loci::apps::test::run(command("stopped.loci", "--resume")).exit_code, 0);
+  ASSERT_EQ(loci::apps::test::run(command("whole.loci")).exit_code, 0);
   EXPECT_EQ(memory::memory_dump(folder / "whole.loci"), memory::memory_dump(folder / "stopped.loci"));
 }
 
 TEST_F(PerceiveIntoMemory, WhatItSawIsADatasetToTrainFrom) {
-  ASSERT_EQ(loci::test::run(command("day.loci")).exit_code, 0);
+  ASSERT_EQ(loci::apps::test::run(command("day.loci")).exit_code, 0);
   const auto memory = [&](const std::string& rest) {
-    return loci::test::run(std::string(LOCI_BIN_DIR) + "/loci-memory " + rest + " --quiet -m " +
-                           (folder / "day.loci").string());
+    return loci::apps::test::run(std::string(LOCI_BIN_DIR) + "/loci-memory " + rest + " --quiet -m " +
+                                 (folder / "day.loci").string());
   };
   const std::string dataset = (folder / "dataset").string();
   for (const char* fact : {"object_3 class pot", "object_4 class mug", "object_5 class mug"})
@@ -125,8 +125,9 @@ TEST_F(PerceiveIntoMemory, WhatItSawIsADatasetToTrainFrom) {
   EXPECT_EQ(classes.at("cereal"), 1) << "what people label is one image";
   EXPECT_GT(classes.at("mug").get<int>(), 10);
   const std::string model = (folder / "things.model").string();
-  const Outcome trained = loci::test::run(std::string(LOCI_BIN_DIR) + "/loci-perceive train " + dataset +
-                                          " -o " + model + " --folds 2 --expert VFH:svm --json --quiet");
+  const Outcome trained =
+      loci::apps::test::run(std::string(LOCI_BIN_DIR) + "/loci-perceive train " + dataset + " -o " + model +
+                            " --folds 2 --expert VFH:svm --json --quiet");
   ASSERT_EQ(trained.exit_code, 0) << trained.error;
   const Json accuracies = parse_json(trained.out, "stdout").at("accuracies");
   EXPECT_EQ(accuracies.size(), 2U) << "one cereal is too few";
@@ -137,8 +138,8 @@ TEST_F(PerceiveIntoMemory, WhatItSawIsADatasetToTrainFrom) {
 TEST(EvaluateChanges, TellsMostOfWhatHappenedOnARealTable) {
   LOCI_NEEDS_SHARED("data/osd_changes");
   const std::string recording = shared("data/osd_changes");
-  const Outcome result =
-      loci::test::run(std::string(LOCI_BIN_DIR) + "/loci-evaluate changes " + recording + " --json --quiet");
+  const Outcome result = loci::apps::test::run(std::string(LOCI_BIN_DIR) + "/loci-evaluate changes " +
+                                               recording + " --json --quiet");
   ASSERT_EQ(result.exit_code, 0) << result.error;
   const Json json = parse_json(result.out, "stdout");
   EXPECT_GE(json.at("right").get<int>(), 28);

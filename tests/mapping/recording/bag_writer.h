@@ -45,29 +45,31 @@ class MessageBytes {
 namespace ros {
 namespace message_traits {
 template <>
-struct MD5Sum<loci::test::RawMessage> {
+struct MD5Sum<loci::mapping::test::RawMessage> {
   static const char* value() { return "*"; }
-  static const char* value(const loci::test::RawMessage&) { return "0123456789abcdef0123456789abcdef"; }
+  static const char* value(const loci::mapping::test::RawMessage&) {
+    return "0123456789abcdef0123456789abcdef";
+  }
 };
 template <>
-struct DataType<loci::test::RawMessage> {
+struct DataType<loci::mapping::test::RawMessage> {
   static const char* value() { return "*"; }
-  static const char* value(const loci::test::RawMessage& m) { return m.type.c_str(); }
+  static const char* value(const loci::mapping::test::RawMessage& m) { return m.type.c_str(); }
 };
 template <>
-struct Definition<loci::test::RawMessage> {
+struct Definition<loci::mapping::test::RawMessage> {
   static const char* value() { return ""; }
-  static const char* value(const loci::test::RawMessage& m) { return m.definition.c_str(); }
+  static const char* value(const loci::mapping::test::RawMessage& m) { return m.definition.c_str(); }
 };
 }  // namespace message_traits
 namespace serialization {
 template <>
-struct Serializer<loci::test::RawMessage> {
+struct Serializer<loci::mapping::test::RawMessage> {
   template <typename Stream>
-  static void write(Stream& stream, const loci::test::RawMessage& m) {
+  static void write(Stream& stream, const loci::mapping::test::RawMessage& m) {
     std::memcpy(stream.advance(static_cast<uint32_t>(m.bytes.size())), m.bytes.data(), m.bytes.size());
   }
-  static uint32_t serializedLength(const loci::test::RawMessage& m) {
+  static uint32_t serializedLength(const loci::mapping::test::RawMessage& m) {
     return static_cast<uint32_t>(m.bytes.size());
   }
 };

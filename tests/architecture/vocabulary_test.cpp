@@ -1,0 +1,144 @@
+// Names, messages, help texts and documents use the field's terms (docs/glossary.md): the words that were
+// replaced do not come back.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kRoot = LOCI_SOURCE_DIR;
+
+struct Pattern {
+  const char* not_allowed;  ///< regular expression
+  const char* but;
+};
+
+/// Nowhere: names in code, comments, messages, documents.
+const std::vector<Pattern> kEverywhere = {
+    {R"(\bk(Least|Most|Fewest|Smallest|Largest)[A-Z])", "kMin…, kMax…"},
+    {R"(\b(least|fewest|most)_(m|mb|px|deg|points|objects|words|confidence|probability|share)\b)",
+     "min_…, max_…"},
+    {R"(--(least|fewest|most|smallest|largest)-)", "--min-…, --max-…"},
+    {R"(\bloci_(room|proxies)\b)", "loci_add_module, loci_generate_types"},
+    {R"(\b[Pp]ictures?\b)", "image, figure, thumbnail, crop, screenshot"},
+    {R"(\b[Ww]ho is who\b)", "data association, object identity"},
+    {R"(\b([Ll]ikeness|[Cc]loseness)\b)", "similarity, distance"},
+    {R"(\bbags? of looks\b)", "stored views"},
+    {R"(\bchosen story\b)", "maximum a posteriori (MAP) hypothesis"},
+    {R"(\b(Whereabouts|Untracked|Busyness|CarriedBelief|StopPlanner|InteractionStop)\b)",
+     "see docs/glossary.md"},
+    {R"(\b(is_news|find_ways|pull_way_m|rival_gap|wide_net|people_time|scene_of_cas|kept_of_cas)\b)",
+     "see docs/glossary.md"},
+    {R"(\b[Ll]eftovers?\b)", "alternative hypothesis"},
+    {R"(\b[Tt]wo clocks\b)", "bitemporal: valid time and transaction time"},
+    {R"(\b(carries out|makes anew|measures what we claim)\b)", "implements, rebuilds, benchmarks"},
+    {R"(\b(processor time|by the clock|on the clock)\b)", "CPU time, wall time"},
+};
+
+/// In documents and help texts, which people read.
+const std::vector<Pattern> kProse = {
+    {R"(\b[Tt]hings?\b)", "object, sample, item"},
+    {R"(\b(is|are) told\b)", "is reported"},
+    {R"(\bamong five\b)", "top-5"},
+    {R"(\bwhat is nothing\b)", "plain words"},
+};
+
+/// "FILE:LINE: word (use …)" for each match.
+std::string findings(const std::string& name, const std::string& text, const std::vector<Pattern>& patterns) {
+  std::string found;
+  for (const Pattern& pattern : patterns) {
+    const std::regex regex(pattern.not_allowed);
+    std::istringstream stream(text);
+    int number = 0;
+    for (std::string line; std::getline(stream, line);) {
+      ++number;
+      if (line.starts_with("$ ")) continue;  // What a person asks.
+      std::smatch match;
+      if (std::regex_search(line, match, regex))
+        found +=
+            name + ":" + std::to_string(number) + ": " + match[0].str() + " (use: " + pattern.but + ")\n";
+    }
+  }
+  return found;
+}
+
+std::string read(const fs::path& path) {
+  std::ifstream stream(path);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+bool is_source(const fs::path& path) {
+  const std::string extension = path.extension().string();
+  return extension == ".h" || extension == ".cpp" || extension == ".sql" || extension == ".cmake" ||
+         extension == ".txt" || extension == ".xml";
+}
+
+std::string output_of(const std::string& command) {
+  std::string text;
+  FILE* pipe = popen(command.c_str(), "r");
+  std::array<char, 4096> buffer = {};
+  while (const size_t count = fread(buffer.data(), 1, buffer.size(), pipe)) text.append(buffer.data(), count);
+  pclose(pipe);
+  return text;
+}
+
+TEST(Vocabulary, OfSources) {
+  for (const char* folder : {"apps", "cmake", "gui", "mapping", "memory", "nbv", "perception", "tests"})
+    for (const auto& entry : fs::recursive_directory_iterator(kRoot / folder)) {
+      const std::string name = fs::relative(entry.path(), kRoot).string();
+      if (!is_source(entry.path()) || name == "tests/architecture/vocabulary_test.cpp" ||
+          name.starts_with("tests/data"))
+        continue;
+      EXPECT_EQ(findings(name, read(entry.path()), kEverywhere), "");
+    }
+}
+
+TEST(Vocabulary, OfDocuments) {
+  std::vector<fs::path> documents = {kRoot / "README.md", kRoot / "CONTRIBUTING.md"};
+  for (const auto& entry : fs::directory_iterator(kRoot / "docs"))
+    if (entry.path().extension() == ".md") documents.push_back(entry.path());
+  for (const fs::path& document : documents) {
+    const std::string name = fs::relative(document, kRoot).string();
+    EXPECT_EQ(findings(name, read(document), kEverywhere), "");
+    EXPECT_EQ(findings(name, read(document), kProse), "");
+  }
+}
+
+TEST(Vocabulary, OfHelpTexts) {
+  const std::regex command(R"(^  ([a-z][a-z-]*)\s{2,})");
+  for (const char* program : {"loci-map", "loci-perceive", "loci-memory", "loci-simulate", "loci-evaluate"}) {
+    const std::string base = std::string(LOCI_BIN_DIR) + "/" + program;
+    const std::string list = output_of(base + " --help");
+    ASSERT_NE(list, "") << program;
+    std::string all = list;
+    std::istringstream stream(list);
+    for (std::string line; std::getline(stream, line);) {
+      std::smatch match;
+      if (std::regex_search(line, match, command))
+        all += output_of(base + " " + match[1].str() + " --help 2>&1");
+    }
+    EXPECT_GT(all.size(), 2 * list.size()) << "the help of the commands of " << program;
+    EXPECT_EQ(findings(program, all, kEverywhere), "");
+    EXPECT_EQ(findings(program, all, kProse), "");
+  }
+}
+
+TEST(Vocabulary, FindsWhatItShouldFind) {
+  EXPECT_NE(findings("x", "constexpr double kLeastFace = 1;", kEverywhere), "");
+  EXPECT_NE(findings("x", "a picture of it", kEverywhere), "");
+  EXPECT_NE(findings("x", "the things on the table", kProse), "");
+  EXPECT_EQ(findings("x", "kMinFace, an image, something, everything", kEverywhere), "");
+  EXPECT_EQ(findings("x", "something on the table", kProse), "");
+}
+
+}  // namespace
