@@ -24,7 +24,8 @@ add_link_options(-Wl,--as-needed)
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+  # Without these, ccache passes over everything that uses a precompiled header.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
 endif()
 
 if(LOCI_SANITIZE)
@@ -104,6 +105,22 @@ function(loci_program name)
   loci_warnings(${name})
 endfunction()
 
+# What every test includes is parsed once, in loci_test_headers.
+function(loci_test_precompile target)
+  if(NOT TARGET loci_test_headers)
+    # An executable, as the tests are: the header is valid for targets that compile with the same flags.
+    file(WRITE ${CMAKE_BINARY_DIR}/loci_test_headers.cpp "int main() {}\n")
+    add_executable(loci_test_headers EXCLUDE_FROM_ALL ${CMAKE_BINARY_DIR}/loci_test_headers.cpp)
+    target_link_libraries(loci_test_headers PRIVATE loci_mapping_base GTest::gmock)
+    target_precompile_headers(loci_test_headers PRIVATE <gmock/gmock.h> <gtest/gtest.h> <Eigen/Geometry>
+      <fmt/format.h> <nlohmann/json.hpp> <filesystem> <map> <optional> <random> <sstream> <string> <vector>)
+    target_compile_options(loci_test_headers PRIVATE -fpch-preprocess)
+    loci_warnings(loci_test_headers)
+  endif()
+  target_compile_options(${target} PRIVATE -fpch-preprocess)
+  target_precompile_headers(${target} REUSE_FROM loci_test_headers)
+endfunction()
+
 function(loci_test)
   cmake_parse_arguments(ARG "" "" "LINKS" ${ARGN})
   loci_folder_name(name)
@@ -111,6 +128,7 @@ function(loci_test)
   add_executable(${name} ${sources})
   target_link_libraries(${name} PRIVATE ${ARG_LINKS} loci_mapping_base GTest::gmock GTest::gtest_main)
   target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR})
+  loci_test_precompile(${name})
   target_compile_definitions(${name} PRIVATE
     LOCI_SOURCE_DIR="${CMAKE_SOURCE_DIR}"
     LOCI_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}"
