@@ -1,21 +1,229 @@
 #include "apps/evaluate/filter/speed.h"
 
+#include <embree3/rtcore.h>
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <functional>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <vector>
 
-#include "apps/evaluate/filter/crowd.h"
-#include "apps/evaluate/filter/rays.h"
 #include "apps/evaluate/temporary_folder.h"
 #include "mapping/base/files.h"
+#include "mapping/base/math.h"
+#include "mapping/base/random.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/render/render.h"
+#include "mapping/sensor/camera.h"
+#include "mapping/world/mesh.h"
+#include "mapping/world/world.h"
 
 namespace loci::apps::filter_evaluation {
 namespace {
+
+/// The same image by Embree: single rays into a tree of instances, on the calling thread.
+class InstanceRays {
+ public:
+  /// Instance i is mesh i modulo the number of meshes. The tree is built on one thread.
+  InstanceRays(const std::vector<mapping::TriangleMesh>& meshes,
+               const std::vector<Isometry3d>& camera_from_instances);
+  ~InstanceRays();
+  InstanceRays(const InstanceRays&) = delete;
+  InstanceRays& operator=(const InstanceRays&) = delete;
+
+  /// z-depth, CV_32F, NaN = nothing.
+  cv::Mat depth(const mapping::PinholeCamera& camera) const;
+  /// What the tree over the instances took, without those of the meshes.
+  double tree_seconds() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+struct InstanceRays::Impl {
+  RTCDevice device = rtcNewDevice("threads=1");
+  RTCScene scene = rtcNewScene(device);
+  std::vector<RTCScene> meshes;
+  std::vector<std::vector<Eigen::Vector3f>> vertices;  ///< Embree reads them where they are
+  double tree_seconds = 0;
+
+  ~Impl() {
+    rtcReleaseScene(scene);
+    for (const RTCScene mesh : meshes) rtcReleaseScene(mesh);
+    rtcReleaseDevice(device);
+  }
+  void add_mesh(const mapping::TriangleMesh& mesh);
+  void add_instance(RTCScene mesh, const Isometry3d& pose);
+};
+
+void InstanceRays::Impl::add_mesh(const mapping::TriangleMesh& mesh) {
+  const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* corners = static_cast<Eigen::Vector3f*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Eigen::Vector3f), mesh.vertices.size()));
+  std::copy(mesh.vertices.begin(), mesh.vertices.end(), corners);
+  auto* triangles = static_cast<std::array<uint32_t, 3>*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                              sizeof(std::array<uint32_t, 3>), mesh.triangles.size()));
+  std::copy(mesh.triangles.begin(), mesh.triangles.end(), triangles);
+  rtcCommitGeometry(geometry);
+  meshes.push_back(rtcNewScene(device));
+  rtcAttachGeometry(meshes.back(), geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(meshes.back());
+}
+
+void InstanceRays::Impl::add_instance(RTCScene mesh, const Isometry3d& pose) {
+  const RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+  rtcSetGeometryInstancedScene(instance, mesh);
+  const Eigen::Matrix<float, 3, 4> matrix = pose.matrix().topRows<3>().cast<float>();
+  rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, matrix.data());
+  rtcCommitGeometry(instance);
+  rtcAttachGeometry(scene, instance);
+  rtcReleaseGeometry(instance);
+}
+
+InstanceRays::InstanceRays(const std::vector<mapping::TriangleMesh>& meshes,
+                           const std::vector<Isometry3d>& camera_from_instances)
+    : impl_(std::make_unique<Impl>()) {
+  for (const mapping::TriangleMesh& mesh : meshes) impl_->add_mesh(mesh);
+  const Stopwatch watch;
+  for (size_t i = 0; i < camera_from_instances.size(); ++i)
+    impl_->add_instance(impl_->meshes[i % meshes.size()], camera_from_instances[i]);
+  rtcCommitScene(impl_->scene);
+  impl_->tree_seconds = watch.seconds();
+}
+
+InstanceRays::~InstanceRays() = default;
+
+double InstanceRays::tree_seconds() const {
+  return impl_->tree_seconds;
+}
+
+cv::Mat InstanceRays::depth(const mapping::PinholeCamera& camera) const {
+  cv::Mat depth(camera.height, camera.width, CV_32F);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  for (int v = 0; v < camera.height; ++v)
+    for (int u = 0; u < camera.width; ++u) {
+      const Eigen::Vector3f direction = camera.unproject(u, v, 1).cast<float>();
+      RTCRayHit ray{};
+      ray.ray.dir_x = direction.x();
+      ray.ray.dir_y = direction.y();
+      ray.ray.dir_z = direction.z();  // 1: distances along the ray are depths.
+      ray.ray.tfar = 100;
+      ray.ray.mask = ~0u;
+      ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+      ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+      rtcIntersect1(impl_->scene, &context, &ray);
+      depth.at<float>(v, u) = ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? std::nanf("") : ray.ray.tfar;
+    }
+  return depth;
+}
+
+constexpr int kMeshVertices = 3500;  ///< of each mesh, as in §4.2.2.2
+constexpr int kDistinctMeshes = 50;
+constexpr int kRobotMeshes = 45;
+
+constexpr int kRings = 53, kSegments = 66;
+static_assert(kRings * kSegments + 2 == kMeshVertices);
+
+/// x to a power, its sign kept.
+double power(double x, double exponent) {
+  return std::copysign(std::pow(std::abs(x), exponent), x);
+}
+
+std::string obj_text(const mapping::TriangleMesh& mesh) {
+  std::string text;
+  for (const Eigen::Vector3f& p : mesh.vertices) text += fmt::format("v {} {} {}\n", p.x(), p.y(), p.z());
+  for (const auto& [a, b, c] : mesh.triangles) text += fmt::format("f {} {} {}\n", a + 1, b + 1, c + 1);
+  return text;
+}
+
+/// Closed bodies of kMeshVertices vertices between ellipsoid and box with waves on them, half as long as
+/// [least, most] along each axis: the sizes of a robot's links.
+mapping::TriangleMesh random_body(double min_half_m, double max_half_m, Random& random) {
+  Vector3d half;
+  for (double& side : half) side = random.uniform(min_half_m, max_half_m);
+  const double exponent = random.uniform(0.3, 1), phase = random.uniform(0, 6), lean = random.uniform(0, 6);
+  const int waves = 2 + static_cast<int>(random.index(5));
+  const auto at = [&](double theta, double phi) {
+    const double st = std::sin(theta), ct = std::cos(theta);
+    const double r = 1 + 0.08 * std::sin(waves * phi + phase) * st * std::cos(3 * theta + lean);
+    const Vector3d unit(power(st, exponent) * power(std::cos(phi), exponent),
+                        power(st, exponent) * power(std::sin(phi), exponent), power(ct, exponent));
+    return Eigen::Vector3f((r * half.cwiseProduct(unit)).cast<float>());
+  };
+  mapping::TriangleMesh mesh;
+  mesh.vertices.push_back(at(0, 0));
+  for (int ring = 1; ring <= kRings; ++ring)
+    for (int i = 0; i < kSegments; ++i)
+      mesh.vertices.push_back(at(kPi * ring / (kRings + 1), 2 * kPi * i / kSegments));
+  mesh.vertices.push_back(at(kPi, 0));
+  const auto number = [](int ring, int i) {
+    return static_cast<uint32_t>(1 + (ring - 1) * kSegments + i % kSegments);
+  };
+  for (int i = 0; i < kSegments; ++i) {
+    mesh.triangles.push_back({0, number(1, i), number(1, i + 1)});
+    mesh.triangles.push_back({kMeshVertices - 1, number(kRings, i + 1), number(kRings, i)});
+    for (int ring = 1; ring < kRings; ++ring) {
+      mesh.triangles.push_back({number(ring, i), number(ring + 1, i), number(ring + 1, i + 1)});
+      mesh.triangles.push_back({number(ring, i), number(ring + 1, i + 1), number(ring, i + 1)});
+    }
+  }
+  return mesh;
+}
+
+/// A pose at a random orientation whose origin is in the image, 1 to 6 m away, uniform in depth.
+Isometry3d random_pose_in_view(const mapping::PinholeCamera& camera, Random& random) {
+  const double z = random.uniform(1, 6);
+  const double u = random.uniform(0, camera.width), v = random.uniform(0, camera.height);
+  const Eigen::Quaterniond turn(random.normal(), random.normal(), random.normal(), random.normal());
+  Isometry3d pose = Isometry3d::Identity();
+  pose.linear() = turn.normalized().toRotationMatrix();
+  pose.translation() = camera.unproject(u, v, z);
+  return pose;
+}
+
+/// A robot of 45 links with a mesh each, four arms of revolute joints on a base; meshes are written into a
+/// folder, which the URDF's relative names refer to.
+mapping::World random_robot(const std::filesystem::path& folder, Random& random) {
+  constexpr int kArms = 4;
+  mapping::World robot;
+  robot.name = "robot";
+  robot.root = "link_0";
+  for (int i = 0; i < kRobotMeshes; ++i) {
+    const std::string file = fmt::format("link_{}.obj", i);
+    write_file_atomically(folder / file, obj_text(random_body(0.03, 0.15, random)));
+    mapping::Link link;
+    link.name = fmt::format("link_{}", i);
+    link.visuals.push_back({"", Isometry3d::Identity(), mapping::Mesh{file}, std::nullopt});
+    robot.links.push_back(link);
+    if (i == 0) continue;
+    mapping::Joint joint;
+    joint.name = fmt::format("joint_{}", i);
+    joint.type = mapping::JointType::revolute;
+    joint.parent = fmt::format("link_{}", std::max(0, i - kArms));
+    joint.child = link.name;
+    joint.parent_from_joint.translation() =
+        Vector3d(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(0.05, 0.15));
+    joint.axis = i % 2 == 0 ? Vector3d::UnitX() : Vector3d::UnitY();
+    joint.limits = mapping::JointLimits{-1, 1, 1, 1};
+    robot.joints.push_back(joint);
+  }
+  return robot;
+}
+
+/// A joint state of it.
+JointState random_joints(const mapping::World& robot, Random& random) {
+  JointState joints;
+  for (const mapping::Joint& joint : robot.joints) joints[joint.name] = random.uniform(-0.6, 0.6);
+  return joints;
+}
 
 double processor_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;

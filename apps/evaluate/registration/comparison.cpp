@@ -1,21 +1,88 @@
 #include "apps/evaluate/registration/comparison.h"
 
 #include <fmt/format.h>
-
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+#include <pcl/registration/gicp.h>
+#include <pcl/registration/icp.h>
+#include <pcl/registration/ndt.h>
 #include <algorithm>
 #include <cmath>
 #include <ctime>
 #include <map>
 #include <numeric>
+#include <string>
+#include <vector>
 
-#include "apps/evaluate/registration/peers.h"
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/quantile.h"
+#include "mapping/sensor/scan.h"
 
 namespace loci::apps::registration_evaluation {
 namespace {
+
+struct PeerResult {
+  Isometry3d target_from_source = Isometry3d::Identity();
+  bool converged = false;  ///< as the method itself claims
+};
+
+using Cloud = pcl::PointCloud<pcl::PointXYZ>;
+
+constexpr double kReach = 1.0;  ///< metres
+
+Cloud::Ptr cloud_of(const mapping::Scan& scan) {
+  Cloud::Ptr cloud(new Cloud);
+  cloud->reserve(scan.points.size());
+  for (const mapping::ScanPoint& point : scan.points)
+    if (point.returned) cloud->push_back({point.position.x(), point.position.y(), point.position.z()});
+  return cloud;
+}
+
+PeerResult run(pcl::Registration<pcl::PointXYZ, pcl::PointXYZ>& method, const mapping::Scan& target,
+               const mapping::Scan& source, const Isometry3d& target_from_source) {
+  method.setInputTarget(cloud_of(target));
+  method.setInputSource(cloud_of(source));
+  Cloud moved;
+  method.align(moved, target_from_source.matrix().cast<float>());
+  PeerResult result;
+  const Eigen::Matrix4d pose = method.getFinalTransformation().cast<double>();
+  result.target_from_source.translation() = pose.topRightCorner<3, 1>();
+  result.target_from_source.linear() =
+      Eigen::Quaterniond(Eigen::Matrix3d(pose.topLeftCorner<3, 3>())).normalized().toRotationMatrix();
+  result.converged = method.hasConverged();
+  return result;
+}
+
+/// "PCL ICP", "PCL GICP", "PCL NDT": one thread each.
+const std::vector<std::string>& peers() {
+  static const std::vector<std::string> names = {"PCL ICP", "PCL GICP", "PCL NDT"};
+  return names;
+}
+
+/// Points are taken as they are. Correspondences reach 1 m, so that starts half a metre off are within reach.
+PeerResult align_with_peer(const std::string& peer, const mapping::Scan& target, const mapping::Scan& source,
+                           const Isometry3d& target_from_source) {
+  if (peer == "PCL GICP") {
+    pcl::GeneralizedIterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> method;
+    method.setMaxCorrespondenceDistance(kReach);
+    return run(method, target, source, target_from_source);
+  }
+  if (peer == "PCL NDT") {
+    pcl::NormalDistributionsTransform<pcl::PointXYZ, pcl::PointXYZ> method;
+    method.setResolution(static_cast<float>(kReach));
+    method.setStepSize(0.1);
+    method.setTransformationEpsilon(0.001);
+    method.setMaximumIterations(50);
+    return run(method, target, source, target_from_source);
+  }
+  pcl::IterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> method;
+  method.setMaxCorrespondenceDistance(kReach);
+  method.setMaximumIterations(100);
+  method.setTransformationEpsilon(1e-8);
+  return run(method, target, source, target_from_source);
+}
 
 double metres_off(const Isometry3d& a, const Isometry3d& b) {
   return (a.translation() - b.translation()).norm();
