@@ -52,7 +52,7 @@ Command segmentation_command() {
             app.add_option("DIR", given->folder,
                            "Recording with FRAME_label.png for its depth images: 0 not judged, 1 to 19 "
                            "table, from 20 on tens are objects");
-            app.add_flag("--flat", given->flat, "Measures flat things (10 mm) in simulated workspaces, too");
+            app.add_flag("--flat", given->flat, "Measures flat objects (10 mm) in simulated workspaces, too");
             app.add_option("--pipeline", given->pipeline, "Pipeline as YAML instead of the tabletop one");
             app.add_option("-o,--output", given->images,
                            "Folder for images: colour, truth, and what each method found");

@@ -9,49 +9,51 @@
 namespace loci::apps::changes {
 namespace {
 
-/// One frame: which object each true thing is taken for.
+/// One frame: which object each true object is taken for.
 struct Frame {
-  std::map<std::string, memory::Id> object;  ///< of true things that were found; 0 = not attributed
+  std::map<std::string, memory::Id> object;  ///< of true objects that were found; 0 = not attributed
   std::map<memory::Id, std::set<std::string>> events;
   std::set<memory::Id> seen;  ///< objects
   size_t attributed = 0;
 };
 
-/// How far a thing and what was observed are from each other; unset = they have nothing to do with each
-/// other. Where both have pixels, these tell: of a thing that is cut off, the visible part's centre lies
+/// How far an object and what was observed are from each other; unset = they have nothing to do with each
+/// other. Where both have pixels, these tell: of an object that is cut off, the visible part's centre lies
 /// elsewhere.
-std::optional<double> gap(const TrueObject& thing, const Sight& sight) {
-  if (thing.pixels && sight.pixels) {
-    const auto [x, y, width, height] = *thing.pixels;
+std::optional<double> gap(const TrueObject& true_object, const Sight& sight) {
+  if (true_object.pixels && sight.pixels) {
+    const auto [x, y, width, height] = *true_object.pixels;
     const auto [u, v, columns, rows] = *sight.pixels;
     const double shared = std::max(0, std::min(x + width, u + columns) - std::max(x, u)) *
                           double(std::max(0, std::min(y + height, v + rows) - std::max(y, v)));
     const double overlap = shared / (double(width) * height + double(columns) * rows - shared);
     if (overlap >= 0.5) return 1 - overlap;
   }
-  const double distance = (thing.centre - sight.position).norm();
-  const double reach = std::max(0.06, 0.6 * thing.size.maxCoeff());
+  const double distance = (true_object.centre - sight.position).norm();
+  const double reach = std::max(0.06, 0.6 * true_object.size.maxCoeff());
   return distance <= reach ? std::optional(1 + distance) : std::nullopt;
 }
 
-/// Pairs true things with observations, nearest first; index of the thing by that of the observation.
-std::map<size_t, size_t> find_things(const std::vector<TrueObject>& things, const Moment& moment) {
+/// Pairs true objects with observations, nearest first; index of the object by that of the observation.
+std::map<size_t, size_t> find_true_objects(const std::vector<TrueObject>& true_objects,
+                                           const Moment& moment) {
   std::vector<std::tuple<double, size_t, size_t>> candidates;
   for (size_t k = 0; k < moment.sights.size(); ++k)
-    for (size_t i = 0; i < things.size(); ++i)
-      if (const std::optional<double> distance = gap(things[i], moment.sights[k]))
+    for (size_t i = 0; i < true_objects.size(); ++i)
+      if (const std::optional<double> distance = gap(true_objects[i], moment.sights[k]))
         candidates.emplace_back(*distance, i, k);
   std::sort(candidates.begin(), candidates.end());
-  std::map<size_t, size_t> thing_of;
+  std::map<size_t, size_t> true_object_of;
   std::set<size_t> taken;
   for (const auto& [ignored, i, k] : candidates)
-    if (!thing_of.contains(k) && taken.insert(i).second) thing_of[k] = i;
-  return thing_of;
+    if (!true_object_of.contains(k) && taken.insert(i).second) true_object_of[k] = i;
+  return true_object_of;
 }
 
-std::vector<TrueObject> things_in(const std::map<int64_t, std::vector<TrueObject>>& things, int64_t frame) {
-  const auto found = things.find(frame);
-  return found == things.end() ? std::vector<TrueObject>() : found->second;
+std::vector<TrueObject> true_objects_in(const std::map<int64_t, std::vector<TrueObject>>& true_objects,
+                                        int64_t frame) {
+  const auto found = true_objects.find(frame);
+  return found == true_objects.end() ? std::vector<TrueObject>() : found->second;
 }
 
 std::map<int64_t, Frame> read_frames(const Truth& truth, const Moments& moments, const Story& story) {
@@ -62,17 +64,18 @@ std::map<int64_t, Frame> read_frames(const Truth& truth, const Moments& moments,
     if (told == story.end()) continue;
     frame.events = told->second.events;
     for (const auto& [observation, object] : told->second.object_of) frame.seen.insert(object);
-    std::vector<TrueObject> things = things_in(truth.visible, index);
-    const size_t visible = things.size();
-    for (const TrueObject& thing : things_in(truth.barely, index)) things.push_back(thing);
-    const std::map<size_t, size_t> thing_of = find_things(things, moment);
+    std::vector<TrueObject> true_objects = true_objects_in(truth.visible, index);
+    const size_t visible = true_objects.size();
+    for (const TrueObject& true_object : true_objects_in(truth.barely, index))
+      true_objects.push_back(true_object);
+    const std::map<size_t, size_t> true_object_of = find_true_objects(true_objects, moment);
     for (size_t k = 0; k < moment.sights.size(); ++k) {
       const auto object = told->second.object_of.find(moment.sights[k].observation);
       const bool attributed = object != told->second.object_of.end();
-      const auto thing = thing_of.find(k);
-      if (thing != thing_of.end() && thing->second < visible)
-        frame.object[things[thing->second].name] = attributed ? object->second : 0;
-      else if (thing != thing_of.end())
+      const auto true_object = true_object_of.find(k);
+      if (true_object != true_object_of.end() && true_object->second < visible)
+        frame.object[true_objects[true_object->second].name] = attributed ? object->second : 0;
+      else if (true_object != true_object_of.end())
         continue;
       frame.attributed += attributed ? 1 : 0;
     }
@@ -80,8 +83,8 @@ std::map<int64_t, Frame> read_frames(const Truth& truth, const Moments& moments,
   return frames;
 }
 
-memory::Id object_in(const Frame& frame, const std::string& thing) {
-  const auto found = frame.object.find(thing);
+memory::Id object_in(const Frame& frame, const std::string& true_object) {
+  const auto found = frame.object.find(true_object);
   return found == frame.object.end() ? 0 : found->second;
 }
 
@@ -121,7 +124,7 @@ class Judge {
   }
 
   int64_t gone_until(const JudgedTransition& j) const {
-    // Until the thing is seen again, or to the end.
+    // Until the object is seen again, or to the end.
     for (auto frame = frames_.upper_bound(j.truth.to_frame); frame != frames_.end(); ++frame)
       if (frame->second.object.contains(j.truth.object)) return frame->first - 1;
     return last();
@@ -152,7 +155,7 @@ class Judge {
   const std::map<int64_t, Frame>& frames_;
 };
 
-/// Things that were removed and came back: recognised as the same?
+/// Objects that were removed and came back: recognised as the same?
 void count_returns(Comparison& comparison) {
   std::map<std::string, memory::Id> removed;
   for (const JudgedTransition& t : comparison.transitions) {
@@ -167,9 +170,9 @@ void count_returns(Comparison& comparison) {
 void count_switches(const std::map<int64_t, Frame>& frames, Comparison& comparison) {
   std::map<std::string, memory::Id> last;
   for (const auto& [index, frame] : frames)
-    for (const auto& [thing, object] : frame.object) {
+    for (const auto& [true_object, object] : frame.object) {
       if (object == 0) continue;
-      memory::Id& before = last[thing];
+      memory::Id& before = last[true_object];
       comparison.pairs += before != 0 ? 1 : 0;
       comparison.switches += before != 0 && before != object ? 1 : 0;
       before = object;
@@ -178,7 +181,7 @@ void count_switches(const std::map<int64_t, Frame>& frames, Comparison& comparis
 
 void count_false_gone(const Truth& truth, const std::map<int64_t, Frame>& frames, Comparison& comparison) {
   struct Seen {
-    std::string thing;
+    std::string true_object;
     int handled = 0;
   };
   std::map<memory::Id, Seen> last;
@@ -187,23 +190,23 @@ void count_false_gone(const Truth& truth, const std::map<int64_t, Frame>& frames
     if (world == truth.handled.end()) continue;
     for (const auto& [object, kinds] : frame.events) {
       if (!kinds.contains("gone") || !last.contains(object)) continue;
-      const auto now = world->second.find(last.at(object).thing);
+      const auto now = world->second.find(last.at(object).true_object);
       comparison.false_gone += now != world->second.end() && now->second == last.at(object).handled ? 1 : 0;
     }
-    for (const auto& [thing, object] : frame.object)
-      if (object != 0) last[object] = {thing, world->second.at(thing)};
+    for (const auto& [true_object, object] : frame.object)
+      if (object != 0) last[object] = {true_object, world->second.at(true_object)};
   }
 }
 
-/// Sightings that agree with the best pairing of things with objects, each once.
+/// Sightings that agree with the best pairing of objects with objects, each once.
 size_t count_agreed(const std::map<int64_t, Frame>& frames) {
   std::map<std::string, size_t> row_of;
   std::map<memory::Id, size_t> column_of;
   std::map<std::pair<size_t, size_t>, double> common;
   for (const auto& [index, frame] : frames)
-    for (const auto& [thing, object] : frame.object) {
+    for (const auto& [true_object, object] : frame.object) {
       if (object == 0) continue;
-      const size_t row = row_of.emplace(thing, row_of.size()).first->second;
+      const size_t row = row_of.emplace(true_object, row_of.size()).first->second;
       const size_t column = column_of.emplace(object, column_of.size()).first->second;
       ++common[{row, column}];
     }
@@ -215,9 +218,9 @@ size_t count_agreed(const std::map<int64_t, Frame>& frames) {
   component.log_ratio.setConstant(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns),
                                   memory::kNever);
   for (const auto& [pair, count] : common) {
-    const auto [thing, object] = pair;
-    component.log_ratio(static_cast<Eigen::Index>(component.transposed ? object : thing),
-                        static_cast<Eigen::Index>(component.transposed ? thing : object)) = count;
+    const auto [true_object, object] = pair;
+    component.log_ratio(static_cast<Eigen::Index>(component.transposed ? object : true_object),
+                        static_cast<Eigen::Index>(component.transposed ? true_object : object)) = count;
   }
   for (size_t i = 0; i < rows; ++i) component.rows.push_back(i);
   for (size_t j = 0; j < columns; ++j) component.columns.push_back(j);
@@ -245,7 +248,7 @@ Comparison compare(const std::string& method, const Truth& truth, const Moments&
   const std::map<int64_t, Frame> frames = read_frames(truth, moments, story);
   std::set<memory::Id> true_objects, all;
   for (const auto& [index, frame] : frames) {
-    comparison.visible += things_in(truth.visible, index).size();
+    comparison.visible += true_objects_in(truth.visible, index).size();
     comparison.found += frame.object.size();
     comparison.attributed += frame.attributed;
     for (const auto& [name, object] : frame.object) true_objects.insert(object);

@@ -12,7 +12,7 @@
 namespace loci::apps::changes {
 
 /// What can be said of a true transition: unchanged, moved, looks_different, added, removed, kept (neither
-/// seen nor gone), identity lost (gone and appeared as another object), confused (taken for another thing),
+/// seen nor gone), identity lost (gone and appeared as another object), confused (taken for another object),
 /// not found (no cluster in a frame).
 inline constexpr const char* kSaidKinds[] = {"unchanged", "moved",         "looks_different",
                                              "added",     "removed",       "kept",
@@ -33,14 +33,14 @@ struct JudgedTransition {
 struct Comparison {
   std::string method;
   std::vector<JudgedTransition> transitions;
-  size_t visible = 0, found = 0;  ///< true things in frames, and those with an observation
-  size_t attributed = 0;          ///< observations taken for objects, those of hardly visible things aside
-  size_t agreed = 0;      ///< of these, that fit the best pairing of true things with objects, each once
-  size_t switches = 0;    ///< a thing that is found gets another number than when it was found before
+  size_t visible = 0, found = 0;  ///< true objects in frames, and those with an observation
+  size_t attributed = 0;          ///< observations taken for objects, those of hardly visible objects aside
+  size_t agreed = 0;      ///< of these, that fit the best pairing of true objects with objects, each once
+  size_t switches = 0;    ///< an object that is found gets another number than when it was found before
   size_t pairs = 0;       ///< that could have been switches
   size_t false_gone = 0;  ///< said to be gone while it stood where it had been seen
   size_t returned = 0, recognised = 0;   ///< came back after having been removed: recognised as the same
-  size_t phantoms = 0;                   ///< objects that never were a true thing
+  size_t phantoms = 0;                   ///< objects that never were a true object
   memory::belief::ArbiterCount arbiter;  ///< of a memory: what simple trackers would have settled
 
   /// Counts those of another recording, too.
@@ -50,7 +50,7 @@ struct Comparison {
   size_t count(const std::string& kind) const;
   size_t count_right(const std::string& kind) const;
   size_t count(const std::string& kind, const std::string& said) const;
-  /// F1 over the sightings of things: 2 agreed / (visible + attributed), [Ristani 2016].
+  /// F1 over the sightings of objects: 2 agreed / (visible + attributed), [Ristani 2016].
   double identity_f1() const;
 };
 

@@ -20,7 +20,7 @@ struct View {
   Vector3d from, at;
 };
 
-/// Something to put things on: metres from the middle of its top, and the places from where one sees it.
+/// Something to put objects on: metres from the middle of its top, and the places from where one sees it.
 struct Support {
   std::string link;
   double x, y;  ///< half of what is used
@@ -48,7 +48,7 @@ constexpr const char* kColors[] = {"[0.86, 0.86, 0.84]", "[0.8, 0.14, 0.12]",  "
                                    "[0.93, 0.66, 0.12]", "[0.16, 0.45, 0.24]", "[0.45, 0.08, 0.22]",
                                    "[0.62, 0.64, 0.68]", "[0.55, 0.75, 0.2]",  "[0.15, 0.15, 0.16]",
                                    "[0.7, 0.5, 0.35]"};
-constexpr size_t kThings = 13, kAtFirst = 11;
+constexpr size_t kObjects = 13, kAtFirst = 11;
 constexpr int kCupLeaves = 5, kCupReturns = 11;  ///< scenes before which the middle cup is moved
 
 }  // namespace
@@ -94,21 +94,21 @@ namespace {
 class Day {
  public:
   Day(const DayWorld& world, uint64_t seed) : world_(world), random_(seed) {
-    for (size_t i = 0; i < kThings; ++i) {
+    for (size_t i = 0; i < kObjects; ++i) {
       const Model& model = kModels[random_.index(std::size(kModels))];
-      things_.push_back(
+      true_objects_.push_back(
           {fmt::format("{}_{}", model.name, i), model, kColors[random_.index(std::size(kColors))], {}});
     }
     const char* color = kColors[random_.index(std::size(kColors))];
-    for (int i = 0; i < 3; ++i) things_.push_back({fmt::format("cup_{}", i), kModels[0], color, {}});
+    for (int i = 0; i < 3; ++i) true_objects_.push_back({fmt::format("cup_{}", i), kModels[0], color, {}});
   }
 
   std::string write(const std::filesystem::path& urdf, int scenes) {
     std::string text =
         fmt::format("world: {}\ncamera: kinect\nframe_interval_s: 1\nobjects:\n", urdf.string());
-    for (const Thing& thing : things_)
-      text += fmt::format("  {}: {{model: {}, color: {}{}}}\n", thing.name, thing.model.name, thing.color,
-                          thing.model.more);
+    for (const Object& true_object : true_objects_)
+      text += fmt::format("  {}: {{model: {}, color: {}{}}}\n", true_object.name, true_object.model.name,
+                          true_object.color, true_object.model.more);
     text += "scenes:\n";
     int minute = 7 * 60;
     for (int scene = 0; scene < scenes; ++scene) {
@@ -129,41 +129,42 @@ class Day {
     size_t support = 0;
     double x = 0, y = 0;
   };
-  struct Thing {
+  struct Object {
     std::string name;
     Model model;
     const char* color;
     std::optional<Spot> at;
   };
 
-  bool is_free(const Spot& spot, const Thing& thing) const {
-    return std::ranges::all_of(things_, [&](const Thing& other) {
-      return &other == &thing || !other.at || other.at->support != spot.support ||
+  bool is_free(const Spot& spot, const Object& true_object) const {
+    return std::ranges::all_of(true_objects_, [&](const Object& other) {
+      return &other == &true_object || !other.at || other.at->support != spot.support ||
              std::hypot(other.at->x - spot.x, other.at->y - spot.y) >
-                 thing.model.radius + other.model.radius + 0.02;
+                 true_object.model.radius + other.model.radius + 0.02;
     });
   }
 
-  std::optional<Spot> free_spot(size_t support, const Thing& thing, const std::optional<Spot>& near = {}) {
+  std::optional<Spot> free_spot(size_t support, const Object& true_object,
+                                const std::optional<Spot>& near = {}) {
     const Support& on = world_.supports[support];
     for (int i = 0; i < 300; ++i) {
       const Spot spot{support, near ? near->x + random_.normal(0.1) : random_.uniform(-on.x, on.x),
                       near ? near->y + random_.normal(0.1) : random_.uniform(-on.y, on.y)};
-      if (std::abs(spot.x) <= on.x && std::abs(spot.y) <= on.y && is_free(spot, thing)) return spot;
+      if (std::abs(spot.x) <= on.x && std::abs(spot.y) <= on.y && is_free(spot, true_object)) return spot;
     }
     return std::nullopt;
   }
 
-  std::string put(Thing& thing, const std::optional<Spot>& spot) {
+  std::string put(Object& true_object, const std::optional<Spot>& spot) {
     if (!spot) return {};
-    thing.at = spot;
-    return fmt::format("{{place: {}, on: {}, at: [{:.3f}, {:.3f}], yaw_deg: {}}}", thing.name,
+    true_object.at = spot;
+    return fmt::format("{{place: {}, on: {}, at: [{:.3f}, {:.3f}], yaw_deg: {}}}", true_object.name,
                        world_.supports[spot->support].link, spot->x, spot->y,
                        static_cast<int>(random_.index(360)) - 180);
   }
 
-  std::string put_anywhere(Thing& thing) {
-    return put(thing, free_spot(random_.index(world_.supports.size()), thing));
+  std::string put_anywhere(Object& true_object) {
+    return put(true_object, free_spot(random_.index(world_.supports.size()), true_object));
   }
 
   /// Three in a row along the longer side of the first support.
@@ -175,10 +176,10 @@ class Day {
 
   std::vector<std::string> actions_before(int scene) {
     std::vector<std::string> actions;
-    Thing* cups = &things_[kThings];
+    Object* cups = &true_objects_[kObjects];
     if (scene == 0) {
       for (int i = 0; i < 3; ++i) actions.push_back(put(cups[i], in_row(i)));
-      for (size_t i = 0; i < kAtFirst; ++i) actions.push_back(put_anywhere(things_[i]));
+      for (size_t i = 0; i < kAtFirst; ++i) actions.push_back(put_anywhere(true_objects_[i]));
     } else if (scene == kCupLeaves) {
       actions.push_back(put(cups[1], free_spot(world_.supports.size() - 1, cups[1])));
     } else if (scene == kCupReturns) {
@@ -193,23 +194,23 @@ class Day {
     return actions;
   }
 
-  /// One thing that happens to one of the things, the cups aside.
+  /// One object that happens to one of the objects, the cups aside.
   std::string something() {
-    std::vector<Thing*> here, away;
-    for (size_t i = 0; i < kThings; ++i) (things_[i].at ? here : away).push_back(&things_[i]);
+    std::vector<Object*> here, away;
+    for (size_t i = 0; i < kObjects; ++i) (true_objects_[i].at ? here : away).push_back(&true_objects_[i]);
     const double what = random_.uniform();
     if (what >= 0.85 || here.size() <= 5)
       return away.empty() ? std::string() : put_anywhere(*away[random_.index(away.size())]);
-    Thing& thing = *here[random_.index(here.size())];
-    if (what < 0.5) return put_anywhere(thing);
-    if (what < 0.65) return put(thing, free_spot(thing.at->support, thing, thing.at));
+    Object& true_object = *here[random_.index(here.size())];
+    if (what < 0.5) return put_anywhere(true_object);
+    if (what < 0.65) return put(true_object, free_spot(true_object.at->support, true_object, true_object.at));
     if (what < 0.72) {
       constexpr int kTurns_deg[] = {60, 90, 120, 180};
-      return fmt::format("{{turn: {}, yaw_deg: {}}}", thing.name,
+      return fmt::format("{{turn: {}, yaw_deg: {}}}", true_object.name,
                          kTurns_deg[random_.index(std::size(kTurns_deg))]);
     }
-    thing.at.reset();
-    return fmt::format("{{remove: {}}}", thing.name);
+    true_object.at.reset();
+    return fmt::format("{{remove: {}}}", true_object.name);
   }
 
   /// From somewhere near a known place; at first everything is looked at.
@@ -234,7 +235,7 @@ class Day {
 
   const DayWorld& world_;
   Random random_;
-  std::vector<Thing> things_;
+  std::vector<Object> true_objects_;
 };
 
 }  // namespace

@@ -6,7 +6,7 @@
 
 namespace loci::apps::changes {
 
-/// A sample kitchen in which random days can be: where things stand and from where one looks at them.
+/// A sample kitchen in which random days can be: where objects stand and from where one looks at them.
 struct DayWorld;
 /// "kitchen" or "kitchen_l" (of apps/samples). Error for others.
 const DayWorld& day_world(const std::string& name);
@@ -14,7 +14,7 @@ const DayWorld& day_world(const std::string& name);
 inline constexpr int kScenesOfADay = 18;
 
 /// A day as a scenario (YAML) for `loci-simulate record`: scenes over some ten hours in which 11 to 16
-/// things, three equal cups in a row among them, are put elsewhere, pushed, turned, taken away and brought.
+/// objects, three equal cups in a row among them, are put elsewhere, pushed, turned, taken away and brought.
 /// The middle cup goes away (before the 6th scene) and comes back (before the 12th). Same seed, same day.
 std::string random_day(const DayWorld& world, const std::filesystem::path& urdf, uint64_t seed,
                        int scenes = kScenesOfADay);

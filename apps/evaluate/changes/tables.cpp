@@ -33,7 +33,7 @@ std::string figures(const std::vector<Comparison>& methods) {
   out += line("false disappearances", methods, [](const Comparison& c) { return c.false_gone; });
   out += line("recognised on return", methods,
               [](const Comparison& c) { return share(c.recognised, c.returned); });
-  out += line("objects that are no thing", methods, [](const Comparison& c) { return c.phantoms; });
+  out += line("objects that are no object", methods, [](const Comparison& c) { return c.phantoms; });
   return out;
 }
 
@@ -105,7 +105,7 @@ Json figures_of(const Comparison& comparison) {
 std::string text(const std::vector<Comparison>& methods, bool verbose) {
   const Comparison& first = methods.front();
   std::string out = figures(methods);
-  out += fmt::format("found: {} of {} visible things\n", first.found, first.visible);
+  out += fmt::format("found: {} of {} visible objects\n", first.found, first.visible);
   const memory::belief::ArbiterCount& arbiter = first.arbiter;
   if (arbiter.observations > 0)
     out += fmt::format("simple trackers settle {} of {} observations, {} as was decided\n", arbiter.settled,

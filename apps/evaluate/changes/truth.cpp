@@ -33,19 +33,19 @@ std::map<int64_t, int64_t> frames_of_scenes(const CsvTable& objects, const std::
   return frame_of_scene;
 }
 
-/// How each thing lay in each frame ("upside down"), where the table says it.
+/// How each object lay in each frame ("upside down"), where the table says it.
 using States = std::map<std::pair<int64_t, std::string>, std::string>;
 
-/// A thing that is seen in a row, nothing of it being handled in between, keeps its count.
+/// An object that is seen in a row, nothing of it being handled in between, keeps its count.
 void count_handling(Truth& truth) {
   std::map<std::string, int> count;
   std::map<std::pair<int64_t, std::string>, std::string> kind_into;
   for (const TrueTransition& t : truth.transitions) kind_into[{t.to_frame, t.object}] = t.kind;
-  for (const auto& [frame, things] : truth.visible)
-    for (const TrueObject& thing : things) {
-      const auto kind = kind_into.find({frame, thing.name});
-      if (kind != kind_into.end() && kind->second != "unchanged") ++count[thing.name];
-      truth.handled[frame][thing.name] = count[thing.name];
+  for (const auto& [frame, true_objects] : truth.visible)
+    for (const TrueObject& true_object : true_objects) {
+      const auto kind = kind_into.find({frame, true_object.name});
+      if (kind != kind_into.end() && kind->second != "unchanged") ++count[true_object.name];
+      truth.handled[frame][true_object.name] = count[true_object.name];
     }
 }
 
@@ -84,7 +84,7 @@ Truth read_tables(const std::filesystem::path& folder, const std::vector<int64_t
   return truth;
 }
 
-/// A thing as it stands in the simulation.
+/// An object as it stands in the simulation.
 struct Stand {
   int64_t frame = 0;
   Isometry3d pose = Isometry3d::Identity();
@@ -92,7 +92,7 @@ struct Stand {
   std::array<double, 3> color{};
 };
 
-/// A thing of the simulation over time.
+/// An object of the simulation over time.
 struct Course {
   std::optional<Stand> visible;  ///< when it was visible last
   std::optional<Stand> now;      ///< unset = not in the world
@@ -136,14 +136,14 @@ void add_line(const Json& line, std::map<std::string, Course>& courses, Truth& t
     const double pixels = entry.at("pixels").get<double>();
     if (pixels <= 0) continue;
     const Vector3d extent = now.pose.linear().cwiseAbs() * now.size;
-    TrueObject thing{name, now.pose * Vector3d(0, 0, size[2] / 2), extent, std::nullopt};
+    TrueObject true_object{name, now.pose * Vector3d(0, 0, size[2] / 2), extent, std::nullopt};
     if (!entry.at("box").is_null()) {
       const auto box = entry.at("box").get<std::array<int, 4>>();
-      thing.pixels = {box[0], box[1], box[2] - box[0] + 1, box[3] - box[1] + 1};
+      true_object.pixels = {box[0], box[1], box[2] - box[0] + 1, box[3] - box[1] + 1};
     }
     const bool visible = pixels >= kVisiblePixels && !entry.at("visible").is_null() &&
                          entry.at("visible").get<double>() >= kVisibleShare;
-    (visible ? truth.visible : truth.barely)[frame].push_back(thing);
+    (visible ? truth.visible : truth.barely)[frame].push_back(true_object);
     if (!visible) continue;
     truth.transitions.push_back(
         course.visible ? TrueTransition{course.visible->frame, frame, name, kind_of(*course.visible, now)}

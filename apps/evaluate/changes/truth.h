@@ -11,12 +11,12 @@
 
 namespace loci::apps::changes {
 
-/// What truly happened to a thing between two frames in which it could be seen. `turned` stands where it
+/// What truly happened to an object between two frames in which it could be seen. `turned` stands where it
 /// stood, `recoloured` too; `uncertain` does not count: a person was not sure, or nobody could see it.
 inline constexpr const char* kTrueKinds[] = {"unchanged",  "moved", "moved and turned", "turned",
                                              "recoloured", "added", "removed",          "uncertain"};
 
-/// A thing that is visible in a frame: the box of its visible points, map frame.
+/// An object that is visible in a frame: the box of its visible points, map frame.
 struct TrueObject {
   std::string name;
   Vector3d centre = Vector3d::Zero();
@@ -32,10 +32,10 @@ struct TrueTransition {
 
 struct Truth {
   std::map<int64_t, std::vector<TrueObject>> visible;  ///< by frame index
-  /// Things that are there but hardly visible: whether they are found does not count.
+  /// Objects that are there but hardly visible: whether they are found does not count.
   std::map<int64_t, std::vector<TrueObject>> barely;
   std::vector<TrueTransition> transitions;
-  /// Frame by frame all things of the world, seen or not, and how often each had been handled by then.
+  /// Frame by frame all objects of the world, seen or not, and how often each had been handled by then.
   std::map<int64_t, std::map<std::string, int>> handled;
 };
 

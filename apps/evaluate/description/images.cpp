@@ -22,35 +22,36 @@ std::vector<perception::LabelledThing> described(const std::filesystem::path& fo
                                                  const std::vector<std::string>& features, int threads) {
   const CsvTable table = CsvTable::read(folder / "labels.csv");
   const size_t file = table.require_column("file"), name = table.require_column("class_name");
-  std::vector<perception::LabelledThing> things(table.rows());
-  parallel_for(things.size(), threads, [&](size_t begin, size_t end) {
+  std::vector<perception::LabelledThing> samples(table.rows());
+  parallel_for(samples.size(), threads, [&](size_t begin, size_t end) {
     for (size_t row = begin; row < end; ++row) {
       perception::ThingView view;
       view.image = mapping::read_color(folder / table.cell(row, file));
       perception::ThingFeatures of = thing_features(features, view);
-      things[row] = {table.cell(row, name), std::move(of.features), std::move(of.local)};
+      samples[row] = {table.cell(row, name), std::move(of.features), std::move(of.local)};
     }
   });
-  return things;
+  return samples;
 }
 
-/// Which part each thing belongs to: each class spread evenly; classes of too few things are left out.
-std::vector<int> parts_of(std::vector<perception::LabelledThing>& things, int parts) {
+/// Which part each object belongs to: each class spread evenly; classes of too few objects are left out.
+std::vector<int> parts_of(std::vector<perception::LabelledThing>& samples, int parts) {
   std::map<std::string, int> count;
-  for (const perception::LabelledThing& thing : things) ++count[thing.label];
-  std::erase_if(things,
-                [&](const perception::LabelledThing& thing) { return count[thing.label] < kFolds * parts; });
+  for (const perception::LabelledThing& sample : samples) ++count[sample.label];
+  std::erase_if(
+      samples, [&](const perception::LabelledThing& sample) { return count[sample.label] < kFolds * parts; });
   std::map<std::string, int> seen;
   std::vector<int> part;
-  for (const perception::LabelledThing& thing : things) part.push_back(seen[thing.label]++ % parts);
+  for (const perception::LabelledThing& sample : samples) part.push_back(seen[sample.label]++ % parts);
   return part;
 }
 
-void test(const perception::Ensemble& model, const perception::LabelledThing& thing, ImagesResult::Row& row) {
-  ++row.things;
-  const auto truth = std::find(model.classes().begin(), model.classes().end(), thing.label);
-  if (!model.knows_enough(thing.features, thing.local) || truth == model.classes().end()) return;
-  const perception::Classification result = model.classify(thing.features, thing.local);
+void test(const perception::Ensemble& model, const perception::LabelledThing& sample,
+          ImagesResult::Row& row) {
+  ++row.samples;
+  const auto truth = std::find(model.classes().begin(), model.classes().end(), sample.label);
+  if (!model.knows_enough(sample.features, sample.local) || truth == model.classes().end()) return;
+  const perception::Classification result = model.classify(sample.features, sample.local);
   const auto number = static_cast<size_t>(truth - model.classes().begin());
   row.right += result.best == number;
   row.log_loss -= std::log(std::max(result.probabilities[number], 1e-9));
@@ -76,11 +77,11 @@ ImagesResult evaluate_images(const std::filesystem::path& folder, const ImagesOp
   }
   groups.push_back(all);
   progress.check(0, "features");
-  std::vector<perception::LabelledThing> things = described(folder, features, threads);
-  const std::vector<int> part = parts_of(things, options.parts);
+  std::vector<perception::LabelledThing> samples = described(folder, features, threads);
+  const std::vector<int> part = parts_of(samples, options.parts);
   ImagesResult result;
   std::set<std::string> classes;
-  for (const perception::LabelledThing& thing : things) classes.insert(thing.label);
+  for (const perception::LabelledThing& sample : samples) classes.insert(sample.label);
   result.classes = classes.size();
   const Random random(static_cast<uint64_t>(options.seed));
   for (size_t g = 0; g < groups.size(); ++g) {
@@ -89,25 +90,25 @@ ImagesResult evaluate_images(const std::filesystem::path& folder, const ImagesOp
     for (int tested = 0; tested < options.parts; ++tested) {
       progress.check(0.2 + 0.8 * static_cast<double>(g) / static_cast<double>(groups.size()), row.name);
       std::vector<perception::LabelledThing> examples;
-      for (size_t i = 0; i < things.size(); ++i)
-        if (part[i] != tested) examples.push_back(things[i]);
+      for (size_t i = 0; i < samples.size(); ++i)
+        if (part[i] != tested) examples.push_back(samples[i]);
       NoProgress none;
       const perception::Ensemble model =
           perception::Ensemble::train(std::move(examples), groups[g], kFolds, random, threads, none);
-      for (size_t i = 0; i < things.size(); ++i)
-        if (part[i] == tested) test(model, things[i], row);
+      for (size_t i = 0; i < samples.size(); ++i)
+        if (part[i] == tested) test(model, samples[i], row);
     }
-    row.log_loss /= std::max(1, row.things);
+    row.log_loss /= std::max(1, row.samples);
   }
   return result;
 }
 
 std::string ImagesResult::text() const {
   std::string text = fmt::format("images: {} of {} classes, each tested by who has not learned it\n",
-                                 rows.empty() ? 0 : rows.front().things, classes);
+                                 rows.empty() ? 0 : rows.front().samples, classes);
   for (const Row& row : rows)
     text += fmt::format("  {:<28}{:>7.1f} %{:>11.3f} log loss\n", row.name,
-                        100.0 * row.right / std::max(1, row.things), row.log_loss);
+                        100.0 * row.right / std::max(1, row.samples), row.log_loss);
   return text;
 }
 
@@ -115,7 +116,7 @@ Json ImagesResult::to_json() const {
   Json json = {{"classes", classes}, {"experts", Json::array()}};
   for (const Row& row : rows)
     json["experts"].push_back(
-        {{"name", row.name}, {"right", row.right}, {"things", row.things}, {"log_loss", row.log_loss}});
+        {{"name", row.name}, {"right", row.right}, {"objects", row.samples}, {"log_loss", row.log_loss}});
   return json;
 }
 

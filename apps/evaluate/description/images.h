@@ -22,7 +22,7 @@ struct ImagesOptions {
 struct ImagesResult {
   struct Row {
     std::string name;
-    int right = 0, things = 0;
+    int right = 0, samples = 0;
     double log_loss = 0;  ///< mean of -log of the true class's probability
   };
   size_t classes = 0;

@@ -222,14 +222,14 @@ cv::Mat seen_through_window(const cv::Mat& depth, double focal_times_baseline, R
 struct Layout {
   mapping::RenderScene scene;
   Isometry3d map_from_camera;
-  std::vector<PrimitiveTruth> things;  ///< the objects 20, 30, ...
+  std::vector<PrimitiveTruth> samples;  ///< the objects 20, 30, ...
 };
 
-void add_things(Layout& layout, Random& draw) {
-  constexpr size_t kThings = 5;
+void add_objects(Layout& layout, Random& draw) {
+  constexpr size_t kObjects = 5;
   constexpr double kGap = 0.03;
   std::vector<std::pair<Vector2d, double>> taken;
-  for (int attempt = 0; attempt < 60 && taken.size() < kThings; ++attempt) {
+  for (int attempt = 0; attempt < 60 && taken.size() < kObjects; ++attempt) {
     const size_t kind = draw.index(kClasses.size());
     const Primitive primitive = primitive_of(kind, draw);
     const Vector2d at(draw.uniform(-0.3, 0.3), draw.uniform(-0.25, 0.25));
@@ -239,12 +239,12 @@ void add_things(Layout& layout, Random& draw) {
     const double turn = draw.uniform(0, 2 * kPi);
     if (!free) continue;
     taken.emplace_back(at, primitive.reach);
-    const auto put = [&](const Primitive& thing, size_t its_kind, double height, double yaw) {
+    const auto put = [&](const Primitive& sample, size_t its_kind, double height, double yaw) {
       Isometry3d pose(Eigen::Translation3d(at.x(), at.y(), height));
       pose.rotate(Eigen::AngleAxisd(yaw, Vector3d::UnitZ()));
-      layout.things.push_back({kClasses[its_kind], thing.shape, thing.exact});
-      layout.things.back().shape.frame_from_shape = pose * thing.shape.frame_from_shape;
-      layout.scene.add(fmt::format("thing_{}", layout.things.size()), thing.mesh, pose);
+      layout.samples.push_back({kClasses[its_kind], sample.shape, sample.exact});
+      layout.samples.back().shape.frame_from_shape = pose * sample.shape.frame_from_shape;
+      layout.scene.add(fmt::format("thing_{}", layout.samples.size()), sample.mesh, pose);
     };
     put(primitive, kind, 0, turn);
     const size_t other_kind = draw.index(kClasses.size() - 1);  // Spheres would roll.
@@ -256,7 +256,7 @@ void add_things(Layout& layout, Random& draw) {
 Layout layout_of(Random& draw) {
   Layout layout;
   layout.scene.add("table", block(1.6, 1.2, 0.04).mesh, Isometry3d(Eigen::Translation3d(0, 0, -0.04)));
-  add_things(layout, draw);
+  add_objects(layout, draw);
   const double elevation = draw.uniform(25, 65) * kPi / 180, side = draw.uniform(-0.4, 0.4);
   const Vector3d from(side, -std::cos(elevation), std::sin(elevation));
   layout.map_from_camera = mapping::looking_at(from.normalized() * draw.uniform(0.75, 1.4), Vector3d::Zero());
@@ -266,7 +266,7 @@ Layout layout_of(Random& draw) {
 struct Image {
   mapping::RgbdFrame frame;
   cv::Mat labels;
-  std::vector<PrimitiveTruth> things;  ///< the objects 20, 30, ...
+  std::vector<PrimitiveTruth> samples;  ///< the objects 20, 30, ...
 };
 
 class PrimitiveScenes : public mapping::Recording {
@@ -296,7 +296,7 @@ class PrimitiveScenes : public mapping::Recording {
     Random draw = random_.fork(number);
     const Layout layout = layout_of(draw);
     Image image;
-    image.things = layout.things;
+    image.samples = layout.samples;
     mapping::RgbdFrame& frame = image.frame;
     frame.camera = info_.camera;
     frame.index = static_cast<int64_t>(number);
@@ -337,9 +337,9 @@ perception::LabelledRecording primitive_scenes(size_t scenes, const Random& rand
   const PrimitiveScenes* images = recording.get();
   labelled.labels = [images](const std::string&) { return images->last().labels; };
   labelled.class_of = [images](const std::string&, int object) {
-    const std::vector<PrimitiveTruth>& things = images->last().things;
+    const std::vector<PrimitiveTruth>& samples = images->last().samples;
     const auto number = static_cast<size_t>(object / 10 - 2);
-    return number < things.size() ? things[number].label : std::string();
+    return number < samples.size() ? samples[number].label : std::string();
   };
   return labelled;
 }
@@ -347,9 +347,9 @@ perception::LabelledRecording primitive_scenes(size_t scenes, const Random& rand
 std::vector<PrimitiveTruth> primitive_truths(size_t scene, const Random& random) {
   Random draw = random.fork(scene);
   Layout layout = layout_of(draw);
-  for (PrimitiveTruth& thing : layout.things)
-    thing.shape.frame_from_shape = layout.map_from_camera.inverse() * thing.shape.frame_from_shape;
-  return layout.things;
+  for (PrimitiveTruth& sample : layout.samples)
+    sample.shape.frame_from_shape = layout.map_from_camera.inverse() * sample.shape.frame_from_shape;
+  return layout.samples;
 }
 
 }  // namespace loci::apps::description_evaluation

@@ -87,35 +87,35 @@ PrimitivesResult evaluate_primitives(size_t scenes, const Random& random, Progre
     ++result.kinds[name_of(truth.shape.kind)][found ? name_of(found->kind) : "nothing"];
     if (found && truth.exact && found->kind == truth.shape.kind) compare(truth.shape, *found, result);
   }
-  result.things = static_cast<int>(surfaces.found.size());
+  result.samples = static_cast<int>(surfaces.found.size());
   result.missed = static_cast<int>(surfaces.objects - surfaces.found.size());
-  result.milliseconds = 1000 * seconds / std::max(1, result.things);
+  result.milliseconds = 1000 * seconds / std::max(1, result.samples);
   return result;
 }
 
 std::string PrimitivesResult::text() const {
-  std::string text = fmt::format("primitive shapes: {} things ({} not found), {:.2f} ms each\n", things,
+  std::string text = fmt::format("primitive shapes: {} objects ({} not found), {:.2f} ms each\n", samples,
                                  missed, milliseconds);
   for (const auto& [truth, said] : kinds) {
     text += fmt::format("  {:10}", truth);
     for (const auto& [name, count] : said) text += fmt::format(" {:>4} {}", count, name);
     text += "\n";
   }
-  text += fmt::format("  {:32}{:>8}{:>12}{:>12}\n", "error (m)", "things", "median", "9 of 10");
+  text += fmt::format("  {:32}{:>8}{:>12}{:>12}\n", "error (m)", "objects", "median", "9 of 10");
   for (const auto& [name, of] : parameters)
     text += fmt::format("  {:32}{:>8}{:>12.4f}{:>12.4f}\n", name, of.errors.size(), of.median(), of.at(0.9));
   return text;
 }
 
 Json PrimitivesResult::to_json() const {
-  Json json = {{"things", things},
+  Json json = {{"objects", samples},
                {"missed", missed},
                {"milliseconds", milliseconds},
                {"kinds", kinds},
                {"parameters", Json::object()}};
   for (const auto& [name, of] : parameters)
     json["parameters"][name] = {
-        {"things", of.errors.size()}, {"median", of.median()}, {"nine_of_ten", of.at(0.9)}};
+        {"objects", of.errors.size()}, {"median", of.median()}, {"nine_of_ten", of.at(0.9)}};
   return json;
 }
 

@@ -10,7 +10,7 @@
 
 namespace loci::apps::description_evaluation {
 
-/// Errors of one number over many things, m (angles: degrees).
+/// Errors of one number over many objects, m (angles: degrees).
 struct ParameterErrors {
   std::vector<double> errors;  ///< absolute
   double median() const;
@@ -19,12 +19,12 @@ struct ParameterErrors {
 
 /// How well primitive shapes and their numbers are found.
 struct PrimitivesResult {
-  int things = 0, missed = 0;
+  int samples = 0, missed = 0;
   std::map<std::string, std::map<std::string, int>> kinds;  ///< by what is there and what was said
-  /// "cylinder radius", "box longest edge", ...: of things of which the kind was right and that the numbers
+  /// "cylinder radius", "box longest edge", ...: of objects of which the kind was right and that the numbers
   /// describe altogether.
   std::map<std::string, ParameterErrors> parameters;
-  double milliseconds = 0;  ///< a thing, on average
+  double milliseconds = 0;  ///< an object, on average
 
   std::string text() const;
   Json to_json() const;

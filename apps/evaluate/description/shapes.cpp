@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 
 struct TestSet {
   std::string name;
-  std::vector<perception::LabelledThing> things;
-  std::vector<std::string> frames;  ///< of each thing
+  std::vector<perception::LabelledThing> samples;
+  std::vector<std::string> frames;  ///< of each object
   int missed = 0;
 };
 
@@ -63,7 +63,7 @@ TestSet described(const std::string& name, const perception::LabelledRecording& 
   parallel_for(surfaces.found.size(), threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       perception::ThingFeatures of = thing_features(features, surfaces.found[i].view);
-      set.things[i] = {surfaces.found[i].label, std::move(of.features), std::move(of.local)};
+      set.samples[i] = {surfaces.found[i].label, std::move(of.features), std::move(of.local)};
     }
   });
   return set;
@@ -74,20 +74,20 @@ Confusion confusion_of(const perception::Ensemble& model, const TestSet& set) {
   const size_t classes = model.classes().size();
   confusion.counts.assign(classes, std::vector<int>(classes, 0));
   int count = 0;
-  for (size_t i = 0; i < set.things.size(); ++i) {
-    const perception::LabelledThing& thing = set.things[i];
-    const bool complete = model.knows_enough(thing.features, thing.local);
-    const auto truth = std::find(confusion.classes.begin(), confusion.classes.end(), thing.label);
+  for (size_t i = 0; i < set.samples.size(); ++i) {
+    const perception::LabelledThing& sample = set.samples[i];
+    const bool complete = model.knows_enough(sample.features, sample.local);
+    const auto truth = std::find(confusion.classes.begin(), confusion.classes.end(), sample.label);
     if (!complete || truth == confusion.classes.end()) {
       ++confusion.missed;
       continue;
     }
     const auto row = static_cast<size_t>(truth - confusion.classes.begin());
-    const perception::Classification result = model.classify(thing.features, thing.local);
+    const perception::Classification result = model.classify(sample.features, sample.local);
     ++confusion.counts[row][result.best];
     confusion.log_loss -= std::log(std::max(result.probabilities[row], 1e-9));
     if (result.best != row)
-      confusion.mistakes.push_back(fmt::format("{}: {} taken for {} ({:.2f})", set.frames[i], thing.label,
+      confusion.mistakes.push_back(fmt::format("{}: {} taken for {} ({:.2f})", set.frames[i], sample.label,
                                                model.classes()[result.best],
                                                result.probabilities[result.best]));
     ++count;
@@ -156,13 +156,13 @@ ShapesResult evaluate_shapes(const std::vector<std::string>& folders, const Shap
     sets.push_back(described(fs::path(folder).lexically_normal().filename().string(), by_category(folder),
                              features, threads, real, warnings));
   ShapesResult result;
-  result.trained_on = train.things.size();
+  result.trained_on = train.samples.size();
   for (const TestSet& set : sets) result.test_sets.push_back(set.name);
   PartialProgress learning(progress, 0.7, 1);
   const auto judge = [&](const std::string& name, const std::vector<perception::ExpertSpec>& together) {
     NoProgress none;
     const perception::Ensemble model =
-        perception::Ensemble::train(train.things, together, options.folds, random.fork(2), threads, none);
+        perception::Ensemble::train(train.samples, together, options.folds, random.fork(2), threads, none);
     ShapesResult::Row& row = result.rows.emplace_back();
     row.name = name;
     for (const TestSet& set : sets) row.by_test_set.push_back(confusion_of(model, set));

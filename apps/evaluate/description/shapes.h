@@ -21,7 +21,7 @@ struct ShapesOptions {
   void declare(OptionTable& table);
 };
 
-/// How things of each class (rows) were classified (columns).
+/// How objects of each class (rows) were classified (columns).
 struct Confusion {
   std::vector<std::string> classes;
   std::vector<std::vector<int>> counts;

@@ -13,12 +13,12 @@
 namespace loci::apps::description_evaluation {
 namespace {
 
-constexpr double kSameThing = 0.4;
+constexpr double kSameObject = 0.4;
 
 void judge(const perception::TemplateMatch& match, const std::vector<perception::LabelledPart>& parts,
            const std::string& frame, TemplatesResult& result) {
   const perception::LabelledPart* best = nullptr;
-  double most = kSameThing;
+  double most = kSameObject;
   for (const perception::LabelledPart& part : parts) {
     const cv::Rect box = cv::boundingRect(part.mask);
     const double both = (box & match.region).area();
@@ -31,7 +31,7 @@ void judge(const perception::TemplateMatch& match, const std::vector<perception:
   ++(right ? result.right : result.wrong);
   if (!right)
     result.mistakes.push_back(fmt::format("{}: {} ({:.2f}) where there is {}", frame, match.name,
-                                          match.similarity, best ? best->label : "no such thing"));
+                                          match.similarity, best ? best->label : "no such object"));
 }
 
 }  // namespace
@@ -54,7 +54,7 @@ TemplatesResult evaluate_templates(const std::filesystem::path& folder, Progress
                      "templates");
       const mapping::RgbdFrame frame = labelled.recording->frame(i);
       const std::vector<perception::LabelledPart> parts = labelled_parts(labelled, frame.name);
-      for (const perception::LabelledPart& part : parts) result.things += known.contains(part.label);
+      for (const perception::LabelledPart& part : parts) result.samples += known.contains(part.label);
       const Stopwatch watch;
       const std::vector<perception::TemplateMatch> matches = detector.detect(frame.color, frame.depth, {});
       result.seconds += watch.seconds();
@@ -68,16 +68,16 @@ TemplatesResult evaluate_templates(const std::filesystem::path& folder, Progress
 
 std::string TemplatesResult::text() const {
   std::string text = fmt::format(
-      "templates: {} of {} things found in {} images, {} wrong matches; {} templates in both halves, "
+      "templates: {} of {} objects found in {} images, {} wrong matches; {} templates in both halves, "
       "{:.2f} s a "
       "image\n",
-      right, things, images, wrong, templates, seconds);
+      right, samples, images, wrong, templates, seconds);
   for (const std::string& mistake : mistakes) text += "  " + mistake + "\n";
   return text;
 }
 
 Json TemplatesResult::to_json() const {
-  return {{"images", images}, {"templates", templates}, {"things", things},    {"right", right},
+  return {{"images", images}, {"templates", templates}, {"objects", samples},  {"right", right},
           {"wrong", wrong},   {"seconds", seconds},     {"mistakes", mistakes}};
 }
 

@@ -49,7 +49,7 @@ class Mislocated : public mapping::Recording {
 
 /// What was found in a frame.
 struct Found {
-  cv::Mat things;  ///< CV_8U: not 0 where a cluster is
+  cv::Mat objects;  ///< CV_8U: not 0 where a cluster is
   std::vector<std::vector<int32_t>> clusters;
   std::optional<Isometry3d> map_from_camera;
 };
@@ -74,12 +74,12 @@ std::vector<Found> run(const std::shared_ptr<mapping::Recording>& recording,
     const perception::types::SceneCas scene(cas);
     const mapping::PinholeCamera& camera = recording->info().camera.depth;
     Found& frame = found.emplace_back();
-    frame.things = cv::Mat::zeros(camera.height, camera.width, CV_8U);
+    frame.objects = cv::Mat::zeros(camera.height, camera.width, CV_8U);
     for (const perception::types::Cluster& cluster : scene.scene().clusters) {
       auto& pixels = frame.clusters.emplace_back();
       for (const int32_t pixel : perception::cluster_indices(cluster)) {
         pixels.push_back(pixel);
-        frame.things.ptr<uint8_t>()[pixel] = 1;
+        frame.objects.ptr<uint8_t>()[pixel] = 1;
       }
     }
     if (scene.scene().map_from_camera.is_set())
@@ -92,11 +92,11 @@ std::vector<Found> run(const std::shared_ptr<mapping::Recording>& recording,
   return found;
 }
 
-/// How many clusters of one run have less than half of their pixels on things of the other.
-size_t uncovered(const Found& clusters, const Found& things) {
+/// How many clusters of one run have less than half of their pixels on objects of the other.
+size_t uncovered(const Found& clusters, const Found& objects) {
   return static_cast<size_t>(std::ranges::count_if(clusters.clusters, [&](const auto& pixels) {
     const auto on = std::ranges::count_if(
-        pixels, [&](int32_t pixel) { return things.things.template ptr<uint8_t>()[pixel] != 0; });
+        pixels, [&](int32_t pixel) { return objects.objects.template ptr<uint8_t>()[pixel] != 0; });
     return 2 * on < static_cast<ptrdiff_t>(pixels.size());
   }));
 }

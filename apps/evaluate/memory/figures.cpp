@@ -131,7 +131,7 @@ class Writer {
     std::vector<JudgedSighting> scene;
     for (size_t k = 0; k < update.observations.size(); ++k) {
       const memory::belief::ObservationOutcome& outcome = update.observations[k];
-      const TrueThing& truth = home_.seen()[k];
+      const TrueObject& truth = home_.seen()[k];
       scene.push_back({truth.number, truth.event, outcome.object,
                        outcome.explanation == memory::Explanation::appear,
                        outcome.explanation == memory::Explanation::move});
@@ -326,11 +326,11 @@ void MemoryOptions::declare(OptionTable& table) {
   table.integer("questions", questions, "", "Questions of each kind.", 10, 100000);
   table.integer("kills", kills, "", "Random moments at which a writer is killed.", 0, 10000);
   table.integer("places", home.places, "", "Tables that are looked at one after the other.", 1, 1000);
-  table.integer("objects", home.objects, "", "Things in the home at any time.", 1, 10000);
-  table.number("moves", home.moves, "", "Things put elsewhere per scene.", 0, 1);
-  table.number("exchanges", home.exchanges, "", "Things that leave for good and are replaced per scene.", 0,
+  table.integer("objects", home.objects, "", "Objects in the home at any time.", 1, 10000);
+  table.number("moves", home.moves, "", "Objects put elsewhere per scene.", 0, 1);
+  table.number("exchanges", home.exchanges, "", "Objects that leave for good and are replaced per scene.", 0,
                1);
-  table.number("detection", home.detection, "", "Probability that a thing in view is detected.", 0.1, 1);
+  table.number("detection", home.detection, "", "Probability that an object in view is detected.", 0.1, 1);
   table.number("clutter", home.clutter, "", "False detections per scene.", 0, 1);
   table.number("noise_m", home.noise_m, "m", "Noise of positions per axis.", 0.0001, 0.1);
 }

@@ -31,8 +31,8 @@ Isometry3d camera_at(int place) {
 Home::Home(const HomeOptions& options, int seed)
     : options_(options), random_(static_cast<uint64_t>(seed)), time_(kBegin) {
   for (int i = 0; i < options.objects; ++i) {
-    things_.push_back(new_thing());
-    put(things_.back(), i % options.places);
+    objects_.push_back(new_object());
+    put(objects_.back(), i % options.places);
   }
 }
 
@@ -46,36 +46,36 @@ const std::vector<std::string>& Home::classes() {
   return names;
 }
 
-Home::Thing Home::new_thing() {
-  Thing thing;
-  thing.number = numbers_++;
-  thing.class_name = classes()[random_.index(classes().size())];
-  thing.size = {random_.uniform(0.05, 0.14), random_.uniform(0.05, 0.14), random_.uniform(0.05, 0.25)};
-  thing.color = {random_.uniform(0, 360), random_.uniform(0.3, 1), random_.uniform(0.3, 1)};
+Home::Object Home::new_object() {
+  Object object;
+  object.number = numbers_++;
+  object.class_name = classes()[random_.index(classes().size())];
+  object.size = {random_.uniform(0.05, 0.14), random_.uniform(0.05, 0.14), random_.uniform(0.05, 0.25)};
+  object.color = {random_.uniform(0, 360), random_.uniform(0.3, 1), random_.uniform(0.3, 1)};
   if (random_.uniform() < 0.3)
-    thing.text = kWords[random_.index(kWords.size())] + " " + kGoods[random_.index(kGoods.size())];
-  return thing;
+    object.text = kWords[random_.index(kWords.size())] + " " + kGoods[random_.index(kGoods.size())];
+  return object;
 }
 
-void Home::put(Thing& thing, int place) {
+void Home::put(Object& object, int place) {
   constexpr int kTries = 50;
-  thing.place = place;
+  object.place = place;
   for (int i = 0; i < kTries; ++i) {
-    thing.position = centre_of(place) + Vector3d(random_.uniform(-kTableLength_m / 2, kTableLength_m / 2),
-                                                 random_.uniform(-kTableWidth_m / 2, kTableWidth_m / 2),
-                                                 thing.size.z() / 2);
-    const bool free = std::none_of(things_.begin(), things_.end(), [&](const Thing& other) {
-      const Vector3d apart = (other.position - thing.position).cwiseAbs();
-      return &other != &thing && apart.x() < 0.15 && apart.y() < 0.15;
+    object.position = centre_of(place) + Vector3d(random_.uniform(-kTableLength_m / 2, kTableLength_m / 2),
+                                                  random_.uniform(-kTableWidth_m / 2, kTableWidth_m / 2),
+                                                  object.size.z() / 2);
+    const bool free = std::none_of(objects_.begin(), objects_.end(), [&](const Object& other) {
+      const Vector3d apart = (other.position - object.position).cwiseAbs();
+      return &other != &object && apart.x() < 0.15 && apart.y() < 0.15;
     });
     if (free) return;
   }
 }
 
-memory::Detection Home::detect(const Thing& thing) {
+memory::Detection Home::detect(const Object& object) {
   memory::Detection detection;
-  detection.position = thing.position;
-  Vector3d size = thing.size, color = thing.color;
+  detection.position = object.position;
+  Vector3d size = object.size, color = object.color;
   for (int axis = 0; axis < 3; ++axis) {
     detection.position[axis] += random_.normal(options_.noise_m);
     size[axis] *= 1 + random_.normal(0.03);
@@ -85,16 +85,16 @@ memory::Detection Home::detect(const Thing& thing) {
   detection.size = size;
   detection.color = color;
   detection.position_sigma = options_.noise_m;
-  detection.classes = {{thing.class_name, 0.9}};
-  if (!thing.text.empty()) detection.texts = {thing.text};
-  detection.place = place_name(thing.place);
+  detection.classes = {{object.class_name, 0.9}};
+  if (!object.text.empty()) detection.texts = {object.text};
+  detection.place = place_name(object.place);
   return detection;
 }
 
-TrueEvent Home::event_of(const Thing& thing) {
-  if (!thing.seen_on) return TrueEvent::fresh;
-  if (*thing.seen_on != thing.place) return TrueEvent::moved_elsewhere;
-  return thing.moved ? TrueEvent::moved_here : TrueEvent::stayed;
+TrueEvent Home::event_of(const Object& object) {
+  if (!object.seen_on) return TrueEvent::fresh;
+  if (*object.seen_on != object.place) return TrueEvent::moved_elsewhere;
+  return object.moved ? TrueEvent::moved_here : TrueEvent::stayed;
 }
 
 memory::DetectedScene Home::look() {
@@ -102,14 +102,14 @@ memory::DetectedScene Home::look() {
   const auto places = static_cast<uint64_t>(options_.places);
   if (random_.uniform() < options_.moves) {
     const auto to = static_cast<int>(random_.index(places));
-    Thing& thing = things_[random_.index(things_.size())];
-    put(thing, to);
-    thing.moved = true;
+    Object& object = objects_[random_.index(objects_.size())];
+    put(object, to);
+    object.moved = true;
   }
   if (random_.uniform() < options_.exchanges) {
-    Thing& thing = things_[random_.index(things_.size())];
-    thing = new_thing();
-    put(thing, static_cast<int>(random_.index(places)));
+    Object& object = objects_[random_.index(objects_.size())];
+    object = new_object();
+    put(object, static_cast<int>(random_.index(places)));
   }
   const int place = scenes_++ % options_.places;
   memory::DetectedScene scene;
@@ -118,15 +118,15 @@ memory::DetectedScene Home::look() {
       camera_at(place), mapping::PinholeCamera{640, 480, 525, 525, 320, 240}, {}, {}};
   scene.observed = {{place_name(place), 1.0}};
   seen_.clear();
-  for (Thing& thing : things_) {
-    if (thing.place != place || random_.uniform() >= options_.detection) continue;
-    scene.detections.push_back(detect(thing));
-    seen_.push_back({thing.number, event_of(thing)});
-    thing.seen_on = place;
-    thing.moved = false;
+  for (Object& object : objects_) {
+    if (object.place != place || random_.uniform() >= options_.detection) continue;
+    scene.detections.push_back(detect(object));
+    seen_.push_back({object.number, event_of(object)});
+    object.seen_on = place;
+    object.moved = false;
   }
   if (random_.uniform() < options_.clutter) {
-    Thing ghost = new_thing();
+    Object ghost = new_object();
     put(ghost, place);
     scene.detections.push_back(detect(ghost));
     seen_.emplace_back();

@@ -22,12 +22,12 @@ struct HomeOptions {
 };
 
 /// What a detection is of, which only evaluation may know.
-struct TrueThing {
+struct TrueObject {
   int number = -1;  ///< -1 = false detection
   TrueEvent event = TrueEvent::ghost;
 };
 
-/// A home of tables with things on them, and a robot that looks at one table after the other: what its
+/// A home of tables with objects on them, and a robot that looks at one table after the other: what its
 /// detector finds there, without images.
 class Home {
  public:
@@ -36,14 +36,14 @@ class Home {
   /// Half a minute later, at the next table.
   memory::DetectedScene look();
   /// Of what the detections of the last look are.
-  const std::vector<TrueThing>& seen() const { return seen_; }
+  const std::vector<TrueObject>& seen() const { return seen_; }
 
   static std::string place_name(int place);
   static const std::vector<std::string>& classes();
   TimeNs time() const { return time_; }
 
  private:
-  struct Thing {
+  struct Object {
     int place = 0;
     Vector3d position = Vector3d::Zero(), size = Vector3d::Zero(), color = Vector3d::Zero();
     std::string class_name, text;
@@ -51,16 +51,16 @@ class Home {
     std::optional<int> seen_on;  ///< the place where it was seen last
     bool moved = false;          ///< since then
   };
-  Thing new_thing();
-  void put(Thing& thing, int place);
-  memory::Detection detect(const Thing& thing);
-  static TrueEvent event_of(const Thing& thing);
+  Object new_object();
+  void put(Object& object, int place);
+  memory::Detection detect(const Object& object);
+  static TrueEvent event_of(const Object& object);
 
   HomeOptions options_;
   Random random_;
-  std::vector<Thing> things_;
+  std::vector<Object> objects_;
   TimeNs time_;
-  std::vector<TrueThing> seen_;
+  std::vector<TrueObject> seen_;
   int scenes_ = 0, numbers_ = 0;
 };
 

@@ -29,7 +29,7 @@ Isometry3d between(const mapping::Scan& target, const mapping::Scan& source) {
   return target.map_from_scan.inverse() * source.map_from_scan;
 }
 
-/// The floor is a thin box so that it is seen from above as any other thing.
+/// The floor is a thin box so that it is seen from above as any other object.
 mapping::TriangleMesh floor_of(const Eigen::AlignedBox3d& bounds) {
   mapping::TriangleMesh mesh;
   const Eigen::Vector3f a = bounds.min().cast<float>(), b = bounds.max().cast<float>();

@@ -22,7 +22,7 @@ struct FlatComparisonOptions {
   void declare(OptionTable& table);
 };
 
-/// One way to find flat things: the scores at each distance.
+/// One way to find flat objects: the scores at each distance.
 struct FlatMethod {
   std::string name;
   Scores all;

@@ -41,7 +41,7 @@ std::unique_ptr<Peer> pcl_euclidean(const PeerOptions& options);
 
 /// SupervoxelClustering and LCCPSegmentation of the whole image; segments that lie in the largest plane for
 /// the most part are the table. With `above_plane` only what is above that plane is segmented. Extended
-/// convexity and the sanity criterion keep things apart from the table, and without one only tear them: each
+/// convexity and the sanity criterion keep objects apart from the table, and without one only tear them: each
 /// way as it does best.
 std::unique_ptr<Peer> pcl_lccp(const PeerOptions& options, bool above_plane);
 

@@ -130,35 +130,35 @@ constexpr double kMinOverlap = 0.5;
 constexpr int kVisiblePixels = 150;  ///< fewer are not asked for
 constexpr double kVisibleShare = 0.3;
 
-/// A thing as it stands in a scene.
-struct TrueThing {
-  const HouseholdThing* thing = nullptr;
+/// An object as it stands in a scene.
+struct TrueObject {
+  const HouseholdObject* true_object = nullptr;
   Isometry3d object_from_map = Isometry3d::Identity();
   Eigen::AlignedBox3d box;  ///< in its own frame
   double pixels = 0;
   bool visible = false;
 };
 
-using Truth = std::map<int64_t, std::vector<TrueThing>>;
+using Truth = std::map<int64_t, std::vector<TrueObject>>;
 
-Truth read_truth(const std::filesystem::path& file, const std::vector<HouseholdThing>& things) {
-  std::map<std::string, std::pair<const HouseholdThing*, Eigen::AlignedBox3d>> by_name;
-  for (const HouseholdThing& thing : things) {
-    const mapping::ObjectModel model = build_object(thing.spec);
-    by_name[thing.spec.name] = {&thing, {model.low, model.high}};
+Truth read_truth(const std::filesystem::path& file, const std::vector<HouseholdObject>& true_objects) {
+  std::map<std::string, std::pair<const HouseholdObject*, Eigen::AlignedBox3d>> by_name;
+  for (const HouseholdObject& true_object : true_objects) {
+    const mapping::ObjectModel model = build_object(true_object.spec);
+    by_name[true_object.spec.name] = {&true_object, {model.low, model.high}};
   }
   Truth truth;
   std::istringstream lines(read_file(file));
   for (std::string line; std::getline(lines, line);) {
     const Json frame = Json::parse(line);
-    std::vector<TrueThing>& there = truth[frame.at("frame").get<int64_t>()];
+    std::vector<TrueObject>& there = truth[frame.at("frame").get<int64_t>()];
     for (const Json& object : frame.at("objects")) {
-      const auto& [thing, box] = by_name.at(object.at("id").get<std::string>());
+      const auto& [true_object, box] = by_name.at(object.at("id").get<std::string>());
       const double pixels = object.at("pixels").get<double>();
       const Json& share = object.at("visible");
-      there.push_back({thing, pose_from_values(object.at("pose").get<std::array<double, 7>>()).inverse(), box,
-                       pixels,
-                       pixels >= kVisiblePixels && !share.is_null() && share.get<double>() >= kVisibleShare});
+      there.push_back(
+          {true_object, pose_from_values(object.at("pose").get<std::array<double, 7>>()).inverse(), box,
+           pixels, pixels >= kVisiblePixels && !share.is_null() && share.get<double>() >= kVisibleShare});
     }
   }
   return truth;
@@ -216,31 +216,32 @@ class Tally {
  private:
   void compare(const perception::types::SceneCas& scene,
                const std::vector<perception::types::Cluster>& clusters) {
-    const std::vector<TrueThing>& things = truth_.at(scene.scene().frame_index.get());
-    std::vector<bool> found(things.size(), false);
+    const std::vector<TrueObject>& true_objects = truth_.at(scene.scene().frame_index.get());
+    std::vector<bool> found(true_objects.size(), false);
     for (const perception::types::Cluster& cluster : clusters) {
       const std::vector<Vector3d> points = perception::cluster_points(scene, cluster);
-      std::vector<double> inside(things.size(), 0);
+      std::vector<double> inside(true_objects.size(), 0);
       for (const Vector3d& point : points)
-        for (size_t i = 0; i < things.size(); ++i)
-          inside[i] += things[i].box.exteriorDistance(Vector3d(things[i].object_from_map * point)) <= kMargin;
+        for (size_t i = 0; i < true_objects.size(); ++i)
+          inside[i] += true_objects[i].box.exteriorDistance(
+                           Vector3d(true_objects[i].object_from_map * point)) <= kMargin;
       const auto best =
           static_cast<size_t>(std::distance(inside.begin(), std::max_element(inside.begin(), inside.end())));
-      if (things.empty() || inside[best] < 0.5 * static_cast<double>(points.size())) {
+      if (true_objects.empty() || inside[best] < 0.5 * static_cast<double>(points.size())) {
         ++result_.false_clusters;
         continue;
       }
-      const TrueThing& thing = things[best];
-      if (!thing.visible) continue;  // Whether it is found does not count.
-      ++result_.kinds[thing.thing->kind].clusters;
-      const double common = std::min(inside[best], thing.pixels);
-      const double both = static_cast<double>(points.size()) + thing.pixels - common;
+      const TrueObject& true_object = true_objects[best];
+      if (!true_object.visible) continue;  // Whether it is found does not count.
+      ++result_.kinds[true_object.true_object->kind].clusters;
+      const double common = std::min(inside[best], true_object.pixels);
+      const double both = static_cast<double>(points.size()) + true_object.pixels - common;
       if (common >= kMinOverlap * both) found[best] = true;
     }
-    for (size_t i = 0; i < things.size(); ++i) {
-      KindScore& kind = result_.kinds[things[i].thing->kind];
-      kind.flat = things[i].thing->flat;
-      kind.there += things[i].visible ? 1 : 0;
+    for (size_t i = 0; i < true_objects.size(); ++i) {
+      KindScore& kind = result_.kinds[true_objects[i].true_object->kind];
+      kind.flat = true_objects[i].true_object->flat;
+      kind.there += true_objects[i].visible ? 1 : 0;
       kind.found += found[i] ? 1 : 0;
     }
   }
@@ -335,8 +336,8 @@ SystemResult run_system(const SystemOptions& options, const std::filesystem::pat
                         Warnings& warnings) {
   SystemResult result;
   const Random random(static_cast<uint64_t>(options.seed));
-  const std::vector<HouseholdThing> things = household(options.map.parent_path() / "labels");
-  result.things = things.size();
+  const std::vector<HouseholdObject> true_objects = household(options.map.parent_path() / "labels");
+  result.true_objects = true_objects.size();
   const auto map = perception::KnownMap::load(options.map, {}, warnings);
   const std::vector<SceneCount> counts = scene_counts(options.scenes, random.fork(0));
   count_set_up(counts, result);
@@ -344,10 +345,10 @@ SystemResult run_system(const SystemOptions& options, const std::filesystem::pat
   mapping::RecordOptions recording;
   recording.seed = options.seed;
   recording.threads = options.threads;
-  record(household_scenario(*map, things, counts, random.fork(1)), folder / "recording", recording,
+  record(household_scenario(*map, true_objects, counts, random.fork(1)), folder / "recording", recording,
          simulating, warnings);
 
-  const Truth truth = read_truth(folder / "recording" / "truth.jsonl", things);
+  const Truth truth = read_truth(folder / "recording" / "truth.jsonl", true_objects);
   const std::shared_ptr<mapping::Recording> opened = mapping::open_recording(folder / "recording");
   perception::AnnotatorRegistry registry;
   add_annotators(registry);

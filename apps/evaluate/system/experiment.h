@@ -41,7 +41,7 @@ struct TypeCount {
 
 struct SystemResult {
   size_t scenes = 0;
-  size_t things = 0;                                  ///< different ones that were set up
+  size_t true_objects = 0;                            ///< different ones that were set up
   size_t objects = 0;                                 ///< that the memory knows in the end
   size_t clusters = 0;                                ///< all observations
   size_t false_clusters = 0;                          ///< of no object

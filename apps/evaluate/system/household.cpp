@@ -11,7 +11,7 @@
 namespace loci::apps::system_evaluation {
 namespace {
 
-constexpr double kGap = 0.02;        ///< between two things, metres
+constexpr double kGap = 0.02;        ///< between two objects, metres
 constexpr double kHalfReach = 0.45;  ///< along the counter that one look shows
 constexpr double kEdge = 0.04;       ///< kept free at the counter's edges
 
@@ -68,7 +68,7 @@ std::vector<Counter> counters_of(const perception::KnownMap& map) {
     counters.push_back(counter);
   }
   if (counters.empty())
-    throw Error("the map has no counter to set things up on", {map.path.string(), 0, {}},
+    throw Error("the map has no counter to set objects up on", {map.path.string(), 0, {}},
                 "a link named counter_1");
   return counters;
 }
@@ -87,7 +87,7 @@ bool free_of(const cv::RotatedRect& one, const std::vector<cv::RotatedRect>& oth
   });
 }
 
-/// Sets things up on a part of a counter.
+/// Sets objects up on a part of a counter.
 class Setter {
  public:
   Setter(const Counter& counter, Random& random) : counter_(counter), random_(random) {
@@ -96,13 +96,13 @@ class Setter {
   }
 
   /// Nothing when no place was found.
-  std::optional<mapping::Action> place(const HouseholdThing& thing, const Vector2d& size) {
-    // A package's front looks at who stands before the counter, more or less; flat things lie anyhow.
+  std::optional<mapping::Action> place(const HouseholdObject& true_object, const Vector2d& size) {
+    // A package's front looks at who stands before the counter, more or less; flat objects lie anyhow.
     const Vector2d out = counter_.at(0, 1);
     const double facing = std::atan2(out.x(), -out.y());
     const double half_along = std::min(kHalfReach, counter_.half[counter_.along]);
     for (int attempt = 0; attempt < 400; ++attempt) {
-      const double yaw = facing + random_.uniform(-1, 1) * (thing.flat ? kPi : 0.7);
+      const double yaw = facing + random_.uniform(-1, 1) * (true_object.flat ? kPi : 0.7);
       const double radius = size.norm() / 2;
       const double along = centre_ + random_.uniform(-1, 1) * std::max(0.0, half_along - radius);
       const double room = std::max(0.0, counter_.half[1 - counter_.along] - kEdge - radius);
@@ -111,7 +111,7 @@ class Setter {
       if (!free_of(covered, covered_)) continue;
       covered_.push_back(covered);
       mapping::Action action;
-      action.subject = thing.spec.name;
+      action.subject = true_object.spec.name;
       action.support = counter_.link;
       action.at = at;
       action.yaw = yaw;
@@ -139,44 +139,46 @@ class Setter {
   std::vector<cv::RotatedRect> covered_;
 };
 
-/// So many of the flat, or of the other, things.
-std::vector<size_t> drawn(const std::vector<HouseholdThing>& things, bool flat, int count, Random& random) {
+/// So many of the flat, or of the other, objects.
+std::vector<size_t> drawn(const std::vector<HouseholdObject>& true_objects, bool flat, int count,
+                          Random& random) {
   std::vector<size_t> left;
-  for (size_t i = 0; i < things.size(); ++i)
-    if (things[i].flat == flat) left.push_back(i);
+  for (size_t i = 0; i < true_objects.size(); ++i)
+    if (true_objects[i].flat == flat) left.push_back(i);
   for (size_t i = 0; i < left.size(); ++i) std::swap(left[i], left[i + random.index(left.size() - i)]);
   left.resize(std::min(left.size(), static_cast<size_t>(count)));
   return left;
 }
 
 /// Everything of a scene, anew until it fits.
-mapping::SceneSpec set_up(const Counter& counter, const std::vector<HouseholdThing>& things,
+mapping::SceneSpec set_up(const Counter& counter, const std::vector<HouseholdObject>& true_objects,
                           const std::vector<Vector2d>& sizes, const SceneCount& count, Random random) {
   for (int attempt = 0; attempt < 1000; ++attempt) {
-    std::vector<size_t> chosen = drawn(things, false, count.solid, random);
-    for (const size_t flat : drawn(things, true, count.flat, random)) chosen.push_back(flat);
+    std::vector<size_t> chosen = drawn(true_objects, false, count.solid, random);
+    for (const size_t flat : drawn(true_objects, true, count.flat, random)) chosen.push_back(flat);
     // The largest first, else nothing is left for them.
     std::stable_sort(chosen.begin(), chosen.end(),
                      [&](size_t a, size_t b) { return sizes[a].prod() > sizes[b].prod(); });
     Setter setter(counter, random);
     mapping::SceneSpec scene;
-    for (const size_t thing : chosen)
-      if (auto action = setter.place(things[thing], sizes[thing])) scene.actions.push_back(*action);
+    for (const size_t true_object : chosen)
+      if (auto action = setter.place(true_objects[true_object], sizes[true_object]))
+        scene.actions.push_back(*action);
     if (scene.actions.size() < chosen.size()) continue;
     scene.map_from_camera.push_back(setter.view());
     return scene;
   }
-  throw Error("the things of a scene do not fit on " + counter.link);
+  throw Error("the objects of a scene do not fit on " + counter.link);
 }
 
 }  // namespace
 
-std::vector<HouseholdThing> household(const std::filesystem::path& labels) {
+std::vector<HouseholdObject> household(const std::filesystem::path& labels) {
   const mapping::Rgba white(0.93F, 0.94F, 0.95F, 1), red(0.80F, 0.14F, 0.12F, 1),
       blue(0.20F, 0.45F, 0.80F, 1), yellow(0.93F, 0.75F, 0.14F, 1), green(0.16F, 0.45F, 0.24F, 1),
       steel(0.75F, 0.76F, 0.78F, 1), dark(0.16F, 0.17F, 0.20F, 1), wood(0.55F, 0.36F, 0.20F, 1),
       cream(0.92F, 0.86F, 0.70F, 1), orange(0.90F, 0.45F, 0.12F, 1);
-  std::vector<HouseholdThing> things = {
+  std::vector<HouseholdObject> true_objects = {
       {"mug", false, of_model("mug", red, red)},
       {"mug", false, of_model("mug", blue, white, "stripes")},
       {"mug", false, of_model("mug", white, white)},
@@ -206,33 +208,33 @@ std::vector<HouseholdThing> household(const std::filesystem::path& labels) {
       {"magazine", true, of_box({0.21, 0.28, 0.005}, blue, white)},
       {"chocolate", true, of_box({0.08, 0.17, 0.012}, mapping::Rgba(0.45F, 0.20F, 0.55F, 1), white)},
   };
-  for (size_t i = 0; i < things.size(); ++i) {
-    HouseholdThing& thing = things[i];
-    thing.spec.name = thing.kind + "_" + std::to_string(i + 1);
-    const std::filesystem::path label = labels / (thing.kind + ".png");
-    if (std::filesystem::exists(label)) thing.spec.label = label;
+  for (size_t i = 0; i < true_objects.size(); ++i) {
+    HouseholdObject& true_object = true_objects[i];
+    true_object.spec.name = true_object.kind + "_" + std::to_string(i + 1);
+    const std::filesystem::path label = labels / (true_object.kind + ".png");
+    if (std::filesystem::exists(label)) true_object.spec.label = label;
   }
-  return things;
+  return true_objects;
 }
 
 mapping::Scenario household_scenario(const perception::KnownMap& map,
-                                     const std::vector<HouseholdThing>& things,
+                                     const std::vector<HouseholdObject>& true_objects,
                                      const std::vector<SceneCount>& counts, const Random& random) {
   const std::vector<Counter> counters = counters_of(map);
   mapping::Scenario scenario;
   scenario.world = map.path;
   scenario.camera = mapping::kinect_camera();
   std::vector<Vector2d> sizes;
-  for (const HouseholdThing& thing : things) {
-    const mapping::ObjectModel model = build_object(thing.spec);
+  for (const HouseholdObject& true_object : true_objects) {
+    const mapping::ObjectModel model = build_object(true_object.spec);
     // Models are not always in the middle of their origin (a mug's handle): cover both sides.
     sizes.push_back(2 * model.low.cwiseAbs().cwiseMax(model.high.cwiseAbs()).head<2>());
-    scenario.objects[thing.spec.name] = thing.spec;
+    scenario.objects[true_object.spec.name] = true_object.spec;
   }
   constexpr TimeNs kStart = 1777881600 * kSecond;  // 2026-05-04T08:00:00Z
   std::vector<std::string> there;
   for (size_t i = 0; i < counts.size(); ++i) {
-    mapping::SceneSpec scene = set_up(counters[i % counters.size()], things, sizes, counts[i],
+    mapping::SceneSpec scene = set_up(counters[i % counters.size()], true_objects, sizes, counts[i],
                                       random.fork(static_cast<uint64_t>(i)));
     scene.time_ns = kStart + static_cast<TimeNs>(i) * 120 * kSecond;
     std::vector<mapping::Action> actions;

@@ -10,8 +10,8 @@
 
 namespace loci::apps::system_evaluation {
 
-/// A thing of the pool from which scenes are set up.
-struct HouseholdThing {
+/// An object of the pool from which scenes are set up.
+struct HouseholdObject {
   std::string kind;  ///< "mug", "book"
   bool flat = false;
   mapping::ObjectSpec spec;
@@ -19,13 +19,13 @@ struct HouseholdThing {
 
 /// Crockery, food, packages, cutlery, books: nothing transparent, as in §8.2. Images for labels are looked
 /// for in `labels`; a package whose image is not there is plain.
-std::vector<HouseholdThing> household(const std::filesystem::path& labels);
+std::vector<HouseholdObject> household(const std::filesystem::path& labels);
 
 /// Scenes as §8.2 has them: somebody clears one of the counters (links named counter…) and sets up so many
-/// things from the pool, no two touching, within what one look from before the counter shows. Counters take
+/// objects from the pool, no two touching, within what one look from before the counter shows. Counters take
 /// turns. Error when the map has no counter.
 mapping::Scenario household_scenario(const perception::KnownMap& map,
-                                     const std::vector<HouseholdThing>& things,
+                                     const std::vector<HouseholdObject>& true_objects,
                                      const std::vector<SceneCount>& counts, const Random& random);
 
 }  // namespace loci::apps::system_evaluation

@@ -111,7 +111,7 @@ std::string kinds_table(const SystemResult& result) {
   all.clusters += result.false_clusters;
   return text + score_line("all", all) +
          fmt::format("  clusters that are no object: {}; the memory holds {} objects, {} were used\n\n",
-                     result.false_clusters, result.objects, result.things);
+                     result.false_clusters, result.objects, result.true_objects);
 }
 
 std::string steps_table(const std::string& title, const std::vector<StepTime>& steps) {
@@ -177,7 +177,7 @@ Json json_of(const SystemResult& result) {
       {"scenes", result.scenes},
       {"clusters", result.clusters},
       {"false_clusters", result.false_clusters},
-      {"things", result.things},
+      {"objects", result.true_objects},
       {"objects", result.objects},
       {"table_8_1", {{"set", histogram_json(result.flat_set)}, {"found", histogram_json(result.flat_found)}}},
       {"table_8_2",

@@ -15,19 +15,20 @@ struct Table : testing::Test {
                          {0, 1, "bowl", "unchanged"}, {1, 2, "cup", "unchanged"}, {1, 2, "bowl", "removed"}};
   }
 
-  Vector3d where(int64_t frame, const std::string& thing) const {
-    return thing == "bowl" ? Vector3d(1, 1, 0.8) : Vector3d(frame == 0 ? 0.0 : 0.4, 0, 0.8);
+  Vector3d where(int64_t frame, const std::string& true_object) const {
+    return true_object == "bowl" ? Vector3d(1, 1, 0.8) : Vector3d(frame == 0 ? 0.0 : 0.4, 0, 0.8);
   }
 
   /// Observation 10 is the cup in frame 1, 11 the bowl, and so on.
-  void add(int64_t frame, const std::vector<std::string>& things) {
+  void add(int64_t frame, const std::vector<std::string>& true_objects) {
     moments[frame].camera = memory::SceneCamera{640, 480, 500, 500, 320, 240, {}, {}};
     moments[frame].map_from_camera.translation() = Vector3d(0.5, 0.5, -1.5);
-    for (const std::string& thing : things) {
-      const bool bowl = thing == "bowl";
-      truth.visible[frame].push_back({thing, where(frame, thing), Vector3d(0.1, 0.1, 0.1), std::nullopt});
-      truth.handled[frame][thing] = thing == "cup" && frame > 0 ? 1 : 0;
-      Sight sight{10 * frame + (bowl ? 1 : 0), where(frame, thing), std::nullopt, {}};
+    for (const std::string& true_object : true_objects) {
+      const bool bowl = true_object == "bowl";
+      truth.visible[frame].push_back(
+          {true_object, where(frame, true_object), Vector3d(0.1, 0.1, 0.1), std::nullopt});
+      truth.handled[frame][true_object] = true_object == "cup" && frame > 0 ? 1 : 0;
+      Sight sight{10 * frame + (bowl ? 1 : 0), where(frame, true_object), std::nullopt, {}};
       sight.evidence.box = {sight.position, Vector3d(0.1, 0.1, 0.1)};
       sight.evidence.descriptors = {
           {"mean_color", bowl ? std::vector<float>{0, 0, 1} : std::vector<float>{1, 0, 0}}};

@@ -35,7 +35,7 @@ TEST_P(RandomDay, IsAScenarioInWhichTheMiddleCupGoesAwayAndComesBack) {
           scene.actions, [](const mapping::Action& action) { return action.subject == "cup_1"; }));
     }
     EXPECT_GE(moves, 2U);
-    EXPECT_GT(actions, 20U) << "things are put there, and things happen";
+    EXPECT_GT(actions, 20U) << "objects are put there, and objects happen";
   }
 }
 

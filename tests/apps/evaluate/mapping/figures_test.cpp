@@ -10,11 +10,11 @@ namespace loci::apps::mapping_claim {
 namespace {
 
 mapping::ComparedThing handle(const std::string& verdict, std::optional<double> centre_error = {}) {
-  mapping::ComparedThing thing;
-  thing.kind = "handle";
-  thing.verdict = verdict;
-  thing.centre_error = centre_error;
-  return thing;
+  mapping::ComparedThing object;
+  object.kind = "handle";
+  object.verdict = verdict;
+  object.centre_error = centre_error;
+  return object;
 }
 
 const Figure& figure(const std::vector<Figure>& figures, const std::string& name) {
@@ -23,8 +23,8 @@ const Figure& figure(const std::vector<Figure>& figures, const std::string& name
 
 TEST(MappingFigures, CountFoundOfThoseAskedForAndRightOfThoseFound) {
   MappedWorld first, second;
-  first.before.things = {handle("matched", 0.01), handle("matched", 0.02), handle("extra")};
-  second.before.things = {handle("matched", 0.03), handle("missed"), handle("minor")};
+  first.before.objects = {handle("matched", 0.01), handle("matched", 0.02), handle("extra")};
+  second.before.objects = {handle("matched", 0.03), handle("missed"), handle("minor")};
   const std::vector<Figure> figures = figures_of({&first, &second});
   EXPECT_NEAR(figure(figures, "handles found").value, 75, 1e-9);
   EXPECT_FALSE(figure(figures, "handles found").met);
@@ -56,15 +56,15 @@ TEST(MappingFigures, TableHasAColumnPerWorldOverItsSeeds) {
 
 TEST(MappingFigures, FrontsAndJointsAreShownBeforeAndAfterPulling) {
   const auto front = [](double overlap, const std::string& type) {
-    mapping::ComparedThing thing;
-    thing.kind = "front";
-    thing.verdict = "matched";
-    thing.overlap = overlap;
-    thing.joint = mapping::ComparedJoint{type, "prismatic", "prior", {}, false, {}};
-    return thing;
+    mapping::ComparedThing object;
+    object.kind = "front";
+    object.verdict = "matched";
+    object.overlap = overlap;
+    object.joint = mapping::ComparedJoint{type, "prismatic", "prior", {}, false, {}};
+    return object;
   };
   MappedWorld map;
-  map.before.things = {front(0.6, "revolute")};
+  map.before.objects = {front(0.6, "revolute")};
   EXPECT_FALSE(figure(figures_of({&map}), "front IoU after, mean").known);
   map.after = mapping::Comparison{{front(0.9, "prismatic")}, "", ""};
   const std::vector<Figure> figures = figures_of({&map});

@@ -39,7 +39,7 @@ TEST_F(MemoryAtSize, KnowsTheThingsOfTheHomeAndWritesLittleForWhatDoesNotChange)
   options.readers = 2;
   options.questions = 10;
   const MemoryFigures figures = measure(options, folder, silent);
-  EXPECT_GE(figures.objects, 95U) << "a hundred things are in the home";
+  EXPECT_GE(figures.objects, 95U) << "a hundred objects are in the home";
   EXPECT_LT(figures.bytes_per_observation, 1000);
   const IdentityFigures& identity = figures.identity;
   EXPECT_GT(identity.f1(), 0.98);
@@ -63,7 +63,7 @@ TEST_F(MemoryAtSize, LearnsHowMuchLooksVaryAndTellsFalseDetectionsFromThings) {
   const IdentityFigures identity = measure(options, folder, silent).identity;
   EXPECT_GT(identity.f1(), 0.985);
   const auto& ghosts = identity.events[static_cast<size_t>(TrueEvent::ghost)];
-  EXPECT_LT(ghosts.confused, ghosts.all / 5) << "few are taken for a known thing that moved";
+  EXPECT_LT(ghosts.confused, ghosts.all / 5) << "few are taken for a known object that moved";
 }
 
 }  // namespace
