@@ -39,11 +39,13 @@ install(FILES ${CMAKE_BINARY_DIR}/lociConfig.cmake ${CMAKE_BINARY_DIR}/lociConfi
   ${CMAKE_SOURCE_DIR}/cmake/LociPlugin.cmake DESTINATION ${package})
 
 # What was not built is not installed.
-foreach(program loci-map loci-perceive loci-memory loci-simulate loci-evaluate loci-browse)
+foreach(program loci loci-map loci-perceive loci-memory loci-simulate loci-evaluate loci-browse)
   if(TARGET ${program})
     install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} OPTIONAL)
   endif()
 endforeach()
+# Completions and manual pages.
+install(DIRECTORY ${CMAKE_BINARY_DIR}/share/ DESTINATION ${CMAKE_INSTALL_DATADIR})
 
 # `cpack -G DEB` in the build folder makes a Debian package.
 set(CPACK_PACKAGE_NAME loci)

@@ -1,20 +1,18 @@
 #include "apps/cli/program.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <malloc.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <csignal>
+#include <cstdlib>
+#include <filesystem>
 
+#include "apps/cli/help.h"
 #include "mapping/base/json.h"
 
 namespace loci::apps {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 volatile std::sig_atomic_t interrupt_requested = 0;
 
@@ -22,76 +20,48 @@ void on_interrupt(int) {
   interrupt_requested = 1;
 }
 
-std::string duration_text(double seconds) {
-  const auto total = static_cast<long>(seconds + 0.5);
-  return total < 60 ? fmt::format("{} s", total) : fmt::format("{} min {:02} s", total / 60, total % 60);
-}
-
-/// A bar on a terminal, a plain line every few seconds in a log. Nothing at all for what takes under a
-/// second.
-class TerminalProgress : public Progress {
- public:
-  explicit TerminalProgress(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {}
-  ~TerminalProgress() override {
-    if (drawn_ && terminal_) fmt::print(stderr, "\r\033[K");
-  }
-
-  bool update(double fraction, std::string_view text) override {
-    if (interrupted()) return false;
-    const auto time = Clock::now();
-    const double interval = terminal_ ? 0.1 : 5.0;
-    const double since_last = std::chrono::duration<double>(time - last_).count();
-    const double elapsed = std::chrono::duration<double>(time - start_).count();
-    if (quiet_ || elapsed < 1 || (drawn_ && since_last < interval)) return true;
-    last_ = time;
-    drawn_ = true;
-    draw(std::clamp(fraction, 0.0, 1.0), text, elapsed);
-    return true;
-  }
-
- private:
-  void draw(double fraction, std::string_view text, double elapsed) const {
-    const std::string left =
-        fraction > 0.02 ? ", " + duration_text(elapsed * (1 - fraction) / fraction) + " left" : "";
-    if (terminal_) {
-      const auto filled = static_cast<size_t>(fraction * 30);
-      fmt::print(stderr, "\r\033[K[{}{}] {:3.0f} %  {}{}", std::string(filled, '='),
-                 std::string(30 - filled, ' '), 100 * fraction, text, left);
-    } else {
-      fmt::print(stderr, "{:3.0f} %  {}{}\n", 100 * fraction, text, left);
-    }
-  }
-
-  bool quiet_;
-  bool terminal_;
-  bool drawn_ = false;
-  Clock::time_point start_ = Clock::now();
-  Clock::time_point last_ = start_;
-};
-
-std::string examples_text(const std::vector<std::string>& examples) {
-  return examples.empty() ? "" : fmt::format("Examples:\n  {}\n", fmt::join(examples, "\n  "));
-}
-
-void add_common_flags(CLI::App& app, CommonFlags& flags) {
-  app.add_flag("--json", flags.json, "The answer as JSON");
-  app.add_flag("--quiet", flags.quiet, "No progress, no warnings");
-  app.add_flag("--verbose", flags.verbose, "Show every warning");
-  app.add_flag("--timing", flags.timing, "Show where the time went");
-  app.add_option("--threads", flags.threads, "Threads, 0 = all cores [0]")->check(CLI::Range(0, 1024));
-}
-
-/// Images come and go with every frame: their memory is kept for the next one instead of being given back
-/// to the system, which would have to clear it again page by page (a seventh of the time of a frame).
+/// Images are allocated and freed with every frame: freed memory is reused instead of returned to the system,
+/// which would have to clear it again page by page (a seventh of the time of a frame).
 void keep_freed_memory() {
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
   mallopt(M_TRIM_THRESHOLD, 256 << 20);
 }
 
-}  // namespace
+/// What every command takes; of a program without commands only help and version.
+void declare_common(ArgumentTable& arguments, CommonFlags& flags, bool alone) {
+  static bool ignored = false;  // read before parsing
+  arguments.begin_group("Common options");
+  arguments.flag("-h,--help", ignored, "Print this help");
+  arguments.flag("--version", ignored, "Print the version");
+  if (alone) return;
+  arguments.flag("--json", flags.json, "Print the answer as JSON");
+  arguments.flag("--quiet", flags.quiet, "Print no progress and no warnings");
+  arguments.flag("--verbose", flags.verbose, "Print every warning");
+  arguments.flag("--timing", flags.timing, "Print the time of each stage");
+  arguments.option("--threads N", &flags.threads, "Number of threads, 0 for all cores",
+                   {.min = 0, .max = 1024});
+}
 
-bool interrupted() {
-  return interrupt_requested != 0;
+/// The memory to use when none was named, and where its name comes from.
+std::pair<std::string, std::string> find_memory() {
+  if (const char* file = std::getenv("LOCI_MEMORY"); file != nullptr && *file != '\0')
+    return {file, "from LOCI_MEMORY"};
+  std::vector<std::string> files;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(".", ignored))
+    if (entry.path().extension() == ".loci") files.push_back(entry.path().filename().string());
+  if (files.size() == 1) return {files.front(), "the only memory in this folder"};
+  throw UsageError(files.empty() ? "no memory is named: give -m FILE.loci or set LOCI_MEMORY"
+                                 : "several memories are in this folder: name one with -m FILE.loci");
+}
+
+/// Names the memory when the command line does not.
+void use_memory(const Argument& argument, bool quiet) {
+  std::string& file = *std::get<std::string*>(argument.variable);
+  if (!file.empty()) return;
+  const auto [found, source] = find_memory();
+  file = found;
+  if (!quiet) fmt::print(stderr, "memory: {} ({})\n", found, source);
 }
 
 void install_interrupt_handler() {
@@ -99,113 +69,109 @@ void install_interrupt_handler() {
   std::signal(SIGTERM, on_interrupt);
 }
 
-Session::Session(const CommonFlags& flags)
-    : flags_(flags), progress_(std::make_unique<TerminalProgress>(flags.quiet)) {}
-
-Session::~Session() = default;
-
-void Session::answer(const std::string& text, const Json& json) {
-  progress_ = std::make_unique<TerminalProgress>(true);  // Clears the bar before the answer is printed.
-  if (flags_.json)
-    fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));  // e.g. names of files
-  else
-    fmt::print("{}{}", text, text.ends_with('\n') || text.empty() ? "" : "\n");
+bool has_option(const std::vector<std::string>& words, const std::string& option) {
+  const auto end = std::find(words.begin(), words.end(), "--");
+  return std::find(words.begin(), end, option) != end;
 }
 
-void Session::timing(const std::string& stage, double seconds) {
-  if (flags_.timing) fmt::print(stderr, "{:>10.3f} s  {}\n", seconds, stage);
+}  // namespace
+
+const char* const kVersion = LOCI_VERSION;
+
+int print_version() {
+  fmt::print("loci {}\n", kVersion);
+  return 0;
 }
 
-void Session::show_warnings() {
-  progress_.reset();
-  if (flags_.quiet) return;
-  const auto& texts = warnings_.texts();
-  const size_t shown = flags_.verbose ? texts.size() : std::min<size_t>(texts.size(), 5);
-  for (size_t i = 0; i < shown; ++i) fmt::print(stderr, "warning: {}\n", texts[i]);
-  if (shown < texts.size())
-    fmt::print(stderr, "warning: {} more (--verbose shows all)\n", texts.size() - shown);
+bool interrupted() {
+  return interrupt_requested != 0;
 }
 
-Program::Program(std::string name, std::string description)
-    : name_(std::move(name)), app_(std::move(description), name_) {
-  app_.require_subcommand(1);
-  app_.set_version_flag("--version", std::string("loci " LOCI_VERSION));
-  app_.failure_message(CLI::FailureMessage::help);
-}
-
-void Program::add(Command command) {
-  CLI::App* sub = app_.add_subcommand(command.name, command.description);
-  sub->footer(examples_text(command.examples));
-  add_common_flags(*sub, flags_);
-  runs_.emplace_back(sub, command.declare(*sub));
-}
-
-std::vector<std::string> Program::commands() const {
+const Command& Program::find(const std::string& name) const {
+  if (name.empty()) throw UsageError("no command is given");
   std::vector<std::string> names;
-  for (const CLI::App* sub : app_.get_subcommands([](const CLI::App*) { return true; }))
-    names.push_back(sub->get_name());
-  return names;
+  for (const Command& command : commands_) {
+    if (command.name == name) return command;
+    names.push_back(command.name);
+  }
+  if (name.starts_with('-')) throw unknown("option", name, {"--help", "--version"});
+  throw unknown("command", name, names);
 }
 
-int Program::run(int argc, char** argv) {
-  install_interrupt_handler();
-  keep_freed_memory();
-  const auto names = commands();
-  if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end()) {
-    const std::string nearest = did_you_mean(argv[1], names);
-    fmt::print(stderr, "{}: unknown command '{}'; {}\n", name_, argv[1],
-               nearest.empty() ? name_ + " --help lists the commands" : nearest);
-    return 2;
+int Program::run_command(const Command& command, const std::vector<std::string>& words) const {
+  const bool alone = command.name.empty();  // a program without commands
+  const std::string name = alone ? name_ : name_ + " " + command.name;
+  CommonFlags flags;
+  ArgumentTable arguments;
+  const auto body = command.declare(arguments);
+  declare_common(arguments, flags, alone);
+  if (has_option(words, "--version")) return print_version();
+  if (has_option(words, "--help") || has_option(words, "-h")) {
+    fmt::print("{}", command_help(name, command, arguments));
+    return 0;
   }
-  try {
-    app_.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    const int code = app_.exit(error);
-    return code == 0 ? 0 : 2;
-  }
-  for (const auto& [sub, command] : runs_) {
-    if (!sub->parsed()) continue;
-    return run_guarded(name_ + " " + sub->get_name(), [&, &body = command] {
-      Session session(flags_);
-      try {
-        body(session);
-      } catch (...) {
-        session.show_warnings();
-        throw;
-      }
+  return run_guarded(name, [&] {
+    arguments.parse(words);
+    for (const Argument& argument : arguments.all())
+      if (argument.is_memory) use_memory(argument, flags.quiet);
+    if (!alone) {
+      install_interrupt_handler();
+      keep_freed_memory();
+    }
+    Session session(flags);
+    try {
+      body(session);
+    } catch (...) {
       session.show_warnings();
-      return 0;
-    });
-  }
-  return 2;
+      throw;
+    }
+    session.show_warnings();
+    return session.exit_code();
+  });
 }
 
-void add_options(CLI::App& app, const OptionTable& table) {
-  for (const Option& option : table.options()) {
-    std::string flag = "--" + option.name;
-    std::replace(flag.begin(), flag.end(), '_', '-');
-    const std::string unit = option.unit.empty() ? "" : " " + option.unit;
-    const std::string sentence = fmt::format("{} [{}{}]", option.sentence, option_text(option), unit);
-    std::visit(
-        [&](auto* value) {
-          using T = std::remove_pointer_t<decltype(value)>;
-          if constexpr (std::is_same_v<T, bool>)
-            app.add_flag(flag + ",!--no-" + flag.substr(2), *value, sentence);
-          else
-            app.add_option(flag, *value, sentence);
-        },
-        option.value);
+int Program::describe() const {
+  Json json = {
+      {"program", name_}, {"description", description_}, {"version", kVersion}, {"commands", Json::array()}};
+  for (const Command& command : commands_) {
+    CommonFlags flags;
+    ArgumentTable arguments;
+    command.declare(arguments);
+    declare_common(arguments, flags, command.name.empty());
+    json["commands"].push_back(command_json(command, arguments));
   }
+  fmt::print("{}\n", json.dump(1));
+  return 0;
 }
 
-int run_guarded(const std::string& program, const std::function<int()>& main) {
+int Program::run(int argc, char** argv) const {
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  const std::string first = words.empty() ? "" : words[0];
+  if (first == "--describe-cli") return describe();
+  if (!has_commands()) return run_command(commands_.front(), words);
+  if (first == "--version") return print_version();
+  const bool help = first == "help" || first == "--help" || first == "-h";
+  if (help && words.size() == 1) {
+    fmt::print("{}", program_help(name_, description_, commands_));
+    return 0;
+  }
+  return run_guarded(name_, [&] {
+    if (help) return run_command(find(words[1]), {"--help"});
+    return run_command(find(first), words.empty() ? words : std::vector(words.begin() + 1, words.end()));
+  });
+}
+
+int run_guarded(const std::string& name, const std::function<int()>& main) {
   try {
     return main();
   } catch (const Interrupted&) {
-    fmt::print(stderr, "{}: interrupted\n", program);
+    fmt::print(stderr, "{}: interrupted\n", name);
     return 130;
+  } catch (const UsageError& error) {
+    fmt::print(stderr, "{}: {}; see {} --help\n", name, error.what(), name);
+    return 2;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: {}\n", program, error.what());
+    fmt::print(stderr, "{}: {}\n", name, error.what());
     return 1;
   }
 }

@@ -1,14 +1,13 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "apps/cli/arguments.h"
 #include "mapping/base/error.h"
 #include "mapping/base/json_fwd.h"
-#include "mapping/base/options.h"
 #include "mapping/base/progress.h"
 
 namespace loci::apps {
@@ -18,30 +17,33 @@ struct CommonFlags {
   bool json = false;     ///< --json: the answer as JSON on stdout
   bool quiet = false;    ///< --quiet: no progress, no warnings
   bool verbose = false;  ///< --verbose: every warning
-  bool timing = false;   ///< --timing: where the time went, on stderr
+  bool timing = false;   ///< --timing: time of each stage, on stderr
   int threads = 0;       ///< --threads: 0 = all cores
 };
 
-/// What a command has at hand while it runs.
+/// What a command uses while it runs.
 class Session {
  public:
   explicit Session(const CommonFlags& flags);
   ~Session();
 
   const CommonFlags& flags() const { return flags_; }
-  /// A bar with rate and time left on a terminal, plain lines in a log, nothing with --quiet; says stop after
-  /// Ctrl-C.
+  /// A bar with rate and time left on a terminal, plain lines in a log, nothing with --quiet. It asks to stop
+  /// after Ctrl-C.
   Progress& progress() { return *progress_; }
-  /// Collected warnings: shown when the command ends (the first five, all with --verbose).
+  /// Collected warnings, printed when the command ends: the first five, all with --verbose.
   Warnings& warnings() { return warnings_; }
-  /// The answer: `text` for people, or `json` with --json. stdout carries nothing else.
+  /// Prints the answer: `text`, or `json` with --json. stdout carries nothing else.
   void answer(const std::string& text, const Json& json);
-  /// A line about where the time went, shown with --timing.
+  /// Prints the time of a stage on stderr with --timing.
   void timing(const std::string& stage, double seconds);
   void show_warnings();
+  int exit_code() const { return exit_code_; }
+  void set_exit_code(int code) { exit_code_ = code; }
 
  private:
   CommonFlags flags_;
+  int exit_code_ = 0;
   std::unique_ptr<Progress> progress_;
   Warnings warnings_;
 };
@@ -49,37 +51,41 @@ class Session {
 /// One command of a program, e.g. `loci-map fuse`.
 struct Command {
   std::string name;
-  std::string description;            ///< one line, for the list
-  std::vector<std::string> examples;  ///< two that work as printed
-  /// Declares arguments on the subcommand and returns what to run after parsing.
-  std::function<std::function<void(Session&)>(CLI::App&)> declare;
+  std::string description;            ///< one line, for lists
+  std::vector<std::string> examples;  ///< at least two, which work as printed
+  /// Declares the arguments and returns what to run after parsing.
+  std::function<std::function<void(Session&)>(ArgumentTable&)> declare;
+  std::string group = {};  ///< heading in the program's help; empty = "Commands"
 };
 
-/// A program of subcommands. Exit codes: 0 done, 1 error (one line on stderr), 2 usage, 130 interrupted.
+/// A program of commands, or of one command without a name. Exit codes: 0 done, 1 error (one line on stderr),
+/// 2 usage, 130 interrupted.
 class Program {
  public:
-  Program(std::string name, std::string description);
+  Program(std::string name, std::string description)
+      : name_(std::move(name)), description_(std::move(description)) {}
 
-  void add(Command command);
-  int run(int argc, char** argv);
+  void add(Command command) { commands_.push_back(std::move(command)); }
+  int run(int argc, char** argv) const;
 
  private:
-  std::vector<std::string> commands() const;
+  bool has_commands() const { return commands_.size() != 1 || !commands_.front().name.empty(); }
+  const Command& find(const std::string& name) const;
+  int run_command(const Command& command, const std::vector<std::string>& words) const;
+  int describe() const;
 
   std::string name_;
-  CLI::App app_;
-  CommonFlags flags_;
-  std::vector<std::pair<CLI::App*, std::function<void(Session&)>>> runs_;
+  std::string description_;
+  std::vector<Command> commands_;
 };
 
-/// Declares the options of a stage as --kebab-case flags on a command.
-void add_options(CLI::App& app, const OptionTable& table);
+extern const char* const kVersion;  ///< "0.1.0"
+int print_version();
 
-/// Runs `main` and turns what escapes into one line and an exit code, for programs without subcommands.
-int run_guarded(const std::string& program, const std::function<int()>& main);
+/// Runs `main` and turns an exception into one line on stderr and an exit code.
+int run_guarded(const std::string& name, const std::function<int()>& main);
 
-/// Whether Ctrl-C was pressed since install_interrupt_handler().
+/// Whether Ctrl-C was pressed while a command runs.
 bool interrupted();
-void install_interrupt_handler();
 
 }  // namespace loci::apps

@@ -5,25 +5,24 @@
 namespace loci::apps {
 
 Command articulation_command() {
-  return {
-      "articulation",
-      "Joint types of recorded tracks against their labels, and against the least rms",
-      {"loci-evaluate articulation apps/samples/tracks",
-       "loci-evaluate articulation apps/samples/tracks --json"},
-      [](CLI::App& app) {
-        struct Arguments {
-          std::string folder = "../shared/data/articulation_tracks";
-          mapping::TrackOptions options;
-        };
-        auto arguments = std::make_shared<Arguments>();
-        app.add_option("DIR", arguments->folder, "Folder of tracks with index.csv")->capture_default_str();
-        add_options(app, table_of(arguments->options));
-        return [arguments](Session& session) {
-          const articulation::TrackEvaluation evaluation = articulation::evaluate_tracks(
-              articulation::read_known_tracks(arguments->folder), arguments->options);
-          session.answer(evaluation.text(), evaluation.report());
-        };
-      }};
+  return {"articulation",
+          "Joint types of recorded tracks against their labels, and against the least rms",
+          {"loci-evaluate articulation apps/samples/tracks",
+           "loci-evaluate articulation apps/samples/tracks --json"},
+          [](ArgumentTable& table) {
+            struct Arguments {
+              std::string folder = "../shared/data/articulation_tracks";
+              mapping::TrackOptions options;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            table.positional("[DIR]", &arguments->folder, "Folder of tracks with index.csv");
+            table.options(table_of(arguments->options));
+            return [arguments](Session& session) {
+              const articulation::TrackEvaluation evaluation = articulation::evaluate_tracks(
+                  articulation::read_known_tracks(arguments->folder), arguments->options);
+              session.answer(evaluation.text(), evaluation.report());
+            };
+          }};
 }
 
 }  // namespace loci::apps

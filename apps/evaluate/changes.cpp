@@ -37,14 +37,13 @@ Command changes_command() {
           "What the memory says happened, beside the truth and simpler ways of telling",
           {"loci-evaluate changes demo-output/day --map apps/samples/kitchen.urdf",
            "loci-evaluate changes demo-output/day --map apps/samples/kitchen.urdf --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("DIR", arguments->folder,
-                           "Recording with objects.csv and transitions.csv, or truth.jsonl")
-                ->required();
-            app.add_option("-m,--memory", arguments->memory, "Keep the memory in this file");
-            app.add_option("--map", arguments->map, "URDF of the kitchen");
-            app.add_option("--pipeline", arguments->pipeline, "Pipeline as YAML instead of the default one");
+            table.positional("DIR", &arguments->folder,
+                             "Recording with objects.csv and transitions.csv, or truth.jsonl");
+            table.option("-m,--memory", &arguments->memory, "Keep the memory in this file");
+            table.option("--map", &arguments->map, "URDF of the kitchen");
+            table.option("--pipeline", &arguments->pipeline, "Pipeline as YAML instead of the default one");
             return [arguments](Session& session) { run(*arguments, session); };
           }};
 }

@@ -75,20 +75,16 @@ Command days_command() {
       "days",
       "Random simulated days: what the memory says happened and who is who, beside simpler ways",
       {"loci-evaluate days --runs 1 --scenes 4", "loci-evaluate days --runs 1 --scenes 3 --seed 4 --json"},
-      [](CLI::App& app) {
+      [](ArgumentTable& table) {
         auto arguments = std::make_shared<Arguments>();
-        app.add_option("--runs", arguments->runs, "How many days, in the two sample kitchens by turns")
-            ->check(CLI::Range(1, 1000))
-            ->capture_default_str();
-        app.add_option("--scenes", arguments->scenes, "Of each day; the middle cup is back after 12")
-            ->check(CLI::Range(1, 100))
-            ->capture_default_str();
-        app.add_option("--seed", arguments->seed, "Of the first day; the others have the following ones")
-            ->capture_default_str();
-        app.add_option("--samples", arguments->samples, "Folder of kitchen.urdf and kitchen_l.urdf")
-            ->capture_default_str();
-        app.add_option("-o,--output", arguments->keep,
-                       "Keep scenarios, recordings and memories in this folder");
+        table.option("--runs", &arguments->runs, "How many days, in the two sample kitchens by turns",
+                     {.min = 1, .max = 1000});
+        table.option("--scenes", &arguments->scenes, "Of each day; the middle cup is back after 12",
+                     {.min = 1, .max = 100});
+        table.option("--seed", &arguments->seed, "Of the first day; the others have the following ones");
+        table.option("--samples", &arguments->samples, "Folder of kitchen.urdf and kitchen_l.urdf");
+        table.option("-o,--output", &arguments->keep,
+                     "Keep scenarios, recordings and memories in this folder");
         return [arguments](Session& session) { run(*arguments, session); };
       }};
 }

@@ -91,38 +91,37 @@ void run(Arguments& given, Session& session) {
 }  // namespace
 
 Command description_command() {
-  return {
-      "description",
-      "Classes of shape, products beside brute-force SIFT, codes and words, and our visual search",
-      {"loci-evaluate description --catalogue tests/data/products",
-       "loci-evaluate description --catalogue tests/data/products --service",
-       "loci-evaluate description --primitives --test-scenes 4",
-       "loci-evaluate description --shapes --train-scenes 10 --test-scenes 3 --folds 2 --json"},
-      [](CLI::App& app) {
-        auto given = std::make_shared<Arguments>();
-        app.add_option("--catalogue", given->catalogue,
-                       "Catalogue of products with labels.csv: images and what they show");
-        app.add_option(
-            "--codes", given->codes,
-            "Folder with images and expected.csv (file, symbology, text): codes and printed numbers");
-        app.add_flag("--service", given->service,
-                     "Asks a visual-search server over the catalogue about its images (and the codes)");
-        app.add_flag("--shapes", given->shapes, "Measures classes of shape, trained on simulated clusters");
-        app.add_option("--images", given->images,
-                       "Folder with labels.csv: experts of images learn some and are tested on the others");
-        app.add_option("--templates", given->templates,
-                       "Labelled recording: templates of every other image are looked for in the others");
-        app.add_flag("--primitives", given->primitives,
-                     "Measures primitive shapes and their numbers in the simulated scenes for tests");
-        app.add_option("DIRS", given->folders,
-                       "Recordings with FRAME_label.png and scenes.csv (category: boxes, cylindric objects) "
-                       "for the classes of shape, too");
-        add_options(app, table_of(given->products));
-        add_options(app, table_of(given->shape_options));
-        add_options(app, table_of(given->image_options));
-        add_options(app, table_of(given->recognition));
-        return [given](Session& session) { run(*given, session); };
-      }};
+  return {"description",
+          "Classes of shape, products beside brute-force SIFT, codes and words, and our visual search",
+          {"loci-evaluate description --catalogue tests/data/products",
+           "loci-evaluate description --catalogue tests/data/products --service",
+           "loci-evaluate description --primitives --test-scenes 4",
+           "loci-evaluate description --shapes --train-scenes 10 --test-scenes 3 --folds 2 --json"},
+          [](ArgumentTable& table) {
+            auto given = std::make_shared<Arguments>();
+            table.option("--catalogue", &given->catalogue,
+                         "Catalogue of products with labels.csv: images and what they show");
+            table.option(
+                "--codes", &given->codes,
+                "Folder with images and expected.csv (file, symbology, text): codes and printed numbers");
+            table.flag("--service", given->service,
+                       "Asks a visual-search server over the catalogue about its images (and the codes)");
+            table.flag("--shapes", given->shapes, "Measures classes of shape, trained on simulated clusters");
+            table.option("--images", &given->images,
+                         "Folder with labels.csv: experts of images learn some and are tested on the others");
+            table.option("--templates", &given->templates,
+                         "Labelled recording: templates of every other image are looked for in the others");
+            table.flag("--primitives", given->primitives,
+                       "Measures primitive shapes and their numbers in the simulated scenes for tests");
+            table.positional("[FOLDER...]", &given->folders,
+                             "Recordings with FRAME_label.png and scenes.csv (category: boxes, cylindric "
+                             "objects) for the classes of shape, too");
+            table.options(table_of(given->products));
+            table.options(table_of(given->shape_options));
+            table.options(table_of(given->image_options));
+            table.options(table_of(given->recognition));
+            return [given](Session& session) { run(*given, session); };
+          }};
 }
 
 }  // namespace loci::apps

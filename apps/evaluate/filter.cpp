@@ -73,19 +73,19 @@ Command filter_command() {
           "Known structure: time to draw thousands of meshes, or what is left of recordings",
           {"loci-evaluate filter --meshes 200 --robots 2 --steps 1 --repeats 1",
            "loci-evaluate filter demo-output/day --map demo-output/explored/map.urdf --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("RECORDINGS", arguments->recordings,
-                           "Recordings to be filtered; without any, time is measured");
-            app.add_option("--map", arguments->map, "URDF of the kitchen (its sidecar is found beside it)");
-            app.add_option("--package-path", arguments->package_paths, "Folder that holds packages");
-            app.add_flag("--pose-errors", arguments->pose_errors,
-                         "What errors of localisation do to the objects found, refinement off and on");
-            app.add_flag("--joints", arguments->joints,
-                         "How well drawers and doors are told from the depth images alone");
-            app.add_option("-o,--output", arguments->output, "Folder for the figure as SVG");
-            add_options(app, table_of(arguments->speed));
-            add_options(app, table_of(arguments->filter));
+            table.positional("[RECORDING...]", &arguments->recordings,
+                             "Recordings to be filtered; without any, time is measured");
+            table.option("--map", &arguments->map, "URDF of the kitchen (its sidecar is found beside it)");
+            table.option("--package-path", &arguments->package_paths, "Folder that holds packages");
+            table.flag("--pose-errors", arguments->pose_errors,
+                       "What errors of localisation do to the objects found, refinement off and on");
+            table.flag("--joints", arguments->joints,
+                       "How well drawers and doors are told from the depth images alone");
+            table.option("-o,--output", &arguments->output, "Folder for the figure as SVG");
+            table.options(table_of(arguments->speed));
+            table.options(table_of(arguments->filter));
             return [arguments](Session& session) { run(*arguments, session); };
           }};
 }

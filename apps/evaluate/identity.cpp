@@ -38,12 +38,12 @@ Command identity_command() {
           "The identity experiment: the paper's model, ours and simpler ones, who is who and what happened",
           {"loci-evaluate identity --runs 1 -o demo-output/identity",
            "loci-evaluate identity --runs 1 --noise estimated --tables 8 --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
-            add_options(app, table_of(arguments->experiment));
-            add_options(app, table_of(arguments->world));
-            app.add_option("-o,--output", arguments->figures, "Folder for figures 6.5 and 6.8 as SVG");
-            app.add_flag("--speed", arguments->speed, "Measure how fast problems are solved instead");
+            table.options(table_of(arguments->experiment));
+            table.options(table_of(arguments->world));
+            table.option("-o,--output", &arguments->figures, "Folder for figures 6.5 and 6.8 as SVG");
+            table.flag("--speed", arguments->speed, "Measure how fast problems are solved instead");
             return [arguments](Session& session) { run(*arguments, session); };
           }};
 }

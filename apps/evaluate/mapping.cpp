@@ -90,27 +90,24 @@ Command mapping_command() {
       {"loci-evaluate mapping apps/samples/kitchen.urdf --seeds 1",
        "loci-evaluate mapping apps/samples/kitchen.urdf --truth apps/samples/kitchen.urdf --seeds 1 --poses "
        "\"1,1.5,90; 2,1.5,180; 2,1.5,-90; 3,1.5,90\" --ceiling 2.5 --json"},
-      [](CLI::App& app) {
+      [](ArgumentTable& table) {
         auto arguments = std::make_shared<Arguments>();
-        app.add_option("WORLDS", arguments->worlds, "Worlds (URDF) to map")->required();
-        app.add_option("--truth", arguments->truths,
-                       "Per world: URDF or truth.json; without, the world itself")
-            ->allow_extra_args(false);
-        app.add_option("--start", arguments->starts,
-                       "Per world: the first scan, x,y,yaw_deg in its frame (default: the most open floor)")
-            ->allow_extra_args(false);
-        app.add_option("--poses", arguments->poses,
-                       "Per world: scan exactly there instead of exploring, \"x,y,yaw_deg; …\"")
-            ->allow_extra_args(false);
-        app.add_flag("--interact", arguments->survey.interact, "Pull each handle and scan again");
-        app.add_option("--package-path", arguments->package_paths, "Folder for package:// names; may repeat")
-            ->allow_extra_args(false);
-        app.add_option("--seeds", arguments->seeds, "Each world is mapped so often, with seeds 1, 2, …")
-            ->check(CLI::Range(1, 1000));
-        app.add_option("--ceiling", arguments->ceiling, "Height of a ceiling to add [m]");
-        app.add_option("-o,--out", arguments->out, "Folder to keep the maps in (default: they are not kept)");
+        table.positional("WORLD...", &arguments->worlds, "Worlds (URDF) to map");
+        table.option("--truth", &arguments->truths,
+                     "Per world: URDF or truth.json; without, the world itself");
+        table.option("--start", &arguments->starts, "Per world: the first scan, x,y,yaw_deg in its frame",
+                     {.default_text = "the most open floor"});
+        table.option("--poses", &arguments->poses,
+                     "Per world: scan exactly there instead of exploring, \"x,y,yaw_deg; …\"");
+        table.flag("--interact", arguments->survey.interact, "Pull each handle and scan again");
+        table.option("--package-path", &arguments->package_paths, "Folder for package:// names; may repeat");
+        table.option("--seeds", &arguments->seeds, "Each world is mapped so often, with seeds 1, 2, …",
+                     {.min = 1, .max = 1000});
+        table.option("--ceiling", &arguments->ceiling, "Height of a ceiling to add", {.unit = "m"});
+        table.option("-o,--output", &arguments->out, "Folder to keep the maps in",
+                     {.default_text = "they are not kept"});
         AllOptions options{arguments->survey, arguments->comparison};
-        add_options(app, table_of(options));
+        table.options(table_of(options));
         return [arguments](Session& session) { run(*arguments, session); };
       }};
 }

@@ -11,14 +11,15 @@ Command memory_command() {
       "The memory at size: ingest through the full reasoning, questions, readers beside the writer, kills",
       {"loci-evaluate memory --observations 600 -o demo-output/memory-figures",
        "loci-evaluate memory --observations 400 --kills 2 -o demo-output/memory-figures --json"},
-      [](CLI::App& app) {
+      [](ArgumentTable& table) {
         struct Arguments {
           memory_experiment::MemoryOptions options;
           std::string folder;
         };
         auto arguments = std::make_shared<Arguments>();
-        add_options(app, table_of(arguments->options));
-        app.add_option("-o,--output", arguments->folder, "Folder for the memory that is made")->required();
+        table.options(table_of(arguments->options));
+        table.option("-o,--output", &arguments->folder, "Folder for the memory that is made",
+                     {.required = true});
         return [arguments](Session& session) {
           table_of(arguments->options).validate();
           make_folder(arguments->folder);

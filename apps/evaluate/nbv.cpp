@@ -41,19 +41,18 @@ Command nbv_command() {
           "Next best view against its peers: coverage against number of scans, and time",
           {"loci-evaluate nbv apps/samples/kitchen.urdf --starts 1 --max-scans 2 --ray-step-deg 4",
            "loci-evaluate nbv apps/samples/kitchen.urdf --starts 1 --max-scans 2 --ray-step-deg 4 --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("WORLDS", arguments->worlds, "Worlds (URDF)")->capture_default_str();
-            app.add_option("--package-path", arguments->package_paths,
-                           "Folder that holds packages (package://NAME/…); can be given several times")
-                ->allow_extra_args(false);
-            app.add_option("--ceiling", arguments->options.ceiling, "Height of a ceiling to add [m]");
-            app.add_option("--planners", arguments->options.planners, "Those that are to be run")
-                ->check(CLI::IsMember(nbv_evaluation::planner_names()))
-                ->capture_default_str();
-            app.add_option("-o,--out", arguments->out, "Write the results as JSON, after each world");
-            app.add_option("--image", arguments->image, "Write coverage over scans as SVG, after each world");
-            add_options(app, table_of(arguments->options));
+            table.positional("[WORLD...]", &arguments->worlds, "Worlds (URDF)");
+            table.option("--package-path", &arguments->package_paths,
+                         "Folder that holds packages (package://NAME/…); can be given several times");
+            table.option("--ceiling", &arguments->options.ceiling, "Height of a ceiling to add",
+                         {.unit = "m"});
+            table.option("--planners", &arguments->options.planners, "Those that are to be run",
+                         {.choices = nbv_evaluation::planner_names()});
+            table.option("-o,--output", &arguments->out, "Write the results as JSON, after each world");
+            table.option("--image", &arguments->image, "Write coverage over scans as SVG, after each world");
+            table.options(table_of(arguments->options));
             return [arguments](Session& session) { run(*arguments, session); };
           }};
 }

@@ -31,13 +31,13 @@ Command normals_command() {
           "Normal estimation against its peers",
           {"loci-evaluate normals --frames 2 --reference-frames 0 -o demo-output/normals",
            "loci-evaluate normals demo-output/day --frames 1 --reference-frames 0 --min-holes 0 --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("RECORDINGS", arguments->recordings,
-                           "Recordings whose frames are judged by their flat areas");
-            app.add_option("-o,--output", arguments->figures, "Folder for figures 4.2 to 4.6 as SVG");
-            add_options(app, table_of(arguments->comparison));
-            add_options(app, table_of(arguments->normals));
+            table.positional("[RECORDING...]", &arguments->recordings,
+                             "Recordings whose frames are judged by their flat areas");
+            table.option("-o,--output", &arguments->figures, "Folder for figures 4.2 to 4.6 as SVG");
+            table.options(table_of(arguments->comparison));
+            table.options(table_of(arguments->normals));
             return [arguments](Session& session) { run(*arguments, session); };
           }};
 }

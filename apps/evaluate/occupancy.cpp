@@ -32,10 +32,10 @@ Command occupancy_command() {
           "Insertion of scans beside OctoMap's insertPointCloud: time, and whether the trees are the same",
           {"loci-evaluate occupancy demo-output/explored/scans --repeats 1",
            "loci-evaluate occupancy demo-output/explored/scans --repeats 1 --resolution-m 0.1 --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("SCANS", arguments->scans, "Folders of scans, or single clouds (PCD)")->required();
-            add_options(app, table_of(arguments->options));
+            table.positional("SCANS...", &arguments->scans, "Folders of scans, or single clouds (PCD)");
+            table.options(table_of(arguments->options));
             return [arguments](Session& session) { run(*arguments, session); };
           }};
 }

@@ -121,17 +121,16 @@ Command registration_command() {
           "Registration against its peers, and whether its verdicts are true",
           {"loci-evaluate registration apps/samples/kitchen.urdf --scans 3 --compared 1 --verdicts 2",
            "loci-evaluate registration apps/samples/kitchen.urdf --scans 3 --compared 1 --verdicts 2 --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("WORLDS", arguments->worlds, "Worlds (URDF) that are scanned");
-            app.add_option("--package-path", arguments->package_paths,
-                           "Folder that holds packages (package://NAME/…); can be given several times")
-                ->allow_extra_args(false);
-            app.add_option("--recording", arguments->recording, "Depth frames with poses");
-            app.add_option("--pairs", arguments->pairs,
-                           "CSV of pairs of clouds: target, source, x_m, y_m, z_m, rx_deg, ry_deg, rz_deg");
-            app.add_option("--clouds", arguments->clouds, "Folder of these clouds, if not that of the CSV");
-            add_options(app, table_of(*arguments));
+            table.positional("[WORLD...]", &arguments->worlds, "Worlds (URDF) that are scanned");
+            table.option("--package-path", &arguments->package_paths,
+                         "Folder that holds packages (package://NAME/…); can be given several times");
+            table.option("--recording", &arguments->recording, "Depth frames with poses");
+            table.option("--pairs", &arguments->pairs,
+                         "CSV of pairs of clouds: target, source, x_m, y_m, z_m, rx_deg, ry_deg, rz_deg");
+            table.option("--clouds", &arguments->clouds, "Folder of these clouds, if not that of the CSV");
+            table.options(table_of(*arguments));
             return [arguments](Session& session) { run(*arguments, session); };
           }};
 }

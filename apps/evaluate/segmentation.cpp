@@ -47,17 +47,17 @@ Command segmentation_command() {
           "Object hypotheses against labelled scenes, beside PCL",
           {"loci-evaluate segmentation tests/data/blocks",
            "loci-evaluate segmentation --flat --flat-workspaces 1 --flat-images 2 --flat-empty 10 --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto given = std::make_shared<Arguments>();
-            app.add_option("DIR", given->folder,
-                           "Recording with FRAME_label.png for its depth images: 0 not judged, 1 to 19 "
-                           "table, from 20 on tens are objects");
-            app.add_flag("--flat", given->flat, "Measures flat objects (10 mm) in simulated workspaces, too");
-            app.add_option("--pipeline", given->pipeline, "Pipeline as YAML instead of the tabletop one");
-            app.add_option("-o,--output", given->images,
-                           "Folder for images: colour, truth, and what each method found");
-            add_options(app, table_of(given->comparison));
-            add_options(app, table_of(given->flat_comparison));
+            table.positional("[DIR]", &given->folder,
+                             "Recording with FRAME_label.png for its depth images: 0 not judged, 1 to 19 "
+                             "table, from 20 on tens are objects");
+            table.flag("--flat", given->flat, "Measures flat objects (10 mm) in simulated workspaces, too");
+            table.option("--pipeline", &given->pipeline, "Pipeline as YAML instead of the tabletop one");
+            table.option("-o,--output", &given->images,
+                         "Folder for images: colour, truth, and what each method found");
+            table.options(table_of(given->comparison));
+            table.options(table_of(given->flat_comparison));
             return [given](Session& session) { run(*given, session); };
           }};
 }

@@ -35,15 +35,14 @@ Command system_command() {
   return {"system",
           "Household scenes on two counters through everything: what is found, annotated, and how fast",
           {"loci-evaluate system --scenes 4", "loci-evaluate system --scenes 4 --json -o demo-output/system"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("--map", arguments->options.map, "URDF of a kitchen with counters")
-                ->capture_default_str();
-            app.add_option("--pipeline", arguments->options.pipeline,
-                           "Pipeline as YAML instead of the evaluation's own");
-            app.add_option("-o,--output", arguments->output,
-                           "Keep recording, memory, figures (JSON) and figure 8.1 (SVG) in this folder");
-            add_options(app, table_of(arguments->options));
+            table.option("--map", &arguments->options.map, "URDF of a kitchen with counters");
+            table.option("--pipeline", &arguments->options.pipeline,
+                         "Pipeline as YAML instead of the evaluation's own");
+            table.option("-o,--output", &arguments->output,
+                         "Keep recording, memory, figures (JSON) and figure 8.1 (SVG) in this folder");
+            table.options(table_of(arguments->options));
             return [arguments](Session& session) { run(*arguments, session); };
           }};
 }

@@ -71,36 +71,33 @@ void articulate_map(const ArticulateArguments& arguments, Session& session) {
 }  // namespace
 
 Command articulate_command() {
-  return {"articulate",
-          "Joints from recorded tracks, or from scans before and after something moved",
-          {"loci-map articulate --track apps/samples/tracks/door.csv",
-           "loci-map articulate --track apps/samples/tracks/drawer.csv --json"},
-          [](CLI::App& app) {
-            auto arguments = std::make_shared<ArticulateArguments>();
-            CLI::Option* track =
-                app.add_option("--track", arguments->track, "CSV with x, y, z and maybe qx, qy, qz, qw");
-            CLI::Option* before =
-                app.add_option("--before", arguments->before, "Scan set with everything closed");
-            CLI::Option* after = app.add_option("--after", arguments->after, "Scan set with a front open");
-            CLI::Option* map = app.add_option("--map", arguments->map, "URDF of the map, with its sidecar");
-            app.add_option("--front", arguments->front, "Asks for this front only (default: which moved)")
-                ->needs(map);
-            app.add_option("-o,--out", arguments->out, "URDF of the map with what was learned")->needs(map);
-            before->needs(after)->needs(map)->excludes(track);
-            after->needs(before);
-            map->needs(before);
-            add_options(app, table_of(arguments->options));
-            add_options(app, table_of(arguments->difference));
-            return [arguments](Session& session) {
-              if (!arguments->before.empty()) return articulate_map(*arguments, session);
-              if (arguments->track.empty())
-                throw Error("there is nothing to articulate", {},
-                            "give --track, or --before, --after and --map");
-              const mapping::TrackResult result =
-                  fit_track(mapping::read_track(arguments->track), arguments->options);
-              session.answer(result.summary() + "\n", result.report());
-            };
-          }};
+  return {
+      "articulate",
+      "Joints from recorded tracks, or from scans before and after something moved",
+      {"loci-map articulate --track apps/samples/tracks/door.csv",
+       "loci-map articulate --track apps/samples/tracks/drawer.csv --json"},
+      [](ArgumentTable& table) {
+        auto arguments = std::make_shared<ArticulateArguments>();
+        table.option("--track", &arguments->track, "CSV with x, y, z and maybe qx, qy, qz, qw");
+        table.option("--before", &arguments->before, "Scan set with everything closed",
+                     {.needs = {"--after", "--map"}, .excludes = {"--track"}});
+        table.option("--after", &arguments->after, "Scan set with a front open", {.needs = {"--before"}});
+        table.option("--map", &arguments->map, "URDF of the map, with its sidecar", {.needs = {"--before"}});
+        table.option("--front", &arguments->front, "Asks for this front only",
+                     {.default_text = "which moved", .needs = {"--map"}});
+        table.option("-o,--output", &arguments->out, "URDF of the map with what was learned",
+                     {.needs = {"--map"}});
+        table.options(table_of(arguments->options));
+        table.options(table_of(arguments->difference));
+        return [arguments](Session& session) {
+          if (!arguments->before.empty()) return articulate_map(*arguments, session);
+          if (arguments->track.empty())
+            throw Error("there is nothing to articulate", {}, "give --track, or --before, --after and --map");
+          const mapping::TrackResult result =
+              fit_track(mapping::read_track(arguments->track), arguments->options);
+          session.answer(result.summary() + "\n", result.report());
+        };
+      }};
 }
 
 }  // namespace loci::apps

@@ -9,15 +9,15 @@ Command check_command() {
   return {"check",
           "Says what a URDF holds, or why it is refused",
           {"loci-map check apps/samples/kitchen.urdf", "loci-map check demo-output/map.urdf --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             struct Arguments {
               std::string urdf;
               std::vector<std::string> package_paths;
             };
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("FILE", arguments->urdf, "URDF file")->required();
-            app.add_option("--package-path", arguments->package_paths,
-                           "Folder that holds packages (package://NAME/…); can be given several times");
+            table.positional("FILE", &arguments->urdf, "URDF file");
+            table.option("--package-path", &arguments->package_paths,
+                         "Folder that holds packages (package://NAME/…); can be given several times");
             return [arguments](Session& session) {
               const std::filesystem::path path = arguments->urdf;
               const mapping::MeshSearch search = {

@@ -10,19 +10,18 @@ Command compare_command() {
           "Compares a map with another map or with the truth",
           {"loci-map compare apps/samples/kitchen.urdf apps/samples/kitchen.urdf",
            "loci-map compare demo-output/map.urdf apps/samples/kitchen.urdf --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             struct Arguments {
               std::string map, truth;
               std::vector<std::string> package_paths;
               mapping::ComparisonOptions options;
             };
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("MAP", arguments->map, "URDF of the map")->required();
-            app.add_option("TRUTH", arguments->truth, "URDF (with sidecar or geometry) or truth.json")
-                ->required();
-            app.add_option("--package-path", arguments->package_paths,
-                           "Folder for package:// names; may repeat");
-            add_options(app, table_of(arguments->options));
+            table.positional("MAP", &arguments->map, "URDF of the map");
+            table.positional("TRUTH", &arguments->truth, "URDF (with sidecar or geometry) or truth.json");
+            table.option("--package-path", &arguments->package_paths,
+                         "Folder for package:// names; may repeat");
+            table.options(table_of(arguments->options));
             return [arguments](Session& session) {
               const auto read = [&](const std::string& path) {
                 mapping::MeshSearch search;

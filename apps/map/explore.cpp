@@ -45,29 +45,29 @@ void explore(ExploreArguments& arguments, Session& session) {
 }  // namespace
 
 Command explore_command() {
-  return {
-      "explore",
-      "Scans an unknown kitchen by next best view and maps it",
-      {"loci-map explore apps/samples/kitchen.urdf -o demo-output/kitchen",
-       "loci-map explore apps/samples/kitchen.urdf --interact --seed 2 -o demo-output/kitchen_2 --json"},
-      [](CLI::App& app) {
-        auto arguments = std::make_shared<ExploreArguments>();
-        app.add_option("WORLD", arguments->world, "URDF of the world that is scanned")->required();
-        app.add_option("-o,--out", arguments->out, "Folder of the map, its scans and the report")->required();
-        app.add_option("--package-path", arguments->package_paths,
-                       "Folder that holds packages (package://NAME/…); can be given several times")
-            ->allow_extra_args(false);
-        app.add_option("--start", arguments->start,
-                       "First scan: x,y,yaw_deg in the world's frame (default: the most open floor)");
-        app.add_option("--scanner", arguments->scanner, "Sensor")->check(CLI::IsMember({"hokuyo"}));
-        app.add_option("--floor", arguments->floor, "Height of the floor that is added to the world, m");
-        app.add_option("--ceiling", arguments->ceiling, "Height of a ceiling to add, m (default: none)");
-        app.add_option("--seed", arguments->options.exploration.seed, "Seed of noise and samples");
-        app.add_flag("--interact", arguments->options.interact, "Pull each handle and scan again");
-        app.add_flag("--resume", arguments->resume, "Go on with an exploration that was interrupted");
-        add_options(app, table_of(arguments->options));
-        return [arguments](Session& session) { explore(*arguments, session); };
-      }};
+  return {"explore",
+          "Scans an unknown kitchen by next best view and maps it",
+          {"loci-map explore apps/samples/kitchen.urdf -o demo-output/kitchen",
+           "loci-map explore apps/samples/kitchen.urdf --interact --seed 2 -o demo-output/kitchen_2 --json"},
+          [](ArgumentTable& table) {
+            auto arguments = std::make_shared<ExploreArguments>();
+            table.positional("WORLD", &arguments->world, "URDF of the world that is scanned");
+            table.option("-o,--output", &arguments->out, "Folder of the map, its scans and the report",
+                         {.required = true});
+            table.option("--package-path", &arguments->package_paths,
+                         "Folder that holds packages (package://NAME/…); can be given several times");
+            table.option("--start", &arguments->start, "First scan: x,y,yaw_deg in the world's frame",
+                         {.default_text = "the most open floor"});
+            table.option("--scanner", &arguments->scanner, "Sensor", {.choices = {"hokuyo"}});
+            table.option("--floor", &arguments->floor, "Height of the floor that is added to the world",
+                         {.unit = "m"});
+            table.option("--ceiling", &arguments->ceiling, "Height of a ceiling to add", {.unit = "m"});
+            table.option("--seed", &arguments->options.exploration.seed, "Seed of noise and samples");
+            table.flag("--interact", arguments->options.interact, "Pull each handle and scan again");
+            table.flag("--resume", arguments->resume, "Go on with an exploration that was interrupted");
+            table.options(table_of(arguments->options));
+            return [arguments](Session& session) { explore(*arguments, session); };
+          }};
 }
 
 }  // namespace loci::apps

@@ -115,18 +115,17 @@ Command export_command() {
           {"loci-map export apps/samples/kitchen.urdf -o demo-output/kitchen.sdf",
            "loci-map export apps/samples/kitchen.urdf --format grid --resolution-m 0.02 -o "
            "demo-output/floor.yaml"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("MAP", arguments->input,
-                           "URDF of the map (its sidecar beside it), or a folder of scans")
-                ->required();
-            app.add_option("-o,--out", arguments->out, "File to write")->required();
-            app.add_option("--format", arguments->format, "What to write; without, the file's ending says it")
-                ->check(CLI::IsMember({"sdf", "owl", "ply", "grid", "bt", "svg"}));
-            app.add_option("--root", arguments->root, "Link graph: begin with this link");
-            app.add_option("--package-path", arguments->package_paths,
-                           "Folder for package:// names; may repeat");
-            add_options(app, table_of(arguments->grid));
+            table.positional("MAP", &arguments->input,
+                             "URDF of the map (its sidecar beside it), or a folder of scans");
+            table.option("-o,--output", &arguments->out, "File to write", {.required = true});
+            table.option("--format", &arguments->format, "What to write; without, the file's ending says it",
+                         {.choices = {"sdf", "owl", "ply", "grid", "bt", "svg"}});
+            table.option("--root", &arguments->root, "Link graph: begin with this link");
+            table.option("--package-path", &arguments->package_paths,
+                         "Folder for package:// names; may repeat");
+            table.options(table_of(arguments->grid));
             return [arguments](Session& session) {
               table_of(arguments->grid).validate({"", 0, "export"});
               run(*arguments, session);

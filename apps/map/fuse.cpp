@@ -11,15 +11,15 @@ Command fuse_command() {
           "Posed depth frames to a scan set",
           {"loci-map fuse demo-output/tour -o demo-output/scans",
            "loci-map fuse demo-output/tour -o demo-output/coarse --every 2 --voxel-m 0.02 --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             struct Arguments {
               std::string recording, out;
               mapping::FusionOptions options;
             };
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("RECORDING", arguments->recording, "Folder of the recording")->required();
-            app.add_option("-o,--out", arguments->out, "Folder of the scan set")->required();
-            add_options(app, table_of(arguments->options));
+            table.positional("RECORDING", &arguments->recording, "Folder of the recording");
+            table.option("-o,--output", &arguments->out, "Folder of the scan set", {.required = true});
+            table.options(table_of(arguments->options));
             return [arguments](Session& session) {
               arguments->options.threads = session.flags().threads;
               const auto recording = mapping::open_recording(arguments->recording);

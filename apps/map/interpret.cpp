@@ -43,17 +43,17 @@ Command interpret_command() {
           "A scan set to a map: floor, walls, supports",
           {"loci-map interpret demo-output/scans -o demo-output",
            "loci-map interpret demo-output/scans -o demo-output/map --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             struct Arguments {
               std::string scans, out, names_from;
               mapping::InterpretationOptions options;
             };
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("SCANS", arguments->scans, "Folder of a scan set, or a PCD file")->required();
-            app.add_option("-o,--out", arguments->out, "Folder of the map")->required();
-            app.add_option("--names-from", arguments->names_from,
-                           "Older map (URDF) of the place: what was there before keeps its name");
-            add_options(app, table_of(arguments->options));
+            table.positional("SCANS", &arguments->scans, "Folder of a scan set, or a PCD file");
+            table.option("-o,--output", &arguments->out, "Folder of the map", {.required = true});
+            table.option("--names-from", &arguments->names_from,
+                         "Older map (URDF) of the place: what was there before keeps its name");
+            table.options(table_of(arguments->options));
             return [arguments](Session& session) {
               arguments->options.threads = session.flags().threads;
               const mapping::ScanSet scans = mapping::read_scan_set(arguments->scans);

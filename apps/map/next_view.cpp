@@ -121,28 +121,26 @@ void next(Arguments& arguments, Session& session) {
 }  // namespace
 
 Command next_view_command() {
-  return {
-      "next-view",
-      "Where to scan next, and why",
-      {"loci-map next-view demo-output/scans --robot 2.2,1.2,0",
-       "loci-map next-view demo-output/scans --robot 2.2,1.2,0 -o demo-output/next-view --json"},
-      [](CLI::App& app) {
-        auto arguments = std::make_shared<Arguments>();
-        app.add_option("SCANS", arguments->scans, "Folder of posed scans (registered, levelled)")->required();
-        app.add_option("--robot", arguments->robot,
-                       "Where the robot stands: x,y,yaw_deg (default: at the last scan)")
-            ->delimiter(',')
-            ->expected(3);
-        app.add_option("--pool", arguments->pool,
-                       "Choose one of the posed scans in this folder that SCANS does not have");
-        app.add_option("-o,--out", arguments->out, "Folder for images of the costmaps, map.bt and floor.pgm");
-        app.add_option("--seed", arguments->seed, "Seed of the samples")->check(CLI::Range(0, 1 << 30));
-        add_options(app, table_of(arguments->occupancy));
-        add_options(app, table_of(arguments->planner));
-        app.add_option("--height-m", arguments->laser.height_m, "Height of the scanner over the floor [m]")
-            ->check(CLI::Range(0.05, 5.0));
-        return [arguments](Session& session) { next(*arguments, session); };
-      }};
+  return {"next-view",
+          "Where to scan next, and why",
+          {"loci-map next-view demo-output/scans --robot 2.2,1.2,0",
+           "loci-map next-view demo-output/scans --robot 2.2,1.2,0 -o demo-output/next-view --json"},
+          [](ArgumentTable& table) {
+            auto arguments = std::make_shared<Arguments>();
+            table.positional("SCANS", &arguments->scans, "Folder of posed scans (registered, levelled)");
+            table.option("--robot", &arguments->robot, "Where the robot stands: x,y,yaw_deg",
+                         {.default_text = "at the last scan", .values = 3});
+            table.option("--pool", &arguments->pool,
+                         "Choose one of the posed scans in this folder that SCANS does not have");
+            table.option("-o,--output", &arguments->out,
+                         "Folder for images of the costmaps, map.bt and floor.pgm");
+            table.option("--seed", &arguments->seed, "Seed of the samples", {.min = 0, .max = 1 << 30});
+            table.options(table_of(arguments->occupancy));
+            table.options(table_of(arguments->planner));
+            table.option("--height-m", &arguments->laser.height_m, "Height of the scanner over the floor",
+                         {.unit = "m", .min = 0.05, .max = 5.0});
+            return [arguments](Session& session) { next(*arguments, session); };
+          }};
 }
 
 }  // namespace loci::apps

@@ -15,6 +15,7 @@ namespace {
 struct RegisterArguments {
   std::vector<std::string> scans;
   std::string out, guess;
+  bool dof_given = false;
   mapping::RegistrationOptions options;
 };
 
@@ -115,17 +116,16 @@ Command register_command() {
           "Scans to poses",
           {"loci-map register demo-output/scans --dof 6 -o demo-output/registered",
            "loci-map register demo-output/scans --dof 6 --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto arguments = std::make_shared<RegisterArguments>();
-            app.add_option("SCANS", arguments->scans, "Folder of a scan set, or several bare PCD files")
-                ->required();
-            app.add_option("-o,--out", arguments->out, "Folder for the scans at their new poses");
-            app.add_option("--guess", arguments->guess,
-                           "Of bare PCD files: x,y,z,yaw_deg of each as seen from the one before it");
-            add_options(app, table_of(arguments->options));
-            return [arguments, dof = app.get_option("--dof")](Session& session) {
-              run(*arguments, dof->count() > 0, session);
-            };
+            table.positional("SCANS...", &arguments->scans,
+                             "Folder of a scan set, or several bare PCD files");
+            table.option("-o,--output", &arguments->out, "Folder for the scans at their new poses");
+            table.option("--guess", &arguments->guess,
+                         "Of bare PCD files: x,y,z,yaw_deg of each as seen from the one before it");
+            table.options(table_of(arguments->options));
+            table.at("--dof").given = &arguments->dof_given;
+            return [arguments](Session& session) { run(*arguments, arguments->dof_given, session); };
           }};
 }
 

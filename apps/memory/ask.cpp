@@ -12,17 +12,16 @@ Command ask_command() {
           {"loci-memory ask \"Is there anything on the couch table?\" -m demo-output/memory.loci",
            "loci-memory ask \"Where did I leave the red cup?\" \"When was the last time you saw it?\" -m "
            "demo-output/memory.loci --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             struct Arguments {
               MemoryArguments memory;
               std::vector<std::string> sentences;
             };
             auto arguments = std::make_shared<Arguments>();
-            arguments->memory.declare(app);
-            app.add_option(
-                   "sentence", arguments->sentences,
-                   "A question or a task in English; of several, \"it\" is what the one before was about")
-                ->required();
+            arguments->memory.declare(table);
+            table.positional(
+                "QUESTION...", &arguments->sentences,
+                "A question or a task in English; of several, \"it\" is what the one before was about");
             return [arguments](Session& session) {
               const memory::Store store = memory::Store::open_read(arguments->memory.memory);
               const memory::AsOf as_of = arguments->memory.as_of(store);

@@ -42,13 +42,12 @@ Command catalogue_command() {
           "Object knowledge to and from another home: what there is, its names, looks and habits",
           {"loci-memory catalogue export demo-output/catalogue.json -m demo-output/memory.loci",
            "loci-memory catalogue import demo-output/catalogue.json -m demo-output/detections.loci --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("action", arguments->action, "export FILE, or import FILE")
-                ->required()
-                ->check(CLI::IsMember({"export", "import"}));
-            app.add_option("file", arguments->file, "The catalogue, JSON")->required();
-            app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
+            table.positional("ACTION", &arguments->action, "export FILE, or import FILE",
+                             {.choices = {"export", "import"}});
+            table.positional("FILE", &arguments->file, "The catalogue, JSON");
+            table.memory(arguments->memory);
             return [arguments](Session& session) {
               arguments->action == "export" ? export_to(*arguments, session)
                                             : import_from(*arguments, session);

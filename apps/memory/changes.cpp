@@ -9,21 +9,20 @@ Command changes_command() {
           "What happened between two times",
           {"loci-memory changes -m demo-output/memory.loci",
            "loci-memory changes -m demo-output/memory.loci --between 08:00 10:00"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             struct Arguments {
               MemoryArguments memory;
               SpanArguments span;
               std::string subject, place, kind;
             };
             auto arguments = std::make_shared<Arguments>();
-            arguments->memory.declare(app);
-            arguments->span.declare(app);
-            app.add_option("--object", arguments->subject, "Only of these objects");
-            app.add_option("--place", arguments->place, "Only at this place");
-            app.add_option(
-                "--kind", arguments->kind,
-                "Only appeared, reappeared, moved, gone, hidden, looks_different or joint_changed; "
-                "came, left: moves to or from the place too");
+            arguments->memory.declare(table);
+            arguments->span.declare(table);
+            table.option("--object", &arguments->subject, "Only of these objects");
+            table.option("--place", &arguments->place, "Only at this place");
+            table.option("--kind", &arguments->kind,
+                         "Only appeared, reappeared, moved, gone, hidden, looks_different or joint_changed; "
+                         "came, left: moves to or from the place too");
             return [arguments](Session& session) {
               const memory::Store store = memory::Store::open_read(arguments->memory.memory);
               const memory::AsOf as_of = arguments->memory.as_of(store);

@@ -82,15 +82,14 @@ Command edit_command() {
           "Corrections by people, with undo: merge, split, label, joint, part, say, undo, redo, list",
           {"loci-memory edit say object_1 class cup -m demo-output/memory.loci",
            "loci-memory edit list -m demo-output/memory.loci --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto arguments = std::make_shared<EditArguments>();
-            app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
-            app.add_option("action", arguments->action, kForms)
-                ->required()
-                ->check(CLI::IsMember(
-                    {"merge", "split", "label", "joint", "part", "say", "undo", "redo", "list"}));
-            app.add_option(
-                "words", arguments->words,
+            table.memory(arguments->memory);
+            table.positional(
+                "ACTION", &arguments->action, kForms,
+                {.choices = {"merge", "split", "label", "joint", "part", "say", "undo", "redo", "list"}});
+            table.positional(
+                "[WORD...]", &arguments->words,
                 "X, Y: objects (say: or a place; part: a place, link or joint); TIME as people write it");
             return [arguments](Session& session) {
               const size_t least = words_needed(arguments->action), given = arguments->words.size();

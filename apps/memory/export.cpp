@@ -74,7 +74,7 @@ int64_t export_kinds(const memory::Store& store, const fs::path& folder, Progres
     if (!kinds) continue;
     cv::Mat image(kinds->height, kinds->width, CV_8U);
     std::ranges::transform(kinds->pixels, image.ptr<uint8_t>(),
-                           [](mapping::PixelKind kind) { return static_cast<uint8_t>(kind); });
+                           [](memory::SceneKind kind) { return static_cast<uint8_t>(kind); });
     mapping::write_image(folder / fmt::format("scene_{:06}.png", scenes[i].id), image);
     ++written;
   }
@@ -88,7 +88,7 @@ int64_t export_clouds(const memory::Store& store, const fs::path& folder, Progre
   int64_t written = 0;
   for (size_t i = 0; i < objects.size(); ++i) {
     progress.check(double(i) / double(objects.size()), "clouds");
-    for (const memory::ObjectObservation& sighting : store.observations_of(objects[i].id)) {
+    for (const memory::Sighting& sighting : store.sightings(objects[i].id)) {
       const memory::SceneRow scene = store.scene(sighting.observation.scene);
       std::optional<mapping::Scan> cloud = cloud_of(store, scene, sighting.observation);
       if (!cloud) continue;
@@ -197,36 +197,35 @@ Command export_command() {
        "--json",
        "loci-memory export -m demo-output/memory.loci --dataset demo-output/dataset --by-object "
        "--recording demo-output/day"},
-      [](CLI::App& app) {
+      [](ArgumentTable& table) {
         auto arguments = std::make_shared<Arguments>();
-        app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
-        auto* output = app.add_option("-o,--output", arguments->folder, "Folder for the files");
-        app.add_flag("--labels", arguments->labels,
-                     "labels/scene_N.png: the number of the object per pixel of the depth image, 16 bits");
-        app.add_flag(
-            "--kinds", arguments->kinds,
-            "kinds/scene_N.png: what each pixel of the depth thumbnail is: 0 not measured, 1 known from "
-            "the map, 2 background, 3 region of interest");
-        app.add_flag("--clouds", arguments->clouds,
-                     "clouds/object_N_scene_M.ply: the surface of each sighting, as far as depth is kept");
-        app.add_flag("--map", arguments->map, "map.urdf: the map with what people corrected in it");
-        app.add_flag("--owl", arguments->owl,
-                     "individuals.owl: objects and their stays with time, as KnowRob names them");
-        app.add_flag("--beliefs", arguments->beliefs,
-                     "beliefs.jsonl: per scene what was believed: clusters now and before, known and "
-                     "persisting objects, relations, identities, tracking");
-        auto* dataset =
-            app.add_option("--dataset", arguments->dataset,
-                           "Instead: a folder to train from (loci-perceive train), with what each "
-                           "thing is: by labels of people first");
-        dataset->excludes(output);
-        app.add_option("--recording", arguments->recording,
-                       "Of the dataset: the recording that the memory was made from, for its full depth")
-            ->needs(dataset);
-        app.add_flag("--by-object", arguments->by_object, "Of the dataset: each object is a class of its own")
-            ->needs(dataset);
-        return [arguments, output, dataset](Session& session) {
-          if (output->empty() && dataset->empty()) throw Error("-o or --dataset is required");
+        table.memory(arguments->memory);
+        table.option("-o,--output", &arguments->folder, "Folder for the files");
+        table.flag("--labels", arguments->labels,
+                   "labels/scene_N.png: the number of the object per pixel of the depth image, 16 bits");
+        table.flag("--kinds", arguments->kinds,
+                   "kinds/scene_N.png: what each pixel of the depth thumbnail is: 0 not measured, 1 known "
+                   "from the map, 2 background, 3 region of interest");
+        table.flag("--clouds", arguments->clouds,
+                   "clouds/object_N_scene_M.ply: the surface of each sighting, as far as depth is kept");
+        table.flag("--map", arguments->map, "map.urdf: the map with what people corrected in it");
+        table.flag("--owl", arguments->owl,
+                   "individuals.owl: objects and their stays with time, as KnowRob names them");
+        table.flag("--beliefs", arguments->beliefs,
+                   "beliefs.jsonl: per scene what was believed: clusters now and before, known and "
+                   "persisting objects, relations, identities, tracking");
+        table.option("--dataset", &arguments->dataset,
+                     "Instead: a folder to train from (loci-perceive train), with what each thing is: by "
+                     "labels of people first",
+                     {.excludes = {"--output"}});
+        table.option("--recording", &arguments->recording,
+                     "Of the dataset: the recording that the memory was made from, for its full depth",
+                     {.needs = {"--dataset"}});
+        table.flag("--by-object", arguments->by_object, "Of the dataset: each object is a class of its own",
+                   {.needs = {"--dataset"}});
+        return [arguments](Session& session) {
+          if (arguments->folder.empty() && arguments->dataset.empty())
+            throw UsageError("--output or --dataset is required");
           export_memory(*arguments, session);
         };
       }};

@@ -55,21 +55,19 @@ Command merge_command() {
       {"loci-memory merge demo-output/memory.loci demo-output/memory.loci -o demo-output/merged.loci",
        "loci-memory merge demo-output/memory.loci demo-output/memory.loci --transform 0,0,0,0 -o "
        "demo-output/merged_same_frame.loci --json"},
-      [](CLI::App& app) {
+      [](ArgumentTable& table) {
         struct Arguments {
           std::string first, second, output, transform, reason;
         };
         auto arguments = std::make_shared<Arguments>();
-        app.add_option("first", arguments->first, "The memory whose map frame is that of the result")
-            ->required();
-        app.add_option("second", arguments->second, "The memory that is added")->required();
-        app.add_option("-o,--output", arguments->output, "The new memory")->required();
-        app.add_option(
-            "--transform", arguments->transform,
+        table.positional("MEMORY", &arguments->first, "The memory whose map frame is that of the result");
+        table.positional("OTHER", &arguments->second, "The memory that is added");
+        table.option("-o,--output", &arguments->output, "The new memory", {.required = true});
+        table.option(
+            "--transform", &arguments->transform,
             "Where the second map frame lies in the first: x,y,z,yaw_deg; 0,0,0,0 = it is the same one");
-        app.add_option(
-            "--reason", arguments->reason,
-            "Then reason over both together, into this new memory: what both have seen becomes one");
+        table.option("--reason", &arguments->reason,
+                     "Then reason over both together, into this new memory: what both have seen becomes one");
         return [arguments](Session& session) {
           std::optional<memory::FrameChange> frame;
           if (!arguments->transform.empty()) frame = frame_from(arguments->transform);
@@ -115,19 +113,19 @@ Command retain_command() {
           {"loci-memory retain --images 1h -m demo-output/memory.loci -o demo-output/smaller.loci",
            "loci-memory retain --images 1h --crops 2h -m demo-output/memory.loci -o "
            "demo-output/smaller.loci --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             struct Arguments {
               std::string memory, output, images, crops, reasoning;
             };
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
-            app.add_option(
-                "--images", arguments->images,
+            table.memory(arguments->memory);
+            table.option(
+                "--images", &arguments->images,
                 "Whole images, depth and clouds are kept so long (90s, 12h, 30d, 2y before the last scene)");
-            app.add_option("--crops", arguments->crops, "Crops, masks and large arrays are kept so long");
-            app.add_option("--reasoning", arguments->reasoning,
-                           "What `why` and `reason` rest on is kept so long");
-            app.add_option("-o,--output", arguments->output, "Do so in a copy and leave the memory as it is");
+            table.option("--crops", &arguments->crops, "Crops, masks and large arrays are kept so long");
+            table.option("--reasoning", &arguments->reasoning,
+                         "What `why` and `reason` rest on is kept so long");
+            table.option("-o,--output", &arguments->output, "Do so in a copy and leave the memory as it is");
             return [arguments](Session& session) {
               const memory::RetentionRules rules{age_from(arguments->images), age_from(arguments->crops),
                                                  age_from(arguments->reasoning)};

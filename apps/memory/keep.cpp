@@ -14,9 +14,9 @@ Command stat_command() {
       "stat",
       "Rows and bytes of the file by table",
       {"loci-memory stat -m demo-output/memory.loci", "loci-memory stat -m demo-output/memory.loci --json"},
-      [](CLI::App& app) {
+      [](ArgumentTable& table) {
         auto memory = std::make_shared<std::string>();
-        app.add_option("-m,--memory", *memory, "The memory, *.loci")->required();
+        table.memory(*memory);
         return [memory](Session& session) {
           std::string text = fmt::format("{:24} {:>12} {:>14}\n", "table, with its indexes", "rows", "bytes");
           Json tables = Json::object();
@@ -39,16 +39,16 @@ Command forget_command() {
       {"loci-memory forget object_1 -m demo-output/memory.loci -o demo-output/remaining.loci",
        "loci-memory forget --between 08:00 08:30 -m demo-output/memory.loci -o demo-output/remaining.loci "
        "--json"},
-      [](CLI::App& app) {
+      [](ArgumentTable& table) {
         struct Arguments {
           std::string memory, object, output;
           SpanArguments span;
         };
         auto arguments = std::make_shared<Arguments>();
-        app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
-        app.add_option("object", arguments->object, "object_12");
-        app.add_option("-o,--output", arguments->output, "Forget in a copy and leave the memory as it is");
-        arguments->span.declare(app);
+        table.memory(arguments->memory);
+        table.positional("[OBJECT]", &arguments->object, "object_12");
+        table.option("-o,--output", &arguments->output, "Forget in a copy and leave the memory as it is");
+        arguments->span.declare(table);
         return [arguments](Session& session) {
           memory::ForgetRequest request;
           {

@@ -8,14 +8,14 @@ Command kept_command() {
           "What is kept on or in a place, of all that was ever seen there",
           {"loci-memory kept drawer_1 -m demo-output/memory.loci",
            "loci-memory kept table_1 -m demo-output/memory.loci --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             struct Arguments {
               MemoryArguments memory;
               std::vector<std::string> place;
             };
             auto arguments = std::make_shared<Arguments>();
-            arguments->memory.declare(app);
-            app.add_option("place", arguments->place, "The place, e.g. table_1 or drawer_1")->required();
+            arguments->memory.declare(table);
+            table.positional("PLACE...", &arguments->place, "The place, e.g. table_1 or drawer_1");
             return [arguments](Session& session) {
               const memory::Store store = memory::Store::open_read(arguments->memory.memory);
               const memory::AsOf as_of = arguments->memory.as_of(store);

@@ -5,10 +5,12 @@
 
 namespace loci::apps {
 
-void MemoryArguments::declare(CLI::App& app) {
-  app.add_option("-m,--memory", memory, "The memory, *.loci")->required();
-  app.add_option("--at", at, "What held at this time, e.g. \"08:30\", \"yesterday 9:00\" [the end]");
-  app.add_option("--known-at", known_at, "As the memory knew it at this time, ISO 8601 [now]");
+void MemoryArguments::declare(ArgumentTable& table) {
+  table.memory(memory);
+  table.option("--at", &at, "What held at this time, e.g. \"08:30\", \"yesterday 9:00\"",
+               {.default_text = "the end"});
+  table.option("--known-at", &known_at, "As the memory knew it at this time, ISO 8601",
+               {.default_text = "now"});
 }
 
 memory::AsOf MemoryArguments::as_of(const memory::Store& store) const {
@@ -20,10 +22,10 @@ memory::AsOf MemoryArguments::as_of(const memory::Store& store) const {
   return as_of;
 }
 
-void SpanArguments::declare(CLI::App& app) {
-  auto* both = app.add_option("--between", between, "Two times")->expected(2);
-  app.add_option("--from", from, "From this time on")->excludes(both);
-  app.add_option("--to", to, "Up to this time")->excludes(both);
+void SpanArguments::declare(ArgumentTable& table) {
+  table.option("--between", &between, "Two times", {.values = 2});
+  table.option("--from", &from, "From this time on", {.excludes = {"--between"}});
+  table.option("--to", &to, "Up to this time", {.excludes = {"--between"}});
 }
 
 std::optional<TimeNs> SpanArguments::first(const memory::Store& store) const {
@@ -41,16 +43,16 @@ std::string joined(const std::vector<std::string>& words) {
 }
 
 Declare about_place() {
-  return [](CLI::App& app) {
+  return [](ArgumentTable& table) {
     struct Arguments {
       MemoryArguments memory;
       std::vector<std::string> place;
       std::string subject;
     };
     auto arguments = std::make_shared<Arguments>();
-    arguments->memory.declare(app);
-    app.add_option("place", arguments->place, "The place, e.g. table_1 or drawer_1")->required();
-    app.add_option("--object", arguments->subject, "Only these objects");
+    arguments->memory.declare(table);
+    table.positional("PLACE...", &arguments->place, "The place, e.g. table_1 or drawer_1");
+    table.option("--object", &arguments->subject, "Only these objects");
     return [arguments](Session& session) {
       const memory::Store store = memory::Store::open_read(arguments->memory.memory);
       const memory::AsOf as_of = arguments->memory.as_of(store);

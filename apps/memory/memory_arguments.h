@@ -19,7 +19,7 @@ struct MemoryArguments {
   std::string at;
   std::string known_at;
 
-  void declare(CLI::App& app);
+  void declare(ArgumentTable& table);
   /// The clocks, read against the open memory.
   memory::AsOf as_of(const memory::Store& store) const;
 };
@@ -30,7 +30,7 @@ struct SpanArguments {
   std::string from;
   std::string to;
 
-  void declare(CLI::App& app);
+  void declare(ArgumentTable& table);
   std::optional<TimeNs> first(const memory::Store& store) const;
   std::optional<TimeNs> last(const memory::Store& store) const;
 };
@@ -46,20 +46,19 @@ void answer_question(Session& session, const memory::Store& store, const Questio
 }
 
 /// What a question command takes, and what it does: open, read the clocks, ask, answer.
-using Declare = std::function<std::function<void(Session&)>(CLI::App&)>;
+using Declare = std::function<std::function<void(Session&)>(ArgumentTable&)>;
 
 /// A question about an object in words.
 template <class Question>
 Declare about_object() {
-  return [](CLI::App& app) {
+  return [](ArgumentTable& table) {
     struct Arguments {
       MemoryArguments memory;
       std::vector<std::string> subject;
     };
     auto arguments = std::make_shared<Arguments>();
-    arguments->memory.declare(app);
-    app.add_option("object", arguments->subject, "object_12, a name, a colour, a size, \"on table_1\"")
-        ->required();
+    arguments->memory.declare(table);
+    table.positional("OBJECT...", &arguments->subject, "object_12, a name, a colour, a size, \"on table_1\"");
     return [arguments](Session& session) {
       const memory::Store store = memory::Store::open_read(arguments->memory.memory);
       const memory::AsOf as_of = arguments->memory.as_of(store);
@@ -71,14 +70,14 @@ Declare about_object() {
 /// A question about a span of time.
 template <class Question>
 Declare about_span() {
-  return [](CLI::App& app) {
+  return [](ArgumentTable& table) {
     struct Arguments {
       MemoryArguments memory;
       SpanArguments span;
     };
     auto arguments = std::make_shared<Arguments>();
-    arguments->memory.declare(app);
-    arguments->span.declare(app);
+    arguments->memory.declare(table);
+    arguments->span.declare(table);
     return [arguments](Session& session) {
       const memory::Store store = memory::Store::open_read(arguments->memory.memory);
       const memory::AsOf as_of = arguments->memory.as_of(store);

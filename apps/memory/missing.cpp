@@ -8,17 +8,18 @@ Command missing_command() {
           "What is missing from the arrangement at a place",
           {"loci-memory missing table_1 -m demo-output/memory.loci",
            "loci-memory missing table_1 --for breakfast -m demo-output/memory.loci --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             struct Arguments {
               MemoryArguments memory;
               std::vector<std::string> place;
               std::string occasion;
             };
             auto arguments = std::make_shared<Arguments>();
-            arguments->memory.declare(app);
-            app.add_option("place", arguments->place, "The place, e.g. table_1 [every place]");
-            app.add_option("--for", arguments->occasion,
-                           "Only its hours: breakfast, lunch, tea, dinner [any]");
+            arguments->memory.declare(table);
+            table.positional("[PLACE...]", &arguments->place, "The place, e.g. table_1",
+                             {.default_text = "every place"});
+            table.option("--for", &arguments->occasion, "Only its hours: breakfast, lunch, tea, dinner",
+                         {.default_text = "any"});
             return [arguments](Session& session) {
               const memory::Store store = memory::Store::open_read(arguments->memory.memory);
               const memory::AsOf as_of = arguments->memory.as_of(store);

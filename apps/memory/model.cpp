@@ -28,7 +28,7 @@ Command model_command() {
       "What the observations of an object add up to: cloud, best images, evidence",
       {"loci-memory model object_1 -m demo-output/memory.loci -o demo-output/object_1.ply",
        "loci-memory model object_1 -m demo-output/memory.loci -o demo-output/object_1.ply --views 4 --json"},
-      [](CLI::App& app) {
+      [](ArgumentTable& table) {
         struct Arguments {
           MemoryArguments memory;
           std::vector<std::string> subject;
@@ -36,12 +36,11 @@ Command model_command() {
           memory::ObjectModelOptions options;
         };
         auto arguments = std::make_shared<Arguments>();
-        arguments->memory.declare(app);
-        app.add_option("object", arguments->subject, "object_12, or words that mean one object")->required();
-        app.add_option("-o,--output", arguments->output,
-                       "PLY for the cloud; the best image per side is written beside it")
-            ->required();
-        add_options(app, table_of(arguments->options));
+        arguments->memory.declare(table);
+        table.positional("OBJECT...", &arguments->subject, "object_12, or words that mean one object");
+        table.option("-o,--output", &arguments->output,
+                     "PLY for the cloud; the best image per side is written beside it", {.required = true});
+        table.options(table_of(arguments->options));
         return [arguments](Session& session) {
           table_of(arguments->options).validate();
           const memory::Store store = memory::Store::open_read(arguments->memory.memory);

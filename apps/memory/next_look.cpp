@@ -8,20 +8,18 @@ Command next_look_command() {
           "Where to look next for an object",
           {"loci-memory next-look red -m demo-output/memory.loci",
            "loci-memory next-look red --from 1.0,0.5 -m demo-output/memory.loci --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             struct Arguments {
               MemoryArguments memory;
               std::vector<std::string> subject;
               std::vector<double> from;
             };
             auto arguments = std::make_shared<Arguments>();
-            arguments->memory.declare(app);
-            app.add_option("object", arguments->subject,
-                           "object_12, a name, a colour, a size, \"on table_1\"")
-                ->required();
-            app.add_option("--from", arguments->from, "Where one stands, x,y in the map [the last camera]")
-                ->delimiter(',')
-                ->expected(2);
+            arguments->memory.declare(table);
+            table.positional("OBJECT...", &arguments->subject,
+                             "object_12, a name, a colour, a size, \"on table_1\"");
+            table.option("--from", &arguments->from, "Where one stands, x,y in the map",
+                         {.default_text = "the last camera", .values = 2});
             return [arguments](Session& session) {
               const memory::Store store = memory::Store::open_read(arguments->memory.memory);
               memory::NextLookQuestion question{.subject = joined(arguments->subject)};

@@ -11,22 +11,22 @@ Command reason_command() {
       "Runs the reasoning again over the whole past, with other parameters",
       {"loci-memory reason -m demo-output/memory.loci -o demo-output/other.loci --move-time-s 7200 --compare",
        "loci-memory reason -m demo-output/memory.loci -o demo-output/other.loci --only-compare --json"},
-      [](CLI::App& app) {
+      [](ArgumentTable& table) {
         struct Arguments {
           std::string memory, other, now;
           bool compare = false, only_compare = false;
           memory::belief::BeliefOptions options;
         };
         auto arguments = std::make_shared<Arguments>();
-        app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
-        app.add_option("-o,--other", arguments->other, "New memory for the other history")->required();
-        app.add_flag("--compare", arguments->compare, "Then say what the two histories tell differently");
-        app.add_flag("--only-compare", arguments->only_compare,
-                     "Reason nothing: compare with a history made before");
-        app.add_option("--now", arguments->now, "When the memory learns it, ISO 8601 (default: the clock)");
-        OptionTable table;
-        arguments->options.declare(table);
-        add_options(app, table);
+        table.memory(arguments->memory);
+        table.option("-o,--output", &arguments->other, "New memory for the other history",
+                     {.required = true});
+        table.flag("--compare", arguments->compare, "Then say what the two histories tell differently");
+        table.flag("--only-compare", arguments->only_compare,
+                   "Reason nothing: compare with a history made before");
+        table.option("--now", &arguments->now, "When the memory learns it, ISO 8601",
+                     {.default_text = "the clock"});
+        table.options(table_of(arguments->options));
         return [arguments](Session& session) {
           const memory::Store store = memory::Store::open_read(arguments->memory);
           memory::WriteOptions write;

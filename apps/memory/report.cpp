@@ -10,24 +10,20 @@ Command report_command() {
           "Writes a self-contained HTML page about a memory",
           {"loci-memory report -m demo-output/memory.loci -o demo-output/memory.html",
            "loci-memory report -m demo-output/memory.loci --append-to demo-output/report.html"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             struct Arguments {
               std::string memory, output, append_to;
               memory::ReportOptions options;
             };
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("-m,--memory", arguments->memory, "The memory")->required();
-            auto* output = app.add_option("-o,--output", arguments->output, "The page to write");
-            auto* append =
-                app.add_option("--append-to", arguments->append_to,
-                               "A page of loci-map's report, to which the memory's sections are added");
-            append->excludes(output);
-            app.add_option("--objects", arguments->options.objects, "So many objects at most get a card")
-                ->capture_default_str();
-            app.add_option("--scenes", arguments->options.scenes,
-                           "So many scenes at most, the last ones, in timeline, decisions and log")
-                ->capture_default_str()
-                ->check(CLI::PositiveNumber);
+            table.memory(arguments->memory);
+            table.option("-o,--output", &arguments->output, "The page to write");
+            table.option("--append-to", &arguments->append_to,
+                         "A page of loci-map's report, to which the memory's sections are added",
+                         {.excludes = {"--output"}});
+            table.option("--objects", &arguments->options.objects, "So many objects at most get a card");
+            table.option("--scenes", &arguments->options.scenes,
+                         "So many scenes at most, the last ones, in timeline, decisions and log", {.min = 1});
             return [arguments](Session& session) {
               const bool append_to_page = !arguments->append_to.empty();
               const std::string target = append_to_page ? arguments->append_to : arguments->output;

@@ -12,15 +12,14 @@ Command resolve_command() {
           "Solves one identity problem exactly",
           {"loci-memory resolve tests/data/identity/two_by_two.json",
            "loci-memory resolve tests/data/identity/two_by_two.json --best 3"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             struct Arguments {
               std::string file;
               int best = 5;
             };
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("file", arguments->file, "Problem, JSON")->required();
-            app.add_option("--best", arguments->best, "Ranked matchings to list [5]")
-                ->check(CLI::Range(0, 10000));
+            table.positional("FILE", &arguments->file, "Problem, JSON");
+            table.option("--best", &arguments->best, "Ranked matchings to list", {.min = 0, .max = 10000});
             return [arguments](Session& session) {
               memory::IdentityVector vector =
                   memory::identity_vector_from_json(read_json(arguments->file), arguments->file);

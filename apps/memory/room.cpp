@@ -6,15 +6,16 @@ namespace {
 
 template <class Question>
 Declare about_parts() {
-  return [](CLI::App& app) {
+  return [](ArgumentTable& table) {
     struct Arguments {
       MemoryArguments memory;
       std::vector<std::string> part;
     };
     auto arguments = std::make_shared<Arguments>();
-    arguments->memory.declare(app);
-    app.add_option("part", arguments->part,
-                   "Only these: a link of the map, a place, an alias, a class [everything]");
+    arguments->memory.declare(table);
+    table.positional("[PART...]", &arguments->part,
+                     "Only these: a link of the map, a place, an alias, a class",
+                     {.default_text = "everything"});
     return [arguments](Session& session) {
       const memory::Store store = memory::Store::open_read(arguments->memory.memory);
       const memory::AsOf as_of = arguments->memory.as_of(store);

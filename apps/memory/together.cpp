@@ -8,18 +8,18 @@ Command together_command() {
           "How often things are seen together",
           {"loci-memory together red -m demo-output/memory.loci",
            "loci-memory together red --with green -m demo-output/memory.loci --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             struct Arguments {
               MemoryArguments memory;
               std::vector<std::string> subject;
               std::string other;
             };
             auto arguments = std::make_shared<Arguments>();
-            arguments->memory.declare(app);
-            app.add_option("object", arguments->subject,
-                           "object_12, a name, a colour, a size, \"on table_1\"")
-                ->required();
-            app.add_option("--with", arguments->other, "The other object in words [all others]");
+            arguments->memory.declare(table);
+            table.positional("OBJECT...", &arguments->subject,
+                             "object_12, a name, a colour, a size, \"on table_1\"");
+            table.option("--with", &arguments->other, "The other object in words",
+                         {.default_text = "all others"});
             return [arguments](Session& session) {
               const memory::Store store = memory::Store::open_read(arguments->memory.memory);
               const memory::AsOf as_of = arguments->memory.as_of(store);

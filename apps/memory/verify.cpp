@@ -33,15 +33,15 @@ Command verify_command() {
           "Checks a memory file, and makes anew what follows from other rows",
           {"loci-memory verify -m demo-output/memory.loci",
            "loci-memory verify --repair -m demo-output/memory.loci --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             struct Arguments {
               std::string memory;
               bool repair = false;
             };
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("-m,--memory", arguments->memory, "The memory, *.loci")->required();
-            app.add_flag("--repair", arguments->repair,
-                         "Where stays, words or marks of objects are not what the rows say, make them anew");
+            table.memory(arguments->memory);
+            table.flag("--repair", arguments->repair,
+                       "Where stays, words or marks of objects are not what the rows say, make them anew");
             return [arguments](Session& session) {
               memory::VerifyReport report =
                   memory::Store::open_read(arguments->memory).verify(session.progress());

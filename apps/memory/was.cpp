@@ -7,16 +7,16 @@ Command was_command() {
           "Was X there between two times: yes, no, or not observed",
           {"loci-memory was red on table_1 --between 08:00 09:00 -m demo-output/memory.loci",
            "loci-memory was object_1 in drawer_1 --between 08:00 18:00 -m demo-output/memory.loci --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             struct Arguments {
               MemoryArguments memory;
               SpanArguments span;
               std::vector<std::string> words;
             };
             auto arguments = std::make_shared<Arguments>();
-            arguments->memory.declare(app);
-            arguments->span.declare(app);
-            app.add_option("words", arguments->words, "X [on|in] PLACE")->required();
+            arguments->memory.declare(table);
+            arguments->span.declare(table);
+            table.positional("WORD...", &arguments->words, "X [on|in] PLACE");
             return [arguments](Session& session) {
               const memory::Store store = memory::Store::open_read(arguments->memory.memory);
               const auto scenes = store.scenes();

@@ -26,15 +26,15 @@ Command why_command() {
           "Explains a decision: evidence, alternatives, what forbade them",
           {"loci-memory why red -m demo-output/memory.loci",
            "loci-memory why scene_3 -m demo-output/memory.loci --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             struct Arguments {
               MemoryArguments memory;
               std::vector<std::string> subject;
             };
             auto arguments = std::make_shared<Arguments>();
-            arguments->memory.declare(app);
-            app.add_option("subject", arguments->subject, "scene_12, object_12, or words for an object")
-                ->required();
+            arguments->memory.declare(table);
+            table.positional("SUBJECT...", &arguments->subject,
+                             "scene_12, object_12, or words for an object");
             return [arguments](Session& session) {
               const memory::Store store = memory::Store::open_read(arguments->memory.memory);
               const memory::AsOf as_of = arguments->memory.as_of(store);

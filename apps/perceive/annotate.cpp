@@ -69,18 +69,18 @@ Command annotate_command() {
           {"loci-perceive annotate -m demo-output/memory.loci --with BarcodeReader",
            "loci-perceive annotate -m demo-output/memory.loci --with \"ColorName: {min_fraction: 0.2}\" "
            "--again --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("-m,--memory", arguments->memory, "Memory, FILE.loci")->required();
-            app.add_option("--with", arguments->with,
-                           "Annotator, or 'Name: {option: value}'; can be given several times")
-                ->required();
-            app.add_flag("--again", arguments->again,
-                         "Asks again about what these annotators have described already");
-            app.add_option("--now", arguments->now,
-                           "When the memory learns it, ISO 8601 (default: the clock)");
-            arguments->statistics.declare(app);
-            arguments->plugins.declare(app);
+            table.memory(arguments->memory);
+            table.option("--with", &arguments->with,
+                         "Annotator, or 'Name: {option: value}'; can be given several times",
+                         {.required = true});
+            table.flag("--again", arguments->again,
+                       "Asks again about what these annotators have described already");
+            table.option("--now", &arguments->now, "When the memory learns it, ISO 8601",
+                         {.default_text = "the clock"});
+            arguments->statistics.declare(table);
+            arguments->plugins.declare(table);
             return [arguments](Session& session) { annotate(*arguments, session); };
           }};
 }

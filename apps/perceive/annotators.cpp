@@ -12,8 +12,8 @@ perception::AnnotatorRegistry all_annotators() {
   return registry;
 }
 
-void PluginOption::declare(CLI::App& app) {
-  app.add_option("--plugin", files, "Shared library with further annotators; can be given several times");
+void PluginOption::declare(ArgumentTable& table) {
+  table.option("--plugin", &files, "Shared library with further annotators; can be given several times");
 }
 
 Experts PluginOption::load() const {
@@ -24,9 +24,9 @@ Experts PluginOption::load() const {
   return experts;
 }
 
-void StatisticsTarget::declare(CLI::App& app) {
-  app.add_option("--statistics", file,
-                 "JSON file with the statistics of annotators (default: the one beside the memory)");
+void StatisticsTarget::declare(ArgumentTable& table) {
+  table.option("--statistics", &file, "JSON file with the statistics of annotators",
+               {.default_text = "the one beside the memory"});
 }
 
 std::filesystem::path StatisticsTarget::path(const std::string& memory) const {

@@ -20,7 +20,7 @@ struct Experts {
 struct PluginOption {
   std::vector<std::string> files;
 
-  void declare(CLI::App& app);
+  void declare(ArgumentTable& table);
   Experts load() const;
 };
 
@@ -28,7 +28,7 @@ struct PluginOption {
 struct StatisticsTarget {
   std::string file;
 
-  void declare(CLI::App& app);
+  void declare(ArgumentTable& table);
   /// The file, or the one beside `memory`; empty when there is neither.
   std::filesystem::path path(const std::string& memory) const;
   /// Empty when there are none yet.

@@ -84,22 +84,19 @@ Command cas_command() {
            "demo-output/weather.json",
            "loci-perceive cas tests/data/weather.xmi --types tests/data/climate.xml -o "
            "demo-output/weather.xmi --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto given = std::make_shared<Arguments>();
-            app.add_option("IN", given->in, "The CAS: .xmi, .xml or .json; or a ROS 1 bag")->required();
-            app.add_option("--types", given->types,
-                           "Its type system in UIMA's XML; may be repeated (a bag has its own)")
-                ->allow_extra_args(false);
-            app.add_option("-o,--out", given->out, "Where to: .xmi, .xml or .json")->required();
-            app.add_option("--path", given->paths,
-                           "Folder in which imports by name are looked for; may be repeated")
-                ->allow_extra_args(false);
-            app.add_flag("--with-loci", given->ours, "Together with loci's own types");
-            app.add_flag("--lenient", given->xmi.lenient,
-                         "Leaves out what the type system does not know, with a warning");
-            app.add_option("--topic", given->topic, "Of a bag: only this topic");
-            app.add_option("--messages", given->messages, "Of a bag: so many messages of each topic")
-                ->capture_default_str();
+            table.positional("IN", &given->in, "The CAS: .xmi, .xml or .json; or a ROS 1 bag");
+            table.option("--types", &given->types,
+                         "Its type system in UIMA's XML; may be repeated (a bag has its own)");
+            table.option("-o,--output", &given->out, "Where to: .xmi, .xml or .json", {.required = true});
+            table.option("--path", &given->paths,
+                         "Folder in which imports by name are looked for; may be repeated");
+            table.flag("--with-loci", given->ours, "Together with loci's own types");
+            table.flag("--lenient", given->xmi.lenient,
+                       "Leaves out what the type system does not know, with a warning");
+            table.option("--topic", &given->topic, "Of a bag: only this topic");
+            table.option("--messages", &given->messages, "Of a bag: so many messages of each topic");
             return [given](Session& session) { run(*given, session); };
           }};
 }

@@ -59,12 +59,12 @@ Command describe_command() {
           "Describes one annotator, with what is known from its runs, or the default pipeline",
           {"loci-perceive describe PlaneClusterExtractor -m demo-output/memory.loci",
            "loci-perceive describe pipeline"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("NAME", arguments->name, "Annotator, reader, or 'pipeline'")->required();
-            app.add_option("-m,--memory", arguments->memory, "Memory beside which the statistics are");
-            arguments->statistics.declare(app);
-            arguments->plugins.declare(app);
+            table.positional("NAME", &arguments->name, "Annotator, reader, or 'pipeline'");
+            table.option("-m,--memory", &arguments->memory, "Memory beside which the statistics are");
+            arguments->statistics.declare(table);
+            arguments->plugins.declare(table);
             return [arguments](Session& session) { describe_named(*arguments, session); };
           }};
 }

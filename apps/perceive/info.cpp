@@ -33,9 +33,9 @@ Command info_command() {
   return {"info",
           "What a recording holds and what was guessed",
           {"loci-perceive info demo-output/day", "loci-perceive info demo-output/tour --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto path = std::make_shared<std::string>();
-            app.add_option("RECORDING", *path, "Folder of the recording")->required();
+            table.positional("RECORDING", &*path, "Folder of the recording");
             return [path](Session& session) {
               const auto recording = mapping::open_recording(*path);
               session.answer(info_text(recording->info()), to_json(recording->info()));

@@ -53,11 +53,11 @@ Command list_command() {
   return {"list",
           "Lists the annotators, with what is known from their runs",
           {"loci-perceive list", "loci-perceive list -m demo-output/memory.loci --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("-m,--memory", arguments->memory, "Memory beside which the statistics are");
-            arguments->statistics.declare(app);
-            arguments->plugins.declare(app);
+            table.option("-m,--memory", &arguments->memory, "Memory beside which the statistics are");
+            arguments->statistics.declare(table);
+            arguments->plugins.declare(table);
             return [arguments](Session& session) { list(*arguments, session); };
           }};
 }

@@ -6,10 +6,10 @@
 
 namespace loci::apps {
 
-void MemoryTarget::declare(CLI::App& app) {
-  app.add_option("-m,--memory", memory, "Memory to write to, FILE.loci (made when it does not exist)");
-  app.add_flag("--resume", resume, "Go on with a recording that the memory has in part");
-  app.add_option("--now", now, "When the memory learns it, ISO 8601 (default: the clock)");
+void MemoryTarget::declare(ArgumentTable& table) {
+  table.option("-m,--memory", &memory, "Memory to write to, FILE.loci (made when it does not exist)");
+  table.flag("--resume", resume, "Go on with a recording that the memory has in part");
+  table.option("--now", &now, "When the memory learns it, ISO 8601", {.default_text = "the clock"});
 }
 
 void MemoryTarget::prepare(const std::string& map, perception::Pipeline& pipeline,

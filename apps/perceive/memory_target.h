@@ -14,7 +14,7 @@ struct MemoryTarget {
   bool resume = false;
   std::string now;  ///< ISO 8601; empty = the machine's clock
 
-  void declare(CLI::App& app);
+  void declare(ArgumentTable& table);
   /// Opens the memory for what the resources hold and adds identity and writer to the pipeline. Nothing
   /// without a memory.
   void prepare(const std::string& map, perception::Pipeline& pipeline,

@@ -63,15 +63,13 @@ Command read_command() {
           "Barcodes, QR codes and printed words of images",
           {"loci-perceive read tests/data/images/ean13.png",
            "loci-perceive read tests/data/images/ean13.png tests/data/products/Oatly-Oat-Milk.jpg --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto given = std::make_shared<Arguments>();
-            app.add_option("IMAGES", given->images, "Images (PNG, JPEG)")->required();
-            app.add_option("--language", given->language, "Of the text, as Tesseract names it")
-                ->capture_default_str();
-            app.add_option("--min-confidence", given->min_confidence, "Words that are less sure are left out")
-                ->check(CLI::Range(0.0, 1.0))
-                ->capture_default_str();
-            app.add_flag("--no-text", given->no_text, "Only codes");
+            table.positional("IMAGE...", &given->images, "Images (PNG, JPEG)");
+            table.option("--language", &given->language, "Of the text, as Tesseract names it");
+            table.option("--min-confidence", &given->min_confidence, "Words that are less sure are left out",
+                         {.min = 0.0, .max = 1.0});
+            table.flag("--no-text", given->no_text, "Only codes");
             return [given](Session& session) { read(*given, session); };
           }};
 }

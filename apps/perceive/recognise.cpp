@@ -89,12 +89,11 @@ Command index_command() {
           "Makes an index of products from a folder of images and descriptions",
           {"loci-perceive index tests/data/products -o demo-output/products.index",
            "loci-perceive index tests/data/products -o demo-output/products.index --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto given = std::make_shared<IndexArguments>();
-            app.add_option("CATALOGUE", given->catalogue,
-                           "Folder with catalogue.csv, saved web pages, or images named after products")
-                ->required();
-            app.add_option("-o,--out", given->out, "The index")->required();
+            table.positional("CATALOGUE", &given->catalogue,
+                             "Folder with catalogue.csv, saved web pages, or images named after products");
+            table.option("-o,--output", &given->out, "The index", {.required = true});
             return [given](Session& session) { make_index(*given, session); };
           }};
 }
@@ -106,13 +105,13 @@ Command recognise_command() {
            "tests/data/products",
            "loci-perceive recognise tests/data/images/Alpro-Blueberry-Soyghurt_001.jpg --index "
            "tests/data/products --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto given = std::make_shared<RecogniseArguments>();
-            app.add_option("IMAGES", given->images, "Images (PNG, JPEG)")->required();
-            app.add_option("--index", given->index, "Made by `loci-perceive index`, or a catalogue's folder")
-                ->required();
-            app.add_option("--most", given->most, "So many products of each image")->capture_default_str();
-            add_options(app, table_of(given->options));
+            table.positional("IMAGE...", &given->images, "Images (PNG, JPEG)");
+            table.option("--index", &given->index, "Made by `loci-perceive index`, or a catalogue's folder",
+                         {.required = true});
+            table.option("--most", &given->most, "So many products of each image");
+            table.options(table_of(given->options));
             return [given](Session& session) { recognise(*given, session); };
           }};
 }

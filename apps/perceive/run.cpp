@@ -36,32 +36,31 @@ struct Arguments {
   std::vector<std::string> with;
 };
 
-void declare(CLI::App& app, Arguments& arguments) {
-  app.add_option("RECORDING", arguments.recording, "Folder of the recording")->required();
-  app.add_option("--map", arguments.map, "URDF of the kitchen (its sidecar is found beside it)");
-  app.add_option("--package-path", arguments.package_paths,
-                 "Folder that holds packages (package://NAME/…); can be given several times");
-  app.add_option("--robot", arguments.robots,
-                 "URDF[,JOINTS.csv] of a robot that may be in view; can be given several times");
-  app.add_option("--pipeline", arguments.pipeline,
-                 "Pipeline as YAML; the default one is shown by `describe pipeline`");
-  app.add_option("--every", arguments.every, "Take every n-th frame")->check(CLI::PositiveNumber);
-  arguments.memory.declare(app);
-  arguments.statistics.declare(app);
-  arguments.plugins.declare(app);
-  CLI::Option* goal =
-      app.add_option("--for", arguments.goal,
-                     "What is looked for, \"class=mug color=red on=table_1\": annotators are chosen for it");
-  goal->excludes("--pipeline");
-  app.add_option("--budget-ms", arguments.budget_ms, "Expected time per scene that --for may use")
-      ->check(CLI::PositiveNumber)
-      ->needs(goal);
-  app.add_option("--with", arguments.with,
-                 "Options of an annotator that --for may choose: 'Name: {option: value}'")
-      ->needs(goal);
-  app.add_option("--labels", arguments.labels,
-                 "Folder for label images FRAME_label.png (0 = none, n = object)");
-  app.add_option("--images", arguments.images, "Folder for colour images with what was found drawn in");
+void declare(ArgumentTable& table, Arguments& arguments) {
+  table.positional("RECORDING", &arguments.recording, "Folder of the recording");
+  table.option("--map", &arguments.map, "URDF of the kitchen (its sidecar is found beside it)");
+  table.option("--package-path", &arguments.package_paths,
+               "Folder that holds packages (package://NAME/…); can be given several times");
+  table.option("--robot", &arguments.robots,
+               "URDF[,JOINTS.csv] of a robot that may be in view; can be given several times");
+  table.option("--pipeline", &arguments.pipeline,
+               "Pipeline as YAML; the default one is shown by `describe pipeline`");
+  table.option("--every", &arguments.every, "Take every n-th frame",
+               {.default_text = "as in the pipeline", .min = 1});
+  arguments.memory.declare(table);
+  arguments.statistics.declare(table);
+  arguments.plugins.declare(table);
+  table.option("--for", &arguments.goal,
+               "What is looked for, \"class=mug color=red on=table_1\": annotators are chosen for it",
+               {.excludes = {"--pipeline"}});
+  table.option("--budget-ms", &arguments.budget_ms, "Expected time per scene that --for may use",
+               {.default_text = "no limit", .min = 1, .needs = {"--for"}});
+  table.option("--with", &arguments.with,
+               "Options of an annotator that --for may choose: 'Name: {option: value}'",
+               {.needs = {"--for"}});
+  table.option("--labels", &arguments.labels,
+               "Folder for label images FRAME_label.png (0 = none, n = object)");
+  table.option("--images", &arguments.images, "Folder for colour images with what was found drawn in");
 }
 
 /// The steps of the default pipeline that find the objects: those before the first that needs them.
@@ -203,9 +202,9 @@ Command run_command() {
            "--resume",
            "loci-perceive run demo-output/day --every 6 --json",
            "loci-perceive run demo-output/day --every 6 --for \"color=red\" --budget-ms 2000"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
-            declare(app, *arguments);
+            declare(table, *arguments);
             return [arguments](Session& session) { run(*arguments, session); };
           }};
 }

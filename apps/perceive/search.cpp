@@ -126,12 +126,12 @@ Command serve_command() {
       "Answers visual searches over HTTP: products, logos, text and codes, from an index and experts",
       {"timeout --preserve-status -s INT 3 loci-perceive serve --index tests/data/products --port 0",
        "timeout --preserve-status -s INT 3 loci-perceive serve --index tests/data/products --port 0 --json"},
-      [](CLI::App& app) {
+      [](ArgumentTable& table) {
         auto given = std::make_shared<ServeArguments>();
-        app.add_option("--index", given->index, "Made by `loci-perceive index`, or a catalogue's folder")
-            ->required();
-        add_options(app, table_of(given->server));
-        add_options(app, table_of(given->service));
+        table.option("--index", &given->index, "Made by `loci-perceive index`, or a catalogue's folder",
+                     {.required = true});
+        table.options(table_of(given->server));
+        table.options(table_of(given->service));
         return [given](Session& session) { serve(*given, session); };
       }};
 }
@@ -142,12 +142,12 @@ Command search_command() {
           {"loci-perceive search tests/data/images/Alpro-Blueberry-Soyghurt_001.jpg --index "
            "tests/data/products",
            "loci-perceive search tests/data/images/ean13.png --index tests/data/products --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto given = std::make_shared<SearchArguments>();
-            app.add_option("IMAGES", given->images, "Images (PNG, JPEG)")->required();
-            app.add_option("--index", given->index,
-                           "Ask a server of this command's own, at a free port of this machine, instead");
-            add_options(app, table_of(given->options));
+            table.positional("IMAGE...", &given->images, "Images (PNG, JPEG)");
+            table.option("--index", &given->index,
+                         "Ask a server of this command's own, at a free port of this machine, instead");
+            table.options(table_of(given->options));
             return [given](Session& session) { search(*given, session); };
           }};
 }

@@ -33,22 +33,19 @@ void run(const Arguments& given, Session& session) {
 }  // namespace
 
 Command surface_command() {
-  return {
-      "surface",
-      "Averages images of an empty workspace, so that flat things are found on it (FlatObjectExtractor)",
-      {"loci-perceive surface demo-output/day -o demo-output/surface.png --frames 5",
-       "loci-perceive surface demo-output/day -o demo-output/surface.png --json"},
-      [](CLI::App& app) {
-        auto given = std::make_shared<Arguments>();
-        app.add_option("RECORDING", given->recording,
-                       "Recording of the empty workspace by a camera that stands still")
-            ->required();
-        app.add_option("-o,--output", given->output, "PNG, 16 bit, in tenths of a millimetre")->required();
-        app.add_option("--frames", given->frames, "Images to take at most")
-            ->check(CLI::PositiveNumber)
-            ->capture_default_str();
-        return [given](Session& session) { run(*given, session); };
-      }};
+  return {"surface",
+          "Averages images of an empty workspace, so that flat things are found on it (FlatObjectExtractor)",
+          {"loci-perceive surface demo-output/day -o demo-output/surface.png --frames 5",
+           "loci-perceive surface demo-output/day -o demo-output/surface.png --json"},
+          [](ArgumentTable& table) {
+            auto given = std::make_shared<Arguments>();
+            table.positional("RECORDING", &given->recording,
+                             "Recording of the empty workspace by a camera that stands still");
+            table.option("-o,--output", &given->output, "PNG, 16 bit, in tenths of a millimetre",
+                         {.required = true});
+            table.option("--frames", &given->frames, "Images to take at most", {.min = 1});
+            return [given](Session& session) { run(*given, session); };
+          }};
 }
 
 }  // namespace loci::apps

@@ -84,32 +84,29 @@ void train(Arguments& given, Session& session) {
 }  // namespace
 
 Command train_command() {
-  return {
-      "train",
-      "Trains a classifier of clusters from labelled images",
-      {"loci-perceive train tests/data/blocks -o demo-output/blocks.model --folds 2",
-       "loci-perceive train tests/data/blocks -o demo-output/blocks.model --folds 2 --expert VFH:knn:L1 "
-       "--k 2 --json",
-       "loci-perceive train tests/data/blocks -o demo-output/blocks.templates --templates"},
-      [](CLI::App& app) {
-        auto given = std::make_shared<Arguments>();
-        app.add_option("DATASET", given->dataset,
-                       "Recording with FRAME_label.png for its depth images (0 not judged, 1 to 19 table, "
-                       "from 20 on tens are objects) and objects.csv (scene, label_group, class)")
-            ->required();
-        app.add_option("-o,--out", given->out, "The model, for the annotator FeatureClassifier")->required();
-        app.add_option("--expert", given->experts,
-                       "DESCRIPTOR:CLASSIFIER[:DISTANCE], several times; they are fused")
-            ->capture_default_str();
-        app.add_flag("--templates", given->templates,
-                     "Templates of whole images instead, for the annotator TemplateDetector");
-        app.add_option("--folds", given->folds, "Parts for cross-validation")
-            ->check(CLI::Range(2, 100))
-            ->capture_default_str();
-        app.add_option("--seed", given->seed, "Of the forests")->capture_default_str();
-        add_options(app, table_of(given->options));
-        return [given](Session& session) { train(*given, session); };
-      }};
+  return {"train",
+          "Trains a classifier of clusters from labelled images",
+          {"loci-perceive train tests/data/blocks -o demo-output/blocks.model --folds 2",
+           "loci-perceive train tests/data/blocks -o demo-output/blocks.model --folds 2 --expert VFH:knn:L1 "
+           "--k 2 --json",
+           "loci-perceive train tests/data/blocks -o demo-output/blocks.templates --templates"},
+          [](ArgumentTable& table) {
+            auto given = std::make_shared<Arguments>();
+            table.positional(
+                "DATASET", &given->dataset,
+                "Recording with FRAME_label.png for its depth images (0 not judged, 1 to 19 table, from 20 "
+                "on tens are objects) and objects.csv (scene, label_group, class)");
+            table.option("-o,--output", &given->out, "The model, for the annotator FeatureClassifier",
+                         {.required = true});
+            table.option("--expert", &given->experts,
+                         "DESCRIPTOR:CLASSIFIER[:DISTANCE], several times; they are fused");
+            table.flag("--templates", given->templates,
+                       "Templates of whole images instead, for the annotator TemplateDetector");
+            table.option("--folds", &given->folds, "Parts for cross-validation", {.min = 2, .max = 100});
+            table.option("--seed", &given->seed, "Of the forests");
+            table.options(table_of(given->options));
+            return [given](Session& session) { train(*given, session); };
+          }};
 }
 
 }  // namespace loci::apps

@@ -34,24 +34,19 @@ Command types_command() {
           "Loads and lists type systems, or says with file and line why not",
           {"loci-perceive types perception/types/scene.xml",
            "loci-perceive types tests/data/climate.xml --with-loci --json"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             auto given = std::make_shared<TypesArguments>();
-            auto* files = app.add_option("FILE", given->files, "Type systems in UIMA's XML");
-            app.add_option("--path", given->paths,
-                           "Folder in which imports by name are looked for; may be repeated")
-                ->allow_extra_args(false);
-            auto* ours = app.add_flag("--with-loci", given->ours,
-                                      "Together with loci's own types, which the files may use");
-            auto* ros = app.add_option("--ros", given->ros,
-                                       "The types of ROS messages instead: a bag, or a folder of .msg files")
-                            ->excludes(files)
-                            ->excludes(ours);
-            app.add_option("-o,--out", given->out, "Where the types of ROS messages are written as XML")
-                ->needs(ros);
-            app.parse_complete_callback([given] {
-              if (given->files.empty() && given->ros.empty()) throw CLI::RequiredError("FILE or --ros");
-            });
+            table.positional("[FILE...]", &given->files, "Type systems in UIMA's XML");
+            table.option("--path", &given->paths,
+                         "Folder in which imports by name are looked for; may be repeated");
+            table.flag("--with-loci", given->ours, "Together with loci's own types, which the files may use");
+            table.option("--ros", &given->ros,
+                         "The types of ROS messages instead: a bag, or a folder of .msg files",
+                         {.excludes = {"FILE", "--with-loci"}});
+            table.option("-o,--output", &given->out, "Where the types of ROS messages are written as XML",
+                         {.needs = {"--ros"}});
             return [given](Session& session) {
+              if (given->files.empty() && given->ros.empty()) throw UsageError("FILE or --ros is required");
               const auto system = load(*given);
               session.answer(perception::cas::types_text(*system), perception::cas::types_json(*system));
             };

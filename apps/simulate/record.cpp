@@ -10,18 +10,17 @@ Command record_command() {
           "Plays a scenario and renders it",
           {"loci-simulate record apps/samples/day.yaml -o demo-output/day",
            "loci-simulate record apps/samples/tour.yaml -o demo-output/tour --seed 1 --noise kinect"},
-          [](CLI::App& app) {
+          [](ArgumentTable& table) {
             struct Arguments {
               std::string scenario, output;
               mapping::RecordOptions options;
             };
             auto arguments = std::make_shared<Arguments>();
-            app.add_option("SCENARIO", arguments->scenario, "Scenario (YAML)")->required();
-            app.add_option("-o,--output", arguments->output, "Folder of the recording")->required();
-            app.add_option("--package-path", arguments->options.package_paths,
-                           "Folder that holds packages (package://NAME/…); can be given several times")
-                ->allow_extra_args(false);
-            add_options(app, table_of(arguments->options));
+            table.positional("SCENARIO", &arguments->scenario, "Scenario (YAML)");
+            table.option("-o,--output", &arguments->output, "Folder of the recording", {.required = true});
+            table.option("--package-path", &arguments->options.package_paths,
+                         "Folder that holds packages (package://NAME/…); can be given several times");
+            table.options(table_of(arguments->options));
             return [arguments](Session& session) {
               arguments->options.threads = session.flags().threads;
               const mapping::RecordResult result =

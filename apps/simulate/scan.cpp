@@ -113,22 +113,20 @@ Command scan_command() {
       {"loci-simulate scan apps/samples/kitchen.urdf --poses \"1.5,1.5,0; 2.5,1.5,180\" -o demo-output/laser",
        "loci-simulate scan apps/samples/kitchen.urdf --poses \"1.5,1.5,90\" --joints "
        "drawer_1_front_joint=0.3 --odometry --seed 7 -o demo-output/laser_open"},
-      [](CLI::App& app) {
+      [](ArgumentTable& table) {
         auto arguments = std::make_shared<Arguments>();
-        app.add_option("WORLD", arguments->world, "World (URDF)")->required();
-        app.add_option(
-               "--poses", arguments->poses,
-               "Where the robot stands: \"x,y,yaw_deg; x,y,yaw_deg; …\", metres, in the world's frame")
-            ->required();
-        app.add_option("-o,--output", arguments->out, "Folder of the scan set")->required();
-        app.add_option("--package-path", arguments->package_paths,
-                       "Folder that holds packages (package://NAME/…); can be given several times")
-            ->allow_extra_args(false);
-        app.add_option("--floor", arguments->floor,
-                       "Height of a floor that is added where the world has none, or 'none' [m]");
-        app.add_option("--ceiling", arguments->ceiling, "Likewise of a ceiling [m]");
-        app.add_option("--joints", arguments->joints, "What stands open: joint=value … [m or rad]");
-        add_options(app, table_of(*arguments));
+        table.positional("WORLD", &arguments->world, "World (URDF)");
+        table.option("--poses", &arguments->poses,
+                     "Where the robot stands: \"x,y,yaw_deg; x,y,yaw_deg; …\", metres, in the world's frame",
+                     {.required = true});
+        table.option("-o,--output", &arguments->out, "Folder of the scan set", {.required = true});
+        table.option("--package-path", &arguments->package_paths,
+                     "Folder that holds packages (package://NAME/…); can be given several times");
+        table.option("--floor", &arguments->floor,
+                     "Height of a floor that is added where the world has none, or 'none'", {.unit = "m"});
+        table.option("--ceiling", &arguments->ceiling, "Likewise of a ceiling", {.unit = "m"});
+        table.option("--joints", &arguments->joints, "What stands open: joint=value …", {.unit = "m or rad"});
+        table.options(table_of(*arguments));
         return [arguments](Session& session) { scan(*arguments, session); };
       }};
 }
