@@ -1,7 +1,6 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
-
+#include "apps/cli/arguments.h"
 #include "perception/pipeline/plugin.h"
 #include "perception/pipeline/statistics.h"
 

@@ -68,14 +68,77 @@ TEST_P(EveryProgram, CallsWrongUsageWrongUsage) {
   EXPECT_EQ(run(std::string(GetParam()) + " --no-such-flag").exit_code, 2);
 }
 
+TEST_P(EveryProgram, PrintsItsVersion) {
+  EXPECT_THAT(run(std::string(GetParam()) + " --version").out, testing::StartsWith("loci "));
+}
+
 INSTANTIATE_TEST_SUITE_P(Programs, EveryProgram,
                          testing::Values("loci-map", "loci-perceive", "loci-memory", "loci-simulate",
-                                         "loci-evaluate"));
+                                         "loci-evaluate", "loci"));
 
 TEST(Commands, SuggestTheNearestForAnUnknownOne) {
   const Outcome outcome = run("loci-map chek");
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.error, testing::HasSubstr("did you mean 'check'?"));
+}
+
+TEST(Commands, ExplainWrongUsageInOneLine) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"loci-map", "loci-map: no command is given; see loci-map --help\n"},
+      {"loci-map fuse", "loci-map fuse: RECORDING is required; see loci-map fuse --help\n"},
+      {"loci-map fuse recording --ouput scans",
+       "loci-map fuse: unknown option '--ouput' (did you mean '--output'?); see loci-map fuse --help\n"},
+      {"loci-map fuse recording --ouput=scans",
+       "loci-map fuse: unknown option '--ouput' (did you mean '--output'?); see loci-map fuse --help\n"},
+      {"loci-map check a.urdf b.urdf",
+       "loci-map check: unexpected argument 'b.urdf'; see loci-map check --help\n"},
+      {"loci-map fuse recording -o scans --every x",
+       "loci-map fuse: --every: 'x' is not a whole number; see loci-map fuse --help\n"},
+      {"loci-map check a.urdf --threads 2000",
+       "loci-map check: --threads: 2000 is not allowed (0 to 1024); see loci-map check --help\n"},
+      {"loci-map export a.urdf -o b --format stl",
+       "loci-map export: --format: 'stl' is not one of sdf, owl, ply, grid, bt, svg; see loci-map export "
+       "--help\n"},
+      {"loci-map articulate --before scans",
+       "loci-map articulate: --before needs --after; see loci-map articulate --help\n"},
+  };
+  for (const auto& [command, message] : cases) {
+    const Outcome outcome = run(command);
+    EXPECT_EQ(outcome.exit_code, 2) << command;
+    EXPECT_EQ(outcome.error, message);
+    EXPECT_EQ(outcome.out, "") << command;
+  }
+}
+
+TEST(Dispatcher, RunsTheProgramsBesideIt) {
+  EXPECT_EQ(run("loci map check apps/samples/kitchen.urdf").out,
+            run("loci-map check apps/samples/kitchen.urdf").out);
+  EXPECT_EQ(run("loci help map check").out, run("loci-map check --help").out);
+  EXPECT_EQ(run("loci map check absent.urdf").exit_code, 1);
+  EXPECT_EQ(run("loci version").out, run("loci-map --version").out);
+  const Outcome outcome = run("loci mpa check");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_EQ(outcome.error, "loci: unknown program 'mpa' (did you mean 'map'?); see loci --help\n");
+}
+
+TEST(Memory, IsFoundWhenTheCommandLineDoesNotNameIt) {
+  const std::string folder = fresh_folder();
+  const std::string inside = "cd '" + folder + "' && ";
+  EXPECT_EQ(run(inside + "loci-memory objects").exit_code, 2) << "there is none";
+  const std::string detections = std::string(LOCI_SOURCE_DIR) + "/apps/samples/detections.jsonl";
+  ASSERT_EQ(run(inside + "loci-memory ingest " + detections + " -m one.loci").exit_code, 0);
+  const Outcome named = run(inside + "loci-memory objects -m one.loci");
+  const Outcome only = run(inside + "loci-memory objects");
+  EXPECT_EQ(only.out, named.out);
+  EXPECT_EQ(only.error, "memory: one.loci (the only memory in this folder)\n");
+  EXPECT_EQ(run(inside + "loci-memory objects --quiet").error, "");
+  const Outcome variable = run("LOCI_MEMORY='" + folder + "/one.loci' loci-memory objects");
+  EXPECT_EQ(variable.out, named.out);
+  EXPECT_EQ(variable.error, "memory: " + folder + "/one.loci (from LOCI_MEMORY)\n");
+  fs::copy_file(folder + "/one.loci", folder + "/two.loci");
+  const Outcome two = run(inside + "loci-memory objects");
+  EXPECT_EQ(two.exit_code, 2);
+  EXPECT_THAT(two.error, testing::HasSubstr("several memories"));
 }
 
 }  // namespace

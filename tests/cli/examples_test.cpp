@@ -6,10 +6,12 @@
 
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <sstream>
 #include <vector>
 
 #include "mapping/base/files.h"
+#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
 #include "tests/cli/command.h"
 
@@ -31,25 +33,12 @@ std::vector<std::string> lines(const std::string& text) {
   return result;
 }
 
-/// The commands of a program.
-std::vector<std::string> commands_of(const std::string& program) {
-  std::vector<std::string> names;
-  bool inside = false;
-  for (const std::string& line : lines(run(program + " --help").out)) {
-    if (inside && line.starts_with("  ") && !line.starts_with("   "))
-      names.push_back(line.substr(2, line.find(' ', 2) - 2));
-    if (line.starts_with("Subcommands:")) inside = true;
-  }
-  return names;
-}
-
-std::vector<std::string> help_examples(const std::string& program, const std::string& command) {
-  std::vector<std::string> examples;
-  bool inside = false;
-  for (const std::string& line : lines(run(program + " " + command + " --help").out)) {
-    if (inside && line.starts_with("  ")) examples.push_back(line.substr(2));
-    if (line.starts_with("Examples:")) inside = true;
-  }
+/// The examples of a program's commands, by command.
+std::map<std::string, std::vector<std::string>> help_examples(const std::string& program) {
+  std::map<std::string, std::vector<std::string>> examples;
+  const Json json = parse_json(run(program + " --describe-cli").out, program);
+  for (const Json& command : json.at("commands"))
+    examples[command.at("name")] = command.at("examples").get<std::vector<std::string>>();
   return examples;
 }
 
@@ -102,8 +91,7 @@ class Examples : public testing::Test {
 // One test, as making the folder costs more than the examples.
 TEST_F(Examples, OfHelpAndDocumentsWorkAsPrinted) {
   for (const std::string& program : kPrograms) {
-    for (const std::string& command : commands_of(program)) {
-      const auto examples = help_examples(program, command);
+    for (const auto& [command, examples] : help_examples(program)) {
       EXPECT_GE(examples.size(), 2U) << program << " " << command << " has too few examples";
       for (const std::string& example : examples) expect_works(example);
     }

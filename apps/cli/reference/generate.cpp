@@ -136,7 +136,7 @@ std::string program_page(const Json& program) {
 // Completions
 
 /// Text in single quotes of a shell.
-std::string quoted(const std::string& text) {
+std::string shell_word(const std::string& text) {
   return "'" + replaced(text, "'", "'\\''") + "'";
 }
 
@@ -184,16 +184,17 @@ std::string bash_completion(const Json& program) {
     for (const Json& argument : command.at("arguments")) {
       const std::string choices = choices_of(argument);
       if (positional(argument)) {
-        if (!choices.empty()) words += fmt::format("  [{}]={}\n", quoted(key), quoted(choices));
+        if (!choices.empty()) words += fmt::format("  [{}]={}\n", shell_word(key), shell_word(choices));
         continue;
       }
       for (const std::string& spelling : spellings(argument)) {
         names.push_back(spelling);
         if (!text_of(argument, "value_name").empty() && (!choices.empty() || !may_be_file(argument)))
-          values += fmt::format("  [{}]={}\n", quoted(key + " " + spelling), quoted(choices));
+          values += fmt::format("  [{}]={}\n", shell_word(key + " " + spelling), shell_word(choices));
       }
     }
-    options += fmt::format("  [{}]={}\n", quoted(key), quoted(fmt::format("{}", fmt::join(names, " "))));
+    options +=
+        fmt::format("  [{}]={}\n", shell_word(key), shell_word(fmt::format("{}", fmt::join(names, " "))));
   }
   std::string text = fmt::format("# Completion of {} in bash.\n{}", name, kBashComplete);
   for (const auto& [table, rows] : {std::pair("options", &options), {"values", &values}, {"words", &words}})
@@ -243,12 +244,12 @@ std::string zsh_arguments(const Json& command) {
       action += !choices.empty() ? "(" + choices + ")" : may_be_file(argument) ? "_files" : "";
     const bool list = argument.at("list").get<bool>();
     if (positional(argument)) {
-      text += " " + quoted((list ? "*" : ":") + action);
+      text += " " + shell_word((list ? "*" : ":") + action);
       continue;
     }
     for (const std::string& spelling : spellings(argument))
-      text += " " + quoted((list ? "*" : "") + spelling + "[" + zsh_text(text_of(argument, "description")) +
-                           "]" + action);
+      text += " " + shell_word((list ? "*" : "") + spelling + "[" +
+                               zsh_text(text_of(argument, "description")) + "]" + action);
   }
   return "_arguments" + text;
 }
@@ -259,7 +260,7 @@ std::string zsh_completion(const Json& program) {
   for (const Json& command : program.at("commands")) {
     const std::string own = text_of(command, "name");
     if (own.empty()) return "#compdef " + name + "\n" + zsh_arguments(command) + "\n";
-    commands += "  " + quoted(own + ":" + text_of(command, "description")) + "\n";
+    commands += "  " + shell_word(own + ":" + text_of(command, "description")) + "\n";
     cases += "  " + own + ") " + zsh_arguments(command) + " ;;\n";
   }
   if (program.contains("dispatcher")) cases = "  *) words[1]=loci-$command; _normal ;;\n";
