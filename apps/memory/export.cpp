@@ -74,7 +74,7 @@ int64_t export_kinds(const memory::Store& store, const fs::path& folder, Progres
     if (!kinds) continue;
     cv::Mat image(kinds->height, kinds->width, CV_8U);
     std::ranges::transform(kinds->pixels, image.ptr<uint8_t>(),
-                           [](memory::SceneKind kind) { return static_cast<uint8_t>(kind); });
+                           [](mapping::PixelKind kind) { return static_cast<uint8_t>(kind); });
     mapping::write_image(folder / fmt::format("scene_{:06}.png", scenes[i].id), image);
     ++written;
   }
@@ -88,7 +88,7 @@ int64_t export_clouds(const memory::Store& store, const fs::path& folder, Progre
   int64_t written = 0;
   for (size_t i = 0; i < objects.size(); ++i) {
     progress.check(double(i) / double(objects.size()), "clouds");
-    for (const memory::Sighting& sighting : store.sightings(objects[i].id)) {
+    for (const memory::ObjectObservation& sighting : store.observations_of(objects[i].id)) {
       const memory::SceneRow scene = store.scene(sighting.observation.scene);
       std::optional<mapping::Scan> cloud = cloud_of(store, scene, sighting.observation);
       if (!cloud) continue;

@@ -27,10 +27,14 @@ std::string text_of(const Json& json, const char* key) {
   return json.at(key).get<std::string>();
 }
 
-std::string replaced(std::string text, std::string_view what, std::string_view with) {
-  for (size_t at = text.find(what); at != text.npos; at = text.find(what, at + with.size()))
-    text.replace(at, what.size(), with);
-  return text;
+std::string replaced(const std::string& text, const std::string& what, const std::string& with) {
+  std::string result;
+  size_t begin = 0;
+  for (size_t at = text.find(what); at != text.npos; at = text.find(what, begin)) {
+    result.append(text, begin, at - begin).append(with);
+    begin = at + what.size();
+  }
+  return result.append(text, begin);
 }
 
 /// What the program prints with --describe-cli.
@@ -137,7 +141,7 @@ std::string program_page(const Json& program) {
 
 /// Text in single quotes of a shell.
 std::string shell_word(const std::string& text) {
-  return "'" + replaced(text, "'", "'\\''") + "'";
+  return fmt::format("'{}'", replaced(text, "'", "'\\''"));
 }
 
 /// Whether the value of an argument may be the name of a file.
@@ -231,7 +235,7 @@ complete -o default -F _loci loci
 /// A description inside a specification of zsh's _arguments.
 std::string zsh_text(std::string text) {
   for (const char* special : {"\\", "[", "]", ":"})
-    text = replaced(text, special, std::string("\\") + special);
+    text = replaced(text, special, fmt::format("\\{}", special));
   return text;
 }
 
@@ -239,17 +243,17 @@ std::string zsh_arguments(const Json& command) {
   std::string text;
   for (const Json& argument : command.at("arguments")) {
     const std::string value = text_of(argument, "value_name"), choices = choices_of(argument);
-    std::string action = value.empty() ? "" : ":" + zsh_text(value) + ":";
+    std::string action = value.empty() ? "" : fmt::format(":{}:", zsh_text(value));
     if (!action.empty())
-      action += !choices.empty() ? "(" + choices + ")" : may_be_file(argument) ? "_files" : "";
+      action += !choices.empty() ? fmt::format("({})", choices) : may_be_file(argument) ? "_files" : "";
     const bool list = argument.at("list").get<bool>();
     if (positional(argument)) {
-      text += " " + shell_word((list ? "*" : ":") + action);
+      text.append(" ").append(shell_word((list ? "*" : ":") + action));
       continue;
     }
     for (const std::string& spelling : spellings(argument))
-      text += " " + shell_word((list ? "*" : "") + spelling + "[" +
-                               zsh_text(text_of(argument, "description")) + "]" + action);
+      text.append(" ").append(shell_word(fmt::format("{}{}[{}]{}", list ? "*" : "", spelling,
+                                                     zsh_text(text_of(argument, "description")), action)));
   }
   return "_arguments" + text;
 }
@@ -260,8 +264,8 @@ std::string zsh_completion(const Json& program) {
   for (const Json& command : program.at("commands")) {
     const std::string own = text_of(command, "name");
     if (own.empty()) return "#compdef " + name + "\n" + zsh_arguments(command) + "\n";
-    commands += "  " + shell_word(own + ":" + text_of(command, "description")) + "\n";
-    cases += "  " + own + ") " + zsh_arguments(command) + " ;;\n";
+    commands += fmt::format("  {}\n", shell_word(own + ":" + text_of(command, "description")));
+    cases += fmt::format("  {}) {} ;;\n", own, zsh_arguments(command));
   }
   if (program.contains("dispatcher")) cases = "  *) words[1]=loci-$command; _normal ;;\n";
   return fmt::format(
