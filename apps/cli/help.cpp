@@ -15,6 +15,7 @@ constexpr size_t kMaxLabel = 30;  ///< longer labels stand on a line of their ow
 
 struct Row {
   std::string label, text;
+  std::string value = {};  ///< default and unit
 };
 
 /// Columns that a UTF-8 text takes, for the characters that help texts use.
@@ -23,25 +24,25 @@ size_t columns(std::string_view text) {
       text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
-/// Words of `text` in lines of at most kWidth columns, each after the first indented.
-std::string wrapped(const std::string& text, size_t indent) {
+/// Words of `text`, then `value` in one piece, in lines of at most kWidth columns; each after the first is
+/// indented.
+std::string wrapped(const std::string& text, const std::string& value, size_t indent) {
+  std::vector<std::string> words;
+  for (size_t begin = 0; begin < text.size();) {
+    const size_t end = std::min(text.find(' ', begin), text.size());
+    words.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  if (!value.empty()) words.push_back(value);
   std::string result;
   size_t column = indent;
-  size_t begin = 0;
-  while (begin < text.size()) {
-    const size_t end = std::min(text.find(' ', begin), text.size());
-    const std::string word = text.substr(begin, end - begin);
+  for (const std::string& word : words) {
     const bool first = result.empty();
-    if (!first && column + 1 + columns(word) > kWidth) {
-      result += "\n" + std::string(indent, ' ');
-      column = indent;
-    } else if (!first) {
-      result += ' ';
-      ++column;
-    }
+    const bool fits = first || column + 1 + columns(word) <= kWidth;
+    if (!fits) column = indent;
+    if (!first) result += fits ? " " : "\n" + std::string(indent, ' ');
     result += word;
-    column += columns(word);
-    begin = end + 1;
+    column += columns(word) + (fits && !first ? 1 : 0);
   }
   return result;
 }
@@ -68,7 +69,7 @@ class Sections {
         const size_t label = columns(row.label);
         text += "  " + row.label;
         text += label > width ? "\n" + std::string(width + 4, ' ') : std::string(width + 2 - label, ' ');
-        text += wrapped(row.text, width + 4) + "\n";
+        text += wrapped(row.text, row.value, width + 4) + "\n";
       }
     }
     return text;
@@ -83,14 +84,13 @@ std::string heading_of(const Argument& argument) {
   return argument.group.empty() ? "Options" : argument.group;
 }
 
-/// Description, allowed values, default and unit.
+/// Description and allowed values.
 std::string explanation(const Argument& argument) {
   std::string text = argument.description;
   if (text.ends_with('.')) text.pop_back();
   if (!argument.choices.empty()) text += fmt::format(" ({})", fmt::join(argument.choices, ", "));
   if (argument.required && !argument.positional()) text += " (required)";
-  const std::string value = default_text(argument);
-  return value.empty() ? text : text + " " + value;
+  return text;
 }
 
 std::string usage(const std::string& name, const ArgumentTable& arguments) {
@@ -131,7 +131,8 @@ std::string command_help(const std::string& name, const Command& command, const 
   for (const bool positional : {true, false})
     for (const Argument& argument : arguments.all())
       if (argument.positional() == positional && !argument.hidden)
-        sections.add(heading_of(argument), {spelling(argument), explanation(argument)});
+        sections.add(heading_of(argument),
+                     {spelling(argument), explanation(argument), default_text(argument)});
   return fmt::format("{}\n\n{}{}{}", command.description, usage(name, arguments), sections.text(),
                      examples_text(command.examples));
 }
@@ -149,6 +150,7 @@ Json command_json(const Command& command, const ArgumentTable& arguments) {
                                  {"spelling", spelling(argument)},
                                  {"value_name", argument.value_name},
                                  {"description", explanation(argument)},
+                                 {"default", default_text(argument)},
                                  {"heading", heading_of(argument)},
                                  {"required", argument.required},
                                  {"list", argument.list()},

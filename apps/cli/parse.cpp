@@ -48,6 +48,12 @@ void ArgumentTable::parse(const std::vector<std::string>& words) const {
   std::vector<std::string> reversed(words.rbegin(), words.rend());
   try {
     app.parse(reversed);
+  } catch (const CLI::ArgumentMismatch& error) {
+    const std::string text = error.what(), name = text.substr(0, text.find(':'));
+    const Argument* argument = find(name);
+    throw UsageError(argument != nullptr && argument->values > 1
+                         ? fmt::format("{} needs {} values", name, argument->values)
+                         : name + " needs a value");
   } catch (const CLI::ParseError& error) {
     throw UsageError(error.what());
   }

@@ -136,7 +136,7 @@ int Program::describe() const {
   for (const Command& command : commands_) {
     CommonFlags flags;
     ArgumentTable arguments;
-    command.declare(arguments);
+    const auto body = command.declare(arguments);  // owns the variables
     declare_common(arguments, flags, command.name.empty());
     json["commands"].push_back(command_json(command, arguments));
   }

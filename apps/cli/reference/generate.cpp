@@ -116,7 +116,7 @@ std::string command_page(const Json& program, const Json& command) {
     for (const Json& argument : command.at("arguments"))
       if (text_of(argument, "heading") == heading)
         text += fmt::format(".TP\n.B {}\n{}\n", troff(text_of(argument, "spelling")),
-                            troff(text_of(argument, "description")));
+                            troff(text_of(argument, "description") + " " + text_of(argument, "default")));
   }
   text += ".SH EXAMPLES\n.nf\n";
   for (const Json& example : command.at("examples")) text += troff(example.get<std::string>()) + "\n";
