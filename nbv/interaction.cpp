@@ -8,7 +8,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
-#include "mapping/interpretation/furniture_links.h"
+#include "mapping/interpretation/furniture/furniture_links.h"
 
 namespace loci::nbv {
 namespace {
@@ -204,7 +204,7 @@ void learn(const Interaction& interaction, mapping::Front& front) {
   }
   const mapping::DifferenceResult& difference = interaction.difference;
   front.evidence["pulled"] = difference.joint ? "it moved" : difference.reason;
-  if (difference.moves_otherwise) {  // What its shape suggested is refuted.
+  if (difference.unexplained_motion) {  // What its shape suggested is refuted.
     front.joint.reset();
     front.class_name = "front";
   }

@@ -7,7 +7,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
-#include "mapping/interpretation/front_links.h"
+#include "mapping/interpretation/furniture/map_links.h"
 #include "mapping/world/urdf.h"
 #include "nbv/images.h"
 #include "nbv/survey_report.h"

@@ -39,7 +39,7 @@ std::string pulls_table(const SurveyResult& result) {
   for (const Interaction& pull : result.interactions) {
     const auto& joint = pull.difference.joint;
     rows.push_back({pull.front, std::to_string(pull.stop), pull.held ? "yes" : "no",
-                    joint ? joint_estimate_type_name(joint->type) : "",
+                    joint ? to_text(joint->type) : "",
                     joint ? fmt::format("{:.3f}", pull.difference.moved) : "",
                     joint ? fmt::format("{:.2f}", joint->axis_sd_deg) : "", pull.difference.reason});
   }

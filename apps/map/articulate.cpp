@@ -3,7 +3,7 @@
 #include "apps/map/commands.h"
 #include "mapping/articulation/articulation.h"
 #include "mapping/base/json.h"
-#include "mapping/interpretation/furniture_links.h"
+#include "mapping/interpretation/furniture/furniture_links.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
 
@@ -30,9 +30,9 @@ std::string line_of(const std::string& name, const mapping::DifferenceResult& re
   const mapping::JointEstimate& joint = *result.joint;
   return fmt::format(
       "{}: {}, probability {:.2f}, moved {:.2f} {}; axis {:.3f} {:.3f} {:.3f} (± {:.2f} deg)\n", name,
-      joint_estimate_type_name(joint.type), joint.probabilities[static_cast<size_t>(joint.type)],
-      result.moved, joint.type == mapping::JointEstimate::Type::prismatic ? "m" : "rad", joint.axis.x(),
-      joint.axis.y(), joint.axis.z(), joint.axis_sd_deg);
+      to_text(joint.type), joint.probabilities[static_cast<size_t>(joint.type)], result.moved,
+      joint.type == mapping::ArticulationType::prismatic ? "m" : "rad", joint.axis.x(), joint.axis.y(),
+      joint.axis.z(), joint.axis_sd_deg);
 }
 
 /// Which fronts moved between two scan sets, and the map with what that shows.

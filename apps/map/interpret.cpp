@@ -4,8 +4,8 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "mapping/exchange/map_report.h"
+#include "mapping/interpretation/furniture/names.h"
 #include "mapping/interpretation/interpretation.h"
-#include "mapping/interpretation/take_names.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::apps {
@@ -62,9 +62,9 @@ Command interpret_command() {
               for (const mapping::StageTime& time : map.times) session.timing(time.stage, time.seconds);
               if (!map.usable()) throw Error(map.summary(), {arguments->scans, 0, ""}, "nothing was written");
               if (!arguments->names_from.empty()) {
-                const mapping::TakenNames names =
-                    take_names(map.world, map.semantics,
-                               mapping::read_semantic_map(mapping::sidecar_path(arguments->names_from)));
+                const mapping::NameTransfer names =
+                    transfer_names(map.world, map.semantics,
+                                   mapping::read_semantic_map(mapping::sidecar_path(arguments->names_from)));
                 for (const std::string& name : names.vanished)
                   session.warnings().add("'" + name + "' of the older map was not found again");
               }

@@ -12,20 +12,19 @@
 
 namespace loci::mapping {
 
-/// How the joint of a front is most likely made, from its shape and where its handle is (§7.4): handle along
-/// the top or middle of a wide front = drawer; upright near one edge = door hinged at the other; along the
-/// top of a tall low front = flap. Without a fixture the type is open: probabilities say so.
-/// The axis, hinge and limits are those of the most probable mounting of the most probable type; where
-/// another mounting of that type may be meant (hinge on the other side), the uncertainties contain it. A
-/// known `front.appliance` counts (an oven has a flap).
+/// Prior of a front's joint by its shape and the position of its handle (§7.4): handle along the top or
+/// middle of a wide front = drawer; upright near one edge = door hinged at the other; along the top of a tall
+/// low front = flap. Without a fixture the probabilities are nearly even. Axis, hinge and limits are those of
+/// the most probable mounting of the most probable type; the uncertainties include its other mountings (hinge
+/// on the other side). A known `front.appliance` counts (an oven has a flap).
 JointEstimate joint_prior(const Front& front);
 
-/// Logarithm of the density of fronts of this size with their fixture there, over all mountings of the same
-/// model: which of several rectangles around a handle is the likeliest front. Its scale is arbitrary.
+/// Log density of fronts of this size with this fixture over all mountings, up to a constant: compares
+/// possible rectangles around a handle.
 double front_log_likelihood(const Front& front);
 
-/// What a front that moves so is called: "drawer", "door" (upright hinge), "flap" (level hinge); "front" when
-/// it does not move.
+/// The class of a front by its joint: "drawer", "door" (upright hinge), "flap" (level hinge), "front"
+/// (rigid).
 std::string front_class(const Front& front, const JointEstimate& joint);
 
 /// A recorded motion: positions, and orientations where they were measured.
@@ -35,7 +34,7 @@ struct Track {
 };
 
 /// Reads a CSV with columns x, y, z and, where there are orientations, qx, qy, qz, qw; others are ignored.
-/// Error with line and column for what is missing, not a finite number, or a quaternion not of unit length.
+/// Error with line and column for missing or non-finite values and for quaternions not of unit length.
 Track read_track(const std::filesystem::path& csv);
 
 struct TrackOptions {
@@ -48,11 +47,11 @@ struct TrackOptions {
 
 /// One model fitted to a track.
 struct TrackFit {
-  JointEstimate::Type type = JointEstimate::Type::rigid;
+  ArticulationType type = ArticulationType::rigid;
   Vector3d axis = Vector3d::UnitZ(), centre = Vector3d::Zero();
   double radius = 0;
-  double rms_m = 0;           ///< distance from the path of what is no outlier
-  double log_likelihood = 0;  ///< as of `TrackResult::effective_poses` independent poses
+  double rms_m = 0;           ///< distance of inliers from the path
+  double log_likelihood = 0;  ///< of `TrackResult::effective_poses` independent poses
   double bic = 0;             ///< parameters · ln(effective poses) − 2 · log likelihood
   size_t parameters = 0, outliers = 0;
   std::vector<double> positions;  ///< of the joint at each pose, metres or radians
@@ -62,11 +61,11 @@ struct TrackResult {
   JointEstimate estimate;      ///< in the track's frame; probabilities are even when not usable
   std::vector<TrackFit> fits;  ///< rigid, prismatic, revolute
   bool usable = false;
-  std::string reason;              ///< why not, or what limits it: "neither line nor circle fits"
-  double unknown_probability = 0;  ///< that neither of the three explains the track
-  double effective_poses = 0;      ///< as many independent poses say as much (errors of a path hang together)
+  std::string reason;              ///< why not usable or uncertain: "neither line nor circle fits"
+  double unknown_probability = 0;  ///< that none of the three explains the track
+  double effective_poses = 0;      ///< number of independent poses: errors along a path are correlated
   double sigma_m = 0;              ///< noise per direction, as given or estimated
-  double misfit_m = 0;             ///< by how much the smoothed track leaves the best path
+  double misfit_m = 0;             ///< deviation of the smoothed track from the best path
 
   /// rigid, prismatic, revolute, or unknown.
   std::string type_name() const;
@@ -74,16 +73,16 @@ struct TrackResult {
   Json report() const;
 };
 
-/// Which joint made a track (after Sturm et al., "A probabilistic framework for learning kinematic models of
-/// articulated objects", JAIR 2011): point, line and circle are fitted with outliers, and compared by their
-/// likelihood with a penalty for parameters (BIC). Errors of recorded paths hang together, so that they count
-/// as fewer poses; what a hand's path bends by is tolerated before a line is called an arc; where neither
-/// fits the type is unknown. Orientations, where there are any, must turn with the arc or stay. Error for
-/// fewer than three poses, values that are not finite, or orientations that do not match in number.
+/// The joint that generated a track (after Sturm et al., "A probabilistic framework for learning kinematic
+/// models of articulated objects", JAIR 2011): fits point, line and circle with outliers and compares their
+/// likelihoods with a penalty for parameters (BIC). Correlated errors count as fewer poses; usual bends of a
+/// hand's path are no arc; where neither line nor circle fits, the type is unknown. Orientations, if any,
+/// must rotate with the arc or stay. Error for fewer than three poses, non-finite values, or a different
+/// number of orientations.
 TrackResult fit_track(const Track& track, const TrackOptions& options);
 
 struct DifferenceOptions {
-  double tolerance_m = 0.03;             ///< nearer to what was there before is no change
+  double tolerance_m = 0.03;             ///< smaller distances from the earlier surface are no change
   double hand_position_sigma_m = 0.001;  ///< noise of the hand's poses, per direction
   double hand_orientation_sigma_deg = 0.3;
 
@@ -91,20 +90,20 @@ struct DifferenceOptions {
 };
 
 struct DifferenceResult {
-  std::optional<JointEstimate> joint;  ///< unset: no motion was seen, or it cannot be explained; see reason
-  bool moves_otherwise = false;        ///< it moved, but as none of the joints explains: a folding door
+  std::optional<JointEstimate> joint;  ///< unset: no motion, or an unexplained one; see reason
+  bool unexplained_motion = false;     ///< it moved, but like none of the joints: a folding door
   double moved = 0;                    ///< joint position of `after`, metres or radians
-  std::optional<Front> corrected;      ///< the front's rectangle by the outline of what moved
+  std::optional<Front> corrected;      ///< the front's rectangle by the outline of the moved part
   size_t points = 0;                   ///< of the moved part
   std::string reason;
   Json report() const;
 };
 
-/// What moved between two scan sets in one map frame, near the front that was pulled: segments the temporal
-/// difference, seeks the face that slid or turned, and fits the joint to it and to `hand_path` (where the
-/// gripper was, closed first; may be empty), each by its noise. Which type it is follows from the front's
-/// shape, the hand's path, and how much of the front is seen where the type puts it. A hinge farther outside
-/// the front than it is wide is none: then the joint stays unknown.
+/// The motion between two scan sets in one map frame near the front that was pulled: segments the temporal
+/// difference, searches for the face that slid or rotated, and fits the joint to it and to `hand_path` (poses
+/// of the gripper, closed first; may be empty), weighted by their noise. The type follows from the front's
+/// shape, the hand's path, and the share of the front that is seen where the type predicts it. The joint
+/// stays unknown if the hinge is farther outside the front than the front is wide.
 DifferenceResult articulate(const ScanSet& before, const ScanSet& after, const Front& front,
                             const std::vector<Isometry3d>& hand_path, const DifferenceOptions& options);
 

@@ -1,23 +1,99 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "mapping/articulation/articulation.h"
-#include "mapping/articulation/free_space.h"
 #include "mapping/articulation/joint_fit.h"
 #include "mapping/articulation/moved_face.h"
+#include "mapping/articulation/parameters.h"
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
+#include "mapping/sensor/scan.h"
 
 namespace loci::mapping {
 namespace {
 
-using Type = JointEstimate::Type;
-constexpr double kMinCoverage = 0.35;  ///< of the front's rectangle by the moved face
-constexpr size_t kMinPoints = 40;
-constexpr size_t kMinPoses = 5;  ///< of a hand's path that can tell line from arc
-/// Neighbouring cells of a face are right or wrong together: its coverage counts as so many looks.
-constexpr double kLooks = 4;
-constexpr double kMinSupport = 0.02;
+/// Space that the rays of a scan set passed: per origin an image of minimum ranges by direction, in steps of
+/// half a degree.
+class ObservedFreeSpace {
+ public:
+  /// Keeps origins within reach of `near`. A point is free when the rays around it continue by `tolerance`
+  /// metres.
+  ObservedFreeSpace(const ScanSet& set, const Vector3d& near, double tolerance);
+
+  bool is_free(const Vector3d& point) const;
+  /// The share of points that are free.
+  double share_free(const std::vector<Vector3d>& points) const;
+
+ private:
+  struct View {
+    Vector3d origin;
+    std::vector<float> min_range;  ///< metres by direction; infinity = no ray
+  };
+
+  double tolerance_;
+  std::vector<View> views_;
+};
+
+constexpr int kAzimuths = 720, kElevations = 360;
+constexpr float kNone = std::numeric_limits<float>::infinity();
+
+struct Cell {
+  int azimuth, elevation;
+};
+
+Cell cell_of_direction(const Vector3d& d) {
+  const double azimuth = std::atan2(d.y(), d.x()) / (2 * kPi) + 0.5;
+  const double elevation = std::asin(std::clamp(d.z() / d.norm(), -1.0, 1.0)) / kPi + 0.5;
+  return {std::min(static_cast<int>(azimuth * kAzimuths), kAzimuths - 1),
+          std::min(static_cast<int>(elevation * kElevations), kElevations - 1)};
+}
+
+size_t index_of(int azimuth, int elevation) {
+  return static_cast<size_t>(elevation * kAzimuths + (azimuth + kAzimuths) % kAzimuths);
+}
+
+ObservedFreeSpace::ObservedFreeSpace(const ScanSet& set, const Vector3d& near, double tolerance)
+    : tolerance_(tolerance) {
+  if (!set.free_space) return;
+  for (const Scan& scan : set.scans) {
+    const size_t first = views_.size();
+    for (const Eigen::Vector3f& origin : scan.origins)
+      views_.push_back({scan.map_from_scan * origin.cast<double>(),
+                        std::vector<float>(static_cast<size_t>(kAzimuths) * kElevations, kNone)});
+    for (const ScanPoint& point : scan.points) {
+      View& view = views_[first + point.origin_index];
+      const Vector3d ray = scan.map_from_scan * point.position.cast<double>() - view.origin;
+      const auto [azimuth, elevation] = cell_of_direction(ray);
+      float& range = view.min_range[index_of(azimuth, elevation)];
+      range = std::min(range, static_cast<float>(ray.norm()));
+    }
+  }
+  std::erase_if(views_,
+                [&](const View& view) { return (view.origin - near).norm() > kFaceMotion.view_reach_m; });
+}
+
+bool ObservedFreeSpace::is_free(const Vector3d& point) const {
+  for (const View& view : views_) {
+    const Vector3d ray = point - view.origin;
+    const double distance = ray.norm();
+    const auto [azimuth, elevation] = cell_of_direction(ray);
+    if (view.min_range[index_of(azimuth, elevation)] == kNone) continue;
+    bool free = true;
+    for (int e = std::max(elevation - 1, 0); e <= std::min(elevation + 1, kElevations - 1) && free; ++e)
+      for (int a = azimuth - 1; a <= azimuth + 1 && free; ++a)
+        free = view.min_range[index_of(a, e)] > distance + tolerance_;
+    if (free) return true;
+  }
+  return false;
+}
+
+double ObservedFreeSpace::share_free(const std::vector<Vector3d>& points) const {
+  size_t free = 0;
+  for (const Vector3d& p : points) free += is_free(p);
+  return points.empty() ? 0 : static_cast<double>(free) / static_cast<double>(points.size());
+}
 
 /// Points of a scan set within reach of a front, map frame.
 std::vector<Vector3d> points_near(const ScanSet& set, const Front& front) {
@@ -36,8 +112,8 @@ std::vector<Vector3d> points_near(const ScanSet& set, const Front& front) {
   return points;
 }
 
-/// What the hand felt.
-TrackResult felt_along(const std::vector<Isometry3d>& hand_path) {
+/// The joint by the path of the hand.
+TrackResult fit_hand_path(const std::vector<Isometry3d>& hand_path) {
   Track track;
   for (const Isometry3d& pose : hand_path) {
     track.positions.push_back(pose.translation());
@@ -46,16 +122,17 @@ TrackResult felt_along(const std::vector<Isometry3d>& hand_path) {
   return fit_track(track, {});
 }
 
-/// How probable the types are: by the front's shape, by the path of the hand, and by how much of the front
-/// is seen where each type puts it (a rigid one: where it was).
-std::array<double, 3> weigh_types(const Front& front, const TrackResult* felt,
-                                  const std::array<double, 3>& support) {
+/// Probabilities of the types by the front's shape, the path of the hand, and the share of the front that was
+/// seen where each type predicts it (`support`).
+std::array<double, 3> type_probabilities(const Front& front, const TrackResult* hand,
+                                         const std::array<double, 3>& support) {
   std::array<double, 3> logs = joint_prior(front).probabilities;
   for (size_t i = 0; i < 3; ++i) {
-    logs[i] = std::log(std::max(logs[i], 1e-4)) + kLooks * std::log(std::max(support[i], kMinSupport));
-    if (felt)
-      logs[i] += std::log((1 - felt->unknown_probability) * std::max(felt->estimate.probabilities[i], 1e-4) +
-                          felt->unknown_probability / 3);
+    logs[i] = std::log(std::max(logs[i], 1e-4)) +
+              kFaceMotion.independent_cells * std::log(std::max(support[i], kFaceMotion.min_support));
+    if (hand)
+      logs[i] += std::log((1 - hand->unknown_probability) * std::max(hand->estimate.probabilities[i], 1e-4) +
+                          hand->unknown_probability / 3);
   }
   const double largest = *std::max_element(logs.begin(), logs.end());
   double sum = 0;
@@ -64,9 +141,10 @@ std::array<double, 3> weigh_types(const Front& front, const TrackResult* felt,
   return logs;
 }
 
-/// The motion that faces and hand agree on.
-Motion measured_motion(const Motion& start, const Face& closed, const Face* open, const Front& front,
-                       const std::vector<Isometry3d>& hand_path, const DifferenceOptions& options) {
+/// The joint fit to faces and hand.
+Motion measured_motion(const Motion& start, const FittedPlane& closed, const FittedPlane* open,
+                       const Front& front, const std::vector<Isometry3d>& hand_path,
+                       const DifferenceOptions& options) {
   MotionEvidence evidence;
   evidence.closed = &closed;
   evidence.open = open;
@@ -74,19 +152,19 @@ Motion measured_motion(const Motion& start, const Face& closed, const Face* open
   evidence.hand_path = hand_path;
   evidence.hand_position_sigma_m = options.hand_position_sigma_m;
   evidence.hand_orientation_sigma_deg = options.hand_orientation_sigma_deg;
-  evidence.habitual_axis = closed.normal;
-  if (start.type == Type::revolute)
-    evidence.habitual_axis = std::abs(start.axis.dot(front.up)) > std::abs(start.axis.dot(front.right()))
+  evidence.expected_axis = closed.normal;
+  if (start.type == ArticulationType::revolute)
+    evidence.expected_axis = std::abs(start.axis.dot(front.up)) > std::abs(start.axis.dot(front.right()))
                                  ? front.up
                                  : front.right();
-  if (evidence.habitual_axis.dot(start.axis) < 0) evidence.habitual_axis = -evidence.habitual_axis;
+  if (evidence.expected_axis.dot(start.axis) < 0) evidence.expected_axis = -evidence.expected_axis;
   return fit_motion(start, evidence);
 }
 
-/// The closed rectangle by the outline of the moved face. An edge is drawn in only where the scan saw past
+/// The closed rectangle by the outline of the moved face. An edge moves inwards only where the scan saw past
 /// it.
-Front corrected_front(const Front& front, const Face& closed, const MovedFace& found,
-                      const std::vector<Vector3d>& moved, const FreeSpace& seen, double tolerance) {
+Front corrected_front(const Front& front, const FittedPlane& closed, const MovedFace& found,
+                      const std::vector<Vector3d>& moved, const ObservedFreeSpace& seen, double tolerance) {
   const Isometry3d moved_from_closed = found.motion.moved_from_closed();
   const Isometry3d closed_from_moved = moved_from_closed.inverse();
   Front corrected = front;
@@ -100,22 +178,22 @@ Front corrected_front(const Front& front, const Face& closed, const MovedFace& f
     const Vector2d place(off.dot(corrected.right()), off.dot(corrected.up));
     if (std::abs(place.x()) > 0.5 * front.width + 0.3 || std::abs(place.y()) > 0.5 * front.height + 0.3)
       continue;
-    // Where the face is still near where it was closed, neighbours are in its plane too.
+    // Near the closed plane, neighbouring fronts lie in it, too.
     if (std::abs(closed.distance(p)) < tolerance) continue;
     places[0].push_back(place.x());
     places[1].push_back(place.y());
   }
-  if (places[0].size() < kMinPoints) return corrected;
+  if (places[0].size() < kFaceMotion.min_points) return corrected;
   const std::array<double, 2> half{0.5 * front.width, 0.5 * front.height};
   std::array<std::array<double, 2>, 2> edges;
   for (size_t k = 0; k < 2; ++k) {
-    edges[k] = outline_of(places[k]);
+    edges[k] = interval_of(places[k]);
     const Vector3d direction = k == 0 ? corrected.right() : corrected.up;
     const Vector3d across = k == 0 ? corrected.up : corrected.right();
     for (size_t side = 0; side < 2; ++side) {
       const double sign = side == 0 ? -1 : 1;
-      if (found.motion.type == Type::revolute && std::abs(found.motion.axis.dot(across)) > 0.7) {
-        // The edge at the hinge hardly moved; it is where the hinge is.
+      if (found.motion.type == ArticulationType::revolute && std::abs(found.motion.axis.dot(across)) > 0.7) {
+        // The edge at the hinge hardly moved: it is at the hinge.
         const double hinge = (found.motion.origin - corrected.centre).dot(direction);
         if (sign * (hinge - edges[k][side]) > -0.02 && sign * (hinge - edges[k][side]) < 0.12) {
           edges[k][side] = hinge;
@@ -138,18 +216,18 @@ Front corrected_front(const Front& front, const Face& closed, const MovedFace& f
   return corrected;
 }
 
-/// Whether a front may hang on a hinge there: at an edge, or behind it. What is known of its rectangle may be
-/// too small by half, so that the hinge may be as far outside as the front is wide.
-bool can_hang_on(const Motion& hinge, const Front& front) {
-  if (hinge.type != Type::revolute) return true;
+/// Whether a front can rotate about a hinge: the hinge is at an edge or behind it. As the known rectangle may
+/// be too small by half, the hinge may be as far outside as the front is wide.
+bool is_plausible_hinge(const Motion& hinge, const Front& front) {
+  if (hinge.type != ArticulationType::revolute) return true;
   const double extent = std::hypot(front.width * hinge.axis.cross(front.right()).norm(),
                                    front.height * hinge.axis.cross(front.up).norm());
   return hinge.axis.cross(front.centre - hinge.origin).norm() < 1.5 * extent;
 }
 
-/// Limits are as wide as usual, and contain what was reached.
+/// Limits are the usual ones, extended to the position that was reached.
 JointEstimate joint_of(const Motion& motion, const Front& front, const std::array<double, 3>& probabilities,
-                       bool felt) {
+                       bool with_hand) {
   JointEstimate joint;
   joint.type = motion.type;
   joint.probabilities = probabilities;
@@ -157,9 +235,9 @@ JointEstimate joint_of(const Motion& motion, const Front& front, const std::arra
   joint.origin = motion.origin;
   joint.axis_sd_deg = motion.axis_sd_deg;
   joint.origin_sd_m = motion.origin_sd_m;
-  const double usual = motion.type == Type::prismatic ? 0.9 * front.depth : kPi / 2;
+  const double usual = motion.type == ArticulationType::prismatic ? 0.9 * front.depth : kPi / 2;
   joint.upper = std::max(usual, motion.position);
-  joint.evidence = felt ? "interaction" : "difference";
+  joint.evidence = with_hand ? "interaction" : "difference";
   return joint;
 }
 
@@ -178,58 +256,57 @@ DifferenceResult articulate(const ScanSet& before, const ScanSet& after, const F
     throw Error("front '" + front.name + "' has no extent", {}, "give it a width and a height");
   const std::vector<Vector3d> points_before = points_near(before, front),
                               points_after = points_near(after, front);
-  const FreeSpace free_before(before, front.centre, options.tolerance_m);
+  const ObservedFreeSpace free_before(before, front.centre, options.tolerance_m);
   std::vector<Vector3d> moved;
-  const Face closed = closed_face(points_before, front);
+  const FittedPlane closed = closed_face(points_before, front);
   for (const Vector3d& p : points_after)
     if (free_before.is_free(p)) moved.push_back(p);
 
   DifferenceResult result;
   result.points = moved.size();
-  std::optional<TrackResult> felt;
-  if (hand_path.size() >= kMinPoses) felt = felt_along(hand_path);
+  std::optional<TrackResult> hand;
+  if (hand_path.size() >= kFaceMotion.min_poses) hand = fit_hand_path(hand_path);
   std::array<std::optional<MovedFace>, 3> faces;
-  if (moved.size() >= kMinPoints) faces = moved_faces(closed, moved, front, options.tolerance_m);
-  // What is still seen in its place did not move, whatever a neighbour did.
-  const double still = still_share(points_after, closed, front);
-  std::array<double, 3> support{still, 0, 0};
+  if (moved.size() >= kFaceMotion.min_points) faces = moved_faces(closed, moved, front, options.tolerance_m);
+  // A part that is still seen in its place did not move.
+  const double static_part = static_share(points_after, closed, front);
+  std::array<double, 3> support{static_part, 0, 0};
   for (size_t i = 0; i < 3; ++i)
-    if (faces[i] && faces[i]->coverage > kMinCoverage) support[i] = (1 - still) * faces[i]->coverage;
-  const std::array<double, 3> probabilities = weigh_types(front, felt ? &*felt : nullptr, support);
+    if (faces[i] && faces[i]->coverage > kFaceMotion.min_coverage)
+      support[i] = (1 - static_part) * faces[i]->coverage;
+  const std::array<double, 3> probabilities = type_probabilities(front, hand ? &*hand : nullptr, support);
   const size_t best = static_cast<size_t>(std::max_element(probabilities.begin(), probabilities.end()) -
                                           probabilities.begin());
   const bool seen = best > 0 && support[best] > 0;
   if (!seen) {
-    result.reason =
-        moved.size() < kMinPoints
-            ? "nothing stands where space was free before: " + std::to_string(moved.size()) + " points"
-            : "what stands where space was free before is no front that slid or turned";
-    if (best == 0 || !felt || felt->estimate.type != static_cast<Type>(best)) return result;
-    result.reason += "; the joint is as the hand felt it";
+    result.reason = moved.size() < kFaceMotion.min_points
+                        ? "only " + std::to_string(moved.size()) + " points in space that was free before"
+                        : "the points in space that was free before are no front that slid or rotated";
+    if (best == 0 || !hand || hand->estimate.type != static_cast<ArticulationType>(best)) return result;
+    result.reason += "; the joint is from the path of the hand";
   }
-  Motion start{static_cast<Type>(best)};
-  if (seen)
-    start = faces[best]->motion;
-  else
-    start = {start.type, felt->estimate.axis, felt->estimate.origin, felt->estimate.upper};
-  const std::vector<Isometry3d> path = felt ? hand_path : std::vector<Isometry3d>();
+  const Motion start = seen ? faces[best]->motion
+                            : Motion{static_cast<ArticulationType>(best), hand->estimate.axis,
+                                     hand->estimate.origin, hand->estimate.upper};
+  const std::vector<Isometry3d> path = hand ? hand_path : std::vector<Isometry3d>();
   const Motion motion =
       measured_motion(start, closed, seen ? &faces[best]->open : nullptr, front, path, options);
   if (seen) {
     faces[best]->motion = motion;
-    const FreeSpace free_after(after, front.centre, options.tolerance_m);
+    const ObservedFreeSpace free_after(after, front.centre, options.tolerance_m);
     result.corrected = corrected_front(front, closed, *faces[best], moved, free_after, options.tolerance_m);
   }
-  if (!can_hang_on(motion, front) && !(result.corrected && can_hang_on(motion, *result.corrected))) {
+  if (!is_plausible_hinge(motion, front) &&
+      !(result.corrected && is_plausible_hinge(motion, *result.corrected))) {
     result.corrected.reset();
-    result.moves_otherwise = true;
-    result.reason = "it neither slid nor turned about a hinge that a front of this size can have";
+    result.unexplained_motion = true;
+    result.reason = "it neither slid nor rotated about a hinge that a front of this size can have";
     return result;
   }
-  result.joint = joint_of(motion, front, probabilities, felt.has_value());
+  result.joint = joint_of(motion, front, probabilities, hand.has_value());
   result.moved = motion.position;
   if (!seen) return result;
-  if (result.joint->type == Type::prismatic) result.joint->origin = result.corrected->centre;
+  if (result.joint->type == ArticulationType::prismatic) result.joint->origin = result.corrected->centre;
   result.corrected->joint = result.joint;
   result.corrected->class_name = front_class(*result.corrected, *result.joint);
   return result;
@@ -237,10 +314,10 @@ DifferenceResult articulate(const ScanSet& before, const ScanSet& after, const F
 
 Json DifferenceResult::report() const {
   const auto json_of = [](const Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); };
-  Json json{{"type", joint ? Json(joint_estimate_type_name(joint->type)) : Json("unknown")}};
+  Json json{{"type", joint ? Json(to_text(joint->type)) : Json("unknown")}};
   if (joint) {
     for (size_t i = 0; i < 3; ++i)
-      json["probabilities"][joint_estimate_type_name(static_cast<Type>(i))] = joint->probabilities[i];
+      json["probabilities"][to_text(static_cast<ArticulationType>(i))] = joint->probabilities[i];
     json["axis"] = json_of(joint->axis);
     json["origin"] = json_of(joint->origin);
     json["limits"] = Json::array({joint->lower, joint->upper});

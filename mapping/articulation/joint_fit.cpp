@@ -6,30 +6,24 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/articulation/parameters.h"
 #include "mapping/base/math.h"
 #include "mapping/base/quantile.h"
 
 namespace loci::mapping {
 namespace {
 
-using Type = JointEstimate::Type;
 template <typename T>
 using Vector3 = Eigen::Matrix<T, 3, 1>;
 template <typename T>
 using View3 = Eigen::Map<const Vector3<T>>;
 
-constexpr double kHabitSd = 3 * kDegree;        ///< of real joints about the axis that their shape suggests
-constexpr double kHingeBehindFace = 0.01;       ///< the middle of a panel …
-constexpr double kHingeBehindFaceSd = 0.015;    ///< … but concealed hinges lie deeper
-constexpr double kFaceTiltSd = 0.15 * kDegree;  ///< what a face's tilt is wrong by beside its points' noise
-constexpr double kFaceOffsetSd = 0.002;         ///< metres, as kFaceTiltSd
-constexpr double kRobust = 3;                   ///< standard deviations from which on a pose counts less
-
 /// A point or a direction (`shifts` false) after the joint moved by q.
 template <typename T>
-Vector3<T> moved(Type type, const T* axis, const T* origin, const T& q, const Vector3<T>& p, bool shifts) {
+Vector3<T> moved(ArticulationType type, const T* axis, const T* origin, const T& q, const Vector3<T>& p,
+                 bool shifts) {
   const View3<T> a(axis);
-  if (type == Type::prismatic) return shifts ? Vector3<T>(p + q * a) : p;
+  if (type == ArticulationType::prismatic) return shifts ? Vector3<T>(p + q * a) : p;
   const T turn[3] = {q * a.x(), q * a.y(), q * a.z()};
   const View3<T> o(origin);
   const Vector3<T> arm = shifts ? Vector3<T>(p - o) : p;
@@ -38,9 +32,9 @@ Vector3<T> moved(Type type, const T* axis, const T* origin, const T& q, const Ve
   return shifts ? Vector3<T>(o + turned) : turned;
 }
 
-/// A pose of the hand against the pose at which it took hold, carried along.
+/// A pose of the hand against its first pose, moved by the joint.
 struct HandResidual {
-  Type type;
+  ArticulationType type;
   Isometry3d pose;
   double position_sigma, turn_sigma;
 
@@ -65,8 +59,8 @@ struct HandResidual {
 
 /// The closed face, moved, against the open one.
 struct FaceResidual {
-  Type type;
-  Face closed, open;
+  ArticulationType type;
+  FittedPlane closed, open;
   Vector3d centre;
   double tilt_sigma, offset_sigma;
 
@@ -81,8 +75,8 @@ struct FaceResidual {
   }
 };
 
-/// What joints are usually like, and where along its axis the origin is told.
-struct HabitResidual {
+/// Prior of axis and hinge; fixes the origin along the axis.
+struct PriorResidual {
   Vector3d axis_, origin_, face_normal;
   double face_offset;
   bool hinge;
@@ -90,11 +84,11 @@ struct HabitResidual {
   template <typename T>
   bool operator()(const T* axis, const T* origin, T* residual) const {
     Eigen::Map<Vector3<T>> tilt(residual);
-    tilt = View3<T>(axis).cross(axis_.cast<T>()) / T(kHabitSd);
+    tilt = View3<T>(axis).cross(axis_.cast<T>()) / T(kJointFit.axis_sd);
     const View3<T> o(origin);
     residual[3] = axis_.cast<T>().dot(o - origin_.cast<T>()) / T(0.01);
     const T behind = T(face_offset) - face_normal.cast<T>().dot(o);
-    residual[4] = hinge ? T((behind - T(kHingeBehindFace)) / T(kHingeBehindFaceSd)) : T(0);
+    residual[4] = hinge ? T((behind - T(kFaceMotion.hinge_depth_m)) / T(kJointFit.hinge_depth_sd_m)) : T(0);
     return true;
   }
 };
@@ -120,13 +114,14 @@ Variables variables_for(const Motion& start, const std::vector<Isometry3d>& hand
   return v;
 }
 
-HandResidual hand_residual(const Motion& start, const MotionEvidence& evidence, size_t pose, double widened) {
-  return {start.type, evidence.hand_path[pose], widened * evidence.hand_position_sigma_m,
-          widened * evidence.hand_orientation_sigma_deg * kDegree};
+HandResidual hand_residual(const Motion& start, const MotionEvidence& evidence, size_t pose,
+                           double noise_scale) {
+  return {start.type, evidence.hand_path[pose], noise_scale * evidence.hand_position_sigma_m,
+          noise_scale * evidence.hand_orientation_sigma_deg * kDegree};
 }
 
-/// Root mean square of the hand's residuals in units of its noise; 1 = as noisy as it claims to be.
-double strayed(const Motion& start, const MotionEvidence& evidence, const Variables& v) {
+/// Robust root mean square of the hand's residuals in units of its noise.
+double hand_rms(const Motion& start, const MotionEvidence& evidence, const Variables& v) {
   std::vector<double> squares;
   for (size_t i = 0; i < evidence.hand_path.size(); ++i) {
     std::array<double, 6> r{};
@@ -135,10 +130,10 @@ double strayed(const Motion& start, const MotionEvidence& evidence, const Variab
     squares.push_back(Eigen::Map<Eigen::Matrix<double, 6, 1>>(r.data()).squaredNorm());
   }
   return std::sqrt(median(std::move(squares)) /
-                   5.35);  // The median of a squared normal vector of six components.
+                   5.35);  // Median of the squared norm of a normal vector with six components.
 }
 
-void solve(const Motion& start, const MotionEvidence& evidence, double widened, Variables& v,
+void solve(const Motion& start, const MotionEvidence& evidence, double noise_scale, Variables& v,
            Motion* result) {
   ceres::Problem problem;
   ceres::Manifold* on_sphere = new ceres::SphereManifold<3>;
@@ -147,26 +142,26 @@ void solve(const Motion& start, const MotionEvidence& evidence, double widened, 
   const std::vector<Isometry3d>& hand = evidence.hand_path;
   for (size_t i = 0; i < hand.size(); ++i)
     problem.AddResidualBlock(new ceres::AutoDiffCostFunction<HandResidual, 6, 3, 3, 1, 3, 3>(
-                                 new HandResidual(hand_residual(start, evidence, i, widened))),
-                             new ceres::HuberLoss(kRobust * std::sqrt(6.0)), v.axis.data(), v.origin.data(),
-                             &v.positions[i], v.grip.data(), v.grip_turn.data());
+                                 new HandResidual(hand_residual(start, evidence, i, noise_scale))),
+                             new ceres::HuberLoss(kJointFit.robust_sigmas * std::sqrt(6.0)), v.axis.data(),
+                             v.origin.data(), &v.positions[i], v.grip.data(), v.grip_turn.data());
   if (!hand.empty()) problem.SetParameterBlockConstant(v.positions.data());
   if (hand.size() == 1 || !evidence.open) problem.AddParameterBlock(&v.positions.back(), 1);
   if (evidence.open)
-    problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<FaceResidual, 4, 3, 3, 1>(new FaceResidual{
-            start.type, *evidence.closed, *evidence.open, evidence.face_centre,
-            std::hypot(kFaceTiltSd, std::hypot(evidence.closed->normal_sd, evidence.open->normal_sd)),
-            kFaceOffsetSd * std::sqrt(2.0)}),
-        nullptr, v.axis.data(), v.origin.data(), &v.positions.back());
-  const bool hinge = start.type == Type::revolute && evidence.closed;
-  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<HabitResidual, 5, 3, 3>(new HabitResidual{
-                               evidence.habitual_axis, start.origin,
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<FaceResidual, 4, 3, 3, 1>(new FaceResidual{
+                                 start.type, *evidence.closed, *evidence.open, evidence.face_centre,
+                                 std::hypot(kJointFit.face_tilt_sd,
+                                            std::hypot(evidence.closed->normal_sd, evidence.open->normal_sd)),
+                                 kJointFit.face_offset_sd_m * std::sqrt(2.0)}),
+                             nullptr, v.axis.data(), v.origin.data(), &v.positions.back());
+  const bool hinge = start.type == ArticulationType::revolute && evidence.closed;
+  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PriorResidual, 5, 3, 3>(new PriorResidual{
+                               evidence.expected_axis, start.origin,
                                evidence.closed ? evidence.closed->normal : Vector3d(Vector3d::UnitX()),
                                evidence.closed ? evidence.closed->offset : 0, hinge}),
                            nullptr, v.axis.data(), v.origin.data());
-  // A drawer has no place; a hinge has two coordinates across its axis (the third is told).
-  if (start.type == Type::prismatic) problem.SetParameterBlockConstant(v.origin.data());
+  // A drawer has no origin; a hinge has two coordinates across its axis (the third is fixed).
+  if (start.type == ArticulationType::prismatic) problem.SetParameterBlockConstant(v.origin.data());
 
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
@@ -185,13 +180,13 @@ void solve(const Motion& start, const MotionEvidence& evidence, double widened, 
   how.num_threads = 1;
   ceres::Covariance covariance(how);
   std::vector<std::pair<const double*, const double*>> blocks{{v.axis.data(), v.axis.data()}};
-  if (start.type == Type::revolute) blocks.emplace_back(v.origin.data(), v.origin.data());
+  if (start.type == ArticulationType::revolute) blocks.emplace_back(v.origin.data(), v.origin.data());
   if (!covariance.Compute(blocks, &problem)) return;
   // Of the unit vector itself: the tangent space of the sphere has a scale of its own.
   Eigen::Matrix<double, 3, 3, Eigen::RowMajor> tilt;
   covariance.GetCovarianceBlock(v.axis.data(), v.axis.data(), tilt.data());
   result->axis_sd_deg = std::sqrt(tilt.trace()) / kDegree;
-  if (start.type != Type::revolute) return;
+  if (start.type != ArticulationType::revolute) return;
   Eigen::Matrix<double, 3, 3, Eigen::RowMajor> place;
   covariance.GetCovarianceBlock(v.origin.data(), v.origin.data(), place.data());
   result->origin_sd_m = std::sqrt(std::max(place.trace() - result->axis.dot(place * result->axis), 0.0));
@@ -201,8 +196,8 @@ void solve(const Motion& start, const MotionEvidence& evidence, double widened, 
 
 Isometry3d Motion::moved_from_closed() const {
   Isometry3d motion = Isometry3d::Identity();
-  if (type == Type::prismatic) motion.translation() = position * axis;
-  if (type == Type::revolute) {
+  if (type == ArticulationType::prismatic) motion.translation() = position * axis;
+  if (type == ArticulationType::revolute) {
     motion.linear() = Eigen::AngleAxisd(position, axis).toRotationMatrix();
     motion.translation() = origin - motion.linear() * origin;
   }
@@ -211,14 +206,14 @@ Isometry3d Motion::moved_from_closed() const {
 
 Motion fit_motion(const Motion& start, const MotionEvidence& evidence) {
   Motion motion = start;
-  if (start.type == Type::rigid) return motion;
+  if (start.type == ArticulationType::rigid) return motion;
   Variables variables = variables_for(start, evidence.hand_path);
-  double widened = 1;
+  double noise_scale = 1;
   if (!evidence.hand_path.empty()) {
-    solve(start, evidence, widened, variables, nullptr);
-    widened = std::max(strayed(start, evidence, variables), 1.0);
+    solve(start, evidence, noise_scale, variables, nullptr);
+    noise_scale = std::max(hand_rms(start, evidence, variables), 1.0);
   }
-  solve(start, evidence, widened, variables, &motion);
+  solve(start, evidence, noise_scale, variables, &motion);
   if (motion.position < 0) {
     motion.position = -motion.position;
     motion.axis = -motion.axis;

@@ -4,17 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/articulation/parameters.h"
 #include "mapping/base/math.h"
 #include "mapping/base/quantile.h"
 #include "mapping/base/random.h"
 
 namespace loci::mapping {
 namespace {
-
-constexpr double kMinSigma = 5e-5;  // metres: no tracker is better
-constexpr int kSamples = 250;
-constexpr int kRounds = 25;
-constexpr int kSteps = 15;
 
 using Positions = std::vector<Vector3d>;
 
@@ -37,7 +33,7 @@ bool circle_through(const Vector3d& a, const Vector3d& b, const Vector3d& c, Pat
   return true;
 }
 
-/// The path through few positions that are drawn at random.
+/// The path through randomly drawn positions.
 bool draw_path(Path::Kind kind, const Positions& positions, Random& random, Path& path) {
   path.kind = kind;
   const auto draw = [&] { return positions[random.index(positions.size())]; };
@@ -56,23 +52,23 @@ bool draw_path(Path::Kind kind, const Positions& positions, Random& random, Path
   return circle_through(first, second, draw(), path);
 }
 
-/// Starts from the drawn path whose median distance is least: half of the positions may be outliers.
+/// The drawn path with the smallest median distance: up to half of the positions may be outliers.
 Path min_median_path(Path::Kind kind, const Positions& positions) {
   Random random(1);
   Path best;
   best.kind = kind;
   best.centre = positions.front();
   best.radius = kind == Path::Kind::circle ? 1 : 0;
-  double least = std::numeric_limits<double>::infinity();
+  double min_distance = std::numeric_limits<double>::infinity();
   std::vector<double> distances(positions.size());
-  for (int sample = 0; sample < kSamples; ++sample) {
+  for (int sample = 0; sample < kTracks.samples; ++sample) {
     Path path;
     if (!draw_path(kind, positions, random, path)) continue;
     std::transform(positions.begin(), positions.end(), distances.begin(),
                    [&](const Vector3d& p) { return path.across(p).norm(); });
     const double distance = median(distances);
-    if (distance < least) {
-      least = distance;
+    if (distance < min_distance) {
+      min_distance = distance;
       best = path;
     }
   }
@@ -114,7 +110,7 @@ Eigen::VectorXd row_weights(const Path& path, const std::vector<double>& weights
   return all;
 }
 
-/// One step of Levenberg and Marquardt on the weighted squares; false when nothing is gained any more.
+/// One step of Levenberg and Marquardt on the weighted squares; false when converged.
 bool improve(Path& path, const Positions& positions, const std::vector<double>& weights) {
   const Eigen::MatrixXd j = jacobian(path, positions);
   const Eigen::VectorXd w = row_weights(path, weights);
@@ -139,7 +135,7 @@ double log_normal_density(double square, double sigma, int dimensions) {
   return -0.5 * square / (sigma * sigma) - dimensions * (std::log(sigma) + 0.5 * std::log(2 * kPi));
 }
 
-/// Length of the path over what is no outlier; where a point stays it has none.
+/// Length of the path over inliers; 0 for a point.
 double travel_of(const Path& path, const std::vector<double>& along, const std::vector<double>& weights) {
   if (path.kind == Path::Kind::point) return 0;
   double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -151,8 +147,8 @@ double travel_of(const Path& path, const std::vector<double>& along, const std::
   return high < low ? 0 : (high - low) * (path.kind == Path::Kind::circle ? path.radius : 1);
 }
 
-/// Along its path a pose may be anywhere: 1 / span is the mean density of a normal distribution as wide as
-/// the poses are spread (in logarithms), which also holds for rests at the ends.
+/// 1 / span is the density of poses along the path: the geometric mean density of a normal distribution with
+/// their spread, which also holds for pauses at the ends.
 double span_of(const PathFit& fit) {
   double sum = 0, mean = 0, square = 0;
   for (size_t i = 0; i < fit.along.size(); ++i) {
@@ -166,7 +162,7 @@ double span_of(const PathFit& fit) {
          (fit.path.kind == Path::Kind::circle ? fit.path.radius : 1);
 }
 
-/// Whether most poses around are outliers too: then it is the path that is wrong there, not the poses.
+/// Whether most neighbouring poses are outliers, too: then the path is wrong there and not the poses.
 std::vector<bool> in_a_run(const std::vector<double>& weights) {
   const size_t count = weights.size(), half = std::clamp<size_t>(count / 8, 1, 5);
   std::vector<bool> all(count);
@@ -179,12 +175,12 @@ std::vector<bool> in_a_run(const std::vector<double>& weights) {
   return all;
 }
 
-/// Expectation: which poses are outliers, given path, sigma and share; and the likelihood of all.
+/// Expectation: weights given path, sigma and outlier share; and the likelihood of all poses.
 void weigh(PathFit& fit, const Positions& positions, double extent, const PathOptions& options) {
   const int dimensions = fit.path.across_dimensions();
   fit.along = fit.path.along(positions, fit.weights);
   fit.travel = travel_of(fit.path, fit.along, fit.weights);
-  // An arc of a joint is little longer than its chord; a ring through noise is, and pays for it.
+  // The span of an arc is about that of its chord; a ring through noise is longer and less likely.
   fit.span =
       options.span > 0 ? std::max(options.span, 0.85 * span_of(fit)) : std::max(span_of(fit), fit.sigma);
   const double log_along = dimensions == 3 ? 0 : -std::log(fit.span);
@@ -205,14 +201,14 @@ void weigh(PathFit& fit, const Positions& positions, double extent, const PathOp
   }
 }
 
-/// Maximisation of sigma and of the share of outliers (whose prior weighs as much as ten poses).
+/// Maximisation of sigma and outlier share (whose prior weighs as much as ten poses).
 void measure_noise(PathFit& fit, const Positions& positions, const PathOptions& options) {
   double sum = 0;
   for (const double w : fit.weights) sum += w;
   const double square = weighted_square(fit.path, positions, fit.weights);
   const double freedom = std::max(fit.path.across_dimensions() * sum - fit.path.parameters(), 1.0);
   fit.rms = std::sqrt(square / std::max(sum, 1e-9));
-  fit.sigma = options.sigma > 0 ? options.sigma : std::max(std::sqrt(square / freedom), kMinSigma);
+  fit.sigma = options.sigma > 0 ? options.sigma : std::max(std::sqrt(square / freedom), kTracks.min_sigma_m);
   const double count = static_cast<double>(positions.size());
   fit.outlier_share = std::clamp((10 * options.outlier_probability + count - sum) / (10 + count), 1e-4, 0.5);
 }
@@ -292,9 +288,9 @@ namespace {
 Path algebraic_circle(const Positions& positions) {
   Vector3d mean = Vector3d::Zero();
   for (const Vector3d& p : positions) mean += p / static_cast<double>(positions.size());
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (const Vector3d& p : positions) scatter += (p - mean) * (p - mean).transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const Vector3d& p : positions) covariance += (p - mean) * (p - mean).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
   const Vector3d u = solver.eigenvectors().col(2), v = solver.eigenvectors().col(1);
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Vector3d right = Vector3d::Zero();
@@ -320,10 +316,10 @@ PathFit fit_from(const Path& start, const Positions& positions, const PathOption
   fit.outlier_share = std::clamp(options.outlier_probability, 1e-4, 0.5);
   std::vector<double> distances;
   for (const Vector3d& p : positions) distances.push_back(fit.path.across(p).norm());
-  fit.sigma = options.sigma > 0 ? options.sigma : std::max(median(distances), kMinSigma);
-  for (int round = 0; round < kRounds; ++round) {
+  fit.sigma = options.sigma > 0 ? options.sigma : std::max(median(distances), kTracks.min_sigma_m);
+  for (int round = 0; round < kTracks.em_rounds; ++round) {
     weigh(fit, positions, extent, options);
-    for (int step = 0; step < kSteps && improve(fit.path, positions, fit.weights); ++step) {
+    for (int step = 0; step < kTracks.lm_steps && improve(fit.path, positions, fit.weights); ++step) {
     }
     const double sigma = fit.sigma;
     measure_noise(fit, positions, options);
@@ -339,7 +335,7 @@ PathFit fit_from(const Path& start, const Positions& positions, const PathOption
 PathFit fit_path(Path::Kind kind, const std::vector<Vector3d>& positions, const PathOptions& options) {
   PathFit fit = fit_from(min_median_path(kind, positions), positions, options);
   if (kind == Path::Kind::circle) {
-    // Of a short arc three poses say little: all together say more, if there are few outliers.
+    // On a short arc, all poses determine the circle better than three, if there are few outliers.
     PathFit other = fit_from(algebraic_circle(positions), positions, options);
     if (other.log_likelihood > fit.log_likelihood) fit = std::move(other);
   }
@@ -347,6 +343,76 @@ PathFit fit_path(Path::Kind kind, const std::vector<Vector3d>& positions, const 
   const Eigen::MatrixXd normal = j.transpose() * row_weights(fit.path, fit.weights).asDiagonal() * j;
   fit.covariance = fit.sigma * fit.sigma * normal.completeOrthogonalDecomposition().pseudoInverse();
   return fit;
+}
+
+namespace {
+
+Vector3d rotation_vector(const Eigen::Quaterniond& q) {
+  const Eigen::AngleAxisd turn(q);
+  const double angle = turn.angle() > kPi ? turn.angle() - 2 * kPi : turn.angle();
+  return angle * turn.axis();
+}
+
+}  // namespace
+
+double effective_count(const std::vector<Vector3d>& residuals) {
+  double variance = 0, sum = 1;
+  for (const Vector3d& r : residuals) variance += r.squaredNorm();
+  for (size_t lag = 1; lag < residuals.size() / 2; ++lag) {
+    double product = 0;
+    for (size_t i = lag; i < residuals.size(); ++i) product += residuals[i].dot(residuals[i - lag]);
+    const double correlation = variance > 0 ? product / variance : 0;
+    if (correlation < 0.05) break;
+    sum += 2 * correlation;
+  }
+  const double count = static_cast<double>(residuals.size());
+  return std::clamp(count / sum, std::min(4.0, count), count);
+}
+
+OrientationFit fit_orientations(const std::vector<Eigen::Quaterniond>& orientations, const Vector3d& axis,
+                                const std::vector<double>& joint_positions,
+                                const std::vector<double>& weights) {
+  std::vector<Eigen::Quaterniond> starts;
+  for (size_t i = 0; i < orientations.size(); ++i)
+    if (weights[i] > 0.5)
+      starts.push_back(Eigen::Quaterniond(Eigen::AngleAxisd(-joint_positions[i], axis)) * orientations[i]);
+  OrientationFit fit;
+  if (starts.empty()) return fit;
+
+  // Weiszfeld's algorithm: the rotation with the smallest sum of angles, robust to flips.
+  fit.start = starts[starts.size() / 2];
+  std::vector<Vector3d> errors(starts.size());
+  for (int round = 0; round < 20; ++round) {
+    Vector3d step = Vector3d::Zero();
+    double total = 0;
+    for (size_t i = 0; i < starts.size(); ++i) {
+      errors[i] = rotation_vector(starts[i] * fit.start.conjugate());
+      const double weight = 1 / (errors[i].norm() + 1e-3);
+      step += weight * errors[i];
+      total += weight;
+    }
+    step /= total;
+    if (step.norm() < 1e-9) break;
+    fit.start = Eigen::Quaterniond(Eigen::AngleAxisd(step.norm(), step.normalized())) * fit.start;
+  }
+  for (const Vector3d& error : errors) fit.angles.push_back(error.norm());
+  fit.sigma = median(fit.angles) / 1.538;  // 1.538: median length of a normal vector in space
+
+  fit.effective_poses = effective_count(errors);
+  return fit;
+}
+
+double OrientationFit::log_likelihood(double noise, double poses) const {
+  const double log_outlier = std::log(kTracks.orientation_outliers) - std::log(8 * kPi * kPi);
+  const double log_peak =
+      std::log(1 - kTracks.orientation_outliers) - 3 * (std::log(noise) + 0.5 * std::log(2 * kPi));
+  double sum = 0;
+  for (const double angle : angles) {
+    const double log_inlier = log_peak - 0.5 * angle * angle / (noise * noise);
+    const double largest = std::max(log_inlier, log_outlier);
+    sum += largest + std::log(std::exp(log_inlier - largest) + std::exp(log_outlier - largest));
+  }
+  return angles.empty() ? 0 : sum * poses / static_cast<double>(angles.size());
 }
 
 }  // namespace loci::mapping

@@ -7,7 +7,7 @@
 
 namespace loci::mapping {
 
-/// The path of a point on a moving part: it stays, or runs along a line or a circle.
+/// The path of a point on a moving part: a point, a line or a circle.
 struct Path {
   enum class Kind { point, line, circle };
   Kind kind = Kind::point;
@@ -15,29 +15,28 @@ struct Path {
   Vector3d axis = Vector3d::UnitZ();   ///< along the line; through the circle's centre, along its normal
   double radius = 0;
 
-  /// How far a position is off the path: three components for a point, two (the third is zero) otherwise
-  /// (circle: radially, along the axis).
+  /// Residual of a position: three components for a point, otherwise two and a zero (circle: radial, along
+  /// the axis).
   Vector3d across(const Vector3d& position) const;
   int across_dimensions() const { return kind == Kind::point ? 3 : 2; }
   /// Free parameters: 3, 4, 6.
   int parameters() const;
-  /// Joint positions along the path (metres, radians without jumps at π), relative to the first whose weight
-  /// says that it is no outlier.
+  /// Joint positions along the path (metres, radians without jumps at π), relative to the first inlier.
   std::vector<double> along(const std::vector<Vector3d>& positions, const std::vector<double>& weights) const;
 };
 
-/// A path fitted by expectation maximisation to positions of which some are outliers: what is off the path is
-/// normal with `sigma` per direction, or, with probability `outlier_share`, anywhere in the track's box.
+/// A path fitted by expectation maximisation: residuals are normal with `sigma` per direction or, with
+/// probability `outlier_share`, positions are uniform in the track's box.
 struct PathFit {
   Path path;
   double sigma = 0;  ///< metres, per direction
   double outlier_share = 0;
-  std::vector<double> weights;  ///< probability that a pose is no outlier
+  std::vector<double> weights;  ///< probability that a pose is an inlier
   std::vector<double> along;    ///< joint position at each pose
-  double travel = 0;            ///< length of the path, metres, over what is no outlier
-  double span = 0;              ///< metres over which poses are taken to be spread along the path
+  double travel = 0;            ///< length of the path over inliers, metres
+  double span = 0;              ///< assumed spread of poses along the path, metres
   double rms = 0;               ///< weighted distance from the path, metres
-  double log_likelihood = 0;    ///< of all poses, as if they were independent
+  double log_likelihood = 0;    ///< of all poses, as if independent
   Eigen::MatrixXd covariance;   ///< of the parameters of perturbed(), as if independent
 
   size_t outliers() const;
@@ -46,8 +45,7 @@ struct PathFit {
 struct PathOptions {
   double sigma = 0;  ///< metres; 0 = estimated
   double outlier_probability = 0.05;
-  double span = 0;  ///< metres over which poses are spread along the path; 0 = as fitted. Equal for paths
-                    ///< that are compared.
+  double span = 0;  ///< spread of poses along the path, metres, equal for compared paths; 0 = as fitted
 };
 
 /// Fits one kind of path; at least as many positions as the kind needs (1, 2, 3), finite.
@@ -59,5 +57,25 @@ Path perturbed(const Path& path, const Eigen::VectorXd& change);
 
 /// Two directions that are normal to `axis` and to one another.
 std::array<Vector3d, 2> normals_of(const Vector3d& axis);
+
+/// The number of independent values that say as much as these residuals: their number over the sum of their
+/// autocorrelation up to where it vanishes.
+double effective_count(const std::vector<Vector3d>& residuals);
+
+/// How well measured orientations rotate with a joint about an axis.
+struct OrientationFit {
+  Eigen::Quaterniond start = Eigen::Quaterniond::Identity();  ///< orientation at joint position 0
+  std::vector<double> angles;                                 ///< radians off, per pose that counts
+  double sigma = 0;                                           ///< per direction, robust
+  double effective_poses = 0;                                 ///< errors of orientations are correlated
+
+  /// As of `poses` independent orientations with noise `noise` per direction (radians) and outliers.
+  double log_likelihood(double noise, double poses) const;
+};
+
+/// Robust fit of the orientation at joint position 0; poses with weights below one half do not count.
+OrientationFit fit_orientations(const std::vector<Eigen::Quaterniond>& orientations, const Vector3d& axis,
+                                const std::vector<double>& joint_positions,
+                                const std::vector<double>& weights);
 
 }  // namespace loci::mapping

@@ -3,32 +3,32 @@
 #include <cmath>
 
 #include "mapping/articulation/articulation.h"
+#include "mapping/articulation/parameters.h"
 #include "mapping/base/math.h"
 
 namespace loci::mapping {
 namespace {
 
-/// How a front can be mounted. Left and right as seen by someone who stands before it; a flap hinged below
-/// opens downwards (oven, dishwasher), one hinged above is lifted (wall cupboard).
+/// Mountings of fronts. Left and right as seen by a person in front; a flap hinged below opens downwards
+/// (oven, dishwasher), one hinged above upwards (wall cupboard).
 enum Mounting { fixed, drawer, door_left, door_right, flap_below, flap_above, mounting_count };
 
-/// A quantity's habitual value and spread.
-struct Habit {
+/// Usual value and spread of a quantity.
+struct Normal {
   double mean, sd;
 };
 
-/// What fronts of one mounting look like: a small generative model of kitchens. Sizes are log-normal
-/// (metres, spread of the logarithm); `side` and `rise` say where the fixture is, from -1 (left edge, bottom
-/// edge) to 1 (right, top).
-struct Habits {
+/// Generative model of the fronts of one mounting. Sizes are log-normal (metres, spread of the logarithm);
+/// `side` and `rise` are the position of the fixture from -1 (left edge, bottom edge) to 1 (right, top).
+struct MountingModel {
   double share;                      ///< of all fronts that have a fixture
   double horizontal, upright, knob;  /// of its fixtures
-  Habit side, rise;
-  Habit width, height;
-  Habit elevation;  ///< of the front's centre above the floor
+  Normal side, rise;
+  Normal width, height;
+  Normal elevation;  ///< of the front's centre above the floor
 };
 
-constexpr std::array<Habits, mounting_count> kHabits{{
+constexpr std::array<MountingModel, mounting_count> kModels{{
     {0.02, 0.40, 0.30, 0.30, {0.0, 0.6}, {0.0, 0.8}, {0.60, 0.6}, {0.60, 0.7}, {1.0, 0.6}},      // fixed
     {0.46, 0.75, 0.05, 0.20, {0.0, 0.15}, {0.5, 0.45}, {0.55, 0.4}, {0.28, 0.5}, {0.5, 0.35}},   // drawer
     {0.22, 0.25, 0.50, 0.25, {0.85, 0.2}, {0.0, 0.8}, {0.48, 0.3}, {0.90, 0.5}, {1.1, 0.6}},     // door_left
@@ -37,45 +37,36 @@ constexpr std::array<Habits, mounting_count> kHabits{{
     {0.03, 0.87, 0.03, 0.10, {0.0, 0.15}, {-0.85, 0.25}, {0.75, 0.4}, {0.42, 0.35}, {1.75, 0.35}},
 }};
 
-/// Share of fronts without a fixture (panels, and fronts that are pushed or gripped at an edge) that do not
-/// move.
-constexpr double kFixedWithoutFixture = 0.35;
-/// Least density, relative to the peak: kitchens are made by people.
-constexpr double kUnusual = 0.004;
-/// A front's hinge lies about the middle of a panel of 2 cm behind its face.
-constexpr double kHingeBehindFace = 0.01;
-
-double log_density(double value, const Habit& habit) {
-  const double z = (value - habit.mean) / habit.sd;
-  return std::log(std::exp(-0.5 * z * z) + kUnusual) - std::log(habit.sd);
+double log_density(double value, const Normal& normal) {
+  const double z = (value - normal.mean) / normal.sd;
+  return std::log(std::exp(-0.5 * z * z) + kPriors.min_density) - std::log(normal.sd);
 }
 
-double log_size_density(double metres, const Habit& habit) {
-  return log_density(std::log(std::max(metres, 1e-3)), {std::log(habit.mean), habit.sd});
+double log_size_density(double metres, const Normal& normal) {
+  return log_density(std::log(std::max(metres, 1e-3)), {std::log(normal.mean), normal.sd});
 }
 
-/// Where a fixture is on an extent of the front, -1 to 1: 1 when it is at the edge as far as its own extent
-/// lets it.
-double relative_place(double offset, double extent, double fixture_extent) {
-  const double room = std::max(0.5 * (extent - fixture_extent), 0.15 * extent);
-  return std::clamp(offset / std::max(room, 1e-3), -1.2, 1.2);
+/// Position of a fixture along an extent of the front, -1 to 1: 1 where the fixture touches the edge.
+double relative_position(double offset, double extent, double fixture_extent) {
+  const double range = std::max(0.5 * (extent - fixture_extent), 0.15 * extent);
+  return std::clamp(offset / std::max(range, 1e-3), -1.2, 1.2);
 }
 
-double log_fixture_likelihood(const Front& front, const Fixture& fixture, const Habits& habits) {
+double log_fixture_likelihood(const Front& front, const Fixture& fixture, const MountingModel& model) {
   const Vector3d offset = fixture.centre - front.centre;
-  double along_right = 0, along_up = 0, share = habits.knob;
+  double along_right = 0, along_up = 0, share = model.knob;
   if (fixture.kind == Fixture::Kind::handle) {
     const Vector3d axis = fixture.axis.normalized();
     along_right = std::abs(axis.dot(front.right()));
     along_up = std::abs(axis.dot(front.up));
-    share = along_up > along_right ? habits.upright : habits.horizontal;
+    share = along_up > along_right ? model.upright : model.horizontal;
   }
-  const double side = relative_place(offset.dot(front.right()), front.width, along_right * fixture.length);
-  const double rise = relative_place(offset.dot(front.up), front.height, along_up * fixture.length);
-  return std::log(share) + log_density(side, habits.side) + log_density(rise, habits.rise);
+  const double side = relative_position(offset.dot(front.right()), front.width, along_right * fixture.length);
+  const double rise = relative_position(offset.dot(front.up), front.height, along_up * fixture.length);
+  return std::log(share) + log_density(side, model.side) + log_density(rise, model.rise);
 }
 
-/// How much more often an appliance of that name is mounted so than a piece of furniture.
+/// Log odds of a mounting for an appliance against other furniture.
 double log_appliance_odds(const std::string& appliance, Mounting mounting) {
   const double certain = 5;
   if (appliance == "oven" || appliance == "dishwasher") return mounting == flap_below ? certain : 0;
@@ -85,20 +76,20 @@ double log_appliance_odds(const std::string& appliance, Mounting mounting) {
   return 0;
 }
 
-/// Logarithms of the joint densities of a mounting and what the front looks like.
+/// Logarithms of the joint densities of mountings and appearance.
 std::array<double, mounting_count> mounting_scores(const Front& front) {
   std::array<double, mounting_count> scores{};
   for (size_t i = 0; i < mounting_count; ++i) {
-    const Habits& habits = kHabits[i];
-    double share = habits.share;
+    const MountingModel& model = kModels[i];
+    double share = model.share;
     if (!front.fixture)
-      share =
-          i == fixed ? kFixedWithoutFixture : share * (1 - kFixedWithoutFixture) / (1 - kHabits[fixed].share);
-    scores[i] = std::log(share) + log_size_density(front.width, habits.width) +
-                log_size_density(front.height, habits.height) +
-                log_density(front.centre.z(), habits.elevation) +
+      share = i == fixed ? kPriors.fixed_without_fixture
+                         : share * (1 - kPriors.fixed_without_fixture) / (1 - kModels[fixed].share);
+    scores[i] = std::log(share) + log_size_density(front.width, model.width) +
+                log_size_density(front.height, model.height) +
+                log_density(front.centre.z(), model.elevation) +
                 log_appliance_odds(front.appliance, Mounting(i));
-    if (front.fixture) scores[i] += log_fixture_likelihood(front, *front.fixture, habits);
+    if (front.fixture) scores[i] += log_fixture_likelihood(front, *front.fixture, model);
   }
   return scores;
 }
@@ -113,28 +104,27 @@ std::array<double, mounting_count> mounting_probabilities(const Front& front) {
 }
 
 struct Mechanism {
-  JointEstimate::Type type;
+  ArticulationType type;
   Vector3d axis, origin;
   double upper;
 };
 
 Mechanism mechanism_of(const Front& front, Mounting mounting) {
-  using Type = JointEstimate::Type;
-  const Vector3d behind = front.centre - kHingeBehindFace * front.normal;
+  const Vector3d behind = front.centre - kFaceMotion.hinge_depth_m * front.normal;
   const Vector3d half_width = 0.5 * front.width * front.right(), half_height = 0.5 * front.height * front.up;
   switch (mounting) {
     case drawer:
-      return {Type::prismatic, front.normal, front.centre, 0.9 * front.depth};
+      return {ArticulationType::prismatic, front.normal, front.centre, 0.9 * front.depth};
     case door_left:
-      return {Type::revolute, -front.up, behind - half_width, kPi * 100 / 180};
+      return {ArticulationType::revolute, -front.up, behind - half_width, kPi * 100 / 180};
     case door_right:
-      return {Type::revolute, front.up, behind + half_width, kPi * 100 / 180};
+      return {ArticulationType::revolute, front.up, behind + half_width, kPi * 100 / 180};
     case flap_below:
-      return {Type::revolute, front.right(), behind - half_height, kPi / 2};
+      return {ArticulationType::revolute, front.right(), behind - half_height, kPi / 2};
     case flap_above:
-      return {Type::revolute, -front.right(), behind + half_height, kPi / 2};
+      return {ArticulationType::revolute, -front.right(), behind + half_height, kPi / 2};
     default:
-      return {Type::rigid, front.normal, front.centre, 0};
+      return {ArticulationType::rigid, front.normal, front.centre, 0};
   }
 }
 
@@ -146,7 +136,7 @@ JointEstimate joint_prior(const Front& front) {
   joint.probabilities = {0, 0, 0};
   for (size_t i = 0; i < mounting_count; ++i)
     joint.probabilities[static_cast<size_t>(mechanism_of(front, Mounting(i)).type)] += probabilities[i];
-  joint.type = static_cast<JointEstimate::Type>(
+  joint.type = static_cast<ArticulationType>(
       std::max_element(joint.probabilities.begin(), joint.probabilities.end()) - joint.probabilities.begin());
 
   size_t best = mounting_count;
@@ -159,7 +149,7 @@ JointEstimate joint_prior(const Front& front) {
   joint.origin = mechanism.origin;
   joint.upper = mechanism.upper;
 
-  // Real joints run a few degrees off their front; where it may be mounted otherwise, that is the spread.
+  // Real joints deviate from their front by a few degrees; other mountings of the type add to the spread.
   double axis_variance = 3 * 3, origin_variance = 0.02 * 0.02;
   for (size_t i = 0; i < mounting_count; ++i) {
     const Mechanism other = mechanism_of(front, Mounting(i));
@@ -185,11 +175,11 @@ double front_log_likelihood(const Front& front) {
 
 std::string front_class(const Front& front, const JointEstimate& joint) {
   switch (joint.type) {
-    case JointEstimate::Type::prismatic:
+    case ArticulationType::prismatic:
       return "drawer";
-    case JointEstimate::Type::revolute:
+    case ArticulationType::revolute:
       return std::abs(joint.axis.dot(front.up)) > std::sqrt(0.5) ? "door" : "flap";
-    case JointEstimate::Type::rigid:
+    case ArticulationType::rigid:
       break;
   }
   return "front";

@@ -136,7 +136,7 @@ void fill_front(const KnownFront& map, const KnownFront& truth, ComparedThing& t
   thing.overlap = overlap_of(map.front, truth.front);
   thing.angle_error_deg = angle_deg(map.front.normal, truth.front.normal);
   thing.offset_error = truth.front.normal.dot(map.front.centre - truth.front.centre);
-  if (truth.front.joint && truth.front.joint->type != JointEstimate::Type::rigid)
+  if (truth.front.joint && truth.front.joint->type != ArticulationType::rigid)
     thing.joint = compare_joints(map.front.joint, *truth.front.joint, truth.front.centre);
 }
 
@@ -162,15 +162,15 @@ double overlap_of(const Front& a, const Front& b) {
 ComparedJoint compare_joints(const std::optional<JointEstimate>& map, const JointEstimate& truth,
                              const Vector3d& front_centre) {
   ComparedJoint joint;
-  joint.truth_type = joint_estimate_type_name(truth.type);
+  joint.truth_type = to_text(truth.type);
   if (!map) return joint;
-  joint.map_type = joint_estimate_type_name(map->type);
+  joint.map_type = to_text(map->type);
   joint.evidence = map->evidence;
   if (!joint.right()) return joint;
   const double angle = angle_deg(opening_axis(*map), opening_axis(truth));
   joint.axis_error_deg = std::min(angle, 180 - angle);
   joint.other_way = angle > 90;
-  if (truth.type != JointEstimate::Type::revolute) return joint;
+  if (truth.type != ArticulationType::revolute) return joint;
   const Vector3d axis = truth.axis.normalized();
   const Vector3d hinge = truth.origin + axis.dot(front_centre - truth.origin) * axis;
   joint.hinge_error = distance_to_line(hinge, *map);

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "mapping/base/json.h"
-#include "mapping/interpretation/furniture_links.h"
+#include "mapping/interpretation/furniture/furniture_links.h"
 
 namespace loci::mapping {
 namespace {
@@ -29,8 +29,7 @@ std::string front_above(const std::string& name, const World& world, const std::
 
 JointEstimate joint_of(const Json& json) {
   JointEstimate joint;
-  joint.type =
-      json.at("type") == "prismatic" ? JointEstimate::Type::prismatic : JointEstimate::Type::revolute;
+  joint.type = json.at("type") == "prismatic" ? ArticulationType::prismatic : ArticulationType::revolute;
   joint.axis = vector_of(json.at("axis"));
   joint.origin = vector_of(json.at("origin"));
   joint.lower = json.at("limits").at(0).get<double>();

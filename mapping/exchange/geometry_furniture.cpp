@@ -158,7 +158,7 @@ class FurnitureReader {
     const Isometry3d& pose = root_from_link_[world_.link_index(joint.child)];
     JointEstimate estimate;
     estimate.type =
-        joint.type == JointType::prismatic ? JointEstimate::Type::prismatic : JointEstimate::Type::revolute;
+        joint.type == JointType::prismatic ? ArticulationType::prismatic : ArticulationType::revolute;
     estimate.axis = pose.linear() * joint.axis.normalized();
     estimate.origin = pose.translation();
     if (joint.limits) {

@@ -14,7 +14,7 @@
 namespace loci::mapping {
 namespace {
 
-/// Rays that end beyond the range are thinned to cells of this size at the range.
+/// Rays without return within the range are thinned to cells of this size, metres: enough for free space.
 constexpr double kFreeRayCell = 0.1;
 
 struct Voxel {
@@ -28,7 +28,7 @@ struct Voxel {
   uint16_t best_origin = 0;
 };
 
-/// One scan in the making: voxels in the map frame.
+/// Accumulates the voxels of one scan in the map frame.
 class ScanBuilder {
  public:
   explicit ScanBuilder(const FusionOptions& options)
@@ -53,7 +53,7 @@ class ScanBuilder {
     }
   }
 
-  /// The finished scan in the frame of its middle camera; counts what was seen too seldom.
+  /// The scan in the frame of its middle camera; counts voxels with too few observations.
   Scan finish(size_t number, size_t& seldom_seen) const {
     Scan scan;
     scan.name = fmt::format("scan_{:03d}", number);
@@ -124,6 +124,35 @@ class ScanBuilder {
   std::vector<Isometry3d> origins_;
 };
 
+/// One scan and its counts.
+struct Part {
+  Scan scan;
+  size_t used = 0, without_pose = 0, at_edges = 0, seldom = 0;
+};
+
+FusionResult collect(std::vector<Part>& parts, const RecordingInfo& info, const FusionOptions& options) {
+  FusionResult result;
+  for (Part& part : parts) {
+    result.frames_used += part.used;
+    result.frames_without_pose += part.without_pose;
+    result.pixels_at_edges += part.at_edges;
+    result.voxels_seldom_seen += part.seldom;
+    if (!part.scan.points.empty()) result.scans.scans.push_back(std::move(part.scan));
+  }
+  if (result.frames_used == 0)
+    throw Error("no frame of the recording has a pose", {info.path, 0, ""},
+                "add camera poses, or register the scans first");
+  if (result.scans.scans.empty())
+    throw Error("the recording has no depth within the range that was seen often enough", {info.path, 0, ""},
+                "check --range-max-m and --min-observations");
+  result.scans.sensor = "kinect";
+  result.scans.levelled = info.map_frame == "map";
+  result.scans.range_max = options.range_max_m;
+  result.scans.resolution = options.voxel_m;
+  result.scans.free_space = true;
+  return result;
+}
+
 /// Depth beyond which two neighbours do not lie on one surface: noise and quantisation grow with z².
 float jump_at(float z) {
   return 0.02F + 0.006F * z * z;
@@ -161,8 +190,7 @@ void FusionOptions::declare(OptionTable& table) {
   table.number("voxel_m", voxel_m, "m", "Points are thinned to one per cube of this size and scan.", 0.001,
                0.5);
   table.number("range_max_m", range_max_m, "m",
-               "Farther measurements only say that the way there is free (a Kinect's noise is 4 cm at 4 m).",
-               0.5, 100);
+               "Farther measurements only mark free space (a Kinect's noise is 4 cm at 4 m).", 0.5, 100);
   table.integer("min_observations", min_observations, "frames",
                 "A voxel seen by fewer frames of its scan is left out as noise.", 1, 1000);
   table.integer("frames_per_scan", frames_per_scan, "frames", "So many consecutive frames become one scan.",
@@ -175,18 +203,13 @@ FusionResult fuse(const Recording& recording, const FusionOptions& options, Prog
   FusionOptions checked = options;
   table_of(checked).validate({"", 0, "fuse"});
   const RecordingInfo& info = recording.info();
-  const loci::Place place{info.path, 0, ""};
-  if (recording.size() == 0) throw Error("the recording has no frames", place);
+  if (recording.size() == 0) throw Error("the recording has no frames", {info.path, 0, ""});
 
-  // Poses come with the frames, so a scan is a run of frames of which those without pose are skipped.
+  // A scan consists of consecutive frames; frames without pose are skipped.
   const size_t taken =
       (recording.size() + static_cast<size_t>(options.every) - 1) / static_cast<size_t>(options.every);
   const auto per_scan = static_cast<size_t>(options.frames_per_scan);
   const size_t count = (taken + per_scan - 1) / per_scan;
-  struct Part {
-    Scan scan;
-    size_t used = 0, without_pose = 0, at_edges = 0, seldom = 0;
-  };
   std::vector<Part> parts(count);
   std::atomic<size_t> done = 0;
   std::mutex mutex;
@@ -214,25 +237,7 @@ FusionResult fuse(const Recording& recording, const FusionOptions& options, Prog
     for (size_t number = begin; number < end; ++number) build(number);
   });
 
-  FusionResult result;
-  for (Part& part : parts) {
-    result.frames_used += part.used;
-    result.frames_without_pose += part.without_pose;
-    result.pixels_at_edges += part.at_edges;
-    result.voxels_seldom_seen += part.seldom;
-    if (!part.scan.points.empty()) result.scans.scans.push_back(std::move(part.scan));
-  }
-  if (result.frames_used == 0)
-    throw Error("no frame of the recording has a pose", place,
-                "fusing needs to know where the camera stood: add poses, or register the scans first");
-  if (result.scans.scans.empty())
-    throw Error("the recording has no depth within the range that was seen often enough", place,
-                "look at --range-max-m and --min-observations");
-  result.scans.sensor = "kinect";
-  result.scans.levelled = info.map_frame == "map";
-  result.scans.range_max = options.range_max_m;
-  result.scans.resolution = options.voxel_m;
-  result.scans.free_space = true;
+  FusionResult result = collect(parts, info, options);
   result.seconds = watch.seconds();
   return result;
 }

@@ -32,11 +32,11 @@ struct FusionResult {
   Json report() const;
 };
 
-/// Posed depth frames to a scan set: consecutive frames become one scan, thinned to voxels. A voxel keeps the
-/// mean of its points, near ones weighing more, their colour, and the origin that saw it best; what was
-/// measured beyond range_max is kept as a ray without return. Frames without pose are left out and counted.
-/// The scan's frame is the camera's of its middle frame. Same result on any number of threads.
-/// Error when no frame has a pose or nothing was measured.
+/// Fuses depth frames with poses into a scan set: consecutive frames become one scan of voxels. A voxel has
+/// the mean position of its points, weighted by range, their colour, and the nearest origin; measurements
+/// beyond range_max are stored as rays without return. Frames without pose are skipped and counted. The
+/// scan's frame is the camera's of its middle frame. Same result on any number of threads. Error when no
+/// frame has a pose or nothing was measured.
 FusionResult fuse(const Recording& recording, const FusionOptions& options, Progress& progress);
 
 /// Sets pixels to NaN that stand between a nearer and a farther neighbour, or with fewer than three of the

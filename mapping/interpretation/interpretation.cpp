@@ -10,35 +10,29 @@
 #include "mapping/base/json.h"
 #include "mapping/base/quantile.h"
 #include "mapping/base/stopwatch.h"
-#include "mapping/interpretation/front_links.h"
-#include "mapping/interpretation/fronts.h"
-#include "mapping/interpretation/levelling.h"
-#include "mapping/interpretation/map_links.h"
-#include "mapping/interpretation/scan_checks.h"
+#include "mapping/interpretation/fronts/fronts.h"
+#include "mapping/interpretation/furniture/map_links.h"
+#include "mapping/interpretation/surfaces/levelling.h"
+#include "mapping/interpretation/surfaces/parameters.h"
+#include "mapping/interpretation/surfaces/surface.h"
 
 namespace loci::mapping {
 namespace {
 
-constexpr double kFloorReach = 0.25;  // m; a levelled input has its floor within this of z = 0
-constexpr double kCeilingLow = 1.9;   // m
-constexpr double kMinArea = 0.3;      // m² of floor
-constexpr double kAreaCell = 0.05;    // m
-
-/// The height between `lowest` and `highest` at which most points look up (`up` = 1) or down (-1).
+/// The height between `lowest` and `highest` at which most normals point up (`up` = 1) or down (-1).
 std::optional<double> peak_height(const Surface& surface, double lowest, double highest, float up) {
-  constexpr double kBin = 0.01;
-  std::vector<size_t> histogram(static_cast<size_t>((highest - lowest) / kBin) + 1, 0);
+  std::vector<size_t> histogram(static_cast<size_t>((highest - lowest) / kLevels.height_bin_m) + 1, 0);
   for (const SurfacePoint& point : surface.points) {
     const double z = static_cast<double>(point.position.z());
     if (up * point.normal.z() > 0.94F && z >= lowest && z < highest)
-      ++histogram[static_cast<size_t>((z - lowest) / kBin)];
+      ++histogram[static_cast<size_t>((z - lowest) / kLevels.height_bin_m)];
   }
   const auto peak = std::max_element(histogram.begin(), histogram.end());
   if (*peak == 0) return std::nullopt;
-  return lowest + (static_cast<double>(peak - histogram.begin()) + 0.5) * kBin;
+  return lowest + (static_cast<double>(peak - histogram.begin()) + 0.5) * kLevels.height_bin_m;
 }
 
-/// The level plane around a height; unset when too little of it was seen.
+/// The level plane near a height; unset when too little of it was seen.
 std::optional<LevelPlane> level_plane(const Surface& surface, double around, float up, double yaw) {
   LevelPlane plane;
   const Eigen::Rotation2Dd room_from_map(-yaw);
@@ -52,22 +46,14 @@ std::optional<LevelPlane> level_plane(const Surface& surface, double around, flo
     const Vector2d at = room_from_map * point.position.head<2>().cast<double>();
     x.push_back(at.x());
     y.push_back(at.y());
-    cells.insert(cell_of(Vector3d(at.x(), at.y(), 0), kAreaCell));
+    cells.insert(cell_of(Vector3d(at.x(), at.y(), 0), kLevels.area_cell_m));
     ++plane.inliers;
   }
-  plane.area = static_cast<double>(cells.size()) * kAreaCell * kAreaCell;
-  if (plane.area < kMinArea) return std::nullopt;
-  std::vector<double> medians;
-  for (const auto& [scan, values] : heights) {
-    if (values.size() < std::max<size_t>(50, plane.inliers / (20 * heights.size()))) continue;
-    medians.push_back(median(values));
-    plane.scans.push_back(scan);
-  }
-  if (medians.empty()) return std::nullopt;
-  plane.height = median(medians);
-  double squares = 0;
-  for (const double value : medians) squares += (value - plane.height) * (value - plane.height);
-  plane.sd = std::sqrt(squares / static_cast<double>(medians.size()));
+  plane.area = static_cast<double>(cells.size()) * kLevels.area_cell_m * kLevels.area_cell_m;
+  if (plane.area < kLevels.min_area_m2) return std::nullopt;
+  const auto level = level_height(heights, std::max<size_t>(50, plane.inliers / (20 * heights.size())));
+  if (!level) return std::nullopt;
+  static_cast<LevelHeight&>(plane) = *level;
   plane.extent = {{quantile(x, 0.002), quantile(y, 0.002)}, {quantile(x, 0.998), quantile(y, 0.998)}};
   return plane;
 }
@@ -86,10 +72,10 @@ void level(const ScanSet& scans, Surface& surface, InterpretedMap& map) {
 }
 
 void find_levels(const Surface& surface, RecognisedRoom& room, InterpretedMap& map) {
-  if (const auto height = peak_height(surface, -kFloorReach, kFloorReach, 1))
+  if (const auto height = peak_height(surface, -kLevels.floor_reach_m, kLevels.floor_reach_m, 1))
     room.floor = level_plane(surface, *height, 1, room.yaw);
   if (!room.floor) map.notes.push_back("no floor was seen: heights are above z = 0");
-  if (const auto height = peak_height(surface, kCeilingLow, 5, -1)) {
+  if (const auto height = peak_height(surface, kLevels.min_ceiling_m, 5, -1)) {
     room.ceiling = level_plane(surface, *height, -1, room.yaw);
     if (room.ceiling && room.ceiling->area < 1) room.ceiling.reset();
   }
@@ -98,15 +84,15 @@ void find_levels(const Surface& surface, RecognisedRoom& room, InterpretedMap& m
 }  // namespace
 
 void InterpretationOptions::declare(OptionTable& table) {
-  table.number("support_min_area_m2", support_min_area_m2, "m2",
+  table.number("min_support_area_m2", min_support_area_m2, "m2",
                "Horizontal surfaces of which less was seen are left out.", 0.005, 10);
-  table.number("support_min_side_m", support_min_side_m, "m", "Narrower horizontal surfaces are left out.",
+  table.number("min_support_side_m", min_support_side_m, "m", "Narrower horizontal surfaces are left out.",
                0.02, 2);
-  table.number("support_max_height_m", support_max_height_m, "m", "Higher horizontal surfaces are left out.",
+  table.number("max_support_height_m", max_support_height_m, "m", "Higher horizontal surfaces are left out.",
                0.3, 5);
-  table.number("wall_min_area_m2", wall_min_area_m2, "m2",
+  table.number("min_wall_area_m2", min_wall_area_m2, "m2",
                "Vertical planes of which less was seen are no walls.", 0.05, 50);
-  table.number("wall_min_top_m", wall_min_top_m, "m", "Vertical planes that end lower are furniture (§7.4).",
+  table.number("min_wall_top_m", min_wall_top_m, "m", "Vertical planes that end lower are furniture (§7.4).",
                0.1, 5);
   table.number("plane_tolerance_m", plane_tolerance_m, "m", "How far a point may lie off its plane.", 0.002,
                0.2);
@@ -133,7 +119,7 @@ InterpretedMap interpret(const ScanSet& scans, const InterpretationOptions& opti
     map.notes.push_back(
         "no free-space evidence: the input is a bare cloud; outlines and classes are less certain");
   if (!scans.levelled) level(scans, surface, map);
-  if (surface.free_space) leave_out_bad_scans(scans, surface, map.notes);
+  if (surface.free_space) remove_bad_scans(scans, surface, map.notes);
 
   RecognisedRoom room;
   room.free_space = surface.free_space;

@@ -10,11 +10,11 @@
 namespace loci::mapping {
 
 struct InterpretationOptions {
-  double support_min_area_m2 = 0.05;
-  double support_min_side_m = 0.15;
-  double support_max_height_m = 2.0;
-  double wall_min_area_m2 = 0.5;
-  double wall_min_top_m = 1.2;
+  double min_support_area_m2 = 0.05;
+  double min_support_side_m = 0.15;
+  double max_support_height_m = 2.0;
+  double min_wall_area_m2 = 0.5;
+  double min_wall_top_m = 1.2;
   double plane_tolerance_m = 0.02;
   double slab_thickness_m = 0.04;
   int threads = 0;  ///< 0 = all cores; not declared as an option: the result is the same on any number
@@ -22,17 +22,16 @@ struct InterpretationOptions {
   void declare(OptionTable& table);
 };
 
-/// Where the time of an interpretation went.
 struct StageTime {
   std::string stage;
   double seconds = 0;
 };
 
-/// A map out of scans: what was recognised, with evidence, and what was not.
+/// The map that an interpretation yields, with evidence and notes about what was not recognised.
 struct InterpretedMap {
   World world;                     ///< floor, walls, supports as links with visual, collision and inertia
-  std::vector<Front> fronts;       ///< furniture fronts with fixtures and joints, as their links tell
-  double room_yaw = 0;             ///< of the room's main directions against the map's, radians
+  std::vector<Front> fronts;       ///< furniture fronts with fixtures and joints, as in their links
+  double room_yaw = 0;             ///< of the room's main directions in the map, radians
   SemanticMap semantics;           ///< class, geometry, confidence, evidence of each link
   std::vector<std::string> notes;  ///< e.g. "no free-space evidence: the input is a bare cloud"
   Json configuration;              ///< the effective options
@@ -46,9 +45,9 @@ struct InterpretedMap {
 };
 
 /// Floor, walls, horizontal supports (counter, table, shelf) with outlines, and furniture fronts with their
-/// fixtures and the joints that their shape suggests, from a scan set (§7.4). Never
-/// invents: every link says which points and scans it rests on. Input that is not levelled is levelled by its
-/// floor (semantics.map_from_input). Error for a scan set without points.
+/// fixtures and the joints that their shape suggests, from a scan set (§7.4). Every link names the scans and
+/// the number of points that support it. Input that is not levelled is levelled by its floor
+/// (semantics.map_from_input). Error for a scan set without points.
 InterpretedMap interpret(const ScanSet& scans, const InterpretationOptions& options, Progress& progress);
 
 }  // namespace loci::mapping

@@ -1,4 +1,5 @@
 #include "mapping/registration/icp.h"
+#include "mapping/registration/parameters.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -8,9 +9,6 @@ namespace loci::mapping::registration {
 namespace {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
-
-/// How much thinner a surfel is across than along (generalised ICP, Segal et al. 2009).
-constexpr double kThin = 1e-2;
 
 struct Normal {
   Matrix6d hessian = Matrix6d::Zero();
@@ -31,15 +29,15 @@ struct Normal {
 };
 
 Eigen::Matrix3d covariance_of(const Eigen::Vector3f& normal) {
-  const Vector3d n = normal.cast<double>();  // Zero where there is no plane: round.
-  return Eigen::Matrix3d::Identity() - (1 - kThin) * n * n.transpose();
+  const Vector3d n = normal.cast<double>();  // Zero where there is no plane: isotropic.
+  return Eigen::Matrix3d::Identity() - (1 - kPairs.thickness) * n * n.transpose();
 }
 
 /// The three directions along which the residuals of a correspondence are measured, scaled.
 Eigen::Matrix3d whitening(Metric metric, const Eigen::Vector3f& target, const Eigen::Vector3f& source) {
   if (metric == Metric::kPoint) return Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d sum = covariance_of(target) + covariance_of(source);
-  return Eigen::LLT<Eigen::Matrix3d>((2 * kThin) * sum.inverse()).matrixU();
+  return Eigen::LLT<Eigen::Matrix3d>((2 * kPairs.thickness) * sum.inverse()).matrixU();
 }
 
 class Aligner {
@@ -57,15 +55,15 @@ class Aligner {
     const auto radius = static_cast<float>(options_.radius);
     const bool planes = options_.metric == Metric::kPlane;
     for (size_t i = 0; i < source_.size(); i += step_) {
-      const float trust = source_.trust[i];
-      if (planes && trust <= 0.F) continue;
-      sum.possible += planes ? trust : 1;
+      const float weight = source_.weight[i];
+      if (planes && weight <= 0.F) continue;
+      sum.possible += planes ? weight : 1;
       const Eigen::Vector3f point = turn * source_.position[i] + shift;
       const Eigen::Vector3f facing = turn * source_.normal[i];
       const uint32_t j = target_.nearest(point, facing, radius);
       if (j == CellGrid::kNone) continue;
       if (planes)
-        add_plane(sum, point, facing, trust, j);
+        add_plane(sum, point, facing, weight, j);
       else
         add_points(sum, point, facing, j);
     }
@@ -78,16 +76,15 @@ class Aligner {
     return root * root;
   }
 
-  /// Rounded edges and bars look another way from each side: what is not parallel is not the same spot, and
-  /// would pull scans that face each other together or apart.
-  static double alike(double cosine) { return std::clamp((cosine - 0.85) / 0.1, 0.0, 1.0); }
+  /// Weight by the angle between normals: surfels of rounded edges and bars that are not parallel are
+  /// different spots and would bias scans from opposite sides.
+  static double parallel_weight(double cosine) { return std::clamp((cosine - 0.85) / 0.1, 0.0, 1.0); }
 
-  /// Distance to the plane between the two, whose normal is the mean of theirs (Rusinkiewicz 2019): it counts
-  /// both alike.
-  void add_plane(Normal& sum, const Eigen::Vector3f& point, const Eigen::Vector3f& facing, float trust,
-                 uint32_t j) const {
-    const double same = alike(static_cast<double>(target_.normal[j].dot(facing)));
-    const double both = same * static_cast<double>(std::min(trust, target_.trust[j]));
+  /// Distance to the plane between the two with the mean normal (Rusinkiewicz 2019), which is symmetric.
+  void add_plane(Normal& sum, const Eigen::Vector3f& point, const Eigen::Vector3f& facing,
+                 float source_weight, uint32_t j) const {
+    const double same = parallel_weight(static_cast<double>(target_.normal[j].dot(facing)));
+    const double both = same * static_cast<double>(std::min(source_weight, target_.weight[j]));
     if (both <= 0) return;
     const Vector3d normal = (target_.normal[j] + facing).cast<double>().normalized();
     const Vector3d at = point.cast<double>();
@@ -116,7 +113,7 @@ class Aligner {
   size_t step_ = 1;
 };
 
-/// The Gauss-Newton step in the free directions; the damping keeps directions that nothing holds in place.
+/// The Gauss-Newton step in the free directions; the damping keeps unconstrained directions in place.
 Vector6d step_of(const Normal& sum, bool planar) {
   const Matrix6d& hessian = sum.hessian;
   const double damping = 1e-6 * hessian.diagonal().maxCoeff() + 1e-12;
@@ -154,7 +151,7 @@ IcpResult icp(const Surfels& target, const Surfels& source, const Isometry3d& ta
     const Vector6d step = step_of(sum, options.planar);
     result.target_from_source = moved(step, result.target_from_source);
     sum = aligner.linearise(result.target_from_source);
-    // The turn is about the target's origin: what counts is how far the source's own origin moved.
+    // The rotation is about the target's origin; the criterion is the motion of the source's origin.
     const Vector3d shift = step.head<3>() + step.tail<3>().cross(result.target_from_source.translation());
     if (shift.norm() < options.accuracy && step.tail<3>().norm() < options.accuracy) break;
   }

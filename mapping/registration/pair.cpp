@@ -1,5 +1,7 @@
 #include "mapping/registration/pair.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -7,28 +9,101 @@
 #include "mapping/base/cell_index.h"
 #include "mapping/base/math.h"
 #include "mapping/registration/icp.h"
-#include "mapping/registration/verdict.h"
+#include "mapping/registration/parameters.h"
 
 namespace loci::mapping::registration {
 namespace {
 
-constexpr size_t kStarts = 6;
-constexpr size_t kCandidates = 3;
-constexpr size_t kSamplesCoarse = 1500;
-constexpr size_t kSamplesMiddle = 3000;
-/// Poses that are nearer to one another than this are the same one.
-constexpr double kSamePosition = 0.1;
-constexpr double kSameAngle = 3 * kPi / 180;
-/// Residuals of neighbouring surfels err alike (calibration, wide beams): so many count as one.
-constexpr double kCorrelated = 10;
-constexpr double kAccuracy = 5e-5;   ///< of the last iteration, metres and radians
-constexpr double kLetGo = 0.03;      ///< part of the surface that a finer level may lose
-constexpr double kSigmaMin = 0.002;  ///< metres: no surfel is known better
-/// Metres. However many surfels agree, the direction that is held best is not known better than this, and the
-/// less the worse they fit: what is left over is mixed returns at edges and wide beams, which err to one
-/// side. Directions that are held less are so by the ratio of the Hessian.
-constexpr double kSystematic = 0.001;
-constexpr double kGoodFit = 0.0015;  ///< rmse, metres
+struct Count {
+  size_t compared = 0, matched = 0;
+  size_t agreeing = 0, conflicting = 0;  ///< among surfels that constrain the pose
+};
+
+/// Compares the surfels of `other` with `scan`.
+Count compare(const PreparedScan& scan, const PreparedScan& other, const Isometry3d& scan_from_other,
+              size_t level, bool planar, size_t samples) {
+  const Surfels& known = scan.levels[level];
+  const Surfels& tested = other.levels[level];
+  const Eigen::Matrix3f turn = scan_from_other.linear().cast<float>();
+  const Eigen::Vector3f shift = scan_from_other.translation().cast<float>();
+  const auto cell = static_cast<float>(known.cell);
+  const size_t step = samples > 0 ? std::max<size_t>(1, tested.size() / samples) : 1;
+  Count count;
+  for (size_t i = 0; i < tested.size(); i += step) {
+    const Eigen::Vector3f point = turn * tested.position[i] + shift;
+    const Eigen::Vector3f facing = turn * tested.normal[i];
+    ++count.compared;
+    const bool constrains =
+        tested.weight[i] > 0.F && !(planar && std::abs(tested.normal[i].z()) > kPairs.horizontal_cosine);
+    const uint32_t j = known.nearest(point, facing, 1.5F * cell);
+    bool matched = j != CellGrid::kNone;
+    if (matched && known.weight[j] > 0.F)
+      matched = std::abs(known.normal[j].dot(point - known.position[j])) < kPairs.max_offset_cells * cell;
+    count.matched += matched ? 1 : 0;
+    if (!constrains) continue;
+    if (matched)
+      ++count.agreeing;
+    else if (!known.near(point) && scan.free_space.passed(point, cell))
+      ++count.conflicting;
+  }
+  return count;
+}
+
+double part(size_t some, size_t all) {
+  return all > 0 ? static_cast<double>(some) / static_cast<double>(all) : 0;
+}
+
+}  // namespace
+
+Agreement agreement(const PreparedScan& target, const PreparedScan& source,
+                    const Isometry3d& target_from_source, size_t level, bool planar, size_t samples) {
+  const Count forth = compare(target, source, target_from_source, level, planar, samples);
+  const Count back = compare(source, target, target_from_source.inverse(), level, planar, samples);
+  Agreement result;
+  result.overlap = std::max(part(forth.matched, forth.compared), part(back.matched, back.compared));
+  result.conflict = std::max(part(forth.conflicting, forth.agreeing + forth.conflicting),
+                             part(back.conflicting, back.agreeing + back.conflicting));
+  return result;
+}
+
+double degeneracy(const Matrix6d& hessian, const Vector3d& about, double lever, bool planar) {
+  // The motion about `about` instead of the origin, rotations in units of the lever.
+  Matrix6d shifted = Matrix6d::Identity();
+  shifted.topRightCorner<3, 3>() << 0, -about.z(), about.y(), about.z(), 0, -about.x(), -about.y(), about.x(),
+      0;
+  shifted.rightCols<3>() /= std::max(lever, 1e-6);
+  const Matrix6d scaled = shifted.transpose() * hessian * shifted;
+  Eigen::VectorXd values;
+  if (planar) {
+    const std::array<int, 3> free = {0, 1, 5};
+    values = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scaled(free, free)).eigenvalues();
+  } else {
+    values = Eigen::SelfAdjointEigenSolver<Matrix6d>(scaled).eigenvalues();
+  }
+  const double largest = values[values.size() - 1];
+  return largest > 0 ? std::clamp(values[0] / largest, 0.0, 1.0) : 0;
+}
+
+Verdict judge(const PairAlignment& pair, const Agreement& agreement, double second_score,
+              const RegistrationOptions& options) {
+  const auto refused = [](std::string why) { return Verdict{false, std::move(why)}; };
+  if (pair.overlap < options.min_overlap)
+    return refused(fmt::format("only {:.0f} % of the surface is in both scans", 100 * pair.overlap));
+  if (pair.conflict > options.max_conflict)
+    return refused(fmt::format("{:.0f} % of the points are in space that the other scan saw as free",
+                               100 * pair.conflict));
+  // Six directions are constrained less than three.
+  if (pair.degeneracy < options.min_degeneracy * (options.dof == 3 ? 1.0 : 0.3))
+    return refused("the common surfaces do not constrain the pose: it could slide or rotate");
+  if (pair.rmse_m > options.max_rmse_m)
+    return refused(fmt::format("the surfaces fit only to {:.1f} cm", 100 * pair.rmse_m));
+  if (second_score > agreement.score() - options.ambiguity_margin)
+    return refused("another pose fits about as well");
+  return {true, fmt::format("{:.0f} % overlap, {:.1f} mm rmse, {:.1f} % conflict", 100 * pair.overlap,
+                            1000 * pair.rmse_m, 100 * pair.conflict)};
+}
+
+namespace {
 
 struct Candidate {
   Isometry3d pose;
@@ -44,39 +119,37 @@ class PairAligner {
     PairAlignment pair;
     pair.target_from_source = guess;
     if (target_.points == 0 || source_.points == 0) {
-      pair.reason = fmt_empty();
+      pair.reason = "scan " + (target_.points == 0 ? target_.name : source_.name) + " has no points";
       return finished(pair);
     }
     const std::vector<Candidate> candidates = descend(guess, window);
-    const IcpResult best = polish(candidates.front().pose);
+    const IcpResult best = refine(candidates.front().pose);
     pair.target_from_source = best.target_from_source;
     const Agreement fits = agreement(target_, source_, best.target_from_source, 0, planar_, 0);
     pair.overlap = fits.overlap;
     pair.conflict = fits.conflict;
     pair.rmse_m = best.rmse;
-    measure_hold(best, pair);
-    // The scores of rivals are of a coarser level: compared are those of one level.
-    double rival = -1e9;
-    if (candidates.size() > 1) rival = fits.score() - candidates[0].score + candidates[1].score;
-    const Verdict verdict = judge(pair, fits, rival, options_);
+    measure_information(best, pair);
+    // Other candidates have scores of a coarser level: scores of one level are compared.
+    double second_score = -1e9;
+    if (candidates.size() > 1) second_score = fits.score() - candidates[0].score + candidates[1].score;
+    const Verdict verdict = judge(pair, fits, second_score, options_);
     pair.trusted = verdict.trusted;
     pair.reason = verdict.reason;
-    if (pair.trusted && astray(guess, pair.target_from_source, window)) {
+    if (pair.trusted && outside_window(guess, pair.target_from_source, window)) {
       pair.trusted = false;
-      pair.reason = "fits, but far from where the scan was said to be";
+      pair.reason = "fits, but far from the given pose of the scan";
     }
     return finished(pair);
   }
 
  private:
-  std::string fmt_empty() const {
-    return "scan " + (target_.points == 0 ? target_.name : source_.name) + " has no points";
-  }
-
-  /// Whether a pose left the window: repeated furniture fits elsewhere, too, and no rivals were sought there.
-  static bool astray(const Isometry3d& guess, const Isometry3d& found, const SearchWindow& window) {
-    return (guess.translation() - found.translation()).norm() > window.position + kSamePosition ||
-           Eigen::AngleAxisd(guess.linear().transpose() * found.linear()).angle() > window.angle + kSameAngle;
+  /// Whether a pose left the window: repeated furniture fits elsewhere, too, where no other poses were
+  /// searched.
+  static bool outside_window(const Isometry3d& guess, const Isometry3d& found, const SearchWindow& window) {
+    return (guess.translation() - found.translation()).norm() > window.position + kPairs.same_position_m ||
+           Eigen::AngleAxisd(guess.linear().transpose() * found.linear()).angle() >
+               window.angle + kPairs.same_angle;
   }
 
   IcpOptions level_options(size_t level) const {
@@ -97,27 +170,27 @@ class PairAligner {
 
   bool same(const Isometry3d& a, const Isometry3d& b) const {
     const Vector3d centre = source_.centre.cast<double>();
-    return (a * centre - b * centre).norm() < kSamePosition &&
-           Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() < kSameAngle;
+    return (a * centre - b * centre).norm() < kPairs.same_position_m &&
+           Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() < kPairs.same_angle;
   }
 
   Candidate descended(const Isometry3d& start, size_t level) const {
     IcpOptions icp_options = level_options(level);
-    icp_options.samples = level + 1 == target_.levels.size() ? kSamplesCoarse : kSamplesMiddle;
+    icp_options.samples = level + 1 == target_.levels.size() ? kPairs.samples_coarse : kPairs.samples_middle;
     Candidate next;
     next.pose = icp(target_.levels[level], source_.levels[level], start, icp_options).target_from_source;
     next.score = score_of(next.pose, level);
     return next;
   }
 
-  /// Different poses that starts in the window lead to on the way down to the second finest level, best
-  /// first. The guess goes ahead: what it leads to tells the search what to look for.
+  /// Different poses at the second finest level, from starts in the window, best first. The pose from the
+  /// guess is computed first, as it limits the search.
   std::vector<Candidate> descend(const Isometry3d& guess, const SearchWindow& window) const {
     size_t level = target_.levels.size() - 1;
     std::vector<Candidate> candidates = {descended(guess, level)};
-    if (window.position >= kSamePosition || window.angle >= kSameAngle)
+    if (window.position >= kPairs.same_position_m || window.angle >= kPairs.same_angle)
       for (const Isometry3d& start :
-           promising_starts(target_, source_, guess, window, candidates.front().pose, planar_, kStarts))
+           promising_starts(target_, source_, guess, window, candidates.front().pose, planar_, kPairs.starts))
         candidates.push_back(descended(start, level));
     candidates = best_of(std::move(candidates));
     while (level-- > std::min<size_t>(1, target_.levels.size() - 1)) {
@@ -127,7 +200,7 @@ class PairAligner {
     return candidates;
   }
 
-  /// The best three that differ, best first.
+  /// The best different candidates, best first.
   std::vector<Candidate> best_of(std::vector<Candidate> candidates) const {
     std::stable_sort(candidates.begin(), candidates.end(),
                      [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
@@ -136,48 +209,48 @@ class PairAligner {
       const bool known = std::any_of(
           best.begin(), best.end(), [&](const Candidate& other) { return same(other.pose, candidate.pose); });
       if (!known) best.push_back(candidate);
-      if (best.size() == kCandidates) break;
+      if (best.size() == kPairs.candidates) break;
     }
     return best;
   }
 
-  /// The finest level, then once more with the tolerance that its residuals ask for. Where the surface is
-  /// seen too sparsely for fine cells, or scans are bent, the finest level may hold on to a part of the
-  /// surface and let go of the rest: then the level above says better where the scan is.
-  IcpResult polish(const Isometry3d& pose) const {
+  /// The finest level, repeated with a tolerance by its residuals. Where the surface is too sparse for fine
+  /// cells, or scans are bent, the finest level may fit only a part of the surface: then the level above is
+  /// better.
+  IcpResult refine(const Isometry3d& pose) const {
     const size_t above = std::min<size_t>(1, target_.levels.size() - 1);
-    const IcpResult fine = polished(pose, 0);
-    if (score_of(fine.target_from_source, above) > score_of(pose, above) - kLetGo) return fine;
-    return polished(pose, above);
+    const IcpResult fine = refined(pose, 0);
+    if (score_of(fine.target_from_source, above) > score_of(pose, above) - kPairs.max_loss) return fine;
+    return refined(pose, above);
   }
 
-  IcpResult polished(const Isometry3d& pose, size_t level) const {
+  IcpResult refined(const Isometry3d& pose, size_t level) const {
     const Surfels &target = target_.levels[level], &source = source_.levels[level];
     IcpOptions icp_options = level_options(level);
-    icp_options.samples = kSamplesMiddle;
+    icp_options.samples = kPairs.samples_middle;
     IcpResult result = icp(target, source, pose, icp_options);
     icp_options.samples = 0;
-    icp_options.sigma = std::clamp(3 * result.rmse, 3 * kSigmaMin, icp_options.sigma);
-    icp_options.accuracy = kAccuracy;
+    icp_options.sigma = std::clamp(3 * result.rmse, 3 * kPairs.min_sigma_m, icp_options.sigma);
+    icp_options.accuracy = kPairs.accuracy;
     return icp(target, source, result.target_from_source, icp_options);
   }
 
-  void measure_hold(const IcpResult& best, PairAlignment& pair) const {
+  void measure_information(const IcpResult& best, PairAlignment& pair) const {
     const Vector3d centre = best.target_from_source * source_.centre.cast<double>();
     double squares = 0;
     for (const Eigen::Vector3f& position : source_.finest().position)
       squares += (position - source_.centre).squaredNorm();
     const double lever = std::sqrt(squares / (2 * static_cast<double>(source_.finest().size())));
     pair.degeneracy = registration::degeneracy(best.hessian, centre, lever, planar_);
-    const double sigma = std::max(best.rmse, kSigmaMin);
+    const double sigma = std::max(best.rmse, kPairs.min_sigma_m);
     const double strongest =
         Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(best.hessian.topLeftCorner<3, 3>()).eigenvalues()[2];
-    const double fit = std::max(1.0, best.rmse / kGoodFit);
-    const double systematic = kSystematic * fit * fit;
+    const double fit = std::max(1.0, best.rmse / kPairs.good_rmse_m);
+    const double systematic = kPairs.systematic_m * fit * fit;
     pair.information =
-        best.hessian / std::max(kCorrelated * sigma * sigma, strongest * systematic * systematic);
+        best.hessian / std::max(kPairs.correlated * sigma * sigma, strongest * systematic * systematic);
     if (!planar_) return;
-    for (const int held : {2, 3, 4}) {  // What was not free is not known from this pair.
+    for (const int held : {2, 3, 4}) {  // The pair does not constrain directions that were not free.
       pair.information.row(held).setZero();
       pair.information.col(held).setZero();
     }
@@ -219,7 +292,7 @@ double expected_overlap(const PreparedScan& target, const PreparedScan& source,
   size_t near = 0;
   for (const Eigen::Vector3f& position : surfels.position) {
     const Vector3d point = pose * position.cast<double>();
-    near += target.net.find(cell_of(point, surfels.cell)) != CellGrid::kNone ? 1 : 0;
+    near += target.dilated_grid.find(cell_of(point, surfels.cell)) != CellGrid::kNone ? 1 : 0;
   }
   return surfels.size() > 0 ? static_cast<double>(near) / static_cast<double>(surfels.size()) : 0;
 }

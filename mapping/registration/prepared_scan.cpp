@@ -1,16 +1,86 @@
 #include "mapping/registration/prepared_scan.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "mapping/base/cell_index.h"
+#include "mapping/registration/parameters.h"
 
 namespace loci::mapping::registration {
-namespace {
+namespace {}  // namespace
 
-/// The coarsest cells are at least so wide: what a search in steps of this width can find.
-constexpr double kCoarsestCell = 0.16;
-/// A scan of which more is hidden from its origins was not taken from there.
-constexpr double kHiddenMax = 0.25;
+FreeSpace::FreeSpace(const Scan& scan, const Isometry3d& level_from_scan) {
+  if (scan.origins.empty()) return;
+  const size_t step = (scan.origins.size() + kSurfels.max_images - 1) / kSurfels.max_images;
+  for (size_t i = 0; i < scan.origins.size(); i += step) {
+    images_.emplace_back();
+    images_.back().origin = (level_from_scan * scan.origins[i].cast<double>()).cast<float>();
+    for (CubeFace& face : images_.back().nearest) face.fill(0.F);
+  }
+  const Eigen::Matrix3f turn = level_from_scan.linear().cast<float>();
+  const auto for_rays = [&](const auto& visit) {
+    for (const ScanPoint& point : scan.points) {
+      if (point.origin_index % step != 0 || point.origin_index >= scan.origins.size()) continue;
+      const Eigen::Vector3f ray = turn * (point.position - scan.origins[point.origin_index]);
+      const float range = ray.norm();
+      if (!(range > 0.F)) continue;
+      const auto [face, pixel] = pixel_of(ray);
+      visit(images_[point.origin_index / step].nearest[static_cast<size_t>(face)][static_cast<size_t>(pixel)],
+            range);
+    }
+  };
+  for_rays([](float& nearest, float range) { nearest = nearest > 0.F ? std::min(nearest, range) : range; });
+  size_t rays = 0, hidden = 0;
+  for_rays([&](float nearest, float range) {
+    ++rays;
+    hidden += range > 1.5F * nearest ? 1 : 0;
+  });
+  hidden_part_ = rays > 0 ? static_cast<double>(hidden) / static_cast<double>(rays) : 0;
+  erode();
+}
+
+std::pair<int, int> FreeSpace::pixel_of(const Eigen::Vector3f& direction) {
+  int axis = 0;
+  const float longest = direction.cwiseAbs().maxCoeff(&axis);
+  const auto coordinate = [&](int other) {
+    const float value = (direction[other] / longest + 1.F) * 0.5F * static_cast<float>(kSurfels.image_side);
+    return std::clamp(static_cast<int>(value), 0, kSurfels.image_side - 1);
+  };
+  const int face = 2 * axis + (direction[axis] < 0.F ? 1 : 0);
+  return {face, coordinate((axis + 1) % 3) * kSurfels.image_side + coordinate((axis + 2) % 3)};
+}
+
+/// Sets every pixel with a ray to the nearest range around it: space at edges of objects is not free.
+void FreeSpace::erode() {
+  for (Image& image : images_) {
+    for (CubeFace& face : image.nearest) {
+      const CubeFace source = face;
+      for (int v = 0; v < kSurfels.image_side; ++v)
+        for (int u = 0; u < kSurfels.image_side; ++u) {
+          float& nearest = face[static_cast<size_t>(v * kSurfels.image_side + u)];
+          if (nearest == 0.F) continue;
+          for (int y = std::max(0, v - 1); y <= std::min(kSurfels.image_side - 1, v + 1); ++y)
+            for (int x = std::max(0, u - 1); x <= std::min(kSurfels.image_side - 1, u + 1); ++x) {
+              const float other = source[static_cast<size_t>(y * kSurfels.image_side + x)];
+              if (other > 0.F) nearest = std::min(nearest, other);
+            }
+        }
+    }
+  }
+}
+
+bool FreeSpace::passed(const Eigen::Vector3f& point, float margin) const {
+  for (const Image& image : images_) {
+    const Eigen::Vector3f ray = point - image.origin;
+    const float range = ray.norm();
+    const auto [face, pixel] = pixel_of(ray);
+    const float nearest = image.nearest[static_cast<size_t>(face)][static_cast<size_t>(pixel)];
+    if (nearest > 0.F && range + margin + kSurfels.range_margin * nearest < nearest) return true;
+  }
+  return false;
+}
+
+namespace {
 
 Isometry3d upright(const Isometry3d& map_from_scan) {
   const Vector3d rpy = rpy_from_rotation(map_from_scan.linear());
@@ -54,15 +124,16 @@ PreparedScan prepare(const Scan& scan, const RegistrationOptions& options) {
   if (options.dof == 3) prepared.level_from_scan = upright(scan.map_from_scan);
   prepared.free_space = FreeSpace(scan, prepared.level_from_scan);
   PlaneFit fit;
-  fit.oriented = prepared.free_space.known() && prepared.free_space.hidden_part() < kHiddenMax;
+  fit.oriented = prepared.free_space.known() && prepared.free_space.hidden_part() < kSurfels.max_hidden;
   if (!fit.oriented) prepared.free_space = FreeSpace();
   prepared.levels.push_back(finest_cells(scan, prepared.level_from_scan, options.voxel_m));
-  while (prepared.coarsest().cell < kCoarsestCell) prepared.levels.push_back(coarser(prepared.coarsest()));
+  while (prepared.coarsest().cell < kSurfels.coarsest_cell_m)
+    prepared.levels.push_back(coarser(prepared.coarsest()));
   for (size_t i = 0; i < prepared.levels.size(); ++i) fit_planes(prepared.levels[i], i == 0, fit);
-  for (const Moments& moments : prepared.finest().moments)
+  for (const Moments<3>& moments : prepared.finest().moments)
     prepared.points += static_cast<size_t>(moments.count);
-  for (Surfels& level : prepared.levels) level.moments = {};  // They have served.
-  prepared.net = wide_net(prepared.coarsest());
+  for (Surfels& level : prepared.levels) level.moments = {};  // Not needed any more.
+  prepared.dilated_grid = dilated_grid(prepared.coarsest());
   for (const Eigen::Vector3f& origin : scan.origins)
     prepared.centre += (prepared.level_from_scan * origin.cast<double>()).cast<float>() /
                        static_cast<float>(scan.origins.size());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/json.h"
 #include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
@@ -25,7 +26,7 @@ RegistrationOptions checked(RegistrationOptions options) {
   return options;
 }
 
-/// Standard deviations of the scan's pose where a covariance is given, otherwise what the options expect.
+/// Standard deviations of the scan's pose: by its covariance, otherwise by the options.
 SearchWindow expected_error(const Scan& scan, const RegistrationOptions& options) {
   if (scan.covariance.isZero(0)) return {options.position_error_m, options.yaw_error_deg * kPi / 180};
   const auto variance = scan.covariance.diagonal();
@@ -33,7 +34,7 @@ SearchWindow expected_error(const Scan& scan, const RegistrationOptions& options
           std::sqrt(std::max(0.0, variance.tail<3>().maxCoeff()))};
 }
 
-/// Three standard deviations where a covariance is given, otherwise what the options ask for.
+/// Three standard deviations where a covariance is given, otherwise by the options.
 SearchWindow window_of(const Scan& scan, const RegistrationOptions& options) {
   if (scan.covariance.isZero(0)) return registration::window_of(options);
   const SearchWindow expected = expected_error(scan, options);
@@ -43,7 +44,8 @@ SearchWindow window_of(const Scan& scan, const RegistrationOptions& options) {
 }  // namespace
 
 void RegistrationOptions::declare(OptionTable& table) {
-  table.text("method", method, "How surfaces are brought together.", {"point", "plane", "generalised"});
+  table.text("method", method, "Distance that is minimised between surfaces.",
+             {"point", "plane", "generalised"});
   table.integer("dof", dof, "", "3: x, y and yaw of a levelled robot; 6: all degrees of freedom.", 3, 6);
   table.number("position_error_m", position_error_m, "m",
                "Expected error of the poses given (standard deviation); twice as far is searched.", 0, 5);
@@ -53,11 +55,13 @@ void RegistrationOptions::declare(OptionTable& table) {
   table.number("voxel_m", voxel_m, "m", "Cells of the finest level.", 0.005, 1);
   table.number("min_overlap", min_overlap, "", "A pair with less shared surface is no evidence.", 0, 1);
   table.number("max_conflict", max_conflict, "",
-               "A pair with more points in space that the other scan saw to be free is refused.", 0, 1);
-  table.number("min_degeneracy", min_degeneracy, "",
-               "A pair that is held less in its weakest direction (against its strongest) may slide.", 0, 1);
-  table.number("rmse_max_m", rmse_max_m, "m", "A pair whose surfaces fit worse is refused.", 0, 1);
-  table.number("rival_gap", rival_gap, "",
+               "A pair with more points in space that the other scan saw as free is refused.", 0, 1);
+  table.number(
+      "min_degeneracy", min_degeneracy, "",
+      "A pair that is constrained less in its weakest direction, relative to its strongest, is refused.", 0,
+      1);
+  table.number("max_rmse_m", max_rmse_m, "m", "A pair whose surfaces fit worse is refused.", 0, 1);
+  table.number("ambiguity_margin", ambiguity_margin, "",
                "A pair is ambiguous when another pose fits worse by less than this part of the surface.", 0,
                1);
 }
@@ -91,7 +95,7 @@ RegistrationResult register_scans(const ScanSet& scans, const RegistrationOption
   for (size_t i = 0; i < count; ++i) {
     progress.check(0.3 + 0.6 * static_cast<double>(i) / static_cast<double>(count),
                    fmt::format("aligning scan {} of {}", i + 1, count));
-    // Odometry drifts: what is known of a scan is its pose beside the one before it.
+    // Odometry drifts: only the pose relative to the previous scan is known.
     Isometry3d guess = scans.scans[i].map_from_scan;
     if (i > 0) {
       const Isometry3d& before = scans.scans[i - 1].map_from_scan;
@@ -130,6 +134,58 @@ const RegistrationResult& IncrementalRegistration::add(const Scan& scan) {
 
 const RegistrationResult& IncrementalRegistration::result() const {
   return impl_->registrar.result();
+}
+
+bool RegistrationResult::usable() const {
+  return names.size() <= 1 ||
+         std::any_of(pairs.begin(), pairs.end(), [](const PairAlignment& pair) { return pair.trusted; });
+}
+
+size_t RegistrationResult::connected_count() const {
+  return static_cast<size_t>(std::count(connected.begin(), connected.end(), true));
+}
+
+std::string RegistrationResult::summary() const {
+  const auto trusted =
+      std::count_if(pairs.begin(), pairs.end(), [](const PairAlignment& p) { return p.trusted; });
+  std::string text = fmt::format("{} of {} scans are connected by {} trusted of {} tried pairs",
+                                 connected_count(), names.size(), trusted, pairs.size());
+  for (size_t i = 0; i < names.size(); ++i) {
+    if (connected[i]) continue;
+    text += fmt::format("\n{} has no trusted connection and is placed by odometry only", names[i]);
+    for (const PairAlignment& pair : pairs)
+      if (!pair.trusted && (pair.source == i || pair.target == i))
+        text +=
+            fmt::format("; with {}: {}", names[pair.source == i ? pair.target : pair.source], pair.reason);
+  }
+  return text;
+}
+
+Json RegistrationResult::report() const {
+  Json scans = Json::array();
+  for (size_t i = 0; i < names.size(); ++i)
+    scans.push_back({{"name", names[i]},
+                     {"connected", static_cast<bool>(connected[i])},
+                     {"placed_by", i == 0         ? "definition"
+                                   : connected[i] ? "registration"
+                                                  : "odometry"},
+                     {"map_from_scan", values_from_pose(map_from_scan[i])}});
+  Json list = Json::array();
+  for (const PairAlignment& pair : pairs)
+    list.push_back({{"target", names[pair.target]},
+                    {"source", names[pair.source]},
+                    {"trusted", pair.trusted},
+                    {"reason", pair.reason},
+                    {"overlap", pair.overlap},
+                    {"rmse_m", pair.rmse_m},
+                    {"degeneracy", pair.degeneracy},
+                    {"conflict", pair.conflict},
+                    {"target_from_source", values_from_pose(pair.target_from_source)}});
+  return {{"usable", usable()},
+          {"connected", connected_count()},
+          {"scans", scans},
+          {"pairs", list},
+          {"seconds", seconds}};
 }
 
 }  // namespace loci::mapping

@@ -1,47 +1,35 @@
-#include "mapping/registration/start_search.h"
+#include "mapping/registration/pair.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "mapping/base/math.h"
+#include "mapping/registration/parameters.h"
 
 namespace loci::mapping::registration {
 namespace {
-
-constexpr double kShiftStep = 0.2;                 ///< metres: what the descent from there bridges
-constexpr double kTurnStepPlanar = 5 * kPi / 180;  ///< radians
-constexpr double kTurnStep = 12 * kPi / 180;
-constexpr size_t kSamplesPlanar = 400;
-constexpr size_t kSamples = 160;
-/// After so many samples a start that has less than this part of the best score is given up.
-constexpr std::array<std::pair<size_t, float>, 3> kLooks = {{{8, 0.15F}, {16, 0.35F}, {40, 0.5F}}};
-/// So is a start that in the end has less than this part.
-constexpr float kHopeless = 0.5F;
-constexpr float kPlaneDistance = 0.15F;  ///< metres: where a sample counts no more
-constexpr float kSameSide = 0.7F;        ///< cosine: normals agree within 45 degrees
 
 struct Sample {
   Eigen::Vector3f position;
   Eigen::Vector3f normal;
 };
 
-/// The same in an order in which every beginning is a fair choice of the whole.
+/// The samples in an order in which every prefix covers all directions.
 std::vector<Sample> interleaved(const std::vector<Sample>& samples) {
   std::vector<Sample> mixed;
   mixed.reserve(samples.size());
-  constexpr size_t stride = 37;
-  for (size_t first = 0; first < stride; ++first)
-    for (size_t i = first; i < samples.size(); i += stride) mixed.push_back(samples[i]);
+  for (size_t first = 0; first < kSearch.interleave; ++first)
+    for (size_t i = first; i < samples.size(); i += kSearch.interleave) mixed.push_back(samples[i]);
   return mixed;
 }
 
-/// Surfels in equal shares from all directions of normals, so that the floor does not outweigh the few
-/// surfaces that fix the pose. Planar search leaves out the horizontal ones, which say nothing.
+/// Surfels in equal shares by direction of the normal, so that the floor does not outweigh the few surfaces
+/// that constrain the pose. Planar search omits horizontal ones.
 std::vector<Sample> balanced_samples(const Surfels& surfels, bool planar, size_t count) {
   std::array<std::vector<uint32_t>, 10> by_direction;  // Up, down, and eight sectors around.
   for (uint32_t i = 0; i < surfels.size(); ++i) {
-    if (surfels.trust[i] < 0.3F) continue;
+    if (surfels.weight[i] < 0.3F) continue;
     const Eigen::Vector3f& n = surfels.normal[i];
     size_t direction = n.z() > 0 ? 0 : 1;
     if (std::abs(n.z()) < 0.7F)
@@ -50,7 +38,7 @@ std::vector<Sample> balanced_samples(const Surfels& surfels, bool planar, size_t
       continue;
     by_direction[direction].push_back(i);
   }
-  // Small shares are taken whole; what they leave goes to the larger ones.
+  // Small shares are taken completely; the remainder is divided among larger ones.
   std::sort(by_direction.begin(), by_direction.end(),
             [](const auto& a, const auto& b) { return a.size() < b.size(); });
   std::vector<Sample> samples;
@@ -92,7 +80,7 @@ bool odd(const Vector3d& vector, double step) {
 class Scorer {
  public:
   Scorer(const PreparedScan& target, std::vector<Sample> samples)
-      : net_(target.net), samples_(std::move(samples)) {
+      : dilated_grid_(target.dilated_grid), samples_(std::move(samples)) {
     const Surfels& surfels = target.coarsest();
     per_metre_ = 1.F / static_cast<float>(surfels.cell);
     planes_.reserve(surfels.size());
@@ -101,35 +89,35 @@ class Scorer {
                            surfels.normal[i].dot(surfels.position[i]));
   }
 
-  void turn(const Eigen::Matrix3f& rotation) {
-    turned_ = samples_;
-    for (Sample& sample : turned_) {
+  void rotate(const Eigen::Matrix3f& rotation) {
+    rotated_ = samples_;
+    for (Sample& sample : rotated_) {
       sample.position = rotation * sample.position;
       sample.normal = rotation * sample.normal;
     }
   }
 
-  /// Mean agreement, 0 to 1, of the turned samples at a shift; 0 for what is hopeless beside the best so far.
+  /// Mean agreement, 0 to 1, of the rotated samples at a shift; 0 if much lower than the best so far.
   float score(const Eigen::Vector3f& shift) {
     float sum = 0;
-    size_t look = 0;
-    for (size_t k = 0; k < turned_.size(); ++k) {
-      if (look < kLooks.size() && k == kLooks[look].first) {
-        if (sum < kLooks[look].second * best_ * static_cast<float>(k)) return 0;
-        ++look;
+    size_t exit = 0;
+    for (size_t k = 0; k < rotated_.size(); ++k) {
+      if (exit < kSearch.early_exits.size() && k == kSearch.early_exits[exit].first) {
+        if (sum < kSearch.early_exits[exit].second * best_ * static_cast<float>(k)) return 0;
+        ++exit;
       }
-      const Sample& sample = turned_[k];
+      const Sample& sample = rotated_[k];
       const Eigen::Vector3f point = sample.position + shift;
-      const uint32_t i = net_.find(cell_of(point));
+      const uint32_t i = dilated_grid_.find(cell_of(point));
       if (i == CellGrid::kNone) continue;
       const Eigen::Vector4f& plane = planes_[i];
-      if (plane.head<3>().dot(sample.normal) < kSameSide) continue;
-      const float off = (plane.head<3>().dot(point) - plane[3]) / kPlaneDistance;
+      if (plane.head<3>().dot(sample.normal) < kSearch.same_side_cosine) continue;
+      const float off = (plane.head<3>().dot(point) - plane[3]) / kSearch.max_plane_m;
       sum += std::max(0.F, 1.F - off * off);
     }
-    const float mean = turned_.empty() ? 0.F : sum / static_cast<float>(turned_.size());
+    const float mean = rotated_.empty() ? 0.F : sum / static_cast<float>(rotated_.size());
     best_ = std::max(best_, mean);
-    return mean < kHopeless * best_ ? 0 : mean;
+    return mean < kSearch.min_score * best_ ? 0 : mean;
   }
 
  private:
@@ -138,10 +126,10 @@ class Scorer {
     return (point.array() * per_metre_ + far).cast<int>() - static_cast<int>(far);
   }
 
-  const CellGrid& net_;
+  const CellGrid& dilated_grid_;
   std::vector<Eigen::Vector4f> planes_;  ///< of the coarsest surfels: normal, distance from the origin
   std::vector<Sample> samples_;
-  std::vector<Sample> turned_;
+  std::vector<Sample> rotated_;
   float best_ = 0;
   float per_metre_ = 0;
 };
@@ -164,26 +152,27 @@ std::vector<Isometry3d> promising_starts(const PreparedScan& target, const Prepa
   const Vector3d place = target_from_source * centre;
   const Vector3d turn_axes = planar ? Vector3d(0, 0, 1) : Vector3d(1, 1, 1);
   const Vector3d shift_axes = planar ? Vector3d(1, 1, 0) : Vector3d(1, 1, 1);
-  const auto turns = ball(window.angle, planar ? kTurnStepPlanar : kTurnStep, turn_axes);
-  const auto shifts = ball(window.position, kShiftStep, shift_axes);
+  const auto turns = ball(window.angle, planar ? kSearch.turn_step_planar : kSearch.turn_step, turn_axes);
+  const auto shifts = ball(window.position, kSearch.shift_step_m, shift_axes);
   const auto pose_of = [&](const Start& start) {
     Isometry3d pose = Isometry3d::Identity();
     pose.linear() = rotation_of(turns[start.turn]) * target_from_source.linear();
     pose.translation() = place + shifts[start.shift] - pose.linear() * centre;
     return pose;
   };
-  Scorer scorer(target, balanced_samples(source.coarsest(), planar, planar ? kSamplesPlanar : kSamples));
-  scorer.turn(known.linear().cast<float>());
+  Scorer scorer(
+      target, balanced_samples(source.coarsest(), planar, planar ? kSearch.samples_planar : kSearch.samples));
+  scorer.rotate(known.linear().cast<float>());
   scorer.score(known.translation().cast<float>());
-  const double turn_step = planar ? kTurnStepPlanar : kTurnStep;
+  const double turn_step = planar ? kSearch.turn_step_planar : kSearch.turn_step;
   std::vector<Start> starts;
   for (uint32_t turn = 0; turn < turns.size(); ++turn) {
     const Isometry3d unmoved = pose_of({0, turn, 0});
     const Vector3d origin = unmoved.translation() - shifts[0];
-    scorer.turn(unmoved.linear().cast<float>());
+    scorer.rotate(unmoved.linear().cast<float>());
     for (uint32_t shift = 0; shift < shifts.size(); ++shift) {
       // In six dimensions every other point of a grid covers the space as well as all do (the lattice D6).
-      if (!planar && odd(turns[turn], turn_step) != odd(shifts[shift], kShiftStep)) continue;
+      if (!planar && odd(turns[turn], turn_step) != odd(shifts[shift], kSearch.shift_step_m)) continue;
       const float score = scorer.score((origin + shifts[shift]).cast<float>());
       if (score > 0) starts.push_back({score, turn, shift});
     }
@@ -196,7 +185,7 @@ std::vector<Isometry3d> promising_starts(const PreparedScan& target, const Prepa
     if (chosen.size() > count) break;
     const Isometry3d pose = pose_of(start);
     const bool beside = std::any_of(chosen.begin(), chosen.end(), [&](const Isometry3d& other) {
-      const double shift = (pose * centre - other * centre).norm() / kShiftStep;
+      const double shift = (pose * centre - other * centre).norm() / kSearch.shift_step_m;
       const double turn = Eigen::AngleAxisd(pose.linear().transpose() * other.linear()).angle() / turn_step;
       return shift < apart && turn < apart;
     });

@@ -4,24 +4,31 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/registration/parameters.h"
+
 namespace loci::mapping::registration {
 namespace {
 
-/// A plane is trusted fully when its thickness variance is far below its smaller extent's, not at all at this
-/// part of it.
-constexpr double kThicknessRatio = 0.3;
-/// Cosines of incidence between which trust rises from none to full.
-constexpr double kGrazingCosine = 0.25;
-constexpr double kSteepCosine = 0.45;
-/// The spot of a beam this wide (radians; 0.2 degrees is usual) is so deep on a slanted surface, metres,
-/// where trust falls from full to none: scanners then tend to report its near end, which would shift the
-/// plane.
-constexpr double kBeamWidth = 0.0035;
-constexpr double kShallowSpot = 0.025;
-constexpr double kDeepSpot = 0.05;
-constexpr double kPointsForPlane = 5;
-constexpr double kPointsOfOwn = 12;
-constexpr float kSameSide = 0.5F;  ///< cosine: normals agree within 60 degrees
+Eigen::Vector3i blocks_of(const Eigen::Vector3i& cell) {
+  return {cell.x() >> 2, cell.y() >> 2, cell.z() >> 2};
+}
+
+}  // namespace
+
+CellGrid::CellGrid(const Eigen::Vector3i& low, const Eigen::Vector3i& high, const Eigen::Vector3i& centre) {
+  low_ = blocks_of(low);
+  Eigen::Vector3i last = blocks_of(high);
+  const auto volume = [&] { return (last - low_).cast<int64_t>().array().max(0) + 1; };
+  for (int reach = 1 << 18; volume().cast<double>().prod() > static_cast<double>(kSurfels.max_blocks);
+       reach /= 2) {
+    low_ = low_.cwiseMax((blocks_of(centre).array() - reach).matrix());
+    last = last.cwiseMin((blocks_of(centre).array() + reach).matrix());
+  }
+  size_ = (last - low_).array().max(-1) + 1;
+  directory_.assign(static_cast<size_t>(size_.cast<int64_t>().prod()), kNone);
+}
+
+namespace {
 
 double rising(double value, double low, double high) {
   return std::clamp((value - low) / (high - low), 0.0, 1.0);
@@ -34,30 +41,31 @@ Eigen::Vector3i corner_of(const Eigen::Vector3f& point, double per_metre) {
   return cells.cast<int>() - static_cast<int>(far);
 }
 
-void fit_plane(Surfels& surfels, size_t i, const Moments& moments, const PlaneFit& fit) {
-  const Vector3d own = surfels.moments[i].sum / surfels.moments[i].count;
+void fit_plane(Surfels& surfels, size_t i, const Moments<3>& moments, const PlaneFit& fit) {
+  const Vector3d own = surfels.moments[i].mean();
   surfels.position[i] = own.cast<float>();
-  if (moments.count < kPointsForPlane) return;
-  const Vector3d mean = moments.sum / moments.count;
-  const Eigen::Matrix3d covariance = moments.products / moments.count - mean * mean.transpose();
+  if (moments.count < kSurfels.min_plane_points) return;
+  const Vector3d mean = moments.mean();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(covariance);
+  solver.computeDirect(moments.covariance());
   const Vector3d values = solver.eigenvalues().cwiseMax(0.0);
   const double smallest_extent = 0.15 * surfels.cell;  // Less is a line or a spot.
   if (values[1] < smallest_extent * smallest_extent) return;
   Vector3d normal = solver.eigenvectors().col(0);
   const Vector3d ray = surfels.origin[i].cast<double>() - own;
   const Vector3d view = ray.normalized();
-  double trust = 1 - rising(values[0] / values[1], 0.05, kThicknessRatio);
+  double weight = 1 - rising(values[0] / values[1], 0.05, kSurfels.max_thickness_ratio);
   if (fit.oriented) {
     const double cosine = std::abs(normal.dot(view));
-    const double depth = kBeamWidth * ray.norm() * std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine;
-    trust *= rising(cosine, kGrazingCosine, kSteepCosine) * (1 - rising(depth, kShallowSpot, kDeepSpot));
+    const double depth =
+        kSurfels.beam_rad * ray.norm() * std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine;
+    weight *= rising(cosine, kSurfels.grazing_cosine, kSurfels.steep_cosine) *
+              (1 - rising(depth, kSurfels.shallow_spot_m, kSurfels.deep_spot_m));
   }
-  if (values[0] > kThicknessRatio * values[1]) return;
+  if (values[0] > kSurfels.max_thickness_ratio * values[1]) return;
   if (normal.dot(view) < 0) normal = -normal;
   surfels.normal[i] = normal.cast<float>();
-  surfels.trust[i] = static_cast<float>(trust);
+  surfels.weight[i] = static_cast<float>(weight);
   surfels.position[i] = (own - normal * normal.dot(own - mean)).cast<float>();
 }
 
@@ -101,7 +109,8 @@ uint32_t Surfels::nearest(const Eigen::Vector3f& point, const Eigen::Vector3f& f
     if (i == CellGrid::kNone) continue;
     const float squared = (position[i] - point).squaredNorm();
     if (squared >= best) continue;
-    if (has_side && normal[i].squaredNorm() > 0.5F && normal[i].dot(facing) < kSameSide) continue;
+    if (has_side && normal[i].squaredNorm() > 0.5F && normal[i].dot(facing) < kSurfels.same_side_cosine)
+      continue;
     best = squared;
     found = i;
   }
@@ -131,13 +140,13 @@ void fit_planes(Surfels& surfels, bool finest, const PlaneFit& fit) {
   const size_t count = surfels.moments.size();
   surfels.position.assign(count, Eigen::Vector3f::Zero());
   surfels.normal.assign(count, Eigen::Vector3f::Zero());
-  surfels.trust.assign(count, 0.F);
+  surfels.weight.assign(count, 0.F);
   for (size_t i = 0; i < count; ++i) {
-    if (!finest && surfels.moments[i].count >= kPointsOfOwn) {
+    if (!finest && surfels.moments[i].count >= kSurfels.min_own_points) {
       fit_plane(surfels, i, surfels.moments[i], fit);
       continue;
     }
-    Moments around;
+    Moments<3> around;
     for_neighbours(surfels.cells[i], [&](const Eigen::Vector3i& cell) {
       const uint32_t j = surfels.grid.find(cell);
       if (j != CellGrid::kNone) around.add(surfels.moments[j]);
@@ -146,8 +155,8 @@ void fit_planes(Surfels& surfels, bool finest, const PlaneFit& fit) {
   }
 }
 
-CellGrid wide_net(const Surfels& surfels) {
-  CellGrid net = grid_over(
+CellGrid dilated_grid(const Surfels& surfels) {
+  CellGrid dilated = grid_over(
       surfels.cells, [](const Eigen::Vector3i& cell) { return cell; }, 1);
   const auto centre_distance = [&](const Eigen::Vector3i& cell, uint32_t i) {
     const Vector3d centre = (cell.cast<double>().array() + 0.5) * surfels.cell;
@@ -155,13 +164,13 @@ CellGrid wide_net(const Surfels& surfels) {
   };
   for (uint32_t i = 0; i < surfels.size(); ++i) {
     for_neighbours(surfels.cells[i], [&](const Eigen::Vector3i& cell) {
-      if (!net.covers(cell)) return;
-      uint32_t& nearest = net.at(cell);
+      if (!dilated.covers(cell)) return;
+      uint32_t& nearest = dilated.at(cell);
       if (nearest == CellGrid::kNone || centre_distance(cell, i) < centre_distance(cell, nearest))
         nearest = i;
     });
   }
-  return net;
+  return dilated;
 }
 
 }  // namespace loci::mapping::registration

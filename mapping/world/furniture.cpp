@@ -2,13 +2,13 @@
 
 namespace loci::mapping {
 
-const char* joint_estimate_type_name(JointEstimate::Type type) {
+const char* to_text(ArticulationType type) {
   switch (type) {
-    case JointEstimate::Type::rigid:
+    case ArticulationType::rigid:
       return "rigid";
-    case JointEstimate::Type::prismatic:
+    case ArticulationType::prismatic:
       return "prismatic";
-    case JointEstimate::Type::revolute:
+    case ArticulationType::revolute:
       return "revolute";
   }
   return "rigid";

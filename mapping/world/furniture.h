@@ -23,11 +23,13 @@ struct Fixture {
   Json evidence = Json::object();
 };
 
-/// How a part moves. Probabilities of the types sum to one.
+enum class ArticulationType { rigid, prismatic, revolute };
+const char* to_text(ArticulationType type);
+
+/// The joint of a moving part. Probabilities of the types sum to one.
 struct JointEstimate {
-  enum class Type { rigid, prismatic, revolute };
-  Type type = Type::rigid;
-  std::array<double, 3> probabilities{1, 0, 0};  ///< by Type
+  ArticulationType type = ArticulationType::rigid;
+  std::array<double, 3> probabilities{1, 0, 0};  ///< by ArticulationType
   Vector3d axis = Vector3d::UnitX();   ///< map frame; prismatic: opens along +; revolute: opens by right hand
   Vector3d origin = Vector3d::Zero();  ///< revolute: a point of the hinge
   double lower = 0, upper = 0;         ///< metres or radians; 0 = closed
@@ -54,7 +56,5 @@ struct Front {
   /// To the right as seen by someone who stands before it.
   Vector3d right() const { return up.cross(normal); }
 };
-
-const char* joint_estimate_type_name(JointEstimate::Type type);
 
 }  // namespace loci::mapping

@@ -106,7 +106,7 @@ void register_views(ObjectModel& model, const ObjectModelOptions& options, Progr
   registration.position_error_m = options.position_error_m;
   registration.yaw_error_deg = options.yaw_error_deg;
   registration.voxel_m = options.voxel_m;
-  registration.rmse_max_m = options.voxel_m;
+  registration.max_rmse_m = options.voxel_m;
   const mapping::RegistrationResult result = register_scans(model.cloud, registration, progress);
   for (size_t i = 0; i < model.views.size(); ++i) {
     ObjectView& view = model.views[i];

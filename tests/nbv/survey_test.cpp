@@ -89,7 +89,7 @@ TEST_F(Survey, FrontsThatShareAJointAreEachMappedAsTheDrawersThatTheyAre) {
   for (const mapping::Front& front : result.map.fronts) {
     EXPECT_EQ(front.class_name, "drawer");
     ASSERT_TRUE(front.joint);
-    EXPECT_EQ(front.joint->type, mapping::JointEstimate::Type::prismatic);
+    EXPECT_EQ(front.joint->type, mapping::ArticulationType::prismatic);
     EXPECT_GT(-front.joint->axis.y(), 0.999) << front.joint->axis.transpose();
     EXPECT_NEAR(front.width, 0.8, 0.03);
     EXPECT_NEAR(front.height, 0.38, 0.03);

@@ -4,7 +4,7 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/stopwatch.h"
-#include "mapping/interpretation/front_links.h"
+#include "mapping/interpretation/furniture/map_links.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
 

@@ -16,7 +16,6 @@ namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
-using Type = JointEstimate::Type;
 
 constexpr double kFaceX = 3;  ///< faces look towards -x
 constexpr double kPanel = 0.02;
@@ -27,7 +26,7 @@ struct Part {
   double y, z, width, height;  ///< of the panel; +y is to the left of someone who looks at it
   double bar_y, bar_z;         ///< from the panel's centre
   bool upright;
-  Type type;
+  ArticulationType type;
   Vector3d axis;  ///< of opening
   Vector3d hinge = Vector3d::Zero();
 
@@ -41,12 +40,52 @@ Vector3d slide(double sideways_deg, double down_deg) {
 const double kHinge = kFaceX + 0.5 * kPanel;
 
 const std::vector<Part> kParts{
-    {"askew", -1.2, 0.70, 0.6, 0.25, 0, 0.06, false, Type::prismatic, slide(4, 0)},
-    {"sagging", -1.2, 0.44, 0.6, 0.25, 0, 0.06, false, Type::prismatic, slide(0, 3)},
-    {"oven", -0.59, 0.55, 0.6, 0.5, 0, 0.2, false, Type::revolute, Vector3d(0, -1, 0), {kHinge, 0, 0.30}},
-    {"left", 0.0, 0.52, 0.5, 0.65, -0.2, 0.1, true, Type::revolute, Vector3d(0, 0, -1), {kHinge, 0.25, 0}},
-    {"right", 0.51, 0.52, 0.5, 0.65, 0.2, 0.1, true, Type::revolute, Vector3d(0, 0, 1), {kHinge, 0.26, 0}},
-    {"lift", 0.0, 1.65, 0.8, 0.4, 0, -0.16, false, Type::revolute, Vector3d(0, 1, 0), {kHinge, 0, 1.85}},
+    {"askew", -1.2, 0.70, 0.6, 0.25, 0, 0.06, false, ArticulationType::prismatic, slide(4, 0)},
+    {"sagging", -1.2, 0.44, 0.6, 0.25, 0, 0.06, false, ArticulationType::prismatic, slide(0, 3)},
+    {"oven",
+     -0.59,
+     0.55,
+     0.6,
+     0.5,
+     0,
+     0.2,
+     false,
+     ArticulationType::revolute,
+     Vector3d(0, -1, 0),
+     {kHinge, 0, 0.30}},
+    {"left",
+     0.0,
+     0.52,
+     0.5,
+     0.65,
+     -0.2,
+     0.1,
+     true,
+     ArticulationType::revolute,
+     Vector3d(0, 0, -1),
+     {kHinge, 0.25, 0}},
+    {"right",
+     0.51,
+     0.52,
+     0.5,
+     0.65,
+     0.2,
+     0.1,
+     true,
+     ArticulationType::revolute,
+     Vector3d(0, 0, 1),
+     {kHinge, 0.26, 0}},
+    {"lift",
+     0.0,
+     1.65,
+     0.8,
+     0.4,
+     0,
+     -0.16,
+     false,
+     ArticulationType::revolute,
+     Vector3d(0, 1, 0),
+     {kHinge, 0, 1.85}},
 };
 
 std::string box(const std::string& name, const Vector3d& at, const Vector3d& size) {
@@ -68,7 +107,7 @@ std::string kitchen_urdf() {
   text += box("carcass", {kFaceX + 0.33, -0.4, 0.42}, {0.6, 2.4, 0.84}) + fixed("map", "carcass");
   text += box("cupboard", {kFaceX + 0.23, 0, 1.65}, {0.4, 0.8, 0.4}) + fixed("map", "cupboard");
   for (const Part& part : kParts) {
-    const bool slides = part.type == Type::prismatic;
+    const bool slides = part.type == ArticulationType::prismatic;
     const Vector3d pivot = slides ? part.centre()
                                   : Vector3d(part.hinge.x(), part.axis.y() != 0 ? part.y : part.hinge.y(),
                                              part.axis.z() != 0 ? part.z : part.hinge.z());
@@ -137,7 +176,7 @@ class MovedFronts : public testing::Test {
     ASSERT_TRUE(result.joint) << result.reason;
     EXPECT_EQ(result.joint->type, part.type);
     EXPECT_LT(std::acos(std::min(result.joint->axis.dot(part.axis), 1.0)) / kDegree, 1);
-    if (part.type == Type::revolute) {
+    if (part.type == ArticulationType::revolute) {
       const Vector3d off = result.joint->origin - part.hinge;
       EXPECT_LT((off - part.axis * part.axis.dot(off)).norm(), 0.02);
     }
@@ -163,9 +202,9 @@ TEST_F(MovedFronts, PullingGivesTypeAxisHingeAndRectangle) {
       const Scan open = world.scan_at({1.5, part.y + 0.3, 0});
       const DifferenceResult result = articulate(set_of(closed), set_of(open), front, pulled.hand_path, {});
       expect_joint(result, part);
-      EXPECT_NEAR(result.moved, pulled.moved, part.type == Type::prismatic ? 0.01 : 0.05);
+      EXPECT_NEAR(result.moved, pulled.moved, part.type == ArticulationType::prismatic ? 0.01 : 0.05);
       EXPECT_LT(result.joint->axis_sd_deg, 1);
-      if (part.type == Type::revolute) {
+      if (part.type == ArticulationType::revolute) {
         EXPECT_LT(result.joint->origin_sd_m, 0.01);
       }
       EXPECT_EQ(result.joint->evidence, "interaction");
@@ -195,7 +234,7 @@ TEST_F(MovedFronts, TwoScanSetsFromDriftingPosesSuffice) {
     // Two faces do not show to which side a drawer slides: the uncertainty says so.
     const double off = std::acos(std::min(result.joint->axis.dot(part.axis), 1.0)) / kDegree;
     EXPECT_LT(off, 2 * result.joint->axis_sd_deg);
-    if (part.type == Type::revolute) {
+    if (part.type == ArticulationType::revolute) {
       EXPECT_LT(off, 1);
     }
     EXPECT_GT(overlap(*result.corrected, part), 0.85);
@@ -296,9 +335,9 @@ TEST(MovedFaces, UpperEdgeOfAThickDoorDoesNotTiltItsHinge) {
   front.normal = -Vector3d::UnitX();
   front.width = width;
   front.height = height;
-  const Face closed{front.normal, -kFaceX, 0.001, 500};
+  const FittedPlane closed{front.normal, -kFaceX, 0.001, 500};
   const auto found = moved_faces(closed, thick_door(30 * kDegree, width, height), front, 0.03);
-  const auto& turned = found[static_cast<size_t>(Type::revolute)];
+  const auto& turned = found[static_cast<size_t>(ArticulationType::revolute)];
   ASSERT_TRUE(turned);
   EXPECT_LT(std::acos(std::abs(turned->motion.axis.z())) / kDegree, 0.3) << turned->motion.axis.transpose();
   EXPECT_NEAR(turned->motion.position, 30 * kDegree, kDegree);
@@ -326,12 +365,12 @@ TEST(Articulation, HingeFarOutsideAFrontIsNotItsHinge) {
   const Vector3d handle = front.fixture->centre;
   const DifferenceResult own = articulate({}, {}, front, led_about(part.hinge, handle), {});
   ASSERT_TRUE(own.joint) << own.reason;
-  EXPECT_EQ(own.joint->type, Type::revolute);
-  EXPECT_FALSE(own.moves_otherwise);
+  EXPECT_EQ(own.joint->type, ArticulationType::revolute);
+  EXPECT_FALSE(own.unexplained_motion);
   const Vector3d far = part.hinge + Vector3d(0, 1, 0);  // Twice its width beside it.
   const DifferenceResult other = articulate({}, {}, front, led_about(far, handle), {});
   EXPECT_FALSE(other.joint) << other.report().dump();
-  EXPECT_TRUE(other.moves_otherwise);
+  EXPECT_TRUE(other.unexplained_motion);
   EXPECT_FALSE(other.reason.empty());
 }
 

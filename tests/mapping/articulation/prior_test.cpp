@@ -10,8 +10,6 @@
 namespace loci::mapping {
 namespace {
 
-using Type = JointEstimate::Type;
-
 /// A front that faces south (-y), with a horizontal bar at `side` and `rise` (metres from the centre).
 Front front_with_bar(double width, double height, double z, double side, double rise, bool upright = false) {
   Front front;
@@ -35,7 +33,7 @@ Front front_with_knob(double width, double height, double z, double side, double
   return front;
 }
 
-double probability(const JointEstimate& joint, Type type) {
+double probability(const JointEstimate& joint, ArticulationType type) {
   return joint.probabilities[static_cast<size_t>(type)];
 }
 
@@ -49,8 +47,8 @@ TEST(JointPrior, BarAlongAWideLowFrontIsADrawerThatOpensOutwards) {
   for (const double rise : {0.0, 0.07}) {
     const Front front = front_with_bar(0.6, 0.2, 0.7, 0, rise);
     const JointEstimate joint = joint_prior(front);
-    EXPECT_EQ(joint.type, Type::prismatic);
-    EXPECT_GT(probability(joint, Type::prismatic), 0.9);
+    EXPECT_EQ(joint.type, ArticulationType::prismatic);
+    EXPECT_GT(probability(joint, ArticulationType::prismatic), 0.9);
     EXPECT_NEAR(joint.axis.dot(front.normal), 1, 1e-12);
     EXPECT_NEAR(joint.upper, 0.45, 1e-12);
     EXPECT_EQ(front_class(front, joint), "drawer");
@@ -61,7 +59,7 @@ TEST(JointPrior, UprightBarNearAnEdgeIsADoorHingedAtTheOther) {
   for (const double side : {-0.24, 0.24}) {
     const Front front = front_with_bar(0.6, 1.3, 1.5, side, 0, true);
     const JointEstimate joint = joint_prior(front);
-    EXPECT_EQ(joint.type, Type::revolute);
+    EXPECT_EQ(joint.type, ArticulationType::revolute);
     EXPECT_EQ(front_class(front, joint), "door");
     EXPECT_NEAR((joint.origin - front.centre).dot(front.right()), side > 0 ? -0.3 : 0.3, 1e-9);
     EXPECT_GT(opening_direction(front, joint).dot(front.normal), 0.99);
@@ -72,14 +70,14 @@ TEST(JointPrior, UprightBarNearAnEdgeIsADoorHingedAtTheOther) {
 
 TEST(JointPrior, LevelBarAtTheSideOfATallFrontIsADoorToo) {
   const JointEstimate joint = joint_prior(front_with_bar(0.6, 0.8, 0.5, 0.15, 0.26));
-  EXPECT_EQ(joint.type, Type::revolute);
+  EXPECT_EQ(joint.type, ArticulationType::revolute);
   EXPECT_LT(joint.axis.z(), -0.99);
 }
 
 TEST(JointPrior, BarAtTheTopOfATallLowFrontIsAFlapHingedBelow) {
   const Front front = front_with_bar(0.6, 0.75, 0.5, 0, 0.32);
   const JointEstimate joint = joint_prior(front);
-  EXPECT_EQ(joint.type, Type::revolute);
+  EXPECT_EQ(joint.type, ArticulationType::revolute);
   EXPECT_EQ(front_class(front, joint), "flap");
   EXPECT_LT((joint.origin - front.centre).dot(front.up), -0.3);
   EXPECT_GT(opening_direction(front, joint).dot(front.normal), 0.99);
@@ -88,22 +86,22 @@ TEST(JointPrior, BarAtTheTopOfATallLowFrontIsAFlapHingedBelow) {
 TEST(JointPrior, BarAtTheBottomOfAWallCupboardLiftsIt) {
   const Front front = front_with_bar(0.9, 0.4, 1.7, 0, -0.16);
   const JointEstimate joint = joint_prior(front);
-  EXPECT_EQ(joint.type, Type::revolute);
+  EXPECT_EQ(joint.type, ArticulationType::revolute);
   EXPECT_EQ(front_class(front, joint), "flap");
   EXPECT_GT((joint.origin - front.centre).dot(front.up), 0.15);
   EXPECT_GT(opening_direction(front, joint).dot(front.normal), 0.99);
 }
 
 TEST(JointPrior, KnobsAreReadByTheirPlaceAndTheFrontsShape) {
-  EXPECT_EQ(joint_prior(front_with_knob(0.5, 0.18, 0.75, 0, 0)).type, Type::prismatic);
+  EXPECT_EQ(joint_prior(front_with_knob(0.5, 0.18, 0.75, 0, 0)).type, ArticulationType::prismatic);
   const JointEstimate door = joint_prior(front_with_knob(0.45, 0.7, 1.6, -0.19, -0.25));
-  EXPECT_EQ(door.type, Type::revolute);
+  EXPECT_EQ(door.type, ArticulationType::revolute);
   EXPECT_GT(door.axis.z(), 0.99);
 }
 
 TEST(JointPrior, OvenDoorIsAFlapThoughItsHandleWouldSuitADrawer) {
   Front front = front_with_bar(0.6, 0.45, 0.5, 0, 0.18);
-  EXPECT_EQ(joint_prior(front).type, Type::prismatic);
+  EXPECT_EQ(joint_prior(front).type, ArticulationType::prismatic);
   front.appliance = "oven";
   EXPECT_EQ(front_class(front, joint_prior(front)), "flap");
 }
@@ -113,12 +111,12 @@ TEST(JointPrior, WithoutFixtureTheTypeStaysOpen) {
   front.fixture.reset();
   const JointEstimate joint = joint_prior(front);
   for (const double p : joint.probabilities) EXPECT_LT(p, 0.75);
-  EXPECT_GT(probability(joint, Type::rigid), 0.1);
+  EXPECT_GT(probability(joint, ArticulationType::rigid), 0.1);
 }
 
 TEST(JointPrior, SideOfTheHingeIsUncertainWhenTheBarIsInTheMiddle) {
   const JointEstimate joint = joint_prior(front_with_bar(0.5, 2.0, 1.1, 0, 0, true));
-  ASSERT_EQ(joint.type, Type::revolute);
+  ASSERT_EQ(joint.type, ArticulationType::revolute);
   EXPECT_GT(joint.axis_sd_deg, 90);
   EXPECT_GT(joint.origin_sd_m, 0.2);
 }
@@ -157,9 +155,9 @@ TEST(JointPrior, MostTypesOfTheApartmentAreRightBeforeAnythingIsTouched) {
       front.fixture->length = handle["length"].get<double>();
       const JointEstimate prior = joint_prior(front);
       ++fronts;
-      if (joint["type"] != joint_estimate_type_name(prior.type)) continue;
+      if (joint["type"] != to_text(prior.type)) continue;
       ++right;
-      if (prior.type != Type::revolute) continue;
+      if (prior.type != ArticulationType::revolute) continue;
       ++hinges;
       const Vector3d axis = vector(joint["axis"]);
       const Vector3d off = vector(joint["origin"]) - prior.origin;

@@ -18,7 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-using Type = JointEstimate::Type;
 
 struct Recorded {
   double noise = 0.002;
@@ -64,7 +63,7 @@ std::function<Isometry3d(double)> drawer(double travel) {
   return [=](double u) { return Isometry3d(Eigen::Translation3d(kHinge + u * travel * kAxis)); };
 }
 
-double probability(const TrackResult& result, Type type) {
+double probability(const TrackResult& result, ArticulationType type) {
   return result.estimate.probabilities[static_cast<size_t>(type)] * (1 - result.unknown_probability);
 }
 
@@ -76,7 +75,7 @@ TEST(Track, ArcGivesAxisHingeRadiusAndOpening) {
   for (const bool oriented : {false, true}) {
     const TrackResult result = fit_track(record(door(0.4, 80), {.oriented = oriented}), {});
     ASSERT_EQ(result.type_name(), "revolute");
-    EXPECT_GT(probability(result, Type::revolute), 0.9);
+    EXPECT_GT(probability(result, ArticulationType::revolute), 0.9);
     EXPECT_LT(angle_deg(result.estimate.axis, kAxis), 1);  // sense included: it opens by the right hand
     EXPECT_LT((result.estimate.origin - kHinge).cross(kAxis).norm(), 0.01);
     EXPECT_NEAR(result.fits[2].radius, 0.4, 0.01);
@@ -89,7 +88,7 @@ TEST(Track, StraightPathGivesAxisAndTravel) {
   for (const bool oriented : {false, true}) {
     const TrackResult result = fit_track(record(drawer(0.4), {.oriented = oriented}), {});
     ASSERT_EQ(result.type_name(), "prismatic");
-    EXPECT_GT(probability(result, Type::prismatic), 0.9);
+    EXPECT_GT(probability(result, ArticulationType::prismatic), 0.9);
     EXPECT_LT(angle_deg(result.estimate.axis, kAxis), 0.5);
     EXPECT_NEAR(result.estimate.upper - result.estimate.lower, 0.4, 0.01);
   }
@@ -141,7 +140,8 @@ TEST(Track, ShortArcsAreLeftOpenAndLongOnesAreSure) {
   const auto mean_probability = [](double arc_deg) {
     double mean = 0;
     for (uint64_t seed = 1; seed <= 8; ++seed)
-      mean += probability(fit_track(record(door(0.5, arc_deg), {}, seed), {}), Type::revolute) / 8;
+      mean +=
+          probability(fit_track(record(door(0.5, arc_deg), {}, seed), {}), ArticulationType::revolute) / 8;
     return mean;
   };
   for (const double arc : {2.0, 4.0, 6.0}) {
@@ -171,7 +171,7 @@ TEST(Track, GivenNoiseIsUsed) {
   const Track track = record(door(0.5, 10), {.noise = 0.001});
   const TrackResult fine = fit_track(track, {}), coarse = fit_track(track, {.position_sigma_m = 0.02});
   EXPECT_NEAR(coarse.sigma_m, 0.02, 1e-12);
-  EXPECT_LT(probability(coarse, Type::revolute), probability(fine, Type::revolute));
+  EXPECT_LT(probability(coarse, ArticulationType::revolute), probability(fine, ArticulationType::revolute));
 }
 
 TEST(Track, ProbabilitiesOfTheReportSumToOne) {

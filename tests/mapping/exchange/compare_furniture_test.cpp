@@ -30,8 +30,7 @@ KnownFixture handle(const std::string& name, const std::string& of, const Vector
   return known;
 }
 
-JointEstimate joint(JointEstimate::Type type, const Vector3d& axis,
-                    const Vector3d& origin = Vector3d::Zero()) {
+JointEstimate joint(ArticulationType type, const Vector3d& axis, const Vector3d& origin = Vector3d::Zero()) {
   JointEstimate estimate;
   estimate.type = type;
   estimate.axis = axis;
@@ -107,22 +106,23 @@ TEST(CompareFurniture, FrontsMatchByTheirHandlesBeforeTheirOverlap) {
 }
 
 TEST(CompareFurniture, JointErrorsAreThoseOfGeometry) {
-  using Type = JointEstimate::Type;
   const double tilt = 2 * kPi / 180;
   const Vector3d centre(0, 2, 1);
-  const JointEstimate drawer = joint(Type::prismatic, {0, -1, 0});
-  const ComparedJoint slid =
-      compare_joints(joint(Type::prismatic, {std::sin(tilt), -std::cos(tilt), 0}), drawer, centre);
+  const JointEstimate drawer = joint(ArticulationType::prismatic, {0, -1, 0});
+  const ComparedJoint slid = compare_joints(
+      joint(ArticulationType::prismatic, {std::sin(tilt), -std::cos(tilt), 0}), drawer, centre);
   EXPECT_TRUE(slid.right());
   EXPECT_NEAR(*slid.axis_error_deg, 2, 1e-9);
   EXPECT_FALSE(slid.hinge_error);
 
-  const JointEstimate door = joint(Type::revolute, {0, 0, 1}, {0.3, 2, 0});
-  const ComparedJoint hung = compare_joints(joint(Type::revolute, {0, 0, 1}, {0.32, 2, 5}), door, centre);
+  const JointEstimate door = joint(ArticulationType::revolute, {0, 0, 1}, {0.3, 2, 0});
+  const ComparedJoint hung =
+      compare_joints(joint(ArticulationType::revolute, {0, 0, 1}, {0.32, 2, 5}), door, centre);
   EXPECT_NEAR(*hung.axis_error_deg, 0, 1e-9);
   EXPECT_NEAR(*hung.hinge_error, 0.02, 1e-9);
   EXPECT_FALSE(hung.other_way);
-  const ComparedJoint wrong = compare_joints(joint(Type::revolute, {0, 0, -1}, {0.3, 2, 0}), door, centre);
+  const ComparedJoint wrong =
+      compare_joints(joint(ArticulationType::revolute, {0, 0, -1}, {0.3, 2, 0}), door, centre);
   EXPECT_NEAR(*wrong.axis_error_deg, 0, 1e-9);
   EXPECT_TRUE(wrong.other_way);
 
@@ -131,11 +131,10 @@ TEST(CompareFurniture, JointErrorsAreThoseOfGeometry) {
 }
 
 TEST(CompareFurniture, JointThatOpensTowardsNegativeValuesIsTheSameAsItsMirror) {
-  using Type = JointEstimate::Type;
-  JointEstimate backwards = joint(Type::revolute, {0, 0, -1});
+  JointEstimate backwards = joint(ArticulationType::revolute, {0, 0, -1});
   backwards.lower = -1.5;
   backwards.upper = 0;
-  EXPECT_FALSE(compare_joints(joint(Type::revolute, {0, 0, 1}), backwards, {0, 0, 0}).other_way);
+  EXPECT_FALSE(compare_joints(joint(ArticulationType::revolute, {0, 0, 1}), backwards, {0, 0, 0}).other_way);
 }
 
 TEST(CompareFurniture, SampleKitchenBySidecarEqualsItselfByGeometry) {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "mapping/interpretation/furniture_links.h"
-#include "mapping/interpretation/link_parts.h"
+#include "mapping/interpretation/furniture/furniture_links.h"
+#include "mapping/interpretation/furniture/link_parts.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::mapping::test {
@@ -26,7 +26,7 @@ struct FurnishedMap {
 
     Front drawer = front("drawer_1", {-0.8, 1.4, 0.74}, 0.2);
     drawer.joint = JointEstimate{};
-    drawer.joint->type = JointEstimate::Type::prismatic;
+    drawer.joint->type = ArticulationType::prismatic;
     drawer.joint->probabilities = {0, 1, 0};
     drawer.joint->axis = drawer.normal;
     drawer.joint->upper = 0.42;
@@ -34,7 +34,7 @@ struct FurnishedMap {
 
     Front door = front("door_1", {0, 1.4, 0.45}, 0.7);
     door.joint = JointEstimate{};
-    door.joint->type = JointEstimate::Type::revolute;
+    door.joint->type = ArticulationType::revolute;
     door.joint->probabilities = {0, 0, 1};
     door.joint->axis = -Vector3d::UnitZ();
     door.joint->origin = door.centre - Vector3d(0.3, 0, 0);

@@ -1,10 +1,10 @@
-#include "mapping/interpretation/fronts.h"
+#include "mapping/interpretation/fronts/fronts.h"
 #include "mapping/base/math.h"
 
 #include <gtest/gtest.h>
 
 #include "mapping/base/progress.h"
-#include "mapping/interpretation/face_planes.h"
+#include "mapping/interpretation/fronts/face.h"
 #include "tests/mapping/interpretation/synthetic_furniture.h"
 
 namespace loci::mapping::test {
@@ -150,7 +150,7 @@ TEST(Fronts, EqualHandlesAreNoFaceOfTheirOwn) {
     }
   NoProgress progress;
   const Surface surface = gather_surface(scan_furniture(drawers, kStandpoints, 13), 0, progress);
-  for (const Face& face : find_faces(surface, 0))
+  for (const FurnitureFace& face : find_faces(surface, 0))
     EXPECT_FALSE(face.normal.x() > 0.9 && face.offset > 0.03) << face.offset << ", " << face.area;
 }
 

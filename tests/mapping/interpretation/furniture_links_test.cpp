@@ -1,4 +1,4 @@
-#include "mapping/interpretation/furniture_links.h"
+#include "mapping/interpretation/furniture/furniture_links.h"
 
 #include <gmock/gmock.h>
 
@@ -71,7 +71,7 @@ Front a_front(const std::string& name) {
 Front a_drawer() {
   Front front = a_front("drawer_3");
   JointEstimate joint;
-  joint.type = JointEstimate::Type::prismatic;
+  joint.type = ArticulationType::prismatic;
   joint.probabilities = {0.05, 0.9, 0.05};
   // Real drawers run a few degrees off their front's normal.
   joint.axis = Eigen::AngleAxisd(0.04, Vector3d::UnitZ()) * front.normal;
@@ -86,7 +86,7 @@ Front a_door() {
   Front front = a_front("door_2");
   front.height = 0.7;
   JointEstimate joint;
-  joint.type = JointEstimate::Type::revolute;
+  joint.type = ArticulationType::revolute;
   joint.probabilities = {0.1, 0.2, 0.7};
   joint.axis = Vector3d::UnitZ();
   joint.origin = front.centre - 0.3 * front.right();
@@ -257,12 +257,12 @@ TEST(FurnitureLinks, ReadsTheFrontsOfASampleMadeByHand) {
   for (const Front& front : fronts) ASSERT_TRUE(front.joint && front.fixture) << front.name;
   const Front& door = fronts[0];
   EXPECT_EQ(door.name, "door_1");
-  EXPECT_EQ(door.joint->type, JointEstimate::Type::revolute);
+  EXPECT_EQ(door.joint->type, ArticulationType::revolute);
   EXPECT_LT((door.joint->axis - Vector3d(0, 0, -1)).norm(), 1e-6);
   EXPECT_NEAR(door.joint->origin.x(), door.centre.x() - door.width / 2, 1e-6);
   const Front& drawer = fronts[5];
   EXPECT_EQ(drawer.name, "drawer_1");
-  EXPECT_EQ(drawer.joint->type, JointEstimate::Type::prismatic);
+  EXPECT_EQ(drawer.joint->type, ArticulationType::prismatic);
   EXPECT_LT((drawer.joint->axis - Vector3d(0, -1, 0)).norm(), 1e-6);
   EXPECT_NEAR(drawer.joint->upper, 0.5, 1e-12);
   EXPECT_NEAR(drawer.fixture->length, 0.24, 1e-12);

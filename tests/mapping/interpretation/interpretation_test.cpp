@@ -227,14 +227,14 @@ TEST(Interpretation, NoiseWithoutSurfacesGivesNothing) {
 TEST(Interpretation, OptionsOutOfBoundsAreAllNamed) {
   InterpretationOptions options;
   options.plane_tolerance_m = -1;
-  options.wall_min_top_m = 100;
+  options.min_wall_top_m = 100;
   NoProgress progress;
   try {
     interpret(scan_room(kitchen(), {kOrigins[0]}, 0, 1), options, progress);
     FAIL();
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("plane_tolerance_m"),
-                                             testing::HasSubstr("wall_min_top_m")));
+                                             testing::HasSubstr("min_wall_top_m")));
   }
 }
 

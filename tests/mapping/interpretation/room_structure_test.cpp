@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "mapping/base/json.h"
+#include "mapping/interpretation/furniture/names.h"
 #include "mapping/interpretation/interpretation.h"
-#include "mapping/interpretation/take_names.h"
 #include "mapping/world/urdf.h"
 #include "tests/mapping/interpretation/synthetic_room.h"
 
@@ -215,7 +215,7 @@ TEST(RoomStructure, NamesOfAnOlderMapAreTakenOver) {
   AnalyticRoom room = kitchen();
   room.solids.push_back({{3.4, 0.4, 0}, {4.0, 1.4, 0.9}});  // bought since
   InterpretedMap now = interpreted(scan_room(room, kLaserOrigins, 0.002, 29));
-  const TakenNames names = take_names(now.world, now.semantics, older);
+  const NameTransfer names = transfer_names(now.world, now.semantics, older);
   for (const char* name : {"counter_7", "wall_with_the_clock", "table_1", "floor"}) {
     EXPECT_TRUE(now.semantics.links.contains(name)) << name;
     EXPECT_NE(now.world.find_link(name), nullptr) << name;

@@ -152,7 +152,7 @@ TEST(Registration, NamesTheScanOfAnotherRoomAndLeavesItBesideTheScanBefore) {
   EXPECT_TRUE(result.usable());
   EXPECT_EQ(result.connected_count(), set.scans.size() - 1) << result.summary();
   EXPECT_FALSE(result.connected.back());
-  EXPECT_THAT(result.summary(), HasSubstr("scan_9 has no trusted connection and stands by odometry only"));
+  EXPECT_THAT(result.summary(), HasSubstr("scan_9 has no trusted connection and is placed by odometry only"));
   const size_t last = set.scans.size() - 1;
   const Isometry3d driven = between(set.scans[last - 1], set.scans[last]);
   const Isometry3d found = result.map_from_scan[last - 1].inverse() * result.map_from_scan[last];

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+
+#include "mapping/base/math.h"
+
+namespace loci::mapping {
+
+/// The face of a front before and after it moved.
+struct FaceMotionParameters {
+  int samples = 400;             ///< of the sample consensus
+  double inlier_m = 0.02;        ///< of a plane: a depth camera's noise at 2 m
+  size_t min_plane_points = 30;  ///< fewer do not determine a plane
+  double hinge_depth_m = 0.01;   ///< behind the face: the middle of a panel of 2 cm
+  double parallel_deg = 4;       ///< faces that differ by less did not turn
+  double on_face_m = 0.025;      ///< from the plane of the moved face
+  size_t min_points = 40;        ///< of a moved part
+  int rounds = 3;                ///< a face and the points that belong to it settle
+  double cell_m = 0.03;          ///< of the raster over a front
+  double inner = 0.45;           ///< of a front's extent, from its middle: edges are seen at a slant
+  double fixture_gap_m = 0.015;  ///< beams still touch the fixture
+  double normal_sd = 0.01;       ///< radians, of a front's normal in the map
+  double near_face_m = 0.05;     ///< points that may be the closed face …
+  double still_m = 0.01;         ///< … are it when their mean is so near: carcasses lie deeper
+  double min_coverage = 0.35;    ///< of the front's rectangle by the moved face
+  size_t min_poses = 5;          ///< of a hand's path that can separate line and arc
+  double independent_cells = 4;  ///< errors of neighbouring cells are correlated: coverage counts as so many
+  double min_support = 0.02;     ///< of a type that was not seen
+  double view_reach_m = 8;       ///< origins farther away see the front too coarsely
+};
+inline constexpr FaceMotionParameters kFaceMotion;
+
+/// The joint that explains faces and hand.
+struct JointFitParameters {
+  double axis_sd = 3 * kDegree;          ///< radians, of real joints about the axis that their shape suggests
+  double hinge_depth_sd_m = 0.015;       ///< concealed hinges lie deeper than the panel's middle
+  double face_tilt_sd = 0.15 * kDegree;  ///< radians, systematic: calibration and registration
+  double face_offset_sd_m = 0.002;       ///< systematic: calibration and registration
+  double robust_sigmas = 3;              ///< a pose that is farther off counts less
+};
+inline constexpr JointFitParameters kJointFit;
+
+/// Joints and recordings of tracks, as known before a track is seen.
+struct TrackParameters {
+  double unknown_share = 0.02;        ///< of tracks are made by something else
+  double radius_m = 0.45;             ///< median, of a handle about its hinge; log-normal
+  double radius_log_sd = 0.7;         ///< of its logarithm
+  double travel_m = 0.3;              ///< median, along the path; log-normal
+  double travel_log_sd = 1.2;         ///< of its logarithm
+  double wander_m = 0.001;            ///< rms by which a static object seems to move
+  double bend = 0.0015;               ///< rms by which a straight path bends at least, per length
+  double slack_m = 0.002;             ///< by which a real path leaves its line or circle …
+  double slack_per_length = 0.01;     ///< … and per length
+  double drift = 3 * kPi / 180;       ///< radians by which a marker's orientation drifts
+  double min_sigma_m = 5e-5;          ///< no tracker is better
+  int samples = 250;                  ///< of the sample consensus
+  int em_rounds = 25;                 ///< of expectation and maximisation
+  int lm_steps = 15;                  ///< of Levenberg and Marquardt per round
+  double orientation_outliers = 0.1;  ///< share of orientations; markers flip
+};
+inline constexpr TrackParameters kTracks;
+
+/// Fronts in general; the models of mountings are in prior.cpp.
+struct PriorParameters {
+  double fixed_without_fixture = 0.35;  ///< share of fronts without fixture that do not move
+  double min_density = 0.004;           ///< relative to the peak: furniture may be unusual
+};
+inline constexpr PriorParameters kPriors;
+
+}  // namespace loci::mapping

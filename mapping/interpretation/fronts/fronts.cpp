@@ -1,0 +1,179 @@
+#include "mapping/interpretation/fronts/fronts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "mapping/base/json.h"
+#include "mapping/base/parallel.h"
+#include "mapping/base/quantile.h"
+#include "mapping/interpretation/fronts/face.h"
+#include "mapping/interpretation/fronts/front_layout.h"
+#include "mapping/interpretation/fronts/parameters.h"
+#include "mapping/world/furniture.h"
+
+namespace loci::mapping {
+namespace {
+
+/// Whether the front returns much less intensity than the rest of its face.
+bool is_dark(const FaceRect& rect, const FaceRays& rays) {
+  std::vector<float> own, rest;
+  for (const FaceRay& ray : rays.rays) {
+    if (ray.is_on_face()) (rect.contains(ray, -0.02) ? own : rest).push_back(ray.appearance[0]);
+  }
+  return own.size() > kFronts.min_rays && rest.size() > kFronts.min_rays &&
+         static_cast<double>(median(own)) < kFronts.dark * static_cast<double>(median(rest));
+}
+
+bool between(double value, double low, double high) {
+  return value >= low && value <= high;
+}
+
+/// The appliance behind a front, by shape, place, handle and appearance: "oven" (a dark pane of the standard
+/// width among lighter fronts), "fridge" (a tall narrow front with a long upright handle). Empty where the
+/// evidence does not suffice: the front of a dishwasher equals that of a cupboard.
+std::string appliance_of(const Front& front, const FaceRect& rect, const FaceRays& rays) {
+  const bool handle = front.fixture && front.fixture->kind == Fixture::Kind::handle;
+  const bool upright = handle && std::abs(front.fixture->axis.z()) > 0.9;
+  if (between(front.width, 0.52, 0.66) && between(front.height, 0.35, 0.65) && !upright &&
+      is_dark(rect, rays))
+    return "oven";
+  if (upright && front.fixture->length > 0.3 && between(front.width, 0.45, 0.95) &&
+      between(front.height, 0.8, 2.0) && rect.v1 > 1.3)
+    return "fridge";
+  return {};
+}
+
+struct FaceResult {
+  std::vector<Front> fronts;
+  std::vector<std::string> notes;
+};
+
+/// The median depth of a front against the plane of its face.
+double depth_of(const FaceRect& rect, const FaceRays& rays) {
+  std::vector<float> depths;
+  for (const FaceRay& ray : rays.rays)
+    if (ray.is_on_face() && rect.contains(ray, kFronts.depth_inset_m)) depths.push_back(ray.depth);
+  if (depths.empty()) return 0;
+  return static_cast<double>(median(std::move(depths)));
+}
+
+Front front_of(const PlacedFront& placed, const FaceRays& rays, const std::vector<FaceFixture>& fixtures) {
+  const FurnitureFace& face = rays.face;
+  Front front;
+  const double depth = depth_of(placed.rect, rays);
+  front.centre = face.at(placed.rect.u(), placed.rect.v(), depth);
+  front.normal = face.normal3();
+  front.width = placed.rect.width();
+  front.height = placed.rect.height();
+  front.confidence = placed.confidence;
+  if (placed.fixture >= 0) {
+    front.fixture = fixtures[static_cast<size_t>(placed.fixture)].fixture;
+    front.fixture->protrusion = front.normal.dot(front.fixture->centre - front.centre);
+    front.confidence *= 0.5 + 0.5 * front.fixture->confidence;
+  }
+  front.appliance = appliance_of(front, placed.rect, rays);
+  std::vector<size_t> points(1);
+  std::vector<int> scans;
+  for (const FaceRay& ray : rays.rays) {
+    if (!ray.is_on_face() || !placed.rect.contains(ray)) continue;
+    points.resize(std::max<size_t>(points.size(), ray.scan + size_t{1}));
+    ++points[ray.scan];
+  }
+  size_t inliers = 0;
+  for (size_t scan = 0; scan < points.size(); ++scan) {
+    inliers += points[scan];
+    if (points[scan] > 20) scans.push_back(static_cast<int>(scan));
+  }
+  Json edges = Json::object();
+  const std::array<const char*, 4> names = {"left", "right", "bottom", "top"};
+  for (size_t side = 0; side < 4; ++side) edges[names[side]] = front_edge_name(placed.edges[side].kind);
+  Json scores = Json::array();
+  for (const FrontEdge& edge : placed.edges) scores.push_back(std::round(10 * edge.z) / 10);
+  front.evidence = {{"inliers", inliers}, {"scans", scans}, {"edges", edges}, {"edge_scores", scores}};
+  return front;
+}
+
+int resolved_edges(const PlacedFront& front) {
+  return static_cast<int>(std::count_if(front.edges.begin(), front.edges.end(), [](const FrontEdge& edge) {
+    return edge.kind == FrontEdge::Kind::seam || edge.kind == FrontEdge::Kind::step;
+  }));
+}
+
+/// Whether a front is accepted. On walls (tall furniture may hide the wall and be taken for it) it needs a
+/// certain fixture and resolved edges.
+bool is_accepted(const PlacedFront& front, const std::vector<FaceFixture>& fixtures, bool wall) {
+  const FaceRect& rect = front.rect;
+  if (rect.width() > kFronts.max_width_m || rect.width() * rect.height() > kFronts.max_area_m2) return false;
+  if (std::min(rect.width(), rect.height()) <
+      (front.fixture < 0 ? kFronts.min_bare_side_m : kFronts.min_side_m))
+    return false;
+  if (!wall) return true;
+  return front.fixture >= 0 && resolved_edges(front) >= kFronts.min_wall_edges &&
+         fixtures[static_cast<size_t>(front.fixture)].fixture.confidence >
+             kFronts.min_wall_fixture_confidence;
+}
+
+FaceResult interpret_face(const FaceRays& rays, bool wall, const Random& random) {
+  FaceResult result;
+  if (rays.sigma > kFronts.max_sigma_m) return result;
+  FixtureSearch found = find_fixtures(rays, random);
+  std::erase_if(found.fixtures, [](const FaceFixture& fixture) {
+    return fixture.fixture.confidence < kFronts.min_fixture_confidence;
+  });
+  if (wall && found.fixtures.empty()) return result;
+  const SeamMap seams(rays, found.fixtures);
+  const FrontLayout layout = lay_out_fronts(seams, rays.face, found.fixtures);
+  for (const PlacedFront& placed : layout.fronts)
+    if (is_accepted(placed, found.fixtures, wall))
+      result.fronts.push_back(front_of(placed, rays, found.fixtures));
+  if (wall && result.fronts.size() < kFronts.min_wall_fronts) result.fronts.clear();
+  if (result.fronts.empty()) return result;  // not furniture: no notes about its fixtures
+  result.notes = found.notes;
+  for (const size_t i : layout.unassigned) {
+    const Vector3d& at = found.fixtures[i].fixture.centre;
+    result.notes.push_back(fmt::format(
+        "the possible fixture at ({:.2f}, {:.2f}, {:.2f}) has no front around it", at.x(), at.y(), at.z()));
+  }
+  return result;
+}
+
+/// Whether a face is a piece of a wall.
+bool is_wall(const FurnitureFace& face, const std::vector<VerticalPlane>& walls) {
+  const Vector2d middle = face.at((face.u_min + face.u_max) / 2, 0).head<2>();
+  return std::any_of(walls.begin(), walls.end(), [&](const VerticalPlane& wall) {
+    const double along = wall.direction().dot(middle);
+    return wall.normal.dot(face.normal) > 0.99 &&
+           std::abs(wall.normal.dot(middle) - wall.offset) < kFronts.same_wall_m &&
+           along > wall.along_min - kFronts.same_wall_m && along < wall.along_max + kFronts.same_wall_m;
+  });
+}
+
+}  // namespace
+
+FrontSearch find_fronts(const Surface& surface, double floor_height, const WallSearch& vertical,
+                        const InterpretationOptions& options, Progress& progress) {
+  const std::vector<FurnitureFace> faces = find_faces(surface, floor_height);
+  progress.check(0.2, "furniture faces");
+  std::vector<FaceRays> rays(faces.size());
+  parallel_for(faces.size(), options.threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) rays[i] = gather_rays(surface, faces[i], floor_height);
+  });
+  progress.check(0.5, "furniture fronts");
+  std::vector<FaceResult> results(rays.size());
+  const Random random(kFronts.seed);
+  parallel_for(rays.size(), options.threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i)
+      results[i] = interpret_face(rays[i], is_wall(rays[i].face, vertical.walls), random.fork(i));
+  });
+  FrontSearch search;
+  for (const FaceResult& result : results) {
+    search.fronts.insert(search.fronts.end(), result.fronts.begin(), result.fronts.end());
+    search.notes.insert(search.notes.end(), result.notes.begin(), result.notes.end());
+  }
+  return search;
+}
+
+}  // namespace loci::mapping

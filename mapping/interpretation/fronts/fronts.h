@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mapping/interpretation/interpretation.h"
+#include "mapping/interpretation/surfaces/surface.h"
+#include "mapping/interpretation/surfaces/walls.h"
+#include "mapping/world/furniture.h"
+
+namespace loci::mapping {
+
+struct FrontSearch {
+  std::vector<Front> fronts;
+  std::vector<std::string> notes;  ///< what was rejected and why
+};
+
+/// Furniture fronts with their handles and knobs (§7.4): cuts vertical furniture faces along seams, edges,
+/// and changes of colour or intensity. Each fixture yields one front; a front without fixture needs resolved
+/// seams.
+FrontSearch find_fronts(const Surface& surface, double floor_height, const WallSearch& vertical,
+                        const InterpretationOptions& options, Progress& progress);
+
+}  // namespace loci::mapping

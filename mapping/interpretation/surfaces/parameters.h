@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+namespace loci::mapping {
+
+/// Normals of measured points.
+struct NormalParameters {
+  std::array<double, 3> cell_sizes_m{
+      0.02, 0.04, 0.08};       ///< a laser's noise, and a depth camera's below 1.8 m, 3 m and beyond
+  double min_neighbours = 12;  ///< a plane fit over fewer points follows their noise
+};
+inline constexpr NormalParameters kNormals;
+
+/// Scans that are upside down.
+struct ScanCheckParameters {
+  float level_cosine = 0.94F;    ///< horizontal within 20 degrees: noisy normals included
+  float min_height_m = 0.25F;    ///< floors and ceilings look the same upside down
+  float max_height_m = 2.3F;     ///< below the lowest ceilings
+  size_t underside_ratio = 5;    ///< undersides per top; furniture upside down has hardly any tops
+  size_t min_undersides = 1500;  ///< points; one hanging cabinet gives fewer
+};
+inline constexpr ScanCheckParameters kScanCheck;
+
+/// Floor, ceiling, and the levelling by the floor.
+struct LevelParameters {
+  double floor_reach_m = 0.25;  ///< a levelled input has its floor within this of z = 0
+  double min_ceiling_m = 1.9;   ///< no habitable ceiling is lower
+  double min_area_m2 = 0.3;     ///< less floor may be a step or a box
+  double area_cell_m = 0.05;    ///< resolution of the area that was seen
+  double height_bin_m = 0.01;   ///< of the height histogram; below a depth camera's noise
+  double bin_m = 0.02;          ///< of heights along a possible floor normal
+  size_t yaw_bins = 180;        ///< over 90 degrees: half a degree each
+};
+inline constexpr LevelParameters kLevels;
+
+/// Vertical planes, and which of them are walls.
+struct WallParameters {
+  double surfel_m = 0.03;               ///< points are thinned to these before planes are sought
+  double area_cell_m = 0.05;            ///< resolution of the area that was seen
+  double offset_bin_m = 0.03;           ///< of the Hough votes: depth camera noise at 3 m
+  int angle_bins = 120;                 ///< of the Hough votes: 3 degrees each
+  int angle_spread_bins = 2;            ///< a surfel's normal is known within 6 degrees
+  double min_facing_cosine = 0.94;      ///< 20 degrees between a surfel's normal and its plane's
+  double same_wall_m = 0.07;            ///< noise, drift and posters make parallel layers this near
+  double max_gap_m = 0.6;               ///< wider gaps split a plane into pieces
+  size_t max_planes = 60;               ///< more than any room has; bounds the time
+  double ray_cell_m = 0.1;              ///< cells in which rays are counted
+  double on_plane_m = 0.05;             ///< a ray that ends this near ends on the plane
+  double crossed_m = 0.12;              ///< a ray that ends this far behind has crossed it
+  double above_top_m = 0.05;            ///< nearer to the top may still be the plane
+  double max_above_top_m = 0.8;         ///< higher crossings do not concern the plane
+  int min_rays = 2;                     ///< that make a cell crossed; one may be noise
+  size_t max_rays = 3000000;            ///< more are thinned evenly; bounds the time
+  double end_inset_m = 0.06;            ///< surfels near the ends mix in the adjoining planes
+  float refine_cosine = 0.9F;           ///< 25 degrees between a point's normal and the plane's
+  size_t min_refine_points = 200;       ///< fewer do not improve the fit
+  double min_fixture_m = 0.02;          ///< before the plane; nearer is noise
+  double max_fixture_m = 0.08;          ///< before the plane; no handle protrudes farther
+  double fixture_inset_m = 0.03;        ///< the side of a neighbouring cupboard is no fixture
+  double max_reach_m = 2;               ///< no handle is higher
+  size_t min_fixture_points = 40;       ///< about one knob at the resolution of a scan
+  double column_m = 0.05;               ///< of a plane's length
+  double behind_m = 0.12;               ///< points farther behind a plane were seen past or through it
+  double max_behind = 0.35;             ///< windows and doors show what is behind a part of a wall
+  double max_passed_over = 0.3;         ///< of its length; furniture is lower than the room
+  double min_seen_above = 0.3;          ///< of its length: enough to know what is above
+  double max_pierced = 0.6;             ///< of its area; a wall may have large windows
+  double at_ceiling_m = 0.12;           ///< shadows hide this much below the ceiling
+  double below_ceiling_m = 0.25;        ///< a wall that ends lower is hidden or none
+  double cupboard_side_m = 1.0;         ///< narrower planes below the ceiling are furniture sides
+  double min_length_m = 0.3;            ///< narrower planes are window reveals or pillars
+  double parallel_cosine = 0.9995;      ///< 1.8 degrees
+  double same_plane_m = 0.025;          ///< between pieces of one wall: noise and drift
+  double max_door_m = 1.3;              ///< gap that a door makes in a wall
+  double max_window_depth_m = 0.5;      ///< from a wall's face to the pane
+  double min_window_depth_m = 0.03;     ///< nearer is the wall itself
+  double min_furniture_depth_m = 0.25;  ///< of tall furniture before a wall
+  double max_furniture_depth_m = 0.8;   ///< of tall furniture before a wall
+  double beside_m = 0.5;                ///< gap along the wall between furniture and the wall seen beside it
+  double min_wall_beside_m = 0.8;       ///< a shorter wall may be the back of a niche
+};
+inline constexpr WallParameters kWalls;
+
+}  // namespace loci::mapping
