@@ -6,7 +6,7 @@
 #include <string>
 
 #include "apps/cli/program.h"
-#include "gui/application.h"
+#include "gui/window/application.h"
 
 namespace {
 
@@ -19,7 +19,7 @@ bool is_set(const char* variable) {
 std::function<void(loci::apps::Session&)> declare(loci::apps::ArgumentTable& table) {
   auto options = std::make_shared<loci::gui::BrowseOptions>();
   auto theme = std::make_shared<std::string>("system");
-  options->say = [](const std::string& text) { std::fputs(text.c_str(), stdout); };
+  options->print = [](const std::string& text) { std::fputs(text.c_str(), stdout); };
   options->has_screen = is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
   options->has_desktop = is_set("XDG_CURRENT_DESKTOP");
   table.positional("[MEMORY]", &options->file, "The memory to open, FILE.loci");

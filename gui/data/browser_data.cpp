@@ -4,22 +4,6 @@
 
 namespace loci::gui {
 
-const char* presence_name(Presence presence) {
-  switch (presence) {
-    case Presence::seen:
-      return "seen";
-    case Presence::remembered:
-      return "remembered";
-    case Presence::missed:
-      return "missed";
-    case Presence::hidden:
-      return "hidden";
-    case Presence::gone:
-      return "gone";
-  }
-  return "";
-}
-
 const BelievedObject* BelievedScene::find(int64_t object) const {
   const auto found =
       std::find_if(objects.begin(), objects.end(), [&](const BelievedObject& o) { return o.id == object; });

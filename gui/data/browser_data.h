@@ -8,8 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "gui/core/colored_cloud.h"
+#include "gui/core/text.h"
 #include "gui/data/question_answers.h"
-#include "gui/scene3d/colored_cloud.h"
 #include "mapping/base/joint_state.h"
 #include "mapping/base/pose.h"
 #include "mapping/base/progress.h"
@@ -20,16 +21,6 @@
 #include "mapping/world/world.h"
 
 namespace loci::gui {
-
-/// How the memory stands to an object at a time.
-enum class Presence {
-  seen,        ///< observed in the scene of that time
-  remembered,  ///< believed to be there, out of view
-  missed,      ///< looked for, not found, perhaps still there
-  hidden,      ///< believed to be there, behind something
-  gone         ///< looked for and not there
-};
-const char* presence_name(Presence presence);
 
 /// One object as believed at one time.
 struct BelievedObject {

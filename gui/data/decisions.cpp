@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "gui/data/images.h"
 #include "gui/data/memory_index.h"
+#include "gui/data/scene_content.h"
 #include "memory/recorder/scene_reasoning.h"
 
 namespace loci::gui {

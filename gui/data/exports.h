@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "gui/core/colored_cloud.h"
 #include "gui/data/browser_data.h"
-#include "gui/scene3d/colored_cloud.h"
 
 namespace loci::gui {
 

@@ -9,11 +9,9 @@
 #include <unordered_map>
 
 #include "gui/data/decisions.h"
-#include "gui/data/frame_cloud.h"
-#include "gui/data/image_notes.h"
-#include "gui/data/images.h"
 #include "gui/data/memory_index.h"
 #include "gui/data/object_details.h"
+#include "gui/data/scene_content.h"
 #include "memory/exchange/observation_image.h"
 #include "memory/questions/people_time.h"
 #include "memory/questions/snapshot.h"

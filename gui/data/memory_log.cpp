@@ -1,11 +1,11 @@
 #include "gui/data/memory_log.h"
 
 #include <fmt/format.h>
-
 #include <map>
 
 #include "memory/questions/answers.h"
 #include "memory/report/annotator_times.h"
+#include "memory/store/store.h"
 
 namespace loci::gui {
 namespace {
@@ -83,6 +83,25 @@ std::string annotator_log(const std::filesystem::path& path, int64_t scene) {
     if (!row.text.empty()) text += ": " + row.text;
   }
   return fmt::format("annotators, {:.1f} ms together:{}", all, text);
+}
+
+std::string verify_memory(const std::filesystem::path& path, Progress& progress) {
+  memory::VerifyReport report;
+  try {
+    report = memory::Store::open_read(path).verify(progress);
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const Error& error) {
+    return fmt::format("It cannot be read at all: {}", error.what());
+  }
+  std::string text =
+      report.problems.empty() ? "It is sound." : fmt::format("{} problem(s):", report.problems.size());
+  for (const std::string& problem : report.problems) text += "\n" + problem;
+  text += fmt::format("\nSchema {}.{}:", report.major, report.minor);
+  for (const auto& [table, count] : report.counts)
+    if (count > 0) text += fmt::format(" {} {},", count, table);
+  text.back() = '.';
+  return text;
 }
 
 }  // namespace loci::gui

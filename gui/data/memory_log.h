@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mapping/base/progress.h"
 #include "mapping/base/time.h"
 
 namespace loci::gui {
@@ -27,5 +28,9 @@ std::vector<LogEntry> memory_log(const std::filesystem::path& path);
 
 /// What annotators did in a scene and how long each took, a line each; says so when that was not kept.
 std::string annotator_log(const std::filesystem::path& path, int64_t scene);
+
+/// What checking a whole memory file found, in lines: that it is sound with the rows of each table, or its
+/// problems. A file that is no memory is such a problem, not an error.
+std::string verify_memory(const std::filesystem::path& path, Progress& progress);
 
 }  // namespace loci::gui

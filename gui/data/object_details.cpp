@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 
-#include "gui/data/images.h"
 #include "gui/data/memory_index.h"
+#include "gui/data/scene_content.h"
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
 #include "memory/reasoning/why.h"

@@ -1,16 +1,49 @@
 #include "gui/models/objects_model.h"
 
+#include <QApplication>
 #include <QFont>
 #include <algorithm>
 #include <map>
+#include <set>
 
-#include "gui/presence_help.h"
-#include "gui/text.h"
-#include "gui/theme.h"
-
-#include <QApplication>
+#include "gui/core/text.h"
+#include "gui/core/theme.h"
 
 namespace loci::gui {
+
+Thumbnails::Thumbnails(Browser& browser, int side, QObject* parent)
+    : QObject(parent), browser_(browser), side_(side) {
+  connect(&browser_, &Browser::opened, this, &Thumbnails::forget);
+}
+
+void Thumbnails::forget() {
+  asked_.clear();  // what was being read is not told any more
+  for (const auto& [object, image] : images_) asked_.insert(object);
+  const std::string path = browser_.data() == nullptr ? "" : browser_.data()->info().path;
+  if (path == memory_) return;  // it has grown: the images still show what they are of
+  memory_ = path;
+  images_.clear();
+  asked_.clear();
+}
+
+QPixmap Thumbnails::of(int64_t object) {
+  const auto known = images_.find(object);
+  if (known != images_.end()) return known->second;
+  if (asked_.insert(object).second)
+    browser_.reader().read<QImage>(
+        this, "thumbnail " + std::to_string(object), Urgency::rest,
+        [object, side = side_, time = browser_.selection().time()](const BrowserData& memory) {
+          const QImage image = image_of(memory.image(object, time));
+          return image.isNull() ? image
+                                : image.scaled(side, side, Qt::KeepAspectRatio, Qt::SmoothTransformation);
+        },
+        [this, object](const QImage& image) {
+          if (!image.isNull()) images_[object] = QPixmap::fromImage(image);
+          Q_EMIT read(object);
+        });
+  return {};
+}
+
 namespace {
 
 constexpr int kSwatchSide = 14, kImageSide = 20;
@@ -112,11 +145,8 @@ QVariant ObjectsModel::group_data(const Group& group, int column, int role) cons
     case Qt::DisplayRole:
       return column == name_column ? QString("%1  (%2)").arg(group.title).arg(group.objects.size())
                                    : QVariant();
-    case Qt::FontRole: {
-      QFont font = QApplication::font();
-      font.setBold(true);
-      return font;
-    }
+    case Qt::FontRole:
+      return bold_font(QApplication::font());
     case Qt::ForegroundRole:
       if (column == state_column) return Theme::of(QApplication::palette()).muted;
       return {};
@@ -201,6 +231,64 @@ QModelIndex ObjectsModel::index_of_place(const std::string& place) const {
   for (size_t g = 0; g < groups_.size(); ++g)
     if (!place.empty() && groups_[g].place == place) return index(static_cast<int>(g), 0);
   return {};
+}
+
+namespace {
+
+int role_of(ObjectsFilter::Field field) {
+  switch (field) {
+    case ObjectsFilter::class_field:
+      return ObjectsModel::class_role;
+    case ObjectsFilter::color_field:
+      return ObjectsModel::color_role;
+    case ObjectsFilter::state_field:
+      return ObjectsModel::state_role;
+    default:
+      return ObjectsModel::hour_role;
+  }
+}
+
+}  // namespace
+
+ObjectsFilter::ObjectsFilter(QObject* parent) : QSortFilterProxyModel(parent) {
+  setRecursiveFilteringEnabled(true);
+}
+
+void ObjectsFilter::search(const QString& text) {
+  text_ = text;
+  invalidateFilter();
+}
+
+void ObjectsFilter::want(Field field, const QString& value) {
+  wanted_[field] = value;
+  invalidateFilter();
+}
+
+bool ObjectsFilter::filters() const {
+  bool any = !text_.isEmpty();
+  for (const QString& value : wanted_) any |= !value.isEmpty();
+  return any;
+}
+
+QStringList ObjectsFilter::values(Field field) const {
+  std::set<QString> found;
+  const QAbstractItemModel* model = sourceModel();
+  for (int group = 0; group < model->rowCount(); ++group) {
+    const QModelIndex parent = model->index(group, 0);
+    for (int row = 0; row < model->rowCount(parent); ++row)
+      found.insert(model->index(row, 0, parent).data(role_of(field)).toString());
+  }
+  found.erase(QString());
+  return {found.begin(), found.end()};
+}
+
+bool ObjectsFilter::filterAcceptsRow(int row, const QModelIndex& parent) const {
+  if (!filters()) return true;
+  const QModelIndex index = sourceModel()->index(row, 0, parent);
+  if (!index.data(ObjectsModel::filter_role).toString().contains(text_, Qt::CaseInsensitive)) return false;
+  for (const Field field : {class_field, color_field, state_field, hour_field})
+    if (!wanted_[field].isEmpty() && index.data(role_of(field)).toString() != wanted_[field]) return false;
+  return true;
 }
 
 }  // namespace loci::gui

@@ -1,13 +1,41 @@
 #pragma once
 
 #include <QAbstractItemModel>
+#include <QObject>
+#include <QPixmap>
+#include <QSortFilterProxyModel>
+#include <array>
+#include <map>
+#include <set>
 #include <string>
 #include <vector>
 
-#include "gui/browser.h"
-#include "gui/models/thumbnails.h"
+#include "gui/data/browser.h"
 
 namespace loci::gui {
+
+/// The objects' newest images, small; read when they are first asked for.
+class Thumbnails : public QObject {
+  Q_OBJECT
+
+ public:
+  Thumbnails(Browser& browser, int side, QObject* parent = nullptr);
+
+  /// Null while it is read, and when there is none.
+  QPixmap of(int64_t object);
+
+ Q_SIGNALS:
+  void read(qlonglong object);
+
+ private:
+  void forget();
+
+  Browser& browser_;
+  int side_;
+  std::string memory_;
+  std::map<int64_t, QPixmap> images_;
+  std::set<int64_t> asked_;
+};
 
 /// Places with the objects believed to be at them at the chosen time; what is gone comes last, in a group of
 /// its own.
@@ -55,6 +83,31 @@ class ObjectsModel : public QAbstractItemModel {
   Browser& browser_;
   Thumbnails* thumbnails_;
   std::vector<Group> groups_;
+};
+
+/// What of the tree is shown: rows that contain the searched words, and are of the chosen class, colour,
+/// state and hour. An empty wish is none.
+class ObjectsFilter : public QSortFilterProxyModel {
+  Q_OBJECT
+
+ public:
+  enum Field { class_field, color_field, state_field, hour_field, field_count };
+
+  explicit ObjectsFilter(QObject* parent = nullptr);
+
+  void search(const QString& text);
+  void want(Field field, const QString& value);
+  /// Whether anything is left out.
+  bool filters() const;
+  /// What the rows of the source say of a field, sorted.
+  QStringList values(Field field) const;
+
+ protected:
+  bool filterAcceptsRow(int row, const QModelIndex& parent) const override;
+
+ private:
+  QString text_;
+  std::array<QString, field_count> wanted_;
 };
 
 }  // namespace loci::gui

@@ -16,9 +16,8 @@
 #include <cmath>
 #include <map>
 
-#include "gui/scene3d/frame_actors.h"
-#include "gui/scene3d/guide_actors.h"
 #include "gui/scene3d/object_actors.h"
+#include "gui/scene3d/overlay_actors.h"
 #include "gui/scene3d/world_actors.h"
 #include "mapping/base/math.h"
 

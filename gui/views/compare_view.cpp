@@ -12,10 +12,10 @@
 #include <QToolButton>
 #include <QVBoxLayout>
 
-#include "gui/background.h"
+#include "gui/core/background.h"
+#include "gui/core/text.h"
 #include "gui/data/memory_data.h"
-#include "gui/models/differences_model.h"
-#include "gui/text.h"
+#include "gui/models/table_models.h"
 
 namespace loci::gui {
 namespace {
@@ -38,14 +38,8 @@ CompareView::CompareView(Browser& browser, QWidget* parent)
   auto* pin = new QToolButton(this);
   pin->setText("Chosen time");
   pin->setToolTip("Compare with the chosen time, then choose another");
-  table_->setSelectionBehavior(QAbstractItemView::SelectRows);
+  style_table(*table_);
   table_->setSelectionMode(QAbstractItemView::SingleSelection);
-  table_->setEditTriggers(QAbstractItemView::NoEditTriggers);
-  table_->setShowGrid(false);
-  table_->verticalHeader()->hide();
-  table_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 6);
-  table_->horizontalHeader()->setDefaultAlignment(Qt::AlignLeft | Qt::AlignVCenter);
-  table_->horizontalHeader()->setHighlightSections(false);
   table_->horizontalHeader()->setSectionResizeMode(QHeaderView::Stretch);
   table_->horizontalHeader()->setResizeContentsPrecision(kRowsMeasured);
   table_->horizontalHeader()->setSectionResizeMode(DifferencesModel::what_column,
@@ -167,7 +161,7 @@ void CompareView::take_stamp() {
 }
 
 void CompareView::refresh() {
-  if (!is_looked_at() && !beside_->isChecked()) return;
+  if (!is_in_front() && !beside_->isChecked()) return;
   const BrowserData* memory = browser_.data();
   setEnabled(memory != nullptr);
   if (memory == nullptr) {

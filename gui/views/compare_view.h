@@ -2,10 +2,10 @@
 
 #include <vector>
 
-#include "gui/browser.h"
-#include "gui/models/differences_model.h"
-#include "gui/views/map_pair.h"
-#include "gui/views/page.h"
+#include "gui/core/widgets.h"
+#include "gui/data/browser.h"
+#include "gui/models/table_models.h"
+#include "gui/views/map/map_pair.h"
 
 class QCheckBox;
 class QLabel;
@@ -41,7 +41,7 @@ class CompareView : public Page {
   void compared();
 
  protected:
-  void look() override { refresh(); }
+  void came_to_front() override { refresh(); }
 
  private:
   void forget();

@@ -8,8 +8,8 @@
 #include <QToolButton>
 #include <QVBoxLayout>
 
-#include "gui/background.h"
-#include "gui/models/log_model.h"
+#include "gui/core/background.h"
+#include "gui/models/table_models.h"
 
 namespace loci::gui {
 namespace {
@@ -24,13 +24,8 @@ LogView::LogView(Browser& browser, QWidget* parent)
       details_(new QPlainTextEdit(this)),
       copy_(new QToolButton(this)) {
   table_->setModel(model_);
-  table_->setSelectionBehavior(QAbstractItemView::SelectRows);
+  style_table(*table_);
   table_->setSelectionMode(QAbstractItemView::SingleSelection);
-  table_->setShowGrid(false);
-  table_->verticalHeader()->hide();
-  table_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 6);
-  table_->horizontalHeader()->setDefaultAlignment(Qt::AlignLeft | Qt::AlignVCenter);
-  table_->horizontalHeader()->setHighlightSections(false);
   table_->horizontalHeader()->setStretchLastSection(true);
   for (const int column : {LogModel::time_column, LogModel::what_column})
     table_->horizontalHeader()->setSectionResizeMode(column, QHeaderView::ResizeToContents);
@@ -61,10 +56,10 @@ void LogView::forget() {
   loaded_ = false;
   followed_ = 0;
   model_->set_memory_log({});
-  if (is_looked_at()) load();
+  if (is_in_front()) load();
 }
 
-void LogView::look() {
+void LogView::came_to_front() {
   if (!loaded_) load();
   follow_scene();
 }
@@ -101,7 +96,7 @@ void LogView::show_details() {
 
 void LogView::follow_scene() {
   const SceneEntry* scene = browser_.scene();
-  if (!is_looked_at() || scene == nullptr || scene->time == followed_) return;
+  if (!is_in_front() || scene == nullptr || scene->time == followed_) return;
   for (int row = 0; row < model_->rowCount(); ++row)
     if (model_->entry(row).scene == scene->time) {
       followed_ = scene->time;

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "gui/browser.h"
-#include "gui/views/page.h"
+#include "gui/core/widgets.h"
+#include "gui/data/browser.h"
 
 class QPlainTextEdit;
 class QTableView;
@@ -25,7 +25,7 @@ class LogView : public Page {
   void copy_details();
 
  protected:
-  void look() override;
+  void came_to_front() override;
 
  private:
   void forget();

@@ -10,7 +10,6 @@
 #include <functional>
 #include <utility>
 
-#include "gui/models/objects_filter.h"
 #include "gui/models/objects_model.h"
 
 namespace loci::gui {

@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-#include "gui/browser.h"
+#include "gui/data/browser.h"
 
 class QLineEdit;
 class QComboBox;

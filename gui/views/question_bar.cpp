@@ -11,9 +11,9 @@
 #include <QVBoxLayout>
 #include <algorithm>
 
-#include "gui/background.h"
-#include "gui/models/answer_links.h"
-#include "gui/theme.h"
+#include "gui/core/background.h"
+#include "gui/core/theme.h"
+#include "gui/models/question_text.h"
 
 namespace loci::gui {
 namespace {

@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "gui/browser.h"
-#include "gui/models/suggestions.h"
+#include "gui/data/browser.h"
+#include "gui/models/question_text.h"
 
 class QAction;
 class QLabel;

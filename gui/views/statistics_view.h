@@ -1,11 +1,12 @@
 #pragma once
 
+#include <QWidget>
 #include <atomic>
 #include <memory>
 #include <vector>
 
-#include "gui/browser.h"
-#include "gui/views/page.h"
+#include "gui/core/widgets.h"
+#include "gui/data/browser.h"
 #include "memory/report/memory_statistics.h"
 
 class QLabel;
@@ -13,6 +14,27 @@ class QScrollArea;
 class QToolButton;
 
 namespace loci::gui {
+
+/// A chart with its title: lying bars with names and values beside them, or standing ones where the names are
+/// short and many (hours).
+class BarChart : public QWidget {
+ public:
+  explicit BarChart(memory::Chart chart, QWidget* parent = nullptr);
+
+  QSize sizeHint() const override;
+  QSize minimumSizeHint() const override;
+  const memory::Chart& chart() const { return chart_; }
+
+ protected:
+  void paintEvent(QPaintEvent* event) override;
+
+ private:
+  bool stands() const;
+  void paint_lying(QPainter& painter, double greatest) const;
+  void paint_standing(QPainter& painter, double greatest) const;
+
+  memory::Chart chart_;
+};
 
 class BarChart;
 
@@ -30,7 +52,7 @@ class StatisticsView : public Page {
   void save_csv(const QString& path) const;
 
  protected:
-  void look() override;
+  void came_to_front() override;
 
  private:
   void forget();

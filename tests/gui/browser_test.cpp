@@ -11,16 +11,16 @@
 #include <QTreeView>
 #include <set>
 
-#include "gui/background.h"
+#include "gui/core/background.h"
 #include "gui/data/memory_data.h"
-#include "gui/main_window.h"
 #include "gui/scene3d/object_actors.h"
-#include "gui/shortcut_sheet.h"
 #include "gui/views/object_card.h"
 #include "gui/views/objects_tree.h"
-#include "gui/views/scene_image.h"
-#include "gui/views/time_bar.h"
-#include "gui/views/time_track.h"
+#include "gui/views/scene_view.h"
+#include "gui/views/timeline/time_bar.h"
+#include "gui/views/timeline/time_track.h"
+#include "gui/window/main_window.h"
+#include "gui/window/menus.h"
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
@@ -43,18 +43,18 @@ TEST_F(BrowserWindow, ClickInTheTreeSelectsInMapAndCard) {
   click_in_tree(1);
   EXPECT_EQ(selection().object(), 1);
   EXPECT_EQ(window.map().scene().selected_object(), 1);
-  EXPECT_EQ(window.card().title(), "object_1");
-  EXPECT_TRUE(window.card().text().contains("counter_1"));
-  EXPECT_GE(window.card().history()->model()->rowCount(), 2);
+  EXPECT_EQ(window.docks().card().title(), "object_1");
+  EXPECT_TRUE(window.docks().card().text().contains("counter_1"));
+  EXPECT_GE(window.docks().card().history()->model()->rowCount(), 2);
 }
 
 TEST_F(BrowserWindow, ClickOnABoxInTheImageSelectsItsObject) {
   go_to(sample_.first);
-  const auto box = window.image().box_of(2);
+  const auto box = window.docks().image().box_of(2);
   ASSERT_TRUE(box.has_value());
-  click(&window.image(), box->center().toPoint());
+  click(&window.docks().image(), box->center().toPoint());
   EXPECT_EQ(selection().object(), 2);
-  EXPECT_EQ(window.tree().view()->currentIndex(), window.tree().shown_index_of_object(2));
+  EXPECT_EQ(window.docks().tree().view()->currentIndex(), window.docks().tree().shown_index_of_object(2));
 }
 
 TEST_F(BrowserWindow, ClickInTheMapSelectsWhatIsThere) {
@@ -97,7 +97,7 @@ TEST_F(WindowDrawnInMemory, TheMapTakesClicksAndDrags) {
 }
 
 TEST_F(BrowserWindow, TheSliderChangesWhatIsBelieved) {
-  TimeTrack* track = window.time_bar().track();
+  TimeTrack* track = window.docks().time_bar().track();
   const auto click_at = [&](TimeNs time) {
     click(track, QPoint(static_cast<int>(track->x_of(time)), track->height() / 2));
   };
@@ -137,14 +137,14 @@ TEST_F(BrowserWindow, KeysStepThroughTheScenes) {
 
 TEST_F(BrowserWindow, SpacePlaysFromTheBeginningAndStops) {
   press(Qt::Key_Space);
-  EXPECT_TRUE(window.time_bar().plays());
+  EXPECT_TRUE(window.docks().time_bar().plays());
   EXPECT_EQ(selection().time(), sample_.first);
   press(Qt::Key_Space);
-  EXPECT_FALSE(window.time_bar().plays());
+  EXPECT_FALSE(window.docks().time_bar().plays());
 }
 
 TEST_F(BrowserWindow, TypedTimesAreTakenAndNonsenseIsRefused) {
-  QLineEdit* stamp = window.time_bar().stamp();
+  QLineEdit* stamp = window.docks().time_bar().stamp();
   const auto type = [&](const char* text) {
     stamp->setText(text);
     QTest::keyClick(stamp, Qt::Key_Return);
@@ -164,17 +164,18 @@ TEST_F(BrowserWindow, TypedTimesAreTakenAndNonsenseIsRefused) {
 TEST_F(BrowserWindow, SearchShowsWhatMatchesAndKeepsTheSelection) {
   go_to(sample_.first);
   choose(1);
-  window.tree().search()->setText("blue");
-  EXPECT_FALSE(window.tree().shown_index_of_object(1).isValid());
-  EXPECT_TRUE(window.tree().shown_index_of_object(2).isValid());
+  window.docks().tree().search()->setText("blue");
+  EXPECT_FALSE(window.docks().tree().shown_index_of_object(1).isValid());
+  EXPECT_TRUE(window.docks().tree().shown_index_of_object(2).isValid());
   EXPECT_EQ(selection().object(), 1);
-  window.tree().search()->clear();
-  EXPECT_TRUE(window.tree().view()->selectionModel()->isSelected(window.tree().shown_index_of_object(1)));
+  window.docks().tree().search()->clear();
+  EXPECT_TRUE(window.docks().tree().view()->selectionModel()->isSelected(
+      window.docks().tree().shown_index_of_object(1)));
 }
 
 TEST_F(BrowserWindow, WhatIsGoneIsInAGroupOfItsOwn) {
   go_to(sample_.third);
-  const QModelIndex cup = window.tree().shown_index_of_object(1);
+  const QModelIndex cup = window.docks().tree().shown_index_of_object(1);
   EXPECT_TRUE(cup.parent().data().toString().startsWith("gone"));
 }
 
@@ -200,7 +201,7 @@ TEST_F(BrowserWindow, DroppedFileIsOpened) {
 }
 
 TEST_F(BrowserWindow, EveryActionWithAKeyIsOnTheSheetAndNoKeyIsGivenTwice) {
-  const QStringList lines = ShortcutSheet::lines_of(window.menus());
+  const QStringList lines = ShortcutSheet::lines_of(window.menus().menus());
   EXPECT_GE(lines.size(), 20);
   std::set<QString> keys;
   for (const QString& line : lines)
@@ -221,7 +222,7 @@ TEST_F(BrowserWindow, LayersCanBeHidden) {
 TEST_F(BrowserWindow, AnEmptyWindowSaysWhatToDo) {
   window.show_data(nullptr);
   EXPECT_EQ(window.windowTitle(), "loci");
-  EXPECT_TRUE(window.card().title().isEmpty());
+  EXPECT_TRUE(window.docks().card().title().isEmpty());
   EXPECT_NO_THROW(window.screenshot());
 }
 
@@ -255,14 +256,15 @@ TEST_F(BrowserWindow, ScreenshotIsNotBlank) {
 
 TEST_F(BrowserWindow, NothingIsClippedAtTheSmallestSizePromised) {
   choose(1);  // a card that says all it can needs the most room
-  for (const char* dock : {"compare", "statistics", "log", "selection"}) window.show_dock(dock);
+  for (const char* dock : {"compare", "statistics", "log", "selection"}) window.docks().show(dock);
   window.resize(1280, 800);
   QTest::qWait(50);
   EXPECT_LE(window.width(), 1280);
   EXPECT_LE(window.height(), 800);
   EXPECT_LE(window.minimumSizeHint().height(), 800);
-  for (const QWidget* view : std::initializer_list<const QWidget*>{
-           &window.map(), &window.tree(), &window.image(), &window.card(), &window.time_bar()})
+  for (const QWidget* view :
+       std::initializer_list<const QWidget*>{&window.map(), &window.docks().tree(), &window.docks().image(),
+                                             &window.docks().card(), &window.docks().time_bar()})
     EXPECT_TRUE(window.rect().contains(QRect(view->mapTo(&window, QPoint(0, 0)), view->size())));
 }
 

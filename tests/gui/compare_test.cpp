@@ -49,38 +49,42 @@ TEST(Differences, AreTurnedAroundWhenTheTimesAre) {
 class CompareInWindow : public test::BrowserWindow {
  protected:
   CompareInWindow() {
-    window.show_dock("compare");
+    window.docks().show("compare");
     settle();
   }
   QString cell(int row, int column) {
-    return window.compare().table()->model()->index(row, column).data().toString();
+    return window.docks().compare().table()->model()->index(row, column).data().toString();
   }
 };
 
 TEST_F(CompareInWindow, TheBeginningIsComparedWithTheChosenTime) {
-  ASSERT_EQ(window.compare().table()->model()->rowCount(), 3);
+  ASSERT_EQ(window.docks().compare().table()->model()->rowCount(), 3);
   EXPECT_EQ(cell(0, 0) + " " + cell(0, 1) + " " + cell(0, 3), "appeared object_3 counter_1");
   EXPECT_EQ(cell(1, 0) + " " + cell(1, 1) + " " + cell(1, 2) + " " + cell(1, 3),
             "moved object_2 counter_1 table_1");
   EXPECT_EQ(cell(2, 0) + " " + cell(2, 1), "gone object_1");
-  click(window.compare().table()->viewport(),
-        window.compare().table()->visualRect(window.compare().table()->model()->index(1, 1)).center());
+  click(window.docks().compare().table()->viewport(),
+        window.docks()
+            .compare()
+            .table()
+            ->visualRect(window.docks().compare().table()->model()->index(1, 1))
+            .center());
   EXPECT_EQ(selection().object(), 2);
 }
 
 TEST_F(CompareInWindow, TheOtherTimeCanBeTyped) {
-  window.compare().stamp()->setText("07:30");
-  QTest::keyClick(window.compare().stamp(), Qt::Key_Return);
+  window.docks().compare().stamp()->setText("07:30");
+  QTest::keyClick(window.docks().compare().stamp(), Qt::Key_Return);
   settle();
-  EXPECT_EQ(window.compare().other(), sample_.second);
-  for (const Difference& difference : window.compare().shown()) EXPECT_NE(difference.object, 2);
+  EXPECT_EQ(window.docks().compare().other(), sample_.second);
+  for (const Difference& difference : window.docks().compare().shown()) EXPECT_NE(difference.object, 2);
   go_to(sample_.second);
-  EXPECT_TRUE(window.compare().shown().empty());
+  EXPECT_TRUE(window.docks().compare().shown().empty());
 }
 
 TEST_F(CompareInWindow, BothMapsAreSeenByTheSameEyeWithWhatDiffersMarked) {
   EXPECT_FALSE(window.maps().is_pair());
-  window.compare().beside_box()->setChecked(true);
+  window.docks().compare().beside_box()->setChecked(true);
   settle();
   ASSERT_TRUE(window.maps().is_pair());
   MapView& then = *window.maps().then();
@@ -96,15 +100,15 @@ TEST_F(CompareInWindow, BothMapsAreSeenByTheSameEyeWithWhatDiffersMarked) {
   window.maps().then_browser().selection().select_object(1);
   settle();
   EXPECT_EQ(selection().object(), 1);
-  window.compare().beside_box()->setChecked(false);
+  window.docks().compare().beside_box()->setChecked(false);
   settle();
   EXPECT_FALSE(window.maps().is_pair());
   EXPECT_FALSE(drawn(3)->mark.has_value());
 }
 
 TEST_F(CompareInWindow, AnotherMemoryStandsBesideWithItsOwnNumbers) {
-  window.compare().compare_with(QString::fromStdString(sample_.path.string()));
-  window.compare().beside_box()->setChecked(true);
+  window.docks().compare().compare_with(QString::fromStdString(sample_.path.string()));
+  window.docks().compare().beside_box()->setChecked(true);
   settle();
   ASSERT_TRUE(window.maps().is_pair());
   EXPECT_EQ(window.maps().then_browser().belief().time, sample_.third);

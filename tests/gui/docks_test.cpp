@@ -5,9 +5,8 @@
 #include <QImage>
 #include <QTableView>
 
-#include "gui/background.h"
-#include "gui/models/log_model.h"
-#include "gui/views/bar_chart.h"
+#include "gui/core/background.h"
+#include "gui/models/table_models.h"
 #include "gui/views/log_view.h"
 #include "gui/views/statistics_view.h"
 #include "mapping/base/csv.h"
@@ -21,12 +20,12 @@ namespace {
 class DocksInWindow : public test::BrowserWindow {
  protected:
   void show(const char* dock) {
-    window.show_dock(dock);
+    window.docks().show(dock);
     QApplication::processEvents();
     settle();
   }
   double value_of(const char* chart, const char* name) {
-    for (const BarChart* drawn : window.statistics().charts())
+    for (const BarChart* drawn : window.docks().statistics().charts())
       if (drawn->chart().title.starts_with(chart))
         for (const auto& [bar, value] : drawn->chart().bars)
           if (bar == name) return value;
@@ -47,21 +46,21 @@ TEST_F(DocksInWindow, StatisticsCountWhatTheMemoryHolds) {
 TEST_F(DocksInWindow, StatisticsAreSavedAsTableAndImage) {
   show("statistics");
   const auto csv = folder_.path / "s.csv", png = folder_.path / "s.png";
-  window.statistics().save_csv(QString::fromStdString(csv.string()));
+  window.docks().statistics().save_csv(QString::fromStdString(csv.string()));
   const CsvTable table = CsvTable::read(csv);
   EXPECT_EQ(table.header(), (std::vector<std::string>{"chart", "name", "value"}));
   EXPECT_EQ(table.number(0, 2), 4);
-  window.statistics().save_png(QString::fromStdString(png.string()));
+  window.docks().statistics().save_png(QString::fromStdString(png.string()));
   EXPECT_GT(QImage(QString::fromStdString(png.string())).height(), 300);
-  EXPECT_THROW(window.statistics().save_csv("/no/such/folder/s.csv"), Error);
+  EXPECT_THROW(window.docks().statistics().save_csv("/no/such/folder/s.csv"), Error);
 }
 
 TEST_F(DocksInWindow, TheLogListsRunsWithTheirScenesAndAClickGoesThere) {
   show("log");
-  LogModel& model = window.log().model();
+  LogModel& model = window.docks().log().model();
   ASSERT_EQ(model.rowCount(), 4) << "one run, three scenes";
   EXPECT_TRUE(model.index(0, LogModel::text_column).data().toString().startsWith("3 scenes, took"));
-  QTableView* table = window.log().table();
+  QTableView* table = window.docks().log().table();
   const QModelIndex second = model.index(2, LogModel::what_column);
   click(table->viewport(), table->visualRect(second).center());
   EXPECT_EQ(selection().time(), sample_.second);
@@ -70,8 +69,9 @@ TEST_F(DocksInWindow, TheLogListsRunsWithTheirScenesAndAClickGoesThere) {
 TEST_F(DocksInWindow, TheLogFollowsTheSceneAndTellsWhatAnnotatorsDidInIt) {
   show("log");
   go_to(sample_.second);
-  EXPECT_EQ(window.log().model().entry(window.log().table()->currentIndex().row()).scene, sample_.second);
-  window.log().copy_details();
+  EXPECT_EQ(window.docks().log().model().entry(window.docks().log().table()->currentIndex().row()).scene,
+            sample_.second);
+  window.docks().log().copy_details();
   const QString copied = QGuiApplication::clipboard()->text();
   EXPECT_TRUE(copied.startsWith("annotators, 10.0 ms together")) << copied.toStdString();
   EXPECT_TRUE(copied.contains("NormalEstimator 2.5 ms")) << copied.toStdString();
@@ -81,9 +81,9 @@ TEST_F(DocksInWindow, TheLogFollowsTheSceneAndTellsWhatAnnotatorsDidInIt) {
 TEST_F(DocksInWindow, ProblemsComeFirstAndTheirDetailsCanBeCopied) {
   show("log");
   Q_EMIT window.browser().failed("image of scene 2 is broken\nno PNG");
-  QTableView* table = window.log().table();
-  table->setCurrentIndex(window.log().model().index(0, 0));
-  window.log().copy_details();
+  QTableView* table = window.docks().log().table();
+  table->setCurrentIndex(window.docks().log().model().index(0, 0));
+  window.docks().log().copy_details();
   const QString copied = QGuiApplication::clipboard()->text();
   EXPECT_TRUE(copied.contains("no PNG")) << copied.toStdString();
   EXPECT_TRUE(copied.contains("sample.loci")) << copied.toStdString();
@@ -91,7 +91,7 @@ TEST_F(DocksInWindow, ProblemsComeFirstAndTheirDetailsCanBeCopied) {
 
 TEST_F(DocksInWindow, AnUnknownDockIsRefusedWithTheNamesOfAll) {
   try {
-    window.show_dock("kitchen");
+    window.docks().show("kitchen");
     FAIL();
   } catch (const Error& error) {
     EXPECT_NE(error.hint().find("statistics"), std::string::npos);

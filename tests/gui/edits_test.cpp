@@ -5,8 +5,8 @@
 #include <QSignalSpy>
 #include <QTimer>
 
-#include "gui/background.h"
-#include "gui/views/time_bar.h"
+#include "gui/core/background.h"
+#include "gui/views/timeline/time_bar.h"
 #include "mapping/base/error.h"
 #include "memory/questions/facts.h"
 #include "tests/gui/window_fixture.h"
@@ -36,8 +36,8 @@ TEST_F(EditsInWindow, ARenamedObjectIsCalledSoInAllViews) {
   });
   press(Qt::Key_F2);
   settle();
-  EXPECT_EQ(window.card().title(), "cereal");
-  EXPECT_EQ(window.tree().shown_index_of_object(2).data().toString(), "cereal");
+  EXPECT_EQ(window.docks().card().title(), "cereal");
+  EXPECT_EQ(window.docks().tree().shown_index_of_object(2).data().toString(), "cereal");
   ASSERT_EQ(facts().size(), 1U);
   EXPECT_EQ(facts()[0].source, "user");
   EXPECT_EQ(facts()[0].value, "cereal");
@@ -57,8 +57,8 @@ TEST_F(EditsInWindow, ARenamedPlaceIsCalledSoInTreeMapAndAnswers) {
   settle();
   EXPECT_EQ(window.browser().belief().find(2)->place, "breakfast table");
   EXPECT_NE(window.browser().data()->world()->find_link("breakfast table"), nullptr);
-  EXPECT_TRUE(
-      window.tree().shown_index_of_object(2).parent().data().toString().startsWith("breakfast table"));
+  EXPECT_TRUE(window.docks().tree().shown_index_of_object(2).parent().data().toString().startsWith(
+      "breakfast table"));
   EXPECT_EQ(window.browser().data()->find("breakfast table", sample_.third).place, "breakfast table");
   EXPECT_EQ(selection().place(), "breakfast table") << "it stays chosen";
   window.edits().undo();
@@ -99,7 +99,7 @@ TEST_F(EditsInWindow, UndoAndRedoRestoreWhatHeldAndLoseNothing) {
   EditHistory& edits = window.edits();
   EXPECT_FALSE(edits.can_undo());
   for (const char* owner : {"Ada", "Grace"}) {
-    edits.say("object_2", "owner", owner);
+    edits.set_fact("object_2", "owner", owner);
     settle();
   }
   const auto owner = [&] { return facts().empty() ? "" : facts().back().value; };
@@ -116,7 +116,7 @@ TEST_F(EditsInWindow, UndoAndRedoRestoreWhatHeldAndLoseNothing) {
   settle();
   EXPECT_EQ(owner(), "Ada");
   EXPECT_TRUE(edits.can_redo());
-  edits.say("object_2", "owner", "Alan");
+  edits.set_fact("object_2", "owner", "Alan");
   settle();
   EXPECT_FALSE(edits.can_redo()) << "a new edit ends what could be redone";
   const memory::Store store = memory::Store::open_read(sample_.path);
@@ -125,12 +125,12 @@ TEST_F(EditsInWindow, UndoAndRedoRestoreWhatHeldAndLoseNothing) {
 
 TEST_F(EditsInWindow, AnotherNameReplacesTheFirstInTheWindow) {
   for (const char* name : {"box", "cereal"}) {
-    window.edits().say("object_2", "alias", name);
+    window.edits().set_fact("object_2", "alias", name);
     settle();
-    EXPECT_EQ(window.card().title(), name);
+    EXPECT_EQ(window.docks().card().title(), name);
   }
   press(Qt::Key_Z, Qt::ControlModifier);
-  EXPECT_EQ(window.card().title(), "box");
+  EXPECT_EQ(window.docks().card().title(), "box");
 }
 
 TEST_F(EditsInWindow, MergedObjectsAreOneInAllViewsAndUndoBringsTheOtherBack) {
@@ -150,7 +150,7 @@ TEST_F(EditsInWindow, MergedObjectsAreOneInAllViewsAndUndoBringsTheOtherBack) {
 TEST_F(EditsInWindow, TheSecondClockShowsWhatWasKnownBeforeAnEdit) {
   window.edits().merge(1, 3);
   settle();
-  QComboBox* known = window.time_bar().known();
+  QComboBox* known = window.docks().time_bar().known();
   ASSERT_GE(known->count(), 2);
   EXPECT_TRUE(known->itemText(1).contains("object_3 is object_1")) << known->itemText(1).toStdString();
   selection().set_known_at(known->itemData(1).toLongLong());
@@ -172,7 +172,7 @@ TEST_F(EditsInWindow, FromTheChosenTimeOnItIsAnother) {
 TEST_F(EditsInWindow, WhileAnotherProgramWritesTheEditIsRefusedWithTheReason) {
   QSignalSpy failed(&window.browser(), &Browser::failed);
   const memory::Store writer = memory::Store::open_write(sample_.path);
-  window.edits().say("object_2", "class", "cup");
+  window.edits().set_fact("object_2", "class", "cup");
   settle();
   EXPECT_EQ(failed.count(), 1);
   EXPECT_FALSE(window.edits().can_undo());

@@ -6,9 +6,9 @@
 #include <QPushButton>
 #include <QTimer>
 
-#include "gui/background.h"
-#include "gui/data/memory_verify.h"
-#include "gui/views/time_bar.h"
+#include "gui/core/background.h"
+#include "gui/data/memory_log.h"
+#include "gui/views/timeline/time_bar.h"
 #include "mapping/base/json.h"
 #include "memory/store/scene_transaction.h"
 #include "tests/gui/window_fixture.h"
@@ -61,9 +61,9 @@ TEST_F(FilesInWindow, OpeningGoesOnInTheBackgroundAndCanBeCancelled) {
   const auto other = folder_.path / "other.loci";
   std::filesystem::copy_file(sample_.path, other);
   window.open(QString::fromStdString(other.string()));
-  EXPECT_TRUE(window.loader().is_loading());
+  EXPECT_TRUE(window.files().loader().is_loading());
   EXPECT_TRUE(window.windowTitle().contains("sample.loci")) << "what is open stays until then";
-  window.loader().cancel();
+  window.files().loader().cancel();
   settle();
   EXPECT_TRUE(window.windowTitle().contains("sample.loci"));
   bool told = false;
@@ -107,21 +107,21 @@ TEST_F(FilesInWindow, ACheckFindsASoundFileSound) {
 
 TEST_F(FilesInWindow, AMemoryThatIsWrittenIsFollowed) {
   open(sample_.path);
-  window.loader().check();
-  EXPECT_FALSE(window.loader().is_loading()) << "nothing has changed";
+  window.files().loader().check();
+  EXPECT_FALSE(window.files().loader().is_loading()) << "nothing has changed";
   const TimeNs fourth = sample_.third + 60 * kSecond;
   choose(1);
   add_scene(fourth);
-  window.loader().check();
-  EXPECT_TRUE(window.loader().is_loading());
+  window.files().loader().check();
+  EXPECT_TRUE(window.files().loader().is_loading());
   settle();
   EXPECT_EQ(window.browser().data()->scenes().size(), 4U);
   EXPECT_EQ(selection().time(), fourth) << "the end stays the end";
   EXPECT_EQ(selection().object(), 1) << "the selection stays";
-  EXPECT_EQ(window.time_bar().axis().to(), fourth);
+  EXPECT_EQ(window.docks().time_bar().axis().to(), fourth);
   go_to(sample_.second);
   add_scene(fourth + kSecond);
-  window.loader().check();
+  window.files().loader().check();
   settle();
   EXPECT_EQ(selection().time(), sample_.second) << "who looks back is not torn away";
 }

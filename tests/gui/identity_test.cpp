@@ -4,11 +4,9 @@
 #include <QListWidget>
 #include <QTextBrowser>
 
-#include "gui/views/association_lines.h"
-#include "gui/views/decision_matrix.h"
 #include "gui/views/identity_view.h"
-#include "gui/views/object_details_view.h"
-#include "gui/views/time_bar.h"
+#include "gui/views/object_card.h"
+#include "gui/views/timeline/time_bar.h"
 #include "memory/store/scene_transaction.h"
 #include "tests/gui/window_fixture.h"
 
@@ -65,7 +63,7 @@ TEST(DecisionMatrix, WhatWasChosenIsRedAndProbableIsDark) {
 class IdentityInWindow : public test::BrowserWindow {
  protected:
   void show(const char* dock) {
-    window.show_dock(dock);
+    window.docks().show(dock);
     settle();
   }
 };
@@ -73,7 +71,7 @@ class IdentityInWindow : public test::BrowserWindow {
 TEST_F(IdentityInWindow, LinesLeadToTheEarlierSight) {
   show("identity");
   go_to(sample_.second);
-  const auto& lines = window.identity().lines().lines();
+  const auto& lines = window.docks().identity().lines().lines();
   ASSERT_EQ(lines.size(), 1U) << "the box was seen on the counter and on the table";
   EXPECT_EQ(lines[0].earlier_scene, 0U);
   EXPECT_EQ(lines[0].scene, 1U);
@@ -83,12 +81,12 @@ TEST_F(IdentityInWindow, LinesLeadToTheEarlierSight) {
 
 TEST_F(IdentityInWindow, TheCardShowsItsImagesAndWhyItIsBelieved) {
   choose(2);
-  window.card().pages()->setCurrentIndex(1);
+  window.docks().card().pages()->setCurrentIndex(1);
   settle();
-  EXPECT_EQ(window.card().pages()->images()->count(), 2) << "it was looked at from two sides";
-  window.card().pages()->setCurrentIndex(3);
+  EXPECT_EQ(window.docks().card().pages()->images()->count(), 2) << "it was looked at from two sides";
+  window.docks().card().pages()->setCurrentIndex(3);
   settle();
-  EXPECT_FALSE(window.card().pages()->why()->toPlainText().isEmpty());
+  EXPECT_FALSE(window.docks().card().pages()->why()->toPlainText().isEmpty());
 }
 
 TEST_F(IdentityInWindow, TheSecondClockShowsWhatWasKnownBeforeARunAddedMore) {
@@ -110,7 +108,7 @@ TEST_F(IdentityInWindow, TheSecondClockShowsWhatWasKnownBeforeARunAddedMore) {
   window.show_data(open_memory_data(sample_.path));
   go_to(sample_.third + 2 * kSecond);
   EXPECT_EQ(window.browser().belief().find(2)->place, "counter_1");
-  QComboBox* known = window.time_bar().known();
+  QComboBox* known = window.docks().time_bar().known();
   ASSERT_EQ(known->count(), 2) << "now, and before the second run";
   EXPECT_TRUE(known->itemText(1).contains("somebody who knows better"));
   selection().set_known_at(known->itemData(1).toLongLong());

@@ -3,10 +3,10 @@
 #include <QTest>
 #include <QWheelEvent>
 
-#include "gui/theme.h"
-#include "gui/views/lane_view.h"
-#include "gui/views/time_bar.h"
-#include "gui/views/time_track.h"
+#include "gui/core/theme.h"
+#include "gui/views/timeline/lane_view.h"
+#include "gui/views/timeline/time_bar.h"
+#include "gui/views/timeline/time_track.h"
 #include "tests/gui/window_fixture.h"
 
 namespace loci::gui {
@@ -14,8 +14,8 @@ namespace {
 
 class LanesInWindow : public test::BrowserWindow {
  protected:
-  LaneView& lanes() { return *window.time_bar().lanes(); }
-  TimeAxis& axis() { return window.time_bar().axis(); }
+  LaneView& lanes() { return *window.docks().time_bar().lanes(); }
+  TimeAxis& axis() { return window.docks().time_bar().axis(); }
   size_t lane_of(int64_t object, const std::string& place = {}) {
     for (size_t i = 0; i < lanes().lanes().size(); ++i)
       if (lanes().lanes()[i].object == object && lanes().lanes()[i].place == place) return i;
@@ -60,10 +60,10 @@ TEST_F(LanesInWindow, AClickChoosesTimeAndObject) {
 
 TEST_F(LanesInWindow, ZoomKeepsTheChosenTimeAndAllCanBeShownAgain) {
   go_to(sample_.second);
-  const double before = window.time_bar().track()->x_of(sample_.second);
+  const double before = window.docks().time_bar().track()->x_of(sample_.second);
   press(Qt::Key_Plus, Qt::ControlModifier);
   EXPECT_GT(axis().from(), sample_.first);
-  EXPECT_NEAR(window.time_bar().track()->x_of(sample_.second), before, 1);
+  EXPECT_NEAR(window.docks().time_bar().track()->x_of(sample_.second), before, 1);
   EXPECT_NEAR(lanes().point_of(0, sample_.second).x(), before, 1) << "lanes and track are in line";
   press(Qt::Key_Home);
   EXPECT_EQ(axis().from(), sample_.first) << "the chosen time is always shown";

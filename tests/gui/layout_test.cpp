@@ -9,10 +9,10 @@
 #include <QToolButton>
 #include <cmath>
 
-#include "gui/theme.h"
+#include "gui/core/theme.h"
 #include "gui/views/compare_view.h"
-#include "gui/views/scene_image.h"
-#include "gui/views/time_bar.h"
+#include "gui/views/scene_view.h"
+#include "gui/views/timeline/time_bar.h"
 #include "tests/gui/window_fixture.h"
 
 namespace loci::gui {
@@ -112,7 +112,7 @@ class Layout : public test::BrowserWindow, public testing::WithParamInterface<Lo
 
 TEST_P(Layout, NothingIsClippedOrLiesOverSomethingElseInAnyDock) {
   for (const char* dock : {"identity", "compare", "statistics", "log", "tools3d", "objects", "selection"}) {
-    window.show_dock(dock);
+    window.docks().show(dock);
     settle();
     QTest::qWait(20);
     EXPECT_EQ(window.size(), GetParam().size) << dock;
@@ -120,8 +120,8 @@ TEST_P(Layout, NothingIsClippedOrLiesOverSomethingElseInAnyDock) {
     EXPECT_TRUE(overlapping().isEmpty()) << dock << ": " << overlapping().join("; ").toStdString();
     EXPECT_TRUE(tiny().isEmpty()) << dock << ": " << tiny().join("; ").toStdString();
   }
-  window.show_dock("compare");
-  window.compare().beside_box()->setChecked(true);
+  window.docks().show("compare");
+  window.docks().compare().beside_box()->setChecked(true);
   settle();
   EXPECT_TRUE(clipped().isEmpty()) << clipped().join("; ").toStdString();
   EXPECT_EQ(window.size(), GetParam().size) << "both maps";
@@ -148,7 +148,7 @@ TEST_P(Layout, AnEmptyWindowSaysInEachDockWhatToDo) {
   window.show_data(nullptr);
   settle();
   for (const char* dock : {"identity", "compare", "statistics", "log", "tools3d", "objects", "selection"}) {
-    window.show_dock(dock);
+    window.docks().show(dock);
     settle();
     EXPECT_TRUE(clipped().isEmpty()) << dock << ": " << clipped().join("; ").toStdString();
   }

@@ -7,12 +7,9 @@
 
 #include "gui/data/differences.h"
 #include "gui/data/exports.h"
-#include "gui/data/pixel_kinds.h"
-#include "gui/data/pixel_values.h"
-#include "gui/models/objects_filter.h"
+#include "gui/data/scene_content.h"
 #include "gui/models/objects_model.h"
 #include "gui/views/compare_view.h"
-#include "gui/views/scene_image.h"
 #include "gui/views/scene_view.h"
 #include "mapping/base/json.h"
 #include "memory/report/annotator_times.h"
@@ -99,12 +96,12 @@ using test::BrowserWindow;
 
 TEST_F(BrowserWindow, ValuesUnderTheCursorAreTold) {
   go_to(sample_.first);
-  const auto box = window.image().box_of(2);
+  const auto box = window.docks().image().box_of(2);
   ASSERT_TRUE(box.has_value());
-  EXPECT_TRUE(window.image().values_at(box->center()).contains(" m · rgb"))
-      << window.image().values_at(box->center()).toStdString();
-  EXPECT_TRUE(window.image().values_at(box->center()).contains("map"));
-  EXPECT_TRUE(window.image().values_at(QPointF(-5, -5)).isEmpty());
+  EXPECT_TRUE(window.docks().image().values_at(box->center()).contains(" m · rgb"))
+      << window.docks().image().values_at(box->center()).toStdString();
+  EXPECT_TRUE(window.docks().image().values_at(box->center()).contains("map"));
+  EXPECT_TRUE(window.docks().image().values_at(QPointF(-5, -5)).isEmpty());
 }
 
 TEST_F(BrowserWindow, WhatBelongsToAThingIsOutlinedInBothImages) {
@@ -118,9 +115,9 @@ TEST_F(BrowserWindow, WhatBelongsToAThingIsOutlinedInBothImages) {
       for (const cv::Point2f& pixel : outline)
         EXPECT_TRUE(cv::Rect2d(area.x - 1, area.y - 1, area.width + 2, area.height + 2).contains(pixel));
   }
-  const QImage with = window.image().grab().toImage();
-  window.image().show_masks(false);
-  EXPECT_NE(window.image().grab().toImage(), with);
+  const QImage with = window.docks().image().grab().toImage();
+  window.docks().image().show_masks(false);
+  EXPECT_NE(window.docks().image().grab().toImage(), with);
 }
 
 TEST_F(BrowserWindow, WhatIsKnownAndOfInterestIsTinted) {
@@ -129,30 +126,30 @@ TEST_F(BrowserWindow, WhatIsKnownAndOfInterestIsTinted) {
   EXPECT_EQ(kinds.at<uint8_t>(0, 0), static_cast<uint8_t>(mapping::PixelKind::map_explained));
   EXPECT_EQ(kinds.at<uint8_t>(kinds.rows - 1, 0),
             static_cast<uint8_t>(mapping::PixelKind::region_of_interest));
-  const QImage plain = window.image().grab().toImage();
+  const QImage plain = window.docks().image().grab().toImage();
   press(Qt::Key_I);
-  EXPECT_NE(window.image().grab().toImage(), plain);
+  EXPECT_NE(window.docks().image().grab().toImage(), plain);
   press(Qt::Key_I);
-  EXPECT_EQ(window.image().grab().toImage(), plain);
+  EXPECT_EQ(window.docks().image().grab().toImage(), plain);
 }
 
 TEST_F(BrowserWindow, WhatWasFoundInTheImageStandsBesideIt) {
-  EXPECT_TRUE(window.scene_view().notes()->isHidden()) << "nothing was found: no empty tree";
+  EXPECT_TRUE(window.docks().scene_view().notes()->isHidden()) << "nothing was found: no empty tree";
   ImageNote note{"LogoAnnotation", "Milka", "VisualSearch", -1, {100, 100, 200, 100}};
-  window.scene_view().show_notes({note});
-  const QTreeWidget* tree = window.scene_view().notes();
+  window.docks().scene_view().show_notes({note});
+  const QTreeWidget* tree = window.docks().scene_view().notes();
   ASSERT_EQ(tree->topLevelItemCount(), 1);
   EXPECT_EQ(tree->topLevelItem(0)->text(0), "Logo");
   EXPECT_EQ(tree->topLevelItem(0)->child(0)->text(0), "Milka");
-  const QImage before = window.image().grab().toImage();
-  window.scene_view().notes()->setCurrentItem(tree->topLevelItem(0)->child(0));
-  EXPECT_NE(window.image().grab().toImage(), before) << "its box is marked";
+  const QImage before = window.docks().image().grab().toImage();
+  window.docks().scene_view().notes()->setCurrentItem(tree->topLevelItem(0)->child(0));
+  EXPECT_NE(window.docks().image().grab().toImage(), before) << "its box is marked";
 }
 
 TEST_F(BrowserWindow, TheTreeShowsOnlyWhatIsOfTheChosenColour) {
   go_to(sample_.first);
   const std::string color = window.browser().belief().find(1)->color_name;
-  QComboBox* box = window.tree().filter(ObjectsFilter::color_field);
+  QComboBox* box = window.docks().tree().filter(ObjectsFilter::color_field);
   box->showPopup();
   box->hidePopup();
   const int index = box->findText(QString::fromStdString(color));
@@ -160,17 +157,17 @@ TEST_F(BrowserWindow, TheTreeShowsOnlyWhatIsOfTheChosenColour) {
   box->setCurrentIndex(index);
   Q_EMIT box->activated(index);
   settle();
-  EXPECT_TRUE(window.tree().shown_index_of_object(1).isValid());
+  EXPECT_TRUE(window.docks().tree().shown_index_of_object(1).isValid());
   for (const BelievedObject& object : window.browser().belief().objects)
-    EXPECT_EQ(window.tree().shown_index_of_object(object.id).isValid(), object.color_name == color);
+    EXPECT_EQ(window.docks().tree().shown_index_of_object(object.id).isValid(), object.color_name == color);
   QApplication::setActiveWindow(&window);
   press(Qt::Key_Escape);
-  EXPECT_TRUE(window.tree().shown_index_of_object(2).isValid()) << "Esc shows all again";
+  EXPECT_TRUE(window.docks().tree().shown_index_of_object(2).isValid()) << "Esc shows all again";
 }
 
 TEST_F(BrowserWindow, ThumbnailsStandInTheTreeOnceTheyAreRead) {
   const auto side = [this] {
-    const QModelIndex index = window.tree().model()->index_of_object(2);
+    const QModelIndex index = window.docks().tree().model()->index_of_object(2);
     return index.data(Qt::DecorationRole).value<QPixmap>().width();
   };
   side();
@@ -179,13 +176,13 @@ TEST_F(BrowserWindow, ThumbnailsStandInTheTreeOnceTheyAreRead) {
 }
 
 TEST_F(BrowserWindow, AMemoryComparedWithItselfHasNoDifferences) {
-  window.show_dock("compare");
+  window.docks().show("compare");
   settle();
-  ASSERT_FALSE(window.compare().shown().empty()) << "two times differ";
-  window.compare().compare_with(QString::fromStdString(sample_.path.string()));
+  ASSERT_FALSE(window.docks().compare().shown().empty()) << "two times differ";
+  window.docks().compare().compare_with(QString::fromStdString(sample_.path.string()));
   settle();
-  EXPECT_TRUE(window.compare().shown().empty());
-  EXPECT_EQ(window.compare().source()->currentText(), "sample.loci");
+  EXPECT_TRUE(window.docks().compare().shown().empty());
+  EXPECT_EQ(window.docks().compare().source()->currentText(), "sample.loci");
 }
 
 TEST_F(BrowserWindow, WhatIsBelievedCanBeWrittenAsATable) {

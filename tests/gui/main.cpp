@@ -4,8 +4,8 @@
 #include <QStandardPaths>
 #include <QSurfaceFormat>
 
-#include "gui/measure.h"
-#include "gui/theme.h"
+#include "gui/core/task_timer.h"
+#include "gui/core/theme.h"
 
 int main(int argc, char** argv) {
   QSurfaceFormat format = QVTKOpenGLNativeWidget::defaultFormat();

@@ -5,7 +5,7 @@
 #include <QSlider>
 #include <QToolButton>
 
-#include "gui/views/map_tools.h"
+#include "gui/views/map/map_tools.h"
 #include "tests/gui/window_fixture.h"
 
 namespace loci::gui {
@@ -14,10 +14,10 @@ namespace {
 class MapToolsInWindow : public test::BrowserWindow {
  protected:
   MapToolsInWindow() : test::BrowserWindow(MapBackend::memory) {
-    window.show_dock("tools3d");
+    window.docks().show("tools3d");
     settle();
   }
-  MapTools& tools() { return window.map_tools(); }
+  MapTools& tools() { return window.docks().map_tools(); }
   QImage image() { return window.map().image(); }
 };
 

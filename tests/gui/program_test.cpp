@@ -38,7 +38,9 @@ class BrowseProgram : public testing::Test {
                                        .c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(stderr_file)};
   }
-  QImage image(const std::string& name) { return QImage(QString::fromStdString((folder / name).string())); }
+  QImage written_image(const std::string& name) {
+    return QImage(QString::fromStdString((folder / name).string()));
+  }
   std::string out(const std::string& name) { return (folder / name).string(); }
 
   static size_t colors_in_the_middle(const QImage& image) {
@@ -55,7 +57,7 @@ class BrowseProgram : public testing::Test {
 TEST_F(BrowseProgram, DrawsTheImageWithoutAnyScreen) {
   const Ran ran = run(memory + " --screenshot " + out("a.png"));
   EXPECT_EQ(ran.code, 0) << ran.error;
-  const QImage image = image("a.png");
+  const QImage image = written_image("a.png");
   EXPECT_EQ(image.size(), QSize(1280, 800));
   EXPECT_GT(colors_in_the_middle(image), 100U);
 }
@@ -63,20 +65,20 @@ TEST_F(BrowseProgram, DrawsTheImageWithoutAnyScreen) {
 TEST_F(BrowseProgram, DrawsTheImageUnderAnXServer) {
   const Ran ran = run(memory + " --screenshot " + out("a.png"), "env");
   EXPECT_EQ(ran.code, 0) << ran.error;
-  EXPECT_GT(colors_in_the_middle(image("a.png")), 100U);
+  EXPECT_GT(colors_in_the_middle(written_image("a.png")), 100U);
 }
 
 TEST_F(BrowseProgram, TimeAndSelectionChangeTheImage) {
   EXPECT_EQ(run(memory + " --screenshot " + out("a.png") + " --at 07:00").code, 0);
   EXPECT_EQ(run(memory + " --screenshot " + out("b.png") + " --at 07:00 --select object_2").code, 0);
   EXPECT_EQ(run(memory + " --screenshot " + out("c.png") + " --at 07:00 --size 1000x700").code, 0);
-  EXPECT_NE(image("a.png"), image("b.png"));
-  EXPECT_EQ(image("c.png").size(), QSize(1000, 700));
+  EXPECT_NE(written_image("a.png"), written_image("b.png"));
+  EXPECT_EQ(written_image("c.png").size(), QSize(1000, 700));
 }
 
 TEST_F(BrowseProgram, OnAScreenWithSmallPixelsEverythingHasTwiceAsMany) {
   EXPECT_EQ(run(memory + " --screenshot " + out("a.png"), "env -u DISPLAY QT_SCALE_FACTOR=2").code, 0);
-  EXPECT_EQ(image("a.png").size(), QSize(2560, 1600));
+  EXPECT_EQ(written_image("a.png").size(), QSize(2560, 1600));
 }
 
 TEST_F(BrowseProgram, TwoMapsAndActionsOfTheMenusAreInTheImageWhenWished) {
@@ -85,8 +87,8 @@ TEST_F(BrowseProgram, TwoMapsAndActionsOfTheMenusAreInTheImageWhenWished) {
   EXPECT_EQ(run(memory + " --screenshot " + out("c.png") + " --beside " + memory).code, 0);
   EXPECT_EQ(run(memory + " --screenshot " + out("d.png") + " --run 'Depth image'").code, 0);
   for (const char* name : {"b.png", "c.png", "d.png"}) {
-    EXPECT_NE(image(name), image("a.png")) << name;
-    EXPECT_EQ(image(name).size(), QSize(1280, 800)) << name;
+    EXPECT_NE(written_image(name), written_image("a.png")) << name;
+    EXPECT_EQ(written_image(name).size(), QSize(1280, 800)) << name;
   }
   EXPECT_EQ(run(memory + " --screenshot " + out("e.png") + " --run 'Make tea'").code, 1);
 }

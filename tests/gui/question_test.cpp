@@ -9,9 +9,8 @@
 #include <QTest>
 #include <QTextBrowser>
 
-#include "gui/background.h"
-#include "gui/models/answer_links.h"
-#include "gui/models/suggestions.h"
+#include "gui/core/background.h"
+#include "gui/models/question_text.h"
 #include "gui/views/question_bar.h"
 #include "mapping/base/json.h"
 #include "tests/gui/window_fixture.h"
@@ -40,7 +39,7 @@ TEST(Suggestions, AreTheLastQuestionsWhenNothingIsTyped) {
 
 TEST(Suggestions, FindActionsByAnyOfTheirWords) {
   const SuggestionSources sources{{}, {}, {}, {"Depth image", "Top"}};
-  EXPECT_EQ(texts(suggest("pict", sources, 9)), QStringList({"Depth image"}));
+  EXPECT_EQ(texts(suggest("imag", sources, 9)), QStringList({"Depth image"}));
 }
 
 TEST(AnswerLinks, ObjectsPlacesAndTimesAreLinksAndTheRestIsEscaped) {
@@ -117,7 +116,7 @@ TEST_F(QuestionBarInWindow, LinksOfAnAnswerSelectInTheViews) {
   bar().follow(QUrl("object:1"));
   settle();
   EXPECT_EQ(selection().object(), 1);
-  EXPECT_EQ(window.card().title(), "object_1");
+  EXPECT_EQ(window.docks().card().title(), "object_1");
   bar().follow(QUrl("time:07:30:00"));
   settle();
   EXPECT_EQ(selection().time(), sample_.second);

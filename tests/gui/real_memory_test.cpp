@@ -8,13 +8,13 @@
 
 #include "gui/views/compare_view.h"
 #include "gui/views/log_view.h"
-#include "gui/views/map_tools.h"
-#include "gui/views/object_details_view.h"
+#include "gui/views/map/map_tools.h"
+#include "gui/views/object_card.h"
 #include "gui/views/question_bar.h"
-#include "gui/views/scene_image.h"
+#include "gui/views/scene_view.h"
 #include "gui/views/statistics_view.h"
-#include "gui/views/time_bar.h"
-#include "gui/views/time_track.h"
+#include "gui/views/timeline/time_bar.h"
+#include "gui/views/timeline/time_track.h"
 #include "tests/gui/window_fixture.h"
 
 namespace loci::gui {
@@ -79,26 +79,26 @@ TEST_P(RealMemory, ShowsSomethingInEachViewAndFailsNowhere) {
   const BelievedObject* believed = window.browser().selected_object();
   ASSERT_NE(believed, nullptr);
   EXPECT_EQ(window.map().scene().object_point_count() > 100, believed->presence != Presence::gone);
-  EXPECT_GE(window.card().history()->model()->rowCount(), 1);
-  for (int page = 0; page < window.card().pages()->count(); ++page) {
-    window.card().pages()->setCurrentIndex(page);
+  EXPECT_GE(window.docks().card().history()->model()->rowCount(), 1);
+  for (int page = 0; page < window.docks().card().pages()->count(); ++page) {
+    window.docks().card().pages()->setCurrentIndex(page);
     settle();
   }
-  EXPECT_FALSE(window.card().pages()->why()->toPlainText().isEmpty());
+  EXPECT_FALSE(window.docks().card().pages()->why()->toPlainText().isEmpty());
   bool outlined = false;
   for (const ImageBox& box : window.browser().moment().content->boxes)
     outlined = outlined || !box.color_outline.empty();
   EXPECT_TRUE(outlined || window.browser().moment().content->boxes.empty());
   for (const char* dock : {"identity", "statistics", "log", "tools3d", "compare"}) {
-    window.show_dock(dock);
+    window.docks().show(dock);
     settle();
   }
-  EXPECT_FALSE(window.compare().shown().empty()) << "things came or were moved";
-  window.compare().beside_box()->setChecked(true);
+  EXPECT_FALSE(window.docks().compare().shown().empty()) << "things came or were moved";
+  window.docks().compare().beside_box()->setChecked(true);
   settle();
   EXPECT_NO_THROW(window.maps().then()->image());
-  EXPECT_GE(window.statistics().charts().size(), 4U);
-  EXPECT_GT(window.log().table()->model()->rowCount(), 5);
+  EXPECT_GE(window.docks().statistics().charts().size(), 4U);
+  EXPECT_GT(window.docks().log().table()->model()->rowCount(), 5);
   window.question_bar().open();
   window.question_bar().ask(QString("where is object_%1").arg(object));
   settle();

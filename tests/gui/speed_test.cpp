@@ -6,9 +6,9 @@
 #include <cstdio>
 
 #include "gui/data/memory_data.h"
-#include "gui/main_window.h"
-#include "gui/measure.h"
 #include "gui/scene3d/object_actors.h"
+#include "gui/window/benchmark.h"
+#include "gui/window/main_window.h"
 #include "mapping/base/files.h"
 #include "tests/gui/large_memory.h"
 
@@ -28,10 +28,10 @@ TEST(WindowSpeed, TheApartmentWithTwoHundredObjectsCanBeScrubbed) {
       [](const std::string& path, Progress& progress) { return open_memory_data(path, progress); },
       {MapBackend::memory, false});
   window.resize(1280, 800);
-  const WindowFigures figures = measure_window(*application, window, (folder / "large.loci").string(), 5);
-  std::fputs(text_of(figures).c_str(), stdout);
+  const WindowFigures figures = benchmark_window(*application, window, (folder / "large.loci").string(), 5);
+  std::fputs(to_text(figures).c_str(), stdout);
   EXPECT_GT(figures.frames, 0U);
-  EXPECT_GT(window.map_view().scene().objects().size(), 150U);
+  EXPECT_GT(window.map().scene().objects().size(), 150U);
   std::filesystem::remove_all(folder);
 }
 

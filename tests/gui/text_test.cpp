@@ -1,4 +1,4 @@
-#include "gui/text.h"
+#include "gui/core/text.h"
 
 #include <gtest/gtest.h>
 

@@ -10,11 +10,11 @@
 #include <QTimer>
 
 #include "gui/views/compare_view.h"
-#include "gui/views/object_details_view.h"
+#include "gui/views/object_card.h"
 #include "gui/views/question_bar.h"
-#include "gui/views/scene_image.h"
-#include "gui/views/time_bar.h"
-#include "gui/views/time_track.h"
+#include "gui/views/scene_view.h"
+#include "gui/views/timeline/time_bar.h"
+#include "gui/views/timeline/time_track.h"
 #include "tests/gui/window_fixture.h"
 
 namespace loci::gui {
@@ -32,7 +32,7 @@ class Walk : public test::BrowserWindow {
     click_in_tree(object);
   }
   void click_time(TimeNs time) {
-    TimeTrack* track = window.time_bar().track();
+    TimeTrack* track = window.docks().time_bar().track();
     click_at(track, QPoint(static_cast<int>(track->x_of(time)), track->height() / 2));
   }
   /// A tab by its text: of the docks, or of the card's pages.
@@ -46,7 +46,7 @@ class Walk : public test::BrowserWindow {
     ++clicks_;
     press(which);
   }
-  bool card_says(const char* text) { return window.card().text().contains(text); }
+  bool card_says(const char* text) { return window.docks().card().text().contains(text); }
   ~Walk() override { EXPECT_LE(clicks_, 3); }
 
   int clicks_ = 0;
@@ -66,43 +66,43 @@ TEST_F(Walk, WhenWasItSeenLastAndIsItStillThere) {
 TEST_F(Walk, WhatWasSeenAtHalfPastSeven) {
   click_time(sample_.second);
   EXPECT_EQ(window.browser().moment().content->scene.time, sample_.second);
-  EXPECT_TRUE(window.image().box_of(2).has_value());
+  EXPECT_TRUE(window.docks().image().box_of(2).has_value());
 }
 
 TEST_F(Walk, WhatIsThisInTheImage) {
-  const auto box = window.image().box_of(3);
+  const auto box = window.docks().image().box_of(3);
   ASSERT_TRUE(box.has_value());
-  click_at(&window.image(), box->center().toPoint());
-  EXPECT_EQ(window.card().title(), "object_3");
+  click_at(&window.docks().image(), box->center().toPoint());
+  EXPECT_EQ(window.docks().card().title(), "object_3");
 }
 
 TEST_F(Walk, WhenAndFromWhereWasItMoved) {
   click_object(2);
-  const QAbstractItemModel* model = window.card().history()->model();
+  const QAbstractItemModel* model = window.docks().card().history()->model();
   int moved = -1;
   for (int row = 0; row < model->rowCount(); ++row)
     if (model->index(row, 1).data().toString() == "moved") moved = row;
   ASSERT_GE(moved, 0);
-  QTableView* table = window.card().history();
+  QTableView* table = window.docks().card().history();
   click_at(table->viewport(), table->visualRect(model->index(moved, 1)).center());
   EXPECT_EQ(selection().time(), sample_.second);
 }
 
 TEST_F(Walk, WhatHasChangedSinceTheBeginning) {
   click_tab("Compare");
-  EXPECT_EQ(window.compare().table()->model()->rowCount(), 3);
+  EXPECT_EQ(window.docks().compare().table()->model()->rowCount(), 3);
 }
 
 TEST_F(Walk, WhatDoesItLookLikeFromOtherSides) {
   click_object(2);
   click_tab("Images");
-  EXPECT_EQ(window.card().pages()->images()->count(), 2);
+  EXPECT_EQ(window.docks().card().pages()->images()->count(), 2);
 }
 
 TEST_F(Walk, WhyIsThatBelieved) {
   click_object(2);
   click_tab("Why");
-  EXPECT_FALSE(window.card().pages()->why()->toPlainText().isEmpty());
+  EXPECT_FALSE(window.docks().card().pages()->why()->toPlainText().isEmpty());
 }
 
 TEST_F(Walk, CanItBeAskedInWords) {
@@ -128,9 +128,9 @@ TEST_F(Walk, HowIsItGivenAName) {
   });
   press(Qt::Key_F2);
   settle();
-  window.loader().check();  // the window does this by itself every second and a half
+  window.files().loader().check();  // the window does this by itself every second and a half
   settle();
-  EXPECT_EQ(window.card().title(), "cereal");
+  EXPECT_EQ(window.docks().card().title(), "cereal");
 }
 
 }  // namespace

@@ -9,12 +9,12 @@
 #include <filesystem>
 #include <string>
 
-#include "gui/background.h"
+#include "gui/core/background.h"
 #include "gui/data/memory_data.h"
-#include "gui/main_window.h"
 #include "gui/scene3d/object_actors.h"
 #include "gui/views/object_card.h"
 #include "gui/views/objects_tree.h"
+#include "gui/window/main_window.h"
 #include "mapping/base/files.h"
 #include "tests/gui/sample_memory.h"
 
@@ -66,9 +66,9 @@ class BrowserWindow : public testing::Test {
   }
   SelectionModel& selection() { return window.browser().selection(); }
   void click_in_tree(int64_t object) {
-    const QModelIndex index = window.tree().shown_index_of_object(object);
+    const QModelIndex index = window.docks().tree().shown_index_of_object(object);
     ASSERT_TRUE(index.isValid());
-    QTreeView* view = window.tree().view();
+    QTreeView* view = window.docks().tree().view();
     click(view->viewport(), view->visualRect(index).center());
   }
   const MapObject* drawn(int64_t object) {

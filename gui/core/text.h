@@ -1,0 +1,50 @@
+#pragma once
+
+#include <QPixmap>
+#include <QString>
+#include <array>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "mapping/base/pose.h"
+#include "mapping/base/time.h"
+
+namespace loci::gui {
+
+/// How the memory stands to an object at a time.
+enum class Presence {
+  seen,        ///< observed in the scene of that time
+  remembered,  ///< believed to be there, out of view
+  missed,      ///< looked for, not found, perhaps still there
+  hidden,      ///< believed to be there, behind something
+  gone         ///< looked for and not there
+};
+const char* presence_name(Presence presence);
+
+/// "2026-05-01 09:10:00" in the memory's zone, with fractions where there are any.
+QString time_text(TimeNs time, int zone_minutes);
+/// "UTC+02:00".
+QString zone_text(int zone_minutes);
+/// "just now", "3 min", "2 h 5 min", "4 days": how long `to` is after `from`.
+QString duration_text(TimeNs from, TimeNs to);
+
+/// "12 × 8 × 10 cm".
+QString size_text(const Vector3d& metres);
+QString percent_text(double probability);
+
+/// A small filled square.
+QPixmap swatch(const std::array<uint8_t, 3>& rgb, int side);
+/// In the middle of a transparent square: names beside images of any shape stand in line.
+QPixmap centred(const QPixmap& image, int side);
+/// CV_8UC3 BGR as an image; null when empty.
+QImage image_of(const cv::Mat& bgr);
+
+/// What the states of objects mean, for tooltips.
+inline constexpr const char* kPresenceHelp =
+    "seen: in the scene of the chosen time\n"
+    "remembered: out of view, believed to be where it was\n"
+    "hidden: behind something\n"
+    "missed: looked for and not found, but it may still be there\n"
+    "gone: looked for, and not there";
+
+}  // namespace loci::gui

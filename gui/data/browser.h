@@ -1,0 +1,77 @@
+#pragma once
+
+#include <QObject>
+#include <memory>
+
+#include "gui/core/selection.h"
+#include "gui/data/browser_data.h"
+#include "gui/data/read_queue.h"
+#include "gui/data/scene_content.h"
+
+namespace loci::gui {
+
+/// What is shown of one time.
+struct Moment {
+  BelievedScene belief = {};
+  std::shared_ptr<const SceneContent> content = {};  ///< of the scene that the time falls into; null = none
+  std::shared_ptr<const ColoredCloud> cloud = {};    ///< its points; null = none
+  std::string problem = {};                          ///< why the scene could not be read; empty = it could
+};
+
+/// One open memory, what is chosen in it, and what is believed at the chosen time: what all views share. The
+/// views read from here and write only to the selection. What is believed is read in the background: it
+/// follows the chosen time, and times that are passed too quickly are left out.
+class Browser : public QObject {
+  Q_OBJECT
+
+ public:
+  explicit Browser(QObject* parent = nullptr);
+
+  /// Shows another memory at its last scene; nullptr closes. The old selection is gone.
+  void open(std::shared_ptr<const BrowserData> data);
+  /// The same memory again, after it has changed: selection and time stay; a time at the end stays at the
+  /// end.
+  void renew(std::shared_ptr<const BrowserData> data);
+
+  /// nullptr = nothing is open.
+  const BrowserData* data() const { return data_.get(); }
+  /// For work in another thread, which may outlast what is open.
+  std::shared_ptr<const BrowserData> shared_data() const { return data_; }
+  SelectionModel& selection() { return selection_; }
+  /// What was believed at belief().time, the last of the chosen times that has been read.
+  const BelievedScene& belief() const { return moment_.belief; }
+  const Moment& moment() const { return moment_; }
+  /// For what else the views read.
+  ReadQueue& reader() { return reader_; }
+  /// The scene that the chosen time falls into; nullptr when there is none.
+  const SceneEntry* scene() const;
+  /// The chosen object as believed at the chosen time; nullptr = none.
+  const BelievedObject* selected_object() const;
+
+  /// To the next (+1) or previous (-1) scene.
+  void step(int direction);
+  /// To the next or previous observation of the chosen object; to the next scene when none is chosen.
+  void step_observation(int direction);
+  void to_first();
+  void to_last();
+
+ Q_SIGNALS:
+  void opened();          ///< another memory, or none
+  void time_changed();    ///< another time is chosen
+  void belief_changed();  ///< and what was believed then has been read
+  void selected();        ///< another object or place
+  void failed(const QString& message);
+
+ private:
+  void refresh();
+  /// Reads what is shown of the chosen time, but for what `before` has of the same scene.
+  void read(const Moment& before);
+  void take(Moment moment);
+
+  std::shared_ptr<const BrowserData> data_;
+  SelectionModel selection_;
+  ReadQueue reader_;
+  Moment moment_;
+};
+
+}  // namespace loci::gui

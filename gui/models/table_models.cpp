@@ -1,0 +1,202 @@
+#include "gui/models/table_models.h"
+
+#include <QApplication>
+#include <QDateTime>
+#include <QFont>
+#include <algorithm>
+
+#include "gui/core/text.h"
+#include "gui/core/theme.h"
+
+namespace loci::gui {
+namespace {
+
+QColor color_of(Difference::Kind kind) {
+  const Theme theme = Theme::of(QApplication::palette());
+  return theme.of_event(kind == Difference::Kind::joint ? "joint_changed" : difference_name(kind));
+}
+
+QString cell_of(const Difference& difference, int column) {
+  const auto or_dash = [](const std::string& text) {
+    return text.empty() ? QString("–") : QString::fromStdString(text);
+  };
+  if (column == DifferencesModel::name_column) return QString::fromStdString(difference.name);
+  if (column == DifferencesModel::then_column) return or_dash(difference.then);
+  if (column == DifferencesModel::now_column) return or_dash(difference.now);
+  QString what = difference_name(difference.kind);
+  if (difference.kind == Difference::Kind::moved && difference.then == difference.now)
+    what += QString(" %1 cm").arg(difference.distance * 100, 0, 'f', 0);
+  return what;
+}
+
+}  // namespace
+
+TableModel::TableModel(QStringList titles, QObject* parent)
+    : QAbstractTableModel(parent), titles_(std::move(titles)) {}
+
+int TableModel::rowCount(const QModelIndex& parent) const {
+  return parent.isValid() ? 0 : static_cast<int>(line_count());
+}
+
+int TableModel::columnCount(const QModelIndex& parent) const {
+  return parent.isValid() ? 0 : titles_.size();
+}
+
+QVariant TableModel::headerData(int section, Qt::Orientation orientation, int role) const {
+  if (orientation != Qt::Horizontal) return {};
+  if (role == Qt::DisplayRole) return titles_.value(section);
+  const QString tip = tips_.value(section);
+  return role == Qt::ToolTipRole && !tip.isEmpty() ? QVariant(tip) : QVariant();
+}
+
+// ---- History.
+
+HistoryModel::HistoryModel(Browser& browser, QObject* parent)
+    : TableModel({"Since", "What", "Where", "Sure"}, parent), browser_(browser) {
+  tips_ = QStringList{
+      "When it was noticed first", "", "",
+      "Probability that the memory gave this: of the identity, of the object being there, or of it being "
+      "gone"};
+  connect(&browser_, &Browser::selected, this, &HistoryModel::refresh);
+  connect(&browser_, &Browser::opened, this, &HistoryModel::refresh);
+  connect(&browser_, &Browser::time_changed, this, [this] {
+    if (!entries_.empty()) Q_EMIT dataChanged(index(0, 0), index(rowCount() - 1, columnCount() - 1));
+  });
+  refresh();
+}
+
+void HistoryModel::refresh() {
+  const auto object = browser_.selection().object();
+  if (object != object_) set_entries({});  // of another object
+  object_ = object;
+  if (!object || browser_.data() == nullptr) {
+    browser_.reader().forget(this, "history");
+    return set_entries({});
+  }
+  browser_.reader().read<std::vector<HistoryEntry>>(
+      this, "history", Urgency::selection,
+      [id = *object](const BrowserData& memory) { return memory.history(id); },
+      [this](std::vector<HistoryEntry>& entries) {
+        std::reverse(entries.begin(), entries.end());
+        set_entries(std::move(entries));
+      });
+}
+
+void HistoryModel::set_entries(std::vector<HistoryEntry> entries) {
+  beginResetModel();
+  entries_ = std::move(entries);
+  endResetModel();
+}
+
+/// Whether the selected time falls into this row.
+bool HistoryModel::is_now(size_t row) const {
+  const TimeNs time = browser_.selection().time();
+  return entries_[row].from <= time && (row == 0 || time < entries_[row - 1].from);
+}
+
+/// The date is shown where it differs from that of the selected time.
+QString HistoryModel::time_cell(const HistoryEntry& entry, bool full) const {
+  const int zone = browser_.data()->info().zone_minutes;
+  const QString text = time_text(entry.from, zone);
+  const bool same_day = text.left(10) == time_text(browser_.selection().time(), zone).left(10);
+  return same_day && !full ? text.mid(11, 8) : text.left(19);
+}
+
+QVariant HistoryModel::data(const QModelIndex& index, int role) const {
+  if (!index.isValid()) return {};
+  const auto row = static_cast<size_t>(index.row());
+  const HistoryEntry& entry = entries_[row];
+  if (role == time_role) return static_cast<qlonglong>(entry.from);
+  if (role == Qt::FontRole && is_now(row)) return bold_font(QApplication::font());
+  if (role != Qt::DisplayRole && role != Qt::ToolTipRole) return {};
+  switch (index.column()) {
+    case time_column:
+      return time_cell(entry, role == Qt::ToolTipRole);
+    case what_column:
+      return QString::fromStdString(entry.what);
+    case place_column:
+      return QString::fromStdString(entry.place);
+    case probability_column:
+      return percent_text(entry.probability);
+    default:
+      return {};
+  }
+}
+
+// ---- Differences.
+
+DifferencesModel::DifferencesModel(QObject* parent) : TableModel({"", "What", "Then", "Now"}, parent) {}
+
+void DifferencesModel::set(std::vector<Difference> differences, const QString& then, const QString& now) {
+  beginResetModel();
+  differences_ = std::move(differences);
+  titles_[then_column] = then;
+  titles_[now_column] = now;
+  endResetModel();
+}
+
+QVariant DifferencesModel::data(const QModelIndex& index, int role) const {
+  if (!index.isValid()) return {};
+  const Difference& difference = differences_[static_cast<size_t>(index.row())];
+  if (role == Qt::DisplayRole || role == Qt::ToolTipRole) return cell_of(difference, index.column());
+  if (role == Qt::ForegroundRole && index.column() == what_column) return color_of(difference.kind);
+  return {};
+}
+
+// ---- Log.
+
+LogModel::LogModel(Browser& browser, QObject* parent)
+    : TableModel({"When", "What", "How it went"}, parent), browser_(browser) {}
+
+const LogEntry& LogModel::entry(int row) const {
+  const auto index = static_cast<size_t>(row);
+  return index < problems_.size() ? problems_[problems_.size() - 1 - index]
+                                  : entries_[index - problems_.size()];
+}
+
+void LogModel::add_problem(const QString& message) {
+  beginInsertRows({}, 0, 0);
+  LogEntry entry{.time = QDateTime::currentMSecsSinceEpoch() * (kSecond / 1000), .what = "problem"};
+  entry.text = message.section('\n', 0, 0).toStdString();
+  entry.details = message.toStdString();
+  if (browser_.data() != nullptr) entry.details += "\nin " + browser_.data()->info().path;
+  entry.is_problem = true;
+  problems_.push_back(std::move(entry));
+  endInsertRows();
+}
+
+void LogModel::set_memory_log(std::vector<LogEntry> entries) {
+  beginResetModel();
+  entries_ = std::move(entries);
+  endResetModel();
+}
+
+/// The date of a scene is shown where it differs from that of the selected time.
+QString LogModel::time_cell(const LogEntry& entry) const {
+  if (entry.time == 0) return "all runs";
+  const int zone = browser_.data() == nullptr ? 0 : browser_.data()->info().zone_minutes;
+  const QString text = time_text(entry.time, zone);
+  const bool same_day = entry.scene && text.left(10) == time_text(browser_.selection().time(), zone).left(10);
+  return same_day ? text.mid(11) : text.mid(5, 11);
+}
+
+QVariant LogModel::data(const QModelIndex& index, int role) const {
+  if (!index.isValid()) return {};
+  const LogEntry& entry = this->entry(index.row());
+  if (role == Qt::ForegroundRole)
+    return entry.is_problem ? QVariant(Theme::of(QApplication::palette()).gone) : QVariant();
+  if (role == Qt::ToolTipRole) return QString::fromStdString(entry.details).left(1000);
+  if (role != Qt::DisplayRole) return {};
+  switch (index.column()) {
+    case time_column:
+      return time_cell(entry);
+    case what_column:
+      return QString::fromStdString(entry.scene ? "  " + entry.what : entry.what);
+    case text_column:
+      return QString::fromStdString(entry.text);
+    default:
+      return {};
+  }
+}
+
+}  // namespace loci::gui

@@ -1,0 +1,229 @@
+#include "gui/window/application.h"
+
+#include <QVTKOpenGLNativeWidget.h>
+#include <QBuffer>
+#include <QCheckBox>
+#include <QOffscreenSurface>
+#include <QOpenGLContext>
+#include <QOpenGLFunctions>
+#include <QSurfaceFormat>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <regex>
+#include <vector>
+
+#include "gui/core/background.h"
+#include "gui/data/memory_data.h"
+#include "gui/scene3d/egl_window.h"
+#include "gui/views/compare_view.h"
+#include "gui/views/question_bar.h"
+#include "gui/window/benchmark.h"
+#include "gui/window/main_window.h"
+#include "mapping/base/error.h"
+#include "mapping/base/files.h"
+
+namespace loci::gui {
+namespace {
+
+/// Enough for the window to be laid out and painted.
+constexpr int kRoundsOfEvents = 5;
+
+QSize parse_size(const std::string& text) {
+  std::smatch match;
+  if (!std::regex_match(text, match, std::regex(R"((\d{3,5})x(\d{3,5}))")))
+    throw Error("--size '" + text + "' is no size in pixels", {}, "write it as 1280x800");
+  return {std::stoi(match[1]), std::stoi(match[2])};
+}
+
+/// Images are drawn in memory where that is possible; a screen is only the second way. Error when neither
+/// works.
+MapBackend image_backend(bool has_screen) {
+  try {
+    const EglWindow probe(16, 16);
+    return MapBackend::memory;
+  } catch (const Error&) {
+    if (!has_screen) throw;
+    return MapBackend::widget;
+  }
+}
+
+/// How a window draws: by the graphics card, or in memory where there is only software for it. Error when
+/// there is no OpenGL: a widget would stay blank and say nothing.
+MapBackend window_backend() {
+  QOpenGLContext context;
+  if (!context.create())
+    throw Error("no OpenGL context can be made on this display", {}, "install libgl1-mesa-dri");
+  QOffscreenSurface surface;
+  surface.create();
+  if (!context.makeCurrent(&surface)) return MapBackend::widget;
+  const auto* name = reinterpret_cast<const char*>(context.functions()->glGetString(GL_RENDERER));
+  const QString renderer = name == nullptr ? QString() : QString(name).toLower();
+  context.doneCurrent();
+  if (!renderer.contains("llvmpipe") && !renderer.contains("softpipe") && !renderer.contains("swrast"))
+    return MapBackend::widget;
+  try {
+    const EglWindow probe(16, 16);
+    return MapBackend::memory;
+  } catch (const Error&) {
+    return MapBackend::widget;
+  }
+}
+
+/// Qt remarks on what a bare machine lacks and nothing here uses; stderr is for our own line.
+void pass_message(QtMsgType, const QMessageLogContext&, const QString& message) {
+  if (message.startsWith("QStandardPaths: XDG_RUNTIME_DIR") ||
+      message.startsWith("This plugin does not support"))
+    return;
+  std::fprintf(stderr, "%s\n", message.toUtf8().constData());
+}
+
+MemoryOpener opener() {
+  return [](const std::string& path, Progress& progress) { return open_memory_data(path, progress); };
+}
+
+/// What the options choose, by the memory's own words.
+struct Target {
+  std::optional<TimeNs> time = {};
+  std::optional<TimeNs> beside = {};  ///< unset = none, or another memory
+  FoundThings things = {};
+};
+
+Target find_target(const BrowserData& data, const BrowseOptions& options) {
+  Target target;
+  if (!options.at.empty()) target.time = data.time_of(options.at);
+  if (!options.beside.empty() && !std::filesystem::exists(options.beside))
+    target.beside = data.time_of(options.beside);
+  if (options.select.empty() || data.scenes().empty()) return target;
+  target.things = data.find(options.select, target.time.value_or(data.scenes().back().time));
+  return target;
+}
+
+void go_to(MainWindow& window, const Target& target, const BrowseOptions& options) {
+  SelectionModel& selection = window.browser().selection();
+  if (target.time) selection.set_time(*target.time);
+  if (!target.things.objects.empty())
+    selection.select_object(target.things.objects.front());
+  else if (!target.things.place.empty())
+    selection.select_place(target.things.place);
+  for (const std::string& action : options.run)
+    if (!window.question_bar().run_action(QString::fromStdString(action)))
+      throw Error("--run '" + action + "' is no action of the menus", {}, "as \"Depth image\"");
+  if (!options.beside.empty()) {
+    if (target.beside)
+      window.docks().compare().set_other(*target.beside);
+    else
+      window.docks().compare().compare_with(QString::fromStdString(options.beside));
+    window.docks().compare().beside_box()->setChecked(true);
+  }
+  if (!options.show.empty()) window.docks().show(options.show);
+  if (options.ask.empty()) return;
+  window.question_bar().open();
+  window.question_bar().ask(QString::fromStdString(options.ask));
+}
+
+MapLayer layer_of(const std::string& name) {
+  static const std::map<std::string, MapLayer> kLayers = {
+      {"map", MapLayer::map},        {"objects", MapLayer::objects}, {"labels", MapLayer::labels},
+      {"cloud", MapLayer::cloud},    {"camera", MapLayer::camera},   {"trace", MapLayer::trace},
+      {"cameras", MapLayer::cameras}};
+  const auto found = kLayers.find(name);
+  if (found == kLayers.end())
+    throw Error("--hide '" + name + "' is no layer", {},
+                "layers are map, objects, labels, cloud, camera, trace, cameras");
+  return found->second;
+}
+
+void write_image(MainWindow& window, const BrowseOptions& options) {
+  const std::string& path = options.screenshot;
+  window.resize(parse_size(options.size));
+  for (const std::string& name : options.hide) window.map().set_layer(layer_of(name), false);
+  window.show();
+  for (int i = 0; i < kRoundsOfEvents; ++i) {
+    QApplication::processEvents();
+    finish_background();
+  }
+  window.map().look_from(MapViewpoint::overview);  // what came first must not decide the view
+  const QImage image = options.view == "map" ? window.map().image() : window.screenshot();
+  QByteArray bytes;
+  QBuffer buffer(&bytes);
+  buffer.open(QIODevice::WriteOnly);
+  if (!image.save(&buffer, "PNG")) throw Error("the image could not be encoded", {path, 0, {}});
+  write_file_atomically(path, {bytes.constData(), static_cast<size_t>(bytes.size())});
+}
+
+int take_image(const BrowseOptions& options, std::unique_ptr<BrowserData> data, MapBackend backend) {
+  WindowOptions window_options;
+  window_options.remember = false;
+  window_options.backend = backend;
+  const Target target = find_target(*data, options);
+  MainWindow window(opener(), window_options);
+  window.show_data(std::move(data));
+  go_to(window, target, options);
+  write_image(window, options);
+  return 0;
+}
+
+int measure(TimedApplication& application, const BrowseOptions& options, MapBackend backend) {
+  WindowOptions window_options;
+  window_options.backend = backend;
+  window_options.remember = false;
+  MainWindow window(opener(), window_options);
+  window.resize(parse_size(options.size));
+  options.print(to_text(benchmark_window(application, window, options.file, options.measure_s)));
+  return 0;
+}
+
+int show_window(const BrowseOptions& options, MapBackend backend) {
+  WindowOptions window_options;
+  window_options.backend = backend;
+  MainWindow window(opener(), window_options);
+  window.show();
+  if (!options.file.empty())
+    window.open(QString::fromStdString(options.file), [&window, &options] {
+      window.browser().reader().read<Target>(
+          &window, "target", Urgency::moment,
+          [options](const BrowserData& memory) { return find_target(memory, options); },
+          [&window, &options](const Target& target) { go_to(window, target, options); });
+    });
+  return QApplication::exec();
+}
+
+}  // namespace
+
+int run_browser(const BrowseOptions& options, const std::string& program) {
+  const bool image = !options.screenshot.empty();
+  std::unique_ptr<BrowserData> data;
+  MapBackend backend = MapBackend::widget;
+  if (image) {
+    if (options.file.empty()) throw Error("an image needs a memory", {}, "give a FILE.loci");
+    parse_size(options.size);
+    for (const std::string& name : options.hide) layer_of(name);
+    if (options.view != "window" && options.view != "map")
+      throw Error("--view '" + options.view + "' is no view", {}, "views are window, map");
+    data = open_memory_data(options.file);
+    backend = image_backend(options.has_screen);
+  } else if (!options.has_screen) {
+    throw Error("there is no screen (DISPLAY is not set)", {}, "use --screenshot FILE, or xvfb-run");
+  }
+  QSurfaceFormat format = QVTKOpenGLNativeWidget::defaultFormat();
+  format.setSamples(0);
+  QSurfaceFormat::setDefaultFormat(format);  // Takes effect only before there is an application.
+  qInstallMessageHandler(pass_message);
+  std::vector<std::string> words = {program};
+  if (backend == MapBackend::memory) words.insert(words.end(), {"-platform", "offscreen"});
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  auto count = static_cast<int>(arguments.size());
+  TimedApplication application(count, arguments.data());
+  QApplication::setOrganizationName("loci");
+  QApplication::setApplicationName(QString::fromStdString(program));
+  if (backend == MapBackend::widget) backend = window_backend();
+  apply_theme(application, options.theme, options.has_desktop);
+  if (options.measure_s > 0) return measure(application, options, backend);
+  return image ? take_image(options, std::move(data), backend) : show_window(options, backend);
+}
+
+}  // namespace loci::gui
