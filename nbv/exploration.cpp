@@ -6,10 +6,10 @@
 #include <cmath>
 #include <optional>
 
-#include "mapping/base/exact_pose.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
+#include "mapping/base/pose.h"
 #include "mapping/base/stopwatch.h"
 
 namespace loci::nbv {
@@ -43,7 +43,7 @@ Json to_json(const ExplorationStep& step, size_t index, bool registered, const J
           {"reached_overlap", step.reached_overlap},
           {"registered", registered},
           {"known_voxels", step.known_voxels},
-          {"fringe_voxels", step.fringe_voxels},
+          {"frontier_voxels", step.frontier_voxels},
           {"seconds",
            {{"scan", step.scan_seconds},
             {"register", step.register_seconds},
@@ -174,7 +174,7 @@ struct Exploration::Impl {
       scan = robot.scan_at(goal);
     } catch (const Error& error) {
       if (set.scans.empty())
-        throw Error("the exploration cannot start: " + error.message(), error.place(),
+        throw Error("the exploration cannot start: " + error.message(), error.location(),
                     "give a --start on free floor");
       warnings.add(fmt::format("goal ({:.2f}, {:.2f}) was not reached: {}", goal.x, goal.y, error.what()));
       avoid.emplace_back(goal.x, goal.y);
@@ -238,7 +238,7 @@ struct Exploration::Impl {
       scan.map_from_scan = step.map_from_scan_odometry;
       take_in(std::move(scan), step);
       step.register_seconds = seconds;
-      step.fringe_voxels = list[i].at("fringe_voxels");
+      step.frontier_voxels = list[i].at("frontier_voxels");
       steps.push_back(std::move(step));
       robot_states.push_back(list[i].at("robot"));
     }
@@ -294,7 +294,7 @@ struct Exploration::Impl {
       if (!plan.view.pose && options.inspection.points_per_cm2 > 0) inspect(planner, plan.view);
       const NextView& view = plan.view;
       steps.back().plan_seconds += watch.lap();
-      steps.back().fringe_voxels = view.fringe_voxels;
+      steps.back().frontier_voxels = view.frontier_voxels;
       if (watcher) watcher(steps.size() - 1, plan, robot_pose());
       if (!view.pose) {
         stop_reason = view.reason;

@@ -45,7 +45,7 @@ struct ExplorationStep {
   double expected_gain = 0;
   double reached_overlap = 0;  ///< by registration, with the best of the scans before
   size_t known_voxels = 0;     ///< free and occupied after this scan
-  size_t fringe_voxels = 0;    ///< left, when the next view was planned
+  size_t frontier_voxels = 0;  ///< left, when the next view was planned
   double scan_seconds = 0, register_seconds = 0, insert_seconds = 0, plan_seconds = 0;
 };
 

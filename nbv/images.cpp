@@ -94,15 +94,16 @@ void for_voxels(const ViewPlan& plan, ViewVoxel kind, const Task& task) {
   for (int z = 0; z < voxels.size.z(); ++z)
     for (int y = 0; y < voxels.size.y(); ++y)
       for (int x = 0; x < voxels.size.x(); ++x)
-        if (plan.fringe.states[voxels.index({x, y, z})] == kind) task(voxels.center({x, y, z}));
+        if (plan.frontier.states[voxels.index({x, y, z})] == kind) task(voxels.center({x, y, z}));
 }
 
-cv::Mat fringe_image(const ViewPlan& plan, const mapping::PlanarPose& robot) {
+cv::Mat frontier_image(const ViewPlan& plan, const mapping::PlanarPose& robot) {
   Sheet sheet(plan.floor);
   const double edge = plan.voxels.resolution;
   sheet.square(plan.floor.center(plan.floor.width / 2, plan.floor.height / 2), 1e3, kUnknown);
   for_voxels(plan, ViewVoxel::free, [&](const Vector3d& p) { sheet.square(p.head<2>(), edge, kFree); });
-  for_voxels(plan, ViewVoxel::fringe, [&](const Vector3d& p) { sheet.square(p.head<2>(), edge, kOccupied); });
+  for_voxels(plan, ViewVoxel::frontier,
+             [&](const Vector3d& p) { sheet.square(p.head<2>(), edge, kOccupied); });
   sheet.robot(robot);
   return sheet.image();
 }
@@ -133,7 +134,7 @@ cv::Mat samples_image(const ViewPlan& plan, const mapping::PlanarPose& robot) {
   Sheet sheet(plan.floor);
   sheet.costs(summed(plan.costs));
   sheet.obstacles();
-  for_voxels(plan, ViewVoxel::fringe, [&](const Vector3d& p) { sheet.dot(p.head<2>()); });
+  for_voxels(plan, ViewVoxel::frontier, [&](const Vector3d& p) { sheet.dot(p.head<2>()); });
   const size_t layers = plan.costs.layers.size();
   const ViewSample* most = nullptr;
   for (size_t i = 0; i + layers <= plan.samples.size(); i += layers) {
@@ -143,7 +144,7 @@ cv::Mat samples_image(const ViewPlan& plan, const mapping::PlanarPose& robot) {
                          [](const ViewSample& a, const ViewSample& b) { return a.score < b.score; });
     if (best->score > 0) sheet.arrow(best->pose, kBlue, 1);
     for (auto sample = first; sample != first + static_cast<std::ptrdiff_t>(layers); ++sample)
-      if (most == nullptr || sample->counts.fringe > most->counts.fringe) most = &*sample;
+      if (most == nullptr || sample->counts.frontier > most->counts.frontier) most = &*sample;
   }
   if (most != nullptr) sheet.arrow(most->pose, kGreen, 3);
   sheet.way(plan.view.path);
@@ -157,10 +158,11 @@ cv::Mat samples_image(const ViewPlan& plan, const mapping::PlanarPose& robot) {
 std::vector<ViewImage> view_images(const ViewPlan& plan, const mapping::PlanarPose& robot) {
   std::vector<ViewImage> images;
   if (plan.voxels.states.empty() || plan.costs.layers.empty()) return images;
-  images.push_back({"fringe", "Free space (green) and fringe (red) from above", fringe_image(plan, robot)});
+  images.push_back(
+      {"frontier", "Free space (green) and frontier (red) from above", frontier_image(plan, robot)});
   images.push_back({"occupied", "Surfaces by height", occupied_image(plan, robot)});
-  images.push_back({"costs_fringe", "C_F, all orientations: dark = many; obstacles in blue",
-                    cost_image(plan, summed(plan.fringe_costs), robot)});
+  images.push_back({"costs_frontier", "C_F, all orientations: dark = many; obstacles in blue",
+                    cost_image(plan, summed(plan.frontier_costs), robot)});
   images.push_back({"costs_occupied", "C_O, all orientations: dark = many; obstacles in blue",
                     cost_image(plan, summed(plan.occupied_costs), robot)});
   for (size_t layer = 0; layer < plan.costs.layers.size(); ++layer) {
@@ -169,7 +171,7 @@ std::vector<ViewImage> view_images(const ViewPlan& plan, const mapping::PlanarPo
                       fmt::format("C for poses that look along {}°", degrees),
                       cost_image(plan, plan.costs.layers[layer], robot)});
   }
-  images.push_back({"samples", "C, fringe, samples and the choice (red)", samples_image(plan, robot)});
+  images.push_back({"samples", "C, frontier, samples and the choice (red)", samples_image(plan, robot)});
   return images;
 }
 

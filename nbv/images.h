@@ -16,10 +16,10 @@ struct ViewImage {
   cv::Mat image;
 };
 
-/// The images of Fig. 7.2 and 7.4: known space and fringe; surfaces by height; C_F and C_O summed over
-/// orientations; C per orientation; and C summed, with fringe (black dots), samples (blue arrows), the sample
-/// that sees most fringe (green), the chosen one (red), the robot and its way. Costs: white = 0, black = the
-/// largest. None when nothing is known.
+/// The images of Fig. 7.2 and 7.4: known space and frontier; surfaces by height; C_F and C_O summed over
+/// orientations; C per orientation; and C summed, with frontier (black dots), samples (blue arrows), the
+/// sample that sees most frontier (green), the chosen one (red), the robot and its way. Costs: white = 0,
+/// black = the largest. None when nothing is known.
 std::vector<ViewImage> view_images(const ViewPlan& plan, const mapping::PlanarPose& robot);
 
 /// Writes them as PNG into a folder; returns the files.

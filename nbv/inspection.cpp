@@ -9,13 +9,13 @@
 
 #include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
-#include "nbv/sight.h"
+#include "nbv/ray_casting.h"
 
 namespace loci::nbv {
 namespace {
 
 constexpr double kPatch = 0.15;       ///< m
-constexpr double kHeightMin = 0.1;    ///< m: nothing is pulled nearer to the floor
+constexpr double kMinHeight = 0.1;    ///< m: nothing is pulled nearer to the floor
 constexpr double kWallMargin = 0.15;  ///< m over all furniture, from which a surface is a wall's
 constexpr size_t kMinPoints = 10;     ///< on a patch, to know how it stands
 constexpr double kRoughness = 0.02;   ///< m rms off its plane: more is no surface
@@ -42,7 +42,7 @@ std::map<Key, Moments> gather(const ScanRefs& scans, double top) {
     for (const mapping::ScanPoint& point : scan.points) {
       if (!point.returned) continue;
       const Vector3d p = scan.map_from_scan * point.position.cast<double>();
-      if (p.z() < kHeightMin || p.z() > top) continue;
+      if (p.z() < kMinHeight || p.z() > top) continue;
       const Vector3d cell = (p / kPatch).array().floor();
       cells[{static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z())}].add(
           p, scan.map_from_scan * scan.origins[point.origin_index].cast<double>());
@@ -76,7 +76,7 @@ class Sharpness {
   double density(const Vector3d& from, const FacePatch& patch) const {
     const Vector3d ray = patch.centre - from;
     const double distance = ray.norm(), cosine = -ray.dot(patch.normal) / distance;
-    if (cosine < std::cos(options_.incidence_max_deg * kDegree) ||
+    if (cosine < std::cos(options_.max_incidence_deg * kDegree) ||
         !sight_.sees(from, patch.centre, patch.normal))
       return 0;
     // Lines of a tilting scanner stand closer the steeper they are; that is left out.
@@ -86,7 +86,7 @@ class Sharpness {
   }
 
  private:
-  Sight sight_;
+  LineOfSight sight_;
   const mapping::LaserModel& laser_;
   const InspectionOptions& options_;
 };
@@ -113,12 +113,12 @@ ViewSample best_yaw(const Vector3d& from, const std::vector<std::pair<Vector3d, 
 void InspectionOptions::declare(OptionTable& table) {
   table.number("inspect_points_per_cm2", points_per_cm2, "1/cm²",
                "Points wanted on faces of furniture; 0 = none are inspected.", 0, 100);
-  table.number("inspect_incidence_max_deg", incidence_max_deg, "deg", "More oblique views do not count.", 10,
+  table.number("inspect_max_incidence_deg", max_incidence_deg, "deg", "More oblique views do not count.", 10,
                85);
-  table.number("inspect_distance_max_m", distance_max_m, "m", "From where faces are inspected at most.", 0.5,
+  table.number("inspect_max_distance_m", max_distance_m, "m", "From where faces are inspected at most.", 0.5,
                10);
-  table.number("inspect_height_max_m", height_max_m, "m", "Height of furniture.", 0.5, 4);
-  table.number("inspect_gain_min_m2", gain_min_m2, "m²", "Least area of faces that is worth a scan.", 0.01,
+  table.number("inspect_max_height_m", max_height_m, "m", "Height of furniture.", 0.5, 4);
+  table.number("inspect_min_gain_m2", min_gain_m2, "m²", "Least area of faces that is worth a scan.", 0.01,
                100);
 }
 
@@ -126,12 +126,12 @@ std::vector<FacePatch> face_patches(const ScanRefs& scans, const mapping::Voxels
                                     const mapping::LaserModel& laser, const InspectionOptions& options) {
   std::vector<FacePatch> patches;
   std::map<std::array<int, 2>, std::vector<FacePatch>> high;  // By cell of the floor.
-  const double wall = options.height_max_m + kWallMargin;
+  const double wall = options.max_height_m + kWallMargin;
   for (const auto& [key, cell] : gather(scans, wall + 3 * kPatch))
     if (const auto patch = patch_of(cell)) {
       if (patch->centre.z() > wall)
         high[{key[0], key[1]}].push_back(*patch);
-      else if (patch->centre.z() < options.height_max_m)
+      else if (patch->centre.z() < options.max_height_m)
         patches.push_back(*patch);
     }
   std::erase_if(patches, [&](const FacePatch& patch) {
@@ -162,12 +162,12 @@ NextView inspection_view(const ScanRefs& scans, const mapping::OccupancyMap& map
   NextView view;
   const mapping::Voxels voxels = map.voxels();
   std::vector<FacePatch> patches = face_patches(scans, voxels, laser, options);
-  const FloorRegion within(planner.within);
+  const mapping::FloorRegion within(planner.within);
   std::erase_if(patches, [&](const FacePatch& patch) {
     return patch.density >= options.points_per_cm2 || !within.contains(patch.centre.head<2>());
   });
   const mapping::FloorGrid floor = drivable_floor(voxels, robot, laser, planner);
-  const Reach reach = drivable_ways(floor, robot, planner);
+  const Reachability reach = reachability(floor, robot, planner);
   const Sharpness sharpness(voxels, laser, options);
   const int stride = std::max(1, static_cast<int>(std::lround(kPlaceStep / floor.cell)));
   std::vector<ViewSample> samples(floor.cells());
@@ -180,7 +180,7 @@ NextView inspection_view(const ScanRefs& scans, const mapping::OccupancyMap& map
       const Vector3d from(place.x(), place.y(), laser.height_m);
       std::vector<std::pair<Vector3d, double>> shown;
       for (const FacePatch& patch : patches) {
-        if ((patch.centre.head<2>() - place).norm() > options.distance_max_m) continue;
+        if ((patch.centre.head<2>() - place).norm() > options.max_distance_m) continue;
         const double lacking = options.points_per_cm2 - patch.density;
         const double part = std::min(sharpness.density(from, patch) / lacking, 1.0);
         // What remains too coarse was not worth the way.
@@ -193,16 +193,16 @@ NextView inspection_view(const ScanRefs& scans, const mapping::OccupancyMap& map
       std::max_element(samples.begin(), samples.end(),
                        [](const ViewSample& a, const ViewSample& b) { return a.score < b.score; });
   const double most = best == samples.end() ? 0 : best->score;
-  if (most < options.gain_min_m2) {
+  if (most < options.min_gain_m2) {
     view.reason =
-        fmt::format("no view shows {} m² of faces better (the best {:.2f})", options.gain_min_m2, most);
+        fmt::format("no view shows {} m² of faces better (the best {:.2f})", options.min_gain_m2, most);
     return view;
   }
   view.pose = best->pose;
   view.expected_overlap = 1;
   view.expected_gain = most;
   view.reason = fmt::format("looks at {:.2f} m² of faces that were seen too coarsely or too obliquely", most);
-  view.path = way_to(floor, reach, best->pose);
+  view.path = path_to(floor, reach, best->pose);
   return view;
 }
 

@@ -11,10 +11,10 @@ namespace loci::nbv {
 
 struct InspectionOptions {
   double points_per_cm2 = 1.0;    ///< wanted on furniture; 0 = no inspection
-  double incidence_max_deg = 50;  ///< more oblique views show no handles
-  double distance_max_m = 2.5;    ///< from where faces are looked at
-  double height_max_m = 2.2;      ///< of furniture
-  double gain_min_m2 = 0.5;       ///< of faces that are not seen well; less is not worth a scan
+  double max_incidence_deg = 50;  ///< more oblique views show no handles
+  double max_distance_m = 2.5;    ///< from where faces are looked at
+  double max_height_m = 2.2;      ///< of furniture
+  double min_gain_m2 = 0.5;       ///< of faces that are not seen well; less is not worth a scan
 
   void declare(OptionTable& table);
 };

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "mapping/base/exact_pose.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/base/pose.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 
@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFailuresMax = 8;  ///< stops that may turn out to be blocked
+constexpr int kMaxFailures = 8;  ///< base poses that may turn out to be blocked
 
 /// What pulling at one front gave, as it is kept.
 struct LoggedPull {
@@ -72,9 +72,9 @@ class PullLog {
     append_to_scan_set(set_, folder_);
   }
   void add_pull(const std::string& front, const LoggedPull& pull) { json_["pulls"][front] = to_json(pull); }
-  /// Stops where the robot could not stand.
-  bool failed(const std::string& stop) const { return json_.at("failed").contains(stop); }
-  void add_failure(const std::string& stop, const std::string& reason) { json_["failed"][stop] = reason; }
+  /// Base poses that the robot could not reach.
+  bool failed(const std::string& pose) const { return json_.at("failed").contains(pose); }
+  void add_failure(const std::string& pose, const std::string& reason) { json_["failed"][pose] = reason; }
   void commit(const Json& robot) {
     json_["poses"] = Json::array();
     for (const mapping::Scan& scan : set_.scans) json_["poses"].push_back(exact_values(scan.map_from_scan));
@@ -84,7 +84,7 @@ class PullLog {
   }
 
  private:
-  static constexpr int kVersion = 2;
+  static constexpr int kVersion = 3;
   fs::path folder_;
   mapping::ScanSet set_;
   Json json_ = {{"version", kVersion},
@@ -113,13 +113,13 @@ class Interactor {
     if (!log_.robot().is_null()) robot_.restore(log_.robot());
   }
 
-  /// The scan from a stop with everything closed; nullptr when the robot cannot get there.
-  const mapping::Scan* closed_scan(size_t number, const InteractionStop& stop) {
-    const std::string name = fmt::format("stop_{:02}", number);
+  /// The scan from a base pose with everything closed; nullptr when the robot cannot get there.
+  const mapping::Scan* closed_scan(size_t number, const BasePose& base) {
+    const std::string name = fmt::format("base_pose_{:02}", number);
     if (log_.failed(name)) return nullptr;
     if (log_.find(name) == nullptr) {
       try {
-        mapping::Scan scan = robot_.scan_at(stop.pose);
+        mapping::Scan scan = robot_.scan_at(base.pose);
         scan.name = name;
         if (const auto pose = exploration_.locate(scan)) {
           scan.map_from_scan = *pose;
@@ -139,11 +139,11 @@ class Interactor {
     return log_.find(name);
   }
 
-  Interaction pull(const mapping::Front& front, size_t stop, const mapping::Scan& closed) {
+  Interaction pull(const mapping::Front& front, size_t base_pose, const mapping::Scan& closed) {
     const Stopwatch watch;
     Interaction result;
     result.front = front.name;
-    result.stop = stop;
+    result.base_pose = base_pose;
     const std::string name = "pull_" + front.name;
     if (!log_.pull(front.name)) pull_and_scan(front, name, closed);
     const LoggedPull pull = *log_.pull(front.name);
@@ -162,7 +162,7 @@ class Interactor {
  private:
   void pull_and_scan(const mapping::Front& front, const std::string& name, const mapping::Scan& closed) {
     LoggedPull pull;
-    pull.hand_path = robot_.pull(front.fixture->centre, options_.pull_way_m).hand_path;
+    pull.hand_path = robot_.pull(front.fixture->centre, options_.pull_distance_m).hand_path;
     if (pull.hand_path.size() > 1) {
       try {
         mapping::Scan scan = robot_.scan_at(mapping::planar(closed.map_from_scan));
@@ -221,8 +221,8 @@ void learn(const Interaction& interaction, mapping::Front& front) {
 }  // namespace
 
 void InteractionOptions::declare(OptionTable& table) {
-  table.number("pull_way_m", pull_way_m, "m", "How far the hand pulls at a handle.", 0.02, 1);
-  stops.declare(table);
+  table.number("pull_distance_m", pull_distance_m, "m", "How far the hand pulls at a handle.", 0.02, 1);
+  base_poses.declare(table);
   difference.declare(table);
 }
 
@@ -230,7 +230,7 @@ std::vector<Interaction> interact(mapping::Robot& robot, const Exploration& expl
                                   std::vector<mapping::Front>& fronts, const fs::path& folder, bool resume,
                                   const ExplorationOptions& explored, const InteractionOptions& options,
                                   Progress& progress, Warnings& warnings) {
-  const FloorRegion within(explored.planner.within);
+  const mapping::FloorRegion within(explored.planner.within);
   std::vector<mapping::Front> left =
       fronts;  // Those that need not be pulled any more lose their fixture here.
   for (mapping::Front& front : left)
@@ -240,26 +240,26 @@ std::vector<Interaction> interact(mapping::Robot& robot, const Exploration& expl
         left.begin(), left.end(), [](const mapping::Front& front) { return front.fixture.has_value(); }));
   };
   const size_t wanted = count_left();
-  StopPlanner planner(exploration.occupancy(),
-                      mapping::planar(exploration.registration().map_from_scan.back()), explored.laser,
-                      explored.planner, options.stops, options.pull_way_m);
+  BasePosePlanner planner(exploration.occupancy(),
+                          mapping::planar(exploration.registration().map_from_scan.back()), explored.laser,
+                          explored.planner, options.base_poses, options.pull_distance_m);
   Interactor interactor(robot, exploration, folder, resume, options, warnings);
   std::vector<Interaction> interactions;
-  std::vector<InteractionStop> stops = planner.plan(left);
+  std::vector<BasePose> bases = planner.plan(left);
   size_t next = 0;
   int failures = 0;
-  for (size_t number = 0; next < stops.size() && failures < kFailuresMax; ++number) {
-    const InteractionStop stop = stops[next++];
-    const mapping::Scan* seen = interactor.closed_scan(number, stop);
-    if (seen == nullptr) {  // Something stands there that the map does not show: from elsewhere, then.
-      planner.avoid(stop.pose);
-      stops = planner.plan(left);
+  for (size_t number = 0; next < bases.size() && failures < kMaxFailures; ++number) {
+    const BasePose base = bases[next++];
+    const mapping::Scan* seen = interactor.closed_scan(number, base);
+    if (seen == nullptr) {  // The map does not show what blocks it: plan again without this pose.
+      planner.avoid(base.pose);
+      bases = planner.plan(left);
       next = 0;
       ++failures;
       continue;
     }
     const mapping::Scan closed = *seen;  // The log grows.
-    for (const size_t f : stop.fronts) {
+    for (const size_t f : base.fronts) {
       progress.check(1 - static_cast<double>(count_left()) / static_cast<double>(wanted),
                      "pulls " + fronts[f].name);
       interactions.push_back(interactor.pull(fronts[f], number, closed));

@@ -6,24 +6,24 @@
 
 #include "mapping/articulation/articulation.h"
 #include "mapping/interpretation/interpretation.h"
+#include "nbv/base_poses.h"
 #include "nbv/exploration.h"
-#include "nbv/stops.h"
 
 namespace loci::nbv {
 
 struct InteractionOptions {
-  double pull_way_m = 0.30;  ///< how far the hand pulls
-  StopOptions stops;
+  double pull_distance_m = 0.30;  ///< how far the hand pulls
+  BasePoseOptions base_poses;
   mapping::DifferenceOptions difference;
 
   void declare(OptionTable& table);
 };
 
-/// What pulling at one front showed.
+/// Result of pulling one front.
 struct Interaction {
   std::string front;
-  size_t stop = 0;
-  bool held = false;  ///< whether the hand found something to hold
+  size_t base_pose = 0;  ///< number of the pose that it was pulled from
+  bool held = false;     ///< whether the hand found something to hold
   mapping::DifferenceResult difference;
   double seconds = 0;
 };

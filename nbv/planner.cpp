@@ -14,7 +14,7 @@ namespace loci::nbv {
 namespace {
 
 constexpr double kAreaPerSample = 0.1;  ///< m²: poses nearer to each other see nearly the same
-constexpr int kSamplesMin = 8;
+constexpr int kMinSamples = 8;
 constexpr int kSamplesToStop = 4;    ///< before it stops, so many times as many places are looked at
 constexpr double kCoarseSteps = 3;   ///< the first look at a place has a ninth of the rays
 constexpr size_t kPlacesAtOnce = 2;  ///< looked at with all rays before the best is asked for again
@@ -35,7 +35,7 @@ std::vector<int> projected(const mapping::Voxels& voxels, const ViewVoxels& view
 
 /// C = min(C_F, C_O), less for far ways, zero where the robot cannot stand.
 CostmapStack combined(const ViewPlan& plan, const PlannerOptions& options) {
-  CostmapStack costs = plan.fringe_costs;
+  CostmapStack costs = plan.frontier_costs;
   for (size_t layer = 0; layer < costs.layers.size(); ++layer)
     for (size_t cell = 0; cell < plan.floor.cells(); ++cell) {
       float& value = costs.layers[layer][cell];
@@ -78,11 +78,11 @@ double score_of(const ViewSample& sample, double gain_weight) {
   const double paper = sample.cost_value * entropy(counts.overlap());
   if (gain_weight <= 0.5)
     return std::pow(counts.occupied, 1 - 2 * gain_weight) * std::pow(paper, 2 * gain_weight);
-  return std::pow(paper, 2 - 2 * gain_weight) * std::pow(counts.fringe, 2 * gain_weight - 1);
+  return std::pow(paper, 2 - 2 * gain_weight) * std::pow(counts.frontier, 2 * gain_weight - 1);
 }
 
 bool eligible(const ViewSample& sample, const PlannerOptions& options) {
-  return sample.counts.fringe >= options.min_gain && !avoided({sample.pose.x, sample.pose.y}, options);
+  return sample.counts.frontier >= options.min_gain && !avoided({sample.pose.x, sample.pose.y}, options);
 }
 
 /// A place that is validated: a sample per orientation of the costmaps, by one round of rays.
@@ -127,7 +127,7 @@ double best_score(const ViewPlace& place, const PlannerOptions& options) {
 std::vector<ViewSample> validate(const ViewPlan& plan, const std::vector<size_t>& cells,
                                  const mapping::LaserModel& laser, const PlannerOptions& options) {
   const auto caster = [&](double step_deg) {
-    return ViewCaster(plan.voxels, plan.fringe, laser, options.distance_max_m, step_deg);
+    return ViewCaster(plan.voxels, plan.frontier, laser, options.max_distance_m, step_deg);
   };
   const ViewCaster coarse = caster(kCoarseSteps * options.ray_step_deg), fine = caster(options.ray_step_deg);
   std::vector<ViewPlace> places(cells.size());
@@ -160,7 +160,7 @@ Json sample_json(const ViewSample& sample) {
   return {{"pose", {sample.pose.x, sample.pose.y, sample.pose.yaw / kDegree}},
           {"cost_value", sample.cost_value},
           {"occupied_m2", sample.counts.occupied},
-          {"fringe_m2", sample.counts.fringe},
+          {"frontier_m2", sample.counts.frontier},
           {"overlap", sample.counts.overlap()},
           {"score", sample.score}};
 }
@@ -172,19 +172,19 @@ const ViewSample* decide(ViewPlan& plan, const PlannerOptions& options) {
   const ViewSample* best = nullptr;
   for (const ViewSample& sample : plan.samples) {
     if (!avoided({sample.pose.x, sample.pose.y}, options))
-      gain_best = std::max(gain_best, sample.counts.fringe);
+      gain_best = std::max(gain_best, sample.counts.frontier);
     if (eligible(sample, options) && (best == nullptr || sample.score > best->score)) best = &sample;
   }
   view.details["gain_best_m2"] = gain_best;
   if (best == nullptr || best->score <= 0) {
-    view.reason = fmt::format("no reachable view gains {} m² behind the fringe (the best {:.2f})",
+    view.reason = fmt::format("no reachable view gains {} m² behind the frontier (the best {:.2f})",
                               options.min_gain, gain_best);
     return nullptr;
   }
   view.pose = best->pose;
   view.expected_overlap = best->counts.overlap();
-  view.expected_gain = best->counts.fringe;
-  view.reason = fmt::format("may show {:.2f} m² behind the fringe, {:.0f} % overlap{}", view.expected_gain,
+  view.expected_gain = best->counts.frontier;
+  view.reason = fmt::format("may show {:.2f} m² behind the frontier, {:.0f} % overlap{}", view.expected_gain,
                             100 * view.expected_overlap,
                             view.expected_overlap < options.overlap_wanted ? ", less than wanted" : "");
   return best;
@@ -193,7 +193,7 @@ const ViewSample* decide(ViewPlan& plan, const PlannerOptions& options) {
 std::vector<VisibilityKernel> kernels_of(const PlannerOptions& options, double cell) {
   std::vector<VisibilityKernel> kernels;
   for (int i = 0; i < options.orientations; ++i)
-    kernels.emplace_back(options.opening_deg * kDegree, options.distance_min_m, options.distance_max_m,
+    kernels.emplace_back(options.opening_deg * kDegree, options.min_distance_m, options.max_distance_m,
                          2 * kPi * i / options.orientations, cell);
   return kernels;
 }
@@ -201,22 +201,24 @@ std::vector<VisibilityKernel> kernels_of(const PlannerOptions& options, double c
 /// C_F and C_O.
 void add_costmaps(ViewPlan& plan, const PlannerOptions& options) {
   const std::vector<VisibilityKernel> kernels = kernels_of(options, plan.floor.cell);
-  plan.fringe_costs = vote(plan.floor, projected(plan.voxels, plan.fringe, plan.floor, ViewVoxel::fringe),
-                           kernels, options.threads);
-  plan.occupied_costs = vote(plan.floor, projected(plan.voxels, plan.fringe, plan.floor, ViewVoxel::occupied),
-                             kernels, options.threads);
+  plan.frontier_costs =
+      vote(plan.floor, projected(plan.voxels, plan.frontier, plan.floor, ViewVoxel::frontier), kernels,
+           options.threads);
+  plan.occupied_costs =
+      vote(plan.floor, projected(plan.voxels, plan.frontier, plan.floor, ViewVoxel::occupied), kernels,
+           options.threads);
 }
 
 /// min(C_F, C_O) at a pose, in the layer nearest to its orientation.
 double cost_at(const ViewPlan& plan, const mapping::PlanarPose& pose) {
   const Eigen::Vector2i cell = plan.floor.cell_of({pose.x, pose.y});
   if (!plan.floor.contains(cell.x(), cell.y())) return 0;
-  const auto layers = static_cast<int>(plan.fringe_costs.layers.size());
+  const auto layers = static_cast<int>(plan.frontier_costs.layers.size());
   const int nearest = static_cast<int>(std::lround(pose.yaw / (2 * kPi) * layers));
   const auto layer = static_cast<size_t>((nearest % layers + layers) % layers);
   const size_t at = plan.floor.index(cell.x(), cell.y());
   return static_cast<double>(
-      std::min(plan.fringe_costs.layers[layer][at], plan.occupied_costs.layers[layer][at]));
+      std::min(plan.frontier_costs.layers[layer][at], plan.occupied_costs.layers[layer][at]));
 }
 
 }  // namespace
@@ -224,9 +226,9 @@ double cost_at(const ViewPlan& plan, const mapping::PlanarPose& pose) {
 void PlannerOptions::declare(OptionTable& table) {
   table.number("cell_m", cell_m, "m", "Cell of the costmaps.", 0.02, 1);
   table.integer("orientations", orientations, "", "Orientations of the costmaps.", 1, 72);
-  table.number("distance_min_m", distance_min_m, "m",
+  table.number("min_distance_m", min_distance_m, "m",
                "Of the visibility kernel: nearest floor that the scanner sees.", 0, 10);
-  table.number("distance_max_m", distance_max_m, "m", "Of the visibility kernel: farther is too coarse.", 0.5,
+  table.number("max_distance_m", max_distance_m, "m", "Of the visibility kernel: farther is too coarse.", 0.5,
                30);
   table.number("opening_deg", opening_deg, "deg", "Of the visibility kernel.", 10, 360);
   table.number("robot_radius_m", robot_radius_m, "m", "Obstacles are dilated by it.", 0.05, 2);
@@ -258,7 +260,7 @@ double body_height(const mapping::LaserModel& laser) {
 mapping::FloorGrid drivable_floor(const mapping::Voxels& voxels, const mapping::PlanarPose& robot,
                                   const mapping::LaserModel& laser, const PlannerOptions& options) {
   mapping::FloorGrid floor = floor_grid(voxels, options.cell_m, body_height(laser));
-  const FloorRegion within(options.within);
+  const mapping::FloorRegion within(options.within);
   for (int y = 0; y < floor.height && !within.everywhere(); ++y)
     for (int x = 0; x < floor.width; ++x)
       if (!within.contains(floor.center(x, y)))
@@ -271,9 +273,9 @@ mapping::FloorGrid drivable_floor(const mapping::Voxels& voxels, const mapping::
   return floor;
 }
 
-Reach drivable_ways(const mapping::FloorGrid& floor, const mapping::PlanarPose& robot,
-                    const PlannerOptions& options) {
-  return find_ways(floor, robot, options.robot_radius_m, options.distance_min_m + 2 * floor.cell);
+Reachability reachability(const mapping::FloorGrid& floor, const mapping::PlanarPose& robot,
+                          const PlannerOptions& options) {
+  return shortest_paths(floor, robot, options.robot_radius_m, options.min_distance_m + 2 * floor.cell);
 }
 
 ViewPlan plan_view(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
@@ -282,11 +284,11 @@ ViewPlan plan_view(const mapping::OccupancyMap& map, const mapping::PlanarPose& 
   Stopwatch watch;
   Json times;
   plan.voxels = map.voxels();
-  plan.fringe = find_fringe(plan.voxels, options.threads, FloorRegion(options.within));
-  plan.view.fringe_voxels = plan.fringe.fringe;
-  times["fringe"] = watch.lap();
+  plan.frontier = find_frontier(plan.voxels, options.threads, mapping::FloorRegion(options.within));
+  plan.view.frontier_voxels = plan.frontier.frontier;
+  times["frontier"] = watch.lap();
   plan.floor = drivable_floor(plan.voxels, robot, laser, options);
-  plan.reach = drivable_ways(plan.floor, robot, options);
+  plan.reach = reachability(plan.floor, robot, options);
   size_t standing = 0;
   for (size_t cell = 0; cell < plan.floor.cells(); ++cell)
     standing += plan.reach.stands(plan.floor, cell) ? 1 : 0;
@@ -296,7 +298,7 @@ ViewPlan plan_view(const mapping::OccupancyMap& map, const mapping::PlanarPose& 
   times["costmaps"] = watch.lap();
   const double standing_m2 = static_cast<double>(standing) * plan.floor.cell * plan.floor.cell;
   const int samples = std::clamp(static_cast<int>(standing_m2 / kAreaPerSample),
-                                 std::min(kSamplesMin, options.samples), options.samples);
+                                 std::min(kMinSamples, options.samples), options.samples);
   std::vector<size_t> places = draw_places(plan.costs, plan.floor.cells(), samples, random);
   plan.samples = validate(plan, places, laser, options);
   const auto gains = [&](const ViewSample& sample) { return eligible(sample, options) && sample.score > 0; };
@@ -307,15 +309,15 @@ ViewPlan plan_view(const mapping::OccupancyMap& map, const mapping::PlanarPose& 
   times["validation"] = watch.lap();
 
   plan.view.details = {
-      {"reachable_m2", standing_m2}, {"fringe_voxels", plan.fringe.fringe}, {"places", places.size()}};
+      {"reachable_m2", standing_m2}, {"frontier_voxels", plan.frontier.frontier}, {"places", places.size()}};
   if (plan.voxels.states.empty())
     plan.view.reason = "nothing is known yet: scan where the robot stands";
   else if (standing == 0)
     plan.view.reason = "no pose can be reached: there is no free floor that was seen around the robot";
-  else if (plan.fringe.fringe == 0)
+  else if (plan.frontier.frontier == 0)
     plan.view.reason = "free space borders on nothing unknown";
   else if (const ViewSample* best = decide(plan, options); best != nullptr)
-    plan.view.path = way_to(plan.floor, plan.reach, best->pose);
+    plan.view.path = path_to(plan.floor, plan.reach, best->pose);
   plan.view.details["times_s"] = times;
   for (const ViewSample& sample : plan.samples) plan.view.details["samples"].push_back(sample_json(sample));
   return plan;
@@ -325,11 +327,11 @@ PoolChoice choose_view(const mapping::OccupancyMap& map, const std::vector<mappi
                        const mapping::LaserModel& laser, const PlannerOptions& options) {
   ViewPlan plan;
   plan.voxels = map.voxels();
-  plan.fringe = find_fringe(plan.voxels, options.threads, FloorRegion(options.within));
-  plan.view.fringe_voxels = plan.fringe.fringe;
+  plan.frontier = find_frontier(plan.voxels, options.threads, mapping::FloorRegion(options.within));
+  plan.view.frontier_voxels = plan.frontier.frontier;
   plan.floor = floor_grid(plan.voxels, options.cell_m, body_height(laser));
   add_costmaps(plan, options);
-  const ViewCaster caster(plan.voxels, plan.fringe, laser, options.distance_max_m, options.ray_step_deg);
+  const ViewCaster caster(plan.voxels, plan.frontier, laser, options.max_distance_m, options.ray_step_deg);
   plan.samples.resize(poses.size());
   parallel_for(poses.size(), options.threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {

@@ -11,18 +11,17 @@
 #include "mapping/occupancy/occupancy.h"
 #include "mapping/sensor/laser.h"
 #include "nbv/costmaps.h"
-#include "nbv/floor_region.h"
-#include "nbv/fringe.h"
-#include "nbv/panorama.h"
-#include "nbv/reach.h"
+#include "nbv/frontier.h"
+#include "nbv/ray_casting.h"
+#include "nbv/reachability.h"
 
 namespace loci::nbv {
 
 struct PlannerOptions {
   double cell_m = 0.10;
   int orientations = 8;
-  double distance_min_m = 1.0;
-  double distance_max_m = 4.0;
+  double min_distance_m = 1.0;
+  double max_distance_m = 4.0;
   double opening_deg = 180;
   double robot_radius_m = 0.30;
   double overlap_wanted = 0.5;
@@ -31,7 +30,7 @@ struct PlannerOptions {
   double ray_step_deg = 1;
   double travel_cost_per_m = 0;
   double min_gain = 0.2;
-  std::string within = "";  ///< FloorRegion that is explored and driven in
+  std::string within = "";  ///< mapping::FloorRegion that is explored and driven in
   /// Places where the robot has failed to get to: nothing within its radius of them is chosen.
   std::vector<Vector2d> avoid = {};
   int threads = 0;  ///< 0 = all cores; not declared as an option: the result is the same on any number
@@ -44,8 +43,8 @@ struct NextView {
   std::optional<mapping::PlanarPose> pose;  ///< unset: stop
   std::string reason;                       ///< of the stop, or of the choice
   double expected_overlap = 0;              ///< n_o / (n_o + n_f) of the validated view
-  double expected_gain = 0;                 ///< what may be seen anew behind the fringe, m²
-  size_t fringe_voxels = 0;                 ///< in the whole map
+  double expected_gain = 0;                 ///< what may be seen anew behind the frontier, m²
+  size_t frontier_voxels = 0;               ///< in the whole map
   std::vector<mapping::PlanarPose> path;    ///< way there on the floor, its corners, the pose last
   Json details;                             ///< samples with scores, times, stopping measures
 };
@@ -62,10 +61,10 @@ struct ViewSample {
 struct ViewPlan {
   NextView view;
   mapping::Voxels voxels;
-  ViewVoxels fringe;
+  ViewVoxels frontier;
   mapping::FloorGrid floor;
-  Reach reach;
-  CostmapStack fringe_costs;    ///< C_F
+  Reachability reach;
+  CostmapStack frontier_costs;  ///< C_F
   CostmapStack occupied_costs;  ///< C_O
   CostmapStack costs;           ///< C = min(C_F, C_O) where the robot can stand, 0 elsewhere
   std::vector<ViewSample> samples;
@@ -82,10 +81,10 @@ double body_height(const mapping::LaserModel& laser);
 mapping::FloorGrid drivable_floor(const mapping::Voxels& voxels, const mapping::PlanarPose& robot,
                                   const mapping::LaserModel& laser, const PlannerOptions& options);
 /// Where the robot can drive to on it.
-Reach drivable_ways(const mapping::FloorGrid& floor, const mapping::PlanarPose& robot,
-                    const PlannerOptions& options);
+Reachability reachability(const mapping::FloorGrid& floor, const mapping::PlanarPose& robot,
+                          const PlannerOptions& options);
 
-/// Next best view by costmaps (§7.3.1): fringe and occupied voxels vote through a visibility kernel per
+/// Next best view by costmaps (§7.3.1): frontier and occupied voxels vote through a visibility kernel per
 /// orientation for planar poses; places sampled in proportion to C = min(C_F, C_O) are validated by ray
 /// casting with the sensor's model, in all orientations at once, and scored by c · H(n_o, n_f). With
 /// gain_weight other than 0.5 the score is the geometric mean between that and n_o alone (0) or n_f alone

@@ -200,7 +200,7 @@ void ArgumentTable::options(const OptionTable& table, const std::string& group) 
   for (const Option& option : table.options()) {
     Argument argument;
     argument.name = "--" + kebab(option.name);
-    argument.description = option.sentence;
+    argument.description = option.description;
     argument.group = group;
     std::visit([&](auto* value) { argument.variable = value; }, option.value);
     argument.negatable = std::holds_alternative<bool*>(option.value);

@@ -3,7 +3,7 @@
 #include "apps/map/commands.h"
 #include "mapping/base/json.h"
 #include "mapping/sensor/pose_text.h"
-#include "mapping/simulation/scanned_world.h"
+#include "mapping/simulation/simulated_robot.h"
 #include "nbv/survey.h"
 
 namespace loci::apps {
@@ -21,14 +21,14 @@ struct ExploreArguments {
 void explore(ExploreArguments& arguments, Session& session) {
   nbv::ExplorationOptions& exploration = arguments.options.exploration;
   exploration.threads = session.flags().threads;
-  mapping::ScannedWorldOptions world;
+  mapping::SimulatedRobotOptions world;
   for (const std::string& folder : arguments.package_paths) world.package_paths.emplace_back(folder);
   world.floor = arguments.floor;
   world.ceiling = arguments.ceiling;
   world.laser = exploration.laser;
   world.seed = exploration.seed;
   world.threads = exploration.threads;
-  mapping::ScannedWorld robot(arguments.world, world, {}, session.warnings());
+  mapping::SimulatedRobot robot(arguments.world, world, {}, session.warnings());
   const mapping::PlanarPose start = arguments.start.empty()
                                         ? robot.open_place()
                                         : mapping::planar_poses_from(arguments.start, "--start").front();

@@ -48,7 +48,7 @@ Json view_json(const nbv::NextView& view) {
   json["reason"] = view.reason;
   json["expected_overlap"] = view.expected_overlap;
   json["expected_gain_m2"] = view.expected_gain;
-  json["fringe_voxels"] = view.fringe_voxels;
+  json["frontier_voxels"] = view.frontier_voxels;
   json["path"] = Json::array();
   for (const mapping::PlanarPose& corner : view.path) json["path"].push_back(pose_json(corner));
   json["details"] = view.details;

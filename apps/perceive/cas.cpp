@@ -38,8 +38,8 @@ void read_cas(const Arguments& given, perception::cas::Cas& cas, Session& sessio
   try {
     perception::cas::from_json(cas, read_json(given.in));
   } catch (const Error& error) {
-    if (!error.place().file.empty()) throw;
-    throw Error(error.message(), {given.in, 0, error.place().key}, error.hint());
+    if (!error.location().file.empty()) throw;
+    throw Error(error.message(), {given.in, 0, error.location().key}, error.hint());
   }
 }
 

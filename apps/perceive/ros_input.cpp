@@ -34,7 +34,7 @@ size_t add_ros_messages(const mapping::RosBag& bag, const perception::RosTypes& 
       try {
         cas.view(each.name).add_to_index(types.read(cas, each.type, bag.message(each.name, i)));
       } catch (const Error& error) {
-        if (!error.place().file.empty()) throw;
+        if (!error.location().file.empty()) throw;
         throw Error(error.message(), {fmt::format("{}: {}[{}]", bag.path().string(), each.name, i), 0, {}});
       }
     }

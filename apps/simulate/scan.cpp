@@ -7,7 +7,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/sensor/pose_text.h"
-#include "mapping/simulation/scanned_world.h"
+#include "mapping/simulation/simulated_robot.h"
 
 namespace loci::apps {
 namespace {
@@ -64,7 +64,7 @@ Json scan_report(const mapping::Scan& scan) {
 }
 
 /// A line of truth.jsonl, which only evaluation reads.
-std::string truth_line(const std::string& name, const mapping::ScannedWorld& robot) {
+std::string truth_line(const std::string& name, const mapping::SimulatedRobot& robot) {
   const Json line = {
       {"scan", name}, {"pose", values_from_pose(robot.true_map_from_scanner())}, {"joints", robot.joints()}};
   return line.dump();
@@ -73,7 +73,7 @@ std::string truth_line(const std::string& name, const mapping::ScannedWorld& rob
 void scan(Arguments& arguments, Session& session) {
   table_of(arguments).validate();
   const std::vector<mapping::PlanarPose> poses = mapping::planar_poses_from(arguments.poses, "--poses");
-  mapping::ScannedWorldOptions options;
+  mapping::SimulatedRobotOptions options;
   options.package_paths = arguments.package_paths;
   options.floor = height_from(arguments.floor, "--floor");
   options.ceiling = height_from(arguments.ceiling, "--ceiling");
@@ -81,7 +81,7 @@ void scan(Arguments& arguments, Session& session) {
   options.odometry = arguments.odometry ? arguments.drift : mapping::OdometryModel{0, 0, 0};
   options.seed = static_cast<uint64_t>(arguments.seed);
   options.threads = session.flags().threads;
-  mapping::ScannedWorld robot(arguments.world, options, poses.front(), session.warnings());
+  mapping::SimulatedRobot robot(arguments.world, options, poses.front(), session.warnings());
   robot.set_joints(joints_from(arguments.joints));
 
   mapping::ScanSet set;

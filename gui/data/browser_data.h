@@ -11,7 +11,6 @@
 #include "gui/core/colored_cloud.h"
 #include "gui/core/text.h"
 #include "gui/data/question_answers.h"
-#include "mapping/base/joint_state.h"
 #include "mapping/base/pose.h"
 #include "mapping/base/progress.h"
 #include "mapping/base/time.h"

@@ -304,7 +304,7 @@ Track read_track(const std::filesystem::path& csv) {
     std::array<double, 7> values{0, 0, 0, 0, 0, 0, 1};
     for (size_t i = 0; i < 3; ++i) values[i] = table.number(row, xyz[i]);
     for (size_t i = 0; i < turn.size(); ++i) values[3 + i] = table.number(row, turn[i]);
-    const Isometry3d pose = pose_from_values(values, table.place(row));
+    const Isometry3d pose = pose_from_values(values, table.location(row));
     track.positions.push_back(pose.translation());
     if (!turn.empty()) track.orientations.emplace_back(pose.linear());
   }

@@ -37,16 +37,16 @@ bool Config::has(const std::string& key) const {
 
 Config Config::map(const std::string& key) const {
   const YAML::Node child = node_for(key);
-  return {child ? child : YAML::Node(YAML::NodeType::Map), file_, place(key).key};
+  return {child ? child : YAML::Node(YAML::NodeType::Map), file_, location(key).key};
 }
 
 std::vector<Config> Config::list(const std::string& key) const {
   std::vector<Config> result;
   const YAML::Node child = node_for(key);
   if (!child) return result;
-  if (!child.IsSequence()) throw Error("a list was expected here", place(key));
+  if (!child.IsSequence()) throw Error("a list was expected here", location(key));
   for (size_t i = 0; i < child.size(); ++i)
-    result.push_back(Config(child[i], file_, place(key).key + "[" + std::to_string(i) + "]"));
+    result.push_back(Config(child[i], file_, location(key).key + "[" + std::to_string(i) + "]"));
   return result;
 }
 
@@ -66,8 +66,8 @@ void Config::finish() const {
   }
 }
 
-Place Config::place(const std::string& key) const {
-  Place result{file_, node_ && !node_.Mark().is_null() ? node_.Mark().line + 1 : 0, path_};
+FileLocation Config::location(const std::string& key) const {
+  FileLocation result{file_, node_ && !node_.Mark().is_null() ? node_.Mark().line + 1 : 0, path_};
   if (key.empty()) return result;
   const YAML::Node& node = node_;
   if (const YAML::Node child = node[key]; child && !child.Mark().is_null())

@@ -3,6 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <filesystem>
+#include <initializer_list>
 #include <set>
 #include <string>
 #include <vector>
@@ -26,7 +27,7 @@ class Config {
   template <class T>
   T require(const std::string& key) const {
     const YAML::Node child = node_for(key);
-    if (!child) throw Error("the key '" + key + "' is missing", place());
+    if (!child) throw Error("the key '" + key + "' is missing", location());
     return convert<T>(child, key);
   }
 
@@ -49,11 +50,18 @@ class Config {
   /// This map's own node.
   const YAML::Node& node() const { return node_; }
 
-  /// Throws Error for the first key of this map that nobody asked for.
+  /// Throws Error for the first key of this map that was not asked for.
   void finish() const;
+  /// finish() for a map with these keys, before any of them is read: a misspelt key is also a missing one,
+  /// and the message about the misspelling is the useful one.
+  void refuse_other_keys(std::initializer_list<const char*> keys) const {
+    known_.insert(keys.begin(), keys.end());
+    finish();
+  }
 
   /// Where this map begins; with a key, where that key's value is.
-  Place place(const std::string& key = {}) const;
+  FileLocation location(const std::string& key = {}) const;
+  FileLocation place(const std::string& key = {}) const { return location(key); }  ///< deprecated
 
   /// A Config over a node of this file, for lists and variants. `path` is the key path for messages.
   Config over(const YAML::Node& node, const std::string& path) const { return {node, file_, path}; }
@@ -67,7 +75,7 @@ class Config {
     try {
       return child.as<T>();
     } catch (const YAML::Exception&) {
-      throw Error("this value cannot be read", place(key), expected<T>());
+      throw Error("this value cannot be read", location(key), expected<T>());
     }
   }
   template <class T>

@@ -42,12 +42,12 @@ bool next_record(std::string_view text, size_t& at, int& line, std::vector<std::
 }
 
 template <class T>
-T parse_number(const std::string& text, const Place& place, const char* kind) {
+T parse_number(const std::string& text, const FileLocation& location, const char* kind) {
   T value{};
   const char* end = text.data() + text.size();
   const auto result = std::from_chars(text.data(), end, value);
   if (result.ec != std::errc() || result.ptr != end)
-    throw Error(fmt::format("'{}' is not a {}", text, kind), place);
+    throw Error(fmt::format("'{}' is not a {}", text, kind), location);
   return value;
 }
 
@@ -89,16 +89,16 @@ size_t CsvTable::require_column(const std::string& name) const {
 }
 
 double CsvTable::number(size_t row, size_t column) const {
-  const auto value = parse_number<double>(cell(row, column), place(row, header_[column]), "number");
-  if (!std::isfinite(value)) throw Error("this number is not finite", place(row, header_[column]));
+  const auto value = parse_number<double>(cell(row, column), location(row, header_[column]), "number");
+  if (!std::isfinite(value)) throw Error("this number is not finite", location(row, header_[column]));
   return value;
 }
 
 int64_t CsvTable::integer(size_t row, size_t column) const {
-  return parse_number<int64_t>(cell(row, column), place(row, header_[column]), "whole number");
+  return parse_number<int64_t>(cell(row, column), location(row, header_[column]), "whole number");
 }
 
-Place CsvTable::place(size_t row, const std::string& key) const {
+FileLocation CsvTable::location(size_t row, const std::string& key) const {
   return {file_, lines_[row], key};
 }
 

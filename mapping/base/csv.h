@@ -27,7 +27,10 @@ class CsvTable {
   double number(size_t row, size_t column) const;
   int64_t integer(size_t row, size_t column) const;
   /// Where a row stands in the file.
-  Place place(size_t row, const std::string& key = {}) const;
+  FileLocation location(size_t row, const std::string& key = {}) const;
+  FileLocation place(size_t row, const std::string& key = {}) const {
+    return location(row, key);
+  }  ///< deprecated
 
  private:
   std::string file_;

@@ -28,23 +28,23 @@ size_t edit_distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-std::string Place::text() const {
+std::string FileLocation::text() const {
   std::string text = file;
   if (line > 0) text += fmt::format(":{}", line);
   if (!key.empty()) text += text.empty() ? key : ": " + key;
   return text;
 }
 
-Error::Error(std::string what, Place place, std::string hint)
-    : message_(std::move(what)), place_(std::move(place)), hint_(std::move(hint)) {
-  const std::string where = place_.text();
+Error::Error(std::string what, FileLocation location, std::string hint)
+    : message_(std::move(what)), location_(std::move(location)), hint_(std::move(hint)) {
+  const std::string where = location_.text();
   text_ = where.empty() ? message_ : where + ": " + message_;
   if (!hint_.empty()) text_ += "; " + hint_;
   std::replace(text_.begin(), text_.end(), '\n', ' ');
 }
 
-void Warnings::add(std::string text, const Place& place) {
-  const std::string where = place.text();
+void Warnings::add(std::string text, const FileLocation& location) {
+  const std::string where = location.text();
   texts_.push_back(where.empty() ? std::move(text) : where + ": " + text);
 }
 

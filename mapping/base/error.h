@@ -7,9 +7,8 @@
 
 namespace loci {
 
-/// Where something happened, as far as it is known: a file, a line in it (1-based, 0 = unknown), and a key or
-/// name.
-struct Place {
+/// A position in a file, as far as it is known: the file, a line (1-based, 0 = unknown), and a key or name.
+struct FileLocation {
   std::string file;
   int line = 0;
   std::string key;
@@ -17,34 +16,36 @@ struct Place {
   /// "kitchen.yaml:12: scenes.time", leaving out what is unknown.
   std::string text() const;
 };
+using Place = FileLocation;  ///< deprecated
 
-/// The one exception of the project: what happened, where, and what to do about it. Its text is one line.
+/// The exception of the project: what happened, where, and what to do about it. Its text is one line.
 class Error : public std::exception {
  public:
-  explicit Error(std::string what, Place place = {}, std::string hint = {});
+  explicit Error(std::string what, FileLocation location = {}, std::string hint = {});
 
   const char* what() const noexcept override { return text_.c_str(); }
   const std::string& message() const { return message_; }
-  const Place& place() const { return place_; }
+  const FileLocation& location() const { return location_; }
+  const FileLocation& place() const { return location_; }  ///< deprecated
   const std::string& hint() const { return hint_; }
 
  private:
   std::string message_;
-  Place place_;
+  FileLocation location_;
   std::string hint_;
   std::string text_;
 };
 
-/// Thrown by a stage when its Progress asked it to stop. What was committed before stays.
+/// Thrown by a stage when its Progress asks it to stop. Committed results stay.
 class Interrupted : public std::exception {
  public:
   const char* what() const noexcept override { return "interrupted"; }
 };
 
-/// What is worth telling without failing. Collected by stages and readers, counted and shown by the apps.
+/// Problems that do not stop a stage. Stages and readers collect them; the programs count and print them.
 class Warnings {
  public:
-  void add(std::string text, const Place& place = {});
+  void add(std::string text, const FileLocation& location = {});
   const std::vector<std::string>& texts() const { return texts_; }
   bool empty() const { return texts_.empty(); }
 
@@ -52,8 +53,7 @@ class Warnings {
   std::vector<std::string> texts_;
 };
 
-/// The candidate that is closest to `name` by edit distance, or "" if none is near enough to be what was
-/// meant.
+/// The candidate with the smallest edit distance to `name`, or "" when all are too different.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
 
 /// "did you mean 'x'?" for an error's hint, or "" when nothing is near.

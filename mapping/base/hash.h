@@ -5,7 +5,7 @@
 
 namespace loci {
 
-/// SHA-256 of some bytes, 64 hexadecimal digits: names content wherever it lies.
+/// SHA-256 of some bytes as 64 hexadecimal digits: identifies content independent of where it is stored.
 std::string content_hash(std::string_view bytes);
 
 }  // namespace loci

@@ -21,8 +21,8 @@ Overloaded(Cases...) -> Overloaded<Cases...>;
 
 std::string problem_of(const Option& option) {
   const auto outside = [&](double value) -> std::string {
-    if (std::isfinite(value) && value >= option.minimum && value <= option.maximum) return {};
-    return fmt::format("{} is {}, allowed is {} to {}", option.name, value, option.minimum, option.maximum);
+    if (std::isfinite(value) && value >= option.min && value <= option.max) return {};
+    return fmt::format("{} is {}, allowed is {} to {}", option.name, value, option.min, option.max);
   };
   return std::visit(
       Overloaded{
@@ -41,33 +41,33 @@ std::string problem_of(const Option& option) {
 
 }  // namespace
 
-void OptionTable::flag(std::string name, bool& value, std::string sentence) {
-  options_.push_back({std::move(name), &value, "", std::move(sentence), 0, 1, {}});
+void OptionTable::flag(std::string name, bool& value, std::string description) {
+  options_.push_back({std::move(name), &value, "", std::move(description), 0, 1, {}});
 }
 
-void OptionTable::integer(std::string name, int& value, std::string unit, std::string sentence, int minimum,
-                          int maximum) {
+void OptionTable::integer(std::string name, int& value, std::string unit, std::string description, int min,
+                          int max) {
   options_.push_back({std::move(name),
                       &value,
                       std::move(unit),
-                      std::move(sentence),
-                      static_cast<double>(minimum),
-                      static_cast<double>(maximum),
+                      std::move(description),
+                      static_cast<double>(min),
+                      static_cast<double>(max),
                       {}});
 }
 
-void OptionTable::number(std::string name, double& value, std::string unit, std::string sentence,
-                         double minimum, double maximum) {
-  options_.push_back({std::move(name), &value, std::move(unit), std::move(sentence), minimum, maximum, {}});
+void OptionTable::number(std::string name, double& value, std::string unit, std::string description,
+                         double min, double max) {
+  options_.push_back({std::move(name), &value, std::move(unit), std::move(description), min, max, {}});
 }
 
-void OptionTable::text(std::string name, std::string& value, std::string sentence,
+void OptionTable::text(std::string name, std::string& value, std::string description,
                        std::vector<std::string> choices) {
-  options_.push_back({std::move(name), &value, "", std::move(sentence), 0, 0, std::move(choices)});
+  options_.push_back({std::move(name), &value, "", std::move(description), 0, 0, std::move(choices)});
 }
 
-void OptionTable::texts(std::string name, std::vector<std::string>& value, std::string sentence) {
-  options_.push_back({std::move(name), &value, "", std::move(sentence), 0, 0, {}});
+void OptionTable::texts(std::string name, std::vector<std::string>& value, std::string description) {
+  options_.push_back({std::move(name), &value, "", std::move(description), 0, 0, {}});
 }
 
 void OptionTable::read(const Config& config) {
@@ -83,14 +83,14 @@ void OptionTable::read(const Config& config) {
 void OptionTable::read_all(const Config& config) {
   read(config);
   config.finish();
-  validate(config.place());
+  validate(config.location());
 }
 
-void OptionTable::validate(const Place& place) const {
+void OptionTable::validate(const FileLocation& location) const {
   std::vector<std::string> problems;
   for (const Option& option : options_)
     if (std::string problem = problem_of(option); !problem.empty()) problems.push_back(std::move(problem));
-  if (!problems.empty()) throw Error(fmt::format("{}", fmt::join(problems, "; ")), place);
+  if (!problems.empty()) throw Error(fmt::format("{}", fmt::join(problems, "; ")), location);
 }
 
 Json OptionTable::to_json() const {

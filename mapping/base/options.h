@@ -12,16 +12,16 @@ namespace loci {
 
 class Config;
 
-/// One option of a stage: where its value lives, and all that is to be said about it.
+/// One option of a stage: its value, unit, bounds and description.
 struct Option {
   using Value = std::variant<bool*, int*, double*, std::string*, std::vector<std::string>*>;
 
   std::string name;  ///< snake_case, with the unit where it is not SI ("yaw_deg"); also the YAML key
   Value value;       ///< points into the options struct; holds the default when declared on a fresh struct
   std::string unit;  ///< "m", "deg", "px", "" for none
-  std::string sentence;
-  double minimum = -std::numeric_limits<double>::infinity();  ///< of numbers, inclusive
-  double maximum = std::numeric_limits<double>::infinity();
+  std::string description;
+  double min = -std::numeric_limits<double>::infinity();  ///< of numbers, inclusive
+  double max = std::numeric_limits<double>::infinity();
   std::vector<std::string> choices;  ///< of strings; empty = any
 };
 
@@ -35,14 +35,13 @@ struct Option {
 ///   };
 class OptionTable {
  public:
-  void flag(std::string name, bool& value, std::string sentence);
-  void integer(std::string name, int& value, std::string unit, std::string sentence, int minimum,
-               int maximum);
-  void number(std::string name, double& value, std::string unit, std::string sentence, double minimum,
-              double maximum);
-  void text(std::string name, std::string& value, std::string sentence,
+  void flag(std::string name, bool& value, std::string description);
+  void integer(std::string name, int& value, std::string unit, std::string description, int min, int max);
+  void number(std::string name, double& value, std::string unit, std::string description, double min,
+              double max);
+  void text(std::string name, std::string& value, std::string description,
             std::vector<std::string> choices = {});
-  void texts(std::string name, std::vector<std::string>& value, std::string sentence);
+  void texts(std::string name, std::vector<std::string>& value, std::string description);
 
   const std::vector<Option>& options() const { return options_; }
 
@@ -50,8 +49,8 @@ class OptionTable {
   void read(const Config& config);
   /// Reads a map that holds these options and nothing else, and validates them.
   void read_all(const Config& config);
-  /// Throws one Error that names all values outside their bounds; `place` says whose options they are.
-  void validate(const Place& place = {}) const;
+  /// Throws one Error that names all values outside their bounds; `location` says whose options they are.
+  void validate(const FileLocation& location = {}) const;
   /// The effective configuration, for outputs and listings.
   Json to_json() const;
 

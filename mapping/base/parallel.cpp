@@ -1,8 +1,13 @@
 #include "mapping/base/parallel.h"
 
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -18,6 +23,10 @@ void parallel_for(size_t count, int threads, const std::function<void(size_t, si
     if (count > 0) task(0, count);
     return;
   }
+  using Control = tbb::global_control;
+  std::optional<Control> more_threads;  // Than cores: for tasks that wait, e.g. for a network.
+  if (parts > Control::active_value(Control::max_allowed_parallelism))
+    more_threads.emplace(Control::max_allowed_parallelism, parts);
   std::vector<std::exception_ptr> failures(parts);
   const auto run = [&](size_t part) {
     try {
@@ -26,11 +35,9 @@ void parallel_for(size_t count, int threads, const std::function<void(size_t, si
       failures[part] = std::current_exception();
     }
   };
-  std::vector<std::jthread> workers;  // They join by themselves if the system refuses to start another one.
-  workers.reserve(parts - 1);
-  for (size_t part = 1; part < parts; ++part) workers.emplace_back(run, part);
-  run(0);
-  for (std::jthread& worker : workers) worker.join();
+  // An arena of its own: a thread that waits here takes no other work, of which it might hold a lock.
+  tbb::task_arena arena(static_cast<int>(parts));
+  arena.execute([&] { tbb::parallel_for(size_t{0}, parts, run, tbb::simple_partitioner()); });
   for (const auto& failure : failures)
     if (failure) std::rethrow_exception(failure);
 }

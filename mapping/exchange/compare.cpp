@@ -61,20 +61,20 @@ cv::Mat mask_of(const SurfacePatch& patch, const Bounds& bounds, double cell) {
   return mask;
 }
 
-ComparedThing compared(const SurfacePatch& map, const SurfacePatch& truth, double overlap) {
-  ComparedThing thing;
-  thing.kind = "support";
-  thing.verdict = truth.main ? "matched" : "minor";
-  thing.map_name = map.name;
-  thing.truth_name = truth.name;
-  thing.height_error = map.height - truth.height;
-  thing.overlap = overlap;
+ComparedElement compared(const SurfacePatch& map, const SurfacePatch& truth, double overlap) {
+  ComparedElement element;
+  element.kind = "support";
+  element.verdict = truth.main ? "matched" : "minor";
+  element.map_name = map.name;
+  element.truth_name = truth.name;
+  element.height_error = map.height - truth.height;
+  element.overlap = overlap;
   const double yaw = yaw_of(truth);
   const Bounds a = bounds_of(map, yaw);
   const Bounds b = bounds_of(truth, yaw);
-  thing.edge_errors = {a.min.x() - b.min.x(), a.max.x() - b.max.x(), a.min.y() - b.min.y(),
-                       a.max.y() - b.max.y()};
-  return thing;
+  element.edge_errors = {a.min.x() - b.min.x(), a.max.x() - b.max.x(), a.min.y() - b.min.y(),
+                         a.max.y() - b.max.y()};
+  return element;
 }
 
 bool asked_for(const std::string& region, const ComparisonOptions& options) {
@@ -101,16 +101,16 @@ void compare_supports(const MapStructure& map, const MapStructure& truth, const 
   for (const Pair& pair : pairs) {
     if (map_used[pair.map] || truth_used[pair.truth]) continue;
     map_used[pair.map] = truth_used[pair.truth] = true;
-    result.things.push_back(compared(map.supports[pair.map], truth.supports[pair.truth], pair.overlap));
+    result.elements.push_back(compared(map.supports[pair.map], truth.supports[pair.truth], pair.overlap));
   }
   const auto lone = [&](const std::string& verdict, const std::string& map_name,
                         const std::string& truth_name) {
-    ComparedThing thing;
-    thing.kind = "support";
-    thing.verdict = verdict;
-    thing.map_name = map_name;
-    thing.truth_name = truth_name;
-    result.things.push_back(thing);
+    ComparedElement element;
+    element.kind = "support";
+    element.verdict = verdict;
+    element.map_name = map_name;
+    element.truth_name = truth_name;
+    result.elements.push_back(element);
   };
   for (size_t j = 0; j < truth.supports.size(); ++j)
     if (!truth_used[j] && truth.supports[j].main && asked_for(truth.supports[j].region, options))
@@ -120,8 +120,8 @@ void compare_supports(const MapStructure& map, const MapStructure& truth, const 
 }
 
 /// Shared length of two walls over the shorter one's, and their differences in the middle of the map's wall.
-std::optional<ComparedThing> compared(const WallPatch& map, const WallPatch& truth,
-                                      const ComparisonOptions& options) {
+std::optional<ComparedElement> compared(const WallPatch& map, const WallPatch& truth,
+                                        const ComparisonOptions& options) {
   const double cosine = std::clamp(map.normal.dot(truth.normal), -1.0, 1.0);
   const double angle = std::acos(cosine) * 180 / kPi;
   if (angle > options.wall_angle_deg) return std::nullopt;
@@ -132,30 +132,30 @@ std::optional<ComparedThing> compared(const WallPatch& map, const WallPatch& tru
   const double shared = std::min(map.along_max, truth.along_max) - std::max(map.along_min, truth.along_min);
   const double shorter = std::min(map.along_max - map.along_min, truth.along_max - truth.along_min);
   if (shared < 0.3 * shorter) return std::nullopt;
-  ComparedThing thing;
-  thing.kind = "wall";
-  thing.verdict = truth.main ? "matched" : "minor";
-  thing.map_name = map.name;
-  thing.truth_name = truth.name;
-  thing.offset_error = offset;
-  thing.angle_error_deg = angle;
-  return thing;
+  ComparedElement element;
+  element.kind = "wall";
+  element.verdict = truth.main ? "matched" : "minor";
+  element.map_name = map.name;
+  element.truth_name = truth.name;
+  element.offset_error = offset;
+  element.angle_error_deg = angle;
+  return element;
 }
 
 void compare_walls(const MapStructure& map, const MapStructure& truth, const ComparisonOptions& options,
                    Comparison& result) {
   std::vector<bool> found(truth.walls.size(), false);
   for (const WallPatch& wall : map.walls) {
-    std::optional<ComparedThing> best;
+    std::optional<ComparedElement> best;
     size_t best_truth = 0;
     for (size_t j = 0; j < truth.walls.size(); ++j) {
-      const auto thing = compared(wall, truth.walls[j], options);
-      if (!thing) continue;
-      const bool better =
-          !best || (truth.walls[j].main && best->verdict == "minor") ||
-          (thing->verdict == best->verdict && std::abs(*thing->offset_error) < std::abs(*best->offset_error));
+      const auto element = compared(wall, truth.walls[j], options);
+      if (!element) continue;
+      const bool better = !best || (truth.walls[j].main && best->verdict == "minor") ||
+                          (element->verdict == best->verdict &&
+                           std::abs(*element->offset_error) < std::abs(*best->offset_error));
       if (!better) continue;
-      best = thing;
+      best = element;
       best_truth = j;
     }
     if (!best) {
@@ -167,15 +167,15 @@ void compare_walls(const MapStructure& map, const MapStructure& truth, const Com
       if (found[best_truth]) best->verdict = "minor";  // a further piece of a wall that is counted already
       found[best_truth] = true;
     }
-    result.things.push_back(*best);
+    result.elements.push_back(*best);
   }
   for (size_t j = 0; j < truth.walls.size(); ++j) {
     if (found[j] || !truth.walls[j].main || !asked_for(truth.walls[j].region, options)) continue;
-    ComparedThing thing;
-    thing.kind = "wall";
-    thing.verdict = "missed";
-    thing.truth_name = truth.walls[j].name;
-    result.things.push_back(thing);
+    ComparedElement element;
+    element.kind = "wall";
+    element.verdict = "missed";
+    element.truth_name = truth.walls[j].name;
+    result.elements.push_back(element);
   }
 }
 
@@ -192,7 +192,7 @@ void ComparisonOptions::declare(OptionTable& table) {
                0.1, 45);
   table.number("handle_tolerance_m", handle_tolerance_m, "m",
                "Handles match when their centres are no further apart.", 0.001, 1);
-  table.text("region", region, "Asks only for things of this region of the truth; empty = all.");
+  table.text("region", region, "Asks only for elements of this region of the truth; empty = all.");
 }
 
 double overlap_of(const SurfacePatch& a, const SurfacePatch& b) {
@@ -220,7 +220,7 @@ Comparison compare(const MapStructure& map, const MapStructure& truth, const Com
   compare_walls(map, truth, options, result);
   compare_furniture(map, truth, options, result);
   if (truth.floor_height) {
-    ComparedThing floor;
+    ComparedElement floor;
     floor.kind = "floor";
     floor.verdict = map.floor_height ? "matched" : "missed";
     floor.truth_name = "floor";
@@ -228,7 +228,7 @@ Comparison compare(const MapStructure& map, const MapStructure& truth, const Com
       floor.map_name = "floor";
       floor.height_error = *map.floor_height - *truth.floor_height;
     }
-    result.things.push_back(floor);
+    result.elements.push_back(floor);
   }
   return result;
 }

@@ -32,10 +32,10 @@ struct ComparedJoint {
   bool right() const { return map_type == truth_type; }
 };
 
-/// One thing of the map, of the truth, or of both.
-struct ComparedThing {
+/// One element of the map, of the truth, or of both.
+struct ComparedElement {
   std::string kind;     ///< "support", "wall", "floor", "front", "handle" (and knobs)
-  std::string verdict;  ///< "matched", "missed", "extra", "minor" (found, though not among the main things)
+  std::string verdict;  ///< "matched", "missed", "extra", "minor" (found, though not among the main elements)
   std::string map_name, truth_name;       ///< empty where there is none
   std::optional<double> height_error;     ///< map minus truth, metres
   std::optional<double> overlap;          ///< intersection over union of the outlines
@@ -48,7 +48,7 @@ struct ComparedThing {
 };
 
 struct Comparison {
-  std::vector<ComparedThing> things;
+  std::vector<ComparedElement> elements;
   std::string map_source, truth_source;
 
   struct Counts {
@@ -63,8 +63,8 @@ struct Comparison {
     double rate() const;
   };
   Joints joints() const;
-  /// A figure of all matched things of a kind, absolute, those that have it.
-  std::vector<double> errors(const std::string& kind, std::optional<double> ComparedThing::*figure) const;
+  /// A figure of all matched elements of a kind, absolute, those that have it.
+  std::vector<double> errors(const std::string& kind, std::optional<double> ComparedElement::*figure) const;
   std::vector<double> joint_errors(std::optional<double> ComparedJoint::*figure) const;
   /// A table per kind and a line of counts per kind.
   std::string text() const;
@@ -73,7 +73,7 @@ struct Comparison {
 
 /// Supports match by height and overlap, best overlap first, each once; walls by angle, offset and shared
 /// length, several pieces of a map may belong to one true wall; handles and knobs by the distance of their
-/// centres, nearest first; fronts by their matched handles, then by overlap. With a region, only things of
+/// centres, nearest first; fronts by their matched handles, then by overlap. With a region, only elements of
 /// the truth in it are asked for, and furniture of the map outside of it is no mistake.
 Comparison compare(const MapStructure& map, const MapStructure& truth, const ComparisonOptions& options);
 

@@ -18,7 +18,7 @@ struct Pair {
   double score;  ///< the lowest is the best
 };
 
-/// Takes the best pairs, each thing once. Returns for each thing of the truth its partner in the map.
+/// Takes the best pairs, each element once. Returns for each element of the truth its partner in the map.
 std::vector<std::optional<size_t>> assign(std::vector<Pair> pairs, size_t truths,
                                           std::vector<std::optional<size_t>> partners = {}) {
   partners.resize(truths);
@@ -39,13 +39,13 @@ bool asked_for(const std::string& region, const ComparisonOptions& options) {
   return options.region.empty() || region.empty() || region == options.region;
 }
 
-/// Whether a thing that the truth does not have is a mistake: not where the truth was not asked.
+/// Whether a element that the truth does not have is a mistake: not where the truth was not asked.
 bool in_region(const Vector3d& point, const MapStructure& truth, const ComparisonOptions& options) {
   const auto region = truth.regions.find(options.region);
   return region == truth.regions.end() || region->second.exteriorDistance(point) <= kRegionMargin;
 }
 
-/// The things of a kind with their verdicts; `fill` writes the errors of a pair.
+/// The elements of a kind with their verdicts; `fill` writes the errors of a pair.
 template <class Known, class Place, class Fill>
 void judge(const std::string& kind, const std::vector<Known>& map, const MapStructure& truth,
            const std::vector<Known>& truths, const std::vector<std::optional<size_t>>& partners,
@@ -53,28 +53,28 @@ void judge(const std::string& kind, const std::vector<Known>& map, const MapStru
   std::vector<bool> used(map.size(), false);
   for (size_t j = 0; j < truths.size(); ++j) {
     const bool main = truths[j].main && asked_for(truths[j].region, options);
-    ComparedThing thing;
-    thing.kind = kind;
-    thing.truth_name = truths[j].name;
+    ComparedElement element;
+    element.kind = kind;
+    element.truth_name = truths[j].name;
     if (partners[j]) {
       used[*partners[j]] = true;
-      thing.map_name = map[*partners[j]].name;
-      thing.verdict = main ? "matched" : "minor";
-      fill(map[*partners[j]], truths[j], thing);
+      element.map_name = map[*partners[j]].name;
+      element.verdict = main ? "matched" : "minor";
+      fill(map[*partners[j]], truths[j], element);
     } else if (main) {
-      thing.verdict = "missed";
+      element.verdict = "missed";
     } else {
       continue;
     }
-    result.things.push_back(std::move(thing));
+    result.elements.push_back(std::move(element));
   }
   for (size_t i = 0; i < map.size(); ++i) {
     if (used[i]) continue;
-    ComparedThing thing;
-    thing.kind = kind;
-    thing.map_name = map[i].name;
-    thing.verdict = in_region(place(map[i]), truth, options) ? "extra" : "minor";
-    result.things.push_back(std::move(thing));
+    ComparedElement element;
+    element.kind = kind;
+    element.map_name = map[i].name;
+    element.verdict = in_region(place(map[i]), truth, options) ? "extra" : "minor";
+    result.elements.push_back(std::move(element));
   }
 }
 
@@ -126,18 +126,18 @@ double distance_to_line(const Vector3d& point, const JointEstimate& line) {
   return (point - line.origin).cross(line.axis.normalized()).norm();
 }
 
-void fill_handle(const KnownFixture& map, const KnownFixture& truth, ComparedThing& thing) {
-  thing.centre_error = (map.fixture.centre - truth.fixture.centre).norm();
+void fill_handle(const KnownFixture& map, const KnownFixture& truth, ComparedElement& element) {
+  element.centre_error = (map.fixture.centre - truth.fixture.centre).norm();
   const double angle = angle_deg(map.fixture.axis, truth.fixture.axis);
-  thing.angle_error_deg = std::min(angle, 180 - angle);
+  element.angle_error_deg = std::min(angle, 180 - angle);
 }
 
-void fill_front(const KnownFront& map, const KnownFront& truth, ComparedThing& thing) {
-  thing.overlap = overlap_of(map.front, truth.front);
-  thing.angle_error_deg = angle_deg(map.front.normal, truth.front.normal);
-  thing.offset_error = truth.front.normal.dot(map.front.centre - truth.front.centre);
+void fill_front(const KnownFront& map, const KnownFront& truth, ComparedElement& element) {
+  element.overlap = overlap_of(map.front, truth.front);
+  element.angle_error_deg = angle_deg(map.front.normal, truth.front.normal);
+  element.offset_error = truth.front.normal.dot(map.front.centre - truth.front.centre);
   if (truth.front.joint && truth.front.joint->type != ArticulationType::rigid)
-    thing.joint = compare_joints(map.front.joint, *truth.front.joint, truth.front.centre);
+    element.joint = compare_joints(map.front.joint, *truth.front.joint, truth.front.centre);
 }
 
 }  // namespace

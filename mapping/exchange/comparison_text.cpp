@@ -26,28 +26,29 @@ std::string or_dash(const std::string& text) {
 struct Column {
   const char* heading;
   size_t width;
-  std::function<std::string(const ComparedThing&)> text;
+  std::function<std::string(const ComparedElement&)> text;
 };
 
-std::string edges_text(const ComparedThing& thing) {
-  if (!thing.overlap) return "-";
-  return fmt::format("{:+.3f} {:+.3f} {:+.3f} {:+.3f}", thing.edge_errors[0], thing.edge_errors[1],
-                     thing.edge_errors[2], thing.edge_errors[3]);
+std::string edges_text(const ComparedElement& element) {
+  if (!element.overlap) return "-";
+  return fmt::format("{:+.3f} {:+.3f} {:+.3f} {:+.3f}", element.edge_errors[0], element.edge_errors[1],
+                     element.edge_errors[2], element.edge_errors[3]);
 }
 
 template <class Member>
 Column column(const char* heading, size_t width, const char* format, Member member) {
-  return {heading, width, [=](const ComparedThing& thing) { return number(thing.*member, format); }};
+  return {heading, width, [=](const ComparedElement& element) { return number(element.*member, format); }};
 }
 
 template <class Text>
 Column joint_column(const char* heading, size_t width, Text text) {
-  return {heading, width,
-          [=](const ComparedThing& thing) { return thing.joint ? text(*thing.joint) : std::string("-"); }};
+  return {heading, width, [=](const ComparedElement& element) {
+            return element.joint ? text(*element.joint) : std::string("-");
+          }};
 }
 
 std::vector<Column> columns_of(const std::string& kind) {
-  using T = ComparedThing;
+  using T = ComparedElement;
   if (kind == "wall")
     return {column("offset m", 9, "{:+.3f}", &T::offset_error),
             column("angle deg", 10, "{:.2f}", &T::angle_error_deg)};
@@ -69,15 +70,15 @@ std::vector<Column> columns_of(const std::string& kind) {
           {"edges m", 29, edges_text}};
 }
 
-std::string table_text(const std::string& kind, const std::vector<const ComparedThing*>& things) {
+std::string table_text(const std::string& kind, const std::vector<const ComparedElement*>& elements) {
   const std::vector<Column> columns = columns_of(kind);
   std::string text = fmt::format("{:<9}{:<26} {:<34}", kind, "map", "truth");
   for (const Column& one : columns) text += fmt::format(" {:>{}}", one.heading, one.width);
   text += "\n";
-  for (const ComparedThing* thing : things) {
-    text += fmt::format("{:<9}{:<26} {:<34}", thing->verdict, or_dash(thing->map_name),
-                        or_dash(thing->truth_name));
-    for (const Column& one : columns) text += fmt::format(" {:>{}}", one.text(*thing), one.width);
+  for (const ComparedElement* element : elements) {
+    text += fmt::format("{:<9}{:<26} {:<34}", element->verdict, or_dash(element->map_name),
+                        or_dash(element->truth_name));
+    for (const Column& one : columns) text += fmt::format(" {:>{}}", one.text(*element), one.width);
     text += "\n";
   }
   return text + "\n";
@@ -115,20 +116,20 @@ Json json_of(const ComparedJoint& joint) {
   return json;
 }
 
-Json json_of(const ComparedThing& thing) {
-  Json json = {{"kind", thing.kind}, {"verdict", thing.verdict}};
-  json["map"] = thing.map_name.empty() ? Json(nullptr) : Json(thing.map_name);
-  json["truth"] = thing.truth_name.empty() ? Json(nullptr) : Json(thing.truth_name);
+Json json_of(const ComparedElement& element) {
+  Json json = {{"kind", element.kind}, {"verdict", element.verdict}};
+  json["map"] = element.map_name.empty() ? Json(nullptr) : Json(element.map_name);
+  json["truth"] = element.truth_name.empty() ? Json(nullptr) : Json(element.truth_name);
   const auto set = [&](const char* key, const std::optional<double>& value) {
     if (value) json[key] = *value;
   };
-  set("height_error_m", thing.height_error);
-  set("iou", thing.overlap);
-  set("offset_error_m", thing.offset_error);
-  set("angle_error_deg", thing.angle_error_deg);
-  set("centre_error_m", thing.centre_error);
-  if (thing.kind == "support" && thing.overlap) json["edge_errors_m"] = thing.edge_errors;
-  if (thing.joint) json["joint"] = json_of(*thing.joint);
+  set("height_error_m", element.height_error);
+  set("iou", element.overlap);
+  set("offset_error_m", element.offset_error);
+  set("angle_error_deg", element.angle_error_deg);
+  set("centre_error_m", element.centre_error);
+  if (element.kind == "support" && element.overlap) json["edge_errors_m"] = element.edge_errors;
+  if (element.joint) json["joint"] = json_of(*element.joint);
   return json;
 }
 
@@ -146,12 +147,12 @@ double Comparison::Counts::recall() const {
 
 Comparison::Counts Comparison::counts(const std::string& kind) const {
   Counts counts;
-  for (const ComparedThing& thing : things) {
-    if (thing.kind != kind) continue;
-    counts.matched += thing.verdict == "matched";
-    counts.missed += thing.verdict == "missed";
-    counts.extra += thing.verdict == "extra";
-    counts.minor += thing.verdict == "minor";
+  for (const ComparedElement& element : elements) {
+    if (element.kind != kind) continue;
+    counts.matched += element.verdict == "matched";
+    counts.missed += element.verdict == "missed";
+    counts.extra += element.verdict == "extra";
+    counts.minor += element.verdict == "minor";
   }
   return counts;
 }
@@ -162,46 +163,46 @@ double Comparison::Joints::rate() const {
 
 Comparison::Joints Comparison::joints() const {
   Joints joints;
-  for (const ComparedThing& thing : things) {
-    if (thing.verdict != "matched" || !thing.joint) continue;
+  for (const ComparedElement& element : elements) {
+    if (element.verdict != "matched" || !element.joint) continue;
     ++joints.asked;
-    joints.right += thing.joint->right();
-    joints.other_way += thing.joint->other_way;
+    joints.right += element.joint->right();
+    joints.other_way += element.joint->other_way;
   }
   return joints;
 }
 
 std::vector<double> Comparison::errors(const std::string& kind,
-                                       std::optional<double> ComparedThing::*figure) const {
+                                       std::optional<double> ComparedElement::*figure) const {
   std::vector<double> values;
-  for (const ComparedThing& thing : things)
-    if (thing.kind == kind && thing.verdict == "matched" && thing.*figure)
-      values.push_back(std::abs(*(thing.*figure)));
+  for (const ComparedElement& element : elements)
+    if (element.kind == kind && element.verdict == "matched" && element.*figure)
+      values.push_back(std::abs(*(element.*figure)));
   return values;
 }
 
 std::vector<double> Comparison::joint_errors(std::optional<double> ComparedJoint::*figure) const {
   std::vector<double> values;
-  for (const ComparedThing& thing : things)
-    if (thing.verdict == "matched" && thing.joint && (*thing.joint).*figure)
-      values.push_back(*((*thing.joint).*figure));
+  for (const ComparedElement& element : elements)
+    if (element.verdict == "matched" && element.joint && (*element.joint).*figure)
+      values.push_back(*((*element.joint).*figure));
   return values;
 }
 
 std::string Comparison::text() const {
   std::string text;
   for (const char* kind : {"support", "wall", "floor", "front", "handle"}) {
-    std::vector<const ComparedThing*> of_kind;
-    for (const ComparedThing& thing : things)
-      if (thing.kind == kind) of_kind.push_back(&thing);
+    std::vector<const ComparedElement*> of_kind;
+    for (const ComparedElement& element : elements)
+      if (element.kind == kind) of_kind.push_back(&element);
     if (!of_kind.empty()) text += table_text(kind, of_kind);
   }
   for (const char* kind : kKinds) {
     const Counts c = counts(kind);
     text += fmt::format("{}s: {} matched, {} missed, {} extra, {} minor; precision {:.2f}, recall {:.2f}",
                         kind, c.matched, c.missed, c.extra, c.minor, c.precision(), c.recall());
-    text += statistics_text("IoU", errors(kind, &ComparedThing::overlap), "{:.2f}");
-    text += statistics_text("centre", errors(kind, &ComparedThing::centre_error), "{:.3f} m");
+    text += statistics_text("IoU", errors(kind, &ComparedElement::overlap), "{:.2f}");
+    text += statistics_text("centre", errors(kind, &ComparedElement::centre_error), "{:.3f} m");
     text += "\n";
   }
   const Joints moving = joints();
@@ -214,21 +215,21 @@ std::string Comparison::text() const {
 
 Json Comparison::report() const {
   Json list = Json::array();
-  for (const ComparedThing& thing : things) list.push_back(json_of(thing));
-  Json json = {{"map_source", map_source}, {"truth_source", truth_source}, {"things", list}};
+  for (const ComparedElement& element : elements) list.push_back(json_of(element));
+  Json json = {{"map_source", map_source}, {"truth_source", truth_source}, {"elements", list}};
   for (const char* kind : kKinds) {
     const Counts c = counts(kind);
     Json& sum = json[std::string(kind) + "s"] = {{"matched", c.matched},       {"missed", c.missed},
                                                  {"extra", c.extra},           {"minor", c.minor},
                                                  {"precision", c.precision()}, {"recall", c.recall()}};
-    const auto add = [&](const char* key, std::optional<double> ComparedThing::*figure) {
+    const auto add = [&](const char* key, std::optional<double> ComparedElement::*figure) {
       if (Json value = statistics(errors(kind, figure)); !value.is_null()) sum[key] = std::move(value);
     };
-    add("height_error_m", &ComparedThing::height_error);
-    add("iou", &ComparedThing::overlap);
-    add("offset_error_m", &ComparedThing::offset_error);
-    add("angle_error_deg", &ComparedThing::angle_error_deg);
-    add("centre_error_m", &ComparedThing::centre_error);
+    add("height_error_m", &ComparedElement::height_error);
+    add("iou", &ComparedElement::overlap);
+    add("offset_error_m", &ComparedElement::offset_error);
+    add("angle_error_deg", &ComparedElement::angle_error_deg);
+    add("centre_error_m", &ComparedElement::centre_error);
   }
   const Joints moving = joints();
   json["joints"] = {{"asked", moving.asked},

@@ -9,7 +9,7 @@
 #include "mapping/base/base64.h"
 #include "mapping/base/html.h"
 #include "mapping/base/json.h"
-#include "mapping/base/quantile.h"
+#include "mapping/base/math.h"
 #include "mapping/image/image_io.h"
 
 namespace loci::mapping {

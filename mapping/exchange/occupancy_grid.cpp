@@ -74,8 +74,8 @@ bool is_floor(const WorldTriangle& triangle, double height) {
 
 void GridOptions::declare(OptionTable& table) {
   table.number("resolution_m", resolution_m, "m", "Size of a cell, or of a voxel.", 0.001, 1);
-  table.number("height_min_m", height_min_m, "m", "Lower things can be driven over (grid).", 0, 10);
-  table.number("height_max_m", height_max_m, "m", "Higher things can be driven under (grid).", 0, 10);
+  table.number("height_min_m", height_min_m, "m", "Lower obstacles can be driven over (grid).", 0, 10);
+  table.number("height_max_m", height_max_m, "m", "Higher obstacles can be driven under (grid).", 0, 10);
   table.number("floor_m", floor_m, "m", "Height of the floor (grid).", -100, 100);
 }
 

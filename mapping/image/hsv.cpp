@@ -7,7 +7,7 @@ namespace loci::mapping {
 
 const char* color_name(float hue, float saturation, float value) {
   if (value < 0.2f) return "black";
-  // Daylight tints white things blue; a warm tint of that strength is a colour to people (beige).
+  // Daylight tints white objects blue; people call a warm tint of that strength a colour (beige).
   const bool cool = hue >= 180 && hue < 270 && value > 0.5f;
   if (saturation < (cool ? 0.26f : 0.15f) || (saturation < 0.25f && value < 0.35f))
     return value > 0.72f ? "white" : value > 0.3f ? "grey" : "black";

@@ -4,7 +4,7 @@
 
 namespace loci::mapping {
 
-/// The word for one colour: hue 0 to 360 degrees, saturation and value 0 to 1.
+/// The name of a colour: hue 0 to 360 degrees, saturation and value 0 to 1.
 const char* color_name(float hue, float saturation, float value);
 
 /// Red, green and blue, 0 to 1, of hue 0 to 360 degrees, saturation and value 0 to 1.

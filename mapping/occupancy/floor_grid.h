@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "mapping/occupancy/occupancy.h"
@@ -34,5 +36,19 @@ struct FloorGrid {
 /// occupied with less than two others around them, are none: so are the false points behind edges, while even
 /// a thin pole is a row of voxels.
 FloorGrid floor_grid(const Voxels& voxels, double cell_m, double body_height);
+
+/// A rectangle on the floor along the map's axes, or all of it: what an exploration keeps to.
+class FloorRegion {
+ public:
+  FloorRegion() = default;
+  /// "x0,y0,x1,y1" in metres, any two opposite corners; empty text = everywhere. Error for anything else.
+  explicit FloorRegion(const std::string& text);
+
+  bool contains(const Vector2d& point) const { return !box_ || box_->contains(point); }
+  bool everywhere() const { return !box_; }
+
+ private:
+  std::optional<Eigen::AlignedBox2d> box_;
+};
 
 }  // namespace loci::mapping

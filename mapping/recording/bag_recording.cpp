@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "mapping/recording/ros_messages.h"
-#include "mapping/recording/transform_tree.h"
+#include "mapping/recording/stamped_poses.h"
 #include "mapping/sensor/kinect.h"
 
 namespace loci::mapping {
@@ -135,7 +135,7 @@ void BagRecording::add_frames() {
     FrameFiles frame;
     frame.index = static_cast<int64_t>(message);
     frame.time_ns = time;
-    frame.place = {where(depth_.topic, message), 0, {}};
+    frame.location = {where(depth_.topic, message), 0, {}};
     if (matches[i]) {
       color_of_[message] = color_.when[*matches[i]].second;
       frame.color = color_.topic;
@@ -161,11 +161,11 @@ RgbdFrame BagRecording::frame(size_t i) const {
   frame.time_ns = from.time_ns;
   frame.camera = info_.camera;
   frame.map_from_camera = from.map_from_camera;
-  const auto check = [](const cv::Mat& image, const PinholeCamera& camera, const std::string& place) {
+  const auto check = [](const cv::Mat& image, const PinholeCamera& camera, const std::string& location) {
     if (image.cols != camera.width || image.rows != camera.height)
       throw Error(fmt::format("the image is {} x {}, its camera {} x {}", image.cols, image.rows,
                               camera.width, camera.height),
-                  {place, 0, {}});
+                  {location, 0, {}});
   };
   const std::string depth_place = where(depth_.topic, message);
   frame.depth = read_ros_depth(bag_.message(depth_.topic, message), depth_.compressed, depth_place);

@@ -5,14 +5,17 @@
 #include <algorithm>
 #include <limits>
 
+#include "mapping/base/config.h"
+#include "mapping/base/files.h"
+#include "mapping/base/text.h"
 #include "mapping/image/image_io.h"
+#include "mapping/recording/layouts.h"
 
 namespace loci::mapping {
-namespace {
 
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
+namespace fs = std::filesystem;
+
+namespace {
 
 void check_size(int width, int height, const PinholeCamera& camera, const char* kind,
                 const std::filesystem::path& path) {
@@ -62,12 +65,12 @@ void complete_info(RecordingInfo& info, std::vector<FrameFiles>& frames) {
   if (!std::is_sorted(frames.begin(), frames.end(), earlier)) {
     const auto late = std::is_sorted_until(frames.begin(), frames.end(), earlier);
     info.problems.push_back(
-        fmt::format("{}: the stamps go back here; frames are taken in order of time", late->place.text()));
+        fmt::format("{}: the stamps go back here; frames are taken in order of time", late->location.text()));
     std::stable_sort(frames.begin(), frames.end(), earlier);
   }
   for (size_t i = 1; i < frames.size(); ++i) {
     if (frames[i].time_ns != frames[i - 1].time_ns) continue;
-    info.problems.push_back(fmt::format("{}: the same stamp as the frame before", frames[i].place.text()));
+    info.problems.push_back(fmt::format("{}: the same stamp as the frame before", frames[i].location.text()));
     break;
   }
   info.frames = frames.size();
@@ -129,6 +132,54 @@ std::string frame_name(const std::filesystem::path& depth_file) {
   for (const char* suffix : {".depth", "_depth", "-depth"})
     if (name.ends_with(suffix)) name.resize(name.size() - 6);
   return name;
+}
+
+Isometry3d read_pose_file(const fs::path& path) {
+  const std::string text = read_file(path);
+  Eigen::Matrix4d matrix;
+  const char* at = text.c_str();
+  for (int i = 0; i < 16; ++i) {
+    char* end = nullptr;
+    matrix(i / 4, i % 4) = std::strtod(at, &end);  // Reads "nan" too, which the pose check then names.
+    if (end == at)
+      throw Error(fmt::format("a pose is 16 numbers, this file has {}", i), {path.string(), 0, {}});
+    at = end;
+  }
+  return pose_from_matrix(matrix, {path.string(), 0, {}});
+}
+
+fs::path beside_or_above(const fs::path& folder, const char* name) {
+  const fs::path absolute = fs::absolute(folder).lexically_normal();
+  const fs::path clean = absolute.has_filename() ? absolute : absolute.parent_path();
+  for (const fs::path& place : {clean, clean.parent_path()})
+    if (fs::is_regular_file(place / name)) return place / name;
+  return {};
+}
+
+void read_cameras(const fs::path& path, FileRecordingContent& content) {
+  const Config config = Config::read(path);
+  const Config depth = config.map("depth");
+  content.info.camera.depth = read_pinhole(depth);
+  content.depth_scale = depth.get<double>("unit_m", 0.001);
+  content.invalid_depth = depth.get<std::vector<int>>("invalid", {0, 65535});
+  for (const int raw : content.invalid_depth)
+    if (raw < 0 || raw > 65535) throw Error("depth values are 0 to 65535", depth.location("invalid"));
+  depth.finish();
+  const Config color = config.map("color");
+  content.info.camera.color = config.has("color") ? read_pinhole(color) : content.info.camera.depth;
+  color.finish();
+  if (config.has("color_from_depth")) {
+    const Config transform = config.map("color_from_depth");
+    const auto r = transform.require<std::array<double, 9>>("R");
+    const auto t = transform.require<std::array<double, 3>>("t");
+    transform.finish();
+    Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+    for (int i = 0; i < 9; ++i) matrix(i / 3, i % 3) = r[static_cast<size_t>(i)];
+    for (int i = 0; i < 3; ++i) matrix(i, 3) = t[static_cast<size_t>(i)];
+    content.info.camera.depth_from_color =
+        pose_from_matrix(matrix, config.location("color_from_depth")).inverse();
+  }
+  config.finish();
 }
 
 }  // namespace loci::mapping

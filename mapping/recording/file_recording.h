@@ -19,7 +19,7 @@ struct FrameFiles {
   std::filesystem::path color;  ///< empty = none
   std::optional<Isometry3d> map_from_camera;
   JointState joints;
-  loci::Place place;  ///< row that names the frame, for messages
+  FileLocation location;  ///< row that names the frame, for messages
 };
 
 /// What a reader of a layout of single images fills in; the rest is the same for all of them.

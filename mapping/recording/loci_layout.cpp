@@ -1,4 +1,4 @@
-#include "mapping/recording/loci_layout.h"
+#include "mapping/recording/layouts.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,6 @@
 
 #include "mapping/base/config.h"
 #include "mapping/base/csv.h"
-#include "mapping/base/known_keys.h"
 
 namespace loci::mapping {
 namespace {
@@ -19,16 +18,16 @@ constexpr std::array<const char*, 7> kPoseColumns = {"x", "y", "z", "qx", "qy", 
 
 void read_cameras(const Config& cameras, RecordingInfo& info) {
   const Config depth = cameras.map("depth");
-  if (!cameras.has("depth")) throw Error("the depth camera is missing", cameras.place());
-  refuse_unknown_keys(depth, {"width", "height", "fx", "fy", "cx", "cy"});
+  if (!cameras.has("depth")) throw Error("the depth camera is missing", cameras.location());
+  depth.refuse_other_keys({"width", "height", "fx", "fy", "cx", "cy"});
   info.camera.depth = read_pinhole(depth);
   if (cameras.has("color")) {
     const Config color = cameras.map("color");
-    refuse_unknown_keys(color, {"width", "height", "fx", "fy", "cx", "cy", "depth_from_color"});
+    color.refuse_other_keys({"width", "height", "fx", "fy", "cx", "cy", "depth_from_color"});
     info.camera.color = read_pinhole(color);
     if (color.has("depth_from_color"))
       info.camera.depth_from_color = pose_from_values(
-          color.require<std::array<double, 7>>("depth_from_color"), color.place("depth_from_color"));
+          color.require<std::array<double, 7>>("depth_from_color"), color.location("depth_from_color"));
   } else {
     info.camera.color = info.camera.depth;
     info.guesses.emplace_back("no colour camera described: colour is taken as registered with depth");
@@ -40,22 +39,22 @@ void read_cameras(const Config& cameras, RecordingInfo& info) {
 
 void read_description(const fs::path& path, FileRecordingContent& content) {
   const Config config = Config::read(path);
-  refuse_unknown_keys(config,
-                      {"version", "depth_scale", "invalid_depth", "time_assumed", "map_frame", "cameras"});
+  config.refuse_other_keys(
+      {"version", "depth_scale", "invalid_depth", "time_assumed", "map_frame", "cameras"});
   const int version = config.get<int>("version", 1);
   if (version != 1)
     throw Error(fmt::format("this recording has version {}, version 1 is read", version),
-                config.place("version"));
+                config.location("version"));
   content.depth_scale = config.get<double>("depth_scale", 0.001);
   if (!(content.depth_scale > 0 && content.depth_scale < 1))
-    throw Error("depth_scale is out of bounds", config.place("depth_scale"),
+    throw Error("depth_scale is out of bounds", config.location("depth_scale"),
                 "it is metres per unit, e.g. 0.001");
   content.invalid_depth = config.get<std::vector<int>>("invalid_depth", {0});
   for (const int raw : content.invalid_depth)
-    if (raw < 0 || raw > 65535) throw Error("depth values are 0 to 65535", config.place("invalid_depth"));
+    if (raw < 0 || raw > 65535) throw Error("depth values are 0 to 65535", config.location("invalid_depth"));
   content.info.time_assumed = config.get<bool>("time_assumed", false);
   content.info.map_frame = config.get<std::string>("map_frame", "map");
-  if (!config.has("cameras")) throw Error("the key 'cameras' is missing", config.place());
+  if (!config.has("cameras")) throw Error("the key 'cameras' is missing", config.location());
   read_cameras(config.map("cameras"), content.info);
 }
 
@@ -72,8 +71,8 @@ std::optional<Isometry3d> read_pose(const CsvTable& table, size_t row) {
   }
   if (empty == values.size()) return std::nullopt;
   if (empty > 0)
-    throw Error("the pose is not complete", table.place(row), "give all of x y z qx qy qz qw, or none");
-  return pose_from_values(values, table.place(row));
+    throw Error("the pose is not complete", table.location(row), "give all of x y z qx qy qz qw, or none");
+  return pose_from_values(values, table.location(row));
 }
 
 void check_columns(const CsvTable& table, const std::set<std::string>& known, RecordingInfo& info) {
@@ -98,14 +97,14 @@ void read_frames(const fs::path& folder, FileRecordingContent& content) {
   std::set<int64_t> indices;
   for (size_t row = 0; row < table.rows(); ++row) {
     FrameFiles frame;
-    frame.place = table.place(row);
-    if (table.cell(row, depth).empty()) throw Error("this frame has no depth image", frame.place);
+    frame.location = table.location(row);
+    if (table.cell(row, depth).empty()) throw Error("this frame has no depth image", frame.location);
     frame.depth = folder / table.cell(row, depth);
     if (color >= 0 && !table.cell(row, static_cast<size_t>(color)).empty())
       frame.color = folder / table.cell(row, static_cast<size_t>(color));
     frame.index = index >= 0 ? table.integer(row, static_cast<size_t>(index)) : static_cast<int64_t>(row);
     if (!indices.insert(frame.index).second)
-      throw Error(fmt::format("the index {} is there twice", frame.index), frame.place);
+      throw Error(fmt::format("the index {} is there twice", frame.index), frame.location);
     if (time >= 0 && !table.cell(row, static_cast<size_t>(time)).empty()) {
       frame.time_ns = table.integer(row, static_cast<size_t>(time));
     } else {
@@ -141,7 +140,7 @@ void check_transforms(const fs::path& path) {
   const CsvTable table = CsvTable::read(path);
   for (const char* name : {"time_ns", "parent", "child"}) table.require_column(name);
   for (size_t row = 0; row < table.rows(); ++row)
-    if (!read_pose(table, row)) throw Error("a transform needs a pose", table.place(row));
+    if (!read_pose(table, row)) throw Error("a transform needs a pose", table.location(row));
 }
 
 }  // namespace
@@ -157,7 +156,7 @@ PinholeCamera read_pinhole(const Config& config) {
   const bool finite = std::isfinite(camera.fx) && std::isfinite(camera.fy) && std::isfinite(camera.cx) &&
                       std::isfinite(camera.cy);
   if (camera.width < 1 || camera.height < 1 || !finite || camera.fx <= 0 || camera.fy <= 0)
-    throw Error("a camera has positive sizes and focal lengths (pixels)", config.place());
+    throw Error("a camera has positive sizes and focal lengths (pixels)", config.location());
   return camera;
 }
 

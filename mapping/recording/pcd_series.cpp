@@ -1,4 +1,4 @@
-#include "mapping/recording/pcd_series.h"
+#include "mapping/recording/layouts.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,6 @@
 #include <fstream>
 #include <limits>
 
-#include "mapping/recording/side_files.h"
 #include "mapping/sensor/pcd.h"
 
 namespace loci::mapping {
@@ -126,7 +125,7 @@ void PcdSeries::find_frames(const fs::path& path) {
     FrameFiles frame;
     frame.index = static_cast<int64_t>(frames_.size());
     frame.depth = frame.color = file;
-    frame.place = {file.string(), 0, {}};
+    frame.location = {file.string(), 0, {}};
     const std::optional<TimeNs> time = time_in_name(file);
     info_.time_assumed = info_.time_assumed || !time;
     frame.time_ns = time ? *time : assumed_time(number_in_name(file).value_or(frame.index));
@@ -151,12 +150,12 @@ void PcdSeries::fit_camera() {
     down.emplace_back(cloud.number(i, *y) / std::abs(depth), static_cast<double>(i / cloud.width));
     backwards_ = depth < 0;
   }
-  const loci::Place place{path.string(), 0, {}};
+  const FileLocation location{path.string(), 0, {}};
   if (across.size() < 100)
-    throw Error("the first cloud has next to no points: no camera can be fitted", place);
+    throw Error("the first cloud has next to no points: no camera can be fitted", location);
   const Line u = fit_line(across), v = fit_line(down);
   if (!(u.worst < 0.6 && v.worst < 0.6) || u.f <= 0 || (v.f < 0) != backwards_)
-    throw Error("the cloud is not what a pinhole camera sees", place,
+    throw Error("the cloud is not what a pinhole camera sees", location,
                 "points are in the optical frame: x right, y down, z forward");
   PinholeCamera& camera = info_.camera.depth;
   camera = {static_cast<int>(cloud.width),
@@ -185,7 +184,7 @@ RgbdFrame PcdSeries::frame(size_t i) const {
   if (cloud.width != static_cast<size_t>(camera.width) || cloud.height != static_cast<size_t>(camera.height))
     throw Error(fmt::format("the cloud is {} x {}, the first of the series {} x {}", cloud.width,
                             cloud.height, camera.width, camera.height),
-                from.place);
+                from.location);
   const PcdField* color = cloud.find("rgb") != nullptr ? cloud.find("rgb") : cloud.find("rgba");
   frame.depth.create(camera.height, camera.width, CV_32F);
   if (color != nullptr) frame.color.create(camera.height, camera.width, CV_8UC3);

@@ -4,10 +4,7 @@
 
 #include "mapping/base/json.h"
 #include "mapping/recording/bag_recording.h"
-#include "mapping/recording/loci_layout.h"
-#include "mapping/recording/pcd_series.h"
-#include "mapping/recording/seven_scenes.h"
-#include "mapping/recording/tum.h"
+#include "mapping/recording/layouts.h"
 
 namespace loci::mapping {
 namespace {

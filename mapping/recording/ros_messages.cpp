@@ -43,11 +43,11 @@ class Bytes {
     return std::string(name);
   }
   const std::string& where() const { return where_; }
-  loci::Place place() const { return {where_, 0, {}}; }
+  FileLocation location() const { return {where_, 0, {}}; }
 
  private:
   std::string_view next(size_t count) {
-    if (count > bytes_.size() - at_) throw Error("the message is too short", place());
+    if (count > bytes_.size() - at_) throw Error("the message is too short", location());
     at_ += count;
     return bytes_.substr(at_ - count, count);
   }
@@ -77,12 +77,13 @@ struct RawImage {
   }
 
   /// The rows, which stay where they are.
-  cv::Mat pixels(int type, const loci::Place& place) const {
+  cv::Mat pixels(int type, const FileLocation& location) const {
     const size_t row = static_cast<size_t>(width) * CV_ELEM_SIZE(type);
     if (height < 1 || width < 1 || height > 1 << 15 || width > 1 << 15 || step < row ||
         data.size() < step * static_cast<size_t>(height - 1) + row)
-      throw Error(fmt::format("{} x {} pixels in {} bytes do not fit", width, height, data.size()), place);
-    if (big_endian && CV_ELEM_SIZE1(type) > 1) throw Error("pixels are big endian, which is not read", place);
+      throw Error(fmt::format("{} x {} pixels in {} bytes do not fit", width, height, data.size()), location);
+    if (big_endian && CV_ELEM_SIZE1(type) > 1)
+      throw Error("pixels are big endian, which is not read", location);
     return {height, width, type, const_cast<char*>(data.data()), step};
   }
 };
@@ -104,10 +105,10 @@ struct CompressedImage {
   }
 };
 
-cv::Mat metres_from(const cv::Mat& raw, const loci::Place& place) {
+cv::Mat metres_from(const cv::Mat& raw, const FileLocation& location) {
   cv::Mat depth(raw.size(), CV_32F);
   if (raw.type() != CV_16UC1 && raw.type() != CV_32FC1)
-    throw Error("depth images have one channel of 16-bit millimetres or 32-bit metres", place);
+    throw Error("depth images have one channel of 16-bit millimetres or 32-bit metres", location);
   for (int v = 0; v < raw.rows; ++v)
     for (int u = 0; u < raw.cols; ++u) {
       float metres = kNan;
@@ -156,31 +157,31 @@ cv::Mat read_ros_depth(std::string_view message, bool compressed, const std::str
   if (compressed) {
     const CompressedImage image(bytes);
     if (image.format.starts_with("32FC1"))
-      throw Error("compressedDepth of 32FC1 is quantised inverse depth, which is not read", bytes.place());
+      throw Error("compressedDepth of 32FC1 is quantised inverse depth, which is not read", bytes.location());
     // Twelve bytes of compressedDepth's own header stand before the PNG.
-    return metres_from(image.decode(12, where), bytes.place());
+    return metres_from(image.decode(12, where), bytes.location());
   }
   const RawImage image(bytes);
-  return metres_from(image.pixels(image.encoding == "32FC1" ? CV_32FC1 : CV_16UC1, bytes.place()),
-                     bytes.place());
+  return metres_from(image.pixels(image.encoding == "32FC1" ? CV_32FC1 : CV_16UC1, bytes.location()),
+                     bytes.location());
 }
 
 cv::Mat read_ros_color(std::string_view message, bool compressed, const std::string& where) {
   const Bytes bytes(message, where);
   if (compressed) {
     const cv::Mat pixels = CompressedImage(bytes).decode(0, where);
-    if (pixels.depth() != CV_8U) throw Error("colour images have 8 bits per channel", bytes.place());
+    if (pixels.depth() != CV_8U) throw Error("colour images have 8 bits per channel", bytes.location());
     return pixels.channels() == 3   ? pixels
            : pixels.channels() == 4 ? picked(pixels, {0, 1, 2})
                                     : picked(pixels, {0, 0, 0});
   }
   const RawImage image(bytes);
-  if (image.encoding == "bgr8") return image.pixels(CV_8UC3, bytes.place()).clone();
-  if (image.encoding == "rgb8") return picked(image.pixels(CV_8UC3, bytes.place()), {2, 1, 0});
-  if (image.encoding == "rgba8") return picked(image.pixels(CV_8UC4, bytes.place()), {2, 1, 0});
-  if (image.encoding == "bgra8") return picked(image.pixels(CV_8UC4, bytes.place()), {0, 1, 2});
-  if (image.encoding == "mono8") return picked(image.pixels(CV_8UC1, bytes.place()), {0, 0, 0});
-  throw Error(fmt::format("colour images of encoding '{}' are not read", image.encoding), bytes.place());
+  if (image.encoding == "bgr8") return image.pixels(CV_8UC3, bytes.location()).clone();
+  if (image.encoding == "rgb8") return picked(image.pixels(CV_8UC3, bytes.location()), {2, 1, 0});
+  if (image.encoding == "rgba8") return picked(image.pixels(CV_8UC4, bytes.location()), {2, 1, 0});
+  if (image.encoding == "bgra8") return picked(image.pixels(CV_8UC4, bytes.location()), {0, 1, 2});
+  if (image.encoding == "mono8") return picked(image.pixels(CV_8UC1, bytes.location()), {0, 0, 0});
+  throw Error(fmt::format("colour images of encoding '{}' are not read", image.encoding), bytes.location());
 }
 
 PinholeCamera read_ros_camera(std::string_view message, const std::string& where) {
@@ -201,7 +202,7 @@ PinholeCamera read_ros_camera(std::string_view message, const std::string& where
   camera.fy = projected ? p[5] : k[4];
   camera.cy = projected ? p[6] : k[5];
   if (camera.width < 1 || camera.height < 1 || !(camera.fx > 0) || !(camera.fy > 0))
-    throw Error("the camera is not calibrated", bytes.place());
+    throw Error("the camera is not calibrated", bytes.location());
   return camera;
 }
 
@@ -215,9 +216,9 @@ std::vector<RosTransform> read_ros_transforms(std::string_view message, const st
     transform.stamp_ns = header.stamp_ns;
     transform.parent = header.frame;
     transform.child = bytes.frame();
-    loci::Place place = bytes.place();
-    place.key = transform.child;
-    transform.parent_from_child = pose_from_values(bytes.take<std::array<double, 7>>(), place);
+    FileLocation location = bytes.location();
+    location.key = transform.child;
+    transform.parent_from_child = pose_from_values(bytes.take<std::array<double, 7>>(), location);
     transforms.push_back(std::move(transform));
   }
   return transforms;

@@ -1,10 +1,9 @@
-#include "mapping/recording/seven_scenes.h"
+#include "mapping/recording/layouts.h"
 
 #include <fmt/format.h>
 
 #include <map>
 
-#include "mapping/recording/side_files.h"
 #include "mapping/sensor/kinect.h"
 
 namespace loci::mapping {
@@ -91,7 +90,7 @@ FileRecordingContent read_seven_scenes(const fs::path& folder) {
     frame.index = static_cast<int64_t>(content.frames.size());
     frame.depth = parts.depth;
     frame.color = parts.color;
-    frame.place = {parts.depth.string(), 0, {}};
+    frame.location = {parts.depth.string(), 0, {}};
     frame.time_ns = assumed_time(number_in_name(parts.depth).value_or(frame.index));
     if (!parts.pose.empty()) frame.map_from_camera = map_from_world * read_pose_file(parts.pose);
     content.frames.push_back(std::move(frame));

@@ -1,4 +1,4 @@
-#include "mapping/recording/tum.h"
+#include "mapping/recording/layouts.h"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,7 @@
 #include <sstream>
 
 #include "mapping/base/files.h"
-#include "mapping/recording/association.h"
-#include "mapping/recording/side_files.h"
+#include "mapping/recording/stamped_poses.h"
 
 namespace loci::mapping {
 namespace {
@@ -20,7 +19,7 @@ namespace fs = std::filesystem;
 struct Row {
   TimeNs time_ns = 0;
   std::vector<std::string> words;  ///< behind the stamp
-  loci::Place place;
+  FileLocation location;
 };
 
 /// Seconds as written, without the loss that a double would bring.
@@ -48,14 +47,14 @@ std::vector<Row> read_list(const fs::path& path, size_t words) {
     std::string stamp;
     if (!(columns >> stamp) || stamp.starts_with('#')) continue;
     Row row;
-    row.place = {path.string(), number, {}};
+    row.location = {path.string(), number, {}};
     const std::optional<TimeNs> time = parse_seconds(stamp);
-    if (!time) throw Error(fmt::format("'{}' is no stamp in seconds", stamp), row.place);
+    if (!time) throw Error(fmt::format("'{}' is no stamp in seconds", stamp), row.location);
     row.time_ns = *time;
     for (std::string word; columns >> word;) row.words.push_back(word);
     if (row.words.size() < words)
       throw Error(fmt::format("{} values are needed behind the stamp, there are {}", words, row.words.size()),
-                  row.place);
+                  row.location);
     rows.push_back(std::move(row));
   }
   std::stable_sort(rows.begin(), rows.end(),
@@ -71,9 +70,9 @@ std::vector<StampedPose> read_poses(const fs::path& path) {
       const std::string& word = row.words[i];
       const auto end = std::from_chars(word.data(), word.data() + word.size(), values[i]);
       if (end.ec != std::errc() || end.ptr != word.data() + word.size())
-        throw Error(fmt::format("'{}' is no number", word), row.place);
+        throw Error(fmt::format("'{}' is no number", word), row.location);
     }
-    poses.push_back({row.time_ns, pose_from_values(values, row.place)});
+    poses.push_back({row.time_ns, pose_from_values(values, row.location)});
   }
   return poses;
 }
@@ -121,7 +120,7 @@ FileRecordingContent read_tum(const fs::path& folder) {
     frame.depth = folder / depths[i].words[0];
     if (matches[i]) frame.color = folder / colors[*matches[i]].words[0];
     frame.map_from_camera = pose_at(poses, frame.time_ns);
-    frame.place = depths[i].place;
+    frame.location = depths[i].location;
     content.frames.push_back(std::move(frame));
   }
   return content;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "mapping/base/joint_state.h"
+#include "mapping/base/pose.h"
 #include "mapping/base/time.h"
 #include "mapping/sensor/camera.h"
 

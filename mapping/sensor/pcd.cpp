@@ -48,7 +48,7 @@ class HeaderParser {
     while (header_.encoding.empty()) {
       const size_t end = bytes_.find('\n', header_.body);
       if (end == std::string::npos || header_.lines > 100)
-        throw Error("not a PCD file, or one without its DATA line", place());
+        throw Error("not a PCD file, or one without its DATA line", location());
       const std::string line = bytes_.substr(header_.body, end - header_.body);
       header_.body = end + 1;
       ++header_.lines;
@@ -59,13 +59,13 @@ class HeaderParser {
   }
 
  private:
-  loci::Place place() const { return {file_, header_.lines, {}}; }
+  FileLocation location() const { return {file_, header_.lines, {}}; }
 
   size_t number(const std::string& word) const {
     size_t value = 0;
     const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
     if (result.ec != std::errc() || result.ptr != word.data() + word.size())
-      throw Error(fmt::format("'{}' is not a whole number", word), place());
+      throw Error(fmt::format("'{}' is not a whole number", word), location());
     return value;
   }
 
@@ -80,9 +80,9 @@ class HeaderParser {
     }
     const bool per_field = key == "SIZE" || key == "TYPE" || key == "COUNT";
     if (per_field && count != fields.size())
-      throw Error(fmt::format("{} has {} entries for {} fields", key, count, fields.size()), place());
+      throw Error(fmt::format("{} has {} entries for {} fields", key, count, fields.size()), location());
     if (!per_field && key != "VIEWPOINT" && key != "VERSION" && count != 1)
-      throw Error(fmt::format("'{}' is not a line of a PCD header", key.substr(0, 20)), place());
+      throw Error(fmt::format("'{}' is not a line of a PCD header", key.substr(0, 20)), location());
     for (size_t i = 0; per_field && i < count; ++i) {
       if (key == "SIZE") fields[i].size = static_cast<int>(number(words[i + 1]));
       if (key == "TYPE") fields[i].type = words[i + 1][0];
@@ -100,17 +100,17 @@ class HeaderParser {
       const bool sized = field.size == 1 || field.size == 2 || field.size == 4 || field.size == 8;
       const bool typed = field.type == 'I' || field.type == 'U' || (field.type == 'F' && field.size >= 4);
       if (!sized || !typed || field.count < 1 || field.count > 65536)
-        throw Error(fmt::format("the field '{}' has an unknown type", field.name), place());
+        throw Error(fmt::format("the field '{}' has an unknown type", field.name), location());
       field.offset = cloud.point_size;
       cloud.point_size += static_cast<size_t>(field.size) * static_cast<size_t>(field.count);
     }
-    if (cloud.fields.empty()) throw Error("the PCD file has no fields", place());
+    if (cloud.fields.empty()) throw Error("the PCD file has no fields", location());
     if (cloud.width == 0) cloud.width = points_;
     constexpr size_t limit = size_t{1} << 40;
     if (cloud.height > limit || cloud.width > limit / std::max<size_t>(cloud.height, 1) / cloud.point_size)
-      throw Error("the PCD file claims an impossible number of points", place());
+      throw Error("the PCD file claims an impossible number of points", location());
     if (points_ != 0 && points_ != cloud.size())
-      throw Error(fmt::format("POINTS is {}, WIDTH · HEIGHT is {}", points_, cloud.size()), place());
+      throw Error(fmt::format("POINTS is {}, WIDTH · HEIGHT is {}", points_, cloud.size()), location());
   }
 
   const std::string& bytes_;
@@ -125,35 +125,35 @@ Error truncated(const std::string& file, size_t points) {
 }
 
 void append_number(std::string& data, const PcdField& field, const std::string& word,
-                   const loci::Place& place) {
+                   const FileLocation& location) {
   char* end = nullptr;
   const double value = std::strtod(word.c_str(), &end);
-  if (end != word.c_str() + word.size()) throw Error(fmt::format("'{}' is not a number", word), place);
+  if (end != word.c_str() + word.size()) throw Error(fmt::format("'{}' is not a number", word), location);
   if (field.type == 'F') {
     field.size == 8 ? append_value(data, value) : append_value(data, static_cast<float>(value));
     return;
   }
   const double bound = std::ldexp(1.0, 8 * std::min(field.size, 7));
-  if (!(std::abs(value) < bound)) throw Error(fmt::format("'{}' does not fit its field", word), place);
+  if (!(std::abs(value) < bound)) throw Error(fmt::format("'{}' does not fit its field", word), location);
   const auto whole = static_cast<int64_t>(value);
   data.append(reinterpret_cast<const char*>(&whole), static_cast<size_t>(field.size));  // Little endian.
 }
 
 void read_ascii(const std::string& bytes, Header& header, const std::string& file) {
   std::istringstream stream(bytes.substr(header.body));
-  loci::Place place{file, header.lines, {}};
+  FileLocation location{file, header.lines, {}};
   std::string line;
   PcdCloud& cloud = header.cloud;
   for (size_t point = 0; point < cloud.size();) {
     if (!std::getline(stream, line)) throw truncated(file, cloud.size());
-    ++place.line;
+    ++location.line;
     const auto words = words_of(line);
     if (words.empty()) continue;
     size_t next = 0;
     for (const PcdField& field : cloud.fields) {
       for (int i = 0; i < field.count; ++i, ++next) {
-        if (next >= words.size()) throw Error("this point has too few values", place);
-        append_number(cloud.data, field, words[next], place);
+        if (next >= words.size()) throw Error("this point has too few values", location);
+        append_number(cloud.data, field, words[next], location);
       }
     }
     ++point;

@@ -86,7 +86,8 @@ Scan read_scan(const Config& config, const fs::path& folder) {
   Scan scan;
   const fs::path file = folder / config.require<std::string>("file");
   scan.name = file.stem().string();
-  scan.map_from_scan = pose_from_values(config.require<std::array<double, 7>>("pose"), config.place("pose"));
+  scan.map_from_scan =
+      pose_from_values(config.require<std::array<double, 7>>("pose"), config.location("pose"));
   if (config.has("covariance")) {
     const auto values = config.require<std::array<double, 36>>("covariance");
     scan.covariance = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(values.data());
@@ -153,7 +154,7 @@ ScanSet read_scan_set(const fs::path& path) {
                 {path.string(), 0, {}}, "a scan set is a folder with scans.yaml, or a single .pcd file");
   const Config config = Config::read(folder / "scans.yaml");
   if (config.get<int>("version", 1) != 1)
-    throw Error("only version 1 of scan sets is read", config.place("version"));
+    throw Error("only version 1 of scan sets is read", config.location("version"));
   ScanSet set;
   set.sensor = config.get<std::string>("sensor", "unknown");
   set.levelled = config.get<bool>("levelled", true);
@@ -162,7 +163,7 @@ ScanSet read_scan_set(const fs::path& path) {
   set.free_space = config.get<bool>("free_space", true);
   const std::vector<Config> scans = config.list("scans");
   config.finish();
-  if (scans.empty()) throw Error("the scan set has no scans", config.place("scans"));
+  if (scans.empty()) throw Error("the scan set has no scans", config.location("scans"));
   for (const Config& scan : scans) set.scans.push_back(read_scan(scan, folder));
   return set;
 }

@@ -24,7 +24,7 @@ struct Look {
 
 struct Built {
   TriangleMesh mesh;
-  double top_share = 1;  ///< of its height, where things stand on it
+  double top_share = 1;  ///< of its height, where other objects stand on it
 };
 
 Paint plain(const Rgba& color) {
@@ -175,7 +175,7 @@ Built apple(const Look& look) {
   return {builder.take(), 1};
 }
 
-/// A fork-like flat thing with a broad end.
+/// Flat cutlery with a broad end.
 Built cutlery(const Look& look) {
   ShapeBuilder builder;
   builder.box({-0.10, -0.007, 0}, {0.045, 0.007, 0.006}, look.color);

@@ -25,7 +25,7 @@ struct ObjectModel {
   TriangleMesh mesh;
   Vector3d low = Vector3d::Zero();   ///< corner of its bounding box
   Vector3d high = Vector3d::Zero();  ///< opposite corner
-  double top = 0;                    ///< height at which other things stand on it (a plate's is not its rim)
+  double top = 0;                    ///< height at which other objects stand on it (a plate's is not its rim)
 };
 
 std::vector<std::string> object_models();

@@ -38,11 +38,11 @@ void ScenarioPlay::apply(const Action& action, WorldState& state) {
   if (action.kind == Action::Kind::place) return place_object(action, state);
   const auto object = state.objects.find(action.subject);
   if (object == state.objects.end())
-    throw Error("'" + action.subject + "' is not there", action.place, "place it before");
+    throw Error("'" + action.subject + "' is not there", action.location, "place it before");
   if (action.kind == Action::Kind::remove) {
     for (const auto& [name, other] : state.objects)
       if (other.support == action.subject)
-        throw Error(fmt::format("'{}' stands on '{}'", name, action.subject), action.place,
+        throw Error(fmt::format("'{}' stands on '{}'", name, action.subject), action.location,
                     "move it away first");
     state.objects.erase(object);
   } else if (action.kind == Action::Kind::turn) {
@@ -57,8 +57,8 @@ void ScenarioPlay::place_object(const Action& action, WorldState& state) {
   const auto before = state.objects.find(action.subject);
   std::string support = before != state.objects.end() ? before->second.support : "";
   if (!action.support.empty()) support = resolve_support(action, state);
-  if (support.empty()) throw Error("it is not said where", action.place, "give 'on' or 'in'");
-  ObjectState object;
+  if (support.empty()) throw Error("it is not said where", action.location, "give 'on' or 'in'");
+  PlacedObject object;
   const ObjectSpec& spec = scenario_.objects.at(action.subject);
   object.color = before != state.objects.end() ? before->second.color : spec.color;
   object.accent = before != state.objects.end() ? before->second.accent : spec.accent;
@@ -75,14 +75,14 @@ Isometry3d ScenarioPlay::placed(const Action& action, const std::string& support
     const bool upright = turn(2, 2) > 0.99;
     top.centre.z() = upright ? model.top : 0;
     top.half = (model.high - model.low).head<2>() / 2;
-    if (!upright) throw Error("'" + support + "' lies on its side, nothing stands on it", action.place);
+    if (!upright) throw Error("'" + support + "' lies on its side, nothing stands on it", action.location);
   } else {
     top = top_of_link(support);
   }
   const Vector2d at = action.at.value_or(Vector2d::Zero());
   if (std::abs(at.x()) > top.half.x() || std::abs(at.y()) > top.half.y())
     throw Error(
-        fmt::format("[{}, {}] is beside '{}'", at.x(), at.y(), support), action.place,
+        fmt::format("[{}, {}] is beside '{}'", at.x(), at.y(), support), action.location,
         fmt::format("its top reaches {:.2f} and {:.2f} m from its middle", top.half.x(), top.half.y()));
   Isometry3d pose = Isometry3d::Identity();
   pose.rotate(Eigen::AngleAxisd(action.yaw.value_or(0), Vector3d::UnitZ()));
@@ -116,17 +116,17 @@ std::string ScenarioPlay::resolve_support(const Action& action, const WorldState
   if (action.inside && world_.find_link(name + "_bottom") != nullptr) return name + "_bottom";
   if (!action.inside && models_.contains(name)) {
     if (!state.objects.contains(name))
-      throw Error("'" + name + "' is not there", action.place, "place it before");
+      throw Error("'" + name + "' is not there", action.location, "place it before");
     for (std::string below = name; models_.contains(below); below = state.objects.at(below).support)
       if (below == action.subject)
-        throw Error(fmt::format("'{}' cannot stand on itself", action.subject), action.place);
+        throw Error(fmt::format("'{}' cannot stand on itself", action.subject), action.location);
     return name;
   }
   if (world_.find_link(name) != nullptr) return name;
   std::vector<std::string> candidates;
   for (const Link& link : world_.links) candidates.push_back(link.name);
   for (const auto& [object, model] : models_) candidates.push_back(object);
-  throw Error(fmt::format("unknown link '{}'", name), action.place, did_you_mean(name, candidates));
+  throw Error(fmt::format("unknown link '{}'", name), action.location, did_you_mean(name, candidates));
 }
 
 std::string ScenarioPlay::resolve_joint(const Action& action) const {
@@ -141,7 +141,7 @@ std::string ScenarioPlay::resolve_joint(const Action& action) const {
     candidates.push_back(joint.child);
     if (joint.child.ends_with("_front")) candidates.push_back(joint.child.substr(0, joint.child.size() - 6));
   }
-  throw Error(fmt::format("'{}' does not open", action.subject), action.place,
+  throw Error(fmt::format("'{}' does not open", action.subject), action.location,
               did_you_mean(action.subject, candidates));
 }
 
@@ -152,7 +152,7 @@ void ScenarioPlay::move_joint(const Action& action, WorldState& state) const {
       (action.position < joint.limits->lower - 1e-9 || action.position > joint.limits->upper + 1e-9))
     throw Error(fmt::format("'{}' moves from {} to {}, not to {}", name, joint.limits->lower,
                             joint.limits->upper, action.position),
-                action.place);
+                action.location);
   state.joints[name] = action.position;
 }
 
@@ -163,7 +163,7 @@ std::map<std::string, Isometry3d> ScenarioPlay::map_from_objects(const WorldStat
     Isometry3d pose = object.support_from_object;
     std::string support = object.support;
     while (models_.contains(support)) {
-      const ObjectState& below = state.objects.at(support);
+      const PlacedObject& below = state.objects.at(support);
       pose = below.support_from_object * pose;
       support = below.support;
     }

@@ -11,8 +11,8 @@
 
 namespace loci::mapping {
 
-/// Where an object is and how it looks, from one action to the next.
-struct ObjectState {
+/// Pose and appearance of an object between two actions.
+struct PlacedObject {
   std::string support;  ///< a link of the world, or another object
   Isometry3d support_from_object = Isometry3d::Identity();
   Rgba color = Rgba::Ones();
@@ -22,7 +22,7 @@ struct ObjectState {
 /// The world at one scene.
 struct WorldState {
   JointState joints;
-  std::map<std::string, ObjectState> objects;  ///< those that are there
+  std::map<std::string, PlacedObject> objects;  ///< those that are in the world
 };
 
 /// Middle of the top of a link's visual geometry, in the link's frame, and how far it reaches from there.
@@ -31,9 +31,9 @@ struct SupportTop {
   Vector2d half = Vector2d::Zero();
 };
 
-/// Goes through a scenario without rendering anything: the state at every scene. Error with the action's
-/// place for links and joints that the world does not have, joints moved beyond their limits, objects beside
-/// their support, and objects that are asked to move before they are there.
+/// Plays a scenario without rendering: the state at every scene. Error with the action's location for links
+/// and joints that the world does not have, joints moved beyond their limits, objects beside their support,
+/// and objects that are asked to move before they are there.
 class ScenarioPlay {
  public:
   ScenarioPlay(const Scenario& scenario, const World& world, const MeshSearch& search);
@@ -41,7 +41,7 @@ class ScenarioPlay {
   const std::vector<WorldState>& states() const { return states_; }
   const std::map<std::string, ObjectModel>& models() const { return models_; }
 
-  /// Poses of all objects that are there, in the map frame.
+  /// Poses of all objects in the world, in the map frame.
   std::map<std::string, Isometry3d> map_from_objects(const WorldState& state) const;
 
  private:

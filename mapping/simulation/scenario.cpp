@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "mapping/base/config.h"
-#include "mapping/base/known_keys.h"
 #include "mapping/base/math.h"
 
 namespace loci::mapping {
@@ -15,7 +14,7 @@ namespace {
 Vector3d point(const Config& config, const std::string& key) {
   const auto values = config.require<std::array<double, 3>>(key);
   const Vector3d result(values[0], values[1], values[2]);
-  if (!result.allFinite()) throw Error("a point is three finite numbers, in metres", config.place(key));
+  if (!result.allFinite()) throw Error("a point is three finite numbers, in metres", config.location(key));
   return result;
 }
 
@@ -24,34 +23,34 @@ std::optional<Rgba> color(const Config& config, const std::string& key) {
   const auto values = config.require<std::array<float, 3>>(key);
   for (const float value : values)
     if (!(value >= 0 && value <= 1))
-      throw Error("colours are red, green, blue from 0 to 1", config.place(key));
+      throw Error("colours are red, green, blue from 0 to 1", config.location(key));
   return Rgba(values[0], values[1], values[2], 1);
 }
 
 ObjectSpec read_object(const Config& config, const std::string& name, const std::filesystem::path& folder) {
-  refuse_unknown_keys(config, {"model", "size", "color", "accent", "pattern", "label"});
+  config.refuse_other_keys({"model", "size", "color", "accent", "pattern", "label"});
   ObjectSpec object;
   object.name = name;
   object.model = config.require<std::string>("model");
   const auto models = object_models();
   if (std::find(models.begin(), models.end(), object.model) == models.end())
-    throw Error("unknown model '" + object.model + "'", config.place("model"),
+    throw Error("unknown model '" + object.model + "'", config.location("model"),
                 did_you_mean(object.model, models));
   if (config.has("size")) object.size = point(config, "size");
   if (config.has("size") && object.size->minCoeff() <= 0)
-    throw Error("sizes are positive, in metres", config.place("size"));
+    throw Error("sizes are positive, in metres", config.location("size"));
   object.color = color(config, "color").value_or(object.color);
   object.accent = color(config, "accent");
   object.pattern = config.get<std::string>("pattern", "");
   const auto patterns = object_patterns();
   if (!object.pattern.empty() &&
       std::find(patterns.begin(), patterns.end(), object.pattern) == patterns.end())
-    throw Error("unknown pattern '" + object.pattern + "'", config.place("pattern"),
+    throw Error("unknown pattern '" + object.pattern + "'", config.location("pattern"),
                 did_you_mean(object.pattern, patterns));
   if (config.has("label")) {
     object.label = folder / config.require<std::string>("label");
     if (!std::filesystem::exists(object.label))
-      throw Error("no such image: " + object.label.string(), config.place("label"));
+      throw Error("no such image: " + object.label.string(), config.location("label"));
   }
   return object;
 }
@@ -71,10 +70,10 @@ class ActionReader {
       if (std::find(verbs.begin(), verbs.end(), key) != verbs.end()) verb = key;
     if (verb.empty()) {
       const std::string first = config.keys().empty() ? "" : config.keys().front();
-      throw Error("unknown action '" + first + "'", config.place(), did_you_mean(first, verbs));
+      throw Error("unknown action '" + first + "'", config.location(), did_you_mean(first, verbs));
     }
     Action action;
-    action.place = config.place(verb);
+    action.location = config.location(verb);
     action.subject = config.require<std::string>(verb);
     if (verb == "open" || verb == "close")
       read_joint(config, verb, action);
@@ -96,7 +95,7 @@ class ActionReader {
 
   void read_object_action(const Config& config, const std::string& verb, Action& action) const {
     if (std::find(names_.begin(), names_.end(), action.subject) == names_.end())
-      throw Error("unknown object '" + action.subject + "'", action.place,
+      throw Error("unknown object '" + action.subject + "'", action.location,
                   did_you_mean(action.subject, names_));
     if (verb == "place" || verb == "move") {
       read_place(config, action);
@@ -109,13 +108,13 @@ class ActionReader {
       action.kind = Action::Kind::recolor;
       action.color = color(config, "color");
       action.accent = color(config, "accent");
-      if (!action.color && !action.accent) throw Error("recolor needs a color or an accent", action.place);
+      if (!action.color && !action.accent) throw Error("recolor needs a color or an accent", action.location);
     }
   }
 
   static void read_place(const Config& config, Action& action) {
     action.kind = Action::Kind::place;
-    if (config.has("on") && config.has("in")) throw Error("either 'on' or 'in', not both", action.place);
+    if (config.has("on") && config.has("in")) throw Error("either 'on' or 'in', not both", action.location);
     action.support = config.get<std::string>("on", "");
     if (config.has("in")) {
       action.support = config.require<std::string>("in");
@@ -133,10 +132,10 @@ class ActionReader {
 };
 
 Isometry3d read_view(const Config& config) {
-  refuse_unknown_keys(config, {"from", "at"});
+  config.refuse_other_keys({"from", "at"});
   const Vector3d from = point(config, "from");
   const Vector3d at = point(config, "at");
-  if ((at - from).norm() < 1e-6) throw Error("'from' and 'at' are the same point", config.place());
+  if ((at - from).norm() < 1e-6) throw Error("'from' and 'at' are the same point", config.location());
   return looking_at(from, at);
 }
 
@@ -144,7 +143,7 @@ Isometry3d read_view(const Config& config) {
 std::vector<double> read_range(const Config& config, const std::string& key) {
   const auto values = config.require<std::array<double, 3>>(key);
   const int count = static_cast<int>(values[2]);
-  if (count < 1 || count > 1000) throw Error("expected [first, last, count]", config.place(key));
+  if (count < 1 || count > 1000) throw Error("expected [first, last, count]", config.location(key));
   std::vector<double> result;
   for (int i = 0; i < count; ++i)
     result.push_back(count == 1 ? values[0] : values[0] + (values[1] - values[0]) * i / (count - 1));
@@ -153,7 +152,7 @@ std::vector<double> read_range(const Config& config, const std::string& key) {
 
 /// From each position, each pitch, the yaw goes from first to last.
 std::vector<Isometry3d> read_sweep(const Config& config) {
-  refuse_unknown_keys(config, {"positions", "pitch_deg", "yaw_deg"});
+  config.refuse_other_keys({"positions", "pitch_deg", "yaw_deg"});
   std::vector<Isometry3d> views;
   const auto positions = config.require<std::vector<std::array<double, 3>>>("positions");
   const auto pitches = config.require<std::vector<double>>("pitch_deg");
@@ -173,12 +172,12 @@ std::vector<Isometry3d> read_sweep(const Config& config) {
 }
 
 SceneSpec read_scene(const Config& config, const ActionReader& actions) {
-  refuse_unknown_keys(config, {"time", "do", "view", "views", "sweep", "frames"});
+  config.refuse_other_keys({"time", "do", "view", "views", "sweep", "frames"});
   SceneSpec scene;
   try {
     scene.time_ns = parse_time(config.require<std::string>("time"));
   } catch (const Error& error) {
-    throw Error(error.message(), config.place("time"), error.hint());
+    throw Error(error.message(), config.location("time"), error.hint());
   }
   for (const Config& action : config.list("do")) scene.actions.push_back(actions.read(action));
   std::vector<Isometry3d> views;
@@ -187,8 +186,8 @@ SceneSpec read_scene(const Config& config, const ActionReader& actions) {
   if (config.has("sweep"))
     for (const Isometry3d& view : read_sweep(config.map("sweep"))) views.push_back(view);
   const int frames = config.get<int>("frames", 1);
-  if (frames < 1 || frames > 10000) throw Error("frames is 1 to 10000 per view", config.place("frames"));
-  if (views.empty()) throw Error("the scene has no view, views or sweep", config.place());
+  if (frames < 1 || frames > 10000) throw Error("frames is 1 to 10000 per view", config.location("frames"));
+  if (views.empty()) throw Error("the scene has no view, views or sweep", config.location());
   for (const Isometry3d& view : views)
     scene.map_from_camera.insert(scene.map_from_camera.end(), static_cast<size_t>(frames), view);
   return scene;
@@ -202,11 +201,12 @@ void read_camera(const Config& config, Scenario& scenario) {
   const Config fields = node.IsScalar() ? Config::parse("{}", "") : config.map("camera");
   const auto sensor = node.IsScalar() ? node.as<std::string>() : fields.get<std::string>("sensor", "kinect");
   if (sensor != "kinect")
-    throw Error("unknown sensor '" + sensor + "'", config.place("camera"), did_you_mean(sensor, {"kinect"}));
+    throw Error("unknown sensor '" + sensor + "'", config.location("camera"),
+                did_you_mean(sensor, {"kinect"}));
   OptionTable table = table_of(scenario.sensor);
   table.read(fields);
   fields.finish();
-  table.validate(config.place("camera"));
+  table.validate(config.location("camera"));
 }
 
 }  // namespace
@@ -226,7 +226,7 @@ Isometry3d looking_at(const Vector3d& from, const Vector3d& at) {
 
 Scenario read_scenario(const std::filesystem::path& path) {
   const Config config = Config::read(path);
-  refuse_unknown_keys(config, {"world", "camera", "floor", "frame_interval_s", "objects", "scenes"});
+  config.refuse_other_keys({"world", "camera", "floor", "frame_interval_s", "objects", "scenes"});
   Scenario scenario;
   scenario.file = path;
   scenario.world = path.parent_path() / config.require<std::string>("world");
@@ -234,7 +234,7 @@ Scenario read_scenario(const std::filesystem::path& path) {
   if (config.has("floor")) scenario.floor = config.require<double>("floor");
   const auto interval = config.get<double>("frame_interval_s", 1.0);
   if (!(interval > 0 && interval < 1e6))
-    throw Error("the interval is positive", config.place("frame_interval_s"));
+    throw Error("the interval is positive", config.location("frame_interval_s"));
   scenario.frame_interval = static_cast<TimeNs>(std::llround(interval * static_cast<double>(kSecond)));
   const Config objects = config.map("objects");
   for (const std::string& name : objects.keys())
@@ -247,10 +247,10 @@ Scenario read_scenario(const std::filesystem::path& path) {
     const SceneSpec& before = scenes[scenes.size() - 2];
     const auto lasts = static_cast<TimeNs>(before.map_from_camera.size()) * scenario.frame_interval;
     if (scenes.back().time_ns < before.time_ns + lasts)
-      throw Error("the scene begins before the one before has ended", scene.place("time"),
+      throw Error("the scene begins before the one before has ended", scene.location("time"),
                   fmt::format("that one lasts until {}", format_time(before.time_ns + lasts)));
   }
-  if (scenario.scenes.empty()) throw Error("the scenario has no scenes", config.place("scenes"));
+  if (scenario.scenes.empty()) throw Error("the scenario has no scenes", config.location("scenes"));
   return scenario;
 }
 

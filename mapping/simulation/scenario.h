@@ -14,7 +14,7 @@
 
 namespace loci::mapping {
 
-/// One thing that happens before a scene is seen.
+/// One change of the world before a scene is recorded.
 struct Action {
   enum class Kind { place, remove, open, recolor, turn };
   Kind kind = Kind::place;
@@ -27,17 +27,17 @@ struct Action {
   double position = 0;         ///< open: metres or radians
   std::optional<Rgba> color;   ///< recolor
   std::optional<Rgba> accent;  ///< recolor
-  loci::Place place;           ///< in the file
+  FileLocation location;       ///< in the file
 };
 
-/// A moment of the scenario: what happens, then what is seen from where.
+/// One step of the scenario: its changes, then the views that are recorded.
 struct SceneSpec {
   TimeNs time_ns = 0;
   std::vector<Action> actions;
   std::vector<Isometry3d> map_from_camera;  ///< one per frame
 };
 
-/// What `loci-simulate record` plays.
+/// The input of `loci-simulate record`.
 struct Scenario {
   std::filesystem::path file;
   std::filesystem::path world;

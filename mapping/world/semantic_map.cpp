@@ -16,10 +16,10 @@ class Reader {
   Reader(const std::string& file, std::string key) : file_(file), key_(std::move(key)) {}
 
   [[noreturn]] void fail(const std::string& what, const std::string& field = {}) const {
-    throw Error(what, loci::Place{file_, 0,
-                                  field.empty()  ? key_
-                                  : key_.empty() ? field
-                                                 : key_ + "." + field});
+    throw Error(what, FileLocation{file_, 0,
+                                   field.empty()  ? key_
+                                   : key_.empty() ? field
+                                                  : key_ + "." + field});
   }
 
   std::string text(const Json& value, const std::string& field) const {
@@ -74,7 +74,7 @@ Isometry3d pose_from_json(const Json& json, const Reader& reader, const std::str
   if (!json.is_array() || json.size() != 7) reader.fail("must be [x, y, z, qx, qy, qz, qw]", key);
   std::array<double, 7> values{};
   for (size_t i = 0; i < 7; ++i) values[i] = reader.number(json[i], key);
-  return pose_from_values(values, loci::Place{file, 0, key});
+  return pose_from_values(values, FileLocation{file, 0, key});
 }
 
 }  // namespace

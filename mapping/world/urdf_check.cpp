@@ -62,7 +62,7 @@ class Checker {
   };
 
   [[noreturn]] void fail(const XMLElement& element, const std::string& what, const std::string& hint = {}) {
-    throw Error(what, loci::Place{file_, element.GetLineNum(), {}}, hint);
+    throw Error(what, FileLocation{file_, element.GetLineNum(), {}}, hint);
   }
 
   std::string name_of(const XMLElement& element, const std::string& kind) {
@@ -306,11 +306,11 @@ class Checker {
 void parse_xml(tinyxml2::XMLDocument& document, const std::string& text, const std::string& file) {
   if (document.Parse(text.c_str(), text.size()) == tinyxml2::XML_SUCCESS) return;
   if (document.ErrorID() == tinyxml2::XML_ERROR_EMPTY_DOCUMENT)
-    throw Error("the file is empty", loci::Place{file, 0, {}});
+    throw Error("the file is empty", FileLocation{file, 0, {}});
   std::string reason = document.ErrorName() ? document.ErrorName() : "";
   if (reason.starts_with("XML_")) reason.erase(0, 4);
   for (char& c : reason) c = c == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  throw Error("this is not XML (" + reason + ")", loci::Place{file, document.ErrorLineNum(), {}});
+  throw Error("this is not XML (" + reason + ")", FileLocation{file, document.ErrorLineNum(), {}});
 }
 
 const XMLElement& check_urdf(const tinyxml2::XMLDocument& document, const std::string& file) {
@@ -318,9 +318,9 @@ const XMLElement& check_urdf(const tinyxml2::XMLDocument& document, const std::s
   if (!robot || std::string_view(robot->Name()) != "robot")
     throw Error(std::string("this is no URDF: the first element is <") + (robot ? robot->Name() : "") +
                     ">, not <robot>",
-                loci::Place{file, robot ? robot->GetLineNum() : 0, {}});
+                FileLocation{file, robot ? robot->GetLineNum() : 0, {}});
   if (!robot->Attribute("name"))
-    throw Error("the robot has no name", loci::Place{file, robot->GetLineNum(), {}});
+    throw Error("the robot has no name", FileLocation{file, robot->GetLineNum(), {}});
   Checker(file).run(*robot);
   return *robot;
 }

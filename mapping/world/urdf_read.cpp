@@ -52,7 +52,7 @@ urdf::ModelInterfaceSharedPtr parse_with_urdfdom(const std::string& text, const 
   if (model) return model;
   if (!messages.text().empty()) reason = messages.text();
   throw Error("urdfdom refuses it: " + (reason.empty() ? "no reason given" : reason),
-              loci::Place{file, 0, {}});
+              FileLocation{file, 0, {}});
 }
 
 Vector3d vector_from(const urdf::Vector3& v) {

@@ -7,7 +7,6 @@
 #include <variant>
 #include <vector>
 
-#include "mapping/base/joint_state.h"
 #include "mapping/base/pose.h"
 
 namespace loci::mapping {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "mapping/base/json.h"
-#include "mapping/base/utf8.h"
+#include "mapping/base/text.h"
 #include "memory/edits/edit_runs.h"
 #include "memory/questions/facts.h"
 #include "memory/questions/place_names.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "mapping/base/json.h"
-#include "mapping/base/utf8.h"
+#include "mapping/base/text.h"
 #include "mapping/world/urdf.h"
 #include "memory/edits/edit_runs.h"
 #include "memory/questions/place_names.h"

@@ -86,7 +86,7 @@ class Moments {
   }
 
   void name_bad(const Error& error, int64_t line) {
-    const Error named(error.message(), {file_.string(), static_cast<int>(line), error.place().key},
+    const Error named(error.message(), {file_.string(), static_cast<int>(line), error.location().key},
                       error.hint());
     if (++bad_ <= kNamedLines) warnings_.add(std::string(named.what()) + ": line skipped");
     if (!first_error_) first_error_ = named;

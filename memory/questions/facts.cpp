@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "mapping/base/json.h"
-#include "mapping/base/utf8.h"
+#include "mapping/base/text.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci::memory {

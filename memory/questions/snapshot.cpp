@@ -423,7 +423,7 @@ std::vector<Id> Snapshot::find_objects(const std::string& subject) const {
     order_objects(found, *this);
     return found;
   }
-  const Place where{store_.path().string(), 0, {}};
+  const FileLocation where{store_.path().string(), 0, {}};
   for (size_t i = 0; i < words.size(); ++i) {
     const auto superlative = superlatives().find(words[i]);
     if (superlative == superlatives().end()) continue;

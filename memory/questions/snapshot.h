@@ -14,7 +14,7 @@ namespace loci::memory {
 class UnknownName : public Error {
  public:
   enum class Kind { object, place };
-  UnknownName(Kind kind, const std::string& what, const Place& where, const std::string& hint)
+  UnknownName(Kind kind, const std::string& what, const FileLocation& where, const std::string& hint)
       : Error(what, where, hint), kind_(kind) {}
   Kind kind() const { return kind_; }
 

@@ -134,7 +134,7 @@ void bind_values(SQLite::Statement& statement, const std::vector<SqlValue>& valu
 }
 
 void throw_database_error(const SQLite::Exception& error, const std::filesystem::path& path) {
-  const Place place{path.string(), 0, {}};
+  const FileLocation place{path.string(), 0, {}};
   switch (error.getErrorCode() & 0xff) {
     case SQLITE_NOTADB:
       throw Error("is no memory of loci, or a damaged one", place, "give a *.loci file");

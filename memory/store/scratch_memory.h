@@ -39,7 +39,7 @@ void make_as_a_whole(const std::filesystem::path& memory, Make make) {
     make(scratch.path());
     scratch.move_to(memory);
   } catch (const Error& error) {
-    if (error.place().file != scratch.path().string()) throw;
+    if (error.location().file != scratch.path().string()) throw;
     throw Error(error.message(), {memory.string(), 0, {}},
                 "nothing is left of it; make room, or write it elsewhere");
   }

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Place place_of(const fs::path& path) {
+FileLocation place_of(const fs::path& path) {
   return {path.string(), 0, {}};
 }
 

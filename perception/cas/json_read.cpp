@@ -157,7 +157,7 @@ class Reader {
       try {
         set(structure, *feature, value, place);
       } catch (const Error& error) {
-        if (!error.place().key.empty()) throw;
+        if (!error.location().key.empty()) throw;
         throw Error(error.message(), {{}, 0, place}, error.hint());
       }
     }

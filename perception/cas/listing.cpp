@@ -62,8 +62,8 @@ Json types_json(const TypeSystem& system) {
   Json list = Json::array();
   for (const Type& type : types) {
     Json entry = {{"name", type.name()}, {"supertype", type.supertype().name()}};
-    entry["file"] = type.place().file;
-    entry["line"] = type.place().line;
+    entry["file"] = type.location().file;
+    entry["line"] = type.location().line;
     if (!type.description().empty()) entry["description"] = type.description();
     if (!type.allowed_values().empty()) entry["allowed_values"] = type.allowed_values();
     entry["features"] = Json::array();

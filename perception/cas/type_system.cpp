@@ -46,7 +46,7 @@ bool Type::is_builtin() const {
   return data_->builtin;
 }
 
-const Place& Type::place() const {
+const FileLocation& Type::location() const {
   return data_->place;
 }
 

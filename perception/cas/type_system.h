@@ -63,7 +63,7 @@ class Type {
   Kind component_kind() const;
   bool is_builtin() const;
   /// Where it was declared first; no file for built-in types.
-  const Place& place() const;
+  const FileLocation& location() const;
 
   /// Own features last, inherited ones first.
   const std::vector<Feature>& features() const;
@@ -131,7 +131,7 @@ struct TypeData {
   Kind kind = Kind::kStructure;
   Kind component = Kind::kStructure;
   bool builtin = false;
-  Place place;
+  FileLocation place;
   std::vector<std::string> allowed_values;
   std::vector<std::unique_ptr<FeatureData>> own;
   std::vector<Feature> features;

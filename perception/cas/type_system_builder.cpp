@@ -27,7 +27,7 @@ const std::map<std::string, Kind> kArrays = {
 
 constexpr int kMaxDepth = 1000;  // levels of inheritance; recursion follows them
 
-std::string at(const Place& place) {
+std::string at(const FileLocation& place) {
   return place.file.empty() ? "the built-in types" : place.text();
 }
 
@@ -115,7 +115,8 @@ void TypeSystemBuilder::merge_feature(const std::string& type, FeatureDeclaratio
   if (!known.multiple_references) known.multiple_references = again.multiple_references;
 }
 
-TypeSystemBuilder::TypeDeclaration& TypeSystemBuilder::resolve(const std::string& name, const Place& place,
+TypeSystemBuilder::TypeDeclaration& TypeSystemBuilder::resolve(const std::string& name,
+                                                               const FileLocation& place,
                                                                const std::string& what) {
   const auto found = declarations_.find(name);
   if (found != declarations_.end()) return found->second;

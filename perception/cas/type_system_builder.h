@@ -18,7 +18,7 @@ class TypeSystemBuilder {
   TypeSystemBuilder(const std::vector<loci::perception::cas::TypeSource>& sources,
                     std::vector<std::filesystem::path> path_dirs);
 
-  void add_file(const std::filesystem::path& path, const loci::Place& from = {});
+  void add_file(const std::filesystem::path& path, const FileLocation& from = {});
   void add_source(const loci::perception::cas::TypeSource& source);
   std::shared_ptr<const loci::perception::cas::TypeSystem> finish();
 
@@ -26,7 +26,7 @@ class TypeSystemBuilder {
   struct FeatureDeclaration {
     std::string name, description, range, element;
     std::optional<bool> multiple_references;
-    loci::Place place;
+    FileLocation place;
   };
   struct TypeDeclaration {
     std::string name, description, supertype;
@@ -34,7 +34,7 @@ class TypeSystemBuilder {
     std::vector<std::string> allowed_values;
     bool has_allowed_values = false;
     bool builtin = false;
-    loci::Place place;
+    FileLocation place;
     int state = 0;  ///< 0 new, 1 being built, 2 built
     loci::perception::cas::detail::TypeData* data = nullptr;
   };
@@ -52,7 +52,7 @@ class TypeSystemBuilder {
   static void merge_feature(const std::string& type, FeatureDeclaration& known,
                             const FeatureDeclaration& again);
 
-  TypeDeclaration& resolve(const std::string& name, const loci::Place& place, const std::string& what);
+  TypeDeclaration& resolve(const std::string& name, const FileLocation& place, const std::string& what);
   void build_hierarchy(loci::perception::cas::TypeSystem& system);
   void build_type(loci::perception::cas::TypeSystem& system, TypeDeclaration& declaration, int depth = 0);
   void build_order(loci::perception::cas::TypeSystem& system);

@@ -21,7 +21,7 @@ std::string trimmed(const char* text) {
   return result;
 }
 
-Place place_of(const XMLElement& element, const std::string& file) {
+FileLocation place_of(const XMLElement& element, const std::string& file) {
   return {file, element.GetLineNum(), {}};
 }
 
@@ -73,7 +73,7 @@ void TypeSystemBuilder::add_source(const TypeSource& source) {
   add_text(source.text, source.name, std::filesystem::path(source.name).parent_path());
 }
 
-void TypeSystemBuilder::add_file(const std::filesystem::path& path, const Place& from) {
+void TypeSystemBuilder::add_file(const std::filesystem::path& path, const FileLocation& from) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
     throw Error(from.file.empty() ? "no such type system: " + path.string()
@@ -104,7 +104,7 @@ void TypeSystemBuilder::add_text(const std::string& text, const std::string& fil
 
 void TypeSystemBuilder::add_import(const XMLElement& element, const std::string& file,
                                    const std::filesystem::path& folder) {
-  const Place place = place_of(element, file);
+  const FileLocation place = place_of(element, file);
   if (const char* location = element.Attribute("location")) {
     if (const auto source = sources_.find((folder / location).lexically_normal().string());
         source != sources_.end())

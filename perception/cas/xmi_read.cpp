@@ -26,7 +26,7 @@ std::vector<std::string> words(const std::string& text) {
 
 /// A number as UIMA writes it, whole text; Error at `place` otherwise.
 template <typename T>
-T number_from(const std::string& text, const Place& place) {
+T number_from(const std::string& text, const FileLocation& place) {
   T value{};
   const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
   const char* end = text.data() + text.size();
@@ -41,13 +41,13 @@ T number_from(const std::string& text, const Place& place) {
   return value;
 }
 
-bool bool_from(const std::string& text, const Place& place) {
+bool bool_from(const std::string& text, const FileLocation& place) {
   if (text == "true" || text == "1") return true;
   if (text == "false" || text == "0") return false;
   throw Error(fmt::format("'{}' is neither true nor false", text), place);
 }
 
-uint8_t byte_from(const std::string& digits, const Place& place) {
+uint8_t byte_from(const std::string& digits, const FileLocation& place) {
   unsigned value = 0;
   const auto done = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
   if (digits.size() != 2 || done.ptr != digits.data() + 2)
@@ -57,7 +57,7 @@ uint8_t byte_from(const std::string& digits, const Place& place) {
 
 /// "uima.tcas.Annotation" of an element <tcas:Annotation> with xmlns:tcas="http:///uima/tcas.ecore".
 std::string type_name(const std::string& name, const std::map<std::string, std::string>& spaces,
-                      const Place& place) {
+                      const FileLocation& place) {
   const size_t colon = name.find(':');
   const std::string prefix = colon == std::string::npos ? "" : name.substr(0, colon);
   const std::string local = colon == std::string::npos ? name : name.substr(colon + 1);
@@ -114,7 +114,7 @@ class Reader {
     FeatureStructure structure;
     std::string id;
     const XMLElement* element;
-    Place place;
+    FileLocation place;
   };
 
   /// What to_xmi() noted because XMI cannot say it.
@@ -135,15 +135,17 @@ class Reader {
     }
   }
 
-  Place place_of(const XMLElement& element) const { return {file_, element.GetLineNum(), element.Name()}; }
+  FileLocation place_of(const XMLElement& element) const {
+    return {file_, element.GetLineNum(), element.Name()};
+  }
 
-  void leave_out(const std::string& what, const Place& place) {
+  void leave_out(const std::string& what, const FileLocation& place) {
     if (!options_.lenient) throw Error(what, place, "--lenient leaves it out");
     warnings_.add(what + ", left out", place);
   }
 
   void create(const XMLElement& element) {
-    Place place = place_of(element);
+    FileLocation place = place_of(element);
     std::string name = type_name(element.Name(), spaces_, place);
     if (name.ends_with("[]")) name = "uima.cas.FSArray";
     if (name == "uima.cas.NULL") return;
@@ -176,7 +178,7 @@ class Reader {
   }
 
   void add_view(const FeatureStructure& sofa, const std::string& id, const XMLElement& element,
-                const Place& place) {
+                const FileLocation& place) {
     const char* name = element.Attribute("sofaID");
     const auto noted = view_names_.find(id);
     if (noted == view_names_.end() && name == nullptr) throw Error("the sofa has no sofaID", place);
@@ -223,7 +225,7 @@ class Reader {
   }
 
   FeatureStructure array(Kind kind, const Values& given, const std::string& id, const std::string& feature,
-                         const Place& place) {
+                         const FileLocation& place) {
     std::vector<std::string> texts = several(given, kind);
     const auto numbers = [&]<typename T>(T) {
       return buffer<T>(texts, [&](const std::string& text) { return number_from<T>(text, place); });
@@ -265,7 +267,7 @@ class Reader {
     return found->second;
   }
 
-  FeatureStructure reference(const std::string& id, const Place& place) {
+  FeatureStructure reference(const std::string& id, const FileLocation& place) {
     if (id == "0" || id.empty()) return {};
     const auto found = made_.find(id);
     if (found != made_.end()) return found->second;
@@ -273,7 +275,7 @@ class Reader {
     return {};
   }
 
-  std::vector<FeatureStructure> references(const Values& given, const Place& place) {
+  std::vector<FeatureStructure> references(const Values& given, const FileLocation& place) {
     std::vector<FeatureStructure> found;
     for (const std::string& id : several(given, Kind::kStructure)) found.push_back(reference(id, place));
     return found;
@@ -281,7 +283,7 @@ class Reader {
 
   /// A chain of nodes that ends in an empty one.
   FeatureStructure list(Kind component, const Values& given, const std::string& id,
-                        const std::string& feature, const Place& place) {
+                        const std::string& feature, const FileLocation& place) {
     const TypeSystem::ListTypes& types = system_.list_types(component);
     const std::vector<std::string> texts = several(given, component);
     FeatureStructure first = cas_.create(types.empty);
@@ -325,7 +327,7 @@ class Reader {
     try {
       set(item, *feature, values(*item.element, name));
     } catch (const Error& error) {
-      if (!error.place().file.empty()) throw;
+      if (!error.location().file.empty()) throw;
       throw Error(error.message(), item.place, error.hint());
     }
   }
@@ -334,7 +336,7 @@ class Reader {
     const FeatureStructure& structure = item.structure;
     const Type range = feature.range();
     const std::string& text = given.texts.front();
-    const Place& place = item.place;
+    const FileLocation& place = item.place;
     if (range.kind() == Kind::kBoolean) return structure.set(feature, bool_from(text, place));
     if (is_integer(range.kind())) return structure.set(feature, number_from<int64_t>(text, place));
     if (range.kind() == Kind::kFloat) return structure.set(feature, number_from<float>(text, place));
@@ -353,7 +355,7 @@ class Reader {
   }
 
   void read_view(const XMLElement& element) {
-    const Place place = place_of(element);
+    const FileLocation place = place_of(element);
     const char* sofa = element.Attribute("sofa");
     if (sofa != nullptr && !views_.contains(sofa))
       throw Error(fmt::format("a view refers to sofa {}, which is not there", sofa), place);

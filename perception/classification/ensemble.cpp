@@ -274,7 +274,7 @@ Ensemble Ensemble::load(const std::filesystem::path& path) try {
   ensemble.fusion_ = SoftmaxRegression::from_json(json.at("fusion"));
   return ensemble;
 } catch (const Error& error) {
-  if (!error.place().file.empty()) throw;
+  if (!error.location().file.empty()) throw;
   throw Error(error.message(), {path.string(), 0, {}}, error.hint());
 } catch (const nlohmann::json::exception&) {
   throw Error("the classifier contradicts itself", {path.string(), 0, {}}, "train it anew");

@@ -78,7 +78,7 @@ RosTypes::Message RosTypes::parse(const std::string& type, const std::string& te
   int number = 0;
   for (std::string line; std::getline(lines, line);) {
     ++number;
-    const Place place{where, number, type};
+    const FileLocation place{where, number, type};
     const std::string code = trimmed(line.substr(0, line.find('#')));
     if (code.empty()) continue;
     std::istringstream words(code);

@@ -108,7 +108,7 @@ bool path_fits(const cas::FeatureStructure& start, const std::vector<std::string
 
 }  // namespace
 
-cas::Type named_type(const cas::TypeSystem& types, const std::string& name, const Place& place) {
+cas::Type named_type(const cas::TypeSystem& types, const std::string& name, const FileLocation& place) {
   if (const auto found = types.find(name)) return *found;
   std::vector<std::string> known;
   for (const std::string& sought : {name, name + "Annotation"})
@@ -122,7 +122,7 @@ cas::Type named_type(const cas::TypeSystem& types, const std::string& name, cons
 /// Recursive descent over: or := and {"or" and}; and := not {"and" not}; not := ["not"] (test | "(" or ")").
 class Condition::Parser {
  public:
-  Parser(const std::string& text, const Place& place) : text_(text), place_(place) { next(); }
+  Parser(const std::string& text, const FileLocation& place) : text_(text), place_(place) { next(); }
 
   std::shared_ptr<const Node> run() {
     auto node = either();
@@ -236,14 +236,14 @@ class Condition::Parser {
   }
 
   const std::string& text_;
-  const Place& place_;
+  const FileLocation& place_;
   size_t at_ = 0;
   size_t begin_ = 0;
   std::string token_;
   bool quoted_ = false;
 };
 
-Condition Condition::parse(const std::string& text, const Place& place) {
+Condition Condition::parse(const std::string& text, const FileLocation& place) {
   Condition condition;
   condition.text_ = text;
   condition.place_ = place;

@@ -24,7 +24,7 @@ namespace loci::perception {
 class Condition {
  public:
   /// Throws Error that says what was expected.
-  static Condition parse(const std::string& text, const Place& place);
+  static Condition parse(const std::string& text, const FileLocation& place);
 
   const std::string& text() const { return text_; }
   /// The types that it asks for, as they are written.
@@ -40,11 +40,11 @@ class Condition {
   struct Node;
   class Parser;
   std::string text_;
-  Place place_;
+  FileLocation place_;
   std::shared_ptr<const Node> root_;
 };
 
 /// The type of this name: full, short, or short without "Annotation". Throws Error with the nearest one.
-cas::Type named_type(const cas::TypeSystem& types, const std::string& name, const Place& place = {});
+cas::Type named_type(const cas::TypeSystem& types, const std::string& name, const FileLocation& place = {});
 
 }  // namespace loci::perception

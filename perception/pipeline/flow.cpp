@@ -10,8 +10,8 @@
 namespace loci::perception {
 namespace {
 
-Place place_of(const Config& config, const YAML::Node& node, const std::string& path) {
-  Place place = config.place();
+FileLocation place_of(const Config& config, const YAML::Node& node, const std::string& path) {
+  FileLocation place = config.location();
   if (!node.Mark().is_null()) place.line = node.Mark().line + 1;
   place.key = path;
   return place;
@@ -30,7 +30,7 @@ std::set<std::string> set_of(const std::vector<std::string>& list) {
 
 /// `Name` or `{Name: {options}}`.
 std::pair<std::string, YAML::Node> named(const YAML::Node& node, const std::string& what,
-                                         const Place& place) {
+                                         const FileLocation& place) {
   const YAML::Node none(YAML::NodeType::Map);
   if (node.IsScalar()) return {node.as<std::string>(), none};
   if (!node.IsMap() || node.size() != 1)
@@ -67,7 +67,7 @@ class FlowReader {
 
  private:
   void read_item(const YAML::Node& node, const std::string& path, Flow& flow) {
-    const Place place = place_of(pipeline_, node, path);
+    const FileLocation place = place_of(pipeline_, node, path);
     if (node.IsMap() && node["if"]) return read_condition(node, path, flow);
     if (node.IsMap() && node["regions"]) return read_regions(node, path, flow);
     if (node.IsMap() && node["parallel"]) return read_parallel(node, path, flow);
@@ -110,7 +110,7 @@ class FlowReader {
     return std::find(engine_names_.begin(), engine_names_.end(), name) != engine_names_.end();
   }
 
-  void splice_engine(const std::string& name, const Place& place, Flow& flow) {
+  void splice_engine(const std::string& name, const FileLocation& place, Flow& flow) {
     if (std::find(within_.begin(), within_.end(), name) != within_.end())
       throw Error(fmt::format("engine '{}' contains itself", name), place);
     within_.push_back(name);
@@ -119,8 +119,8 @@ class FlowReader {
     std::move(inner.nodes.begin(), inner.nodes.end(), std::back_inserter(flow.nodes));
   }
 
-  void add_step(const std::string& name, const Config& options, const Config& policy, const Place& place,
-                Flow& flow) {
+  void add_step(const std::string& name, const Config& options, const Config& policy,
+                const FileLocation& place, Flow& flow) {
     FlowNode node;
     node.place = place;
     if (!engine_names_.empty()) {

@@ -44,7 +44,7 @@ struct FlowNode {
     kMultiply,     ///< each CAS that the multiplier makes goes through branches[0]
   };
   Kind kind = Kind::kStep;
-  Place place;
+  FileLocation place;
   std::unique_ptr<Step> step;
   std::optional<Condition> condition;
   std::vector<std::string> patterns;

@@ -9,7 +9,7 @@
 namespace loci::perception {
 namespace {
 
-void check_need(const std::string& who, const std::string& need, const Place& place,
+void check_need(const std::string& who, const std::string& need, const FileLocation& place,
                 const std::set<std::string>& made, const AnnotatorRegistry& registry) {
   const bool met =
       std::any_of(made.begin(), made.end(), [&](const std::string& product) { return meets(product, need); });

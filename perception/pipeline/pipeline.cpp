@@ -18,10 +18,10 @@ std::pair<std::string, YAML::Node> read_reader(const Config& config) {
   if (!node) return {kDefaultReader, none};
   if (node.IsScalar()) return {node.as<std::string>(), none};
   if (!node.IsMap() || node.size() != 1)
-    throw Error("a reader is a name, or a name with a map of options", config.place("reader"));
+    throw Error("a reader is a name, or a name with a map of options", config.location("reader"));
   const YAML::Node options = node.begin()->second;
   if (!options.IsMap() && !options.IsNull())
-    throw Error("the options of a reader must be a map", config.place("reader"));
+    throw Error("the options of a reader must be a map", config.location("reader"));
   return {node.begin()->first.as<std::string>(), options.IsMap() ? options : none};
 }
 
@@ -35,13 +35,13 @@ Pipeline Pipeline::parse(const std::string& text, const std::string& file,
 Pipeline Pipeline::parse(const Config& config, const AnnotatorRegistry& registry) {
   Pipeline pipeline;
   const auto [name, options] = read_reader(config);
-  pipeline.reader_ = registry.make_reader(name, config.place("reader"));
+  pipeline.reader_ = registry.make_reader(name, config.location("reader"));
   pipeline.reader_options_ = read_declared(*pipeline.reader_, config.over(options, "reader." + name));
   pipeline.flow_ = read_flow(config, "flow", registry);
   pipeline.writers_ = read_flow(config, "writers", registry);
   config.finish();
   if (pipeline.flow_.nodes.empty())
-    throw Error("the pipeline has no annotators", config.place("flow"), "list them under 'flow:'");
+    throw Error("the pipeline has no annotators", config.location("flow"), "list them under 'flow:'");
   pipeline.check(registry);
   return pipeline;
 }

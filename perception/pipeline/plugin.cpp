@@ -8,7 +8,7 @@
 namespace loci::perception {
 
 LoadedPlugin load_plugin(const std::filesystem::path& path, AnnotatorRegistry& registry) {
-  const Place place{path.string(), 0, {}};
+  const FileLocation place{path.string(), 0, {}};
   if (!std::filesystem::exists(path)) throw Error("there is no such plugin", place);
   // An absolute path, or the loader would look elsewhere first.
   void* library = dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL);

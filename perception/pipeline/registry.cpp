@@ -19,7 +19,7 @@ std::vector<std::string> names_of(const Map& map) {
 }
 
 template <class Map>
-auto maker_from(const Map& map, const std::string& name, const Place& place, const char* kind) {
+auto maker_from(const Map& map, const std::string& name, const FileLocation& place, const char* kind) {
   const auto it = map.find(name);
   if (it != map.end()) return it->second;
   const std::vector<std::string> known = names_of(map);
@@ -36,14 +36,14 @@ std::string kind_of(const Option& option) {
 std::string bounds_of(const Option& option) {
   if (!option.choices.empty()) return fmt::format("one of {}", fmt::join(option.choices, ", "));
   const bool number = option.value.index() == 1 || option.value.index() == 2;
-  if (number && std::isfinite(option.minimum) && std::isfinite(option.maximum))
-    return fmt::format("{} to {}", option.minimum, option.maximum);
+  if (number && std::isfinite(option.min) && std::isfinite(option.max))
+    return fmt::format("{} to {}", option.min, option.max);
   return {};
 }
 
 }  // namespace
 
-void AnnotatorRegistry::merge(const AnnotatorRegistry& more, const Place& place) {
+void AnnotatorRegistry::merge(const AnnotatorRegistry& more, const FileLocation& place) {
   const auto merge_map = [&](auto& own, const auto& others) {
     for (const auto& [name, make] : others)
       if (!own.emplace(name, make).second)
@@ -67,20 +67,21 @@ std::vector<std::string> AnnotatorRegistry::multipliers() const {
 }
 
 std::unique_ptr<CasMultiplier> AnnotatorRegistry::make_multiplier(const std::string& name,
-                                                                  const Place& place) const {
+                                                                  const FileLocation& place) const {
   return maker_from(multipliers_, name, place, "CAS multiplier")();
 }
 
-std::unique_ptr<Annotator> AnnotatorRegistry::make(const std::string& name, const Place& place) const {
+std::unique_ptr<Annotator> AnnotatorRegistry::make(const std::string& name, const FileLocation& place) const {
   return maker(name, place)();
 }
 
 std::function<std::unique_ptr<Annotator>()> AnnotatorRegistry::maker(const std::string& name,
-                                                                     const Place& place) const {
+                                                                     const FileLocation& place) const {
   return maker_from(annotators_, name, place, "annotator");
 }
 
-std::unique_ptr<Reader> AnnotatorRegistry::make_reader(const std::string& name, const Place& place) const {
+std::unique_ptr<Reader> AnnotatorRegistry::make_reader(const std::string& name,
+                                                       const FileLocation& place) const {
   return maker_from(readers_, name, place, "reader")();
 }
 
@@ -108,7 +109,7 @@ Json describe(const AnnotatorDescriptor& descriptor, const OptionTable& options)
                   {"kind", kind_of(option)},
                   {"unit", option.unit},
                   {"default", defaults[option.name]},
-                  {"description", option.sentence}};
+                  {"description", option.description}};
     if (const std::string bounds = bounds_of(option); !bounds.empty()) entry["allowed"] = bounds;
     json["options"].push_back(std::move(entry));
   }
@@ -129,8 +130,8 @@ std::string description_text(const AnnotatorDescriptor& descriptor, const Option
   for (const Option& option : options.options()) {
     const std::string unit = option.unit.empty() ? "" : " " + option.unit;
     const std::string bounds = bounds_of(option);
-    text += fmt::format("  {}: {}{}\n      {}{}\n", option.name, option_text(option), unit, option.sentence,
-                        bounds.empty() ? "" : " (" + bounds + ")");
+    text += fmt::format("  {}: {}{}\n      {}{}\n", option.name, option_text(option), unit,
+                        option.description, bounds.empty() ? "" : " (" + bounds + ")");
   }
   return text;
 }

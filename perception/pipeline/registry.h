@@ -32,18 +32,20 @@ class AnnotatorRegistry {
   }
 
   /// Takes over what another one has. Error, with `place`, when a name is taken.
-  void merge(const AnnotatorRegistry& more, const Place& place);
+  void merge(const AnnotatorRegistry& more, const FileLocation& place);
 
   std::vector<std::string> annotators() const;   ///< sorted
   std::vector<std::string> readers() const;      ///< sorted
   std::vector<std::string> multipliers() const;  ///< sorted
   /// A fresh one with default options. Error that names the nearest known one when there is none of this
   /// name.
-  std::unique_ptr<Annotator> make(const std::string& name, const Place& place = {}) const;
+  std::unique_ptr<Annotator> make(const std::string& name, const FileLocation& place = {}) const;
   /// What makes it; stays good when the registry is gone.
-  std::function<std::unique_ptr<Annotator>()> maker(const std::string& name, const Place& place = {}) const;
-  std::unique_ptr<Reader> make_reader(const std::string& name, const Place& place = {}) const;
-  std::unique_ptr<CasMultiplier> make_multiplier(const std::string& name, const Place& place = {}) const;
+  std::function<std::unique_ptr<Annotator>()> maker(const std::string& name,
+                                                    const FileLocation& place = {}) const;
+  std::unique_ptr<Reader> make_reader(const std::string& name, const FileLocation& place = {}) const;
+  std::unique_ptr<CasMultiplier> make_multiplier(const std::string& name,
+                                                 const FileLocation& place = {}) const;
   /// The annotators and readers that make something without needing it themselves.
   std::vector<std::string> makers_of(const std::string& product) const;
 

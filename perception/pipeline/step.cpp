@@ -90,7 +90,7 @@ void StepPolicy::declare(OptionTable& table) {
       "It runs beside the others until what it makes is needed, at the latest when the scene is done.");
 }
 
-Step::Step(const std::string& name, const Config& options, const Config& policy, const Place& place,
+Step::Step(const std::string& name, const Config& options, const Config& policy, const FileLocation& place,
            const AnnotatorRegistry& registry)
     : maker_(registry.maker(name, place)), place_(place) {
   annotator_ = maker_();

@@ -35,12 +35,12 @@ class SceneSkipped : public Error {
 class Step {
  public:
   /// Reads the options and policy strictly.
-  Step(const std::string& name, const Config& options, const Config& policy, const Place& place,
+  Step(const std::string& name, const Config& options, const Config& policy, const FileLocation& place,
        const AnnotatorRegistry& registry);
 
   const AnnotatorDescriptor& descriptor() const { return descriptor_; }
   const StepPolicy& policy() const { return policy_; }
-  const Place& place() const { return place_; }
+  const FileLocation& place() const { return place_; }
   const AnnotatorStatistics& statistics() const { return statistics_; }
   /// Clusters that keep what was said about them before.
   void note_reused(size_t clusters) { statistics_.reused += static_cast<int64_t>(clusters); }
@@ -76,7 +76,7 @@ class Step {
   Json options_;
   StepPolicy policy_;
   Json policy_json_;
-  Place place_;
+  FileLocation place_;
   AnnotatorStatistics statistics_;
   double processor_seconds_ = 0;
 };

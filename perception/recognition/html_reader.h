@@ -7,7 +7,8 @@
 
 namespace loci::perception {
 
-/// A tag of a page; names of tags and attributes are in lower case, values without entities.
+/// A tag of a page. Names of tags and attributes are in lower case; values have their entities replaced and
+/// runs of blanks made one.
 struct HtmlTag {
   std::string name;
   bool closes = false;
@@ -17,12 +18,18 @@ struct HtmlTag {
   std::string attribute(const std::string& key) const;
 };
 
-/// Reads HTML as it is found: tags need not match, comments are passed over, the content of scripts and
-/// styles is one text. Pages that say that they are Latin-1 become UTF-8. Nothing is an error.
+/// Parses a page as browsers do (libgumbo) and reports its tags and texts in document order. Texts have their
+/// entities replaced; scripts and styles are one text each. Missing closing tags are reported where the
+/// parser closes the element; elements without content (img, meta, br, …) are not closed. Pages in Latin-1
+/// become UTF-8. A page of more than 8 MB or 100,000 tags has no content.
 void read_html(std::string_view page, const std::function<void(const HtmlTag&)>& tag,
                const std::function<void(const std::string&)>& text);
 
-/// Text with its entities replaced (&amp; &#228; &auml; …) and runs of blanks made one.
-std::string html_text(std::string_view text);
+/// The text of a piece of HTML, without tags, with entities replaced (&amp; &#228; &auml; …) and runs of
+/// blanks made one.
+std::string html_text(std::string_view html);
+
+/// Runs of blanks (also no-break spaces) made one.
+std::string collapse_blanks(std::string_view text);
 
 }  // namespace loci::perception

@@ -120,7 +120,7 @@ std::vector<Product> read_table(const fs::path& file) {
   std::vector<Product> products;
   for (size_t row = 0; row < table.rows(); ++row) {
     products.push_back(product_of_row(table, row, image, static_cast<size_t>(name), file.parent_path()));
-    if (products.back().name.empty()) throw Error("the product has no name", table.place(row));
+    if (products.back().name.empty()) throw Error("the product has no name", table.location(row));
   }
   return products;
 }

@@ -117,7 +117,7 @@ ProductIndex ProductIndex::load(const std::filesystem::path& path) try {
   index.count_features();
   return index;
 } catch (const Error& error) {
-  if (!error.place().file.empty()) throw;
+  if (!error.location().file.empty()) throw;
   throw Error(error.message(), {path.string(), 0, {}}, error.hint());
 } catch (const nlohmann::json::exception&) {
   throw Error("the index contradicts itself", {path.string(), 0, {}},

@@ -140,7 +140,7 @@ class PageReader {
       return;
     }
     if (script_) return;
-    const std::string plain = html_text(text);
+    const std::string plain = collapse_blanks(text);
     text_ += plain;
     if (item_.empty() || plain.find_first_not_of(' ') == std::string::npos) return;
     take_item(item_, plain);
@@ -195,9 +195,10 @@ class PageReader {
 
   /// "Weight:" in a table is weight.
   static std::string trimmed(const std::string& text) {
-    const size_t first = text.find_first_not_of(' ');
+    const std::string plain = collapse_blanks(text);
+    const size_t first = plain.find_first_not_of(' ');
     if (first == std::string::npos) return {};
-    return text.substr(first, text.find_last_not_of(" :") - first + 1);
+    return plain.substr(first, plain.find_last_not_of(" :") - first + 1);
   }
 
   Page page_;

@@ -67,7 +67,7 @@ TEST(FloorGrid, FloorUnderSpaceThatWasNotSeenIsNoPlaceToStand) {
     }
   const mapping::PlanarPose robot{1, 1, 0};
   const mapping::FloorGrid floor = drivable_floor(voxels, robot, mapping::LaserModel(), {});
-  const Reach reach = drivable_ways(floor, robot, {});
+  const Reachability reach = reachability(floor, robot, {});
   EXPECT_TRUE(reach.stands(floor, floor.index(15, 10)));
   EXPECT_TRUE(floor.seen[floor.index(30, 10)]);
   EXPECT_FALSE(floor.obstacle[floor.index(30, 10)]);
@@ -75,7 +75,7 @@ TEST(FloorGrid, FloorUnderSpaceThatWasNotSeenIsNoPlaceToStand) {
   // What hangs as low as the robot is high is in its way wherever its radius reaches.
   for (int x = 19; x <= 21; ++x) voxels.states[voxels.index({x, 30, 25})] = mapping::Occupancy::occupied;
   const mapping::FloorGrid below = drivable_floor(voxels, robot, mapping::LaserModel(), {});
-  const Reach around = drivable_ways(below, robot, {});
+  const Reachability around = reachability(below, robot, {});
   EXPECT_FALSE(around.stands(below, below.index(10, 15)));
   EXPECT_FALSE(around.stands(below, below.index(12, 15)));
   EXPECT_TRUE(around.stands(below, below.index(15, 15)));
@@ -109,12 +109,12 @@ TEST(FloorGrid, AFalsePointIsNoObstacleAThinPoleIs) {
   EXPECT_EQ(std::count(floor.seen.begin(), floor.seen.end(), 0), 0);
 }
 
-TEST(Reach, KeepsTheRobotsRadiusFromObstaclesAndGoesAroundThem) {
+TEST(Reachability, KeepsTheRobotsRadiusFromObstaclesAndGoesAroundThem) {
   const mapping::OccupancyMap map = map_of(divided_room(), {kStart, {1.5, 1.4, -1.2}, {-0.3, 1.3, 0}});
   const mapping::FloorGrid floor = floor_grid(map.voxels(), 0.1, 1.35);
-  const Reach reach = find_ways(floor, kStart, 0.3, 1.2);
+  const Reachability reach = shortest_paths(floor, kStart, 0.3, 1.2);
   const mapping::PlanarPose goal{2, -1, 0.5};
-  const std::vector<mapping::PlanarPose> way = way_to(floor, reach, goal);
+  const std::vector<mapping::PlanarPose> way = path_to(floor, reach, goal);
   ASSERT_GE(way.size(), 3U);
   EXPECT_EQ(way.back().yaw, goal.yaw);
   double length = 0;
@@ -128,7 +128,7 @@ TEST(Reach, KeepsTheRobotsRadiusFromObstaclesAndGoesAroundThem) {
     }
   }
   EXPECT_GT(length, 4.2);  // Straight through the cupboard it would be 4.03 m.
-  EXPECT_TRUE(way_to(floor, reach, {7, 7, 0}).empty());
+  EXPECT_TRUE(path_to(floor, reach, {7, 7, 0}).empty());
 }
 
 TEST(VisibilityKernel, HoldsThePlacesFromWhichTheVoxelIsSeen) {
@@ -182,17 +182,17 @@ TEST(ViewCaster, AllAroundCountsTheAreaOfTheWallsOfARoom) {
         if (std::min({x, y, z, 79 - x, 79 - y, 49 - z}) == 0)
           view.states[voxels.index({x, y, z})] = x == 79 ? ViewVoxel::unknown : ViewVoxel::occupied;
         else if (x == 78)
-          view.states[voxels.index({x, y, z})] = ViewVoxel::fringe;
+          view.states[voxels.index({x, y, z})] = ViewVoxel::frontier;
   const ViewCaster caster(voxels, view, mapping::LaserModel(), 10, 2);
   const ViewCounts east = caster.view({2, 2, 0}), west = caster.view({2, 2, kPi});
-  EXPECT_GT(east.fringe, 3);
-  EXPECT_LT(west.fringe, 0.5);
+  EXPECT_GT(east.frontier, 3);
+  EXPECT_LT(west.frontier, 0.5);
   const std::vector<ViewCounts> panorama = caster.panorama({2, 2});
-  EXPECT_DOUBLE_EQ(caster.part(panorama, 0).fringe, east.fringe);
+  EXPECT_DOUBLE_EQ(caster.part(panorama, 0).frontier, east.frontier);
   EXPECT_DOUBLE_EQ(caster.part(panorama, kPi).occupied, west.occupied);
   const ViewCaster finer(voxels, view, mapping::LaserModel(), 10, 1);
-  EXPECT_NEAR(finer.view({2, 2, 0}).fringe, east.fringe,
-              0.1 * east.fringe);  // An area, not a number of rays.
+  EXPECT_NEAR(finer.view({2, 2, 0}).frontier, east.frontier,
+              0.1 * east.frontier);  // An area, not a number of rays.
 }
 
 TEST(NextView, LooksAroundTheCornerAndSaysWhy) {
@@ -273,7 +273,7 @@ TEST(NextView, ChoosesFromAPoolWhatShowsMost) {
   EXPECT_FALSE(choose_view(map, {}, mapping::LaserModel(), options).index);
 }
 
-TEST(ViewImages, ShowFringeCostsOfEachOrientationAndTheChoice) {
+TEST(ViewImages, ShowFrontierCostsOfEachOrientationAndTheChoice) {
   const mapping::OccupancyMap map = map_of(divided_room(), {kStart});
   const ViewPlan plan = plan_view(map, kStart, mapping::LaserModel(), {}, Random(1));
   const std::vector<ViewImage> images = view_images(plan, kStart);

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "mapping/simulation/scanned_world.h"
+#include "mapping/simulation/simulated_robot.h"
 #include "mapping/world/urdf.h"
 #include "tests/nbv/small_world.h"
 
@@ -49,9 +49,9 @@ class Survey : public testing::Test {
     options.interact = true;
     options.exploration.max_scans = 3;
     options.exploration.threads = threads;
-    mapping::ScannedWorldOptions simulated;
+    mapping::SimulatedRobotOptions simulated;
     simulated.threads = threads;
-    mapping::ScannedWorld robot(world.write(folder_), simulated, start, warnings_);
+    mapping::SimulatedRobot robot(world.write(folder_), simulated, start, warnings_);
     return survey(robot, start, folder_ / out, resume, options, progress, warnings_);
   }
   std::string bytes(const std::string& file) const { return read_file(folder_ / file); }

@@ -26,7 +26,8 @@ std::map<int64_t, int64_t> frames_of_scenes(const CsvTable& objects, const std::
     scenes.insert(objects.integer(row, objects.require_column("scene")));
   if (scenes.size() != frames.size())
     throw Error(fmt::format("{} scenes do not fit {} frames", scenes.size(), frames.size()),
-                objects.place(0, "scene"), "the truth must have every frame of the recording as one scene");
+                objects.location(0, "scene"),
+                "the truth must have every frame of the recording as one scene");
   std::map<int64_t, int64_t> frame_of_scene;
   size_t i = 0;
   for (const int64_t scene : scenes) frame_of_scene[scene] = frames[i++];
@@ -70,7 +71,7 @@ Truth read_tables(const std::filesystem::path& folder, const std::vector<int64_t
     const auto frame = [&](const char* name) {
       const auto found = frame_of_scene.find(transitions.integer(row, transitions.require_column(name)));
       if (found == frame_of_scene.end())
-        throw Error("there is no such scene in objects.csv", transitions.place(row, name));
+        throw Error("there is no such scene in objects.csv", transitions.location(row, name));
       return found->second;
     };
     TrueTransition t{frame("from_scene"), frame("to_scene"),

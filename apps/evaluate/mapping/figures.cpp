@@ -48,14 +48,14 @@ class Table {
   std::vector<Figure> figures() {
     count("handles found", "handle", false);
     count("handles not invented", "handle", true);
-    const std::vector<double> centres = objects(kLast, "handle", &mapping::ComparedThing::centre_error);
+    const std::vector<double> centres = objects(kLast, "handle", &mapping::ComparedElement::centre_error);
     spread("handle centre, mean", "cm", 100, centres, mean_of, kNone);
     part("handle centres within 1.5 cm", centres, 0.015);
     count("fronts found", "front", false);
     count("fronts not invented", "front", true);
     spread("front IoU before pulling, mean", "", 1,
-           objects(kBefore, "front", &mapping::ComparedThing::overlap), mean_of, kNone);
-    spread("front IoU after, mean", "", 1, objects(kAfter, "front", &mapping::ComparedThing::overlap),
+           objects(kBefore, "front", &mapping::ComparedElement::overlap), mean_of, kNone);
+    spread("front IoU after, mean", "", 1, objects(kAfter, "front", &mapping::ComparedElement::overlap),
            mean_of, least(0.85));
     joint_types("joint type before pulling", kBefore, 85);
     joint_types("joint type after", kAfter, 95);
@@ -68,13 +68,13 @@ class Table {
     part("hinges within 2 cm", hinges, 0.02);
     count("supports found", "support", false);
     spread("support height, worst", "cm", 100,
-           objects(kLast, "support", &mapping::ComparedThing::height_error), worst_of, most(1));
-    spread("support IoU, mean", "", 1, objects(kLast, "support", &mapping::ComparedThing::overlap), mean_of,
+           objects(kLast, "support", &mapping::ComparedElement::height_error), worst_of, most(1));
+    spread("support IoU, mean", "", 1, objects(kLast, "support", &mapping::ComparedElement::overlap), mean_of,
            least(0.9));
     count("walls found", "wall", false);
-    spread("wall offset, worst", "cm", 100, objects(kLast, "wall", &mapping::ComparedThing::offset_error),
+    spread("wall offset, worst", "cm", 100, objects(kLast, "wall", &mapping::ComparedElement::offset_error),
            worst_of, most(1));
-    spread("wall angle, worst", "deg", 1, objects(kLast, "wall", &mapping::ComparedThing::angle_error_deg),
+    spread("wall angle, worst", "deg", 1, objects(kLast, "wall", &mapping::ComparedElement::angle_error_deg),
            worst_of, most(0.3));
     each(
         "scans", "", [](const MappedWorld& map) { return static_cast<double>(map.scans); }, kNone);
@@ -163,7 +163,7 @@ class Table {
   }
 
   std::vector<double> objects(When when, const char* kind,
-                              std::optional<double> mapping::ComparedThing::*figure) const {
+                              std::optional<double> mapping::ComparedElement::*figure) const {
     std::vector<double> values;
     for (const mapping::Comparison* comparison : comparisons(when))
       std::ranges::copy(comparison->errors(kind, figure), std::back_inserter(values));

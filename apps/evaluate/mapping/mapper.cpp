@@ -17,8 +17,8 @@ double peak_memory_mb() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-mapping::ScannedWorldOptions world_of(const Run& run) {
-  mapping::ScannedWorldOptions options;
+mapping::SimulatedRobotOptions world_of(const Run& run) {
+  mapping::SimulatedRobotOptions options;
   options.package_paths = run.package_paths;
   options.ceiling = run.ceiling;
   options.laser = run.survey.exploration.laser;
@@ -29,9 +29,9 @@ mapping::ScannedWorldOptions world_of(const Run& run) {
 
 /// Scans from known poses: what interpretation makes of them is not blamed on exploration or registration.
 mapping::ScanSet scan_from(const Run& run, Progress& progress, Warnings& warnings) {
-  mapping::ScannedWorldOptions options = world_of(run);
+  mapping::SimulatedRobotOptions options = world_of(run);
   options.odometry = mapping::OdometryModel{0, 0, 0};
-  mapping::ScannedWorld robot(run.world, options, run.poses.front(), warnings);
+  mapping::SimulatedRobot robot(run.world, options, run.poses.front(), warnings);
   mapping::ScanSet scans;
   scans.sensor = "hokuyo";
   scans.range_max = options.laser.range_max_m;
@@ -58,7 +58,7 @@ nbv::SurveyResult survey_from_poses(const Run& run, Progress& progress, Warnings
 }
 
 nbv::SurveyResult survey_by_exploring(const Run& run, Progress& progress, Warnings& warnings) {
-  mapping::ScannedWorld robot(run.world, world_of(run), {}, warnings);
+  mapping::SimulatedRobot robot(run.world, world_of(run), {}, warnings);
   const mapping::PlanarPose start = run.start ? *run.start : robot.open_place();
   robot.put_at(start);
   nbv::SurveyOptions options = run.survey;

@@ -7,7 +7,7 @@
 
 #include "apps/evaluate/mapping/figures.h"
 #include "mapping/base/progress.h"
-#include "mapping/simulation/scanned_world.h"
+#include "mapping/simulation/simulated_robot.h"
 #include "nbv/survey.h"
 
 namespace loci::apps::mapping_claim {

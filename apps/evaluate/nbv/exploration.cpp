@@ -84,11 +84,11 @@ int Run::scans_to(double goal) const {
 WorldResult explore(const std::filesystem::path& urdf,
                     const std::vector<std::filesystem::path>& package_paths,
                     const ExplorationOptions& options, Progress& progress, Warnings& warnings) {
-  mapping::ScannedWorldOptions world_options;
+  mapping::SimulatedRobotOptions world_options;
   world_options.package_paths = package_paths;
   world_options.threads = options.threads;
   world_options.ceiling = options.ceiling;
-  const mapping::ScannedWorld world(urdf, world_options, {}, warnings);
+  const mapping::SimulatedRobot world(urdf, world_options, {}, warnings);
   const mapping::PlanarPose inside = world.open_place();
   TruthOptions truth_options;
   truth_options.robot_radius = options.planner.robot_radius_m;

@@ -8,7 +8,7 @@
 #include "apps/evaluate/nbv/strategies.h"
 #include "apps/evaluate/nbv/truth.h"
 #include "mapping/base/progress.h"
-#include "mapping/simulation/scanned_world.h"
+#include "mapping/simulation/simulated_robot.h"
 
 namespace loci::apps::nbv_evaluation {
 

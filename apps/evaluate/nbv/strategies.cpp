@@ -31,14 +31,14 @@ class DecisionWatch {
 struct Surroundings {
   mapping::Voxels voxels;
   mapping::FloorGrid floor;
-  nbv::Reach reach;
+  nbv::Reachability reach;
   std::vector<size_t> standing;
 
   Surroundings(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
                const mapping::LaserModel& laser, const nbv::PlannerOptions& options) {
     voxels = map.voxels();
     floor = drivable_floor(voxels, robot, laser, options);
-    reach = drivable_ways(floor, robot, options);
+    reach = reachability(floor, robot, options);
     for (size_t cell = 0; cell < floor.cells(); ++cell)
       if (reach.stands(floor, cell)) standing.push_back(cell);
   }
@@ -114,7 +114,7 @@ Decision nearest_frontier(const mapping::OccupancyMap& map, const mapping::Plana
   Decision decision;
   const DecisionWatch watch;
   const Surroundings around(map, robot, laser, options);
-  float nearest = nbv::Reach::kNever;
+  float nearest = nbv::Reachability::kUnreachable;
   for (const auto& group : frontiers(around.floor)) {
     if (static_cast<double>(group.size()) * around.floor.cell < 2 * options.robot_radius_m) continue;
     Vector2d middle = Vector2d::Zero();
@@ -145,8 +145,8 @@ Decision exhaustive(const mapping::OccupancyMap& map, const mapping::PlanarPose&
   Decision decision;
   const DecisionWatch watch;
   const Surroundings around(map, robot, laser, options);
-  const nbv::ViewVoxels fringe = nbv::find_fringe(around.voxels, options.threads);
-  const nbv::ViewCaster caster(around.voxels, fringe, laser, options.distance_max_m, options.ray_step_deg);
+  const nbv::ViewVoxels frontier = nbv::find_frontier(around.voxels, options.threads);
+  const nbv::ViewCaster caster(around.voxels, frontier, laser, options.max_distance_m, options.ray_step_deg);
   std::vector<size_t> places = around.standing;
   for (size_t i = places.size(); i > 1; --i) std::swap(places[i - 1], places[random.index(i)]);
   std::mutex mutex;
@@ -163,7 +163,7 @@ Decision exhaustive(const mapping::OccupancyMap& map, const mapping::PlanarPose&
       for (int k = 0; k < options.orientations; ++k) {
         const double yaw = std::remainder(2 * kPi * k / options.orientations, 2 * kPi);
         const nbv::ViewCounts counts = caster.part(panorama, yaw);
-        if (counts.fringe < options.min_gain || counts.fringe <= best.fringe) continue;
+        if (counts.frontier < options.min_gain || counts.frontier <= best.frontier) continue;
         best = counts;
         decision.pose = mapping::PlanarPose{place.x(), place.y(), yaw};
         decision.overlap = counts.overlap();

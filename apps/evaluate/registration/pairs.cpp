@@ -146,7 +146,7 @@ PairSet listed_pairs(const std::filesystem::path& file, const std::filesystem::p
   for (size_t row = 0; row < table.rows(); ++row) {
     for (const size_t column : {target_column, source_column}) {
       const mapping::ScanSet scans = mapping::read_scan_set(clouds / table.cell(row, column));
-      if (scans.scans.empty()) throw Error("a listed cloud is empty", table.place(row));
+      if (scans.scans.empty()) throw Error("a listed cloud is empty", table.location(row));
       set.scans.push_back(scans.scans.front());
     }
     std::array<double, 6> v;

@@ -22,7 +22,8 @@ std::vector<KnownRobot::Row> KnownRobot::read_joints(const std::filesystem::path
   for (size_t row = 0; row < table.rows(); ++row) {
     const std::string& name = table.cell(row, joint);
     if (!world.find_joint(name))
-      throw Error("the robot has no joint '" + name + "'", table.place(row), "names are those of its URDF");
+      throw Error("the robot has no joint '" + name + "'", table.location(row),
+                  "names are those of its URDF");
     changes[time < 0 ? 0 : table.integer(row, static_cast<size_t>(time))][name] = table.number(row, position);
   }
   std::vector<Row> rows;

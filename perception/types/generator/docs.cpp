@@ -89,7 +89,7 @@ void write_docs(const std::filesystem::path& output, const std::vector<std::file
   for (const auto& file : files) {
     text += fmt::format("\n## {}\n", file.stem().string());
     for (const Type& type : system->types())
-      if (type.place().file == file.string()) text += type_text(type);
+      if (type.location().file == file.string()) text += type_text(type);
   }
   write_file_atomically(output, text);
 }

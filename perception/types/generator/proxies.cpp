@@ -59,9 +59,11 @@ class Generator {
     for (const auto& file : files) names.insert(file.string());
     std::map<std::string, std::string> short_names;
     for (const Type& type : system_->types()) {
-      if (type.is_builtin() || !names.contains(type.place().file) || cas::is_primitive(type.kind())) continue;
+      if (type.is_builtin() || !names.contains(type.location().file) || cas::is_primitive(type.kind()))
+        continue;
       const auto [other, is_new] = short_names.emplace(type.short_name(), type.name());
-      if (!is_new) throw Error(type.name() + " and " + other->second + " would be one class", type.place());
+      if (!is_new)
+        throw Error(type.name() + " and " + other->second + " would be one class", type.location());
       own_.push_back(type);
       own_names_.insert(type.name());
     }

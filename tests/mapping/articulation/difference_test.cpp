@@ -10,7 +10,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
 #include "mapping/base/random.h"
-#include "mapping/simulation/scanned_world.h"
+#include "mapping/simulation/simulated_robot.h"
 
 namespace loci::mapping {
 namespace {
@@ -159,8 +159,8 @@ class MovedFronts : public testing::Test {
   }
   ~MovedFronts() override { fs::remove_all(folder_); }
 
-  ScannedWorld robot(uint64_t seed) {
-    ScannedWorldOptions options;
+  SimulatedRobot robot(uint64_t seed) {
+    SimulatedRobotOptions options;
     options.laser.tilt_step_deg = options.laser.azimuth_step_deg = 0.4;
     options.seed = seed;
     options.threads = 1;
@@ -191,7 +191,7 @@ class MovedFronts : public testing::Test {
 
 TEST_F(MovedFronts, PullingGivesTypeAxisHingeAndRectangle) {
   for (const uint64_t seed : {1, 2, 3}) {
-    ScannedWorld world = robot(seed);
+    SimulatedRobot world = robot(seed);
     for (const Part& part : kParts) {
       SCOPED_TRACE(part.name + ", seed " + std::to_string(seed));
       world.put_at({1.5, part.y + 0.3, 0});
@@ -214,7 +214,7 @@ TEST_F(MovedFronts, PullingGivesTypeAxisHingeAndRectangle) {
 }
 
 TEST_F(MovedFronts, TwoScanSetsFromDriftingPosesSuffice) {
-  ScannedWorld world = robot(4);
+  SimulatedRobot world = robot(4);
   for (const Part& part : kParts) {
     SCOPED_TRACE(part.name);
     world.put_at({1.5, part.y + 0.3, 0});
@@ -243,7 +243,7 @@ TEST_F(MovedFronts, TwoScanSetsFromDriftingPosesSuffice) {
 }
 
 TEST_F(MovedFronts, HandInADriftedFrameStaysConsistentWithItsScans) {
-  ScannedWorld world = robot(5);
+  SimulatedRobot world = robot(5);
   const Part& part = kParts[4];
   const PlanarPose stop{1.5, part.y + 0.3, 0};
   world.put_at({0.5, 0, 0});
@@ -269,7 +269,7 @@ TEST_F(MovedFronts, UncertaintiesAreAsLargeAsErrors) {
   double axis = 0, hinge = 0;
   int count = 0;
   for (uint64_t seed = 10; seed < 22; ++seed) {
-    ScannedWorld world = robot(seed);
+    SimulatedRobot world = robot(seed);
     const Part& part = kParts[3 + seed % 2];
     world.put_at({1.5, part.y + 0.3, 0});
     const Scan closed = world.scan_at({1.5, part.y + 0.3, 0});
@@ -292,7 +292,7 @@ TEST_F(MovedFronts, UncertaintiesAreAsLargeAsErrors) {
 }
 
 TEST_F(MovedFronts, NothingMovedIsNoJoint) {
-  ScannedWorld world = robot(6);
+  SimulatedRobot world = robot(6);
   world.put_at({1.5, 0, 0});
   const Scan closed = world.scan_at({1.5, 0, 0}), again = world.scan_at({1.5, 0, 0});
   for (const Part& part : kParts) {
@@ -303,7 +303,7 @@ TEST_F(MovedFronts, NothingMovedIsNoJoint) {
 }
 
 TEST_F(MovedFronts, NeighbourThatMovedIsNotTakenForTheFront) {
-  ScannedWorld world = robot(7);
+  SimulatedRobot world = robot(7);
   world.put_at({1.5, 0, 0});
   const Scan closed = world.scan_at({1.5, 0, 0});
   world.set_joints({{"right_joint", 0.6}});

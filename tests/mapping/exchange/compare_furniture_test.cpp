@@ -39,8 +39,8 @@ JointEstimate joint(ArticulationType type, const Vector3d& axis, const Vector3d&
   return estimate;
 }
 
-const ComparedThing& thing_of(const Comparison& result, const std::string& truth_name) {
-  return *std::ranges::find(result.things, truth_name, &ComparedThing::truth_name);
+const ComparedElement& thing_of(const Comparison& result, const std::string& truth_name) {
+  return *std::ranges::find(result.elements, truth_name, &ComparedElement::truth_name);
 }
 
 TEST(CompareFurniture, OverlapOfRectanglesIsWhatGeometrySays) {
@@ -148,8 +148,8 @@ TEST(CompareFurniture, SampleKitchenBySidecarEqualsItselfByGeometry) {
     EXPECT_EQ(result.counts(kind).missed, 0U) << result.text();
     EXPECT_EQ(result.counts(kind).extra, 0U) << result.text();
   }
-  EXPECT_THAT(result.errors("front", &ComparedThing::overlap), testing::Each(testing::Gt(0.99)));
-  EXPECT_THAT(result.errors("handle", &ComparedThing::centre_error), testing::Each(testing::Lt(0.002)));
+  EXPECT_THAT(result.errors("front", &ComparedElement::overlap), testing::Each(testing::Gt(0.99)));
+  EXPECT_THAT(result.errors("handle", &ComparedElement::centre_error), testing::Each(testing::Lt(0.002)));
   EXPECT_EQ(result.joints().rate(), 1);
 }
 
@@ -178,7 +178,7 @@ TEST(CompareFurniture, ApartmentByGeometryIsNearItsTruth) {
   const Comparison result =
       compare(geometry, read_structure(folder / "truth.json", search, warnings), options);
   EXPECT_EQ(result.counts("handle").missed, 0U) << result.text();
-  EXPECT_THAT(result.errors("handle", &ComparedThing::centre_error), testing::Each(testing::Lt(0.005)));
+  EXPECT_THAT(result.errors("handle", &ComparedElement::centre_error), testing::Each(testing::Lt(0.005)));
   EXPECT_EQ(result.counts("front").missed, 0U) << result.text();
   EXPECT_EQ(result.joints().rate(), 1) << result.text();
 }

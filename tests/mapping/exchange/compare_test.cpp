@@ -45,7 +45,7 @@ TEST(Compare, CountsMatchedMissedAndExtra) {
   EXPECT_EQ(counts.extra, 1U);
   EXPECT_NEAR(counts.precision(), 0.5, 1e-9);
   EXPECT_NEAR(counts.recall(), 0.5, 1e-9);
-  const ComparedThing& table = result.things.front();
+  const ComparedElement& table = result.elements.front();
   EXPECT_EQ(table.truth_name, "table");
   EXPECT_NEAR(*table.height_error, 0.01, 1e-9);
   EXPECT_NEAR(table.edge_errors[0], 0.02, 1e-9);

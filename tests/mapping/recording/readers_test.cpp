@@ -252,7 +252,7 @@ TEST_F(Bag, TruncatedOrEmptyOrNoneIsOneLine) {
     EXPECT_THAT(refusal(bag_), HasSubstr("small.bag")) << part;
   }
   write_file_atomically(bag_, "hello");
-  EXPECT_THAT(refusal(bag_), HasSubstr("no ROS 1 bag"));
+  EXPECT_THAT(refusal(bag_), HasSubstr("not a ROS 1 bag"));
 }
 
 TEST_F(Bag, BrokenMessagesAreNamed) {

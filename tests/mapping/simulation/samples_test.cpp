@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "mapping/base/json.h"
-#include "mapping/simulation/scanned_world.h"
+#include "mapping/simulation/simulated_robot.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
@@ -76,10 +76,10 @@ TEST_P(SampleKitchen, SidecarSaysWhatTheLinksFramesSay) {
 }
 
 TEST_P(SampleKitchen, EveryHandleOpensItsFrontIntoTheRoom) {
-  ScannedWorldOptions options;
+  SimulatedRobotOptions options;
   options.odometry = {0, 0, 0};
   Warnings warnings;
-  ScannedWorld robot(urdf_, options, {2, 1.5, 0}, warnings);
+  SimulatedRobot robot(urdf_, options, {2, 1.5, 0}, warnings);
   EXPECT_TRUE(warnings.empty());
   int pulled = 0;
   for (const auto& [name, link] : map_.links) {
@@ -149,10 +149,10 @@ TEST(SampleKitchenL, HasWhatExplorationHasToCopeWith) {
 TEST(Apartment, EveryVisibleHandleOpensWhatItHangsOn) {
   const fs::path data = fs::path(LOCI_SHARED_DIR) / "data";
   if (!fs::exists(data / "iai_apartment")) GTEST_SKIP() << "no shared data";
-  ScannedWorldOptions options;
+  SimulatedRobotOptions options;
   options.package_paths = {data};
   Warnings warnings;
-  ScannedWorld robot(data / "iai_apartment/apartment.urdf", options, {1.5, 2, 0}, warnings);
+  SimulatedRobot robot(data / "iai_apartment/apartment.urdf", options, {1.5, 2, 0}, warnings);
   const Json truth = read_json(data / "iai_apartment/truth.json");
   int opened = 0;
   for (const Json& handle : truth["handles"]) {

@@ -222,7 +222,7 @@ TEST(Urdf, RejectedRobotsAreRefusedWithTheReason) {
       ADD_FAILURE() << name << " was accepted";
     } catch (const Error& error) {
       for (const std::string& part : parts) EXPECT_THAT(error.what(), HasSubstr(part));
-      EXPECT_GT(error.place().line, 0);
+      EXPECT_GT(error.location().line, 0);
     }
   }
 }

@@ -144,7 +144,7 @@ TEST_F(Ingest, BadLinesAreNamedAndSkipped) {
     take(file, strict(), "strict.loci");
     FAIL() << "bad lines were taken";
   } catch (const Error& error) {
-    EXPECT_EQ(error.place().line, 2);
+    EXPECT_EQ(error.location().line, 2);
   }
   EXPECT_FALSE(std::filesystem::exists(folder / "strict.loci"));
 }

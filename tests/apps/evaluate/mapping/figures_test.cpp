@@ -9,8 +9,8 @@
 namespace loci::apps::mapping_claim {
 namespace {
 
-mapping::ComparedThing handle(const std::string& verdict, std::optional<double> centre_error = {}) {
-  mapping::ComparedThing object;
+mapping::ComparedElement handle(const std::string& verdict, std::optional<double> centre_error = {}) {
+  mapping::ComparedElement object;
   object.kind = "handle";
   object.verdict = verdict;
   object.centre_error = centre_error;
@@ -56,7 +56,7 @@ TEST(MappingFigures, TableHasAColumnPerWorldOverItsSeeds) {
 
 TEST(MappingFigures, FrontsAndJointsAreShownBeforeAndAfterPulling) {
   const auto front = [](double overlap, const std::string& type) {
-    mapping::ComparedThing object;
+    mapping::ComparedElement object;
     object.kind = "front";
     object.verdict = "matched";
     object.overlap = overlap;

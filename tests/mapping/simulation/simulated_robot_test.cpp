@@ -1,4 +1,4 @@
-#include "mapping/simulation/scanned_world.h"
+#include "mapping/simulation/simulated_robot.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -49,13 +49,13 @@ class ScannedCabinet : public testing::Test {
   }
   ~ScannedCabinet() override { fs::remove_all(folder_); }
 
-  static ScannedWorldOptions coarse() {
-    ScannedWorldOptions options;
+  static SimulatedRobotOptions coarse() {
+    SimulatedRobotOptions options;
     options.laser.tilt_step_deg = options.laser.azimuth_step_deg = 1;
     options.hand = {0, 0};
     return options;
   }
-  ScannedWorld robot(const ScannedWorldOptions& options = coarse()) {
+  SimulatedRobot robot(const SimulatedRobotOptions& options = coarse()) {
     return {folder_ / "cabinet.urdf", options, {0, 0, 0}, warnings_};
   }
 
@@ -64,7 +64,7 @@ class ScannedCabinet : public testing::Test {
 };
 
 TEST_F(ScannedCabinet, DrawerComesOutByTheWayOfTheHand) {
-  ScannedWorld world = robot();
+  SimulatedRobot world = robot();
   const PullResult pulled = world.pull({2.955, 0, 0.7}, 0.25);
   EXPECT_EQ(pulled.link, "drawer_handle");
   EXPECT_EQ(pulled.joint, "drawer_joint");
@@ -76,7 +76,7 @@ TEST_F(ScannedCabinet, DrawerComesOutByTheWayOfTheHand) {
 }
 
 TEST_F(ScannedCabinet, DrawerStopsAtItsLimit) {
-  ScannedWorld world = robot();
+  SimulatedRobot world = robot();
   EXPECT_NEAR(world.pull({2.955, 0, 0.7}, 1).moved, 0.4, 1e-9);
   const PullResult again = world.pull({2.555, 0, 0.7}, 1);
   EXPECT_EQ(again.link, "drawer_handle");
@@ -85,7 +85,7 @@ TEST_F(ScannedCabinet, DrawerStopsAtItsLimit) {
 }
 
 TEST_F(ScannedCabinet, HandFollowsTheDoorOnAnArc) {
-  ScannedWorld world = robot();
+  SimulatedRobot world = robot();
   const PullResult pulled = world.pull({2.955, 0.8, 0.7}, 0.3);
   EXPECT_EQ(pulled.joint, "door_joint");
   const Vector3d hinge(3, 1.3, 0);
@@ -106,7 +106,7 @@ TEST_F(ScannedCabinet, HandFollowsTheDoorOnAnArc) {
 }
 
 TEST_F(ScannedCabinet, JointThatOpensBackwardsAndTheOneThatIsMimickedMove) {
-  ScannedWorld world = robot();
+  SimulatedRobot world = robot();
   const PullResult backwards = world.pull({2.99, -1, 0.7}, 0.2);
   EXPECT_EQ(backwards.joint, "backwards_joint");
   EXPECT_NEAR(backwards.moved, 0.2, 1e-9);
@@ -118,7 +118,7 @@ TEST_F(ScannedCabinet, JointThatOpensBackwardsAndTheOneThatIsMimickedMove) {
 }
 
 TEST_F(ScannedCabinet, WallDoesNotMoveAndAirIsNothing) {
-  ScannedWorld world = robot();
+  SimulatedRobot world = robot();
   const PullResult wall = world.pull({3.44, 2.9, 1}, 0.2);
   EXPECT_EQ(wall.link, "wall");
   EXPECT_EQ(wall.joint, "");
@@ -127,7 +127,7 @@ TEST_F(ScannedCabinet, WallDoesNotMoveAndAirIsNothing) {
 }
 
 TEST_F(ScannedCabinet, OpenDrawerIsSeenAndClosesAgain) {
-  ScannedWorld world = robot();
+  SimulatedRobot world = robot();
   const auto ahead = [](const Scan& scan) {  // Beams that point at the handle.
     double nearest = 10;
     for (const ScanPoint& point : scan.points)
@@ -145,7 +145,7 @@ TEST_F(ScannedCabinet, OpenDrawerIsSeenAndClosesAgain) {
 }
 
 TEST_F(ScannedCabinet, FirstPoseIsExactAndLaterOnesDriftUntilLocalised) {
-  ScannedWorld world = robot();
+  SimulatedRobot world = robot();
   const Scan first = world.scan_at({0, 0, 0});
   EXPECT_TRUE(first.map_from_scan.isApprox(world.true_map_from_scanner(), 1e-12));
   EXPECT_TRUE(first.covariance.isZero(0));
@@ -166,10 +166,10 @@ TEST_F(ScannedCabinet, CovarianceTellsHowFarOffTheRobotIs) {
   double sum = 0;
   const int runs = 60;
   for (int seed = 0; seed < runs; ++seed) {
-    ScannedWorldOptions options = coarse();
+    SimulatedRobotOptions options = coarse();
     options.laser.tilt_step_deg = options.laser.azimuth_step_deg = 10;
     options.seed = static_cast<uint64_t>(seed);
-    ScannedWorld world = robot(options);
+    SimulatedRobot world = robot(options);
     world.scan_at({1.5, 0, 0.5});
     const Scan scan = world.scan_at({0.5, 1.5, -0.5});
     const PlanarPose believed = planar(scan.map_from_scan), truth = world.true_pose();
@@ -185,14 +185,14 @@ TEST_F(ScannedCabinet, CovarianceTellsHowFarOffTheRobotIs) {
 }
 
 TEST_F(ScannedCabinet, PoseErrorAppliesToTheHand) {
-  ScannedWorldOptions options = coarse();
-  ScannedWorld world = robot(options);
+  SimulatedRobotOptions options = coarse();
+  SimulatedRobot world = robot(options);
   world.localize({0, 0.3, 0});  // It believes to stand 30 cm beside where it is.
   EXPECT_EQ(world.pull({2.955, 1.1, 0.7}, 0.1).link, "door_handle");
 }
 
 TEST_F(ScannedCabinet, GoalInsideTheFurnitureIsRefusedAndTheRobotStays) {
-  ScannedWorld world = robot();
+  SimulatedRobot world = robot();
   const Scan before = world.scan_at({1, 0, 0});
   try {
     world.scan_at({2.9, 0, 0});
@@ -207,7 +207,7 @@ TEST_F(ScannedCabinet, GoalInsideTheFurnitureIsRefusedAndTheRobotStays) {
 
 TEST_F(ScannedCabinet, FloorAndCeilingAreAddedOnDemand) {
   const auto extent = [&](std::optional<double> floor, std::optional<double> ceiling) {
-    ScannedWorldOptions options = coarse();
+    SimulatedRobotOptions options = coarse();
     options.floor = floor;
     options.ceiling = ceiling;
     float low = 10, high = -10;
@@ -225,7 +225,7 @@ TEST_F(ScannedCabinet, FloorAndCeilingAreAddedOnDemand) {
 }
 
 TEST_F(ScannedCabinet, JointsCanBeSetWithinTheirLimits) {
-  ScannedWorld world = robot();
+  SimulatedRobot world = robot();
   world.set_joints({{"drawer_joint", 0.2}});
   EXPECT_EQ(world.joints().at("drawer_joint"), 0.2);
   EXPECT_THROW(world.set_joints({{"drawer_joint", 0.5}}), Error);

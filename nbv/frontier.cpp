@@ -1,4 +1,4 @@
-#include "nbv/fringe.h"
+#include "nbv/frontier.h"
 
 #include <algorithm>
 #include <array>
@@ -26,32 +26,32 @@ int top_layer(const mapping::Voxels& voxels, int threads) {
   return top;
 }
 
-/// States of a row of voxels, given the four rows beside it. Returns the number of fringe voxels. Without
+/// States of a row of voxels, given the four rows beside it. Returns the number of frontier voxels. Without
 /// branches: eight or more voxels at a time.
-size_t mark_fringe(const mapping::Occupancy* here, const std::array<const mapping::Occupancy*, 4>& beside,
-                   ViewVoxel* states, size_t width) {
+size_t mark_frontier(const mapping::Occupancy* here, const std::array<const mapping::Occupancy*, 4>& beside,
+                     ViewVoxel* states, size_t width) {
   const auto unknown = [](mapping::Occupancy state) { return state == mapping::Occupancy::unknown; };
   const auto mark = [&](size_t x, bool before, bool after) {
     const bool window = before | after | unknown(beside[0][x]) | unknown(beside[1][x]) |
                         unknown(beside[2][x]) | unknown(beside[3][x]);
-    const bool fringe = (here[x] == mapping::Occupancy::free) & window;
-    states[x] = fringe ? ViewVoxel::fringe : static_cast<ViewVoxel>(here[x]);
+    const bool frontier = (here[x] == mapping::Occupancy::free) & window;
+    states[x] = frontier ? ViewVoxel::frontier : static_cast<ViewVoxel>(here[x]);
   };
   mark(0, true, width == 1 || unknown(here[1]));
   for (size_t x = 1; x + 1 < width; ++x) mark(x, unknown(here[x - 1]), unknown(here[x + 1]));
   if (width > 1) mark(width - 1, unknown(here[width - 2]), true);
-  return static_cast<size_t>(std::count(states, states + width, ViewVoxel::fringe));
+  return static_cast<size_t>(std::count(states, states + width, ViewVoxel::frontier));
 }
 
-/// Outside a region no fringe counts: its voxels are free like others.
-void forget_outside(const mapping::Voxels& voxels, const FloorRegion& within, ViewVoxels& view,
+/// Outside a region no frontier counts: its voxels are free like others.
+void forget_outside(const mapping::Voxels& voxels, const mapping::FloorRegion& within, ViewVoxels& view,
                     std::vector<size_t>& counts) {
   for (int y = 0; y < voxels.size.y(); ++y)
     for (int x = 0; x < voxels.size.x(); ++x) {
       if (within.contains(voxels.center({x, y, 0}).head<2>())) continue;
       for (int z = 0; z < voxels.size.z(); ++z) {
         ViewVoxel& state = view.states[voxels.index({x, y, z})];
-        if (state != ViewVoxel::fringe) continue;
+        if (state != ViewVoxel::frontier) continue;
         state = ViewVoxel::free;
         --counts[static_cast<size_t>(z)];
       }
@@ -60,7 +60,7 @@ void forget_outside(const mapping::Voxels& voxels, const FloorRegion& within, Vi
 
 }  // namespace
 
-ViewVoxels find_fringe(const mapping::Voxels& voxels, int threads, const FloorRegion& within) {
+ViewVoxels find_frontier(const mapping::Voxels& voxels, int threads, const mapping::FloorRegion& within) {
   ViewVoxels result;
   result.states.resize(voxels.states.size());
   if (voxels.states.empty()) return result;
@@ -84,14 +84,14 @@ ViewVoxels find_fringe(const mapping::Voxels& voxels, int threads, const FloorRe
           continue;
         }
         // Beyond bottom and top nothing counts as unknown: the row itself takes the place of that neighbour.
-        counts[static_cast<size_t>(z)] += mark_fringe(
+        counts[static_cast<size_t>(z)] += mark_frontier(
             here,
             {row(y - 1, z), row(y + 1, z), z > bottom ? row(y, z - 1) : here, z < top ? row(y, z + 1) : here},
             states, width);
       }
   });
   if (!within.everywhere()) forget_outside(voxels, within, result, counts);
-  result.fringe = std::accumulate(counts.begin(), counts.end(), size_t{0});
+  result.frontier = std::accumulate(counts.begin(), counts.end(), size_t{0});
   return result;
 }
 

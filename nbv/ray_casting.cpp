@@ -1,4 +1,4 @@
-#include "nbv/panorama.h"
+#include "nbv/ray_casting.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,8 @@
 namespace loci::nbv {
 namespace {
 
-constexpr double kDepth = 1;  ///< metres of the unknown in which a ray surely meets something
+constexpr double kDepth = 1;        ///< metres of the unknown in which a ray surely meets something
+constexpr double kClearance = 0.1;  ///< m before a surface where a ray may end: its own voxels hide nothing
 
 }  // namespace
 
@@ -52,34 +53,34 @@ void ViewCaster::cast(const Vector3d& origin, const Vector3d& direction, double 
   }
   const ViewVoxel* state = &view_.states[voxels_.index(voxel)];
   const double depth_max = kDepth / voxels_.resolution;
-  bool was_fringe = false, began = false;
-  double way = 0, entered = -1;  // Voxel edges; where the ray went from the fringe into the unknown.
+  bool was_frontier = false, began = false;
+  double distance = 0, entered = -1;  // Voxel edges; where the ray went from the frontier into the unknown.
   while (true) {
-    if (entered >= 0 && (*state != ViewVoxel::unknown || way - entered >= depth_max)) break;
+    if (entered >= 0 && (*state != ViewVoxel::unknown || distance - entered >= depth_max)) break;
     if (*state == ViewVoxel::occupied) {
-      counts.occupied += area * way * way;
+      counts.occupied += area * distance * distance;
       return;
     }
     if (*state == ViewVoxel::unknown && began && entered < 0) {
-      if (!was_fringe) return;
-      entered = way;
+      if (!was_frontier) return;
+      entered = distance;
     }
     began = began || *state != ViewVoxel::unknown;  // Where the sensor stands may be unknown.
-    was_fringe = *state == ViewVoxel::fringe;
+    was_frontier = *state == ViewVoxel::frontier;
     const int axis = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
-    way = next[axis];
-    if (way > limit) break;
+    distance = next[axis];
+    if (distance > limit) break;
     if (left[axis]-- == 0) {  // All is unknown outside.
-      if (entered < 0 && was_fringe) entered = way;
-      if (entered >= 0) way = entered + depth_max;
+      if (entered < 0 && was_frontier) entered = distance;
+      if (entered >= 0) distance = entered + depth_max;
       break;
     }
     next[axis] += delta[axis];
     state += strides[axis];
   }
   if (entered < 0) return;
-  const double depth = std::min({way, limit, entered + depth_max}) - entered;
-  counts.fringe += area * (entered + depth) * (entered + depth) * depth / depth_max;
+  const double depth = std::min({distance, limit, entered + depth_max}) - entered;
+  counts.frontier += area * (entered + depth) * (entered + depth) * depth / depth_max;
 }
 
 ViewCounts ViewCaster::column(const Vector3d& origin, double azimuth) const {
@@ -94,9 +95,9 @@ ViewCounts ViewCaster::column(const Vector3d& origin, double azimuth) const {
   return counts;
 }
 
-std::vector<ViewCounts> ViewCaster::panorama(const Vector2d& place) const {
+std::vector<ViewCounts> ViewCaster::panorama(const Vector2d& point) const {
   std::vector<ViewCounts> columns;
-  for (int i = 0; i < columns_; ++i) columns.push_back(column({place.x(), place.y(), height_}, i * step_));
+  for (int i = 0; i < columns_; ++i) columns.push_back(column({point.x(), point.y(), height_}, i * step_));
   return columns;
 }
 
@@ -107,7 +108,7 @@ ViewCounts ViewCaster::part(const std::vector<ViewCounts>& panorama, double yaw)
   for (int i = middle - half; i <= std::min(middle + half, middle - half + columns_ - 1); ++i) {
     const ViewCounts& counts = panorama[static_cast<size_t>((i % columns_ + columns_) % columns_)];
     sum.occupied += counts.occupied;
-    sum.fringe += counts.fringe;
+    sum.frontier += counts.frontier;
   }
   return sum;
 }
@@ -119,9 +120,32 @@ ViewCounts ViewCaster::view(const mapping::PlanarPose& pose) const {
   for (int i = middle - half; i <= std::min(middle + half, middle - half + columns_ - 1); ++i) {
     const ViewCounts counts = column({pose.x, pose.y, height_}, i * step_);
     sum.occupied += counts.occupied;
-    sum.fringe += counts.fringe;
+    sum.frontier += counts.frontier;
   }
   return sum;
+}
+
+bool LineOfSight::sees(const Vector3d& from, const Vector3d& point, const Vector3d& normal) const {
+  const Vector3d ray = point - from;
+  const double distance = ray.norm();
+  if (ray.dot(normal) >= 0 || distance < 2 * laser_.range_min_m || distance > laser_.range_max_m)
+    return false;
+  const double tilt = std::asin(ray.z() / distance) / kDegree;
+  return tilt >= laser_.tilt_min_deg && tilt <= laser_.tilt_max_deg &&
+         !hidden(from, point + kClearance * normal);
+}
+
+bool LineOfSight::hidden(const Vector3d& from, const Vector3d& to) const {
+  const double length = (to - from).norm(), step = 0.5 * voxels_.resolution;
+  for (double at = step; at < length; at += step)
+    if (voxels_.at(voxels_.voxel_of(from + at / length * (to - from))) == mapping::Occupancy::occupied)
+      return true;
+  return false;
+}
+
+bool in_sector(const Vector3d& from, const Vector3d& to, double yaw, const mapping::LaserModel& laser) {
+  const double azimuth = std::remainder(std::atan2(to.y() - from.y(), to.x() - from.x()) - yaw, 2 * kPi);
+  return std::abs(azimuth) <= 0.5 * laser.azimuth_range_deg * kDegree;
 }
 
 }  // namespace loci::nbv

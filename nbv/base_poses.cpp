@@ -1,10 +1,10 @@
-#include "nbv/stops.h"
+#include "nbv/base_poses.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "mapping/base/math.h"
-#include "nbv/sight.h"
+#include "nbv/ray_casting.h"
 
 namespace loci::nbv {
 namespace {
@@ -21,18 +21,18 @@ double off_heading(const Vector2d& towards, double yaw) {
   return towards.normalized().dot(Vector2d(std::cos(yaw), std::sin(yaw)));
 }
 
-/// Whether a robot at a place leaves room for the front to come out by `way`.
-bool leaves_room(const mapping::Front& front, const Vector2d& place, double way, double robot_radius) {
+/// Whether a robot at a position leaves room for the front to open by `distance`.
+bool leaves_room(const mapping::Front& front, const Vector2d& place, double distance, double robot_radius) {
   const Vector2d from_front = place - front.centre.head<2>();
   const double out = from_front.dot(front.normal.head<2>()),
                along = std::abs(from_front.dot(front.right().head<2>()));
-  const double beyond_out = std::max({0.0, -out, out - way - kFixtureRoom}),
+  const double beyond_out = std::max({0.0, -out, out - distance - kFixtureRoom}),
                beyond_side = std::max(0.0, along - front.width / 2);
   return std::hypot(beyond_out, beyond_side) >= robot_radius + kOpeningRoom;
 }
 
 /// The part of a front, in nine pieces, that is in sight.
-double share_seen(const mapping::Front& front, const Vector3d& from, const Sight& sight) {
+double share_seen(const mapping::Front& front, const Vector3d& from, const LineOfSight& sight) {
   int seen = 0;
   for (const double u : {-0.35, 0.0, 0.35})
     for (const double v : {-0.35, 0.0, 0.35}) {
@@ -44,46 +44,46 @@ double share_seen(const mapping::Front& front, const Vector3d& from, const Sight
 
 }  // namespace
 
-void StopOptions::declare(OptionTable& table) {
-  table.number("pull_distance_min_m", distance_min_m, "m",
+void BasePoseOptions::declare(OptionTable& table) {
+  table.number("min_standoff_m", min_distance_m, "m",
                "Nearest that the robot stands to a front that it pulls.", 0.3, 3);
-  table.number("pull_distance_max_m", distance_max_m, "m",
+  table.number("max_standoff_m", max_distance_m, "m",
                "Farthest that the robot stands from a front that it pulls.", 0.3, 5);
-  table.number("pull_bearing_max_deg", bearing_max_deg, "deg", "Most oblique view of a front that is pulled.",
+  table.number("max_pull_bearing_deg", max_bearing_deg, "deg", "Most oblique view of a front that is pulled.",
                0, 80);
 }
 
-StopPlanner::StopPlanner(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
-                         const mapping::LaserModel& laser, const PlannerOptions& planner,
-                         const StopOptions& options, double way_m)
+BasePosePlanner::BasePosePlanner(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
+                                 const mapping::LaserModel& laser, const PlannerOptions& planner,
+                                 const BasePoseOptions& options, double pull_distance_m)
     : voxels_(map.voxels()),
       laser_(laser),
       planner_(planner),
       options_(options),
-      way_(way_m),
+      pull_distance_(pull_distance_m),
       floor_(drivable_floor(voxels_, robot, laser, planner)),
-      reach_(drivable_ways(floor_, robot, planner)) {}
+      reach_(reachability(floor_, robot, planner)) {}
 
-/// How well a front is seen from a place, 0 = too near, too far, too oblique, hidden.
-double StopPlanner::quality(const mapping::Front& front, const Vector2d& place,
-                            const StopOptions& limits) const {
+/// Quality of the view of a front, 0 = too near, too far, too oblique, or hidden.
+double BasePosePlanner::quality(const mapping::Front& front, const Vector2d& place,
+                                const BasePoseOptions& limits) const {
   const Vector2d towards = place - front.centre.head<2>();
   const double distance = towards.norm();
-  if (distance < limits.distance_min_m || distance > limits.distance_max_m) return 0;
+  if (distance < limits.min_distance_m || distance > limits.max_distance_m) return 0;
   const double bearing = std::acos(std::clamp(towards.dot(front.normal.head<2>()) / distance, -1.0, 1.0));
-  if (bearing > limits.bearing_max_deg * kDegree) return 0;
-  if (!leaves_room(front, place, way_, planner_.robot_radius_m)) return 0;
-  const Sight sight(voxels_, laser_);
+  if (bearing > limits.max_bearing_deg * kDegree) return 0;
+  if (!leaves_room(front, place, pull_distance_, planner_.robot_radius_m)) return 0;
+  const LineOfSight sight(voxels_, laser_);
   const Vector3d from(place.x(), place.y(), laser_.height_m);
   const double share = share_seen(front, from, sight);
-  const bool relaxed = limits.bearing_max_deg > options_.bearing_max_deg;
+  const bool relaxed = limits.max_bearing_deg > options_.max_bearing_deg;
   if (share < (relaxed ? 0.5 : 1) * kShareSeen || !sight.sees(from, front.fixture->centre, front.normal))
     return 0;
   // Nearer is better; a little from the side is no worse: a drawer's motion is then seen across the ray.
   return share * std::cos(bearing / 2) / distance;
 }
 
-std::vector<Vector2d> StopPlanner::places() const {
+std::vector<Vector2d> BasePosePlanner::places() const {
   std::vector<Vector2d> places;
   for (int y = 0; y < floor_.height; ++y)
     for (int x = 0; x < floor_.width; ++x) {
@@ -93,9 +93,9 @@ std::vector<Vector2d> StopPlanner::places() const {
   return places;
 }
 
-std::vector<StopPlanner::Candidate> StopPlanner::candidates(const std::vector<mapping::Front>& fronts,
-                                                            const std::vector<bool>& served,
-                                                            const StopOptions& limits) const {
+std::vector<BasePosePlanner::Candidate> BasePosePlanner::candidates(const std::vector<mapping::Front>& fronts,
+                                                                    const std::vector<bool>& served,
+                                                                    const BasePoseOptions& limits) const {
   std::vector<Candidate> candidates;
   for (const Vector2d& place : places()) {
     Candidate candidate{place, {}};
@@ -114,19 +114,19 @@ std::vector<StopPlanner::Candidate> StopPlanner::candidates(const std::vector<ma
   return candidates;
 }
 
-std::vector<InteractionStop> StopPlanner::plan(const std::vector<mapping::Front>& fronts) const {
+std::vector<BasePose> BasePosePlanner::plan(const std::vector<mapping::Front>& fronts) const {
   std::vector<bool> served(fronts.size(), false);
-  std::vector<InteractionStop> stops;
-  // Aisles are narrow, corners are blocked: what cannot be seen well is seen as well as it can be.
-  StopOptions relaxed = options_;
-  relaxed.distance_min_m *= kRelaxedNear;
-  relaxed.distance_max_m *= kRelaxedFar;
-  relaxed.bearing_max_deg += kRelaxedBearingDeg;
+  std::vector<BasePose> poses;
+  // In narrow aisles and blocked corners the limits are relaxed.
+  BasePoseOptions relaxed = options_;
+  relaxed.min_distance_m *= kRelaxedNear;
+  relaxed.max_distance_m *= kRelaxedFar;
+  relaxed.max_bearing_deg += kRelaxedBearingDeg;
   const auto value = [&](const Candidate& candidate, size_t front, double quality, double yaw) {
     const double ahead = off_heading(fronts[front].centre.head<2>() - candidate.place, yaw);
     return served[front] || ahead < kInView ? 0 : quality * ahead;
   };
-  for (const StopOptions& limits : {options_, relaxed}) {
+  for (const BasePoseOptions& limits : {options_, relaxed}) {
     const std::vector<Candidate> all = candidates(fronts, served, limits);
     while (true) {  // Greedy set cover; the sum of qualities decides.
       const Candidate* best = nullptr;
@@ -142,14 +142,14 @@ std::vector<InteractionStop> StopPlanner::plan(const std::vector<mapping::Front>
           best_yaw = yaw;
         }
       if (best == nullptr) break;
-      InteractionStop stop{{best->place.x(), best->place.y(), best_yaw}, {}};
+      BasePose pose{{best->place.x(), best->place.y(), best_yaw}, {}};
       for (const auto& [front, quality] : best->fronts)
-        if (value(*best, front, quality, best_yaw) > 0) stop.fronts.push_back(front);
-      for (const size_t front : stop.fronts) served[front] = true;
-      stops.push_back(std::move(stop));
+        if (value(*best, front, quality, best_yaw) > 0) pose.fronts.push_back(front);
+      for (const size_t front : pose.fronts) served[front] = true;
+      poses.push_back(std::move(pose));
     }
   }
-  return stops;
+  return poses;
 }
 
 }  // namespace loci::nbv

@@ -1,4 +1,4 @@
-#include "nbv/reach.h"
+#include "nbv/reachability.h"
 
 #include <algorithm>
 #include <cmath>
@@ -43,10 +43,10 @@ std::vector<uint8_t> passable_cells(const mapping::FloorGrid& floor, const mappi
 
 }  // namespace
 
-Reach find_ways(const mapping::FloorGrid& floor, const mapping::PlanarPose& robot, double robot_radius,
-                double blind_radius) {
-  Reach reach;
-  reach.distance.assign(floor.cells(), Reach::kNever);
+Reachability shortest_paths(const mapping::FloorGrid& floor, const mapping::PlanarPose& robot,
+                            double robot_radius, double blind_radius) {
+  Reachability reach;
+  reach.distance.assign(floor.cells(), Reachability::kUnreachable);
   reach.parent.assign(floor.cells(), -1);
   reach.roomy.assign(floor.cells(), 0);
   if (floor.cells() == 0) return reach;
@@ -76,35 +76,35 @@ Reach find_ways(const mapping::FloorGrid& floor, const mapping::PlanarPose& robo
       for (int dx = -1; dx <= 1; ++dx) {
         if (!free(x + dx, y + dy) || !free(x + dx, y) || !free(x, y + dy)) continue;
         const size_t next = floor.index(x + dx, y + dy);
-        const float way = distance + static_cast<float>(floor.cell * std::hypot(dx, dy));
-        if (way >= reach.distance[next]) continue;
-        reach.distance[next] = way;
+        const float length = distance + static_cast<float>(floor.cell * std::hypot(dx, dy));
+        if (length >= reach.distance[next]) continue;
+        reach.distance[next] = length;
         reach.parent[next] = cell;
-        open.emplace(way, static_cast<int32_t>(next));
+        open.emplace(length, static_cast<int32_t>(next));
       }
   }
   return reach;
 }
 
-std::vector<mapping::PlanarPose> way_to(const mapping::FloorGrid& floor, const Reach& reach,
-                                        const mapping::PlanarPose& goal) {
+std::vector<mapping::PlanarPose> path_to(const mapping::FloorGrid& floor, const Reachability& reach,
+                                         const mapping::PlanarPose& goal) {
   const Eigen::Vector2i end = floor.cell_of({goal.x, goal.y});
   if (!floor.contains(end.x(), end.y())) return {};
   auto cell = static_cast<int32_t>(floor.index(end.x(), end.y()));
-  if (reach.distance[static_cast<size_t>(cell)] == Reach::kNever) return {};
+  if (reach.distance[static_cast<size_t>(cell)] == Reachability::kUnreachable) return {};
   std::vector<Vector2d> points;
   for (; cell >= 0; cell = reach.parent[static_cast<size_t>(cell)])
     points.push_back(floor.center(cell % floor.width, cell / floor.width));
   std::reverse(points.begin(), points.end());
-  std::vector<mapping::PlanarPose> way;
+  std::vector<mapping::PlanarPose> path;
   for (size_t i = 0; i + 1 < points.size(); ++i) {
     const Vector2d along = points[i + 1] - points[i];
     const double yaw = std::atan2(along.y(), along.x());
-    if (way.empty() || std::abs(std::remainder(yaw - way.back().yaw, 2 * kPi)) > 1e-6)
-      way.push_back({points[i].x(), points[i].y(), yaw});
+    if (path.empty() || std::abs(std::remainder(yaw - path.back().yaw, 2 * kPi)) > 1e-6)
+      path.push_back({points[i].x(), points[i].y(), yaw});
   }
-  way.push_back(goal);
-  return way;
+  path.push_back(goal);
+  return path;
 }
 
 }  // namespace loci::nbv

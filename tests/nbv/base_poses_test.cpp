@@ -1,4 +1,4 @@
-#include "nbv/stops.h"
+#include "nbv/base_poses.h"
 #include "mapping/base/math.h"
 
 #include <gtest/gtest.h>
@@ -41,8 +41,8 @@ mapping::Front front_at(double y) {
   return front;
 }
 
-StopPlanner planner_for(const mapping::OccupancyMap& map) {
-  return StopPlanner(map, {-1, 0, 0}, mapping::LaserModel(), {}, {}, 0.3);
+BasePosePlanner planner_for(const mapping::OccupancyMap& map) {
+  return BasePosePlanner(map, {-1, 0, 0}, mapping::LaserModel(), {}, {}, 0.3);
 }
 
 TEST(Stops, LookAtTheFrontsFromWhereNothingHidesThem) {
@@ -50,7 +50,7 @@ TEST(Stops, LookAtTheFrontsFromWhereNothingHidesThem) {
   const mapping::OccupancyMap map = mapped(room);
   const std::vector<mapping::Front> fronts = {front_at(1.0), front_at(-0.5)};
   bool first_served = false;
-  for (const InteractionStop& stop : planner_for(map).plan(fronts))
+  for (const BasePose& stop : planner_for(map).plan(fronts))
     for (const size_t front : stop.fronts) {
       first_served = first_served || front == 0;
       const Vector3d from(stop.pose.x, stop.pose.y, mapping::LaserModel().height_m),
@@ -62,7 +62,7 @@ TEST(Stops, LookAtTheFrontsFromWhereNothingHidesThem) {
 
 TEST(Stops, StandOutOfTheWayOfWhatOpens) {
   const mapping::OccupancyMap map = mapped(room_with_screen());
-  for (const InteractionStop& stop : planner_for(map).plan({front_at(1.0)})) {
+  for (const BasePose& stop : planner_for(map).plan({front_at(1.0)})) {
     const double beside = std::max(0.0, std::abs(stop.pose.y - 1.0) - 0.25),
                  before = std::max(0.0, 2.4 - stop.pose.x - 0.3);
     EXPECT_GE(std::hypot(beside, before), PlannerOptions().robot_radius_m);
@@ -79,11 +79,11 @@ TEST(Stops, NoneForAFrontWithoutFixtureOrBehindAWall) {
 
 TEST(Stops, GoElsewhereWhereTheRobotCouldNotStand) {
   const mapping::OccupancyMap map = mapped(room_with_screen());
-  StopPlanner planner = planner_for(map);
-  const std::vector<InteractionStop> before = planner.plan({front_at(1.0)});
+  BasePosePlanner planner = planner_for(map);
+  const std::vector<BasePose> before = planner.plan({front_at(1.0)});
   ASSERT_EQ(before.size(), 1U);
   planner.avoid(before[0].pose);
-  const std::vector<InteractionStop> after = planner.plan({front_at(1.0)});
+  const std::vector<BasePose> after = planner.plan({front_at(1.0)});
   ASSERT_EQ(after.size(), 1U);
   EXPECT_GE(std::hypot(after[0].pose.x - before[0].pose.x, after[0].pose.y - before[0].pose.y),
             PlannerOptions().robot_radius_m);

@@ -13,13 +13,13 @@
 
 namespace loci::mapping {
 
-/// How well an arm knows where its hand is.
+/// Noise of an arm's forward kinematics.
 struct HandModel {
   double position_sigma_m = 0.001;     ///< per direction and pose
   double orientation_sigma_deg = 0.3;  ///< about each direction
 };
 
-struct ScannedWorldOptions {
+struct SimulatedRobotOptions {
   std::vector<std::filesystem::path> package_paths = {};  ///< where package:// is looked for
   /// Heights of a floor and a ceiling to add, as large as the world; unset = none. A world that has a link
   /// of that name keeps its own.
@@ -31,13 +31,13 @@ struct ScannedWorldOptions {
   int threads = 0;
 };
 
-/// A simulated kitchen with a robot in it that scans (sensor of DESIGN §4) and pulls handles. The map's frame
-/// is the world's; the first pose is exact, every later one drifts until localize().
-class ScannedWorld : public Robot {
+/// A robot in a simulated kitchen that scans and pulls handles. The map frame is the world's; the first pose
+/// is exact, later ones drift until localize().
+class SimulatedRobot : public Robot {
  public:
-  ScannedWorld(const std::filesystem::path& urdf, const ScannedWorldOptions& options, const PlanarPose& start,
-               Warnings& warnings);
-  ~ScannedWorld() override;
+  SimulatedRobot(const std::filesystem::path& urdf, const SimulatedRobotOptions& options,
+                 const PlanarPose& start, Warnings& warnings);
+  ~SimulatedRobot() override;
 
   /// The robot ends beside the goal by what its odometry mis-measured on the way, and believes to be there.
   /// The covariance says how far off that may be since the start or the last localize(). Error, with the
@@ -62,7 +62,7 @@ class ScannedWorld : public Robot {
   Json state() const override;
   void restore(const Json& state) override;
 
-  /// Puts the robot somewhere and tells it exactly where; for the start.
+  /// Sets the true and the believed pose; for the start.
   void put_at(const PlanarPose& pose);
   /// The middle of the most open floor inside the world: a place to start from.
   PlanarPose open_place() const;

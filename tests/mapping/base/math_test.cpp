@@ -1,4 +1,4 @@
-#include "mapping/base/quantile.h"
+#include "mapping/base/math.h"
 
 #include <gtest/gtest.h>
 

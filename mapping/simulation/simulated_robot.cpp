@@ -1,4 +1,4 @@
-#include "mapping/simulation/scanned_world.h"
+#include "mapping/simulation/simulated_robot.h"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "mapping/base/exact_pose.h"
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
+#include "mapping/base/pose.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/urdf.h"
 
@@ -58,8 +58,8 @@ std::pair<double, double> range_of(const Joint& joint) {
 
 }  // namespace
 
-struct ScannedWorld::Impl {
-  ScannedWorldOptions options;
+struct SimulatedRobot::Impl {
+  SimulatedRobotOptions options;
   World world;
   JointState joints;
   RayScene scene;
@@ -68,7 +68,7 @@ struct ScannedWorld::Impl {
   Random random;
   size_t scans = 0, pulls = 0;
 
-  Impl(const fs::path& urdf, const ScannedWorldOptions& chosen, const PlanarPose& start, Warnings& warnings)
+  Impl(const fs::path& urdf, const SimulatedRobotOptions& chosen, const PlanarPose& start, Warnings& warnings)
       : options(chosen),
         world(read_urdf(urdf)),
         map_from_true(map_from_base(start)),
@@ -101,7 +101,7 @@ struct ScannedWorld::Impl {
   Isometry3d measured_hand(const Isometry3d& map_from_hand, Random& drawn) const;
 };
 
-Isometry3d ScannedWorld::Impl::measured_hand(const Isometry3d& map_from_hand, Random& drawn) const {
+Isometry3d SimulatedRobot::Impl::measured_hand(const Isometry3d& map_from_hand, Random& drawn) const {
   Isometry3d measured = map_from_believed * map_from_true.inverse() * map_from_hand;
   Vector3d shift, turn;
   for (int k = 0; k < 3; ++k) shift[k] = drawn.normal(options.hand.position_sigma_m);
@@ -112,7 +112,7 @@ Isometry3d ScannedWorld::Impl::measured_hand(const Isometry3d& map_from_hand, Ra
 }
 
 /// The nearest joint above a link that moves it, or the one that this mimics; nullptr = it stands firm.
-const Joint* ScannedWorld::Impl::moving_joint(const std::string& link) const {
+const Joint* SimulatedRobot::Impl::moving_joint(const std::string& link) const {
   for (const Joint* joint = world.parent_joint(link); joint != nullptr;
        joint = world.parent_joint(joint->parent)) {
     const Joint* master = joint;
@@ -125,15 +125,15 @@ const Joint* ScannedWorld::Impl::moving_joint(const std::string& link) const {
   return nullptr;
 }
 
-Isometry3d ScannedWorld::Impl::map_from_link(size_t link, const Joint& joint, double position) const {
+Isometry3d SimulatedRobot::Impl::map_from_link(size_t link, const Joint& joint, double position) const {
   JointState state = joints;
   state[joint.name] = position;
   return root_from_links(world, state)[link];
 }
 
 /// +1 or -1; 0 = it is open as far as it goes.
-double ScannedWorld::Impl::opening_direction(const Joint& joint, size_t link, const Vector3d& link_point,
-                                             const Vector3d& hand) const {
+double SimulatedRobot::Impl::opening_direction(const Joint& joint, size_t link, const Vector3d& link_point,
+                                               const Vector3d& hand) const {
   constexpr double tiny = 1e-6;
   const auto [lower, upper] = range_of(joint);
   const auto at = joints.find(joint.name);
@@ -145,8 +145,8 @@ double ScannedWorld::Impl::opening_direction(const Joint& joint, size_t link, co
   return change.dot(map_from_true.translation() - hand) >= 0 ? 1 : -1;
 }
 
-void ScannedWorld::Impl::move_along(const Joint& joint, size_t link, const Isometry3d& map_from_hand,
-                                    double way, PullResult& result) {
+void SimulatedRobot::Impl::move_along(const Joint& joint, size_t link, const Isometry3d& map_from_hand,
+                                      double way, PullResult& result) {
   const Isometry3d link_from_hand = scene.map_from_link(link).inverse() * map_from_hand;
   Isometry3d map_from_hand_now = map_from_hand;
   const auto [lower, upper] = range_of(joint);
@@ -178,12 +178,12 @@ void ScannedWorld::Impl::move_along(const Joint& joint, size_t link, const Isome
   scene.set_joints(0, joints);
 }
 
-ScannedWorld::ScannedWorld(const fs::path& urdf, const ScannedWorldOptions& options, const PlanarPose& start,
-                           Warnings& warnings)
+SimulatedRobot::SimulatedRobot(const fs::path& urdf, const SimulatedRobotOptions& options,
+                               const PlanarPose& start, Warnings& warnings)
     : impl_(std::make_unique<Impl>(urdf, options, start, warnings)) {}
-ScannedWorld::~ScannedWorld() = default;
+SimulatedRobot::~SimulatedRobot() = default;
 
-Scan ScannedWorld::scan_at(const PlanarPose& goal) {
+Scan SimulatedRobot::scan_at(const PlanarPose& goal) {
   Impl& robot = *impl_;
   const size_t number = robot.scans;
   Random drawn = robot.random.fork(2 * number);
@@ -208,12 +208,12 @@ Scan ScannedWorld::scan_at(const PlanarPose& goal) {
   return scan;
 }
 
-void ScannedWorld::localize(const PlanarPose& pose) {
+void SimulatedRobot::localize(const PlanarPose& pose) {
   impl_->map_from_believed = map_from_base(pose);
   impl_->covariance.setZero();
 }
 
-PullResult ScannedWorld::pull(const Vector3d& believed_point, double way) {
+PullResult SimulatedRobot::pull(const Vector3d& believed_point, double way) {
   Impl& robot = *impl_;
   PullResult result;
   const Vector3d point = robot.map_from_true * (robot.map_from_believed.inverse() * believed_point);
@@ -234,7 +234,7 @@ PullResult ScannedWorld::pull(const Vector3d& believed_point, double way) {
   return result;
 }
 
-void ScannedWorld::set_joints(const JointState& state) {
+void SimulatedRobot::set_joints(const JointState& state) {
   JointState joints = impl_->joints;
   for (const auto& [name, position] : state) {
     const Joint* joint = impl_->world.find_joint(name);
@@ -250,12 +250,12 @@ void ScannedWorld::set_joints(const JointState& state) {
   impl_->joints = joints;
 }
 
-void ScannedWorld::close_all() {
+void SimulatedRobot::close_all() {
   impl_->joints.clear();
   impl_->scene.set_joints(0, {});
 }
 
-Json ScannedWorld::state() const {
+Json SimulatedRobot::state() const {
   return {{"map_from_true", exact_values(impl_->map_from_true)},
           {"map_from_believed", exact_values(impl_->map_from_believed)},
           {"covariance", std::vector<double>(impl_->covariance.data(), impl_->covariance.data() + 36)},
@@ -264,7 +264,7 @@ Json ScannedWorld::state() const {
           {"pulls", impl_->pulls}};
 }
 
-void ScannedWorld::restore(const Json& state) {
+void SimulatedRobot::restore(const Json& state) {
   const auto pose = [&](const char* key) {
     return pose_from_exact(state.at(key).get<std::array<double, 12>>());
   };
@@ -277,12 +277,12 @@ void ScannedWorld::restore(const Json& state) {
   impl_->scene.set_joints(0, impl_->joints);
 }
 
-void ScannedWorld::put_at(const PlanarPose& pose) {
+void SimulatedRobot::put_at(const PlanarPose& pose) {
   impl_->map_from_true = impl_->map_from_believed = map_from_base(pose);
   impl_->covariance.setZero();
 }
 
-PlanarPose ScannedWorld::open_place() const {
+PlanarPose SimulatedRobot::open_place() const {
   constexpr double kStep = 0.2, kRoom = 0.4;
   constexpr int kDirections = 24;
   const RayScene& scene = impl_->scene;
@@ -315,23 +315,23 @@ PlanarPose ScannedWorld::open_place() const {
   throw Error("no place inside the world is open enough to start from", {}, "give --start");
 }
 
-PlanarPose ScannedWorld::true_pose() const {
+PlanarPose SimulatedRobot::true_pose() const {
   return planar(impl_->map_from_true);
 }
 
-Isometry3d ScannedWorld::true_map_from_scanner() const {
+Isometry3d SimulatedRobot::true_map_from_scanner() const {
   return impl_->map_from_true * impl_->base_from_scanner();
 }
 
-const RayScene& ScannedWorld::scene() const {
+const RayScene& SimulatedRobot::scene() const {
   return impl_->scene;
 }
 
-const World& ScannedWorld::world() const {
+const World& SimulatedRobot::world() const {
   return impl_->world;
 }
 
-const JointState& ScannedWorld::joints() const {
+const JointState& SimulatedRobot::joints() const {
   return impl_->joints;
 }
 

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "mapping/base/config.h"
+#include "mapping/recording/file_recording.h"
+
+// One reader per layout of recordings, and what several layouts share.
+
+namespace loci::mapping {
+
+/// Reads our own layout: recording.yaml, frames.csv, and if they are there joints.csv and transforms.csv.
+FileRecordingContent read_loci_layout(const std::filesystem::path& folder);
+
+/// Fields of a pinhole camera from a map (width, height, fx, fy, cx, cy); the caller finishes the map.
+PinholeCamera read_pinhole(const Config& config);
+
+/// Whether a folder holds a sequence in the layout of 7-Scenes (*.depth.png).
+bool is_seven_scenes(const std::filesystem::path& folder);
+
+/// Reads *.depth.png, *.color.*, *.pose.txt (4x4, camera to world); cameras.yaml and world_to_map.txt beside
+/// them or one folder above. Without cameras.yaml the cameras are taken as a Kinect's.
+FileRecordingContent read_seven_scenes(const std::filesystem::path& folder);
+
+/// Whether a folder has the lists of the TUM RGB-D benchmark: depth.txt, and rgb.txt or groundtruth.txt.
+bool is_tum(const std::filesystem::path& folder);
+
+/// Reads the TUM RGB-D layout: `depth.txt` and `rgb.txt` (stamp, file), `groundtruth.txt` (stamp, x y z qx qy
+/// qz qw of the colour camera, with which depth is registered). Each depth image takes the nearest colour
+/// image and the pose at its time.
+FileRecordingContent read_tum(const std::filesystem::path& folder);
+
+/// Whether a path is a point cloud, or a folder with clouds and no scan set.
+bool is_pcd_series(const std::filesystem::path& path);
+
+/// Organised point clouds (width x height, x y z, optionally rgb or rgba), one file per frame in order of
+/// name, seen by one camera whose pinhole is fitted to the first cloud. Clouds with z backwards and y up are
+/// turned into the optical frame. Stamps are seconds, or nanoseconds, in the names ("1305031102.160407.pcd"),
+/// otherwise made up. A pose is read from NAME.pose.txt (4 x 4); VIEWPOINT is none: recorders leave it at
+/// whatever they like.
+class PcdSeries : public Recording {
+ public:
+  explicit PcdSeries(const std::filesystem::path& path);
+
+  const RecordingInfo& info() const override { return info_; }
+  size_t size() const override { return frames_.size(); }
+  RgbdFrame frame(size_t i) const override;
+  TimeNs time_of(size_t i) const override { return frames_.at(i).time_ns; }
+  int64_t index_of(size_t i) const override { return frames_.at(i).index; }
+
+ private:
+  void find_frames(const std::filesystem::path& path);
+  void fit_camera();
+
+  RecordingInfo info_;
+  std::vector<FrameFiles> frames_;
+  bool backwards_ = false;  ///< z points backwards and y up
+};
+
+/// A file beside the images or one folder above; empty when there is none.
+std::filesystem::path beside_or_above(const std::filesystem::path& folder, const char* name);
+
+/// A 4 x 4 matrix of 16 numbers. Error when they are no pose.
+Isometry3d read_pose_file(const std::filesystem::path& path);
+
+/// cameras.yaml: `depth` with size, f, c and optionally `unit_m` and `invalid`, optional `color` and
+/// `color_from_depth` (R, t). Fills cameras, depth scale and invalid values.
+void read_cameras(const std::filesystem::path& path, FileRecordingContent& content);
+
+}  // namespace loci::mapping
