@@ -19,7 +19,7 @@
 #include "memory/exchange/observation_image.h"
 #include "memory/exchange/owl_individuals.h"
 #include "memory/questions/place_names.h"
-#include "memory/store/scene_kinds.h"
+#include "memory/store/scene_images.h"
 
 namespace loci::apps {
 namespace {
@@ -70,7 +70,7 @@ int64_t export_kinds(const memory::Store& store, const fs::path& folder, Progres
   int64_t written = 0;
   for (size_t i = 0; i < scenes.size(); ++i) {
     progress.check(double(i) / double(scenes.size()), "kinds of pixels");
-    const std::optional<memory::SceneKinds> kinds = scene_kinds(store, scenes[i]);
+    const std::optional<memory::PixelKindImage> kinds = pixel_kinds(store, scenes[i]);
     if (!kinds) continue;
     cv::Mat image(kinds->height, kinds->width, CV_8U);
     std::ranges::transform(kinds->pixels, image.ptr<uint8_t>(),
@@ -166,7 +166,7 @@ void export_memory(const Arguments& arguments, Session& session) {
     rows[what] = count;
     text += fmt::format(" {} {},", count, what);
   };
-  for (const char* view : {"objects", "sightings", "events", "scenes", "looks", "log", "facts"})
+  for (const char* view : {"objects", "observations", "events", "scenes", "place_visibility", "log", "facts"})
     tell(view, export_view(store, view, folder));
   if (arguments.kinds) tell("kinds", export_kinds(store, folder / "kinds", session.progress()));
   if (arguments.labels) tell("labels", export_labels(store, folder / "labels", session.progress()));

@@ -10,7 +10,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
 #include "memory/reasoning/reason.h"
-#include "memory/store/copy.h"
+#include "memory/store/memory_file.h"
 #include "memory/store/merge.h"
 #include "memory/store/retention.h"
 

@@ -6,7 +6,7 @@
 #include "apps/memory/memory_arguments.h"
 #include "mapping/base/json.h"
 #include "memory/recorder/forget.h"
-#include "memory/store/copy.h"
+#include "memory/store/memory_file.h"
 
 namespace loci::apps {
 Command stat_command() {

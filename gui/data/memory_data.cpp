@@ -15,9 +15,8 @@
 #include "memory/exchange/observation_image.h"
 #include "memory/questions/people_time.h"
 #include "memory/questions/snapshot.h"
-#include "memory/store/depth_thumbnail.h"
+#include "memory/store/scene_images.h"
 #include "memory/store/feature_structures.h"
-#include "memory/store/scene_kinds.h"
 #include "memory/store/store.h"
 #include "perception/types/geometry.h"
 #include "perception/types/types.h"
@@ -280,7 +279,7 @@ SceneContent MemoryData::scene(int64_t id) const {
     if (depth.size() == static_cast<size_t>(row.depth_width) * static_cast<size_t>(row.depth_height))
       content.depth = cv::Mat(row.depth_height, row.depth_width, CV_32F, depth.data()).clone();
   }
-  if (const auto kinds = scene_kinds(store_, row)) {
+  if (const auto kinds = pixel_kinds(store_, row)) {
     content.kinds = cv::Mat(kinds->height, kinds->width, CV_8U);
     for (size_t i = 0; i < kinds->pixels.size(); ++i)
       content.kinds.data[i] = static_cast<uint8_t>(kinds->pixels[i]);

@@ -4,7 +4,7 @@
 #include <map>
 
 #include "memory/questions/answers.h"
-#include "memory/report/annotator_times.h"
+#include "memory/report/memory_statistics.h"
 #include "memory/store/store.h"
 
 namespace loci::gui {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "memory/store/cluster_points.h"
+#include "memory/store/scene_images.h"
 #include "perception/conversions/opencv.h"
 
 namespace loci::memory {

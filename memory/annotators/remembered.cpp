@@ -9,7 +9,7 @@
 
 #include "mapping/image/image_io.h"
 #include "memory/annotators/scene_of_cas.h"
-#include "memory/store/cluster_points.h"
+#include "memory/store/scene_images.h"
 #include "memory/store/feature_structures.h"
 #include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"

@@ -172,7 +172,7 @@ void read_annotations(const perception::types::Cluster& cluster, ObservationReco
     if (color.names.size() > 0) observation.row.color = color.names.get()[0];
   }
   if (const auto location = cluster.annotations.first<perception::types::TFLocationAnnotation>())
-    if (location.sentence.is_set()) observation.row.sentence = location.sentence.get();
+    if (location.sentence.is_set()) observation.row.location = location.sentence.get();
 }
 
 std::string place_of(const perception::types::Cluster& cluster) {

@@ -5,8 +5,6 @@
 #include "mapping/base/files.h"
 #include "mapping/base/hash.h"
 #include "mapping/base/json.h"
-#include "memory/catalogue/looks.h"
-#include "memory/catalogue/said_class.h"
 #include "memory/recorder/carried_belief.h"
 
 namespace loci::memory {
@@ -19,9 +17,9 @@ float rounded(float value) {
   return std::round(value * 1e4F) / 1e4F;
 }
 
-Json look_json(const std::vector<belief::Descriptor>& look) {
+Json view_json(const std::vector<belief::Descriptor>& view) {
   Json json = Json::array();
-  for (const belief::Descriptor& d : look) {
+  for (const belief::Descriptor& d : view) {
     std::vector<float> values = d.values;
     for (float& value : values) value = rounded(value);
     json.push_back({{"kind", d.kind}, {"values", values}});
@@ -30,16 +28,16 @@ Json look_json(const std::vector<belief::Descriptor>& look) {
   return json;
 }
 
-std::vector<belief::Descriptor> look_from(const Json& json) {
-  std::vector<belief::Descriptor> look;
+std::vector<belief::Descriptor> view_from(const Json& json) {
+  std::vector<belief::Descriptor> view;
   for (const Json& one : json) {
     belief::Descriptor d{one.at("kind"), one.at("values"), {}};
     if (one.contains("names")) d.names = one.at("names").get<std::vector<std::string>>();
     if (!d.names.empty() && d.names.size() != d.values.size())
-      throw Error("a look has not as many names as values");
-    look.push_back(std::move(d));
+      throw Error("a view has not as many names as values");
+    view.push_back(std::move(d));
   }
-  return look;
+  return view;
 }
 
 Json entry_json(const CatalogueEntry& entry) {
@@ -50,20 +48,10 @@ Json entry_json(const CatalogueEntry& entry) {
   if (!facts.empty()) json["facts"] = facts;
   if (!entry.color.empty()) json["color"] = entry.color;
   if (entry.size) json["size_m"] = {entry.size->x(), entry.size->y(), entry.size->z()};
-  for (const auto& [kind, said] : entry.words) json["words"][kind] = said;
-  json["looks"] = Json::array();
-  for (const auto& look : entry.looks) json["looks"].push_back(look_json(look));
+  for (const auto& [kind, values] : entry.terms) json["terms"][kind] = values;
+  json["views"] = Json::array();
+  for (const auto& view : entry.views) json["views"].push_back(view_json(view));
   return json;
-}
-
-/// Earlier files have lists of texts and products, without agreement.
-Words words_from(const Json& json, const std::string& class_name) {
-  if (json.contains("words")) return json.at("words").get<Words>();
-  Words words;
-  for (const auto& [kind, list] : {std::pair("text", "texts"), std::pair("product", "products")})
-    for (const Json& value : json.value(list, Json::array())) words[kind][value] = 1;
-  if (!class_name.empty()) words["label"][class_name] = 1;
-  return words;
 }
 
 CatalogueEntry entry_from(const Json& json) {
@@ -78,9 +66,9 @@ CatalogueEntry entry_from(const Json& json) {
     const auto size = json.at("size_m").get<std::array<double, 3>>();
     entry.size = Vector3d(size[0], size[1], size[2]);
   }
-  entry.words = words_from(json, entry.class_name);
-  for (const Json& look : json.value("looks", Json::array())) entry.looks.push_back(look_from(look));
-  drop_words(entry.looks);
+  entry.terms = json.value("terms", ObjectTerms());
+  for (const Json& view : json.value("views", Json::array())) entry.views.push_back(view_from(view));
+  remove_terms(entry.views);
   return entry;
 }
 
@@ -98,25 +86,25 @@ Catalogue catalogue_of(const Store& store) {
   Catalogue catalogue;
   catalogue.home = home_of(store);
   catalogue.handling = load_belief(store).habits.kinds();
-  LooksOfObjects looks(store);
+  ViewReader views(store);
   std::map<Id, std::string> place_class;
   for (const PlaceRow& place : store.places()) place_class[place.id] = place.class_name;
   for (const BeliefRow& belief : store.beliefs()) {
     CatalogueEntry entry;
     entry.name = object_name(belief.object);
-    const SaidClass said = class_of(store, belief.object);
-    // What another home said of it is that home's to tell.
-    if (said.by != "catalogue") entry.class_name = said.name;
+    const ObjectClass stated = class_of(store, belief.object);
+    // Facts from another home belong to its own catalogue.
+    if (stated.by != "catalogue") entry.class_name = stated.name;
     for (const FactRow& fact : store.facts())
       if (fact.object == belief.object && fact.value && fact.key != "class" && fact.key != "state" &&
           fact.clock.source != "catalogue")
         entry.facts.emplace_back(fact.key, *fact.value);
     entry.color = belief.color.value_or("");
     entry.size = belief.size;
-    entry.words = words_of(store, belief.object);
-    for (auto& [kind, values] : entry.words)
+    entry.terms = terms_of(store, belief.object);
+    for (auto& [kind, values] : entry.terms)
       for (auto& [value, agreement] : values) agreement = std::round(agreement * 1e3) / 1e3;
-    entry.looks = looks.of(belief.object);
+    entry.views = views.views_of(belief.object);
     for (const ObjectObservation& sighting : store.observations_of(belief.object)) {
       ++entry.sightings;
       if (!entry.class_name.empty() && sighting.observation.place)
@@ -134,8 +122,8 @@ Catalogue catalogue_of(const Store& store) {
 
 Json to_json(const Catalogue& catalogue) {
   Json json = {
-      {"format", kFormat}, {"version", kVersion}, {"home", catalogue.home}, {"things", Json::array()}};
-  for (const CatalogueEntry& entry : catalogue.entries) json["things"].push_back(entry_json(entry));
+      {"format", kFormat}, {"version", kVersion}, {"home", catalogue.home}, {"objects", Json::array()}};
+  for (const CatalogueEntry& entry : catalogue.entries) json["objects"].push_back(entry_json(entry));
   json["habits"] = Json::object();
   for (const auto& [name, factor] : catalogue.handling)
     json["habits"][name]["handled"] = {{"found", factor.found}, {"expected", factor.expected}};
@@ -145,13 +133,13 @@ Json to_json(const Catalogue& catalogue) {
 
 Catalogue catalogue_from(const Json& json, const std::string& file) {
   if (!json.is_object() || json.value("format", "") != kFormat)
-    throw Error("this is no catalogue", {file, 0, {}}, "loci-memory catalogue export writes one");
+    throw Error("is not a catalogue", {file, 0, {}}, "loci-memory catalogue export writes one");
   if (json.value("version", 0) != kVersion)
     throw Error("this catalogue was written by another version of loci", {file, 0, {}});
   try {
     Catalogue catalogue;
     catalogue.home = json.at("home");
-    for (const Json& entry : json.at("things")) catalogue.entries.push_back(entry_from(entry));
+    for (const Json& entry : json.at("objects")) catalogue.entries.push_back(entry_from(entry));
     const Json of_classes = json.value("habits", Json::object());
     for (const auto& [name, habits] : of_classes.items()) {
       if (habits.contains("handled"))

@@ -1,4 +1,4 @@
-// Which objects of a memory fit which things of a catalogue.
+// Matching the objects of a memory with the entries of a catalogue.
 
 #include <fmt/format.h>
 
@@ -9,29 +9,29 @@
 #include "mapping/base/json.h"
 #include "memory/belief/appearance.h"
 #include "memory/catalogue/catalogue.h"
-#include "memory/catalogue/looks.h"
 #include "memory/identity/solution.h"
 #include "memory/recorder/carried_belief.h"
 
 namespace loci::memory {
 namespace {
 
-constexpr const char* kKept = "catalogue/";  ///< and the home: checkpoints with the catalogues
-constexpr const char* kHabitsTaken = "catalogue habits/";
+constexpr const char* kCheckpoint = "catalogue/";  ///< and the home: checkpoints with the catalogues
+constexpr const char* kHabitsCheckpoint = "catalogue habits/";
 constexpr const char* kSource = "catalogue";
-/// Of the things of another home, so many are believed to be like one of the catalogue before anybody looks.
+/// Prior probability that an object has an equal in the catalogue of another home.
 constexpr double kKnown = 0.5;
-/// Told from here on; a change of less is none.
-constexpr double kTold = 0.5, kNews = 0.05;
+/// Facts are stated from this probability on, and changed by at least that much.
+constexpr double kMinProbability = 0.5, kMinChange = 0.05;
 /// Habits of another home are worth no more events than this.
 constexpr double kMaxExpected = 10;
 
-constexpr double kWeight = 0.8;  ///< as in BeliefOptions: annotations of one thing depend on each other
-/// Known by what makes it this much more probable alone.
+constexpr double kWeight = 0.8;  ///< as in BeliefOptions: annotations of one object are not independent
+/// A kind of evidence is named when it alone makes a match this much more probable.
 const double kTelling = std::log(2.0);
 
-/// How much more probable the looks are if both are the same thing: mean over what was seen of it here.
-double looks_ratio(const Looks& here, const Looks& there, const belief::Corrections& corrections) {
+/// The log likelihood ratio of being equal by appearance: the mean over the views in this memory.
+double appearance_log_ratio(const ObjectViews& here, const ObjectViews& there,
+                            const belief::Corrections& corrections) {
   double sum = 0;
   size_t count = 0;
   for (const auto& seen : here) {
@@ -54,35 +54,35 @@ double looks_ratio(const Looks& here, const Looks& there, const belief::Correcti
 /// An object of this memory as far as it is compared.
 struct Seen {
   Id object = 0;
-  Looks looks;
-  Words words;
+  ObjectViews views;
+  ObjectTerms terms;
 };
 
-/// What tells that an object is a thing of the catalogue: logarithms of likelihood ratios.
+/// The evidence that an object is that of an entry: log likelihood ratios.
 struct Likelihood {
-  double looks = 0, words = 0;
+  double appearance = 0, terms = 0;
 
-  double sum() const { return looks + words; }
+  double sum() const { return appearance + terms; }
   std::string by() const {
-    if (words < kTelling) return "looks";
-    return looks < kTelling ? "words" : "looks and words";
+    if (terms < kTelling) return "appearance";
+    return appearance < kTelling ? "terms" : "appearance and terms";
   }
 };
 
-struct Told {
+struct MatchedFact {
   double probability = 0;
   std::string by;
 };
-using Facts = std::map<std::tuple<Id, std::string, std::string>, Told>;  ///< object, key, value
+using Facts = std::map<std::tuple<Id, std::string, std::string>, MatchedFact>;  ///< object, key, value
 
 void want(Facts& facts, Id object, const std::string& key, const std::string& value, double probability,
           const std::string& by) {
-  if (value.empty() || probability < kTold) return;
-  Told& known = facts[{object, key, value}];
+  if (value.empty() || probability < kMinProbability) return;
+  MatchedFact& known = facts[{object, key, value}];
   if (probability > known.probability) known = {std::min(probability, 0.999), by};
 }
 
-/// The class of an object is that of all things together that it is like.
+/// The class of an object is that of all entries together that it matches.
 void want_class(const Catalogue& catalogue, Id object, const std::vector<Likelihood>& likelihoods,
                 double prior, Facts& facts) {
   struct Weight {
@@ -101,8 +101,8 @@ void want_class(const Catalogue& catalogue, Id object, const std::vector<Likelih
   for (const auto& [name, weight] : classes) want(facts, object, "class", name, weight.sum / all, weight.by);
 }
 
-/// What the catalogue says of the objects. A class may be that of many things; a name or an owner belongs to
-/// one thing.
+/// Facts of the objects from a catalogue. A class may be that of many entries; a name or an owner belongs to
+/// one.
 void match(const Catalogue& catalogue, const std::vector<Seen>& objects,
            const belief::Corrections& corrections, Facts& facts) {
   const auto rows = static_cast<Eigen::Index>(catalogue.entries.size()),
@@ -119,8 +119,8 @@ void match(const Catalogue& catalogue, const std::vector<Seen>& objects,
     std::vector<Likelihood>& of_object = likelihoods.emplace_back();
     for (Eigen::Index e = 0; e < rows; ++e) {
       const CatalogueEntry& entry = catalogue.entries[size_t(e)];
-      of_object.push_back({looks_ratio(seen.looks, entry.looks, corrections),
-                           kWeight * words_log_ratio(seen.words, entry.words)});
+      of_object.push_back({appearance_log_ratio(seen.views, entry.views, corrections),
+                           kWeight * terms_log_ratio(seen.terms, entry.terms)});
       problem.log_similar(e, o) = of_object.back().sum() + prior;
     }
     want_class(catalogue, seen.object, of_object, prior, facts);
@@ -133,22 +133,22 @@ void match(const Catalogue& catalogue, const std::vector<Seen>& objects,
   for (Eigen::Index e = 0; e < rows; ++e)
     for (Eigen::Index o = 0; o < columns; ++o) {
       const CatalogueEntry& entry = catalogue.entries[size_t(e)];
-      const auto tell = [&](const std::string& key, const std::string& value) {
+      const auto add = [&](const std::string& key, const std::string& value) {
         want(facts, objects[size_t(o)].object, key, value, solution.move(e, o),
              likelihoods[size_t(o)][size_t(e)].by());
       };
-      for (const auto& [key, value] : entry.facts) tell(key, value);
+      for (const auto& [key, value] : entry.facts) add(key, value);
       for (const char* kind : {"text", "product"})
-        if (const auto said = entry.words.find(kind); said != entry.words.end())
-          for (const auto& [value, agreement] : said->second) tell(kind, value);
+        if (const auto values = entry.terms.find(kind); values != entry.terms.end())
+          for (const auto& [value, agreement] : values->second) add(kind, value);
     }
 }
 
-/// Adds, changes and takes back facts until the memory says what is wanted.
+/// Adds, changes and retracts facts until the memory has those that are wanted.
 void settle(Store& store, Facts wanted, CatalogueResult& result) {
   std::vector<FactRow> rows;
   const std::vector<FactRow> facts = store.facts();
-  for (const FactRow& fact : facts)  // what people say comes first
+  for (const FactRow& fact : facts)  // facts of people take precedence
     if (fact.object && fact.value && fact.clock.source != kSource)
       std::erase_if(wanted, [&](const auto& one) {
         return std::get<0>(one.first) == *fact.object && std::get<1>(one.first) == fact.key;
@@ -165,23 +165,23 @@ void settle(Store& store, Facts wanted, CatalogueResult& result) {
       rows.push_back(row);
       continue;
     }
-    const Told& told = found->second;
-    result.known.push_back({*fact.object, fact.key, *fact.value, told.probability, told.by});
-    if (std::abs(told.probability - fact.probability.value_or(1)) > kNews) {
+    const MatchedFact& matched = found->second;
+    result.known.push_back({*fact.object, fact.key, *fact.value, matched.probability, matched.by});
+    if (std::abs(matched.probability - fact.probability.value_or(1)) > kMinChange) {
       row.value = fact.value;
-      row.probability = told.probability;
+      row.probability = matched.probability;
       ++result.changed;
       rows.push_back(row);
     }
     wanted.erase(found);
   }
-  for (const auto& [about, told] : wanted) {
+  for (const auto& [about, matched] : wanted) {
     const auto& [object, key, value] = about;
-    FactRow row{.object = object, .key = key, .value = value, .probability = told.probability};
+    FactRow row{.object = object, .key = key, .value = value, .probability = matched.probability};
     row.clock.source = kSource;
     const Store::ObservationCount seen = store.count_observations(object);
     if (seen.first_scene) row.clock.valid_from = store.scene(*seen.first_scene).time;
-    result.known.push_back({object, key, value, told.probability, told.by});
+    result.known.push_back({object, key, value, matched.probability, matched.by});
     ++result.added;
     rows.push_back(row);
   }
@@ -192,10 +192,10 @@ void settle(Store& store, Facts wanted, CatalogueResult& result) {
   store.finish_run(run);
 }
 
-/// Lets the belief begin with the other home's habits, once.
-void take_habits(Store& store, const Catalogue& catalogue) {
+/// Adds the habits of the other home to the belief, once.
+void add_habits(Store& store, const Catalogue& catalogue) {
   const std::optional<SceneRow> last = store.last_scene();
-  if (!last || catalogue.handling.empty() || store.checkpoint(kHabitsTaken + catalogue.home)) return;
+  if (!last || catalogue.handling.empty() || store.checkpoint(kHabitsCheckpoint + catalogue.home)) return;
   belief::BeliefState state = load_belief(store);
   for (const auto& [kind, factor] : catalogue.handling) {
     const double share = std::min(1.0, kMaxExpected / std::max(1e-9, factor.expected));
@@ -203,7 +203,7 @@ void take_habits(Store& store, const Catalogue& catalogue) {
   }
   const Id run = store.begin_run("loci-memory catalogue", "{}");
   SceneTransaction transaction(store, run);
-  transaction.set_checkpoint(kHabitsTaken + catalogue.home, "1", std::nullopt);
+  transaction.set_checkpoint(kHabitsCheckpoint + catalogue.home, "1", std::nullopt);
   CarriedBelief().save(transaction, last->id, state);
   transaction.commit();
   store.finish_run(run);
@@ -213,11 +213,11 @@ void take_habits(Store& store, const Catalogue& catalogue) {
 
 CatalogueResult import_catalogue(Store& store, const Catalogue& catalogue) {
   if (catalogue.home == home_of(store) && !catalogue.home.empty())
-    throw Error("this catalogue is of this very home", {store.path().string(), 0, {}},
-                "import it into the memory of another one");
-  const std::string bytes = to_json(catalogue).dump(), name = kKept + catalogue.home;
-  const std::optional<Store::Checkpoint> kept = store.checkpoint(name);
-  if (!kept || kept->bytes != bytes) {
+    throw Error("the catalogue is of this memory's own home", {store.path().string(), 0, {}},
+                "import it into the memory of another home");
+  const std::string bytes = to_json(catalogue).dump(), name = kCheckpoint + catalogue.home;
+  const std::optional<Store::Checkpoint> stored = store.checkpoint(name);
+  if (!stored || stored->bytes != bytes) {
     const Id run = store.begin_run("loci-memory catalogue import", "{}");
     SceneTransaction transaction(store, run);
     transaction.set_checkpoint(name, bytes, std::nullopt);
@@ -229,21 +229,21 @@ CatalogueResult import_catalogue(Store& store, const Catalogue& catalogue) {
 
 CatalogueResult apply_catalogues(Store& store) {
   CatalogueResult result;
-  const std::map<std::string, Store::Checkpoint> kept = store.checkpoints(kKept);
-  if (kept.empty()) return result;
+  const std::map<std::string, Store::Checkpoint> stored = store.checkpoints(kCheckpoint);
+  if (stored.empty()) return result;
   std::vector<Seen> objects;
-  LooksOfObjects looks(store);
+  ViewReader views(store);
   for (const BeliefRow& belief : store.beliefs())
-    objects.push_back({belief.object, looks.of(belief.object), words_of(store, belief.object)});
+    objects.push_back({belief.object, views.views_of(belief.object), terms_of(store, belief.object)});
   result.objects = objects.size();
   const belief::Corrections corrections = load_belief(store).calibration.corrections();
   Facts facts;
-  for (const auto& [name, checkpoint] : kept) {
+  for (const auto& [name, checkpoint] : stored) {
     const Catalogue catalogue =
         catalogue_from(parse_json(checkpoint.bytes, store.path().string()), store.path().string());
     result.entries += catalogue.entries.size();
     match(catalogue, objects, corrections, facts);
-    take_habits(store, catalogue);
+    add_habits(store, catalogue);
   }
   settle(store, std::move(facts), result);
   return result;
@@ -251,8 +251,8 @@ CatalogueResult apply_catalogues(Store& store) {
 
 std::string CatalogueResult::summary() const {
   std::string text = fmt::format(
-      "{} objects beside {} things of catalogues: {} facts known ({} new, {} changed, "
-      "{} taken back)",
+      "{} objects and {} entries of catalogues: {} facts known ({} new, {} changed, "
+      "{} retracted)",
       objects, entries, known.size(), added, changed, taken_back);
   for (const Match& match : known)
     text += fmt::format("\n  {:10} {:8} {:20} {:3.0f} %, by its {}", object_name(match.object), match.key,

@@ -7,14 +7,145 @@
 
 #include "mapping/base/json.h"
 #include "mapping/base/text.h"
-#include "memory/edits/edit_runs.h"
+#include "mapping/world/urdf.h"
 #include "memory/questions/facts.h"
+#include "memory/questions/part_names.h"
 #include "memory/questions/place_names.h"
 #include "memory/questions/snapshot.h"
-#include "memory/store/edit_rows.h"
+#include "memory/store/scene_transaction.h"
 
 namespace loci::memory {
 namespace {
+
+/// A run of an edit, finished when it goes out of scope. Its configuration has the "text" of the edit, and
+/// what is needed to reverse it.
+class EditRun {
+ public:
+  EditRun(Store& store, const Json& configuration)
+      : store_(store), id_(store.begin_run(kEditProgram, configuration.dump())) {}
+  ~EditRun() { store_.finish_run(id_); }
+  EditRun(const EditRun&) = delete;
+  EditRun& operator=(const EditRun&) = delete;
+  Id id() const { return id_; }
+
+ private:
+  Store& store_;
+  Id id_;
+};
+
+/// The edit that a run made.
+Edit edit_of(const Store& store, Id run) {
+  for (const RunRow& row : store.runs())
+    if (row.id == run) {
+      const Json configuration = parse_json(row.configuration, "run.configuration");
+      return {run, row.started, configuration.value("text", row.program)};
+    }
+  throw store.error(fmt::format("no run {}", run));
+}
+
+/// A row of source "user" that takes the place of `row`.
+template <class Row>
+Row correction_of(const Row& row) {
+  Row corrected = row;
+  corrected.clock.supersedes = row.id;
+  corrected.clock.source = "user";
+  corrected.clock.known_to.reset();
+  return corrected;
+}
+
+/// The retraction of a row that superseded nothing.
+AssociationRow retracted(AssociationRow row) {
+  row.probability = 0;
+  row.chosen = false;
+  return row;
+}
+EventRow retracted(EventRow row) {
+  row.probability = 0;
+  return row;
+}
+BeliefRow retracted(BeliefRow row) {
+  return row;  // it belongs to another object by now
+}
+FactRow retracted(FactRow row) {
+  row.value.reset();
+  return row;
+}
+
+/// For each row a new one that supersedes what is known instead of it by now: the row that it superseded
+/// itself, or its retraction.
+template <class Row>
+std::vector<Row> reversed_rows(const Store& store, const std::vector<Row>& rows) {
+  std::vector<Row> reversed;
+  for (const Row& row : rows) {
+    Row& one =
+        reversed.emplace_back(row.clock.supersedes ? store.row<Row>(*row.clock.supersedes) : retracted(row));
+    one.clock.supersedes = store.current_row<Row>(row.id);
+    one.clock.source = "user";
+    one.clock.known_to.reset();
+  }
+  return reversed;
+}
+
+/// Adds an annotation with the label of an observation.
+void add_label(Store& store, Id run, Id scene, Id observation, const std::string& label) {
+  SceneTransaction rows(store, run);
+  rows.add_annotation(
+      {.scene = scene, .observation = observation, .type = kLabelType, .value = label, .confidence = 1});
+  rows.commit();
+}
+
+/// Adds a map like one of the memory with a remark in its text, so that it is the newest.
+Id add_corrected_map(Store& store, const MapRow& like, const std::string& urdf, const std::string& remark) {
+  const std::string sidecar = like.sidecar ? store.blob(*like.sidecar).bytes : std::string();
+  return store.add_map(
+      like.name, fmt::format("{}\n<!-- correction {}: {} -->\n", urdf, store.maps().size(), remark), sidecar);
+}
+
+/// Reverses what a run did, as a new run: rows that superseded others are superseded by them, others are
+/// retracted.
+Id reverse_run(Store& store, const RunRow& row, const std::string& text, const Json& more) {
+  Json configuration = parse_json(row.configuration, "run.configuration");
+  for (const char* key : {"undoes", "redoes"}) configuration.erase(key);
+  configuration.update(more);
+  configuration["text"] = text;
+  for (const char* kind : {"label", "map", "part"})
+    if (configuration.contains(kind)) {
+      Json& change = configuration[kind];
+      std::swap(change["before"], change["after"]);
+    }
+  std::vector<BeliefRow> beliefs = store.rows_of_run<BeliefRow>(row.id);
+  // What a split added continues as the belief of the object that was split.
+  const Id split = configuration.contains("split") ? configuration["split"]["object"].get<Id>() : 0;
+  for (BeliefRow& belief : beliefs)
+    if (!belief.clock.supersedes) belief.object = split;
+  const auto associations = reversed_rows(store, store.rows_of_run<AssociationRow>(row.id));
+  const auto events = reversed_rows(store, store.rows_of_run<EventRow>(row.id));
+  const auto facts = reversed_rows(store, store.rows_of_run<FactRow>(row.id));
+  beliefs = reversed_rows(store, beliefs);
+  const EditRun run(store, configuration);
+  {
+    SceneTransaction added(store, run.id());
+    for (const AssociationRow& one : associations) added.add_association(one);
+    for (const EventRow& one : events) added.add_event(one);
+    for (const FactRow& one : facts) added.add_fact(one);
+    for (const BeliefRow& one : beliefs) added.add_belief(one);
+    added.commit();
+  }
+  if (configuration.contains("label")) {
+    const Json& label = configuration["label"];
+    add_label(store, run.id(), label["scene"].get<Id>(), label["observation"].get<Id>(),
+              label["after"].get<std::string>());
+  }
+  if (configuration.contains("map")) {
+    const Id like = configuration["map"]["after"].get<Id>();
+    for (const MapRow& map : store.maps())
+      if (map.id == like) {
+        add_corrected_map(store, map, store.blob(map.urdf).bytes, text);
+        break;
+      }
+  }
+  return run.id();
+}
 
 bool is_edit(const RunRow& run) {
   return run.program.starts_with(kEditProgram) || run.program.starts_with("loci-memory fact ");
@@ -22,23 +153,23 @@ bool is_edit(const RunRow& run) {
 
 std::string text_of(const Store& store, const RunRow& run, const Json& configuration) {
   if (configuration.contains("text")) return configuration["text"].get<std::string>();
-  for (const FactRow& fact : EditRows(store).facts_of(run.id))  // of `fact set` and `fact remove`
+  for (const FactRow& fact : store.rows_of_run<FactRow>(run.id))  // of `fact set` and `fact remove`
     if (fact.object)
       return fmt::format("{}: {}{}", object_name(*fact.object), fact.key,
-                         fact.value ? " is " + *fact.value : " is taken back");
+                         fact.value ? " is " + *fact.value : " is retracted");
     else
       for (const PlaceRow& place : store.places())
         if (place.id == fact.place)
           return fmt::format("{}: {}{}", place.name, fact.key,
-                             fact.value ? " is " + *fact.value : " is taken back");
+                             fact.value ? " is " + *fact.value : " is retracted");
   return run.program;
 }
 
 [[noreturn]] void refuse(const Store& store, const std::string& what, const std::string& hint) {
-  throw Error(what, {store.path().string(), 0, {}}, hint);
+  throw store.error(what, hint);
 }
 
-void need_object(const Store& store, Id object) {
+void require_object(const Store& store, Id object) {
   const auto objects = store.objects();
   if (std::none_of(objects.begin(), objects.end(), [&](const ObjectRow& row) { return row.id == object; }))
     refuse(store, fmt::format("there is no {}", object_name(object)), "loci-memory objects lists them");
@@ -51,6 +182,87 @@ Edit toggle(Store& store, const Edit& edit, const char* what) {
   const Id run = reverse_run(store, row, edit.text, {{what, edit.run}});
   store.derive();
   return {run, edit_of(store, run).known, edit.text};
+}
+
+/// Something that has a name: what the map (or who found it) calls it, and what it is called now.
+struct Named {
+  const char* of;  ///< place, link or joint
+  std::string in_map, now;
+  bool is_called(const std::string& name) const { return name == in_map || name == now; }
+};
+
+/// Places before links and joints: who names a place means what is there.
+std::vector<Named> all_named(const Store& store) {
+  std::vector<Named> all;
+  const std::vector<PlaceRow> before = store.places(), now = named_places(store);
+  for (size_t i = 0; i < before.size(); ++i) all.push_back({"place", before[i].name, now[i].name});
+  const std::vector<MapRow> maps = store.maps();
+  if (maps.empty()) return all;
+  const mapping::World world = mapping::parse_urdf(store.blob(maps.back().urdf).bytes, maps.back().name);
+  const PartNames names = part_names(store);
+  for (const mapping::Link& link : world.links)
+    if (std::none_of(before.begin(), before.end(),
+                     [&](const PlaceRow& place) { return place.name == link.name; }))
+      all.push_back({"link", link.name, names.link(link.name)});
+  for (const mapping::Joint& joint : world.joints)
+    all.push_back({"joint", joint.name, names.joint(joint.name)});
+  return all;
+}
+
+/// Error when the merged object was never seen, or the two were seen in one scene.
+void require_separate(const Store& store, Id remaining, Id merged,
+                      const std::vector<ObjectObservation>& moved) {
+  if (moved.empty()) refuse(store, object_name(merged) + " was never seen", "loci-memory objects lists them");
+  std::set<Id> scenes;
+  for (const ObjectObservation& observed : store.observations_of(remaining))
+    scenes.insert(observed.association.scene);
+  for (const ObjectObservation& observed : moved)
+    if (scenes.contains(observed.association.scene))
+      refuse(store,
+             fmt::format("{} and {} were seen together in scene {}: they are two", object_name(remaining),
+                         object_name(merged), observed.association.scene),
+             "loci-memory edit split removes a wrong observation first");
+}
+
+std::vector<EventRow> events_of(const Store& store, Id object, std::optional<TimeNs> from = {}) {
+  std::vector<EventRow> events = store.events({}, from);
+  std::erase_if(events, [&](const EventRow& event) { return event.object != object; });
+  return events;
+}
+
+/// A row of belief as that of another object.
+BeliefRow belief_of(const BeliefRow& belief, Id object) {
+  BeliefRow row = correction_of(belief);
+  row.object = object;
+  row.probability = belief.probability_then;
+  return row;
+}
+
+/// The events of a split object as those of the new one, which appeared with its first observation.
+void add_split_events(SceneTransaction& rows, const std::vector<EventRow>& events, Id object,
+                      const ObjectObservation& first) {
+  bool appeared = false;
+  for (const EventRow& event : events) {
+    EventRow row = correction_of(event);
+    row.object = object;
+    if (event.clock.valid_from == first.time && !appeared) {
+      row.kind = EventKind::appeared;
+      row.from_place.reset();
+      row.from_position.reset();
+      appeared = true;
+    }
+    rows.add_event(row);
+  }
+  if (appeared) return;
+  EventRow event;
+  event.scene = first.association.scene;
+  event.kind = EventKind::appeared;
+  event.object = object;
+  event.observation = first.association.observation;
+  event.place = first.observation.place;
+  event.position = first.observation.position;
+  event.clock = {.valid_from = first.time, .source = "user"};
+  rows.add_event(event);
 }
 
 }  // namespace
@@ -81,48 +293,31 @@ EditList edits(const Store& store) {
 
 Edit merge_objects(Store& store, Id one, Id other) {
   if (one == other) refuse(store, object_name(one) + " is itself", "name two objects");
-  need_object(store, one);
-  need_object(store, other);
-  const Id kept = std::min(one, other), given_up = std::max(one, other);
-  std::set<Id> scenes;
-  for (const ObjectObservation& sighting : store.observations_of(kept))
-    scenes.insert(sighting.association.scene);
-  const std::vector<ObjectObservation> moved = store.observations_of(given_up);
-  if (moved.empty())
-    refuse(store, object_name(given_up) + " was never seen", "loci-memory objects lists them");
-  for (const ObjectObservation& sighting : moved)
-    if (scenes.contains(sighting.association.scene))
-      refuse(store,
-             fmt::format("{} and {} were seen together in scene {}: they are two", object_name(kept),
-                         object_name(given_up), sighting.association.scene),
-             "loci-memory edit split takes a mistaken sighting away first");
-  const std::vector<BeliefRow> beliefs = store.belief_history(given_up);
-  const std::optional<ObjectObservation> before = store.last_observation_before(kept, moved.front().time, {});
-  std::vector<EventRow> events;
-  for (EventRow& event : store.events())
-    if (event.object == given_up) events.push_back(std::move(event));
-  std::vector<FactRow> facts;
-  for (FactRow& fact : store.facts())
-    if (fact.object == given_up) facts.push_back(std::move(fact));
+  require_object(store, one);
+  require_object(store, other);
+  const Id remaining = std::min(one, other), merged = std::max(one, other);
+  const std::vector<ObjectObservation> moved = store.observations_of(merged);
+  require_separate(store, remaining, merged, moved);
+  const std::vector<BeliefRow> beliefs = store.belief_history(merged);
+  const std::optional<ObjectObservation> before =
+      store.last_observation_before(remaining, moved.front().time, {});
+  const std::vector<EventRow> events = events_of(store, merged);
+  std::vector<FactRow> facts = store.facts();
+  std::erase_if(facts, [&](const FactRow& fact) { return fact.object != merged; });
 
-  const EditRun run(store, {{"text", fmt::format("{} is {}", object_name(given_up), object_name(kept))}});
+  const EditRun run(store, {{"text", fmt::format("{} is {}", object_name(merged), object_name(remaining))}});
   {
     SceneTransaction rows(store, run.id());
-    for (const ObjectObservation& sighting : moved) {
-      AssociationRow row = correction_of(sighting.association);
-      row.object = kept;
+    for (const ObjectObservation& observed : moved) {
+      AssociationRow row = correction_of(observed.association);
+      row.object = remaining;
       rows.add_association(row);
     }
-    for (const BeliefRow& belief : beliefs) {
-      BeliefRow row = correction_of(belief);
-      row.object = kept;
-      row.probability = belief.probability_then;
-      rows.add_belief(row);
-    }
+    for (const BeliefRow& belief : beliefs) rows.add_belief(belief_of(belief, remaining));
     for (const EventRow& event : events) {
       EventRow row = correction_of(event);
-      row.object = kept;
-      if (event.kind == EventKind::appeared && before) {  // it was known: it has come from somewhere
+      row.object = remaining;
+      if (event.kind == EventKind::appeared && before) {  // it was known: it moved
         row.kind = EventKind::moved;
         row.from_place = before->observation.place;
         row.from_position = before->observation.position;
@@ -132,7 +327,7 @@ Edit merge_objects(Store& store, Id one, Id other) {
     }
     for (const FactRow& fact : facts) {
       FactRow row = correction_of(fact);
-      row.object = kept;
+      row.object = remaining;
       rows.add_fact(row);
     }
     rows.commit();
@@ -142,22 +337,18 @@ Edit merge_objects(Store& store, Id one, Id other) {
 }
 
 Edit split_object(Store& store, Id object, TimeNs from) {
-  need_object(store, object);
+  require_object(store, object);
   const std::vector<ObjectObservation> later = store.observations_of(object, {}, from);
-  const std::optional<ObjectObservation> before = store.last_observation_before(object, from, {});
-  if (later.empty() || !before)
+  if (later.empty() || !store.last_observation_before(object, from, {}))
     refuse(store,
            fmt::format("{} was {} {}", object_name(object),
                        later.empty() ? "not seen from" : "first seen not before", format_time(from)),
            "loci-memory history shows when it was seen");
   const TimeNs first = later.front().time;
-  std::vector<BeliefRow> beliefs;
-  for (BeliefRow& row : store.belief_history(object))
-    if (row.clock.valid_from >= first) beliefs.push_back(std::move(row));
+  std::vector<BeliefRow> beliefs = store.belief_history(object);
+  std::erase_if(beliefs, [&](const BeliefRow& row) { return row.clock.valid_from < first; });
   const std::optional<BeliefRow> held = store.belief(object, {first, std::nullopt});
-  std::vector<EventRow> events;
-  for (EventRow& event : store.events({}, first))
-    if (event.object == object) events.push_back(std::move(event));
+  const std::vector<EventRow> events = events_of(store, object, first);
 
   const Id made = store.max_object_id() + 1;
   const EditRun run(store,
@@ -169,52 +360,24 @@ Edit split_object(Store& store, Id object, TimeNs from) {
     ObjectRow row;
     row.clock.valid_from = first;
     row.clock.source = "user";
-    const Id id = rows.add_object(row);
-    if (id != made)
-      throw Error("another object was added meanwhile", {store.path().string(), 0, {}}, "try again");
-    for (const ObjectObservation& sighting : later) {
-      AssociationRow association = correction_of(sighting.association);
-      association.object = id;
-      if (sighting.time == first) association.explanation = Explanation::appear;
+    if (rows.add_object(row) != made) throw store.error("another object was added meanwhile", "try again");
+    for (const ObjectObservation& observed : later) {
+      AssociationRow association = correction_of(observed.association);
+      association.object = made;
+      if (observed.time == first) association.explanation = Explanation::appear;
       rows.add_association(association);
     }
-    // There is only a row where there was news: what was believed then goes on as that of the new object.
+    // Rows of belief are only added for significant changes: the belief at the split continues as that of the
+    // new object.
     if (held && (beliefs.empty() || beliefs.front().clock.valid_from > first)) {
       BeliefRow belief = *held;
-      belief.object = id;
+      belief.object = made;
       belief.scene = later.front().association.scene;
       belief.clock = {.valid_from = first, .source = "user"};
       rows.add_belief(belief);
     }
-    for (const BeliefRow& belief : beliefs) {
-      BeliefRow corrected = correction_of(belief);
-      corrected.object = id;
-      corrected.probability = belief.probability_then;
-      rows.add_belief(corrected);
-    }
-    bool appeared = false;
-    for (const EventRow& event : events) {
-      EventRow corrected = correction_of(event);
-      corrected.object = id;
-      if (event.clock.valid_from == first && !appeared) {  // whatever it was taken for, it came then
-        corrected.kind = EventKind::appeared;
-        corrected.from_place.reset();
-        corrected.from_position.reset();
-        appeared = true;
-      }
-      rows.add_event(corrected);
-    }
-    if (!appeared) {
-      EventRow event;
-      event.scene = later.front().association.scene;
-      event.kind = EventKind::appeared;
-      event.object = id;
-      event.observation = later.front().association.observation;
-      event.place = later.front().observation.place;
-      event.position = later.front().observation.position;
-      event.clock = {.valid_from = first, .source = "user"};
-      rows.add_event(event);
-    }
+    for (const BeliefRow& belief : beliefs) rows.add_belief(belief_of(belief, made));
+    add_split_events(rows, events, made, later.front());
     rows.commit();
   }
   store.derive();
@@ -269,6 +432,68 @@ Edit name_place(Store& store, const std::string& place, const std::string& name)
   if (name.starts_with("object_"))
     refuse(store, fmt::format("'{}' is the name of an object", name), "give it another name");
   return say(store, meant[0].name, kPlaceNameKey, name);
+}
+
+Edit set_joint_type(Store& store, const std::string& joint, const std::string& type) {
+  const std::vector<MapRow> maps = store.maps();
+  if (maps.empty()) refuse(store, "this memory was made without a map", "give --map when perceiving");
+  const MapRow newest = maps.back();
+  const std::string before = store.blob(newest.urdf).bytes;
+  mapping::World world = mapping::parse_urdf(before, newest.name);
+  std::optional<mapping::JointType> wanted;
+  std::string names;
+  for (const mapping::JointType known :
+       {mapping::JointType::fixed, mapping::JointType::revolute, mapping::JointType::continuous,
+        mapping::JointType::prismatic, mapping::JointType::floating, mapping::JointType::planar}) {
+    if (type == joint_type_name(known)) wanted = known;
+    names += std::string(names.empty() ? "" : ", ") + joint_type_name(known);
+  }
+  if (!wanted) throw Error(fmt::format("'{}' is no type of a joint", type), {}, "types are " + names);
+  const PartNames called = part_names(store);
+  std::vector<std::string> joints;
+  mapping::Joint* found = nullptr;
+  for (mapping::Joint& candidate : world.joints) {
+    joints.push_back(called.joint(candidate.name));
+    if (candidate.name == joint || joints.back() == joint) found = &candidate;
+  }
+  if (found == nullptr)
+    throw Error(fmt::format("the map has no joint '{}'", joint), {newest.name, 0, {}},
+                did_you_mean(joint, joints));
+  const std::string text = fmt::format("{} is {}, not {}", joint, type, joint_type_name(found->type));
+  found->type = *wanted;
+  const bool needs_limits =
+      *wanted == mapping::JointType::revolute || *wanted == mapping::JointType::prismatic;
+  if (needs_limits && !found->limits) found->limits = mapping::JointLimits{};
+  const Id corrected = add_corrected_map(store, newest, urdf_text(world), text);
+  const EditRun run(store, {{"text", text}, {"map", {{"before", newest.id}, {"after", corrected}}}});
+  return edit_of(store, run.id());
+}
+
+Edit name_part(Store& store, const std::string& part, const std::string& name) {
+  require_utf8(name);
+  const std::vector<Named> all = all_named(store);
+  const auto meant =
+      std::find_if(all.begin(), all.end(), [&](const Named& named) { return named.is_called(part); });
+  if (meant == all.end()) {
+    std::vector<std::string> known;
+    for (const Named& named : all) known.push_back(named.now);
+    refuse(store, fmt::format("neither place, link nor joint is called '{}'", part),
+           did_you_mean(part, known));
+  }
+  for (const Named& other : all)
+    if (&other != &*meant && other.is_called(name))
+      refuse(store, fmt::format("another {} is called '{}'", other.of, name), "give it another name");
+  if (meant->of == std::string("place")) return name_place(store, meant->in_map, name);
+  const std::string after = name == meant->in_map ? "" : name;
+  const std::string before = meant->now == meant->in_map ? "" : meant->now;
+  if (after == before)
+    refuse(store, fmt::format("the {} is called {} already", meant->of, meant->now), "give it another name");
+  const std::string text = after.empty() ? fmt::format("{} is called so again", meant->in_map)
+                                         : fmt::format("{} is called {}", meant->in_map, after);
+  const EditRun run(
+      store, {{"text", text},
+              {"part", {{"of", meant->of}, {"name", meant->in_map}, {"before", before}, {"after", after}}}});
+  return edit_of(store, run.id());
 }
 
 Edit undo(Store& store) {

@@ -13,7 +13,7 @@
 #include "mapping/recording/recording.h"
 #include "memory/edits/edits.h"
 #include "memory/exchange/observation_image.h"
-#include "memory/store/depth_thumbnail.h"
+#include "memory/store/scene_images.h"
 
 namespace loci::memory {
 namespace {
@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 /// Objects are tens from here on in a label image; what is below is none (perception's labelled
 /// recordings).
 constexpr int64_t kFirstLabel = 20;
-constexpr int64_t kMaxThings = (65535 - kFirstLabel) / 10;
+constexpr int64_t kMaxObjects = (65535 - kFirstLabel) / 10;
 
 mapping::PinholeCamera scaled(const SceneCamera& camera, int width, int height) {
   const double x = double(width) / camera.width, y = double(height) / camera.height;
@@ -37,8 +37,8 @@ cv::Mat image(const Store& store, Id blob) {
   return mapping::decode_image({bytes.begin(), bytes.end()}, store.path().string());
 }
 
-/// The frame as far as the memory has it.
-std::optional<mapping::RgbdFrame> remembered_frame(const Store& store, const SceneRow& scene) {
+/// The frame from the thumbnail and the image of a scene.
+std::optional<mapping::RgbdFrame> stored_frame(const Store& store, const SceneRow& scene) {
   if (!scene.camera || !scene.depth) return std::nullopt;
   mapping::RgbdFrame frame;
   const std::vector<float> depth = decode_depth_thumbnail(store.blob(*scene.depth).bytes);
@@ -64,7 +64,7 @@ std::string path_part(std::string name) {
   return name.empty() ? "unknown" : name;
 }
 
-/// The recording that comes to be, with its tables.
+/// The recording that is written, with its tables.
 class Dataset {
  public:
   Dataset(const Store& store, const fs::path& folder, const DatasetOptions& options)
@@ -72,9 +72,9 @@ class Dataset {
 
   void add(const SceneRow& scene) {
     std::optional<mapping::RgbdFrame> frame =
-        options_.frame_of ? options_.frame_of(scene) : remembered_frame(store_, scene);
-    const std::vector<Thing> things = frame ? things_in(scene, frame->depth.size()) : std::vector<Thing>{};
-    if (things.empty() || (writer_ && frame->camera.depth != camera_.depth)) {
+        options_.frame_of ? options_.frame_of(scene) : stored_frame(store_, scene);
+    const std::vector<LabelledObject> objects = frame ? objects_in(scene, frame->depth.size()) : std::vector<LabelledObject>{};
+    if (objects.empty() || (writer_ && frame->camera.depth != camera_.depth)) {
       ++result_.left_out;
       return;
     }
@@ -89,14 +89,14 @@ class Dataset {
     if (!frame->color.empty() && frame->color.size() != color) cv::resize(frame->color, frame->color, color);
     writer_->add(*frame);
     cv::Mat labels = cv::Mat::zeros(frame->depth.size(), CV_16U);
-    for (size_t i = 0; i < things.size(); ++i) add_thing(scene, things[i], label_of_thing(i), labels);
+    for (size_t i = 0; i < objects.size(); ++i) add_object(scene, objects[i], label_of(i), labels);
     add_image(fmt::format("frames/{:06}_label.png", scene.id), labels);
     ++result_.scenes;
   }
 
   DatasetResult finish() {
     if (!writer_)
-      throw Error("nothing of this memory can be made a dataset", {store_.path().string(), 0, {}},
+      throw Error("the memory has nothing for a dataset", {store_.path().string(), 0, {}},
                   "scenes need depth, and observations that are objects need masks");
     writer_->add_file("objects.csv",
                       "scene,label_group,class,said_by,object,observation,place,color,size_x,"
@@ -107,42 +107,42 @@ class Dataset {
   }
 
  private:
-  struct Thing {
+  struct LabelledObject {
     ObservationRow row;
-    Id object = 0;
+    Id id = 0;
     cv::Mat mask;  ///< of the depth image
   };
 
-  static int64_t label_of_thing(size_t i) { return kFirstLabel + 10 * static_cast<int64_t>(i); }
+  static int64_t label_of(size_t i) { return kFirstLabel + 10 * static_cast<int64_t>(i); }
 
-  std::vector<Thing> things_in(const SceneRow& scene, const cv::Size& size) {
-    std::vector<Thing> things;
+  std::vector<LabelledObject> objects_in(const SceneRow& scene, const cv::Size& size) {
+    std::vector<LabelledObject> objects;
     for (const AssociationRow& row : store_.associations(scene.id)) {
       if (!row.chosen || !row.object || !row.observation || row.probability <= 0) continue;
-      Thing thing{store_.observation(*row.observation), *row.object, {}};
-      const cv::Mat mask = mask_of(store_, scene, thing.row);
-      if (mask.empty() || int64_t(things.size()) >= kMaxThings) continue;
-      cv::resize(mask, thing.mask, size, 0, 0, cv::INTER_NEAREST);
-      if (cv::countNonZero(thing.mask) > 0) things.push_back(std::move(thing));
+      LabelledObject object{store_.observation(*row.observation), *row.object, {}};
+      const cv::Mat mask = mask_of(store_, scene, object.row);
+      if (mask.empty() || int64_t(objects.size()) >= kMaxObjects) continue;
+      cv::resize(mask, object.mask, size, 0, 0, cv::INTER_NEAREST);
+      if (cv::countNonZero(object.mask) > 0) objects.push_back(std::move(object));
     }
-    return things;
+    return objects;
   }
 
-  void add_thing(const SceneRow& scene, const Thing& thing, int64_t label, cv::Mat& labels) {
-    labels.setTo(static_cast<double>(label), thing.mask);
-    const SaidClass said = options_.by_object ? SaidClass{object_name(thing.object), "object"}
-                                              : class_of(store_, thing.row, thing.object);
-    const std::string stem = fmt::format("crops/{}/{}_scene_{:06}_{}", path_part(said.name),
-                                         object_name(thing.object), scene.id, thing.row.number);
-    const std::string crop = add_blob(stem, thing.row.crop), mask = add_blob(stem + "_mask", thing.row.mask);
+  void add_object(const SceneRow& scene, const LabelledObject& object, int64_t label, cv::Mat& labels) {
+    labels.setTo(static_cast<double>(label), object.mask);
+    const ObjectClass stated = options_.by_object ? ObjectClass{object_name(object.id), "object"}
+                                              : class_of(store_, object.row, object.id);
+    const std::string stem = fmt::format("crops/{}/{}_scene_{:06}_{}", path_part(stated.name),
+                                         object_name(object.id), scene.id, object.row.number);
+    const std::string crop = add_blob(stem, object.row.crop), mask = add_blob(stem + "_mask", object.row.mask);
     const auto size = [&](int axis) {
-      return thing.row.size ? fmt::format("{:.4f}", (*thing.row.size)[axis]) : std::string();
+      return object.row.size ? fmt::format("{:.4f}", (*object.row.size)[axis]) : std::string();
     };
-    table_ += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", scene.id, label, csv_cell(said.name),
-                          said.by, object_name(thing.object), thing.row.number, csv_cell(place(thing.row)),
-                          csv_cell(thing.row.color.value_or("")), size(0), size(1), size(2), crop, mask);
-    ++result_.things;
-    ++result_.classes[said.name];
+    table_ += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", scene.id, label, csv_cell(stated.name),
+                          stated.by, object_name(object.id), object.row.number, csv_cell(place(object.row)),
+                          csv_cell(object.row.color.value_or("")), size(0), size(1), size(2), crop, mask);
+    ++result_.objects;
+    ++result_.classes[stated.name];
   }
 
   std::string place(const ObservationRow& row) const {
@@ -177,7 +177,7 @@ class Dataset {
 
 }  // namespace
 
-SaidClass class_of(const Store& store, const ObservationRow& observation, Id object) {
+ObjectClass class_of(const Store& store, const ObservationRow& observation, Id object) {
   const std::string label = label_of(store, observation.scene, observation.id);
   if (!label.empty()) return {label, "label"};
   return class_of(store, object);
@@ -195,12 +195,12 @@ DatasetResult export_dataset(const Store& store, const fs::path& folder, const D
 }
 
 std::string DatasetResult::summary() const {
-  std::string text = fmt::format("{} things in {} scenes", things, scenes);
+  std::string text = fmt::format("{} objects in {} scenes", objects, scenes);
   if (left_out > 0)
     text +=
-        fmt::format("; {} scenes left out (nothing of depth or masks is kept, or another camera)", left_out);
+        fmt::format("; {} scenes left out (no depth or masks stored, or another camera)", left_out);
   for (const auto& [name, count] : classes)
-    text += fmt::format("\n  {:20} {:5}", name.empty() ? "(nobody says what)" : name, count);
+    text += fmt::format("\n  {:20} {:5}", name.empty() ? "(unknown)" : name, count);
   return text;
 }
 
@@ -214,7 +214,7 @@ Json DatasetResult::report() const {
       named[name] = count;
   }
   return {{"scenes", scenes},
-          {"things", things},
+          {"objects", objects},
           {"left_out", left_out},
           {"unnamed", unknown},
           {"classes", named}};

@@ -197,7 +197,7 @@ std::string ObjectModel::summary() const {
   for (const ObjectView& view : views)
     text += fmt::format("  scene {}: {}, {} points, {}\n", view.scene, view.side, view.points, view.placed);
   for (const AnnotationSupport& one : evidence)
-    text += fmt::format("  {} '{}': {} sightings, {:.0f} % agree\n", one.type, one.value, one.sightings,
+    text += fmt::format("  {} '{}': {} sightings, {:.0f} % agree\n", one.type, one.value, one.observations,
                         100 * one.agreement);
   return text;
 }

@@ -5,7 +5,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/image/image_io.h"
-#include "memory/store/depth_thumbnail.h"
+#include "memory/store/scene_images.h"
 
 namespace loci::memory {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "mapping/sensor/scan.h"
-#include "memory/store/cluster_points.h"
+#include "memory/store/scene_images.h"
 #include "memory/store/store.h"
 
 namespace loci::memory {

@@ -5,18 +5,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "mapping/base/error.h"
 #include "mapping/base/json.h"
+#include "mapping/base/quantile.h"
 
 namespace loci::memory {
 namespace {
 
-/// Farther than this from the origin no kitchen reaches; such a number is a mistake of units.
+/// No home reaches farther from the origin: such a number has another unit.
 constexpr double kFarthest_m = 1e5;
 constexpr double kMaxSize_m = 100;
 constexpr size_t kMaxDetections = 1000;
-constexpr int kDeepest = 32;
+constexpr int kMaxDepth = 32;
 
 /// Parsed here with sorted keys: a line of millions of keys must not take hours.
 using Parsed = nlohmann::json;
@@ -188,7 +190,7 @@ std::vector<std::pair<std::string, double>> read_observed(const Parsed& json) {
   return observed;
 }
 
-/// What is nested deeper than any scene costs a hundred times its own size in memory.
+/// Deep nesting takes a hundred times its size in memory.
 void refuse_deep(std::string_view line) {
   int depth = 0;
   bool quoted = false;
@@ -202,7 +204,7 @@ void refuse_deep(std::string_view line) {
     if (quoted) continue;
     if (c == '[' || c == '{') ++depth;
     if (c == ']' || c == '}') --depth;
-    if (depth > kDeepest) throw Error("is nested too deeply");
+    if (depth > kMaxDepth) throw Error("is nested too deeply");
   }
 }
 
@@ -245,6 +247,86 @@ DetectedScene parse_detections(std::string_view line) {
     }
   }
   return scene;
+}
+
+LineReader::LineReader(const std::filesystem::path& path, size_t limit) : path_(path), limit_(limit) {
+  std::error_code code;
+  if (std::filesystem::is_directory(path, code))
+    throw Error("is a folder, a file was expected", {path.string(), 0, {}});
+  file_.open(path, std::ios::binary);
+  if (!file_) throw Error("cannot be read", {path.string(), 0, {}}, "give a file of detections, *.jsonl");
+  size_ = std::filesystem::file_size(path, code);
+  if (code) size_ = 0;  // a pipe
+}
+
+bool LineReader::fill() {
+  buffer_.resize(size_t{1} << 16);
+  file_.read(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+  buffer_.resize(static_cast<size_t>(file_.gcount()));
+  if (file_.bad()) throw Error("cannot be read to its end", {path_.string(), static_cast<int>(number_), {}});
+  read_ += buffer_.size();
+  at_ = 0;
+  return !buffer_.empty();
+}
+
+LineReader::Status LineReader::next(std::string& line) {
+  line.clear();
+  bool any = false, too_long = false;
+  while (at_ < buffer_.size() || fill()) {
+    if (!any) ++number_;
+    any = true;
+    const size_t end = std::min(buffer_.find('\n', at_), buffer_.size());
+    if (!too_long && line.size() + (end - at_) > limit_) {
+      too_long = true;
+      std::string().swap(line);
+    }
+    if (!too_long) line.append(buffer_, at_, end - at_);
+    at_ = end + 1;
+    if (end < buffer_.size()) break;
+  }
+  if (!any) return Status::end;
+  if (!line.empty() && line.back() == '\r') line.pop_back();
+  return too_long ? Status::too_long : Status::line;
+}
+
+double LineReader::fraction() const {
+  return size_ == 0 ? 0.0 : std::min(1.0, static_cast<double>(read_) / static_cast<double>(size_));
+}
+
+namespace {
+
+/// A detection farther than this from all earlier ones is of another object.
+constexpr double kNear_m = 0.3;
+constexpr size_t kMinDifferences = 60;  ///< differences: twenty pairs
+constexpr size_t kMaxDifferences = 200'000;
+constexpr double kMinSigma_m = 0.002, kMaxSigma_m = 0.2;
+
+size_t nearest(const Vector3d& position, const std::vector<Detection>& among) {
+  size_t best = 0;
+  for (size_t i = 1; i < among.size(); ++i)
+    if ((among[i].position - position).squaredNorm() < (among[best].position - position).squaredNorm())
+      best = i;
+  return best;
+}
+
+}  // namespace
+
+void PositionNoise::add(const DetectedScene& scene) {
+  if (!before_.empty() && !scene.detections.empty() && differences_.size() < kMaxDifferences) {
+    for (size_t i = 0; i < scene.detections.size(); ++i) {
+      const Vector3d& position = scene.detections[i].position;
+      const Vector3d& earlier = before_[nearest(position, before_)].position;
+      if ((position - earlier).norm() > kNear_m || nearest(earlier, scene.detections) != i) continue;
+      for (int axis = 0; axis < 3; ++axis) differences_.push_back(std::abs(position[axis] - earlier[axis]));
+    }
+  }
+  before_ = scene.detections;
+}
+
+std::optional<double> PositionNoise::sigma_m() const {
+  if (differences_.size() < kMinDifferences) return std::nullopt;
+  // The median of |d| is 0.6745 standard deviations, and both positions are noisy.
+  return std::clamp(median(differences_) / 0.6745 / std::numbers::sqrt2, kMinSigma_m, kMaxSigma_m);
 }
 
 }  // namespace loci::memory

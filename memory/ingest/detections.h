@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,7 +15,7 @@
 
 namespace loci::memory {
 
-/// One thing that another system detected. What it does not say is unset.
+/// An object that another system detected. What is not given is unset.
 struct Detection {
   Vector3d position = Vector3d::Zero();                 ///< centre, map frame
   std::optional<double> position_sigma;                 ///< metres per axis
@@ -22,10 +25,10 @@ struct Detection {
   std::vector<std::string> texts;
   std::vector<std::pair<std::string, std::vector<float>>> features;
   std::optional<double> score;  ///< uncalibrated, 0 to 1
-  std::string place;            ///< empty = not said
+  std::string place;            ///< empty = not given
 };
 
-/// One line of a file of detections: one moment.
+/// One line of a file of detections: one scene.
 struct DetectedScene {
   struct Camera {
     std::optional<Isometry3d> map_from_camera;
@@ -39,8 +42,50 @@ struct DetectedScene {
   std::vector<std::string> unknown_keys;  ///< that are not part of the format: "detections.colour"
 };
 
-/// Reads one line (docs/file-formats.md). Error says what is wrong with it, with the key as its place; the
-/// file and the line are the caller's to add.
+/// Reads one line (docs/file-formats.md). Error has the key as its place; the caller adds file and
+/// line.
 DetectedScene parse_detections(std::string_view line);
+
+/// Reads a file line by line with bounded memory: lines that are too long are skipped.
+class LineReader {
+ public:
+  enum class Status { line, too_long, end };
+
+  /// Error when the file cannot be read. `limit` in bytes.
+  explicit LineReader(const std::filesystem::path& path, size_t limit = kDefaultLimit);
+
+  /// The next line without its end.
+  Status next(std::string& line);
+  int64_t number() const { return number_; }  ///< of the line read last, from 1
+  double fraction() const;                    ///< of the file that was read
+
+  static constexpr size_t kDefaultLimit = size_t{16} << 20;
+
+ private:
+  bool fill();
+
+  std::filesystem::path path_;
+  std::ifstream file_;
+  size_t limit_;
+  std::string buffer_;
+  size_t at_ = 0;
+  int64_t number_ = 0;
+  uint64_t read_ = 0, size_ = 0;
+};
+
+/// Estimates the noise of detected positions from consecutive scenes: most objects do not move in between, so
+/// that the median distance of nearest detections is noise. Robust against moved and missing objects.
+class PositionNoise {
+ public:
+  void add(const DetectedScene& scene);
+  /// Standard deviation per axis, metres; unset with too few pairs.
+  std::optional<double> sigma_m() const;
+
+  static constexpr double kDefault_m = 0.02;  ///< without an estimate
+
+ private:
+  std::vector<Detection> before_;
+  std::vector<double> differences_;  ///< per axis, of what is probably one object
+};
 
 }  // namespace loci::memory

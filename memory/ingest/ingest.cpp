@@ -10,9 +10,7 @@
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
 #include "memory/catalogue/catalogue.h"
-#include "memory/ingest/line_reader.h"
-#include "memory/ingest/noise.h"
-#include "memory/ingest/scene_of_detections.h"
+#include "memory/ingest/detection_scene.h"
 #include "memory/recorder/recorder.h"
 
 namespace loci::memory {
@@ -23,69 +21,69 @@ namespace fs = std::filesystem;
 constexpr size_t kNamedLines = 100;       ///< bad lines whose reason is kept; all are counted
 constexpr size_t kScenesForNoise = 1000;  ///< from the beginning of the file
 
-/// A good line.
-struct Moment {
+/// A valid line.
+struct NumberedScene {
   int64_t line = 0;
   DetectedScene scene;
   std::string hash;  ///< of its text
 };
 
-/// The good lines of a file one after the other, in order of time.
-class Moments {
+/// Reads the valid lines of a file in order of time.
+class SceneReader {
  public:
-  Moments(const fs::path& file, std::optional<TimeNs> not_before, Warnings& warnings)
+  SceneReader(const fs::path& file, std::optional<TimeNs> not_before, Warnings& warnings)
       : file_(file), reader_(file), not_before_(not_before), warnings_(warnings) {}
 
-  /// Lines that need not be looked at, because they are in the memory.
-  void pass(std::set<int64_t> lines) { pass_ = std::move(lines); }
+  /// Lines to skip because they are in the memory.
+  void skip(std::set<int64_t> lines) { skip_ = std::move(lines); }
 
-  std::optional<Moment> next() {
+  std::optional<NumberedScene> next() {
     for (;;) {
       const LineReader::Status status = reader_.next(text_);
       if (status == LineReader::Status::end) return std::nullopt;
       const int64_t line = reader_.number();
-      if (pass_.contains(line)) {
-        ++passed_;
+      if (skip_.contains(line)) {
+        ++skipped_;
         continue;
       }
       if (text_.find_first_not_of(" \t") == std::string::npos && status == LineReader::Status::line) continue;
       try {
-        if (std::optional<Moment> moment = read(status, line)) return moment;
+        if (std::optional<NumberedScene> scene = parse(status, line)) return scene;
       } catch (const Error& error) {
-        name_bad(error, line);
+        report_bad(error, line);
       }
     }
   }
 
   size_t bad() const { return bad_; }
   size_t repeated() const { return repeated_; }
-  size_t passed() const { return passed_; }
+  size_t skipped() const { return skipped_; }
   double fraction() const { return reader_.fraction(); }
   const std::optional<Error>& first_error() const { return first_error_; }
 
  private:
-  std::optional<Moment> read(LineReader::Status status, int64_t line) {
+  std::optional<NumberedScene> parse(LineReader::Status status, int64_t line) {
     if (status == LineReader::Status::too_long)
       throw Error(fmt::format("is longer than {} MB", LineReader::kDefaultLimit >> 20));
-    Moment moment{line, parse_detections(text_), content_hash(text_)};
-    if (moment.hash == last_hash_) {
+    NumberedScene read{line, parse_detections(text_), content_hash(text_)};
+    if (read.hash == last_hash_) {
       ++repeated_;
       return std::nullopt;
     }
-    if (not_before_ && moment.scene.time < *not_before_)
+    if (not_before_ && read.scene.time < *not_before_)
       throw Error(fmt::format("its time {} lies before {} of the scene before it",
-                              format_time(moment.scene.time), format_time(*not_before_)),
+                              format_time(read.scene.time), format_time(*not_before_)),
                   {}, "give detections in order of time");
-    not_before_ = moment.scene.time;
-    last_hash_ = moment.hash;
-    for (const std::string& key : moment.scene.unknown_keys)
+    not_before_ = read.scene.time;
+    last_hash_ = read.hash;
+    for (const std::string& key : read.scene.unknown_keys)
       if (unknown_.insert(key).second)
-        warnings_.add(fmt::format("'{}' is no part of the format and is left out", key),
+        warnings_.add(fmt::format("'{}' is not part of the format and is ignored", key),
                       {file_.string(), static_cast<int>(line), {}});
-    return moment;
+    return read;
   }
 
-  void name_bad(const Error& error, int64_t line) {
+  void report_bad(const Error& error, int64_t line) {
     const Error named(error.message(), {file_.string(), static_cast<int>(line), error.location().key},
                       error.hint());
     if (++bad_ <= kNamedLines) warnings_.add(std::string(named.what()) + ": line skipped");
@@ -97,34 +95,34 @@ class Moments {
   std::optional<TimeNs> not_before_;
   Warnings& warnings_;
   std::string text_, last_hash_;
-  std::set<int64_t> pass_;
+  std::set<int64_t> skip_;
   std::set<std::string> unknown_;
   std::optional<Error> first_error_;
-  size_t bad_ = 0, repeated_ = 0, passed_ = 0;
+  size_t bad_ = 0, repeated_ = 0, skipped_ = 0;
 };
 
-/// What is looked up in the file before anything is written.
+/// What is read of the file before anything is written.
 struct Preview {
-  std::string fingerprint;  ///< of its first good line: a file that has grown is the same file
+  std::string fingerprint;  ///< of its first valid line: a file that has grown is the same file
   std::optional<double> sigma_m;
 };
 
-/// Error without a good line, and with `whole` for the first bad one.
+/// Error without a valid line, and with `whole` for the first bad one.
 Preview preview(const fs::path& file, bool whole, Progress& progress) {
-  Warnings unheard;  // they come again when the lines are taken
-  Moments moments(file, std::nullopt, unheard);
+  Warnings ignored;  // they come again when the lines are ingested
+  SceneReader reader(file, std::nullopt, ignored);
   PositionNoise noise;
   Preview result;
   size_t count = 0;
   while (whole || count < kScenesForNoise) {
-    const std::optional<Moment> moment = moments.next();
-    if (!moment) break;
-    if (count == 0) result.fingerprint = content_hash("detections " + moment->hash);
-    if (++count <= kScenesForNoise) noise.add(moment->scene);
-    if (count % 256 == 0) progress.check(moments.fraction() / 10, "checking the file");
-    if (whole && moments.first_error()) break;
+    const std::optional<NumberedScene> current = reader.next();
+    if (!current) break;
+    if (count == 0) result.fingerprint = content_hash("detections " + current->hash);
+    if (++count <= kScenesForNoise) noise.add(current->scene);
+    if (count % 256 == 0) progress.check(reader.fraction() / 10, "checking the file");
+    if (whole && reader.first_error()) break;
   }
-  if (moments.first_error() && (whole || count == 0)) throw *moments.first_error();
+  if (reader.first_error() && (whole || count == 0)) throw *reader.first_error();
   if (count == 0)
     throw Error("has no scenes", {file.string(), 0, {}}, "one JSON object per line is expected");
   result.sigma_m = noise.sigma_m();
@@ -141,9 +139,9 @@ Id add_map(Store& store, const fs::path& urdf) {
 
 void IngestOptions::declare(OptionTable& table) {
   table.flag("strict", strict, "Refuse the whole file for one bad line, before anything is added.");
-  table.flag("resume", resume, "Go on with a file that the memory has in part.");
-  table.number("noise_m", noise_m, "m", "Scatter of positions per axis; 0 = estimate it from the file.", 0,
-               10);
+  table.flag("resume", resume, "Resume a file that the memory has in part.");
+  table.number("noise_m", noise_m, "m", "Noise of positions per axis (sigma); 0 = estimate it from the file.",
+               0, 10);
 }
 
 std::string IngestResult::summary() const {
@@ -172,7 +170,7 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
   if (!options.map.empty()) {
     mapping::read_urdf(options.map);  // says so when it is none
     places = places_of_map(options.map);
-    if (places.empty()) warnings.add("the map names no places", {options.map.string(), 0, {}});
+    if (places.empty()) warnings.add("the map has no places", {options.map.string(), 0, {}});
   }
   Store store = Store::open_write(memory, write);
   IngestResult result;
@@ -185,11 +183,11 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
     throw Error(fmt::format("this file is in the memory already ({} scenes)", present.size()),
                 {file.string(), 0, {}}, "--resume adds the lines that are missing");
 
-  Moments moments(file, store.last_scene_time(), warnings);
-  moments.pass(std::move(present));
-  std::optional<Moment> moment = moments.next();
-  // Within the file the order was checked: if its first moment comes after the memory's last, all do.
-  if (options.strict && moments.first_error()) throw *moments.first_error();
+  SceneReader reader(file, store.last_scene_time(), warnings);
+  reader.skip(std::move(present));
+  std::optional<NumberedScene> current = reader.next();
+  // Within the file the order was checked: if its first scene comes after the memory's last, all do.
+  if (options.strict && reader.first_error()) throw *reader.first_error();
 
   std::optional<Id> map;
   if (!options.map.empty()) map = add_map(store, options.map);
@@ -198,23 +196,23 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
       {.fingerprint = ahead.fingerprint, .name = file.filename().string(), .kind = "detections"});
   const Id run = store.begin_run(options.program, result.report().dump());
   Recorder recorder(store, run, options.belief);
-  while (moment) {
-    progress.check(moments.fraction(), "taking detections in");
-    std::optional<Moment> after = moments.next();
-    SceneRecord record = scene_of_detections(moment->scene, result.noise_m, places);
+  while (current) {
+    progress.check(reader.fraction(), "ingesting detections");
+    std::optional<NumberedScene> after = reader.next();
+    SceneRecord record = detections_to_scene(current->scene, result.noise_m, places);
     record.row.recording = recording;
-    record.row.frame_index = moment->line;
+    record.row.frame_index = current->line;
     record.row.map = map;
     if (after)
-      record.seconds_to_next = static_cast<double>(after->scene.time - moment->scene.time) / double(kSecond);
+      record.seconds_to_next = static_cast<double>(after->scene.time - current->scene.time) / double(kSecond);
     recorder.record(record);
     ++result.scenes;
-    result.detections += moment->scene.detections.size();
-    moment = std::move(after);
+    result.detections += current->scene.detections.size();
+    current = std::move(after);
   }
-  result.present = moments.passed();
-  result.repeated = moments.repeated();
-  result.bad = moments.bad();
+  result.present = reader.skipped();
+  result.repeated = reader.repeated();
+  result.bad = reader.bad();
   if (result.bad > kNamedLines)
     warnings.add(fmt::format("{} more bad lines", result.bad - kNamedLines), {file.string(), 0, {}});
   store.finish_run(run);

@@ -13,7 +13,7 @@ namespace loci::memory {
 
 struct IngestOptions {
   bool strict = false;        ///< refuse the whole file for one bad line
-  bool resume = false;        ///< go on with a file that the memory has in part
+  bool resume = false;        ///< continue a file that the memory has in part
   double noise_m = 0;         ///< of positions; 0 = estimate it from the file
   std::filesystem::path map;  ///< URDF; empty = none
   belief::BeliefOptions belief;
@@ -25,8 +25,8 @@ struct IngestOptions {
 struct IngestResult {
   size_t scenes = 0, detections = 0;  ///< added
   size_t present = 0;                 ///< lines that the memory had already
-  size_t repeated = 0;                ///< lines that say the same as the line before
-  size_t bad = 0;  ///< lines that were skipped, each named in the warnings (the first ones)
+  size_t repeated = 0;                ///< lines that equal the line before
+  size_t bad = 0;                     ///< skipped lines; the warnings name the first ones
   double noise_m = 0;
   bool noise_estimated = false;
 
@@ -34,11 +34,10 @@ struct IngestResult {
   Json report() const;
 };
 
-/// Takes another system's detections (JSON Lines, docs/file-formats.md) into a memory, with the same
-/// reasoning as for perceived scenes. One scene is one transaction: after an interruption, however hard,
-/// `resume` goes on with the first line that is missing. Error when the file has no good line, when it is in
-/// the memory already and `resume` is not set, and with `strict` for the first bad line before anything is
-/// added.
+/// Adds the detections of another system (JSON Lines, docs/file-formats.md) to a memory, with the same
+/// reasoning as for perceived scenes. One scene is one transaction: after an interruption `resume` continues
+/// with the first missing line. Error when the file has no valid line, when it is in the memory already and
+/// `resume` is not set, and with `strict` for the first bad line before anything is added.
 IngestResult ingest(const std::filesystem::path& file, const std::filesystem::path& memory,
                     const IngestOptions& options, const WriteOptions& write, Progress& progress,
                     Warnings& warnings);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "memory/questions/facts.h"
-#include "memory/store/object_evidence.h"
+#include "memory/store/store.h"
 
 namespace loci::memory {
 

@@ -9,7 +9,7 @@
 #include "mapping/base/error.h"
 #include "memory/questions/answers.h"
 #include "memory/questions/snapshot.h"
-#include "memory/store/depth_thumbnail.h"
+#include "memory/store/scene_images.h"
 
 namespace loci::memory {
 namespace {

@@ -116,7 +116,7 @@ std::string to_text(const AboutAnswer& answer, const TimeWriter& times) {
     for (const AnnotationSupport& one : object.evidence)
       lines.push_back(fmt::format(
           "  {}: {} ({} of {}, {} of those that say)", one.type.substr(one.type.rfind('.') + 1), one.value,
-          one.sightings, words::plural(object.sightings, "sighting"), words::percent(one.agreement)));
+          one.observations, words::plural(object.sightings, "sighting"), words::percent(one.agreement)));
     if (object.now.first_seen)
       lines.push_back(fmt::format("  first seen at {} ({}), in {}", times.text(object.now.first_seen->time),
                                   words::scene_text(*object.now.first_seen),
@@ -138,7 +138,7 @@ Json to_json(const OpensAnswer& answer) {
 Json to_json(const AnnotationSupport& evidence) {
   return {{"type", evidence.type},
           {"value", evidence.value},
-          {"sightings", evidence.sightings},
+          {"sightings", evidence.observations},
           {"agreement", evidence.agreement}};
 }
 

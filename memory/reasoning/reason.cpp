@@ -9,9 +9,8 @@
 #include "mapping/image/image_io.h"
 #include "memory/recorder/recorder.h"
 #include "memory/recorder/scene_reasoning.h"
-#include "memory/store/depth_thumbnail.h"
-#include "memory/store/scene_kinds.h"
-#include "memory/store/scratch_memory.h"
+#include "memory/store/scene_images.h"
+#include "memory/store/memory_file.h"
 
 namespace loci::memory {
 namespace {
@@ -107,8 +106,8 @@ SceneRecord record_of(const Store& from, const SceneRow& row, const SceneReasoni
   read_view(from, row, record.view);
   record.row.depth.reset();
   record.row.image.reset();
-  record.row.kinds.reset();
-  if (const std::optional<SceneKinds> kinds = scene_kinds(from, row))
+  record.row.pixel_kinds.reset();
+  if (const std::optional<PixelKindImage> kinds = pixel_kinds(from, row))
     record.kinds = cv::Mat(kinds->height, kinds->width, CV_8U,
                            const_cast<mapping::PixelKind*>(kinds->pixels.data()))
                        .clone();  // only read
@@ -237,7 +236,7 @@ ReasonResult reason(const Store& from, const std::filesystem::path& other,
   if (result.let_go > 0 && result.let_go == scenes.size())
     throw Error("the evidence of all scenes was let go: nothing can be reasoned about anew",
                 {from.path().string(), 0, {}}, "loci-memory retain --reasoning was told how long it is kept");
-  make_as_a_whole(other, [&](const std::filesystem::path& made) {
+  create_atomically(other, [&](const std::filesystem::path& made) {
     reason_into(from, scenes, made, options, write, progress, result);
   });
   return result;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "memory/store/depth_thumbnail.h"
+#include "memory/store/scene_images.h"
 
 namespace loci::memory {
 

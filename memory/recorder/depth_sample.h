@@ -14,7 +14,7 @@ struct DepthSample {
 /// Every so-many-th pixel, so that the longer side has at most 160; where that one was not measured, the
 /// first around it that was.
 DepthSample depth_sample(const cv::Mat& depth);
-/// What these pixels are: the bytes of scene_kinds(), from an image of the depth image's size.
+/// What these pixels are: the bytes of pixel_kinds(), from an image of the depth image's size.
 std::string kind_sample(const cv::Mat& kinds);
 
 }  // namespace loci::memory

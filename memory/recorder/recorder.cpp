@@ -9,9 +9,8 @@
 #include "memory/recorder/fading.h"
 #include "memory/recorder/news.h"
 #include "memory/recorder/scene_reasoning.h"
-#include "memory/store/depth_thumbnail.h"
+#include "memory/store/scene_images.h"
 #include "memory/store/feature_structures.h"
-#include "memory/store/scene_kinds.h"
 
 namespace loci::memory {
 namespace {
@@ -86,7 +85,7 @@ class Recorder::Writing {
       row.depth_width = small.width;
       row.depth_height = small.height;
       if (record_.kinds.size() == record_.view.depth.size())
-        row.kinds = transaction_.add_blob(kind_sample(record_.kinds), kSceneKindsMedia);
+        row.pixel_kinds = transaction_.add_blob(kind_sample(record_.kinds), kPixelKindsMedia);
     }
     row.image = blob(record_.image);
     result_.scene = transaction_.add_scene(row);

@@ -9,9 +9,9 @@
 #include <set>
 
 #include "mapping/base/csv.h"
+#include "mapping/base/json.h"
 #include "memory/questions/people_time.h"
 #include "memory/questions/place_names.h"
-#include "memory/report/annotator_times.h"
 #include "memory/store/store.h"
 
 namespace loci::memory {
@@ -19,19 +19,19 @@ namespace {
 
 constexpr int kHours = 24;
 constexpr int kConfidenceBins = 10;
-constexpr double kFlat_m = 0.03;  ///< things up to this height are flat: plates, books, cutlery
+constexpr double kFlat_m = 0.03;  ///< observations up to this height are flat: plates, books, cutlery
 constexpr int64_t kPointsPerBin = 1000, kPointBins = 13;
 
-/// How many scenes hold how many things, from none to the most.
+/// The number of scenes by their number of observations, from none to the most.
 std::vector<std::pair<std::string, double>> per_scene(const std::map<int, double>& scenes) {
   std::vector<std::pair<std::string, double>> bars;
   const int most = scenes.empty() ? -1 : scenes.rbegin()->first;
-  for (int things = 0; things <= most; ++things)
-    bars.emplace_back(fmt::format("{}", things), scenes.contains(things) ? scenes.at(things) : 0);
+  for (int count = 0; count <= most; ++count)
+    bars.emplace_back(fmt::format("{}", count), scenes.contains(count) ? scenes.at(count) : 0);
   return bars;
 }
 
-/// Counts scene after scene.
+/// Counts over scenes.
 class Counter {
  public:
   explicit Counter(const Store& store) : store_(store), zone_(store.time_zone_minutes()) {
@@ -73,14 +73,14 @@ class Counter {
       hours.bars.emplace_back(fmt::format("{:02}", hour), by_hour_[hour].size());
     Chart places{"Objects by place", "different objects", {}};
     for (const auto& [place, objects] : by_place_) places.bars.emplace_back(place, objects.size());
-    Chart sure{"How sure identities are", "observations", {}};
+    Chart sure{"Probabilities of associations", "observations", {}};
     for (size_t bin = 0; bin < kConfidenceBins; ++bin)
       sure.bars.emplace_back(fmt::format("{}–{} %", bin * 10, bin * 10 + 10), confidence_[bin]);
     return {types,
-            {"Things per scene", "scenes", per_scene(all_)},
-            {fmt::format("Flat things per scene (up to {:.0f} cm high)", 100 * kFlat_m), "scenes",
+            {"Observations per scene", "scenes", per_scene(all_)},
+            {fmt::format("Flat observations per scene (up to {:.0f} cm high)", 100 * kFlat_m), "scenes",
              per_scene(flat_)},
-            {"Higher things per scene", "scenes", per_scene(high_)},
+            {"Higher observations per scene", "scenes", per_scene(high_)},
             sizes(),
             hours,
             places,
@@ -102,7 +102,7 @@ class Counter {
   std::map<Id, std::string> places_;
   double observations_ = 0;
   std::map<std::string, double> annotations_;
-  std::map<int, double> flat_, high_, all_;  ///< scenes, by how many things they hold
+  std::map<int, double> flat_, high_, all_;  ///< scenes, by their number of observations
   std::array<double, kPointBins> points_ = {};
   std::array<std::set<Id>, kHours> by_hour_;
   std::map<std::string, std::set<Id>> by_place_;
@@ -132,6 +132,23 @@ std::string statistics_csv(const std::vector<Chart>& charts) {
     for (const auto& [name, value] : chart.bars)
       csv += fmt::format("{},{},{}\n", csv_cell(chart.title), csv_cell(name), value);
   return csv;
+}
+
+std::vector<AnnotatorTimes> annotator_times(const std::filesystem::path& memory) {
+  std::filesystem::path path = memory;
+  path.replace_extension(".statistics.json");
+  std::vector<AnnotatorTimes> all;
+  if (!std::filesystem::exists(path)) return all;
+  const Json annotators = read_json(path).value("annotators", Json::object());
+  for (const auto& [name, row] : annotators.items()) {
+    const auto count = [&row = row](const char* key) { return row.value(key, int64_t{0}); };
+    all.push_back({name, count("scenes"), row.value("seconds", 0.0), count("failures"), count("timeouts"),
+                   count("retries")});
+  }
+  std::stable_sort(all.begin(), all.end(), [](const AnnotatorTimes& a, const AnnotatorTimes& b) {
+    return a.ms_per_scene() > b.ms_per_scene();
+  });
+  return all;
 }
 
 }  // namespace loci::memory

@@ -8,7 +8,7 @@
 namespace loci::memory {
 namespace {
 
-/// Those that were seen most often, in order of their number.
+/// Those with most observations, in order of id.
 std::vector<ObjectState> seen_most(std::vector<ObjectState> objects, size_t most) {
   std::stable_sort(objects.begin(), objects.end(),
                    [](const ObjectState& a, const ObjectState& b) { return a.sightings > b.sightings; });
@@ -38,7 +38,7 @@ ReportData::ReportData(const Store& memory, const ReportOptions& options, Progre
 
 std::string ReportData::objects_left_out() const {
   if (histories.size() >= objects) return "";
-  return fmt::format("<p class=\"faint\">Of {} objects the {} that were seen most often.</p>\n", objects,
+  return fmt::format("<p class=\"faint\">Of {} objects the {} with most observations.</p>\n", objects,
                      histories.size());
 }
 
@@ -47,29 +47,29 @@ std::string ReportData::scenes_left_out() const {
   return fmt::format("<p class=\"faint\">Of {} scenes the last {}.</p>\n", scenes_in_all, scenes.size());
 }
 
-std::string explanation_name(const std::optional<Id>& object) {
-  return object ? object_name(*object) : "a false cluster";
+std::string partner_name(const std::optional<Id>& object) {
+  return object ? object_name(*object) : "clutter";
 }
 
-std::map<Id, TakenFor> taken_for(const Store& store, Id scene) {
+std::map<Id, ChosenAssociation> chosen_associations(const Store& store, Id scene) {
   const std::vector<AssociationRow> considered = store.associations(scene);
-  std::map<Id, TakenFor> result;
+  std::map<Id, ChosenAssociation> result;
   for (const AssociationRow& row : considered)
     if (row.chosen && row.observation) result[*row.observation].chosen = row;
   std::map<Id, std::map<std::optional<Id>, double>> others;
   for (const AssociationRow& row : considered) {
     if (!row.observation || !result.contains(*row.observation)) continue;
-    TakenFor& taken = result.at(*row.observation);
-    if (row.object == taken.chosen.object)
-      taken.probability += row.probability;
+    ChosenAssociation& association = result.at(*row.observation);
+    if (row.object == association.chosen.object)
+      association.probability += row.probability;
     else
       others[*row.observation][row.object] += row.probability;
   }
   for (const auto& [observation, objects] : others)
     for (const auto& [object, probability] : objects)
-      if (std::string& text = result.at(observation).instead; probability >= 0.01)
-        text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ", explanation_name(object),
-                            100 * probability);
+      if (std::string& text = result.at(observation).alternatives; probability >= 0.01)
+        text +=
+            fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ", partner_name(object), 100 * probability);
   return result;
 }
 

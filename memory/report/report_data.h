@@ -9,12 +9,12 @@
 
 namespace loci::memory {
 
-/// What the sections of a report are made from, read once.
+/// The input of the sections of a report, read once.
 struct ReportData {
   const Store& store;
   TimeWriter times;
-  std::vector<ObjectHistory> histories = {};  ///< of the objects seen most often, in order of their number
-  size_t objects = 0;                         ///< in all
+  std::vector<ObjectHistory> histories = {};  ///< of the objects with most observations, in order of id
+  size_t objects = 0;                         ///< of the memory
   std::vector<SceneRow> scenes = {};          ///< the last ones, in order of time
   size_t scenes_in_all = 0;
 
@@ -24,17 +24,17 @@ struct ReportData {
   std::string scenes_left_out() const;
 };
 
-/// "object_3", or "a false cluster".
-std::string explanation_name(const std::optional<Id>& object);
+/// "object_3", or "clutter".
+std::string partner_name(const std::optional<Id>& object);
 
-/// What an observation was taken for.
-struct TakenFor {
+/// The association of an observation by the MAP hypothesis.
+struct ChosenAssociation {
   AssociationRow chosen;
-  double probability = 0;    ///< that it is this object, whatever explains that it is there
-  std::string instead = {};  ///< what else it may be: "object_7 5 %, a false cluster 22 %"
+  double probability = 0;         ///< of this object, all explanations together
+  std::string alternatives = {};  ///< "object_7 5 %, clutter 22 %"
 };
-/// By number of observation, of the chosen story.
-std::map<Id, TakenFor> taken_for(const Store& store, Id scene);
+/// By observation.
+std::map<Id, ChosenAssociation> chosen_associations(const Store& store, Id scene);
 
 /// A colour of its own per object, as CSS.
 std::string object_css(Id object);

@@ -1,10 +1,10 @@
 #pragma once
 
-// The room's own header: the one place that sees SQLiteCpp's types.
+// Private to this module: the database through SQLiteCpp, whose types no other module sees.
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
 
-#include <initializer_list>
 #include <map>
 #include <memory>
 #include <unordered_map>
@@ -20,7 +20,9 @@ namespace loci::memory {
 struct BytesView {
   std::string_view bytes;
 };
+/// A value to be bound. Text and bytes are views and must outlive the execution.
 using SqlValue = std::variant<std::monostate, int64_t, double, std::string_view, BytesView>;
+using SqlValues = std::vector<SqlValue>;
 
 inline SqlValue sql(int64_t value) {
   return value;
@@ -37,17 +39,17 @@ inline SqlValue sql(double value) {
 inline SqlValue sql(const std::string& value) {
   return std::string_view(value);
 }
+SqlValue sql(std::string&& value) = delete;
 template <StateEnum State>
 SqlValue sql(State state) {
   return std::string_view(to_text(state));
 }
-SqlValue sql(std::string&& value) = delete;  // Only a view is kept: the text must outlive the columns.
 template <class T>
 SqlValue sql(const std::optional<T>& value) {
   return value ? sql(*value) : SqlValue();
 }
 
-/// Two parts, so that no text is made for each row.
+/// A column's name in two parts, so that no text is built for each row.
 struct SqlName {
   const char* prefix = "";
   const char* name = "";
@@ -56,121 +58,173 @@ struct SqlName {
 };
 using SqlColumns = std::vector<std::pair<SqlName, SqlValue>>;
 
-/// Adds `PREFIXx`, `PREFIXy`, `PREFIXz`; NULL when unset.
-void add_vector(SqlColumns& columns, const char* prefix, const std::optional<Vector3d>& value);
-/// Adds the seven columns of a pose.
-void add_pose(SqlColumns& columns, const char* prefix, const std::optional<Isometry3d>& pose);
-void add_color(SqlColumns& columns, const std::optional<HsvColor>& color);
-void add_clock(SqlColumns& columns, const Bitemporal& clock);
-void add_clock(SqlColumns& columns, Bitemporal&& clock) = delete;  // Its source is kept as a view.
-
-/// The row that a query stands at, by column name.
+/// The row at which a query stands, by column name.
 class SqlRow {
  public:
   explicit SqlRow(SQLite::Statement& statement) : statement_(statement) {}
 
-  bool is_null(std::string_view name) const { return column(name).isNull(); }
-  int64_t integer(std::string_view name) const { return column(name).getInt64(); }
-  double real(std::string_view name) const { return column(name).getDouble(); }
-  std::string text(std::string_view name) const { return column(name).getString(); }
-  template <StateEnum State>
-  State state(std::string_view name) const {
-    return parse_state<State>(text(name));
+  /// An integer, bool, double, string, state, or an optional of these (unset = NULL).
+  template <class T>
+  T get(std::string_view name) const {
+    return convert<T>(column(name));
   }
+  template <class T>
+  T first() const {
+    return convert<T>(statement_.getColumn(0));
+  }
+  bool is_null(std::string_view name) const { return column(name).isNull(); }
   std::string bytes(std::string_view name) const;
-  std::optional<int64_t> optional_integer(std::string_view name) const;
-  std::optional<double> optional_real(std::string_view name) const;
-  std::optional<std::string> optional_text(std::string_view name) const;
-  std::optional<Vector3d> vector(std::string_view prefix) const;
-  std::optional<Isometry3d> pose(std::string_view prefix) const;
-  std::optional<HsvColor> color() const;
-  Bitemporal clock() const;
 
  private:
+  template <class T>
+  static T convert(const SQLite::Column& value);
   SQLite::Column column(std::string_view name) const;
+
   SQLite::Statement& statement_;
-  mutable int next_ = 0;  ///< columns are mostly asked for in their order
+  mutable int next_ = 0;  ///< columns are mostly read in their order
 };
 
-/// A memory that is open: the database, its prepared statements, and the writer's lock.
-struct Store::Implementation {
-  ~Implementation();
+template <class T>
+T SqlRow::convert(const SQLite::Column& value) {
+  if constexpr (requires { typename T::value_type; } && !std::is_same_v<T, std::string>)
+    return value.isNull() ? T() : T(convert<typename T::value_type>(value));
+  else if constexpr (StateEnum<T>)
+    return parse_state<T>(value.getText());
+  else if constexpr (std::is_same_v<T, bool>)
+    return value.getInt64() != 0;
+  else if constexpr (std::is_integral_v<T>)
+    return static_cast<T>(value.getInt64());
+  else if constexpr (std::is_floating_point_v<T>)
+    return value.getDouble();
+  else
+    return value.getString();
+}
+
+/// The condition of a query with its values, which are bound by number.
+class Where {
+ public:
+  explicit Where(std::string text = "1", SqlValues values = {})
+      : text_(std::move(text)), values_(std::move(values)) {}
+
+  /// Known at `known_at`; unset = not superseded.
+  Where& known(const AsOf& as_of);
+  /// Valid from `at` or before.
+  Where& begun(const AsOf& as_of);
+  /// Valid at `at`; unset = not ended.
+  Where& holds(const AsOf& as_of);
+  /// `column` up to `at`, and added by `known_at`: of rows that are never superseded.
+  Where& added(const char* column, const AsOf& as_of);
+  Where& between(const char* column, std::optional<TimeNs> from, std::optional<TimeNs> to);
+  Where& and_also(const std::string& condition);
+  /// A value for use in conditions: "?3".
+  std::string bind(SqlValue value);
+
+  const std::string& text() const { return text_; }
+  const SqlValues& values() const { return values_; }
+
+ private:
+  std::string text_;
+  SqlValues values_;
+};
+
+/// Compressed by zstd where that helps, as the columns `encoding` and `content` have it.
+struct Encoded {
+  int encoding = 0;
+  std::string bytes;
+};
+Encoded encode_bytes(std::string_view bytes);
+std::string decode_bytes(std::string bytes, int64_t encoding, int64_t size,
+                         const std::filesystem::path& path);
+
+/// An open memory: the database, its prepared statements, and the writer's lock.
+struct Store::Connection {
+  ~Connection();
 
   std::filesystem::path path;
   bool writable = false;
   int version = 0;
-  WriteOptions options;
-  int lock = -1;  ///< file descriptor of the lock file
+  std::optional<TimeNs> now;  ///< as in WriteOptions
+  int lock = -1;              ///< file descriptor of the lock file
   std::unique_ptr<SQLite::Database> database;
   std::unordered_map<std::string, std::unique_ptr<SQLite::Statement>> statements;
-  std::unordered_map<std::string, Id> terms;  ///< some of the table of that name, by type and value
-  /// How many there are, time and scene of the last, and where that was (unset = not known yet).
-  struct Seen {
+  bool in_scene = false;
+  int read_transactions = 0;  ///< that are open
+
+  // ---- Caches of the writer.
+  /// How many there are, time and scene of the last, and where that was (unset = not read yet).
+  struct Sequence {
     int64_t count = 0;
     std::pair<TimeNs, Id> last = {};
     std::optional<Id> place = {};
   };
-  /// What the transaction added: place and terms of each observation, and whether an object was seen as it.
-  struct Fresh {
+  /// An observation that the open transaction added.
+  struct NewObservation {
     Id place = 0;
     std::vector<Id> terms = {};
     bool associated = false;
   };
-  std::unordered_map<Id, Fresh> just_seen;
-  std::map<std::pair<Id, Id>, TimeNs> called;           ///< some of object_term: object and term, since when
-  std::optional<Seen> scenes;                           ///< when known
-  std::unordered_map<Id, Seen> sightings;               ///< of some of the objects
+  std::unordered_map<Id, NewObservation> new_observations;
+  std::unordered_map<std::string, Id> terms;            ///< some of table term, by type and value
+  std::map<std::pair<Id, Id>, TimeNs> object_terms;     ///< some of table object_term
+  std::optional<Sequence> scenes;                       ///< of all scenes
+  std::unordered_map<Id, Sequence> observations;        ///< of some objects
   std::unordered_map<std::string_view, int64_t> added;  ///< rows by table that row_count does not have yet
-  bool in_scene = false;
-  int moments = 0;  ///< that are being held
 
   /// A prepared statement, ready to be bound.
   SQLite::Statement& statement(const std::string& text);
-  /// Runs a statement that gives no rows.
-  void run(const char* text, const std::vector<SqlValue>& values);
-  /// Adds a row. The same columns in the same order for each row of a table.
+  /// Runs a statement that returns no rows.
+  void run(const std::string& text, const SqlValues& values);
+  /// Adds a row. A table must always be given the same columns in the same order.
   Id insert(const char* table, const SqlColumns& columns);
-  /// Runs a query and hands over its rows.
   template <class Visitor>
-  void query(const std::string& text, const std::vector<SqlValue>& values, Visitor visitor);
+  void query(const std::string& text, const SqlValues& values, Visitor visitor);
+  /// The first column of all rows, or of the last one (unset = no row).
+  template <class T>
+  std::vector<T> values(const std::string& text, const SqlValues& values = {});
+  template <class T>
+  std::optional<T> value(const std::string& text, const SqlValues& values = {});
 
-  /// Runs `body` and turns the database's exceptions into Error with the file's name.
+  /// Runs `body` and turns the exceptions of the database into Error with the name of the file.
   template <class Body>
   auto guarded(Body body) -> decltype(body());
-  /// guarded(), as one transaction.
+  /// guarded() as one transaction; inside a scene it is part of the scene's.
   template <class Body>
   auto transaction(Body body) -> decltype(body());
 
-  void need_writable() const;
-  TimeNs known_time() const;
+  /// Whether observations must be read through association_known: some may not be known any more, or not yet.
+  bool needs_known(const AsOf& as_of);
+  void require_writable() const;
+  TimeNs known_time() const { return now.value_or(loci::now()); }
+  Error error(const std::string& what, const std::string& hint = {}) const {
+    return Error(what, {path.string(), 0, {}}, hint);
+  }
 
   Id add_blob(std::string_view bytes, const std::string& media);
   Id add_place(const PlaceRow& row, Id run, TimeNs known);
   Id add_fact(const FactRow& row, Id run, TimeNs known);
   Id add_term(const std::string& type, const std::string& value);
-  /// Ends the object's last stay and begins the one that this belief tells of.
+
+  // ---- Derived rows (derived_rows.cpp).
+  /// Ends the last stay of the object and begins that of this belief.
   void add_stay(Id belief, const BeliefRow& row, TimeNs from);
-  /// The object was called so at that time.
+  /// Annotations called the object so at that time.
   void add_object_term(Id object, Id term, TimeNs time);
-  /// After a scene, or a sighting, was added.
-  void mark_scene(Id scene, TimeNs time);
-  void mark_sighting(Id object, Id observation, TimeNs time, Id scene);
-  /// Before a commit: what was added goes into row_count.
-  void keep_counts();
-  /// What was read of the tables is to be read anew.
-  void forget_cached();
+  /// After a scene, or an observation of an object, was added.
+  void rank_scene(Id scene, TimeNs time);
+  void rank_observation(Id object, Id observation, TimeNs time, Id scene);
+  /// Before a commit: adds `added` to row_count.
+  void save_counts();
+  /// Derives all of them from the other tables.
+  void derive_all();
+  void clear_caches();
 };
 
-/// `until` of a stay that goes on.
-constexpr int64_t kOpenStay = 2147483647;
-
-void bind_value(SQLite::Statement& statement, int index, const SqlValue& value);
-void bind_values(SQLite::Statement& statement, const std::vector<SqlValue>& values);
 [[noreturn]] void throw_database_error(const SQLite::Exception& error, const std::filesystem::path& path);
+void bind_values(SQLite::Statement& statement, const SqlValues& values);
+int64_t query_integer(SQLite::Database& database, const std::string& text);
 
 template <class Visitor>
-void Store::Implementation::query(const std::string& text, const std::vector<SqlValue>& values,
-                                  Visitor visitor) {
+void Store::Connection::query(const std::string& text, const SqlValues& values, Visitor visitor) {
   SQLite::Statement& prepared = statement(text);
   bind_values(prepared, values);
   const SqlRow row(prepared);
@@ -178,8 +232,26 @@ void Store::Implementation::query(const std::string& text, const std::vector<Sql
   prepared.reset();
 }
 
+template <class T>
+std::vector<T> Store::Connection::values(const std::string& text, const SqlValues& values) {
+  return guarded([&] {
+    std::vector<T> result;
+    query(text, values, [&](const SqlRow& row) { result.push_back(row.first<T>()); });
+    return result;
+  });
+}
+
+template <class T>
+std::optional<T> Store::Connection::value(const std::string& text, const SqlValues& values) {
+  return guarded([&] {
+    std::optional<T> result;
+    query(text, values, [&](const SqlRow& row) { result = row.first<T>(); });
+    return result;
+  });
+}
+
 template <class Body>
-auto Store::Implementation::guarded(Body body) -> decltype(body()) {
+auto Store::Connection::guarded(Body body) -> decltype(body()) {
   try {
     return body();
   } catch (const SQLite::Exception& error) {
@@ -188,32 +260,23 @@ auto Store::Implementation::guarded(Body body) -> decltype(body()) {
 }
 
 template <class Body>
-auto Store::Implementation::transaction(Body body) -> decltype(body()) {
-  need_writable();
+auto Store::Connection::transaction(Body body) -> decltype(body()) {
+  require_writable();
   return guarded([&] {
     if (in_scene) return body();
     SQLite::Transaction all(*database, SQLite::TransactionBehavior::IMMEDIATE);
     added.clear();
     if constexpr (std::is_void_v<decltype(body())>) {
       body();
-      keep_counts();
+      save_counts();
       all.commit();
     } else {
       auto result = body();
-      keep_counts();
+      save_counts();
       all.commit();
       return result;
     }
   });
 }
-
-// zstd, with the database's encoding column.
-struct Encoded {
-  int encoding = 0;
-  std::string bytes;
-};
-Encoded encode_bytes(std::string_view bytes);
-std::string decode_bytes(std::string bytes, int64_t encoding, int64_t size,
-                         const std::filesystem::path& path);
 
 }  // namespace loci::memory

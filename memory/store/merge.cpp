@@ -1,101 +1,51 @@
 #include "memory/store/merge.h"
 
-#include <SQLiteCpp/SQLiteCpp.h>
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <cmath>
 
 #include "mapping/base/json.h"
-#include "memory/store/copy.h"
-#include "memory/store/database.h"
-#include "memory/store/schema.h"
-#include "memory/store/scratch_memory.h"
+#include "memory/store/derived_rows.h"
+#include "memory/store/memory_file.h"
 
 namespace loci::memory {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// A table whose rows come in: columns that name rows of other tables, and those by which a row is known to
-/// be there already (none: in a way of its own).
-struct Joined {
-  std::string table;
-  std::vector<std::pair<std::string, std::string>> references;  ///< column, table
+/// A table whose rows are taken over, and the columns by which a row is recognised. (Scenes and objects have
+/// rules of their own.)
+struct MergedTable {
+  const char* name;
   std::vector<std::string> key;
 };
 
-/// In an order in which what is referred to comes first.
-const std::vector<Joined>& joined_tables() {
-  static const std::vector<Joined> tables = {
-      {"run", {}, {"program", "version", "configuration", "started"}},
-      {"blob", {}, {"hash"}},
-      {"map", {{"urdf", "blob"}, {"sidecar", "blob"}}, {"hash"}},
-      {"type_system", {{"content", "blob"}}, {"hash"}},
-      {"place", {{"map", "map"}, {"run", "run"}}, {"name"}},
-      {"recording", {}, {"fingerprint"}},
-      {"scene",
-       {{"recording", "recording"},
-        {"map", "map"},
-        {"depth", "blob"},
-        {"image", "blob"},
-        {"kinds", "blob"},
-        {"run", "run"}},
-       {}},
-      {"observation",
-       {{"scene", "scene"}, {"place", "place"}, {"crop", "blob"}, {"mask", "blob"}, {"cloud", "blob"}},
-       {"scene", "number"}},
-      {"term", {}, {"value", "type"}},
-      {"feature_structure",
-       {{"scene", "scene"}, {"observation", "observation"}, {"type_system", "type_system"}},
-       {"scene", "observation", "type", "content"}},
-      {"annotation",
-       {{"scene", "scene"},
-        {"observation", "observation"},
-        {"term", "term"},
-        {"feature_structure", "feature_structure"}},
-       {"scene", "observation", "term", "feature_structure"}},
-      {"object", {{"supersedes", "object"}, {"run", "run"}}, {}},
+/// In an order in which referred tables come first.
+const std::vector<MergedTable>& merged_tables() {
+  static const std::vector<MergedTable> tables = {
+      {"run", {"program", "version", "configuration", "started"}},
+      {"blob", {"hash"}},
+      {"map", {"hash"}},
+      {"type_system", {"hash"}},
+      {"place", {"name"}},
+      {"recording", {"fingerprint"}},
+      {"scene", {}},
+      {"observation", {"scene", "number"}},
+      {"term", {"value", "type"}},
+      {"feature_structure", {"scene", "observation", "type", "content"}},
+      {"annotation", {"scene", "observation", "term", "feature_structure"}},
+      {"object", {}},
       {"association",
-       {{"scene", "scene"},
-        {"observation", "observation"},
-        {"object", "object"},
-        {"supersedes", "association"},
-        {"run", "run"}},
        {"scene", "observation", "object", "explanation", "probability", "chosen", "known_from", "run"}},
-      {"event",
-       {{"scene", "scene"},
-        {"object", "object"},
-        {"observation", "observation"},
-        {"place", "place"},
-        {"from_place", "place"},
-        {"supersedes", "event"},
-        {"run", "run"}},
-       {"scene", "kind", "object", "joint", "probability", "valid_from", "known_from", "run"}},
-      {"belief",
-       {{"object", "object"},
-        {"scene", "scene"},
-        {"place", "place"},
-        {"last_scene", "scene"},
-        {"last_observation", "observation"},
-        {"supersedes", "belief"},
-        {"run", "run"}},
-       {"object", "scene", "status", "probability", "valid_from", "known_from", "run"}},
-      {"visibility",
-       {{"scene", "scene"}, {"object", "object"}, {"place", "place"}, {"run", "run"}},
-       {"scene", "object", "place", "status"}},
-      {"fact",
-       {{"object", "object"}, {"place", "place"}, {"supersedes", "fact"}, {"run", "run"}},
-       {"object", "place", "key", "value", "valid_from", "known_from", "source"}},
-      {"forgotten",
-       {{"object", "object"}, {"run", "run"}},
-       {"object", "valid_from", "valid_to", "known_from"}},
+      {"event", {"scene", "kind", "object", "joint", "probability", "valid_from", "known_from", "run"}},
+      {"belief", {"object", "scene", "status", "probability", "valid_from", "known_from", "run"}},
+      {"visibility", {"scene", "object", "place", "status"}},
+      {"fact", {"object", "place", "key", "value", "valid_from", "known_from", "source"}},
+      {"forgotten", {"object", "valid_from", "valid_to", "known_from"}},
   };
   return tables;
 }
 
-/// Copies a memory and brings the copy to this program's format.
-void copy_as_of_now(const fs::path& from, const fs::path& to) {
+/// Copies a memory and migrates the copy to this program's format.
+void copy_migrated(const fs::path& from, const fs::path& to) {
   { const Store check = Store::open_read(from); }
   copy_memory(from, to);
   { Store::open_write(to); }
@@ -112,10 +62,10 @@ class Merger {
     if (frame_ && !frame_->is_none()) change_frame();
     rename_places();
     double done = 0;
-    for (const Joined& joined : joined_tables()) {
-      progress.check(done++ / static_cast<double>(joined_tables().size()),
-                     fmt::format("joining {}", joined.table));
-      join(joined);
+    for (const MergedTable& merged : merged_tables()) {
+      progress.check(done++ / static_cast<double>(merged_tables().size()),
+                     fmt::format("merging {}", merged.name));
+      merge_table(merged);
     }
     database_.exec(
         "INSERT OR IGNORE INTO main.feature_structure_blob SELECT f.new, b.new FROM "
@@ -127,10 +77,9 @@ class Merger {
     database_.exec(
         "INSERT OR IGNORE INTO main.scene_log SELECT s.new, o.number, o.annotator, o.level, o.text, "
         "o.milliseconds FROM other.scene_log o JOIN temp.of_scene s ON s.old = o.scene");
-    // The belief of one of them is not that of both: what goes on begins from what is believed now.
+    // A checkpoint of one of them does not hold for both.
     if (result_.scenes > 0) database_.exec("DELETE FROM main.checkpoint");
-    database_.exec(kDerivation);
-    database_.exec(kCounting);
+    derive_tables(database_);
     return std::move(result_);
   }
 
@@ -155,8 +104,7 @@ class Merger {
         "say where the second frame lies in the first with --transform x,y,z,yaw_deg (0,0,0,0 = the same)");
   }
 
-  /// Everything of the second memory that says where something is, but for the images, goes into the first
-  /// one's frame.
+  /// Transforms all positions of the second memory into the map frame of the first.
   void change_frame() {
     const double c = std::cos(frame_->yaw), s = std::sin(frame_->yaw);
     const double half_c = std::cos(frame_->yaw / 2), half_s = std::sin(frame_->yaw / 2);
@@ -184,7 +132,7 @@ class Merger {
       turn.exec();
     };
     for (const char* table : {"event", "belief"})
-      database_.exec(fmt::format("DROP TRIGGER other.{}_is_kept", table));
+      database_.exec(fmt::format("DROP TRIGGER other.{}_append_only", table));
     for (const auto& [table, prefix] : {std::pair{"scene", ""},
                                         {"observation", ""},
                                         {"observation", "box_"},
@@ -221,7 +169,7 @@ class Merger {
 
   struct Spot {
     std::optional<double> x, y, height;
-    /// Places of one name at one spot are one place, also where one of them is not known so well.
+    /// What is unknown of one of them agrees.
     bool is_at(const Spot& other) const {
       const auto near = [](const std::optional<double>& a, const std::optional<double>& b, double apart) {
         return !a || !b || std::abs(*a - *b) <= apart;
@@ -250,8 +198,8 @@ class Merger {
     return spots;
   }
 
-  /// A place of the second memory that lies elsewhere than the first one's of this name gets a name of its
-  /// own.
+  /// A place of the second memory that lies elsewhere than the place of this name in the first gets a new
+  /// name.
   void rename_places() {
     const std::map<std::string, Spot> here = spots("main");
     SQLite::Statement rename(database_, "UPDATE other.place SET name = ? WHERE name = ?");
@@ -273,55 +221,61 @@ class Merger {
     }
   }
 
-  std::vector<std::string> columns_of(const std::string& table) {
-    std::vector<std::string> columns;
-    SQLite::Statement info(database_, "SELECT name FROM pragma_table_info(?)");
+  /// The columns of a table but its id, each with the table that it refers to ("" = none).
+  std::vector<std::pair<std::string, std::string>> columns_of(const std::string& table) {
+    std::vector<std::pair<std::string, std::string>> columns;
+    SQLite::Statement info(
+        database_,
+        "SELECT c.name, coalesce(f.\"table\", '') FROM pragma_table_info(?1) c LEFT JOIN "
+        "pragma_foreign_key_list(?1) f ON f.\"from\" = c.name WHERE c.name <> 'id' ORDER BY c.cid");
     info.bind(1, table);
     while (info.executeStep())
-      if (const std::string name = info.getColumn(0).getString(); name != "id") columns.push_back(name);
+      columns.emplace_back(info.getColumn(0).getString(), info.getColumn(1).getString());
     return columns;
   }
 
-  void join(const Joined& joined) {
-    const std::string table = joined.table, map = "temp.of_" + table, rows = "temp.rows_of_" + table;
-    const std::vector<std::string> columns = columns_of(table);
+  /// Takes over the rows of a table that the first memory does not have. Table temp.of_TABLE maps ids of the
+  /// second memory to those of the result.
+  void merge_table(const MergedTable& merged) {
+    const std::string table = merged.name, ids = "temp.of_" + table, rows = "temp.rows_of_" + table;
     database_.exec(
         fmt::format("CREATE TEMP TABLE of_{} (old INTEGER PRIMARY KEY, new INTEGER NOT NULL)", table));
-    // The second memory's rows with the first one's numbers, as far as those are known.
-    std::vector<std::string> values;
-    for (const std::string& column : columns) {
-      std::string value = "o." + column;
-      for (const auto& [name, other] : joined.references)
-        if (column == name && other != table)
-          value = fmt::format("(SELECT new FROM temp.of_{} WHERE old = o.{})", other, column);
-      values.push_back(value + " AS " + column);
+    // The rows of the second memory with the ids of the result, as far as those are known.
+    std::string names, values;
+    const auto columns = columns_of(table);
+    for (const auto& [column, target] : columns) {
+      const bool known = !target.empty() && target != table;
+      names += (names.empty() ? "" : ", ") + column;
+      values += known
+                    ? fmt::format(", (SELECT new FROM temp.of_{0} WHERE old = o.{1}) AS {1}", target, column)
+                    : ", o." + column;
     }
-    database_.exec(fmt::format("CREATE TEMP TABLE rows_of_{0} AS SELECT o.id AS id, {1} FROM other.{0} o",
-                               table, fmt::join(values, ", ")));
+    database_.exec(
+        fmt::format("CREATE TEMP TABLE rows_of_{0} AS SELECT o.id AS id{1} FROM other.{0} o", table, values));
     if (table == "scene")
-      know_scenes();
+      recognise_scenes();
     else if (table == "object")
-      know_objects();
+      recognise_objects();
     else
-      know_by_key(joined);
-    const int64_t known = number("SELECT count(*) FROM " + map);
+      recognise_by_key(merged);
+    const int64_t known = number("SELECT count(*) FROM " + ids);
     database_.exec(
         fmt::format("INSERT INTO {0} SELECT id, (SELECT coalesce(max(id), 0) FROM main.{1}) + row_number() "
-                    "OVER (ORDER BY id) "
-                    "FROM {2} WHERE id NOT IN (SELECT old FROM {0})",
-                    map, table, rows));
-    // What names a row of its own table can only be translated now.
-    for (const auto& [name, other] : joined.references)
-      if (other == table)
+                    "OVER (ORDER BY "
+                    "id) FROM {2} WHERE id NOT IN (SELECT old FROM {0})",
+                    ids, table, rows));
+    // References to rows of the same table can only be translated now.
+    for (const auto& [column, target] : columns)
+      if (target == table)
         database_.exec(
             fmt::format("UPDATE {0} SET {1} = (SELECT new FROM {2} WHERE old = {1}) WHERE {1} IS NOT NULL",
-                        rows, name, map));
+                        rows, column, ids));
     const int64_t before = number("SELECT count(*) FROM main." + table);
     database_.exec(
         fmt::format("INSERT INTO main.{0} (id, {1}) SELECT m.new, {1} FROM {2} r JOIN {3} m ON m.old = r.id "
                     "WHERE m.new > "
                     "(SELECT coalesce(max(id), 0) FROM main.{0}) ORDER BY m.new",
-                    table, fmt::join(columns, ", "), rows, map));
+                    table, names, rows, ids));
     const int64_t added = number("SELECT count(*) FROM main." + table) - before;
     database_.exec(fmt::format("DROP TABLE {}", rows));
     if (table == "scene") result_.scenes = added, result_.known_scenes = known;
@@ -330,18 +284,18 @@ class Merger {
     if (table == "fact") result_.facts = added;
   }
 
-  void know_by_key(const Joined& joined) {
+  void recognise_by_key(const MergedTable& merged) {
     std::string same;
-    for (const std::string& column : joined.key)
+    for (const std::string& column : merged.key)
       same += fmt::format("{0}m.{1} IS r.{1}", same.empty() ? "" : " AND ", column);
     database_.exec(fmt::format(
         "INSERT INTO temp.of_{0} SELECT r.id, min(m.id) FROM temp.rows_of_{0} r JOIN main.{0} m ON {1} "
         "GROUP BY r.id",
-        joined.table, same));
+        merged.name, same));
   }
 
-  /// By recording and frame; where there is no recording, by the times.
-  void know_scenes() {
+  /// By recording and frame; without a recording, by the times.
+  void recognise_scenes() {
     database_.exec(
         "INSERT INTO temp.of_scene SELECT r.id, min(m.id) FROM temp.rows_of_scene r JOIN main.scene m ON "
         "m.recording = r.recording AND m.frame_index = r.frame_index GROUP BY r.id");
@@ -352,8 +306,8 @@ class Merger {
         "r.id");
   }
 
-  /// An object is known by what was seen of it; one of which nothing is left (forgotten), by its times.
-  void know_objects() {
+  /// By an observation of it; a forgotten object by its times.
+  void recognise_objects() {
     database_.exec(
         "INSERT INTO temp.of_object SELECT b.object, min(a.object) FROM other.association b JOIN "
         "temp.of_observation o ON o.old = b.observation JOIN main.association a ON a.observation = o.new "
@@ -381,14 +335,14 @@ class Merger {
 MergeResult merge(const fs::path& first, const fs::path& second, const fs::path& output,
                   const std::optional<FrameChange>& frame, Progress& progress) {
   if (fs::exists(output))
-    throw Error("there is a file already", {output.string(), 0, {}}, "name a new memory with -o");
-  const ScratchMemory other(output.string() + ".second");
+    throw Error("the file exists already", {output.string(), 0, {}}, "name a new memory with -o");
+  const TemporaryMemory other(output.string() + ".second");
   MergeResult result;
-  make_as_a_whole(output, [&](const fs::path& joined) {
-    copy_as_of_now(first, joined);
-    copy_as_of_now(second, other.path());
+  create_atomically(output, [&](const fs::path& result_file) {
+    copy_migrated(first, result_file);
+    copy_migrated(second, other.path());
     try {
-      SQLite::Database database(joined.string(), SQLite::OPEN_READWRITE);
+      SQLite::Database database(result_file.string(), SQLite::OPEN_READWRITE);
       SQLite::Statement attach(database, "ATTACH ? AS other");
       attach.bind(1, other.path().string());
       attach.exec();
@@ -397,9 +351,9 @@ MergeResult merge(const fs::path& first, const fs::path& second, const fs::path&
       all.commit();
       database.exec("PRAGMA wal_checkpoint(TRUNCATE)");
     } catch (const SQLite::Exception& error) {
-      throw_database_error(error, joined);
+      throw_database_error(error, result_file);
     }
-    { Store::open_write(joined); }
+    { Store::open_write(result_file); }
   });
   return result;
 }

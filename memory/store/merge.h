@@ -4,7 +4,8 @@
 
 namespace loci::memory {
 
-/// How the second memory's map frame lies in the first one's: turned about the vertical, then moved.
+/// The transform from the second memory's map frame to the first one's: a rotation about the vertical, then a
+/// translation.
 struct FrameChange {
   Vector3d translation = Vector3d::Zero();
   double yaw = 0;  ///< radians
@@ -13,17 +14,17 @@ struct FrameChange {
 };
 
 struct MergeResult {
-  int64_t scenes = 0, observations = 0, objects = 0, facts = 0;  ///< that came in from the second memory
-  int64_t known_scenes = 0;  ///< of the second memory that the first one had already
-  int64_t reasoning = 0;     ///< scenes whose reasoning stays behind, as it is in the other frame
+  int64_t scenes = 0, observations = 0, objects = 0, facts = 0;  ///< added from the second memory
+  int64_t known_scenes = 0;  ///< of the second memory, which the first one had already
+  int64_t reasoning = 0;     ///< scenes whose reasoning was left out because it is in another frame
   std::vector<std::pair<std::string, std::string>> renamed = {};  ///< places of one name at two spots
 };
 
-/// Joins two memories of one home, of several robots or runs, into a new file: every row of both, each once.
-/// Scenes are known by recording and frame, else by their times, so that what was merged before is not added
-/// again. Objects keep their histories apart: that two robots saw the same thing is found by reasoning anew
-/// over the result. With `frame` unset both must be in one map frame (the same map, or a common recording);
-/// otherwise Error. Error also when `output` exists.
+/// Merges two memories of one home, of several robots or runs, into a new file with every row of both, each
+/// once. Scenes are recognised by recording and frame, else by their times, so that merging again adds
+/// nothing. Objects keep separate histories: reasoning again over the result finds which of them are the
+/// same. With `frame` unset both must be in one map frame (the same map, or a common recording); otherwise
+/// Error. Error also when `output` exists.
 MergeResult merge(const std::filesystem::path& first, const std::filesystem::path& second,
                   const std::filesystem::path& output, const std::optional<FrameChange>& frame,
                   Progress& progress);

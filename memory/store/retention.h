@@ -4,13 +4,13 @@
 
 namespace loci::memory {
 
-/// How long what was seen is kept how well; ages from the memory's last scene back. Unset = for ever.
+/// How long what was recorded is kept, as an age before the last scene of the memory. Unset = for ever.
 struct RetentionRules {
-  /// Older scenes lose whole images, depth thumbnails with their kinds, and clouds: crops remain.
+  /// Older scenes lose images, depth thumbnails with their pixel kinds, and clouds: crops remain.
   std::optional<double> images_s = {};
   /// Older ones lose crops, masks and large arrays too: numbers remain.
   std::optional<double> crops_s = {};
-  /// Older ones lose what `why` and `reason` rest on (table reasoning): what was concluded remains.
+  /// Older ones lose what `why` and `reason` need (table reasoning): what was concluded remains.
   std::optional<double> reasoning_s = {};
 };
 
@@ -20,8 +20,8 @@ struct RetentionResult {
   int64_t bytes_before = 0, bytes_after = 0;  ///< of the file
 };
 
-/// Lets go of what the rules say, for good: the bytes are gone from the file and its log. What was observed,
-/// believed and decided stays. The run that did it keeps rules and counts as its configuration.
+/// Discards what the rules name; its bytes are gone from the file and its log. What was observed, believed
+/// and decided remains. The run that did it stores rules and counts as its configuration.
 RetentionResult retain(const std::filesystem::path& memory, const RetentionRules& rules);
 
 }  // namespace loci::memory

@@ -16,10 +16,10 @@ namespace loci::memory {
 /// Row id in the memory. Object 12 is "object_12" for people.
 using Id = int64_t;
 
-// The rows of memory/store/schema.sql, where units and meanings are said. An unset optional is NULL. `id`,
-// `known_from`, `known_to` and `run` are filled by the store when a row is added.
-
-// Everything has an initializer, so that a row can be written as {.scene = 3, .status = ObjectStatus::seen}.
+// The rows of memory/store/schema.sql, which defines units and meanings. An unset optional is NULL. The store
+// fills in `id`, `known_from`, `known_to` and `run` when a row is added.
+//
+// All fields have initializers, so that a row can be written as {.scene = 3, .status = ObjectStatus::seen}.
 
 struct RunRow {
   Id id = 0;
@@ -32,7 +32,7 @@ struct RunRow {
 
 struct RecordingRow {
   Id id = 0;
-  std::string fingerprint = {};  ///< content_hash() of its list of frames, not of where it lies
+  std::string fingerprint = {};  ///< content_hash() of its list of frames
   std::string name = {};
   std::string kind = {};
   bool time_assumed = false;
@@ -55,7 +55,7 @@ struct PlaceRow {
   std::optional<double> height = {};
   std::vector<Vector2d> outline = {};  ///< map frame; empty = unknown
   std::optional<Isometry3d> map_from_place = {};
-  bool container = false;  ///< things are in it rather than on it
+  bool container = false;  ///< objects are in it rather than on it
   std::optional<std::string> joint = {};
 };
 
@@ -73,11 +73,11 @@ struct SceneRow {
   std::optional<Id> map = {};
   std::optional<SceneCamera> camera = {};
   std::optional<Isometry3d> map_from_camera = {};
-  std::optional<Id> depth = {};  ///< blob: depth thumbnail, see DepthThumbnail
+  std::optional<Id> depth = {};  ///< blob, see DepthThumbnail
   int depth_width = 0, depth_height = 0;
-  std::optional<Id> image = {};  ///< blob: JPEG or PNG
+  std::optional<Id> pixel_kinds = {};  ///< blob, see PixelKindImage
+  std::optional<Id> image = {};        ///< blob: JPEG or PNG
   std::map<std::string, double> joints = {};
-  std::optional<Id> kinds = {};  ///< blob: what the pixels of the thumbnail are, see SceneKinds
   TimeNs known_from = 0;
   Id run = 0;
 };
@@ -102,8 +102,8 @@ struct ObservationRow {
   std::optional<Id> crop = {};                 ///< blob
   std::optional<Id> mask = {};                 ///< blob
   std::optional<std::array<int, 4>> roi = {};  ///< x, y, width, height in the depth image
-  std::optional<std::string> sentence = {};    ///< where it is, in words
-  std::optional<Id> cloud = {};                ///< blob: its points, see ClusterPoints
+  std::optional<std::string> location = {};    ///< in words
+  std::optional<Id> cloud = {};                ///< blob, see ClusterPoints
 };
 
 /// A line of the log of a scene.
@@ -112,7 +112,7 @@ struct LogRow {
   int64_t number = 0;  ///< within the scene, from 0
   std::string annotator = {};
   std::string level = "info";
-  std::string text = {};  ///< empty = nothing but that it is done
+  std::string text = {};  ///< empty = only the time
   std::optional<double> milliseconds = {};
 };
 
@@ -126,7 +126,7 @@ struct AnnotationRow {
   std::optional<Id> feature_structure = {};
 };
 
-/// The two clocks of a row, and who says so.
+/// Valid time and transaction time of a row, and its source.
 struct Bitemporal {
   TimeNs valid_from = 0;
   std::optional<TimeNs> valid_to = {};
@@ -149,7 +149,7 @@ struct AssociationRow {
   std::optional<Id> object = {};       ///< unset = false detection
   Explanation explanation = Explanation::stay;
   double probability = 0;
-  bool chosen = false;  ///< part of the one consistent story that was acted on
+  bool chosen = false;  ///< part of the MAP hypothesis
   Bitemporal clock = {};
 };
 
@@ -185,15 +185,16 @@ struct BeliefRow {
   std::optional<HsvColor> hsv = {};
   std::optional<std::string> color = {};
   std::optional<Vector3d> size = {};
-  /// While nobody looks, the probability fades to this share within about this time; unset = it does not.
+  /// Without observations, the probability fades to this share within about this time; unset = it does not.
   std::optional<double> fade_s = {}, fade_to = {};
   Bitemporal clock = {};
-  // When read: `probability`, `status` and the last sighting are as of the last scene, which these lead to.
-  double probability_then = 1;  ///< at the time of the row or of the last sighting after it
+  // When read: `probability`, `status` and the last observation are as of the latest scene, extrapolated from
+  // these.
+  double probability_then = 1;  ///< at the time of the row or of the last observation after it
   TimeNs then = 0;
 };
 
-/// What is left of `then` at a time, nobody having looked.
+/// The probability at a time, without an observation since `then`.
 double faded(const BeliefRow& row, TimeNs time);
 
 struct VisibilityRow {
@@ -212,12 +213,12 @@ struct FactRow {
   std::optional<Id> object = {};  ///< exactly one of object and place is set
   std::optional<Id> place = {};
   std::string key = {};                   ///< alias, owner, state, class, text, ...
-  std::optional<std::string> value = {};  ///< unset = taken back
+  std::optional<std::string> value = {};  ///< unset = retracted
   std::optional<double> probability = {};
   Bitemporal clock = {};
 };
 
-/// A feature structure with all that it refers to.
+/// A feature structure with everything that it refers to.
 struct FeatureStructureRow {
   Id id = 0;
   std::optional<Id> scene = {};
@@ -235,7 +236,7 @@ struct BlobRow {
   std::string bytes = {};
 };
 
-/// An object seen in a scene, as the chosen story has it.
+/// An observation of an object by the MAP hypothesis.
 struct ObjectObservation {
   AssociationRow association = {};
   ObservationRow observation = {};

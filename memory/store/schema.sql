@@ -8,14 +8,13 @@
 --   NULL      unset, unknown; never zero or identity
 --   ids       INTEGER here; object 12 is "object_12" for people
 --
--- Two clocks. association, event, object, belief and fact rows say when something held (valid_from, valid_to;
--- valid_to NULL = open) and when the memory knew it (known_from, known_to). Rows are only added. A row that is
--- found wrong is not changed: a later row names it in `supersedes`, and from that row's known_from on the older
--- one is no longer known (the views *_known compute that end into known_to). Probability 0, or a NULL value,
--- takes something back without putting anything in its place.
+-- Bitemporal tables: association, event, object, belief and fact have valid time (valid_from, valid_to; valid_to
+-- NULL = open) and transaction time (known_from, known_to). Rows are only added. A wrong row is not changed: a later
+-- row names it in `supersedes`, and from the known_from of that row on the older one is no longer known (the views
+-- *_known compute that end as known_to). Probability 0, or a NULL value, retracts a row without replacing it.
 
 -- One value per key: format ("loci-memory"), created (ISO 8601), written_by ("loci 0.1.0"), time_zone_minutes
--- (minutes east of UTC in which people's times are meant).
+-- (minutes east of UTC of times without a zone).
 CREATE TABLE meta (
   key TEXT PRIMARY KEY,
   value TEXT NOT NULL
@@ -41,7 +40,7 @@ CREATE TABLE blob (
   content BLOB NOT NULL
 ) STRICT;
 
--- A static world that scenes were perceived against.
+-- A map of the static world in which scenes were perceived.
 CREATE TABLE map (
   id INTEGER PRIMARY KEY,
   hash TEXT NOT NULL UNIQUE,       -- SHA-256 of URDF and sidecar
@@ -59,23 +58,23 @@ CREATE TABLE place (
   height REAL,                     -- of the supporting surface above the floor
   outline TEXT,                    -- JSON [[x, y], ...] in the map frame
   x REAL, y REAL, z REAL, qx REAL, qy REAL, qz REAL, qw REAL,  -- map_from_place
-  container INTEGER NOT NULL CHECK (container IN (0, 1)),      -- things are in it rather than on it
+  container INTEGER NOT NULL CHECK (container IN (0, 1)),      -- objects are in it rather than on it
   joint TEXT,                      -- the joint that moves it
   known_from INTEGER NOT NULL,
   run INTEGER NOT NULL REFERENCES run
 ) STRICT;
 
--- A source of frames, known by its content, wherever it lies.
+-- A source of frames, identified by its content.
 CREATE TABLE recording (
   id INTEGER PRIMARY KEY,
   fingerprint TEXT NOT NULL UNIQUE,  -- hash of its list of frames
   name TEXT NOT NULL,                -- folder or file name
   kind TEXT NOT NULL,                -- reader: "loci", "7-scenes", ...
-  time_assumed INTEGER NOT NULL CHECK (time_assumed IN (0, 1)),  -- its stamps were made up
-  frames INTEGER                     -- how many it has
+  time_assumed INTEGER NOT NULL CHECK (time_assumed IN (0, 1)),  -- its time stamps were made up
+  frames INTEGER                     -- their number
 ) STRICT;
 
--- One moment at which a camera looked.
+-- One processed frame: what the camera observed at one time.
 CREATE TABLE scene (
   id INTEGER PRIMARY KEY,
   recording INTEGER REFERENCES recording,
@@ -84,39 +83,39 @@ CREATE TABLE scene (
   map INTEGER REFERENCES map,
   camera_width INTEGER, camera_height INTEGER,              -- pixels, of the depth camera
   fx REAL, fy REAL, cx REAL, cy REAL,                       -- pixels; pixel centres at integers
-  range_min REAL, range_max REAL,                           -- what the sensor can measure
+  range_min REAL, range_max REAL,                           -- range of the sensor
   x REAL, y REAL, z REAL, qx REAL, qy REAL, qz REAL, qw REAL,  -- map_from_camera; NULL = unknown
   depth INTEGER REFERENCES blob,   -- thumbnail: uint16 little endian, row by row, millimetres of z-depth, 0 = none
   depth_width INTEGER, depth_height INTEGER,                -- of the thumbnail; its intrinsics scale with it
-  image INTEGER REFERENCES blob, -- JPEG or PNG
+  pixel_kinds INTEGER REFERENCES blob,  -- of the pixels of the thumbnail, one byte each: 0 = not measured,
+                                   -- 1 = map-explained, 2 = background, 3 = region of interest; NULL = no map
+  image INTEGER REFERENCES blob,   -- JPEG or PNG
   joints TEXT,                     -- JSON {joint: position}
   known_from INTEGER NOT NULL,
   run INTEGER NOT NULL REFERENCES run,
-  kinds INTEGER REFERENCES blob,   -- what the pixels of the thumbnail are, a byte each: 0 = not measured, 1 = the map
-                                   -- explains it, 2 = in no region of interest, 3 = of interest; NULL = no map
   UNIQUE (recording, frame_index)
 ) STRICT;
 CREATE INDEX scene_time ON scene (time);
--- Scenes 1, 65, 129, ... in order of time: derived from scene, so that scenes need not be counted.
-CREATE TABLE scene_mark (
-  number INTEGER PRIMARY KEY,      -- of the scene, in order of time
+-- The rank of scenes 1, 65, 129, ... in order of time. Derived from scene, to count scenes without reading them.
+CREATE TABLE scene_rank (
+  number INTEGER PRIMARY KEY,      -- rank of the scene in order of time
   time INTEGER NOT NULL,
   scene INTEGER NOT NULL REFERENCES scene
 ) STRICT;
-CREATE INDEX scene_mark_time ON scene_mark (time);
+CREATE INDEX scene_rank_time ON scene_rank (time);
 
--- What annotators did in a scene: how long each took, and what else they noted (joints, obstacles, failures).
+-- The log of a scene: the time of each annotator, and its messages (joints, obstacles, failures).
 CREATE TABLE scene_log (
   scene INTEGER NOT NULL REFERENCES scene,
   number INTEGER NOT NULL,         -- of the line, from 0
   annotator TEXT NOT NULL,
   level TEXT NOT NULL,             -- debug, info, warning, error
-  text TEXT,                       -- NULL = nothing but that it is done
-  milliseconds REAL,               -- that it took; NULL = not measured
+  text TEXT,                       -- NULL = only the time
+  milliseconds REAL,               -- NULL = not measured
   PRIMARY KEY (scene, number)
 ) STRICT, WITHOUT ROWID;
 
--- One thing that was seen in one scene (a cluster), before asking which object it is.
+-- One observation of something in one scene (a cluster), before data association.
 CREATE TABLE observation (
   id INTEGER PRIMARY KEY,
   scene INTEGER NOT NULL REFERENCES scene,
@@ -131,14 +130,14 @@ CREATE TABLE observation (
   crop INTEGER REFERENCES blob,    -- image of it
   mask INTEGER REFERENCES blob,    -- PNG, 8 bit, of the depth image's region of interest
   roi_x INTEGER, roi_y INTEGER, roi_width INTEGER, roi_height INTEGER,  -- pixels in the depth image
-  sentence TEXT,                   -- where it is, in words
-  cloud INTEGER REFERENCES blob,   -- z-depth of each pixel of the mask, row by row, millimetres, 0 = none: its change d
-                                   -- from the one before as 2d, or -2d - 1 below 0; all low bytes, then all high ones
+  location TEXT,                   -- where it is, in words
+  cloud INTEGER REFERENCES blob,   -- z-depth of each pixel of the mask, row by row, millimetres, 0 = none; the difference
+                                   -- d to the pixel before as 2d, or -2d - 1 for d < 0; all low bytes, then all high
   UNIQUE (scene, number)
 ) STRICT;
 CREATE INDEX observation_place ON observation (place);
 
--- What annotators say, each value once; the words are searched for in term_text (FTS5).
+-- The values of annotations, each once; term_text (FTS5) searches their words.
 CREATE TABLE term (
   id INTEGER PRIMARY KEY,
   type TEXT NOT NULL,              -- type name: "loci.Shape", "loci.Text", ...
@@ -147,15 +146,15 @@ CREATE TABLE term (
 ) STRICT;
 CREATE INDEX term_word ON term (value COLLATE NOCASE);
 CREATE VIRTUAL TABLE term_text USING fts5(value, content='term', content_rowid='id');
-CREATE TRIGGER term_is_searched AFTER INSERT ON term BEGIN
+CREATE TRIGGER term_text_insert AFTER INSERT ON term BEGIN
   INSERT INTO term_text (rowid, value) VALUES (new.id, new.value);
 END;
-CREATE TRIGGER term_is_forgotten AFTER DELETE ON term BEGIN
+CREATE TRIGGER term_text_delete AFTER DELETE ON term BEGIN
   INSERT INTO term_text (term_text, rowid, value) VALUES ('delete', old.id, old.value);
 END;
 
--- What an annotator says, as a searchable value; all of it is in feature_structure. The view annotation_said
--- has the words.
+-- An annotation as a searchable value; the complete structure is in feature_structure. The view annotation_value has
+-- the text of the term.
 CREATE TABLE annotation (
   id INTEGER PRIMARY KEY,
   scene INTEGER NOT NULL REFERENCES scene,
@@ -165,7 +164,7 @@ CREATE TABLE annotation (
   feature_structure INTEGER REFERENCES feature_structure
 ) STRICT;
 CREATE INDEX annotation_scene ON annotation (scene, observation);
-CREATE VIEW annotation_said AS
+CREATE VIEW annotation_value AS
   SELECT a.id, a.scene, a.observation, t.type, t.value, a.confidence, a.feature_structure
   FROM annotation a JOIN term t ON t.id = a.term;
 
@@ -195,7 +194,7 @@ CREATE TABLE feature_structure_blob (
   PRIMARY KEY (feature_structure, blob)
 ) STRICT, WITHOUT ROWID;
 
--- A thing that persists: what observations are believed to be of.
+-- A persistent object, to which observations are associated.
 CREATE TABLE object (
   id INTEGER PRIMARY KEY,
   valid_from INTEGER NOT NULL,     -- first seen
@@ -207,9 +206,9 @@ CREATE TABLE object (
   source TEXT NOT NULL             -- "perceive", "ingest", a person's name
 ) STRICT;
 
--- Which observation is which object, and why: the whole distribution, not only its mode. A row without
--- observation is an object that was not matched (disappear, missed, hidden); a row without object is a false
--- detection (clutter).
+-- Data association: which observation is of which object, with its explanation. The complete distribution, not only
+-- its mode. A row without observation is an object that was not matched (disappear, missed, hidden); a row without
+-- object is a false detection (clutter).
 CREATE TABLE association (
   id INTEGER PRIMARY KEY,
   scene INTEGER NOT NULL REFERENCES scene,
@@ -218,7 +217,7 @@ CREATE TABLE association (
   explanation TEXT NOT NULL CHECK (explanation IN
     ('stay', 'move', 'newview', 'appear', 'clutter', 'disappear', 'missed', 'hidden')),
   probability REAL NOT NULL CHECK (probability BETWEEN 0 AND 1),
-  chosen INTEGER NOT NULL CHECK (chosen IN (0, 1)),  -- part of the one consistent story that was acted on
+  chosen INTEGER NOT NULL CHECK (chosen IN (0, 1)),  -- 1 = part of the maximum a posteriori (MAP) hypothesis
   valid_from INTEGER NOT NULL,
   valid_to INTEGER,
   known_from INTEGER NOT NULL,
@@ -228,35 +227,36 @@ CREATE TABLE association (
   source TEXT NOT NULL
 ) STRICT;
 CREATE INDEX association_scene ON association (scene);
--- The sightings of an object, in order of time.
-CREATE INDEX association_sighting ON association (object, valid_from, scene)
+-- The observations of an object in order of time.
+CREATE INDEX association_object ON association (object, valid_from, scene)
   WHERE chosen = 1 AND observation IS NOT NULL AND probability > 0;
 CREATE INDEX association_observation ON association (observation);
 CREATE INDEX association_supersedes ON association (supersedes) WHERE supersedes IS NOT NULL;
 
--- What objects were ever called, and since when: derived from association and annotation, so that they are
--- found at once.
+-- The terms that annotations of an object ever had, and since when. Derived from association and annotation, to find
+-- objects by term.
 CREATE TABLE object_term (
   term INTEGER NOT NULL REFERENCES term,
   object INTEGER NOT NULL REFERENCES object,
-  since INTEGER NOT NULL,          -- of the first sighting that was called so
+  since INTEGER NOT NULL,          -- time of the first observation with this term
   PRIMARY KEY (term, object)
 ) STRICT, WITHOUT ROWID;
 
--- Sightings 1, 65, 129, ... of each object: derived from association, so that sightings need not be counted.
-CREATE TABLE sighting_mark (
+-- The rank of observations 1, 65, 129, ... of each object in order of time. Derived from association, to count
+-- observations without reading them.
+CREATE TABLE observation_rank (
   object INTEGER NOT NULL REFERENCES object,
-  number INTEGER NOT NULL,         -- of the sighting, in order of time
+  number INTEGER NOT NULL,         -- rank of the observation in order of time
   valid_from INTEGER NOT NULL,
   scene INTEGER NOT NULL REFERENCES scene,
   PRIMARY KEY (object, number)
 ) STRICT, WITHOUT ROWID;
 
--- Where an object was seen: one row for each change of place between its sightings, which holds until its next
--- row. Derived from association and observation, so that sightings on a place are found at once.
+-- The places on which an object was observed: one row for each change of place between its observations, until its
+-- next row. Derived from association and observation, to find observations on a place.
 CREATE TABLE visit (
   object INTEGER NOT NULL REFERENCES object,
-  valid_from INTEGER NOT NULL,     -- of the first sighting there
+  valid_from INTEGER NOT NULL,     -- time of the first observation there
   scene INTEGER NOT NULL REFERENCES scene,
   place INTEGER NOT NULL,          -- 0 = none
   PRIMARY KEY (object, valid_from, scene)
@@ -266,7 +266,7 @@ CREATE INDEX visit_place ON visit (object, place, valid_from, scene);
 -- What happened.
 CREATE TABLE event (
   id INTEGER PRIMARY KEY,
-  scene INTEGER REFERENCES scene,  -- in which it was noticed
+  scene INTEGER REFERENCES scene,  -- in which it was detected
   kind TEXT NOT NULL CHECK (kind IN
     ('appeared', 'moved', 'looks_different', 'gone', 'hidden', 'reappeared', 'joint_changed')),
   object INTEGER REFERENCES object,
@@ -278,7 +278,7 @@ CREATE TABLE event (
   joint TEXT,                      -- of joint_changed
   position REAL, from_position REAL,    -- of the joint: metres or radians
   probability REAL NOT NULL CHECK (probability BETWEEN 0 AND 1),
-  since INTEGER,                   -- it happened after this time (last look before) and until valid_from
+  since INTEGER,                   -- it happened after this time (the last view before) and until valid_from
   valid_from INTEGER NOT NULL,
   valid_to INTEGER,
   known_from INTEGER NOT NULL,
@@ -292,12 +292,12 @@ CREATE INDEX event_object ON event (object, valid_from);
 CREATE INDEX event_scene ON event (scene);
 CREATE INDEX event_supersedes ON event (supersedes) WHERE supersedes IS NOT NULL;
 
--- What is believed about an object from a scene on, until the next row of the object. There is a row only for
--- news: a new object, gone or back, another place, another look, a position farther off than 5 mm and its
--- sigma, a size other by 1 cm and a tenth, a probability other by 0.05. In between
---   a sighting (association) means that it is there with probability 1,
---   the probability p of t seconds ago has become p * (fade_to + (1 - fade_to) * exp(-t / fade_s)),
---   the status is what the last scene says: seen (association), missed or hidden (visibility), else out_of_view.
+-- The belief about an object from a scene on, until its next row. A row is only added for a significant change: a new
+-- object, gone or back, another place, another appearance, a position farther off than 5 mm and its sigma, a size
+-- different by 1 cm and a tenth, a probability different by 0.05. In between
+--   an observation (association) means that it is there with probability 1,
+--   a probability p becomes p * (fade_to + (1 - fade_to) * exp(-t / fade_s)) after t seconds,
+--   the status follows from the latest scene: seen (association), missed or hidden (visibility), else out_of_view.
 CREATE TABLE belief (
   id INTEGER PRIMARY KEY,
   object INTEGER NOT NULL REFERENCES object,
@@ -307,12 +307,12 @@ CREATE TABLE belief (
   place INTEGER REFERENCES place,
   x REAL, y REAL, z REAL,          -- where it is believed to be, map frame
   sigma REAL,                      -- standard deviation of that position
-  last_scene INTEGER REFERENCES scene,              -- in which it was last seen
-  last_observation INTEGER REFERENCES observation,  -- and as what
+  last_scene INTEGER REFERENCES scene,              -- of its last observation
+  last_observation INTEGER REFERENCES observation,  -- its last observation
   hue REAL, saturation REAL, value REAL,
   color TEXT,
   size_x REAL, size_y REAL, size_z REAL,
-  fade_s REAL, fade_to REAL,       -- how the probability fades while nobody looks; NULL = it does not
+  fade_s REAL, fade_to REAL,       -- how the probability fades without observations; NULL = it does not
   valid_from INTEGER NOT NULL,
   valid_to INTEGER,
   known_from INTEGER NOT NULL,
@@ -325,14 +325,14 @@ CREATE INDEX belief_object ON belief (object, valid_from);
 CREATE INDEX belief_scene ON belief (scene);
 CREATE INDEX belief_supersedes ON belief (supersedes) WHERE supersedes IS NOT NULL;
 
--- Where objects were believed to be, from one row of belief to the next: derived from belief, to find what is
--- near a point or on a place at a time. Millimetres, seconds since 1970 (2147483647 = until now), place 0 = none,
--- -5 = gone from place 5.
+-- Where objects were believed to be, from one row of belief to the next. Derived from belief, to find objects near a
+-- point or on a place at a time. Millimetres, seconds since 1970 (2147483647 = until now), place 0 = none, -5 = gone
+-- from place 5.
 CREATE VIRTUAL TABLE stay USING rtree_i32(
   belief, x_from, x_to, y_from, y_to, z_from, z_to, since, until, place_from, place_to, +object);
 
--- What a scene could tell about an object's last place, or about a place as a whole. Of objects only those
--- have a row that were looked for: missed, or hidden. What the scene did not see otherwise was out of view.
+-- What a scene shows of an object's last place, or of a place as a whole. Only objects that should have been observed
+-- have a row: missed, or hidden. All others that the scene did not observe were out of view.
 CREATE TABLE visibility (
   id INTEGER PRIMARY KEY,
   scene INTEGER NOT NULL REFERENCES scene,
@@ -350,13 +350,13 @@ CREATE INDEX visibility_object ON visibility (object, valid_from) WHERE object I
 CREATE INDEX visibility_place ON visibility (place, valid_from) WHERE place IS NOT NULL;
 CREATE INDEX visibility_scene ON visibility (scene);
 
--- What people or programs say about an object or a place: owner, state, alias, taxonomy, class, text, ...
+-- Facts that people or programs state about an object or a place: owner, state, alias, taxonomy, class, text, ...
 CREATE TABLE fact (
   id INTEGER PRIMARY KEY,
   object INTEGER REFERENCES object,
   place INTEGER REFERENCES place,
   key TEXT NOT NULL,
-  value TEXT,                      -- NULL = taken back
+  value TEXT,                      -- NULL = retracted
   probability REAL CHECK (probability BETWEEN 0 AND 1),
   valid_from INTEGER NOT NULL,
   valid_to INTEGER,
@@ -371,31 +371,31 @@ CREATE INDEX fact_key ON fact (key, value);
 CREATE INDEX fact_object ON fact (object) WHERE object IS NOT NULL;
 CREATE INDEX fact_supersedes ON fact (supersedes) WHERE supersedes IS NOT NULL;
 
--- What a program needs to go on where it stopped (the belief after the last scene, for example): only the last
--- state of each name is kept. No answer depends on it.
+-- The state from which a program resumes (the belief after the last scene, for example): only the last state of each
+-- name. No answer depends on it.
 CREATE TABLE checkpoint (
   name TEXT PRIMARY KEY,
-  scene INTEGER REFERENCES scene,  -- after which this is the state
+  scene INTEGER REFERENCES scene,  -- after which this was the state
   encoding INTEGER NOT NULL CHECK (encoding IN (0, 1)),
   content BLOB NOT NULL
 ) STRICT;
 
--- What the belief was told about a scene and what it made of it, in a form of loci's own (memory/recorder): to explain
--- decisions, and to reason anew. No other answer depends on it.
+-- The evidence of a scene and the decisions of the belief, in a format of memory/recorder: to explain decisions, and to
+-- reason again. No other answer depends on it.
 CREATE TABLE reasoning (
   scene INTEGER PRIMARY KEY REFERENCES scene,
   encoding INTEGER NOT NULL CHECK (encoding IN (0, 1)),
-  content BLOB NOT NULL            -- empty = let go by a rule of retention
+  content BLOB NOT NULL            -- empty = discarded by a rule of retention
 ) STRICT;
-CREATE INDEX reasoning_scene ON reasoning (scene);  -- counts them without reading them
+CREATE INDEX reasoning_scene ON reasoning (scene);  -- to count them without reading them
 
--- How many rows a table has: derived, so that rows need not be counted. Tables without a row here are small.
+-- The number of rows of the large tables. Derived.
 CREATE TABLE row_count (
   name TEXT PRIMARY KEY,           -- of the table
   rows INTEGER NOT NULL
 ) STRICT, WITHOUT ROWID;
 
--- What was forgotten on request: an object, or everything of a time. Nothing else is left of it.
+-- What was forgotten on request: an object, or everything between two times. Nothing else of it remains.
 CREATE TABLE forgotten (
   id INTEGER PRIMARY KEY,
   object INTEGER REFERENCES object,
@@ -405,14 +405,14 @@ CREATE TABLE forgotten (
   CHECK ((object IS NULL) <> (valid_from IS NULL))
 ) STRICT;
 
--- Rows with two clocks are only added.
-CREATE TRIGGER association_is_kept BEFORE UPDATE ON association BEGIN SELECT RAISE(ABORT, 'rows are only added'); END;
-CREATE TRIGGER event_is_kept BEFORE UPDATE ON event BEGIN SELECT RAISE(ABORT, 'rows are only added'); END;
-CREATE TRIGGER object_is_kept BEFORE UPDATE ON object BEGIN SELECT RAISE(ABORT, 'rows are only added'); END;
-CREATE TRIGGER belief_is_kept BEFORE UPDATE ON belief BEGIN SELECT RAISE(ABORT, 'rows are only added'); END;
-CREATE TRIGGER fact_is_kept BEFORE UPDATE ON fact BEGIN SELECT RAISE(ABORT, 'rows are only added'); END;
+-- Rows of bitemporal tables are only added.
+CREATE TRIGGER association_append_only BEFORE UPDATE ON association BEGIN SELECT RAISE(ABORT, 'rows are only added'); END;
+CREATE TRIGGER event_append_only BEFORE UPDATE ON event BEGIN SELECT RAISE(ABORT, 'rows are only added'); END;
+CREATE TRIGGER object_append_only BEFORE UPDATE ON object BEGIN SELECT RAISE(ABORT, 'rows are only added'); END;
+CREATE TRIGGER belief_append_only BEFORE UPDATE ON belief BEGIN SELECT RAISE(ABORT, 'rows are only added'); END;
+CREATE TRIGGER fact_append_only BEFORE UPDATE ON fact BEGIN SELECT RAISE(ABORT, 'rows are only added'); END;
 
--- The same rows with the effective end of knowing them: WHERE known_to IS NULL is what is known now,
+-- The same rows with the effective end of their transaction time: WHERE known_to IS NULL is what is known now,
 -- WHERE known_from <= T AND (known_to IS NULL OR known_to > T) is what was known at T.
 CREATE VIEW association_known AS
   SELECT a.id, a.scene, a.observation, a.object, a.explanation, a.probability, a.chosen, a.valid_from, a.valid_to,
@@ -443,21 +443,21 @@ CREATE VIEW fact_known AS
     a.supersedes, a.run, a.source
   FROM fact a;
 
--- For people: sqlite3, Python, R, DuckDB. These stay as they are within a major version; times are ISO 8601, UTC.
+-- Public views, for sqlite3, Python, R, DuckDB. They are stable within a major version; times are ISO 8601, UTC.
 
--- What is believed now, one row per object.
+-- The current belief, one row per object.
 CREATE VIEW v_objects AS
   WITH latest AS (SELECT id, time FROM scene ORDER BY time DESC, id DESC LIMIT 1),
   last AS (
     SELECT b.*, (SELECT a.id FROM association_known a WHERE a.object = b.object AND a.chosen = 1
       AND a.observation IS NOT NULL AND a.probability > 0 AND a.known_to IS NULL
-      ORDER BY a.valid_from DESC, a.id DESC LIMIT 1) AS sighting
+      ORDER BY a.valid_from DESC, a.id DESC LIMIT 1) AS association
     FROM belief_known b WHERE b.known_to IS NULL AND b.id = (SELECT c.id FROM belief_known c
       WHERE c.object = b.object AND c.known_to IS NULL ORDER BY c.valid_from DESC, c.id DESC LIMIT 1)),
-  told AS (
+  current AS (
     SELECT l.*, a.scene AS seen_scene, coalesce(a.valid_from > l.valid_from, 0) AS seen_later,
       max(l.valid_from, coalesce(a.valid_from, 0)) AS base
-    FROM last l LEFT JOIN association a ON a.id = l.sighting)
+    FROM last l LEFT JOIN association a ON a.id = l.association)
   SELECT 'object_' || t.object AS object,
     CASE WHEN t.status = 'gone' AND NOT t.seen_later THEN 'gone'
       WHEN t.scene = latest.id AND NOT t.seen_later THEN t.status
@@ -469,11 +469,11 @@ CREATE VIEW v_objects AS
         exp(-max(0, latest.time - t.base) / 1e9 / t.fade_s) END AS probability,
     p.name AS place, t.x, t.y, t.z, t.color, t.size_x, t.size_y, t.size_z,
     strftime('%Y-%m-%dT%H:%M:%SZ', s.time / 1000000000, 'unixepoch') AS last_seen
-  FROM told t, latest LEFT JOIN place p ON p.id = t.place
+  FROM current t, latest LEFT JOIN place p ON p.id = t.place
     LEFT JOIN scene s ON s.id = coalesce(t.seen_scene, t.last_scene);
 
--- Every time that an object was seen, as believed now.
-CREATE VIEW v_sightings AS
+-- Every observation of an object by the current belief.
+CREATE VIEW v_observations AS
   SELECT 'object_' || a.object AS object, strftime('%Y-%m-%dT%H:%M:%SZ', s.time / 1000000000, 'unixepoch') AS time,
     s.id AS scene, s.frame_index, p.name AS place, o.x, o.y, o.z, o.color, o.size_x, o.size_y, o.size_z,
     a.explanation, a.probability
@@ -481,7 +481,7 @@ CREATE VIEW v_sightings AS
     LEFT JOIN place p ON p.id = o.place
   WHERE a.known_to IS NULL AND a.chosen = 1 AND a.object IS NOT NULL AND a.probability > 0;
 
--- What happened, as believed now.
+-- Events by the current belief.
 CREATE VIEW v_events AS
   SELECT strftime('%Y-%m-%dT%H:%M:%SZ', e.valid_from / 1000000000, 'unixepoch') AS time, e.kind,
     'object_' || e.object AS object, p.name AS place, f.name AS from_place, e.x, e.y, e.z, e.from_x, e.from_y, e.from_z,
@@ -489,26 +489,26 @@ CREATE VIEW v_events AS
   FROM event_known e LEFT JOIN place p ON p.id = e.place LEFT JOIN place f ON f.id = e.from_place
   WHERE e.known_to IS NULL AND e.probability > 0;
 
--- Scenes with what was seen in them.
+-- Scenes with their number of observations.
 CREATE VIEW v_scenes AS
   SELECT s.id AS scene, strftime('%Y-%m-%dT%H:%M:%SZ', s.time / 1000000000, 'unixepoch') AS time,
     r.name AS recording, s.frame_index, s.x, s.y, s.z, s.qx, s.qy, s.qz, s.qw,
     (SELECT count(*) FROM observation o WHERE o.scene = s.id) AS observations
   FROM scene s LEFT JOIN recording r ON r.id = s.recording;
 
--- Which scene looked at which place, and how much of it was seen.
-CREATE VIEW v_looks AS
+-- Which scene observed which place, and the part of it that it saw.
+CREATE VIEW v_place_visibility AS
   SELECT p.name AS place, s.id AS scene, strftime('%Y-%m-%dT%H:%M:%SZ', s.time / 1000000000, 'unixepoch') AS time,
     v.fraction, v.status
   FROM visibility v JOIN place p ON p.id = v.place JOIN scene s ON s.id = v.scene;
 
--- What annotators did in each scene, and how long they took.
+-- The log of the annotators, with their times.
 CREATE VIEW v_log AS
   SELECT s.id AS scene, strftime('%Y-%m-%dT%H:%M:%SZ', s.time / 1000000000, 'unixepoch') AS time, l.annotator, l.level,
     l.text, l.milliseconds
   FROM scene_log l JOIN scene s ON s.id = l.scene;
 
--- What people and programs say, as known now.
+-- Facts as known now.
 CREATE VIEW v_facts AS
   SELECT coalesce('object_' || f.object, p.name) AS about, f.key, f.value, f.probability, f.source
   FROM fact_known f LEFT JOIN place p ON p.id = f.place WHERE f.known_to IS NULL AND f.value IS NOT NULL;

@@ -1,8 +1,8 @@
+// Opening and closing of a memory, its format, and rows that belong to no scene.
+
 #include "memory/store/store.h"
 
 #include <fcntl.h>
-#include <fmt/format.h>
-#include <sqlite3.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -11,34 +11,34 @@
 #include <cstring>
 
 #include "mapping/base/hash.h"
-#include "memory/store/database.h"
-#include "memory/store/schema.h"
+#include "memory/store/derived_rows.h"
+#include "memory/store/format.h"
+#include "memory/store/row_columns.h"
 
 namespace loci::memory {
 namespace {
 
 namespace fs = std::filesystem;
 
-FileLocation place_of(const fs::path& path) {
-  return {path.string(), 0, {}};
+Error file_error(const fs::path& path, const std::string& what, const std::string& hint = {}) {
+  return Error(what, {path.string(), 0, {}}, hint);
 }
 
 fs::path lock_path(const fs::path& path) {
   return path.string() + ".lock";
 }
 
-/// One writer at a time. A lock beside the file, because closing another descriptor of the database file
-/// itself would drop SQLite's own locks. It falls with its process.
+/// Keeps other writers out. The lock is a file of its own, because closing another descriptor of the database
+/// file would release SQLite's own locks. It is released with its process.
 int take_lock(const fs::path& path) {
   const fs::path name = lock_path(path);
   for (int attempt = 0; attempt < 10; ++attempt) {
     const int descriptor = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    if (descriptor < 0)
-      throw Error(std::string("cannot be written: ") + std::strerror(errno), place_of(path));
+    if (descriptor < 0) throw file_error(path, std::string("cannot be written: ") + std::strerror(errno));
     if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
       ::close(descriptor);
-      throw Error("another program is writing to this memory", place_of(path),
-                  "wait until it has finished; reading is possible meanwhile");
+      throw file_error(path, "another program is writing to this memory",
+                       "wait until it has finished; reading is possible meanwhile");
     }
     // Between open and flock the last writer may have removed the name.
     struct stat mine {
@@ -47,69 +47,68 @@ int take_lock(const fs::path& path) {
       return descriptor;
     ::close(descriptor);
   }
-  throw Error("another program is writing to this memory", place_of(path), "try again");
-}
-
-int64_t pragma(SQLite::Database& database, const char* name) {
-  return database.execAndGet(std::string("PRAGMA ") + name).getInt64();
+  throw file_error(path, "another program is writing to this memory", "try again");
 }
 
 bool is_blank(SQLite::Database& database) {
-  return pragma(database, "application_id") == 0 &&
-         database.execAndGet("SELECT count(*) FROM sqlite_master").getInt64() == 0;
+  return query_integer(database, "PRAGMA application_id") == 0 &&
+         query_integer(database, "SELECT count(*) FROM sqlite_master") == 0;
 }
 
-/// Which program wrote the file, for the message about a version that is too new.
-std::string written_by(SQLite::Database& database) {
+std::string version_text(int version) {
+  return fmt::format("{}.{}", version / 1000, version % 1000);
+}
+
+/// The program that reads a file of a newer major version.
+std::string program_for(SQLite::Database& database, int version) {
   try {
-    return database.execAndGet("SELECT value FROM meta WHERE key = 'written_by'").getString();
+    return database.execAndGet("SELECT value FROM meta WHERE key = 'written_by'").getString() + " or later";
   } catch (const SQLite::Exception&) {
-    return {};
+    return fmt::format("loci {}.0 or later", version / 1000);
   }
 }
 
-void check_version(SQLite::Database& database, const fs::path& path, int version) {
-  if (pragma(database, "application_id") != kMemoryApplicationId)
-    throw Error("is an SQLite database, but no memory of loci", place_of(path), "give a *.loci file");
-  if (version / 1000 > kMemoryMajor) {
-    const std::string writer = written_by(database);
-    const std::string reader = writer.empty() ? fmt::format("loci {}.0 or later", version / 1000)
-                                              : fmt::format("{} or later", writer);
-    throw Error(fmt::format("has memory format {}.{}, this program reads up to {}.x", version / 1000,
-                            version % 1000, kMemoryMajor),
-                place_of(path), fmt::format("read it with {}", reader));
-  }
-  if (version < 1000) throw Error("has no memory format version", place_of(path), "the file is damaged");
+/// The version of the file. Error when this program cannot read it.
+int check_version(SQLite::Database& database, const fs::path& path, const MemoryFormat& format) {
+  const int64_t application = query_integer(database, "PRAGMA application_id");
+  if (application == kDevelopmentApplicationId)
+    throw file_error(path, "was written by a development version of loci",
+                     "run loci-perceive again on the recording");
+  if (application != kMemoryApplicationId)
+    throw file_error(path, "is an SQLite database, but not a memory of loci", "give a *.loci file");
+  const auto version = static_cast<int>(query_integer(database, "PRAGMA user_version"));
+  if (version / 1000 > format.major())
+    throw file_error(path,
+                     fmt::format("has memory format {}, this program reads up to {}.x", version_text(version),
+                                 format.major()),
+                     "read it with " + program_for(database, version));
+  if (version < 1000) throw file_error(path, "has no memory format version", "the file is damaged");
+  return version;
 }
 
-/// One change of the schema: `sql` leads from the version before to `version`.
-struct Migration {
-  int version;
-  const char* sql;
-};
-/// In order. The schema file is always that of the newest version.
-const std::array<Migration, 5> kMigrations{{{1001, kMigrationTo1001},
-                                            {1002, kMigrationTo1002},
-                                            {1003, kMigrationTo1003},
-                                            {1004, kMigrationTo1004},
-                                            {1005, kMigrationTo1005}}};
+void check_writable_version(int version, const fs::path& path, const MemoryFormat& format) {
+  if (version > format.version)
+    throw file_error(path,
+                     fmt::format("has memory format {}, newer than this program's {}: it can only be read",
+                                 version_text(version), version_text(format.version)),
+                     "write to it with a newer loci");
+}
 
-void migrate(SQLite::Database& database, int version) {
-  if (version >= kMemoryVersion) return;
+void migrate(SQLite::Database& database, int version, const MemoryFormat& format) {
+  if (version >= format.version) return;
   SQLite::Transaction all(database, SQLite::TransactionBehavior::IMMEDIATE);
-  for (const Migration& migration : kMigrations)
+  for (const Migration& migration : format.migrations)
     if (migration.version > version) database.exec(migration.sql);
-  if (version < 1003) database.exec(kDerivation);
-  database.exec(kCounting);
-  database.exec(fmt::format("PRAGMA user_version = {}", kMemoryVersion));
+  derive_tables(database);
+  database.exec(fmt::format("PRAGMA user_version = {}", format.version));
   all.commit();
 }
 
-void create_schema(SQLite::Database& database, TimeNs known) {
+void create_schema(SQLite::Database& database, TimeNs known, const MemoryFormat& format) {
   SQLite::Transaction all(database, SQLite::TransactionBehavior::IMMEDIATE);
-  database.exec(kMemorySchema);
-  database.exec(fmt::format("PRAGMA application_id = {}", kMemoryApplicationId));
-  database.exec(fmt::format("PRAGMA user_version = {}", kMemoryVersion));
+  database.exec(format.schema);
+  database.exec(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", kMemoryApplicationId,
+                            format.version));
   SQLite::Statement meta(database, "INSERT INTO meta (key, value) VALUES (?, ?)");
   for (const auto& [key, value] : {std::pair<std::string, std::string>{"format", "loci-memory"},
                                    {"created", format_time(known)},
@@ -119,24 +118,26 @@ void create_schema(SQLite::Database& database, TimeNs known) {
     meta.exec();
     meta.reset();
   }
+  count_rows(database);
   all.commit();
 }
 
 void configure(SQLite::Database& database) {
   database.setBusyTimeout(5000);
-  database.exec("PRAGMA cache_size = -16000");  // 16 MB: what scenes change and questions ask again and again
+  database.exec(
+      "PRAGMA cache_size = -16000");  // 16 MB: what scenes change and questions read again and again
   database.exec("PRAGMA foreign_keys = ON");
 }
 
-/// A memory without scenes, which is there as a whole or not at all, whenever the program is stopped.
-void create_memory(const fs::path& path, TimeNs known) {
+/// A memory without scenes; complete or not there at all, whenever the program is stopped.
+void create_memory(const fs::path& path, TimeNs known, const MemoryFormat& format) {
   const fs::path partial = path.string() + ".partial";
   std::error_code ignored;
   for (const char* end : {"", "-wal", "-shm", "-journal"}) fs::remove(partial.string() + end, ignored);
   {
     SQLite::Database database(partial.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
     configure(database);
-    create_schema(database, known);
+    create_schema(database, known, format);
     database.exec("PRAGMA journal_mode = WAL");
   }
   fs::rename(partial, path);
@@ -147,9 +148,10 @@ bool can_write(const fs::path& path) {
   return ::access(path.c_str(), W_OK) == 0 && ::access(folder.c_str(), W_OK) == 0;
 }
 
-/// A file that lies where nothing can be written beside it (a read-only medium) is read as it is.
+/// A file in a folder where nothing can be written (a read-only medium) is opened as immutable.
 std::unique_ptr<SQLite::Database> open_database_to_read(const fs::path& path) {
-  // Opened so that the shared memory of the log can be set up and removed again; query_only keeps the rest.
+  // Opened so that the shared memory of the log can be set up and removed again; query_only prevents the
+  // rest.
   if (can_write(path)) return std::make_unique<SQLite::Database>(path.string(), SQLite::OPEN_READWRITE);
   std::error_code ignored;
   const fs::path log = path.string() + "-wal";
@@ -164,13 +166,13 @@ std::unique_ptr<SQLite::Database> open_database_to_read(const fs::path& path) {
 
 }  // namespace
 
-Store::Implementation::~Implementation() {
+Store::Connection::~Connection() {
   statements.clear();
   if (writable && database) {
     try {
       database->exec("PRAGMA wal_checkpoint(TRUNCATE)");
     } catch (const SQLite::Exception&) {
-      // The log stays beside the file and is taken over by whoever opens it next.
+      // The log stays beside the file; the next program that opens the memory takes it over.
     }
   }
   database.reset();
@@ -180,160 +182,150 @@ Store::Implementation::~Implementation() {
   }
 }
 
-Store Store::open_read(const fs::path& path) {
+Store Store::open_read(const fs::path& path, const MemoryFormat& format) {
   std::error_code code;
-  if (!fs::exists(path, code)) throw Error("no such memory", place_of(path), "loci-perceive run makes one");
-  if (fs::is_directory(path, code)) throw Error("is a folder, a memory file was expected", place_of(path));
-  auto implementation = std::make_unique<Implementation>();
-  implementation->path = path;
-  implementation->guarded([&] {
-    implementation->database = open_database_to_read(path);
-    SQLite::Database& database = *implementation->database;
+  if (!fs::exists(path, code)) throw file_error(path, "no such memory", "loci-perceive run makes one");
+  if (fs::is_directory(path, code)) throw file_error(path, "is a folder, a memory file was expected");
+  auto connection = std::make_unique<Connection>();
+  connection->path = path;
+  connection->guarded([&] {
+    connection->database = open_database_to_read(path);
+    SQLite::Database& database = *connection->database;
     configure(database);
-    // Questions go to and fro in all of a long history.
-    database.exec("PRAGMA cache_size = -64000");
-    if (is_blank(database)) throw Error("is empty, no memory of loci", place_of(path), "give a *.loci file");
-    implementation->version = static_cast<int>(pragma(database, "user_version"));
-    check_version(database, path, implementation->version);
-    if (implementation->version < 1001) database.exec(kViewsOf1000);
-    if (implementation->version < 1003) database.exec(kViewsOf1002);
-    if (implementation->version < 1005) database.exec(kViewsOf1004);
+    database.exec("PRAGMA cache_size = -64000");  // Questions read back and forth in a long history.
+    if (is_blank(database)) throw file_error(path, "is empty, not a memory of loci", "give a *.loci file");
+    connection->version = check_version(database, path, format);
+    for (const Migration& migration : format.migrations)
+      if (migration.version > connection->version) database.exec(migration.read_views);
     if (can_write(path)) database.exec("PRAGMA query_only = ON");
   });
-  return Store(std::move(implementation));
+  return Store(std::move(connection));
 }
 
-Store Store::open_write(const fs::path& path, const WriteOptions& options) {
+Store Store::open_write(const fs::path& path, const WriteOptions& options, const MemoryFormat& format) {
   std::error_code code;
-  if (fs::is_directory(path, code)) throw Error("is a folder, a memory file was expected", place_of(path));
+  if (fs::is_directory(path, code)) throw file_error(path, "is a folder, a memory file was expected");
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  if (!fs::is_directory(folder, code)) throw Error("the folder does not exist", place_of(path));
-  auto implementation = std::make_unique<Implementation>();
-  implementation->path = path;
-  implementation->options = options;
-  implementation->lock = take_lock(path);
+  if (!fs::is_directory(folder, code)) throw file_error(path, "the folder does not exist");
+  auto connection = std::make_unique<Connection>();
+  connection->path = path;
+  connection->now = options.now;
+  connection->lock = take_lock(path);
   const bool existed = fs::exists(path, code);
   try {
-    implementation->guarded([&] {
-      if (!existed) create_memory(path, implementation->known_time());
-      implementation->database = std::make_unique<SQLite::Database>(path.string(), SQLite::OPEN_READWRITE);
-      SQLite::Database& database = *implementation->database;
+    connection->guarded([&] {
+      if (!existed) create_memory(path, connection->known_time(), format);
+      connection->database = std::make_unique<SQLite::Database>(path.string(), SQLite::OPEN_READWRITE);
+      SQLite::Database& database = *connection->database;
       configure(database);
-      const bool blank = is_blank(database);
-      if (!blank) {
-        const auto version = static_cast<int>(pragma(database, "user_version"));
-        check_version(database, path, version);
-        if (version > kMemoryVersion)
-          throw Error(
-              fmt::format("has memory format {}.{}, newer than this program's {}.{}: it can only be read",
-                          version / 1000, version % 1000, kMemoryMajor, kMemoryMinor),
-              place_of(path), "write to it with a newer loci");
-        migrate(database, version);
-      }
+      if (is_blank(database)) create_schema(database, connection->known_time(), format);
+      const int version = check_version(database, path, format);
+      check_writable_version(version, path, format);
+      migrate(database, version, format);
       database.exec("PRAGMA journal_mode = WAL");
       database.exec("PRAGMA synchronous = NORMAL");
-      // The same pages change with every scene: eight times the usual log carries each over less often.
+      // The same pages change with every scene: a log of eight times the usual size writes each less often.
       database.exec("PRAGMA wal_autocheckpoint = 8000");
-      if (blank) create_schema(database, implementation->known_time());
-      // Once: in a new memory, and where not all of these tables were counted yet.
-      if (database.execAndGet("SELECT count(*) FROM row_count WHERE name = 'stay'").getInt64() == 0)
-        database.exec(kCounting);
       database.exec("PRAGMA wal_checkpoint(TRUNCATE)");
-      implementation->version = kMemoryVersion;
+      connection->version = format.version;
     });
   } catch (...) {
     if (!existed) {
-      implementation->database.reset();
+      connection->database.reset();
       for (const char* end : {"", ".partial"}) fs::remove(path.string() + end, code);
     }
     throw;
   }
-  implementation->writable = true;
-  return Store(std::move(implementation));
+  connection->writable = true;
+  return Store(std::move(connection));
 }
 
-Store::Store(std::unique_ptr<Implementation> implementation) : implementation_(std::move(implementation)) {}
+Store::Store(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
 Store::Store(Store&&) noexcept = default;
 Store& Store::operator=(Store&&) noexcept = default;
 Store::~Store() = default;
 
+Store::ReadTransaction::ReadTransaction(const Store& store) : db_(*store.connection_) {
+  if (db_.writable || db_.read_transactions++ > 0) return;
+  try {
+    db_.guarded([&] { db_.database->exec("BEGIN"); });
+  } catch (...) {
+    --db_.read_transactions;
+    throw;
+  }
+}
+
+Store::ReadTransaction::~ReadTransaction() {
+  if (db_.writable || --db_.read_transactions > 0) return;
+  for (auto& [text, statement] : db_.statements) statement->tryReset();
+  db_.database->tryExec("COMMIT");
+}
+
 const fs::path& Store::path() const {
-  return implementation_->path;
+  return connection_->path;
 }
 bool Store::writable() const {
-  return implementation_->writable;
+  return connection_->writable;
 }
 int Store::major() const {
-  return implementation_->version / 1000;
+  return connection_->version / 1000;
 }
 int Store::minor() const {
-  return implementation_->version % 1000;
+  return connection_->version % 1000;
+}
+Error Store::error(const std::string& what, const std::string& hint) const {
+  return connection_->error(what, hint);
 }
 
 Id Store::begin_run(const std::string& program, const std::string& configuration_json) {
-  auto& s = *implementation_;
-  return s.transaction([&] {
-    return s.insert("run", {{"program", sql(program)},
-                            {"version", std::string_view(LOCI_VERSION)},
-                            {"configuration", sql(configuration_json)},
-                            {"started", sql(s.known_time())}});
+  auto& db = *connection_;
+  return db.transaction([&] {
+    return insert_row(db, RunRow{.program = program,
+                                 .version = LOCI_VERSION,
+                                 .configuration = configuration_json,
+                                 .started = db.known_time()});
   });
 }
 
 void Store::finish_run(Id run) {
-  auto& s = *implementation_;
-  s.transaction([&] {
-    SQLite::Statement& statement = s.statement("UPDATE run SET finished = ? WHERE id = ?");
-    bind_values(statement, {sql(s.known_time()), sql(run)});
-    statement.exec();
+  auto& db = *connection_;
+  db.transaction([&] {
+    db.run("UPDATE run SET finished = ? WHERE id = ?", {sql(db.known_time()), sql(run)});
   });
 }
 
 Id Store::add_recording(const RecordingRow& row) {
-  auto& s = *implementation_;
+  auto& db = *connection_;
   if (const auto existing = recording(row.fingerprint)) return existing->id;
-  return s.transaction([&] {
-    return s.insert("recording", {{"fingerprint", sql(row.fingerprint)},
-                                  {"name", sql(row.name)},
-                                  {"kind", sql(row.kind)},
-                                  {"time_assumed", sql(row.time_assumed)},
-                                  {"frames", sql(row.frames)}});
-  });
+  return db.transaction([&] { return insert_row(db, row); });
 }
 
 Id Store::add_map(const std::string& name, std::string_view urdf, std::string_view sidecar) {
-  auto& s = *implementation_;
-  const std::string hash = content_hash(content_hash(urdf) + content_hash(sidecar));
-  return s.transaction([&] {
-    std::optional<Id> known;
-    s.query("SELECT id FROM map WHERE hash = ?", {sql(hash)},
-            [&](const SqlRow& row) { known = row.integer("id"); });
-    if (known) return *known;
-    const Id urdf_blob = s.add_blob(urdf, "application/xml");
-    std::optional<Id> sidecar_blob;
-    if (!sidecar.empty()) sidecar_blob = s.add_blob(sidecar, "application/json");
-    return s.insert(
-        "map",
-        {{"hash", sql(hash)}, {"name", sql(name)}, {"urdf", sql(urdf_blob)}, {"sidecar", sql(sidecar_blob)}});
+  auto& db = *connection_;
+  MapRow row{.hash = content_hash(content_hash(urdf) + content_hash(sidecar)), .name = name};
+  return db.transaction([&] {
+    if (const auto existing = db.value<Id>("SELECT id FROM map WHERE hash = ?", {sql(row.hash)}))
+      return *existing;
+    row.urdf = db.add_blob(urdf, "application/xml");
+    if (!sidecar.empty()) row.sidecar = db.add_blob(sidecar, "application/json");
+    return insert_row(db, row);
   });
 }
 
 Id Store::add_place(const PlaceRow& row, Id run) {
-  auto& s = *implementation_;
-  return s.transaction([&] { return s.add_place(row, run, s.known_time()); });
+  auto& db = *connection_;
+  return db.transaction([&] { return db.add_place(row, run, db.known_time()); });
 }
 
 Id Store::add_fact(const FactRow& row, Id run) {
-  auto& s = *implementation_;
-  return s.transaction([&] { return s.add_fact(row, run, s.known_time()); });
+  auto& db = *connection_;
+  return db.transaction([&] { return db.add_fact(row, run, db.known_time()); });
 }
 
 void Store::set_meta(const std::string& key, const std::string& value) {
-  auto& s = *implementation_;
-  s.transaction([&] {
-    SQLite::Statement& statement = s.statement("INSERT OR REPLACE INTO meta (key, value) VALUES (?, ?)");
-    bind_values(statement, {sql(key), sql(value)});
-    statement.exec();
+  auto& db = *connection_;
+  db.transaction([&] {
+    db.run("INSERT OR REPLACE INTO meta (key, value) VALUES (?, ?)", {sql(key), sql(value)});
   });
 }
 

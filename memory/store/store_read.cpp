@@ -1,29 +1,39 @@
+// Reading: runs, recordings, places, scenes, events, facts, stored bytes, and the file as a whole.
+
+#include <algorithm>
 #include <charconv>
 
-#include "memory/store/reading.h"
+#include "memory/store/row_columns.h"
 
 namespace loci::memory {
+namespace {
 
-Store::ReadTransaction::ReadTransaction(const Store& store) : store_(*store.implementation_) {
-  if (store_.writable || store_.moments++ > 0) return;
-  try {
-    store_.guarded([&] { store_.database->exec("BEGIN"); });
-  } catch (...) {
-    --store_.moments;
-    throw;
-  }
+std::vector<VisibilityRow> visibility_of(Store::Connection& db, const char* column, Id id,
+                                         std::optional<TimeNs> from, std::optional<TimeNs> to) {
+  Where where(fmt::format("{} = ?1", column), {sql(id)});
+  return select<VisibilityRow>(db, where.between("valid_from", from, to), "valid_from, id");
 }
 
-Store::ReadTransaction::~ReadTransaction() {
-  if (store_.writable || --store_.moments > 0) return;
-  for (auto& [text, statement] : store_.statements) statement->tryReset();
-  store_.database->tryExec("COMMIT");
+std::string decoded(const SqlRow& row, const std::filesystem::path& path, int64_t size = -1) {
+  return decode_bytes(row.bytes("content"), row.get<int64_t>("encoding"), size, path);
 }
+
+/// The table that an index, or a shadow table of R*Tree or full text, belongs to.
+std::map<std::string, std::string> table_owners(Store::Connection& db) {
+  std::map<std::string, std::string> result;
+  db.query(
+      "SELECT name, tbl_name FROM sqlite_master WHERE type IN ('table', 'index')", {},
+      [&](const SqlRow& row) { result[row.get<std::string>("name")] = row.get<std::string>("tbl_name"); });
+  for (auto& [name, table] : result)
+    for (const char* parent : {"stay", "term_text"})
+      if (table.starts_with(std::string(parent) + "_")) table = parent;
+  return result;
+}
+
+}  // namespace
 
 std::optional<std::string> Store::meta(const std::string& key) const {
-  const auto rows = all<std::string>(*implementation_, "SELECT value FROM meta WHERE key = ?", {sql(key)},
-                                     [](const SqlRow& row) { return row.text("value"); });
-  return rows.empty() ? std::nullopt : std::optional(rows[0]);
+  return connection_->value<std::string>("SELECT value FROM meta WHERE key = ?", {sql(key)});
 }
 
 int Store::time_zone_minutes() const {
@@ -34,166 +44,307 @@ int Store::time_zone_minutes() const {
 }
 
 std::vector<RunRow> Store::runs() const {
-  return all<RunRow>(*implementation_, "SELECT * FROM run ORDER BY id", {}, [](const SqlRow& row) {
-    return RunRow{row.integer("id"),         row.text("program"),    row.text("version"),
-                  row.text("configuration"), row.integer("started"), row.optional_integer("finished")};
-  });
+  return select<RunRow>(*connection_);
 }
 
 std::vector<RecordingRow> Store::recordings() const {
-  return all<RecordingRow>(*implementation_, "SELECT * FROM recording ORDER BY id", {}, recording_row);
+  return select<RecordingRow>(*connection_);
 }
 
 std::optional<RecordingRow> Store::recording(const std::string& fingerprint) const {
-  const auto rows = all<RecordingRow>(*implementation_, "SELECT * FROM recording WHERE fingerprint = ?",
-                                      {sql(fingerprint)}, recording_row);
-  return rows.empty() ? std::nullopt : std::optional(rows[0]);
+  return select_first<RecordingRow>(*connection_, Where("fingerprint = ?1", {sql(fingerprint)}));
 }
 
 std::set<int64_t> Store::frames(Id recording) const {
-  const auto rows = all<int64_t>(
-      *implementation_, "SELECT frame_index FROM scene WHERE recording = ? AND frame_index IS NOT NULL",
-      {sql(recording)}, [](const SqlRow& row) { return row.integer("frame_index"); });
-  return {rows.begin(), rows.end()};
+  const auto frames = connection_->values<int64_t>(
+      "SELECT frame_index FROM scene WHERE recording = ? AND frame_index IS NOT NULL", {sql(recording)});
+  return {frames.begin(), frames.end()};
 }
 
 std::vector<MapRow> Store::maps() const {
-  return all<MapRow>(*implementation_, "SELECT * FROM map ORDER BY id", {}, [](const SqlRow& row) {
-    return MapRow{row.integer("id"), row.text("hash"), row.text("name"), row.integer("urdf"),
-                  row.optional_integer("sidecar")};
-  });
+  return select<MapRow>(*connection_);
 }
 
 std::vector<PlaceRow> Store::places() const {
-  return all<PlaceRow>(*implementation_, "SELECT * FROM place ORDER BY id", {}, place_row);
+  return select<PlaceRow>(*connection_);
 }
 
 std::vector<SceneRow> Store::scenes(const AsOf& as_of, std::optional<TimeNs> from,
                                     std::optional<TimeNs> to) const {
-  std::vector<SqlValue> values;
-  std::string text = "SELECT * FROM scene WHERE 1" + range_condition("time", from, to, values) +
-                     range_condition("time", {}, as_of.at, values) +
-                     range_condition("known_from", {}, as_of.known_at, values);
-  return all<SceneRow>(*implementation_, text + " ORDER BY time, id", values, scene_row);
+  return select<SceneRow>(*connection_, Where().between("time", from, to).added("time", as_of), "time, id");
 }
 
 SceneRow Store::scene(Id id) const {
-  return one<SceneRow>(*implementation_, "scene", id, scene_row);
+  return select_by_id<SceneRow>(*connection_, id);
 }
 
 std::optional<SceneRow> Store::last_scene() const {
-  auto rows = all<SceneRow>(*implementation_, "SELECT * FROM scene ORDER BY id DESC LIMIT 1", {}, scene_row);
-  return rows.empty() ? std::nullopt : std::optional(std::move(rows[0]));
+  return select_first<SceneRow>(*connection_, Where(), "id DESC");
 }
 
 std::optional<SceneRow> Store::latest_scene(const AsOf& as_of) const {
-  std::vector<SqlValue> values;
-  const std::string range = range_condition("time", {}, as_of.at, values) +
-                            range_condition("known_from", {}, as_of.known_at, values);
-  auto rows = all<SceneRow>(*implementation_,
-                            "SELECT * FROM scene WHERE 1" + range + " ORDER BY time DESC, id DESC LIMIT 1",
-                            values, scene_row);
-  return rows.empty() ? std::nullopt : std::optional(std::move(rows[0]));
+  return select_first<SceneRow>(*connection_, Where().added("time", as_of), "time DESC, id DESC");
 }
 
 std::optional<TimeNs> Store::last_scene_time() const {
-  const auto rows = all<TimeNs>(*implementation_, "SELECT time FROM scene ORDER BY time DESC LIMIT 1", {},
-                                [](const SqlRow& row) { return row.integer("time"); });
-  return rows.empty() ? std::nullopt : std::optional(rows[0]);
+  return connection_->value<TimeNs>("SELECT time FROM scene ORDER BY time DESC LIMIT 1");
 }
 
 std::vector<ObservationRow> Store::observations(Id scene) const {
-  return all<ObservationRow>(*implementation_, "SELECT * FROM observation WHERE scene = ? ORDER BY number",
-                             {sql(scene)}, observation_row);
+  return select<ObservationRow>(*connection_, Where("scene = ?1", {sql(scene)}), "number");
 }
 
 ObservationRow Store::observation(Id id) const {
-  return one<ObservationRow>(*implementation_, "observation", id, observation_row);
+  return select_by_id<ObservationRow>(*connection_, id);
 }
 
 Id Store::max_observation_id() const {
-  return all<Id>(*implementation_, "SELECT coalesce(max(id), 0) AS id FROM observation", {},
-                 [](const SqlRow& row) { return row.integer("id"); })
-      .front();
+  return *connection_->value<Id>("SELECT coalesce(max(id), 0) FROM observation");
 }
 
 Id Store::max_object_id() const {
-  return all<Id>(*implementation_, "SELECT coalesce(max(id), 0) AS id FROM object", {},
-                 [](const SqlRow& row) { return row.integer("id"); })
-      .front();
+  return *connection_->value<Id>("SELECT coalesce(max(id), 0) FROM object");
 }
 
 std::vector<AnnotationRow> Store::annotations(Id scene) const {
-  return all<AnnotationRow>(*implementation_, "SELECT * FROM annotation_said WHERE scene = ? ORDER BY id",
-                            {sql(scene)}, [](const SqlRow& row) {
-                              return AnnotationRow{row.integer("id"),
-                                                   row.integer("scene"),
-                                                   row.optional_integer("observation"),
-                                                   row.text("type"),
-                                                   row.text("value"),
-                                                   row.optional_real("confidence"),
-                                                   row.optional_integer("feature_structure")};
-                            });
+  return select<AnnotationRow>(*connection_, Where("scene = ?1", {sql(scene)}));
 }
 
 std::vector<LogRow> Store::log(Id scene) const {
-  return all<LogRow>(*implementation_, "SELECT * FROM scene_log WHERE scene = ? ORDER BY number",
-                     {sql(scene)}, [](const SqlRow& row) {
-                       return LogRow{row.integer("scene"),
-                                     row.integer("number"),
-                                     row.text("annotator"),
-                                     row.text("level"),
-                                     row.optional_text("text").value_or(std::string()),
-                                     row.optional_real("milliseconds")};
-                     });
+  return select<LogRow>(*connection_, Where("scene = ?1", {sql(scene)}), "number");
+}
+
+std::vector<AssociationRow> Store::associations(Id scene, const AsOf& as_of) const {
+  return select<AssociationRow>(*connection_, "association_known",
+                                Where("scene = ?1", {sql(scene)}).known(as_of));
 }
 
 std::vector<VisibilityRow> Store::visibility(Id scene) const {
-  return all<VisibilityRow>(*implementation_, "SELECT * FROM visibility WHERE scene = ? ORDER BY id",
-                            {sql(scene)}, visibility_row);
+  return select<VisibilityRow>(*connection_, Where("scene = ?1", {sql(scene)}));
 }
-
-namespace {
-
-std::vector<VisibilityRow> visibility_of(Store::Implementation& store, const char* what, Id id,
-                                         std::optional<TimeNs> from, std::optional<TimeNs> to) {
-  std::vector<SqlValue> values = {sql(id)};
-  const std::string range = range_condition("valid_from", from, to, values);
-  return all<VisibilityRow>(
-      store, fmt::format("SELECT * FROM visibility WHERE {} = ?1{} ORDER BY valid_from, id", what, range),
-      values, visibility_row);
-}
-
-}  // namespace
 
 std::vector<VisibilityRow> Store::visibility_of_object(Id object, std::optional<TimeNs> from,
                                                        std::optional<TimeNs> to) const {
-  return visibility_of(*implementation_, "object", object, from, to);
+  return visibility_of(*connection_, "object", object, from, to);
 }
 
 std::vector<VisibilityRow> Store::visibility_of_place(Id place, std::optional<TimeNs> from,
                                                       std::optional<TimeNs> to) const {
-  return visibility_of(*implementation_, "place", place, from, to);
+  return visibility_of(*connection_, "place", place, from, to);
 }
 
 std::optional<VisibilityRow> Store::last_visibility(Id place, const AsOf& as_of) const {
-  std::vector<SqlValue> values = {sql(place)};
-  const std::string range = range_condition("valid_from", {}, as_of.at, values) +
-                            range_condition("known_from", {}, as_of.known_at, values);
-  auto rows = all<VisibilityRow>(*implementation_,
-                                 "SELECT * FROM visibility WHERE place = ?1 AND fraction > 0" + range +
-                                     " ORDER BY valid_from DESC, scene DESC LIMIT 1",
-                                 values, visibility_row);
-  return rows.empty() ? std::nullopt : std::optional(std::move(rows[0]));
+  return select_first<VisibilityRow>(
+      *connection_, Where("place = ?1 AND fraction > 0", {sql(place)}).added("valid_from", as_of),
+      "valid_from DESC, scene DESC");
+}
+
+std::vector<EventRow> Store::events(const AsOf& as_of, std::optional<TimeNs> from,
+                                    std::optional<TimeNs> to) const {
+  return select<EventRow>(*connection_, "event_known",
+                          Where("probability > 0").known(as_of).begun(as_of).between("valid_from", from, to),
+                          "valid_from, id");
 }
 
 std::vector<FactRow> Store::facts(const AsOf& as_of) const {
-  std::vector<SqlValue> values;
-  const std::string known = known_condition(as_of, values), valid = valid_condition(as_of, values, true);
-  return all<FactRow>(
-      *implementation_,
-      fmt::format("SELECT * FROM fact_known WHERE value IS NOT NULL AND {} AND {} ORDER BY id", known, valid),
-      values, fact_row);
+  return select<FactRow>(*connection_, "fact_known", Where("value IS NOT NULL").known(as_of).holds(as_of));
+}
+
+template <class Row>
+std::vector<Row> Store::rows_of_run(Id run) const {
+  return select<Row>(*connection_, Where("run = ?1", {sql(run)}));
+}
+
+template <class Row>
+Row Store::row(Id id) const {
+  return select_by_id<Row>(*connection_, id);
+}
+
+template <class Row>
+Id Store::current_row(Id id) const {
+  const std::string later =
+      fmt::format("SELECT id FROM {} WHERE supersedes = ? ORDER BY known_from, id LIMIT 1", kTable<Row>);
+  while (const auto next = connection_->value<Id>(later, {sql(id)})) id = *next;
+  return id;
+}
+
+template std::vector<AssociationRow> Store::rows_of_run(Id) const;
+template std::vector<EventRow> Store::rows_of_run(Id) const;
+template std::vector<BeliefRow> Store::rows_of_run(Id) const;
+template std::vector<FactRow> Store::rows_of_run(Id) const;
+template AssociationRow Store::row(Id) const;
+template EventRow Store::row(Id) const;
+template BeliefRow Store::row(Id) const;
+template FactRow Store::row(Id) const;
+template Id Store::current_row<AssociationRow>(Id) const;
+template Id Store::current_row<EventRow>(Id) const;
+template Id Store::current_row<BeliefRow>(Id) const;
+template Id Store::current_row<FactRow>(Id) const;
+
+std::optional<std::string> Store::reasoning(Id scene) const {
+  auto& db = *connection_;
+  return db.guarded([&] {
+    std::optional<std::string> bytes;
+    db.query("SELECT encoding, content FROM reasoning WHERE scene = ?", {sql(scene)},
+             [&](const SqlRow& row) { bytes = decoded(row, db.path); });
+    return bytes && bytes->empty() ? std::nullopt : bytes;
+  });
+}
+
+bool Store::reasoning_discarded(Id scene) const {
+  return connection_
+      ->value<int64_t>("SELECT 1 FROM reasoning WHERE scene = ? AND length(content) = 0", {sql(scene)})
+      .has_value();
+}
+
+std::optional<Store::Checkpoint> Store::checkpoint(const std::string& name) const {
+  auto& db = *connection_;
+  return db.guarded([&] {
+    std::optional<Checkpoint> result;
+    db.query("SELECT * FROM checkpoint WHERE name = ?", {sql(name)}, [&](const SqlRow& row) {
+      result = {row.get<std::optional<Id>>("scene"), decoded(row, db.path)};
+    });
+    return result;
+  });
+}
+
+std::map<std::string, Store::Checkpoint> Store::checkpoints(const std::string& prefix) const {
+  auto& db = *connection_;
+  return db.guarded([&] {
+    std::map<std::string, Checkpoint> result;
+    db.query(
+        "SELECT * FROM checkpoint WHERE substr(name, 1, length(?1)) = ?1", {sql(prefix)},
+        [&](const SqlRow& row) {
+          result[row.get<std::string>("name")] = {row.get<std::optional<Id>>("scene"), decoded(row, db.path)};
+        });
+    return result;
+  });
+}
+
+BlobRow Store::blob(Id id) const {
+  auto& db = *connection_;
+  return db.guarded([&] {
+    std::optional<BlobRow> blob;
+    db.query("SELECT * FROM blob WHERE id = ?", {sql(id)}, [&](const SqlRow& row) {
+      blob = {id, row.get<std::string>("hash"), row.get<std::string>("media"),
+              decoded(row, db.path, row.get<int64_t>("size"))};
+    });
+    if (!blob) throw db.error(fmt::format("no blob {}", id));
+    return *std::move(blob);
+  });
+}
+
+std::optional<Id> Store::find_blob(const std::string& hash) const {
+  return connection_->value<Id>("SELECT id FROM blob WHERE hash = ?", {sql(hash)});
+}
+
+FeatureStructureRow Store::feature_structure(Id id) const {
+  auto& db = *connection_;
+  return db.guarded([&] {
+    std::optional<FeatureStructureRow> result;
+    db.query("SELECT * FROM feature_structure WHERE id = ?", {sql(id)}, [&](const SqlRow& row) {
+      result = {.id = id,
+                .scene = row.get<std::optional<Id>>("scene"),
+                .observation = row.get<std::optional<Id>>("observation"),
+                .type = row.get<std::string>("type"),
+                .type_system = row.get<Id>("type_system"),
+                .json = decoded(row, db.path)};
+    });
+    if (!result) throw db.error(fmt::format("no feature_structure {}", id));
+    result->blobs = db.values<Id>(
+        "SELECT blob FROM feature_structure_blob WHERE feature_structure = ? ORDER BY blob", {sql(id)});
+    return *std::move(result);
+  });
+}
+
+std::vector<FeatureStructureRow> Store::feature_structures(Id scene, const std::string& type) const {
+  Where where("scene = ?1", {sql(scene)});
+  if (!type.empty()) where.and_also("type = " + where.bind(sql(type)));
+  std::vector<FeatureStructureRow> result;
+  for (const Id id : connection_->values<Id>(
+           fmt::format("SELECT id FROM feature_structure WHERE {} ORDER BY id", where.text()),
+           where.values()))
+    result.push_back(feature_structure(id));
+  return result;
+}
+
+std::string Store::type_system(Id id) const {
+  const auto content = connection_->value<Id>("SELECT content FROM type_system WHERE id = ?", {sql(id)});
+  if (!content) throw error(fmt::format("no type_system {}", id));
+  return blob(*content).bytes;
+}
+
+std::vector<Store::TableSize> Store::statistics(bool with_bytes) const {
+  auto& db = *connection_;
+  return db.guarded([&] {
+    const std::map<std::string, std::string> owners = table_owners(db);
+    std::map<std::string, TableSize> sizes;
+    for (const auto& [name, table] : owners) sizes[table].table = table;
+    for (auto& [table, size] : sizes)
+      size.rows = db.value<int64_t>("SELECT rows FROM row_count WHERE name = ?", {sql(table)}).value_or(-1);
+    for (auto& [table, size] : sizes)
+      if (size.rows < 0) size.rows = query_integer(*db.database, "SELECT count(*) FROM " + table);
+    if (with_bytes) {
+      db.query("SELECT name, pgsize FROM dbstat WHERE aggregate = 1", {}, [&](const SqlRow& row) {
+        const auto found = owners.find(row.get<std::string>("name"));
+        sizes[found == owners.end() ? "sqlite_schema" : found->second].bytes += row.get<int64_t>("pgsize");
+      });
+      sizes["sqlite_schema"].table = "sqlite_schema";
+    }
+    std::vector<TableSize> result;
+    for (auto& [table, size] : sizes) result.push_back(std::move(size));
+    std::ranges::stable_sort(result, std::greater(), &TableSize::bytes);
+    return result;
+  });
+}
+
+void Store::read_view(const std::string& view, const std::function<void(const Json&)>& visitor) const {
+  auto& db = *connection_;
+  db.guarded([&] {
+    if (!db.value<int64_t>("SELECT 1 FROM sqlite_master WHERE type = 'view' AND name = ?", {sql(view)}))
+      throw db.error("there is no view " + view);
+    SQLite::Statement rows(*db.database, "SELECT * FROM " + view);
+    while (rows.executeStep()) {
+      Json row = Json::object();
+      for (int i = 0; i < rows.getColumnCount(); ++i) {
+        const SQLite::Column value = rows.getColumn(i);
+        Json& cell = row[rows.getColumnName(i)];
+        if (value.isInteger())
+          cell = value.getInt64();
+        else if (value.isFloat())
+          cell = value.getDouble();
+        else if (value.isText())
+          cell = value.getString();
+      }
+      visitor(row);
+    }
+  });
+}
+
+std::vector<AnnotationSupport> annotation_support(const Store& store,
+                                                  const std::vector<ObjectObservation>& observations) {
+  std::map<std::pair<std::string, std::string>, size_t> with_value;
+  std::map<std::string, size_t> with_type;
+  for (const ObjectObservation& observed : observations) {
+    std::set<std::pair<std::string, std::string>> values;
+    std::set<std::string> types;
+    for (const AnnotationRow& row : store.annotations(observed.observation.scene))
+      if (row.observation == observed.observation.id && !row.value.empty() &&
+          row.type.find("Location") == std::string::npos && row.type.find("Geometry") == std::string::npos) {
+        values.insert({row.type, row.value});
+        types.insert(row.type);
+      }
+    for (const auto& value : values) ++with_value[value];
+    for (const auto& type : types) ++with_type[type];
+  }
+  std::vector<AnnotationSupport> support;
+  for (const auto& [key, count] : with_value)
+    support.push_back({key.first, key.second, count,
+                       static_cast<double>(count) / static_cast<double>(with_type[key.first])});
+  std::ranges::stable_sort(support, [](const AnnotationSupport& a, const AnnotationSupport& b) {
+    return a.type != b.type ? a.type < b.type : a.observations > b.observations;
+  });
+  return support;
 }
 
 }  // namespace loci::memory

@@ -163,7 +163,7 @@ TEST_F(MemoryFileCli, VerifyRepairsWhatFollowsFromOtherRows) {
   const Json before = answer("on table_1 -m " + file_);
   {
     SQLite::Database database(file_, SQLite::OPEN_READWRITE);
-    for (const char* table : {"stay", "visit", "sighting_mark", "scene_mark", "object_term"})
+    for (const char* table : {"stay", "visit", "observation_rank", "scene_rank", "object_term"})
       database.exec(std::string("DELETE FROM ") + table);
   }
   const Outcome damaged = run("loci-memory verify -m " + file_);

@@ -10,7 +10,7 @@
 #include "mapping/render/render.h"
 #include "mapping/simulation/scenario.h"
 #include "mapping/world/urdf.h"
-#include "memory/store/depth_thumbnail.h"
+#include "memory/store/scene_images.h"
 #include "memory/store/scene_transaction.h"
 
 namespace loci::gui::test {

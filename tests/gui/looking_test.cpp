@@ -12,7 +12,7 @@
 #include "gui/views/compare_view.h"
 #include "gui/views/scene_view.h"
 #include "mapping/base/json.h"
-#include "memory/report/annotator_times.h"
+#include "memory/report/memory_statistics.h"
 #include "tests/gui/window_fixture.h"
 
 namespace loci::gui {

@@ -10,9 +10,7 @@
 #include "mapping/render/render.h"
 #include "mapping/simulation/scenario.h"
 #include "mapping/world/urdf.h"
-#include "memory/store/cluster_points.h"
-#include "memory/store/depth_thumbnail.h"
-#include "memory/store/scene_kinds.h"
+#include "memory/store/scene_images.h"
 #include "memory/store/scene_transaction.h"
 
 namespace loci::gui::test {
@@ -91,7 +89,7 @@ class Writer {
     std::string kinds(depth.size(), static_cast<char>(mapping::PixelKind::map_explained));
     std::fill(kinds.begin() + static_cast<ptrdiff_t>(kinds.size() / 2), kinds.end(),
               static_cast<char>(mapping::PixelKind::region_of_interest));
-    row.kinds = transaction.add_blob(kinds, memory::kSceneKindsMedia);
+    row.pixel_kinds = transaction.add_blob(kinds, memory::kPixelKindsMedia);
     const memory::Id id = transaction.add_scene(row);
     transaction.add_log({.scene = id, .annotator = "NormalEstimator", .milliseconds = 2.5});
     transaction.add_log({.scene = id,

@@ -15,7 +15,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/quantile.h"
 #include "mapping/base/stopwatch.h"
-#include "memory/ingest/scene_of_detections.h"
+#include "memory/ingest/detection_scene.h"
 #include "memory/questions/answers.h"
 #include "memory/recorder/recorder.h"
 
@@ -33,7 +33,7 @@ namespace {
     for (;;) {
       const memory::DetectedScene scene = home.look();
       if (last && scene.time <= *last) continue;
-      const int64_t id = recorder.record(scene_of_detections(scene, options.home.noise_m, {})).scene;
+      const int64_t id = recorder.record(detections_to_scene(scene, options.home.noise_m, {})).scene;
       if (::write(pipe, &id, sizeof(id)) != sizeof(id)) break;
     }
   } catch (const std::exception&) {
@@ -106,7 +106,7 @@ class Writer {
   void write(size_t observations, const std::function<void()>& done) {
     const size_t end = observations_ + observations;
     while (observations_ < end) {
-      const memory::SceneRecord record = scene_of_detections(home_.look(), options_.home.noise_m, {});
+      const memory::SceneRecord record = detections_to_scene(home_.look(), options_.home.noise_m, {});
       const Stopwatch wall;
       const double begin = processor_s();
       const memory::RecordedScene recorded = recorder_.record(record);

@@ -34,10 +34,10 @@ PlainTables::PlainTables(const std::filesystem::path& file, const std::filesyste
   const SQLite::Database source(memory.string(), SQLite::OPEN_READONLY);
   SQLite::Statement rows(
       source,
-      "SELECT o.scene, s.time, a.object, o.place, o.x, o.y, o.z, (SELECT value FROM annotation_said n WHERE "
+      "SELECT o.scene, s.time, a.object, o.place, o.x, o.y, o.z, (SELECT value FROM annotation_value n WHERE "
       "n.scene = "
       "o.scene AND n.observation = o.id AND n.type LIKE '%Classification%'), (SELECT value FROM "
-      "annotation_said n WHERE "
+      "annotation_value n WHERE "
       "n.scene = o.scene AND n.observation = o.id AND n.type LIKE '%Text%') FROM observation o JOIN scene s "
       "ON s.id = "
       "o.scene LEFT JOIN association a ON a.observation = o.id AND a.chosen = 1 ORDER BY o.id");

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "memory/annotators/kept_of_cas.h"
-#include "memory/store/cluster_points.h"
+#include "memory/store/scene_images.h"
 #include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
 #include "perception/types/geometry.h"

@@ -73,12 +73,12 @@ TEST_F(CatalogueTest, HoldsWhatThingsAreAndNoEpisodes) {
   ASSERT_EQ(made.entries.size(), 2U);
   EXPECT_EQ(made.entries[0].class_name, "mug");
   EXPECT_EQ(made.entries[0].sightings, 3U);
-  EXPECT_FALSE(made.entries[0].looks.empty());
+  EXPECT_FALSE(made.entries[0].views.empty());
   EXPECT_TRUE(made.entries[1].facts.empty()) << "a state is an episode";
   const Json json = to_json(made);
   EXPECT_EQ(to_json(catalogue_from(json, "test")), json);
   EXPECT_EQ(json.dump().find("2026-05-01"), std::string::npos);
-  EXPECT_EQ(json.at("things").at(0).count("position"), 0U);
+  EXPECT_EQ(json.at("objects").at(0).count("position"), 0U);
 }
 
 TEST_F(CatalogueTest, WhatFitsIsKnownByNameInAnotherHomeAndFoundByQuestions) {
@@ -159,7 +159,7 @@ TEST_F(CatalogueTest, TwoThingsThatLookAlikeAreKnownByTheirWords) {
     set_fact(store, "object_2", "owner", "Bob");
   }
   const Catalogue made = catalogue_of(Store::open_read(memory));
-  EXPECT_EQ(made.entries[0].words.at("text").at("H-MILCH"), 1.0);
+  EXPECT_EQ(made.entries[0].terms.at("text").at("H-MILCH"), 1.0);
   const std::filesystem::path other =
       home("second", 30, {saying(kWhiteBox, R"("text": "mehl")"), saying(kWhiteBox, R"("text": "H-Milch")")});
   Store store = Store::open_write(other);
@@ -167,7 +167,7 @@ TEST_F(CatalogueTest, TwoThingsThatLookAlikeAreKnownByTheirWords) {
   EXPECT_THAT(facts(other), Contains("object_1 owner Bob catalogue"));
   EXPECT_THAT(facts(other), Contains("object_2 owner Ada catalogue"));
   EXPECT_EQ(import_catalogue(store, catalogue_from(to_json(made), "test")).added, 0U);
-  for (const CatalogueResult::Match& match : result.known) EXPECT_EQ(match.by, "looks and words");
+  for (const CatalogueResult::Match& match : result.known) EXPECT_EQ(match.by, "appearance and terms");
 }
 
 TEST_F(CatalogueTest, WhatHasNoLooksIsKnownByItsWordsAlone) {
@@ -184,7 +184,7 @@ TEST_F(CatalogueTest, WhatHasNoLooksIsKnownByItsWordsAlone) {
   EXPECT_THAT(facts(other), Contains("object_2 owner Ada catalogue"));
   EXPECT_THAT(facts(other), Not(Contains("object_1 owner Ada catalogue")));
   ASSERT_FALSE(result.known.empty());
-  for (const CatalogueResult::Match& match : result.known) EXPECT_EQ(match.by, "words");
+  for (const CatalogueResult::Match& match : result.known) EXPECT_EQ(match.by, "terms");
 }
 
 TEST_F(CatalogueTest, WordsThatAgreeMakeItSurerAndOthersLessSure) {
@@ -208,26 +208,16 @@ TEST_F(CatalogueTest, WordsThatAgreeMakeItSurerAndOthersLessSure) {
   EXPECT_GT(none, 0.5);
 }
 
-TEST(CatalogueWords, CountByKindAndOnlyWhereBothHaveThem) {
-  const Words milk = {{"product", {{"Milfina H-Milch", 0.8}, {"Milfina Sahne", 0.2}}}};
-  EXPECT_GT(words_log_ratio(milk, {{"product", {{"milfina h-milch", 1.0}}}}), 2.0);
-  EXPECT_LT(words_log_ratio(milk, {{"product", {{"Tomatensuppe", 1.0}}}}), -1.5);
-  EXPECT_EQ(words_log_ratio(milk, {{"text", {{"Milfina", 1.0}}}}), 0.0);
-  const Words code = {{"barcode", {{"4006381333931", 1.0}}}, {"text", {{"Milfina", 1.0}}}};
-  EXPECT_GT(words_log_ratio(code, code), words_log_ratio(code, {{"text", {{"milfina", 0.5}}}}));
-  EXPECT_GT(words_log_ratio({{"text", {{"MILFINA 1,5 % H-Milch", 1}}}}, {{"text", {{"H-Milch Milfina", 1}}}}),
+TEST(CatalogueTerms, CountByKindAndOnlyWhereBothHaveThem) {
+  const ObjectTerms milk = {{"product", {{"Milfina H-Milch", 0.8}, {"Milfina Sahne", 0.2}}}};
+  EXPECT_GT(terms_log_ratio(milk, {{"product", {{"milfina h-milch", 1.0}}}}), 2.0);
+  EXPECT_LT(terms_log_ratio(milk, {{"product", {{"Tomatensuppe", 1.0}}}}), -1.5);
+  EXPECT_EQ(terms_log_ratio(milk, {{"text", {{"Milfina", 1.0}}}}), 0.0);
+  const ObjectTerms code = {{"barcode", {{"4006381333931", 1.0}}}, {"text", {{"Milfina", 1.0}}}};
+  EXPECT_GT(terms_log_ratio(code, code), terms_log_ratio(code, {{"text", {{"milfina", 0.5}}}}));
+  EXPECT_GT(terms_log_ratio({{"text", {{"MILFINA 1,5 % H-Milch", 1}}}}, {{"text", {{"H-Milch Milfina", 1}}}}),
             1.5)
       << "texts are read in pieces";
-}
-
-TEST_F(CatalogueTest, ReadsEarlierFilesWithoutAgreement) {
-  const Json earlier = {{"format", "loci-catalogue"},
-                        {"version", 1},
-                        {"home", "h"},
-                        {"things", {{{"name", "object_1"}, {"class", "milk"}, {"texts", {"MILFINA"}}}}}};
-  const Catalogue read = catalogue_from(earlier, "test");
-  EXPECT_EQ(read.entries[0].words.at("text").at("MILFINA"), 1.0);
-  EXPECT_EQ(read.entries[0].words.at("label").at("milk"), 1.0);
 }
 
 TEST_F(CatalogueTest, HabitsComeAlongOnce) {

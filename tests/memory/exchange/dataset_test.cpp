@@ -9,7 +9,7 @@
 #include "mapping/recording/recording.h"
 #include "memory/edits/edits.h"
 #include "memory/questions/facts.h"
-#include "memory/store/depth_thumbnail.h"
+#include "memory/store/scene_images.h"
 #include "memory/store/scene_transaction.h"
 #include "tests/memory/store/temporary_folder.h"
 
@@ -79,7 +79,7 @@ TEST_F(DatasetTest, LabelsOfPeopleComeFirstThenFactsThenAnnotators) {
 TEST_F(DatasetTest, IsARecordingWhoseLabelsSayWhatIsWhere) {
   const Store store = Store::open_read(file_);
   const DatasetResult result = export_dataset(store, folder_ / "data", {}, silent_);
-  EXPECT_EQ(result.things, 6U);
+  EXPECT_EQ(result.objects, 6U);
   EXPECT_EQ(result.classes.at("plate"), 3U);
   const auto recording = mapping::open_recording(folder_ / "data");
   ASSERT_EQ(recording->size(), 3U);

@@ -10,8 +10,7 @@
 #include "mapping/base/json.h"
 #include "mapping/image/image_io.h"
 #include "memory/exchange/observation_image.h"
-#include "memory/store/cluster_points.h"
-#include "memory/store/depth_thumbnail.h"
+#include "memory/store/scene_images.h"
 #include "memory/store/scene_transaction.h"
 #include "tests/memory/store/temporary_folder.h"
 

@@ -10,8 +10,7 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/random.h"
-#include "memory/ingest/line_reader.h"
-#include "memory/ingest/noise.h"
+#include "memory/ingest/detections.h"
 #include "memory/questions/answers.h"
 #include "tests/memory/recorder/memory_dump.h"
 

@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-#include "memory/store/depth_thumbnail.h"
+#include "memory/store/scene_images.h"
 #include "memory/store/scene_transaction.h"
 
 namespace loci::memory::testing_support {

@@ -50,7 +50,7 @@ TEST_F(MemoryReport, HasEverySection) {
     EXPECT_EQ(count(page, std::string("<section id=\"") + id + "\">"), 1U) << id;
   EXPECT_THAT(page, HasSubstr(">counter_1</title>"));  // the plan
   EXPECT_EQ(count(page, "<details><summary>scene "), 6U);
-  EXPECT_THAT(page, HasSubstr("Things per scene"));
+  EXPECT_THAT(page, HasSubstr("Observations per scene"));
   EXPECT_EQ(count(page, "<article class=\"card\""), 4U);
 }
 
@@ -64,7 +64,7 @@ TEST_F(MemoryReport, SaysWhatItLeavesOut) {
   const std::string page = report({}, {.objects = 2, .scenes = 3});
   EXPECT_EQ(count(page, "<article class=\"card\""), 2U);
   EXPECT_EQ(count(page, "<details><summary>scene "), 3U);
-  EXPECT_THAT(page, HasSubstr("Of 4 objects the 2 that were seen most often"));
+  EXPECT_THAT(page, HasSubstr("Of 4 objects the 2 with most observations"));
   EXPECT_THAT(page, HasSubstr("Of 6 scenes the last 3"));
 }
 

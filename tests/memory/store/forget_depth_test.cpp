@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "mapping/base/files.h"
-#include "memory/store/depth_thumbnail.h"
+#include "memory/store/scene_images.h"
 #include "memory/store/scene_transaction.h"
 #include "memory/store/store.h"
 #include "tests/memory/store/temporary_folder.h"

@@ -8,10 +8,9 @@
 
 #include "mapping/base/files.h"
 #include "mapping/image/image_io.h"
-#include "memory/store/cluster_points.h"
 #include "memory/store/merge.h"
 #include "memory/store/retention.h"
-#include "memory/store/scene_kinds.h"
+#include "memory/store/scene_images.h"
 #include "memory/store/scene_transaction.h"
 #include "tests/memory/store/temporary_folder.h"
 
@@ -36,7 +35,7 @@ class Kept : public testing_support::TemporaryFolder {
                  .depth_height = kHeight};
     std::string kinds(kWidth * kHeight, '\1');
     kinds[2 * kWidth + 3] = 3;
-    row.kinds = scene.add_blob(kinds, kSceneKindsMedia);
+    row.pixel_kinds = scene.add_blob(kinds, kPixelKindsMedia);
     const Id id = scene.add_scene(row);
     scene.add_log({id, 0, "NormalEstimator", "info", "", 12.5});
     scene.add_log({id, 1, "TextReader", "info", "reads HARIBO", {}});
@@ -88,7 +87,7 @@ TEST_F(Kept, ComesBackAsItWasGiven) {
   make();
   const Store store = Store::open_read(file_);
   const SceneRow scene = store.scene(1);
-  const auto kinds = scene_kinds(store, scene);
+  const auto kinds = pixel_kinds(store, scene);
   ASSERT_TRUE(kinds.has_value());
   EXPECT_EQ(kinds->width, kWidth);
   EXPECT_EQ(kinds->pixels[2 * kWidth + 3], mapping::PixelKind::region_of_interest);
@@ -111,7 +110,8 @@ TEST_F(Kept, ComesBackAsItWasGiven) {
   EXPECT_EQ(log[1].milliseconds, std::nullopt);
   SQLite::Database database(file_.string());
   EXPECT_EQ(database.execAndGet("SELECT count(*) FROM v_log WHERE annotator = 'TextReader'").getInt(), 3);
-  EXPECT_EQ(database.execAndGet("SELECT count(DISTINCT kinds) FROM scene").getInt(), 1) << "stored once";
+  EXPECT_EQ(database.execAndGet("SELECT count(DISTINCT pixel_kinds) FROM scene").getInt(), 1)
+      << "stored once";
   EXPECT_THAT(problems(store), IsEmpty());
 }
 
@@ -132,8 +132,8 @@ TEST_F(Kept, GoesByTheRulesOfRetention) {
   EXPECT_EQ(result.observations_without_points, 1);
   EXPECT_EQ(result.scenes_without_reasoning, 2);
   const Store store = Store::open_read(file_);
-  EXPECT_FALSE(scene_kinds(store, store.scene(1)).has_value());
-  EXPECT_TRUE(scene_kinds(store, store.scene(2)).has_value());
+  EXPECT_FALSE(pixel_kinds(store, store.scene(1)).has_value());
+  EXPECT_TRUE(pixel_kinds(store, store.scene(2)).has_value());
   EXPECT_FALSE(cluster_points(store, store.scene(1), store.observation(1)).has_value());
   EXPECT_TRUE(store.observation(1).mask.has_value()) << "crops and masks stay longer";
   EXPECT_TRUE(cluster_points(store, store.scene(2), store.observation(2)).has_value());
@@ -162,7 +162,7 @@ TEST_F(Kept, IsForgottenWithTheObject) {
   }
   EXPECT_EQ(read_file(file_).find("HARIBO"), std::string::npos);
   const Store store = Store::open_read(file_);
-  const auto kinds = scene_kinds(store, store.scene(1));
+  const auto kinds = pixel_kinds(store, store.scene(1));
   ASSERT_TRUE(kinds.has_value());
   EXPECT_EQ(kinds->pixels[2 * kWidth + 3], mapping::PixelKind::unmeasured) << "its shape is gone";
   EXPECT_EQ(kinds->pixels[0], mapping::PixelKind::map_explained);
@@ -178,7 +178,7 @@ TEST_F(Kept, IsForgottenWithItsTime) {
   Store store = Store::open_write(file_);
   store.forget({.from = 150 * kSecond, .to = 250 * kSecond}, store.begin_run("test", "{}"));
   EXPECT_THAT(store.log(2), IsEmpty());
-  EXPECT_FALSE(store.scene(2).kinds.has_value());
+  EXPECT_FALSE(store.scene(2).pixel_kinds.has_value());
   EXPECT_EQ(store.log(3).size(), 2U);
   EXPECT_THAT(problems(store), IsEmpty());
 }
@@ -193,7 +193,7 @@ TEST_F(Kept, ComesAlongWhenMemoriesAreJoined) {
   const Store store = Store::open_read(twice);
   EXPECT_EQ(store.scenes().size(), 3U);
   EXPECT_EQ(store.log(2).size(), 2U);
-  EXPECT_TRUE(scene_kinds(store, store.scene(2)).has_value());
+  EXPECT_TRUE(pixel_kinds(store, store.scene(2)).has_value());
   EXPECT_EQ(cluster_points(store, store.scene(2), store.observation(2))->points.size(), 38U);
   EXPECT_THAT(problems(store), IsEmpty());
 }
@@ -236,8 +236,8 @@ TEST_F(Kept, KindsOfAnotherSizeAreFound) {
   SQLite::Database database(file_.string(), SQLite::OPEN_READWRITE);
   database.exec("UPDATE scene SET depth_width = 9 WHERE id = 2");
   const Store store = Store::open_read(file_);
-  EXPECT_THAT(problems(store), testing::ElementsAre(HasSubstr("scene 2 says what other pixels are")));
-  EXPECT_THAT([&] { scene_kinds(store, store.scene(2)); },
+  EXPECT_THAT(problems(store), testing::ElementsAre(HasSubstr("scene 2 pixel kinds of another size")));
+  EXPECT_THAT([&] { pixel_kinds(store, store.scene(2)); },
               testing::ThrowsMessage<Error>(HasSubstr("another size")));
 }
 

@@ -18,9 +18,10 @@ using testing::IsEmpty;
 using testing::ThrowsMessage;
 
 const std::vector<std::string> kTables = {
-    "run",        "recording", "place",         "scene",       "observation", "term",
-    "annotation", "object",    "association",   "event",       "belief",      "visibility",
-    "fact",       "blob",      "sighting_mark", "object_term", "stay"};
+    "run",         "recording",  "place",  "scene",       "observation",
+    "term",        "annotation", "object", "association", "event",
+    "belief",      "visibility", "fact",   "blob",        "observation_rank",
+    "object_term", "stay"};
 
 class MergeTest : public testing_support::TemporaryFolder {
  protected:

@@ -6,9 +6,9 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 
-#include "memory/store/depth_thumbnail.h"
+#include "memory/store/format.h"
+#include "memory/store/scene_images.h"
 #include "memory/store/scene_transaction.h"
-#include "memory/store/schema.h"
 #include "tests/memory/store/temporary_folder.h"
 
 namespace loci::memory {
@@ -142,7 +142,7 @@ TEST_F(StoreTest, IsThereAsAWholeOrNotAtAllWhenKilledWhileItIsMade) {
     ::kill(child, SIGKILL);
     ::waitpid(child, nullptr, 0);
     if (fs::exists(file_)) {
-      EXPECT_EQ(Store::open_read(file_).minor(), kMemoryMinor);
+      EXPECT_EQ(Store::open_read(file_).minor(), kMemoryFormat.minor());
     }
     EXPECT_EQ(add_to_new_memory(), 1);
   }
@@ -219,11 +219,9 @@ TEST_F(StoreTest, RefusesANewerMajorVersionAndNamesWhatReadsIt) {
     database.exec("PRAGMA user_version = 2003");
     database.exec("UPDATE meta SET value = 'loci 2.4.0' WHERE key = 'written_by'");
   }
-  for (const auto& open : {&Store::open_read}) {
-    const std::string text = message([&] { open(file_); });
-    EXPECT_THAT(text, HasSubstr("memory format 2.3"));
-    EXPECT_THAT(text, HasSubstr("loci 2.4.0"));
-  }
+  const std::string text = message([&] { Store::open_read(file_); });
+  EXPECT_THAT(text, HasSubstr("memory format 2.3"));
+  EXPECT_THAT(text, HasSubstr("loci 2.4.0"));
   EXPECT_THAT(message([&] { Store::open_write(file_); }), HasSubstr("memory format 2.3"));
 }
 
@@ -231,7 +229,7 @@ TEST_F(StoreTest, ReadsANewerMinorVersionButDoesNotWriteIt) {
   make_memory();
   {
     SQLite::Database database(file_.string(), SQLite::OPEN_READWRITE);
-    database.exec("PRAGMA user_version = " + std::to_string(kMemoryVersion + 1));
+    database.exec("PRAGMA user_version = " + std::to_string(kMemoryFormat.version + 1));
   }
   EXPECT_EQ(Store::open_read(file_).scenes().size(), 1U);
   EXPECT_THAT(message([&] { Store::open_write(file_); }), HasSubstr("it can only be read"));
@@ -243,15 +241,15 @@ TEST_F(StoreTest, RefusesWhatIsNoMemory) {
   write_file_atomically(file_, "");
   EXPECT_THAT(message([&] { Store::open_read(file_); }), HasSubstr("is empty"));
   write_file_atomically(file_, std::string(5000, 'x'));
-  EXPECT_THAT(message([&] { Store::open_read(file_); }), HasSubstr("is no memory"));
-  EXPECT_THAT(message([&] { Store::open_write(file_); }), HasSubstr("is no memory"));
+  EXPECT_THAT(message([&] { Store::open_read(file_); }), HasSubstr("is not a memory"));
+  EXPECT_THAT(message([&] { Store::open_write(file_); }), HasSubstr("is not a memory"));
   EXPECT_EQ(read_file(file_), std::string(5000, 'x'));
   fs::remove(file_);
   {
     SQLite::Database(file_.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE).exec("CREATE TABLE t (x)");
   }
-  EXPECT_THAT(message([&] { Store::open_read(file_); }), HasSubstr("no memory of loci"));
-  EXPECT_THAT(message([&] { Store::open_write(file_); }), HasSubstr("no memory of loci"));
+  EXPECT_THAT(message([&] { Store::open_read(file_); }), HasSubstr("not a memory of loci"));
+  EXPECT_THAT(message([&] { Store::open_write(file_); }), HasSubstr("not a memory of loci"));
 }
 
 TEST_F(StoreTest, RefusesATruncatedFileInOneLine) {
@@ -347,7 +345,7 @@ TEST_F(StoreTest, VerifyFindsADamagedBlobAndAWrongReference) {
   NoProgress quiet;
   EXPECT_THAT(store.verify(quiet).problems,
               testing::UnorderedElementsAre(HasSubstr("observation row 1 refers to a scene"),
-                                            HasSubstr("blob 1 is not what its hash says"),
+                                            HasSubstr("blob 1 does not match its hash"),
                                             HasSubstr("observation has 1 rows, not the 0 counted")));
 }
 
@@ -415,7 +413,7 @@ TEST_F(StoreTest, WhatFollowsFromOtherRowsIsMadeAnew) {
   Store store = Store::open_write(file_);
   {
     SQLite::Database database(file_.string(), SQLite::OPEN_READWRITE);
-    database.exec("UPDATE sighting_mark SET valid_from = 7; DELETE FROM stay");
+    database.exec("UPDATE observation_rank SET valid_from = 7; DELETE FROM stay");
     database.exec("INSERT INTO stay (belief, since, until) VALUES (77, 1, 2)");
   }
   NoProgress quiet;
@@ -432,7 +430,7 @@ TEST_F(StoreTest, ViewsForPeopleAnswer) {
   EXPECT_EQ(database.execAndGet("SELECT object || place || status || last_seen FROM v_objects").getString(),
             "object_1table_1seen1970-01-01T00:00:00Z");
   EXPECT_EQ(database.execAndGet("SELECT kind FROM v_events").getString(), "appeared");
-  EXPECT_EQ(database.execAndGet("SELECT color FROM v_sightings").getString(), "red");
+  EXPECT_EQ(database.execAndGet("SELECT color FROM v_observations").getString(), "red");
   EXPECT_EQ(database.execAndGet("SELECT observations FROM v_scenes").getInt(), 1);
 }
 

@@ -1,0 +1,189 @@
+#include "memory/ingest/detection_scene.h"
+
+#include <algorithm>
+
+#include "mapping/base/files.h"
+#include "mapping/base/json.h"
+#include "mapping/image/hsv.h"
+#include "mapping/world/semantic_map.h"
+
+namespace loci::memory {
+namespace {
+
+/// Assumed extent of a detection without size, to test whether it is in view.
+constexpr double kAssumedSize_m = 0.1;
+/// A detection stands on a support if its bottom is this near to it.
+constexpr double kOnSupport_m = 0.1;
+
+/// "table_1" is a table.
+std::string class_of_name(const std::string& name) {
+  const size_t end = name.find_last_not_of("0123456789");
+  return end == std::string::npos || name[end] != '_' || end == 0 ? name : name.substr(0, end);
+}
+
+bool contains(const std::vector<Vector2d>& outline, const Vector2d& point) {
+  bool in = false;
+  for (size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
+    const Vector2d &a = outline[i], &b = outline[j];
+    if ((a.y() > point.y()) != (b.y() > point.y()) &&
+        point.x() < (b.x() - a.x()) * (point.y() - a.y()) / (b.y() - a.y()) + a.x())
+      in = !in;
+  }
+  return in;
+}
+
+/// The support of the map under a detection; empty = none.
+std::string support_under(const Detection& detection, const std::vector<PlaceRow>& places) {
+  const double half_height = detection.size ? detection.size->z() / 2 : kAssumedSize_m / 2;
+  const double bottom = detection.position.z() - half_height;
+  const PlaceRow* best = nullptr;
+  for (const PlaceRow& place : places) {
+    if (!place.height || place.outline.size() < 3 || std::abs(bottom - *place.height) > kOnSupport_m)
+      continue;
+    if (!contains(place.outline, detection.position.head<2>())) continue;
+    if (best == nullptr || std::abs(bottom - *place.height) < std::abs(bottom - *best->height)) best = &place;
+  }
+  return best == nullptr ? std::string() : best->name;
+}
+
+belief::Descriptor named(const std::string& kind, const std::vector<std::pair<std::string, double>>& parts) {
+  belief::Descriptor descriptor{kind, {}, {}};
+  for (const auto& [name, value] : parts) {
+    descriptor.names.push_back(name);
+    descriptor.values.push_back(static_cast<float>(value));
+  }
+  return descriptor;
+}
+
+std::vector<belief::Descriptor> descriptors_of(const Detection& detection) {
+  std::vector<belief::Descriptor> descriptors;
+  if (detection.color) {
+    const Vector3d& hsv = *detection.color;
+    const auto rgb = mapping::rgb_from_hsv(hsv[0], hsv[1], hsv[2]);
+    descriptors.push_back({"mean_color", {rgb.begin(), rgb.end()}});
+  }
+  if (detection.size) {
+    const Eigen::Vector3f size = detection.size->cast<float>();
+    descriptors.push_back({"extents", {size.x(), size.y(), size.z()}});
+  }
+  if (!detection.classes.empty()) {
+    double rest = 1;
+    for (const auto& [name, probability] : detection.classes) rest -= probability;
+    belief::Descriptor classes = named("class", detection.classes);
+    if (rest > 0.01) {
+      classes.names.emplace_back();  // any other
+      classes.values.push_back(static_cast<float>(rest));
+    }
+    descriptors.push_back(std::move(classes));
+  }
+  if (!detection.texts.empty()) {
+    std::vector<std::pair<std::string, double>> texts;
+    for (const std::string& text : detection.texts) texts.emplace_back(text, 1.0);
+    descriptors.push_back(named("text", texts));
+  }
+  for (const auto& [name, values] : detection.features) descriptors.push_back({name, values});
+  return descriptors;
+}
+
+void annotate(const Detection& detection, ObservationRecord& observation) {
+  const auto add = [&](const char* type, const std::string& value, std::optional<double> confidence) {
+    observation.annotations.push_back({type, value, confidence, {}});
+  };
+  for (const auto& [name, probability] : detection.classes)
+    add("loci.annotation.ClassificationAnnotation", name, probability);
+  for (const std::string& text : detection.texts) add("loci.annotation.TextAnnotation", text, std::nullopt);
+  if (detection.score) add("loci.hypothesis.ObjectHypothesis", "score", detection.score);
+}
+
+ObservationRecord observation_of(const Detection& detection, double sigma_m,
+                                 const std::vector<PlaceRow>& places,
+                                 const std::optional<Isometry3d>& map_from_camera) {
+  ObservationRecord observation;
+  belief::Observation& evidence = observation.evidence;
+  evidence.box = {detection.position, detection.size.value_or(Vector3d::Constant(kAssumedSize_m))};
+  evidence.sized = detection.size.has_value();
+  evidence.sigma_m = detection.position_sigma.value_or(sigma_m);
+  if (map_from_camera) evidence.range = (map_from_camera->inverse() * detection.position).z();
+  evidence.place = detection.place.empty() ? support_under(detection, places) : detection.place;
+  evidence.descriptors = descriptors_of(detection);
+  observation.row.position = detection.position;
+  observation.row.size = detection.size;
+  if (detection.color) {
+    const Vector3d& hsv = *detection.color;
+    observation.row.hsv = HsvColor{hsv[0], hsv[1], hsv[2]};
+    observation.row.color = mapping::color_name(static_cast<float>(hsv[0]), static_cast<float>(hsv[1]),
+                                                static_cast<float>(hsv[2]));
+  }
+  annotate(detection, observation);
+  return observation;
+}
+
+void read_camera(const DetectedScene& scene, SceneRecord& record) {
+  belief::SceneView& view = record.view;
+  view.has_camera = scene.camera && scene.camera->map_from_camera && scene.camera->lens;
+  if (!scene.camera) return;
+  const DetectedScene::Camera& camera = *scene.camera;
+  record.row.map_from_camera = camera.map_from_camera;
+  if (camera.map_from_camera) view.map_from_camera = *camera.map_from_camera;
+  view.near_m = camera.near_m.value_or(view.near_m);
+  view.far_m = camera.far_m.value_or(view.far_m);
+  if (!camera.lens) return;
+  view.camera = *camera.lens;
+  record.row.camera = SceneCamera{view.camera.width, view.camera.height, view.camera.fx, view.camera.fy,
+                                  view.camera.cx,    view.camera.cy,     camera.near_m,  camera.far_m};
+}
+
+void add_place(const std::string& name, const std::vector<PlaceRow>& map_places, SceneRecord& record) {
+  const auto same = [&](const PlaceRow& place) { return place.name == name; };
+  if (name.empty() || std::ranges::any_of(record.places, same)) return;
+  const auto known = std::ranges::find_if(map_places, same);
+  if (known != map_places.end())
+    record.places.push_back(*known);
+  else
+    record.places.push_back({.name = name, .class_name = class_of_name(name)});
+}
+
+}  // namespace
+
+SceneRecord detections_to_scene(const DetectedScene& scene, double sigma_m,
+                                const std::vector<PlaceRow>& map_places) {
+  SceneRecord record;
+  record.source = "ingest";
+  record.row.time = scene.time;
+  read_camera(scene, record);
+  if (scene.observed) {
+    record.view.observed.emplace();
+    for (const auto& [place, fraction] : *scene.observed) {
+      record.view.observed->push_back({place, fraction});
+      add_place(place, map_places, record);
+    }
+  }
+  for (const Detection& detection : scene.detections) {
+    record.observations.push_back(observation_of(detection, sigma_m, map_places, record.row.map_from_camera));
+    add_place(record.observations.back().evidence.place, map_places, record);
+  }
+  return record;
+}
+
+std::vector<PlaceRow> places_of_map(const std::filesystem::path& urdf) {
+  std::vector<PlaceRow> places;
+  const std::filesystem::path sidecar = mapping::sidecar_path(urdf);
+  if (!std::filesystem::exists(sidecar)) return places;
+  for (const auto& [name, link] : mapping::read_semantic_map(sidecar).links) {
+    const Json& geometry = link.geometry;
+    if (!geometry.contains("height") || !geometry.contains("outline")) continue;
+    PlaceRow place{.name = name, .class_name = link.class_name};
+    place.container = link.class_name.starts_with("drawer") || link.class_name == "cabinet";
+    try {
+      place.height = geometry.at("height").get<double>();
+      for (const Json& corner : geometry.at("outline"))
+        place.outline.emplace_back(corner.at(0).get<double>(), corner.at(1).get<double>());
+    } catch (const Json::exception&) {
+      throw Error("must be {\"height\": m, \"outline\": [[x, y], ...]}", {sidecar.string(), 0, name});
+    }
+    places.push_back(std::move(place));
+  }
+  return places;
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,240 @@
+// Sections of a report that are drawings: the plan of the home and the time line.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "mapping/base/html.h"
+#include "mapping/world/kinematics.h"
+#include "memory/questions/room.h"
+#include "memory/questions/snapshot.h"
+#include "memory/report/report_data.h"
+
+namespace loci::memory {
+namespace {
+
+constexpr double kScale = 150;   ///< units of the drawing per metre
+constexpr double kMargin = 0.3;  ///< metres around everything
+
+/// Collects shapes in the map's frame, and draws them with y upwards.
+class Plan {
+ public:
+  void polygon(const std::vector<Vector2d>& outline, const std::string& style, const std::string& title) {
+    std::string points;
+    for (const Vector2d& corner : outline) points += text(corner) + " ";
+    shapes_ += fmt::format("<polygon points=\"{}\" {}><title>{}</title></polygon>\n", points, style,
+                           html_escape(title));
+  }
+
+  void line(const std::vector<Vector2d>& path, const std::string& style) {
+    std::string points;
+    for (const Vector2d& corner : path) points += text(corner) + " ";
+    shapes_ += fmt::format("<polyline points=\"{}\" fill=\"none\" {}/>\n", points, style);
+  }
+
+  void dot(const Vector2d& at, double radius, const std::string& style, const std::string& title) {
+    grow(at);
+    shapes_ += fmt::format("<circle cx=\"{:.0f}\" cy=\"{:.0f}\" r=\"{}\" {}><title>{}</title></circle>\n",
+                           kScale * at.x(), -kScale * at.y(), radius, style, html_escape(title));
+  }
+
+  void label(const Vector2d& at, double dy, const std::string& style, const std::string& words) {
+    shapes_ += fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\" {}>{}</text>\n", kScale * at.x(),
+                           -kScale * at.y() + dy, style, html_escape(words));
+  }
+
+  bool empty() const { return low_.x() > high_.x(); }
+
+  std::string svg() const {
+    const Vector2d size = kScale * (high_ - low_ + Vector2d::Constant(2 * kMargin));
+    const double left = kScale * (low_.x() - kMargin), top = -kScale * (high_.y() + kMargin);
+    return fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{0:.0f} {1:.0f} {2:.0f} {3:.0f}\" "
+        "width=\"{2:.0f}\" "
+        "font-family=\"system-ui, sans-serif\" role=\"img\" aria-label=\"plan of the room\">\n{4}"
+        "<path d=\"M{5:.0f} {6:.0f}h{7:.0f}\" stroke=\"currentColor\" stroke-width=\"3\"/>"
+        "<text x=\"{5:.0f}\" y=\"{8:.0f}\" font-size=\"13\" fill=\"currentColor\">1 m</text>\n</svg>\n",
+        left, top, size.x(), size.y(), shapes_, left + 10, top + size.y() - 10, kScale, top + size.y() - 16);
+  }
+
+ private:
+  std::string text(const Vector2d& at) {
+    grow(at);
+    return fmt::format("{:.0f},{:.0f}", kScale * at.x(), -kScale * at.y());
+  }
+  void grow(const Vector2d& at) {
+    low_ = low_.cwiseMin(at);
+    high_ = high_.cwiseMax(at);
+  }
+
+  std::string shapes_;
+  Vector2d low_ = Vector2d::Constant(1e9), high_ = Vector2d::Constant(-1e9);
+};
+
+std::vector<Vector2d> footprint(const mapping::Box& box, const Isometry3d& map_from_box) {
+  std::vector<cv::Point2d> corners;
+  for (const double x : {-0.5, 0.5})
+    for (const double y : {-0.5, 0.5})
+      for (const double z : {-0.5, 0.5}) {
+        const Vector3d corner = map_from_box * box.size.cwiseProduct(Vector3d(x, y, z));
+        corners.emplace_back(corner.x(), corner.y());
+      }
+  std::vector<cv::Point2f> hull, points(corners.begin(), corners.end());
+  cv::convexHull(points, hull);
+  std::vector<Vector2d> outline;
+  for (const cv::Point2f& corner : hull) outline.emplace_back(corner.x, corner.y);
+  return outline;
+}
+
+void draw_home(const ReportData& data, Plan& plan) {
+  const Snapshot snapshot(data.store, {});
+  if (const auto world = world_of(snapshot)) {
+    const std::vector<Isometry3d> poses = root_from_links(*world, {});
+    for (size_t i = 0; i < world->links.size(); ++i)
+      for (const mapping::Visual& visual : world->links[i].visuals)
+        if (const auto* box = std::get_if<mapping::Box>(&visual.geometry))
+          plan.polygon(
+              footprint(*box, poses[i] * visual.link_from_visual),
+              "fill=\"currentColor\" fill-opacity=\".05\" stroke=\"currentColor\" stroke-opacity=\".3\"",
+              snapshot.part_names().link(world->links[i].name));
+  }
+  for (const PlaceRow& place : snapshot.places()) {
+    if (place.outline.empty()) continue;
+    const char* drawn = place.container
+                            ? "fill=\"none\" stroke=\"#89a\" stroke-dasharray=\"4 3\""
+                            : "fill=\"#89a\" fill-opacity=\".2\" stroke=\"#89a\" stroke-width=\"2\"";
+    plan.polygon(place.outline, drawn, place.name);
+    if (place.container) continue;  // it is inside furniture: its name is in the tooltip
+    Vector2d low = place.outline[0];
+    for (const Vector2d& corner : place.outline) low = low.cwiseMin(corner);
+    plan.label(low + Vector2d(0.03, 0), -5, "font-size=\"13\" fill=\"currentColor\" fill-opacity=\".6\"",
+               place.name);
+  }
+}
+
+void draw_trace(const ReportData& data, const ObjectHistory& history, Plan& plan) {
+  std::vector<Vector2d> path;
+  for (const Stay& stay : history.stays)
+    if (stay.position) path.emplace_back(stay.position->head<2>());
+  const std::string css = object_css(history.now.object.id);
+  if (path.size() > 1)
+    plan.line(path, fmt::format("stroke=\"{}\" stroke-width=\"2\" stroke-opacity=\".6\"", css));
+  for (const Stay& stay : history.stays)
+    if (stay.position)
+      plan.dot(stay.position->head<2>(), 3, fmt::format("fill=\"{}\"", css),
+               fmt::format("{}: {}", history.now.object.name,
+                           data.times.span_text(stay.scenes.front().time, stay.scenes.back().time)));
+  if (!history.now.position) return;
+  const bool there = history.now.status != "gone" && history.now.probability >= 0.5;
+  const Vector2d at = history.now.position->head<2>();
+  plan.dot(at, 7,
+           there
+               ? fmt::format("fill=\"{}\"", css)
+               : fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"2\" stroke-dasharray=\"3 2\"", css),
+           fmt::format("{}: {}, {:.0f} %", object_text(history.now.object), history.now.status,
+                       100 * history.now.probability));
+  plan.label(at, -10,
+             fmt::format("text-anchor=\"middle\" font-size=\"13\" font-weight=\"bold\" fill=\"{}\"", css),
+             fmt::format("{}", history.now.object.id));
+}
+
+constexpr double kNames = 130, kWidth = 900, kLane = 22;
+
+/// A lane per object: bars while it was seen at one spot, a line in between, an open end when it is gone.
+class Lanes {
+ public:
+  explicit Lanes(const ReportData& data)
+      : data_(data), first_(data.scenes.front().time), last_(data.scenes.back().time) {}
+
+  std::string svg() const {
+    std::string shapes;
+    double y = kLane;
+    for (const ObjectHistory& history : data_.histories) {
+      if (history.stays.empty() || history.stays.back().scenes.back().time < first_) continue;
+      shapes += lane(history, y);
+      y += kLane;
+    }
+    return fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" "
+        "font-family=\"system-ui, sans-serif\" font-size=\"12\" fill=\"currentColor\" role=\"img\" "
+        "aria-label=\"where each object was seen when\">\n<text x=\"{2:.0f}\" y=\"12\">{3}</text>"
+        "<text x=\"{4:.0f}\" y=\"12\" text-anchor=\"end\">{5}</text>\n{6}{7}</svg>\n",
+        kNames + kWidth + 10, y + 4, kNames, html_escape(data_.times.text(first_)), kNames + kWidth,
+        html_escape(data_.times.text(last_)), scenes(y), shapes);
+  }
+
+ private:
+  double x(TimeNs time) const {
+    if (last_ == first_) return kNames;
+    const double part = static_cast<double>(time - first_) / static_cast<double>(last_ - first_);
+    return kNames + kWidth * std::clamp(part, 0.0, 1.0);
+  }
+
+  /// The times of the scenes.
+  std::string scenes(double bottom) const {
+    std::string path;
+    for (const SceneRow& scene : data_.scenes)
+      path += fmt::format("M{:.1f} 16V{:.0f}", x(scene.time), bottom - kLane / 2);
+    return "<path d=\"" + path + "\" stroke=\"currentColor\" stroke-opacity=\".12\"/>\n";
+  }
+
+  std::string lane(const ObjectHistory& history, double y) const {
+    const std::string css = object_css(history.now.object.id);
+    const double from = x(history.stays.front().scenes.front().time);
+    const bool gone = history.now.status == "gone";
+    const double to = gone ? x(history.stays.back().scenes.back().time) : kNames + kWidth;
+    std::string shapes = fmt::format(
+        "<text x=\"0\" y=\"{:.0f}\">{}</text><path d=\"M{:.1f} {:.0f}H{:.1f}\" stroke=\"{}\" "
+        "stroke-opacity=\".5\" stroke-dasharray=\"2 3\"/>\n",
+        y + 8, html_escape(history.now.object.name), from, y + 4, to, css);
+    for (const Stay& stay : history.stays) {
+      const double begin = x(stay.scenes.front().time), end = x(stay.scenes.back().time);
+      const std::string place = stay.place ? stay.place->name : "no place";
+      shapes += fmt::format(
+          "<rect x=\"{:.1f}\" y=\"{:.0f}\" width=\"{:.1f}\" height=\"8\" rx=\"3\" "
+          "fill=\"{}\"><title>{}</title></rect>\n",
+          begin - 3, y, end - begin + 6, css,
+          html_escape(fmt::format("{} on {}, {}", history.now.object.name, place,
+                                  data_.times.span_text(stay.scenes.front().time, stay.scenes.back().time))));
+    }
+    return shapes;
+  }
+
+  const ReportData& data_;
+  TimeNs first_, last_;
+};
+
+}  // namespace
+
+std::string plan_section(const ReportData& data) {
+  Plan plan;
+  draw_home(data, plan);
+  for (const ObjectHistory& history : data.histories) draw_trace(data, history, plan);
+  const std::string body =
+      plan.empty()
+          ? "<p class=\"faint\">Nothing here has a position.</p>"
+          : data.objects_left_out() + plan.svg() +
+                "<p class=\"faint\">Numbers are objects: filled where they are believed to be, dashed where "
+                "they were last and are gone or doubtful. Lines join the spots where each was seen.</p>";
+  return html_section("plan", "Plan of the room", body);
+}
+
+std::string timeline_section(const ReportData& data) {
+  if (data.scenes.empty())
+    return html_section("timeline", "What happened", "<p class=\"faint\">No scene has been seen yet.</p>");
+  std::vector<std::vector<std::string>> rows;
+  const TimelineQuestion question{.from = data.scenes.front().time};
+  for (const TimelineEntry& entry : ask(data.store, question).entries) {
+    std::string happened;
+    for (const Change& change : entry.changes)
+      happened += (happened.empty() ? "" : "; ") + change_text(change);
+    rows.push_back({data.times.text(entry.scene.scene.time), fmt::format("{}", entry.seen.size()), happened});
+  }
+  return html_section("timeline", "What happened",
+                      data.scenes_left_out() + Lanes(data).svg() +
+                          html_table({"time", "objects seen", "what changed"}, rows));
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,256 @@
+// Objects and what is believed of them as of a time: the last stored row, extrapolated to the latest scene
+// (see `belief` in the schema).
+
+#include <algorithm>
+#include <cmath>
+
+#include "memory/store/derived_rows.h"
+#include "memory/store/row_columns.h"
+
+namespace loci::memory {
+namespace {
+
+/// As the view object_known, which searches all objects for each of them.
+constexpr const char* kObjectsKnown =
+    "(SELECT a.id, a.valid_from, a.valid_to, a.known_from, coalesce(a.known_to, later.since) AS known_to, "
+    "a.supersedes, a.run, a.source FROM object a LEFT JOIN (SELECT supersedes AS id, min(known_from) AS "
+    "since FROM "
+    "object WHERE supersedes IS NOT NULL GROUP BY supersedes) later ON later.id = a.id)";
+
+/// The latest scene as of a time, and no more of it than is needed.
+struct LatestScene {
+  Id id = 0;
+  TimeNs time = 0;
+};
+
+std::optional<LatestScene> latest_scene_of(Store::Connection& db, const AsOf& as_of) {
+  const Where where = Where().added("time", as_of);
+  std::optional<LatestScene> latest;
+  db.query(
+      fmt::format("SELECT id, time FROM scene WHERE {} ORDER BY time DESC, id DESC LIMIT 1", where.text()),
+      where.values(), [&](const SqlRow& row) {
+        latest = {row.get<Id>("id"), row.get<TimeNs>("time")};
+      });
+  return latest;
+}
+
+/// Extrapolates stored rows to the latest scene.
+class Extrapolation {
+ public:
+  Extrapolation(Store::Connection& db, const AsOf& as_of)
+      : db_(db), latest_(latest_scene_of(db, as_of)), as_of_(as_of) {}
+
+  void apply(BeliefRow& row) {
+    if (!latest_) return;
+    const bool seen_later = read_last_observation(row);
+    if (row.status == ObjectStatus::gone && !seen_later) return;
+    if (seen_later) {
+      row.probability_then = 1;
+      row.then = observed_at_;
+      row.status = ObjectStatus::seen;
+    }
+    row.probability = faded(row, latest_->time);
+    if (row.last_scene == latest_->id)
+      row.status = ObjectStatus::seen;
+    else if (seen_later || row.scene != latest_->id)
+      row.status = unseen_status(row.object);
+  }
+
+ private:
+  /// Whether the object was observed after the row.
+  bool read_last_observation(BeliefRow& row) {
+    // Where nothing was ever superseded, no row need be looked up.
+    const bool known = !db_.needs_known(as_of_);
+    Where where(fmt::format("object = ?1 AND {}", kObserved), {sql(row.object)});
+    if (!known) where.known(as_of_);
+    where.begun(as_of_);
+    bool later = false;
+    db_.query(
+        fmt::format(
+            "SELECT scene, observation, valid_from FROM {} WHERE {} ORDER BY valid_from DESC, scene DESC "
+            "LIMIT 1",
+            known ? "association" : "association_known", where.text()),
+        where.values(), [&](const SqlRow& found) {
+          observed_at_ = found.get<TimeNs>("valid_from");
+          if (observed_at_ < row.clock.valid_from) return;
+          later = observed_at_ > row.clock.valid_from;
+          row.last_scene = found.get<Id>("scene");
+          row.last_observation = found.get<Id>("observation");
+        });
+    return later;
+  }
+
+  ObjectStatus unseen_status(Id object) {
+    return db_
+        .value<ObjectStatus>(
+            "SELECT status FROM visibility WHERE scene = ? AND object = ? AND status <> 'seen'",
+            {sql(latest_->id), sql(object)})
+        .value_or(ObjectStatus::out_of_view);
+  }
+
+  Store::Connection& db_;
+  std::optional<LatestScene> latest_;
+  AsOf as_of_;
+  TimeNs observed_at_ = 0;
+};
+
+std::optional<BeliefRow> last_row(Store::Connection& db, Id object, const AsOf& as_of) {
+  return select_first<BeliefRow>(db, "belief_known",
+                                 Where("object = ?1", {sql(object)}).known(as_of).begun(as_of),
+                                 "valid_from DESC, id DESC");
+}
+
+/// The time of a stay that is asked about.
+int64_t stay_time(const AsOf& as_of) {
+  return as_of.at ? *as_of.at / kSecond : kOpenStay;
+}
+
+/// Objects of which an observation has one of the terms that the query `terms` finds for ?1.
+std::vector<Id> objects_with_terms(Store::Connection& db, const std::string& terms, const std::string& text,
+                                   const AsOf& as_of) {
+  Where where("1", {sql(text)});
+  if (!db.needs_known(as_of)) {
+    where.between("since", {}, as_of.at);
+    return db.values<Id>(
+        fmt::format("SELECT DISTINCT object FROM object_term WHERE term IN ({}) AND {} ORDER BY object",
+                    terms, where.text()),
+        where.values());
+  }
+  where.known(as_of).begun(as_of);
+  return db.values<Id>(
+      fmt::format(
+          "SELECT DISTINCT t.object FROM object_term t WHERE t.term IN ({}) AND EXISTS (SELECT 1 FROM "
+          "association_known a JOIN annotation n ON n.scene = a.scene AND n.observation = a.observation "
+          "WHERE "
+          "a.object = t.object AND n.term = t.term AND a.chosen = 1 AND a.observation IS NOT NULL AND "
+          "a.probability > 0 AND {}) ORDER BY t.object",
+          terms, where.text()),
+      where.values());
+}
+
+}  // namespace
+
+double faded(const BeliefRow& row, TimeNs time) {
+  if (!row.fade_s || !row.fade_to || time <= row.then) return row.probability_then;
+  const double seconds = static_cast<double>(time - row.then) / static_cast<double>(kSecond);
+  return row.probability_then * (*row.fade_to + (1 - *row.fade_to) * std::exp(-seconds / *row.fade_s));
+}
+
+std::vector<ObjectRow> Store::objects(const AsOf& as_of) const {
+  return select<ObjectRow>(*connection_, kObjectsKnown, Where().known(as_of).begun(as_of));
+}
+
+std::vector<BeliefRow> Store::beliefs(const AsOf& as_of) const {
+  auto& db = *connection_;
+  return db.guarded([&] {
+    std::vector<BeliefRow> result;
+    Extrapolation extrapolation(db, as_of);
+    for (const ObjectRow& object : objects(as_of)) {
+      std::optional<BeliefRow> row = last_row(db, object.id, as_of);
+      if (!row) continue;
+      extrapolation.apply(*row);
+      result.push_back(std::move(*row));
+    }
+    return result;
+  });
+}
+
+std::optional<BeliefRow> Store::belief(Id object, const AsOf& as_of) const {
+  auto& db = *connection_;
+  return db.guarded([&] {
+    std::optional<BeliefRow> row = last_row(db, object, as_of);
+    if (row) Extrapolation(db, as_of).apply(*row);
+    return row;
+  });
+}
+
+std::vector<BeliefRow> Store::belief_history(Id object, const AsOf& as_of,
+                                             std::optional<TimeNs> since) const {
+  Where where("object = ?1", {sql(object)});
+  where.known(as_of).begun(as_of);
+  if (since) {
+    const std::string time = where.bind(sql(*since));
+    where.and_also(
+        fmt::format("valid_from >= coalesce((SELECT valid_from FROM belief_known WHERE {0} AND valid_from "
+                    "<= {1} ORDER BY valid_from DESC LIMIT 1), {1})",
+                    where.text(), time));
+  }
+  return select<BeliefRow>(*connection_, "belief_known", where, "valid_from, id");
+}
+
+std::vector<Id> Store::objects_at(Id place, const AsOf& as_of) const {
+  if (as_of.known_at) {
+    std::vector<Id> result;
+    for (const BeliefRow& row : beliefs(as_of))
+      if (row.place == place) result.push_back(row.object);
+    return result;
+  }
+  return connection_->values<Id>(
+      "SELECT DISTINCT object FROM stay WHERE place_from <= ?1 AND place_to >= ?1 AND since <= ?2 AND until "
+      ">= ?2 "
+      "ORDER BY object",
+      {sql(place), sql(stay_time(as_of))});
+}
+
+Store::Gone Store::objects_gone_from(Id place, size_t max_count, const AsOf& as_of) const {
+  Gone result;
+  if (as_of.known_at) {
+    std::vector<std::pair<TimeNs, Id>> gone;
+    for (const BeliefRow& row : beliefs(as_of))
+      if (row.place == place && row.status == ObjectStatus::gone)
+        gone.emplace_back(-row.clock.valid_from, row.object);
+    std::ranges::sort(gone);
+    for (const auto& [time, object] : gone) result.objects.push_back(object);
+  } else {
+    result.objects = connection_->values<Id>(
+        "SELECT object FROM stay WHERE place_from <= ?1 AND place_to >= ?1 AND since <= ?2 AND until >= ?2 "
+        "ORDER BY "
+        "since DESC, belief DESC",
+        {sql(-place), sql(stay_time(as_of))});
+  }
+  result.in_all = result.objects.size();
+  if (result.in_all > max_count) result.objects.resize(max_count);
+  return result;
+}
+
+std::vector<Id> Store::objects_near(const Vector3d& point, double radius, const AsOf& as_of) const {
+  std::vector<Id> found;
+  if (as_of.known_at) {
+    for (const ObjectRow& row : objects(as_of)) found.push_back(row.id);
+  } else {
+    SqlValues values = {sql(stay_time(as_of))};
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double side : {-radius, radius})
+        values.push_back(sql(static_cast<int64_t>(
+            std::lround(std::clamp(1000 * (point[axis] + side), -2e9, 2e9)) + (side < 0 ? -1 : 1))));
+    found = connection_->values<Id>(
+        "SELECT DISTINCT object FROM stay WHERE since <= ?1 AND until >= ?1 AND x_to >= ?2 AND x_from <= ?3 "
+        "AND y_to >= "
+        "?4 AND y_from <= ?5 AND z_to >= ?6 AND z_from <= ?7 ORDER BY object",
+        values);
+  }
+  std::erase_if(found, [&](Id object) {
+    const std::optional<BeliefRow> row = belief(object, as_of);
+    return !row || !row->position || (*row->position - point).norm() > radius;
+  });
+  return found;
+}
+
+std::vector<Id> Store::objects_annotated(const std::string& value, const AsOf& as_of) const {
+  return objects_with_terms(*connection_, "SELECT id FROM term WHERE value = ?1 COLLATE NOCASE", value,
+                            as_of);
+}
+
+std::vector<Id> Store::objects_with_text(const std::string& words, const AsOf& as_of) const {
+  std::string match = "\"";  // each word quoted: nothing in it is an operator
+  for (const char c : words) match += c == '"' ? "\"\"" : c == ' ' ? "\" \"" : std::string(1, c);
+  return objects_with_terms(*connection_, "SELECT rowid FROM term_text WHERE term_text MATCH ?1", match + '"',
+                            as_of);
+}
+
+std::vector<std::string> Store::annotation_values() const {
+  return connection_->values<std::string>(
+      "SELECT DISTINCT value FROM term WHERE id IN (SELECT term FROM object_term) ORDER BY value");
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,24 @@
+#pragma once
+
+// Private to this module: tables that follow from other tables, so that questions need not count or walk
+// through a history. They are kept up to date while rows are added (Store::Connection) and can be derived
+// again at any time.
+
+#include "memory/store/database.h"
+
+namespace loci::memory {
+
+/// Which rows of association are observations of an object: the MAP hypothesis, unless it was taken back.
+inline constexpr const char* kObserved = "chosen = 1 AND observation IS NOT NULL AND probability > 0";
+
+/// `until` of a stay that has not ended.
+inline constexpr int64_t kOpenStay = 2147483647;
+
+/// Derives all of them.
+void derive_tables(SQLite::Database& database);
+/// Counts the rows of the large tables (row_count).
+void count_rows(SQLite::Database& database);
+/// What does not follow from the other tables, one line each.
+std::vector<std::string> derived_problems(Store::Connection& db);
+
+}  // namespace loci::memory
