@@ -28,7 +28,7 @@ class StoreSource : public perception::cas::BlobSource {
   explicit StoreSource(const Store& store) : store_(store) {}
   Bytes get(const std::string& key) override {
     const auto id = store_.find_blob(key);
-    if (!id) throw Error("the memory has no blob " + key, {store_.path().string(), 0, {}});
+    if (!id) throw store_.error("the memory has no blob " + key);
     auto bytes = std::make_shared<const std::string>(store_.blob(*id).bytes);
     const std::string_view view = *bytes;
     return {std::move(bytes), view};
@@ -69,7 +69,7 @@ std::string feature_xml(const perception::cas::Feature& feature) {
   return xml + "</featureDescription>\n";
 }
 
-/// What a type has beyond what UIMA brings along; empty = nothing.
+/// A type as far as it is not built into UIMA; empty = nothing.
 std::string type_xml(const perception::cas::Type& type) {
   const auto builtin = perception::cas::TypeSystem::builtin()->find(type.name());
   std::string features;
