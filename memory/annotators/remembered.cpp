@@ -9,8 +9,8 @@
 
 #include "mapping/image/image_io.h"
 #include "memory/annotators/scene_of_cas.h"
-#include "memory/store/scene_images.h"
 #include "memory/store/feature_structures.h"
+#include "memory/store/scene_images.h"
 #include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
 #include "perception/types/geometry.h"
@@ -105,7 +105,8 @@ void MemoryReader::read_next(perception::cas::Cas& cas, perception::Context& con
     made.map_from_camera.set(
         perception::types::to_stamped(cas, *row.map_from_camera, "map", "depth_camera", row.time));
   if (row.image)
-    perception::types::set_view_image(scene, perception::types::SceneCas::kColor, stored_image(store, *row.image));
+    perception::types::set_view_image(scene, perception::types::SceneCas::kColor,
+                                      stored_image(store, *row.image));
   memory_->current = {row.id, {}, 0};
   std::map<Id, perception::types::Cluster> clusters;
   cv::Mat depth = blank_depth(row);

@@ -73,7 +73,8 @@ class Dataset {
   void add(const SceneRow& scene) {
     std::optional<mapping::RgbdFrame> frame =
         options_.frame_of ? options_.frame_of(scene) : stored_frame(store_, scene);
-    const std::vector<LabelledObject> objects = frame ? objects_in(scene, frame->depth.size()) : std::vector<LabelledObject>{};
+    const std::vector<LabelledObject> objects =
+        frame ? objects_in(scene, frame->depth.size()) : std::vector<LabelledObject>{};
     if (objects.empty() || (writer_ && frame->camera.depth != camera_.depth)) {
       ++result_.left_out;
       return;
@@ -131,10 +132,11 @@ class Dataset {
   void add_object(const SceneRow& scene, const LabelledObject& object, int64_t label, cv::Mat& labels) {
     labels.setTo(static_cast<double>(label), object.mask);
     const ObjectClass stated = options_.by_object ? ObjectClass{object_name(object.id), "object"}
-                                              : class_of(store_, object.row, object.id);
+                                                  : class_of(store_, object.row, object.id);
     const std::string stem = fmt::format("crops/{}/{}_scene_{:06}_{}", path_part(stated.name),
                                          object_name(object.id), scene.id, object.row.number);
-    const std::string crop = add_blob(stem, object.row.crop), mask = add_blob(stem + "_mask", object.row.mask);
+    const std::string crop = add_blob(stem, object.row.crop),
+                      mask = add_blob(stem + "_mask", object.row.mask);
     const auto size = [&](int axis) {
       return object.row.size ? fmt::format("{:.4f}", (*object.row.size)[axis]) : std::string();
     };
@@ -197,8 +199,7 @@ DatasetResult export_dataset(const Store& store, const fs::path& folder, const D
 std::string DatasetResult::summary() const {
   std::string text = fmt::format("{} objects in {} scenes", objects, scenes);
   if (left_out > 0)
-    text +=
-        fmt::format("; {} scenes left out (no depth or masks stored, or another camera)", left_out);
+    text += fmt::format("; {} scenes left out (no depth or masks stored, or another camera)", left_out);
   for (const auto& [name, count] : classes)
     text += fmt::format("\n  {:20} {:5}", name.empty() ? "(unknown)" : name, count);
   return text;

@@ -32,10 +32,10 @@ struct DatasetResult {
 /// The class of an observation: its label by people, else that of its object.
 ObjectClass class_of(const Store& store, const ObservationRow& observation, Id object);
 
-/// Writes the observations of a memory as a folder of training data: a recording of its scenes (frame index = scene), a
-/// label image beside each depth image, objects.csv (what each label is), and crops/CLASS with image
-/// and mask of each object. `loci-perceive train` reads it. Depth is that of the thumbnails unless frames are
-/// given. Error when nothing of the memory can be labelled.
+/// Writes the observations of a memory as a folder of training data: a recording of its scenes (frame index =
+/// scene), a label image beside each depth image, objects.csv (what each label is), and crops/CLASS with
+/// image and mask of each object. `loci-perceive train` reads it. Depth is that of the thumbnails unless
+/// frames are given. Error when nothing of the memory can be labelled.
 DatasetResult export_dataset(const Store& store, const std::filesystem::path& folder,
                              const DatasetOptions& options, Progress& progress);
 

@@ -9,8 +9,8 @@
 #include "mapping/image/image_io.h"
 #include "memory/recorder/recorder.h"
 #include "memory/recorder/scene_reasoning.h"
-#include "memory/store/scene_images.h"
 #include "memory/store/memory_file.h"
+#include "memory/store/scene_images.h"
 
 namespace loci::memory {
 namespace {

@@ -9,8 +9,8 @@
 #include "memory/recorder/fading.h"
 #include "memory/recorder/news.h"
 #include "memory/recorder/scene_reasoning.h"
-#include "memory/store/scene_images.h"
 #include "memory/store/feature_structures.h"
+#include "memory/store/scene_images.h"
 
 namespace loci::memory {
 namespace {
