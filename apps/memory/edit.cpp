@@ -6,8 +6,8 @@
 #include "apps/memory/memory_arguments.h"
 #include "mapping/base/json.h"
 #include "memory/edits/edits.h"
-#include "memory/questions/people_time.h"
 #include "memory/questions/snapshot.h"
+#include "memory/questions/time_parser.h"
 
 namespace loci::apps {
 namespace {

@@ -18,7 +18,7 @@
 #include "memory/exchange/dataset.h"
 #include "memory/exchange/observation_image.h"
 #include "memory/exchange/owl_individuals.h"
-#include "memory/questions/place_names.h"
+#include "memory/questions/map_names.h"
 #include "memory/store/scene_images.h"
 
 namespace loci::apps {

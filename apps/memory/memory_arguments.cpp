@@ -14,12 +14,7 @@ void MemoryArguments::declare(ArgumentTable& table) {
 }
 
 memory::AsOf MemoryArguments::as_of(const memory::Store& store) const {
-  memory::AsOf as_of;
-  if (!at.empty()) as_of.at = memory::TimeReader(store).read(at).last;
-  // Known times are those of the machine's clock, so that "yesterday" is not about the last scene.
-  if (!known_at.empty())
-    as_of.known_at = memory::TimeReader(now(), store.time_zone_minutes()).read(known_at).last;
-  return as_of;
+  return memory::read_as_of(store, at, known_at);
 }
 
 void SpanArguments::declare(ArgumentTable& table) {
@@ -40,26 +35,6 @@ std::optional<TimeNs> SpanArguments::last(const memory::Store& store) const {
 
 std::string joined(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, " "));
-}
-
-Declare about_place() {
-  return [](ArgumentTable& table) {
-    struct Arguments {
-      MemoryArguments memory;
-      std::vector<std::string> place;
-      std::string subject;
-    };
-    auto arguments = std::make_shared<Arguments>();
-    arguments->memory.declare(table);
-    table.positional("PLACE...", &arguments->place, "The place, e.g. table_1 or drawer_1");
-    table.option("--object", &arguments->subject, "Only these objects");
-    return [arguments](Session& session) {
-      const memory::Store store = memory::Store::open_read(arguments->memory.memory);
-      const memory::AsOf as_of = arguments->memory.as_of(store);
-      answer_question(session, store,
-                      memory::ContentsQuestion{joined(arguments->place), as_of, arguments->subject});
-    };
-  };
 }
 
 }  // namespace loci::apps

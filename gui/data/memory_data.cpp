@@ -13,8 +13,9 @@
 #include "gui/data/object_details.h"
 #include "gui/data/scene_content.h"
 #include "memory/exchange/observation_image.h"
-#include "memory/questions/people_time.h"
+#include "memory/questions/location.h"
 #include "memory/questions/snapshot.h"
+#include "memory/questions/time_parser.h"
 #include "memory/store/feature_structures.h"
 #include "memory/store/scene_images.h"
 #include "memory/store/store.h"
@@ -295,7 +296,7 @@ std::vector<HistoryEntry> MemoryData::history(int64_t object) const {
        ask(store_, memory::HistoryQuestion{memory::object_name(object), {}}).objects)
     for (const memory::Change& change : history.changes) {
       const auto& place = change.place ? change.place : change.from_place;
-      std::string what = change.kind;
+      std::string what = memory::to_text(change.kind);
       std::replace(what.begin(), what.end(), '_', ' ');
       entries.push_back({change.time, place ? place->name : "", what, change.probability});
     }

@@ -5,9 +5,8 @@
 #include <algorithm>
 
 #include "mapping/base/json.h"
-#include "memory/questions/answers.h"
-#include "memory/questions/place_names.h"
-#include "memory/questions/words.h"
+#include "memory/questions/events.h"
+#include "memory/questions/map_names.h"
 
 namespace loci::gui {
 namespace {
@@ -36,7 +35,7 @@ void add_scene(const memory::SceneRow& row, MemoryIndex& index) {
 void add_events(const memory::Store& store, std::optional<TimeNs> from, MemoryIndex& index) {
   for (const memory::Change& change : ask(store, memory::ChangesQuestion{.from = from}).changes)
     index.events.push_back(
-        {change.time, change.kind, change.object ? change.object->id : 0, change_text(change)});
+        {change.time, memory::to_text(change.kind), change.object ? change.object->id : 0, to_text(change)});
   std::stable_sort(index.events.begin(), index.events.end(),
                    [](const EventEntry& a, const EventEntry& b) { return a.time < b.time; });
 }

@@ -4,7 +4,7 @@
 #include <unordered_map>
 
 #include "gui/data/browser_data.h"
-#include "memory/questions/part_names.h"
+#include "memory/questions/map_names.h"
 #include "memory/store/store.h"
 
 namespace loci::gui {

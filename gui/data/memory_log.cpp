@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <map>
 
-#include "memory/questions/answers.h"
+#include "memory/questions/events.h"
 #include "memory/report/memory_statistics.h"
 #include "memory/store/store.h"
 
@@ -45,7 +45,7 @@ LogEntry entry_of(const memory::SceneRow& row, const memory::SceneSummary& summa
   if (summary.scene.recording)
     entry.details +=
         fmt::format("\nrecording {}, frame {}", *summary.scene.recording, summary.scene.frame.value_or(0));
-  for (const auto& [place, part] : summary.looked_at)
+  for (const auto& [place, part] : summary.seen_places)
     entry.details += fmt::format("\nlooked at {} of {}", fmt::format("{:.0f} %", part * 100), place);
   return entry;
 }

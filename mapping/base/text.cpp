@@ -17,6 +17,13 @@ std::string lower_case(std::string_view text) {
   return lower;
 }
 
+std::string upper_case(std::string_view text) {
+  std::string upper(text);
+  for (char& c : upper)
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  return upper;
+}
+
 std::string trimmed(std::string_view text) {
   const auto begin = std::find_if_not(text.begin(), text.end(), is_space);
   const auto end = std::find_if_not(text.rbegin(), std::make_reverse_iterator(begin), is_space).base();
@@ -35,16 +42,16 @@ std::vector<std::string> split(std::string_view text, char separator) {
 }
 
 std::vector<std::string> words_of(std::string_view text) {
+  return words_of(text, " \t\n\v\f\r");
+}
+
+std::vector<std::string> words_of(std::string_view text, std::string_view separators) {
   std::vector<std::string> words;
-  bool inside = false;
-  for (const char c : text) {
-    if (is_space(c)) {
-      inside = false;
-      continue;
-    }
-    if (!inside) words.emplace_back();
-    words.back() += c;
-    inside = true;
+  size_t begin = text.find_first_not_of(separators);
+  while (begin != std::string_view::npos) {
+    const size_t end = std::min(text.find_first_of(separators, begin), text.size());
+    words.emplace_back(text.substr(begin, end - begin));
+    begin = text.find_first_not_of(separators, end);
   }
   return words;
 }

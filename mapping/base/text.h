@@ -8,6 +8,7 @@ namespace loci {
 
 /// ASCII letters only; other bytes (UTF-8) stay.
 std::string lower_case(std::string_view text);
+std::string upper_case(std::string_view text);
 
 /// Blank, tab, line feed, carriage return, form feed, vertical tab.
 constexpr bool is_space(char c) {
@@ -23,8 +24,9 @@ std::string trimmed(std::string_view text);
 /// The parts between separators, empty ones included: "a,,b" → "a", "", "b"; "" → "".
 std::vector<std::string> split(std::string_view text, char separator);
 
-/// Words between runs of space.
+/// Words between runs of space, or of other separators.
 std::vector<std::string> words_of(std::string_view text);
+std::vector<std::string> words_of(std::string_view text, std::string_view separators);
 
 std::string joined(const std::vector<std::string>& parts, std::string_view separator);
 

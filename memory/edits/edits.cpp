@@ -9,8 +9,7 @@
 #include "mapping/base/text.h"
 #include "mapping/world/urdf.h"
 #include "memory/questions/facts.h"
-#include "memory/questions/part_names.h"
-#include "memory/questions/place_names.h"
+#include "memory/questions/map_names.h"
 #include "memory/questions/snapshot.h"
 #include "memory/store/scene_transaction.h"
 

@@ -12,7 +12,6 @@
 #include "mapping/base/options.h"
 #include "mapping/registration/registration.h"
 #include "memory/exchange/observation_image.h"
-#include "memory/questions/words.h"
 
 namespace loci::memory {
 namespace {

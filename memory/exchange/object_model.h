@@ -7,7 +7,7 @@
 #include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
 #include "mapping/sensor/scan.h"
-#include "memory/questions/about.h"
+#include "memory/questions/objects.h"
 #include "memory/store/store.h"
 
 namespace loci {

@@ -41,7 +41,7 @@ class Writer {
       document_.state(node, "heightOfObject", object.size->z());
     }
     if (object.color) document_.state(node, "mainColorOfObject", "string", *object.color);
-    document_.state_own(node, "status", "string", history.now.status);
+    document_.state_own(node, "status", "string", to_text(history.now.status));
     document_.state_own(node, "probability", "double", mapping::OwlDocument::number(history.now.probability));
     for (const std::string& alias : object.aliases) document_.label(node, alias);
     for (size_t i = 0; i < history.stays.size(); ++i)

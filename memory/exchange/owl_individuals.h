@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "memory/questions/answers.h"
+#include "memory/questions/location.h"
 
 namespace loci::memory {
 

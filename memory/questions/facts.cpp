@@ -5,21 +5,21 @@
 
 #include <algorithm>
 
-#include "mapping/base/json.h"
 #include "mapping/base/text.h"
+#include "memory/questions/answer_format.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci::memory {
 namespace {
 
-struct About {
+struct FactOwner {
   std::optional<Id> object = {}, place = {};
   std::string name = {};
   bool matches(const FactRow& fact) const { return object ? fact.object == object : fact.place == place; }
 };
 
 /// The one object or place that words mean. A place's name comes first.
-About find_one(const Snapshot& snapshot, const std::string& words) {
+FactOwner find_one(const Snapshot& snapshot, const std::string& words) {
   const auto places = snapshot.places_called(words);
   std::vector<std::string> names;
   for (const PlaceRow& place : places) names.push_back(place.name);
@@ -31,7 +31,8 @@ About find_one(const Snapshot& snapshot, const std::string& words) {
   throw Error(fmt::format("'{}' may be any of {}", words, fmt::join(names, ", ")), {}, "name one of them");
 }
 
-FactsAnswer facts_of(const Snapshot& snapshot, const std::optional<About>& about, const std::string& key) {
+FactsAnswer facts_of(const Snapshot& snapshot, const std::optional<FactOwner>& about,
+                     const std::string& key) {
   FactsAnswer answer;
   for (const FactRow& row : snapshot.facts()) {
     if ((about && !about->matches(row)) || (!key.empty() && row.key != key)) continue;
@@ -46,7 +47,7 @@ FactsAnswer facts_of(const Snapshot& snapshot, const std::optional<About>& about
   return answer;
 }
 
-FactRow row_for(const Snapshot& snapshot, const About& about, const std::string& key) {
+FactRow row_for(const Snapshot& snapshot, const FactOwner& about, const std::string& key) {
   FactRow row{.object = about.object, .place = about.place, .key = key};
   // A state holds from now on; a name, a class or an owner hold for the whole memory unless somebody says
   // otherwise.
@@ -68,7 +69,7 @@ void add_rows(Store& store, const char* verb, const std::vector<FactRow>& rows) 
 
 FactsAnswer ask(const Store& store, const FactsQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
-  std::optional<About> about;
+  std::optional<FactOwner> about;
   if (!question.about.empty()) about = find_one(snapshot, question.about);
   return facts_of(snapshot, about, question.key);
 }
@@ -79,7 +80,7 @@ FactsAnswer set_fact(Store& store, const std::string& about, const std::string& 
   require_utf8(key);
   require_utf8(value);
   const Snapshot snapshot(store, {});
-  const About one = find_one(snapshot, about);
+  const FactOwner one = find_one(snapshot, about);
   const FactsAnswer before = facts_of(snapshot, one, key);
   const bool same = std::any_of(before.facts.begin(), before.facts.end(),
                                 [&](const Fact& fact) { return fact.value == value; });
@@ -101,7 +102,7 @@ FactsAnswer set_fact(Store& store, const std::string& about, const std::string& 
 FactsAnswer remove_fact(Store& store, const std::string& about, const std::string& key,
                         const std::string& value) {
   const Snapshot snapshot(store, {});
-  const About one = find_one(snapshot, about);
+  const FactOwner one = find_one(snapshot, about);
   std::vector<FactRow> rows;
   for (const Fact& fact : facts_of(snapshot, one, key).facts) {
     if (!value.empty() && fact.value != value) continue;
@@ -126,17 +127,16 @@ std::string to_text(const FactsAnswer& answer) {
 }
 
 Json to_json(const FactsAnswer& answer) {
-  Json json = {{"facts", Json::array()}};
-  for (const Fact& fact : answer.facts) {
-    json["facts"].push_back({{"about", fact.about},
-                             {"key", fact.key},
-                             {"value", fact.value},
-                             {"valid_from", format_time(fact.valid_from)},
-                             {"known_from", format_time(fact.known_from)},
-                             {"source", fact.source}});
-    if (fact.probability) json["facts"].back()["probability"] = *fact.probability;
-  }
-  return json;
+  return {{"facts", format::list_json(answer.facts, [](const Fact& fact) {
+             Json json = {{"about", fact.about},
+                          {"key", fact.key},
+                          {"value", fact.value},
+                          {"valid_from", format_time(fact.valid_from)},
+                          {"known_from", format_time(fact.known_from)},
+                          {"source", fact.source}};
+             if (fact.probability) json["probability"] = *fact.probability;
+             return json;
+           })}};
 }
 
 }  // namespace loci::memory

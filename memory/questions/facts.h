@@ -1,12 +1,12 @@
 #pragma once
 
 #include "mapping/base/json_fwd.h"
-#include "memory/questions/answers.h"
+#include "memory/questions/answer_parts.h"
 
 namespace loci::memory {
 
-// What people say about objects and places: alias, owner, class, state, or any other key. Rows are only
-// added: a new owner supersedes the old one, which stays known to questions as of an earlier time.
+// Facts that people state about objects and places: alias, owner, class, state, or any other key. Rows are
+// only added: a new owner supersedes the old one, which questions as of an earlier time still see.
 
 /// A fact that holds.
 struct Fact {
@@ -31,12 +31,12 @@ FactsAnswer ask(const Store& store, const FactsQuestion& question);
 std::string to_text(const FactsAnswer& answer);
 Json to_json(const FactsAnswer& answer);
 
-/// Says that `about` (which must be one object or one place) has this value. Of a key other than "alias"
-/// there is one value: the old one is superseded. Saying the same again changes nothing. Returns what holds
-/// then of that key.
+/// States that `about` (which must mean one object or one place) has this value. A key other than "alias" has
+/// one value: the old one is superseded. Stating the same again changes nothing. Returns the facts of that
+/// key that hold then.
 FactsAnswer set_fact(Store& store, const std::string& about, const std::string& key,
                      const std::string& value);
-/// Takes a value back, or every value of the key when it is empty. Error when there is none.
+/// Retracts a value, or every value of the key when it is empty. Error when there is none.
 FactsAnswer remove_fact(Store& store, const std::string& about, const std::string& key,
                         const std::string& value);
 

@@ -4,33 +4,37 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
+#include <cmath>
 #include <map>
 #include <set>
 
-#include "mapping/base/error.h"
-#include "memory/questions/place_names.h"
-#include "memory/questions/room.h"
+#include "mapping/base/text.h"
+#include "memory/questions/environment.h"
 
 namespace loci::memory {
 namespace {
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
+std::vector<std::string> lower_case_words(const std::string& text) {
+  return words_of(lower_case(text), " ,");
 }
 
-std::vector<std::string> words_of(const std::string& text) {
-  std::vector<std::string> words(1);
-  for (const char c : lower(text)) {
-    if (c == ' ' || c == ',')
-      words.emplace_back();
-    else
-      words.back().push_back(c);
-  }
-  std::erase(words, "");
-  return words;
+/// words[first .. first + count) as one text.
+std::string phrase(const std::vector<std::string>& words, size_t first, size_t count = std::string::npos) {
+  const auto begin = words.begin() + static_cast<std::ptrdiff_t>(first);
+  const size_t length = std::min(count, words.size() - first);
+  return fmt::format("{}", fmt::join(begin, begin + static_cast<std::ptrdiff_t>(length), " "));
+}
+
+/// A name as written in maps: "drawer 1" is drawer_1.
+std::string with_underscores(std::string name) {
+  std::ranges::replace(name, ' ', '_');
+  return name;
+}
+
+std::vector<Id> intersection(const std::vector<Id>& a, const std::vector<Id>& b) {
+  std::vector<Id> both;
+  std::ranges::set_intersection(a, b, std::back_inserter(both));
+  return both;
 }
 
 const std::set<std::string> kFillers = {"the",   "a",      "an",     "my",      "our",  "your",
@@ -45,6 +49,22 @@ std::vector<Id> unique(std::vector<Id> ids) {
 
 std::string same_color(const std::string& word) {
   return word == "gray" ? "grey" : word;
+}
+
+/// small, medium, large, tall, flat.
+bool is_size_word(const std::string& word) {
+  static const std::set<std::string> words = {"small", "medium", "large", "big", "tall", "flat"};
+  return words.contains(word);
+}
+
+bool has_size(const std::string& word, const Vector3d& size) {
+  const double largest = size.maxCoeff(), upright = size.z();
+  const double across = std::max(size.x(), size.y());
+  if (word == "small") return largest < 0.12;
+  if (word == "large" || word == "big") return largest > 0.25;
+  if (word == "medium") return largest >= 0.12 && largest <= 0.25;
+  if (word == "tall") return upright > 1.5 * across;
+  return word == "flat" && upright < 0.4 * across;
 }
 
 /// The names of color_name().
@@ -107,19 +127,8 @@ std::optional<Vector3d> centre_of(const PlaceRow& place) {
   return Vector3d(mean.x(), mean.y(), place.height.value_or(0));
 }
 
-bool is_size_word(const std::string& word) {
-  static const std::set<std::string> words = {"small", "medium", "large", "big", "tall", "flat"};
-  return words.contains(word);
-}
-
-bool has_size(const std::string& word, const Vector3d& size) {
-  const double largest = size.maxCoeff(), upright = size.z();
-  const double across = std::max(size.x(), size.y());
-  if (word == "small") return largest < 0.12;
-  if (word == "large" || word == "big") return largest > 0.25;
-  if (word == "medium") return largest >= 0.12 && largest <= 0.25;
-  if (word == "tall") return upright > 1.5 * across;
-  return word == "flat" && upright < 0.4 * across;
+bool is_believed_at(const BeliefRow& belief, Id place) {
+  return belief.place == place && belief.status != ObjectStatus::gone && belief.probability >= 0.5;
 }
 
 Snapshot::Snapshot(const Store& store, const AsOf& as_of)
@@ -129,7 +138,7 @@ Snapshot::Snapshot(const Store& store, const AsOf& as_of)
       places_(store.places()),
       facts_(store.facts(as_of)),
       taxonomy_(Taxonomy::of(store, as_of)) {
-  take_place_names(places_, facts_);
+  rename_places(places_, facts_);
   for (const RecordingRow& recording : store.recordings()) recordings_[recording.id] = recording.name;
 }
 
@@ -202,35 +211,38 @@ std::optional<PlaceRef> Snapshot::place_ref(std::optional<Id> place) const {
   return std::nullopt;
 }
 
-ObjectState Snapshot::state(const BeliefRow& row) const {
-  ObjectState state;
-  state.object = object_ref(row.object);
-  state.status = to_text(row.status);
-  state.probability = row.probability;
-  state.place = place_ref(row.place);
-  state.position = row.position;
-  state.last_seen = scene_ref(row.last_scene);
+ObjectBelief Snapshot::object_belief(Id object) const {
+  return object_belief(*belief(object));
+}
+
+ObjectBelief Snapshot::object_belief(const BeliefRow& row) const {
   const Store::ObservationCount sightings = store_.count_observations(row.object, as_of_);
-  state.sightings = sightings.count;
-  state.first_seen = scene_ref(sightings.first_scene);
-  if (!state.last_seen) return state;
-  std::optional<TimeNs> gone;  // since when nobody expects it there
+  ObjectBelief belief{.object = object_ref(row.object),
+                      .status = row.status,
+                      .probability = row.probability,
+                      .place = place_ref(row.place),
+                      .position = row.position,
+                      .first_seen = scene_ref(sightings.first_scene),
+                      .last_seen = scene_ref(row.last_scene),
+                      .sightings = sightings.count};
+  if (!belief.last_seen) return belief;
+  const TimeNs last_seen = belief.last_seen->time;
+  std::optional<TimeNs> gone;  // since when it is not expected there
   if (row.status == ObjectStatus::gone)
-    for (const BeliefRow& earlier : store_.belief_history(row.object, as_of_, state.last_seen->time))
-      if (!gone && earlier.status == ObjectStatus::gone && earlier.clock.valid_from > state.last_seen->time)
+    for (const BeliefRow& earlier : store_.belief_history(row.object, as_of_, last_seen))
+      if (!gone && earlier.status == ObjectStatus::gone && earlier.clock.valid_from > last_seen)
         gone = earlier.clock.valid_from;
-  const Store::VisibilityCounts looks =
-      store_.visibility_since(row.object, state.last_seen->time, gone, as_of_);
-  state.looks_out_of_view = looks.out_of_view;
-  state.looks_hidden = looks.hidden;
-  state.looks_missed = looks.missed;
-  state.looked_for = scene_ref(looks.last_missed);
-  return state;
+  const Store::VisibilityCounts views = store_.visibility_since(row.object, last_seen, gone, as_of_);
+  belief.scenes_out_of_view = views.out_of_view;
+  belief.scenes_hidden = views.hidden;
+  belief.scenes_missed = views.missed;
+  belief.last_missed = scene_ref(views.last_missed);
+  return belief;
 }
 
 Change Snapshot::change(const EventRow& event) const {
   Change change;
-  change.kind = to_text(event.kind);
+  change.kind = event.kind;
   change.time = event.clock.valid_from;
   change.since = event.since;
   if (event.object) change.object = object_ref(*event.object);
@@ -247,59 +259,45 @@ Change Snapshot::change(const EventRow& event) const {
   return change;
 }
 
-SceneSummary Snapshot::summary(const SceneRow& scene) const {
-  SceneSummary summary;
-  summary.scene = scene_ref(scene);
-  summary.observations = store_.observations(scene.id).size();
-  summary.has_pose = scene.map_from_camera.has_value();
-  summary.known_from = scene.known_from;
-  for (const VisibilityRow& look : store_.visibility(scene.id))
-    if (look.place && look.fraction.value_or(0) > 0)
-      if (const auto place = place_ref(look.place))
-        summary.looked_at.emplace_back(place->name, *look.fraction);
-  return summary;
-}
-
 std::vector<PlaceRow> Snapshot::places_called(const std::string& asked) const {
-  const std::string name = lower(asked);
-  std::string joined = name;
-  std::replace(joined.begin(), joined.end(), ' ', '_');
+  const std::string name = lower_case(asked);
+  const std::string joined = with_underscores(name);
   std::vector<PlaceRow> found;
   const auto take = [&](auto matches) {
     if (!found.empty()) return;
     std::copy_if(places_.begin(), places_.end(), std::back_inserter(found), matches);
   };
-  take([&](const PlaceRow& place) { return lower(place.name) == joined; });
-  take([&](const PlaceRow& place) { return lower(place.name) == name; });
+  take([&](const PlaceRow& place) { return lower_case(place.name) == joined; });
+  take([&](const PlaceRow& place) { return lower_case(place.name) == name; });
   take([&](const PlaceRow& place) {
     return std::any_of(facts_.begin(), facts_.end(), [&](const FactRow& fact) {
-      return fact.place == place.id && fact.key == "alias" && lower(*fact.value) == name;
+      return fact.place == place.id && fact.key == "alias" && lower_case(*fact.value) == name;
     });
   });
   // What was renamed is found by its old name, too.
   if (found.empty() && std::ranges::any_of(facts_, [](const FactRow& f) { return f.key == kPlaceNameKey; })) {
     for (const PlaceRow& before : store_.places())
-      if (lower(before.name) == joined) take([&](const PlaceRow& place) { return place.id == before.id; });
+      if (lower_case(before.name) == joined)
+        take([&](const PlaceRow& place) { return place.id == before.id; });
   }
-  take([&](const PlaceRow& place) { return lower(place.name).starts_with(joined + "_"); });
-  take([&](const PlaceRow& place) { return lower(place.class_name) == joined; });
+  take([&](const PlaceRow& place) { return lower_case(place.name).starts_with(joined + "_"); });
+  take([&](const PlaceRow& place) { return lower_case(place.class_name) == joined; });
   return found;
 }
 
 std::vector<PlaceRow> Snapshot::find_places(const std::string& asked) const {
-  std::vector<std::string> words = words_of(asked);
+  std::vector<std::string> words = lower_case_words(asked);
   while (words.size() > 1 && kFillers.contains(words.front())) words.erase(words.begin());
-  std::vector<PlaceRow> found = places_called(fmt::format("{}", fmt::join(words, " ")));
+  std::vector<PlaceRow> found = places_called(phrase(words, 0));
   if (found.empty() && words.size() > 1) found = places_called(words.back());
   if (!found.empty()) return found;
   std::vector<std::string> names;
   for (const PlaceRow& place : places_) names.push_back(place.name);
-  const std::string part = part_without_place(*this, asked);
+  const std::string part = find_part_without_place(*this, asked);
   const std::string hint = part.empty()
                                ? did_you_mean(asked, names)
-                               : fmt::format("{} is called so, but nobody has looked what is in it", part);
-  throw UnknownName(UnknownName::Kind::place, fmt::format("no place is called '{}'", asked),
-                    {store_.path().string(), 0, {}},
+                               : fmt::format("{} is called so, but no scene has seen its contents", part);
+  throw UnknownName(UnknownName::Kind::place, fmt::format("no place is called '{}'", asked), file(),
                     !hint.empty()   ? hint
                     : names.empty() ? "this memory knows no places"
                                     : fmt::format("known: {}", fmt::join(names, ", ")));
@@ -313,17 +311,17 @@ std::vector<Id> Snapshot::find_by_word(const std::string& word) const {
       if (row.object == *id)
         throw UnknownName(UnknownName::Kind::object,
                           object_name(*id) + " was forgotten on request at " + format_time(row.known_from),
-                          {store_.path().string(), 0, {}}, "");
+                          file(), "");
     return found;
   }
   // The name of a place means what is there now, not what once was.
   for (const PlaceRow& place : places_) {
-    if (lower(place.name) != word) continue;
-    return there_now(place.id);
+    if (lower_case(place.name) != word) continue;
+    return objects_at(place.id);
   }
   const auto take_facts = [&](auto matches) {
     for (const FactRow& fact : facts_)
-      if (fact.object && belief(*fact.object) != nullptr && matches(fact, lower(*fact.value)))
+      if (fact.object && belief(*fact.object) != nullptr && matches(fact, lower_case(*fact.value)))
         found.push_back(*fact.object);
   };
   // Who was given a name is meant by it, not everything of that kind.
@@ -336,7 +334,7 @@ std::vector<Id> Snapshot::find_by_word(const std::string& word) const {
   });
   if (is_size_word(word) || is_color_word(word))
     for (const BeliefRow& row : beliefs()) {
-      const bool color = row.color && same_color(lower(*row.color)) == same_color(word);
+      const bool color = row.color && same_color(lower_case(*row.color)) == same_color(word);
       const bool size = row.size && is_size_word(word) && has_size(word, *row.size);
       if (color || size) found.push_back(row.object);
     }
@@ -362,16 +360,14 @@ std::vector<std::string> Snapshot::known_names() const {
   return {names.begin(), names.end()};
 }
 
-std::vector<Id> Snapshot::find_at_place(const std::vector<std::string>& words) const {
-  std::set<Id> places;
-  for (const PlaceRow& place : find_places(fmt::format("{}", fmt::join(words, " ")))) places.insert(place.id);
+std::vector<Id> Snapshot::find_at_place(const std::string& name) const {
   std::vector<Id> found;
-  for (const Id place : places)
-    for (const Id object : there_now(place)) found.push_back(object);
+  for (const PlaceRow& place : find_places(name))
+    for (const Id object : objects_at(place.id)) found.push_back(object);
   return unique(std::move(found));
 }
 
-std::vector<Id> Snapshot::there_now(Id place) const {
+std::vector<Id> Snapshot::objects_at(Id place) const {
   std::vector<Id> found;
   for (const Id object : store_.objects_at(place, as_of_)) {
     const BeliefRow* row = belief(object);
@@ -386,17 +382,14 @@ std::string Snapshot::hint_for(const std::vector<std::string>& words, size_t unk
     const auto end = names.begin() + static_cast<std::ptrdiff_t>(std::min(kMax, names.size()));
     return fmt::format("{}{}", fmt::join(names.begin(), end, ", "), names.size() > kMax ? ", ..." : "");
   };
-  // "red cup", where no cup is known: what is red may be meant.
+  // "red cup", where no cup is known: the objects that are red may be meant.
   std::vector<std::string> known_words, meant;
   std::vector<Id> objects;
   for (size_t i = 0; i < words.size(); ++i) {
     if (words[i] == "on" || words[i] == "in") break;
     const std::vector<Id> matching = i == unknown ? std::vector<Id>() : find_by_word(words[i]);
     if (matching.empty()) continue;
-    std::vector<Id> both;
-    std::set_intersection(objects.begin(), objects.end(), matching.begin(), matching.end(),
-                          std::back_inserter(both));
-    objects = known_words.empty() ? matching : both;
+    objects = known_words.empty() ? matching : intersection(objects, matching);
     known_words.push_back(words[i]);
   }
   for (const Id object : objects) meant.push_back(object_name(object));
@@ -404,66 +397,61 @@ std::string Snapshot::hint_for(const std::vector<std::string>& words, size_t unk
   const std::vector<std::string> names = known_names();
   if (const std::string hint = did_you_mean(words[unknown], names); !hint.empty()) return hint;
   if (names.empty()) return "this memory knows no objects";
-  std::vector<std::string> told;  // what somebody would say comes first
-  std::copy_if(names.begin(), names.end(), std::back_inserter(told),
-               [](const std::string& name) { return !object_id(name); });
-  return "known: " + some_of(told.empty() ? names : told);
+  std::vector<std::string> descriptive;  // preferred to ids
+  std::ranges::copy_if(names, std::back_inserter(descriptive),
+                       [](const std::string& name) { return !object_id(name); });
+  return "known: " + some_of(descriptive.empty() ? names : descriptive);
 }
 
-std::vector<Id> Snapshot::find_objects(const std::string& subject) const {
-  std::vector<std::string> words = words_of(subject);
-  std::erase_if(words, [](const std::string& word) { return kFillers.contains(word); });
-  const auto phrase = [&](size_t first, size_t count) {
-    const auto begin = words.begin() + static_cast<std::ptrdiff_t>(first);
-    return fmt::format("{}", fmt::join(begin, begin + static_cast<std::ptrdiff_t>(count), " "));
-  };
-  std::vector<Id> found;
-  if (!words.empty()) found = find_by_word(phrase(0, words.size()));
-  if (!found.empty()) {
-    order_objects(found, *this);
-    return found;
-  }
-  const FileLocation where{store_.path().string(), 0, {}};
+std::optional<Id> Snapshot::find_superlative(const std::vector<std::string>& words) const {
   for (size_t i = 0; i < words.size(); ++i) {
     const auto superlative = superlatives().find(words[i]);
     if (superlative == superlatives().end()) continue;
-    words.erase(words.begin() + static_cast<std::ptrdiff_t>(i));
-    const auto most =
-        most_of(find_objects(fmt::format("{}", fmt::join(words, " "))), superlative->second, *this);
-    if (!most) throw UnknownName(UnknownName::Kind::object, "no size is known of any of them", where, "");
-    return {*most};
+    std::vector<std::string> rest = words;
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
+    const auto most = most_of(find_objects(phrase(rest, 0)), superlative->second, *this);
+    if (!most) throw UnknownName(UnknownName::Kind::object, "no size is known of any of them", file(), "");
+    return most;
   }
-  for (const BeliefRow& row : beliefs()) found.push_back(row.object);
-  for (size_t i = 0; i < words.size(); ++i) {
-    std::vector<Id> matching;
-    if ((words[i] == "on" || words[i] == "in") && i + 1 < words.size()) {
-      // The rest is the place.
-      matching = find_at_place({words.begin() + static_cast<std::ptrdiff_t>(i) + 1, words.end()});
-      i = words.size();
-    } else {
-      // "red tea cup": the longest name that is known goes together.
-      size_t count = std::min<size_t>(4, words.size() - i);
-      while ((matching = find_by_word(phrase(i, count))).empty() && count > 1) --count;
-      i += count - 1;
-      if (matching.empty()) {
-        const bool is_place = std::any_of(places_.begin(), places_.end(), [&](const PlaceRow& place) {
-          return lower(place.name) == words[i];
-        });
-        if (is_place)
-          throw UnknownName(UnknownName::Kind::object, fmt::format("nothing is known to be at {}", words[i]),
-                            where, "");
-        throw UnknownName(UnknownName::Kind::object, fmt::format("nothing is known as '{}'", words[i]), where,
-                          hint_for(words, i));
+  return std::nullopt;
+}
+
+std::vector<Id> Snapshot::find_longest_name(const std::vector<std::string>& words, size_t& next) const {
+  std::vector<Id> matching;
+  size_t count = std::min<size_t>(4, words.size() - next);
+  while ((matching = find_by_word(phrase(words, next, count))).empty() && count > 1) --count;
+  if (matching.empty()) {
+    const bool is_place = std::ranges::any_of(
+        places_, [&](const PlaceRow& place) { return lower_case(place.name) == words[next]; });
+    throw is_place
+        ? UnknownName(UnknownName::Kind::object, fmt::format("nothing is known to be at {}", words[next]),
+                      file(), "")
+        : UnknownName(UnknownName::Kind::object, fmt::format("nothing is known as '{}'", words[next]), file(),
+                      hint_for(words, next));
+  }
+  next += count;
+  return matching;
+}
+
+std::vector<Id> Snapshot::find_objects(const std::string& subject) const {
+  std::vector<std::string> words = lower_case_words(subject);
+  std::erase_if(words, [](const std::string& word) { return kFillers.contains(word); });
+  std::vector<Id> found;
+  if (!words.empty()) found = find_by_word(phrase(words, 0));
+  if (found.empty()) {
+    if (const auto one = find_superlative(words)) return {*one};
+    for (const BeliefRow& row : beliefs()) found.push_back(row.object);
+    for (size_t i = 0; i < words.size();) {
+      if ((words[i] == "on" || words[i] == "in") && i + 1 < words.size()) {
+        found = intersection(found, find_at_place(phrase(words, i + 1)));
+        break;
       }
+      found = intersection(found, find_longest_name(words, i));
     }
-    std::vector<Id> both;
-    std::set_intersection(found.begin(), found.end(), matching.begin(), matching.end(),
-                          std::back_inserter(both));
-    found = std::move(both);
+    if (found.empty())
+      throw UnknownName(UnknownName::Kind::object, fmt::format("no object is '{}'", subject), file(),
+                        "ask with fewer words");
   }
-  if (found.empty())
-    throw UnknownName(UnknownName::Kind::object, fmt::format("no object is '{}'", subject), where,
-                      "ask with fewer words");
   order_objects(found, *this);
   return found;
 }

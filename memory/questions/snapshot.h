@@ -4,8 +4,8 @@
 #include <unordered_map>
 
 #include "mapping/base/error.h"
-#include "memory/questions/answers.h"
-#include "memory/questions/part_names.h"
+#include "memory/questions/answer_parts.h"
+#include "memory/questions/map_names.h"
 #include "memory/questions/taxonomy.h"
 
 namespace loci::memory {
@@ -22,8 +22,8 @@ class UnknownName : public Error {
   Kind kind_;
 };
 
-/// What the memory believes as of two clocks, with names in place of ids. Read once per question, of one
-/// moment, and only what the question needs.
+/// What the memory believes as of a valid time and a transaction time, with names in place of ids. A
+/// consistent read of only what the question needs.
 class Snapshot {
  public:
   Snapshot(const Store& store, const AsOf& as_of);
@@ -33,7 +33,6 @@ class Snapshot {
   const std::vector<BeliefRow>& beliefs() const;
   const std::vector<PlaceRow>& places() const { return places_; }
   const std::vector<FactRow>& facts() const { return facts_; }
-  /// What people called parts of the map that are no places.
   const PartNames& part_names() const;
   /// Scenes up to `at`, known at `known_at`, in order of time.
   const std::vector<SceneRow>& scenes() const;
@@ -44,9 +43,9 @@ class Snapshot {
   std::optional<SceneRef> scene_ref(std::optional<Id> id) const;
   ObjectRef object_ref(Id object) const;
   std::optional<PlaceRef> place_ref(std::optional<Id> place) const;
-  ObjectState state(const BeliefRow& belief) const;
+  ObjectBelief object_belief(Id object) const;
+  ObjectBelief object_belief(const BeliefRow& belief) const;
   Change change(const EventRow& event) const;
-  SceneSummary summary(const SceneRow& scene) const;
 
   /// Objects that X means, most probable first, then most recent. X: "object_12", an alias, words for colour,
   /// size, class (or another word or a wider kind of it, by the taxonomy), text, property, "Ada's" for an
@@ -59,11 +58,17 @@ class Snapshot {
   /// Places by name ("table_1", "table 1"), alias, the beginning of the name (drawer_3 for drawer_3_bottom),
   /// or class (table for table_1); empty when there are none.
   std::vector<PlaceRow> places_called(const std::string& name) const;
+  /// Objects whose most probable place this is and that have not gone.
+  std::vector<Id> objects_at(Id place) const;
 
  private:
-  std::vector<Id> find_at_place(const std::vector<std::string>& words) const;
-  std::vector<Id> there_now(Id place) const;
+  FileLocation file() const { return {store_.path().string(), 0, {}}; }
+  std::vector<Id> find_at_place(const std::string& name) const;
   std::vector<Id> find_by_word(const std::string& word) const;
+  /// The one that "biggest red" means; unset when no word is a superlative.
+  std::optional<Id> find_superlative(const std::vector<std::string>& words) const;
+  /// "red tea cup": the objects of the longest name that begins at words[next]; moves `next` past it.
+  std::vector<Id> find_longest_name(const std::vector<std::string>& words, size_t& next) const;
   std::vector<std::string> known_names() const;
   /// What may be meant instead where words[unknown] means nothing.
   std::string hint_for(const std::vector<std::string>& words, size_t unknown) const;
@@ -83,14 +88,12 @@ class Snapshot {
   mutable std::unordered_map<Id, std::optional<SceneRow>> scene_of_;
 };
 
-/// So much of a place must have been seen to say that something is not there.
-inline constexpr double kEnoughSeen = 0.5;
+/// Fraction of a place that must have been seen to conclude that an object is not there.
+inline constexpr double kMinSeenFraction = 0.5;
 
-/// The middle of a place, map frame; unset when its shape and pose are unknown.
+/// The centre of a place, map frame; unset when its shape and pose are unknown.
 std::optional<Vector3d> centre_of(const PlaceRow& place);
 
-/// Size words: small, medium, large, tall, flat.
-bool is_size_word(const std::string& word);
-bool has_size(const std::string& word, const Vector3d& size);
+bool is_believed_at(const BeliefRow& belief, Id place);
 
 }  // namespace loci::memory

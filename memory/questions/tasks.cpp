@@ -1,23 +1,26 @@
 #include "memory/questions/tasks.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 
-#include "memory/questions/habits.h"
-#include "memory/questions/occasions.h"
-#include "memory/questions/people_time.h"
+#include "memory/questions/answer_format.h"
+#include "memory/questions/question.h"
+#include "memory/questions/routines.h"
 #include "memory/questions/snapshot.h"
-#include "memory/questions/words.h"
 
 namespace loci::memory {
+
+using namespace format;
+
 namespace {
 
-constexpr std::array<const char*, 4> kKinds = {"bring", "stow", "set", "clean"};
+const std::vector<std::string> kTasks = {"bring", "stow", "set",
+                                         "clean"};  // in the order of TaskQuestion::Kind
 
-/// Below this it is more likely somewhere else than where it is believed to be.
-constexpr double kLikely = 0.5;
+/// Below this probability it is more likely somewhere else than where it is believed to be.
+constexpr double kMinLikely = 0.5;
 
 class TaskPlanner {
  public:
@@ -45,20 +48,18 @@ class TaskPlanner {
   }
 
  private:
-  ObjectState state(Id object) const { return snapshot_.state(*snapshot_.belief(object)); }
-
-  /// Objects that can be taken somewhere; those that are not where they were are missing.
-  std::vector<ObjectState> find(const std::string& subject) {
-    std::vector<ObjectState> there;
+  /// Objects that can be taken somewhere; gone and uncertain ones are reported as missing.
+  std::vector<ObjectBelief> find(const std::string& subject) {
+    std::vector<ObjectBelief> there;
     for (const Id object : snapshot_.find_objects(subject)) {
-      ObjectState found = state(object);
-      const std::string name = object_text(found.object);
-      if (found.status == "gone") {
+      ObjectBelief found = snapshot_.object_belief(object);
+      const std::string name = to_text(found.object);
+      if (found.status == ObjectStatus::gone) {
         answer_.missing.push_back(fmt::format("where {} is: it has gone from {}", name,
                                               found.place ? found.place->name : "where it was"));
         continue;
       }
-      if (found.probability < kLikely)
+      if (found.probability < kMinLikely)
         answer_.missing.push_back(fmt::format("certainty about {}: it is only {:.0f} % sure to be {}", name,
                                               100 * found.probability,
                                               found.place ? found.place->name : "there"));
@@ -69,14 +70,14 @@ class TaskPlanner {
 
   void bring() {
     answer_.asked = "bring " + question_.subject;
-    for (ObjectState& found : find(question_.subject)) answer_.items.push_back({.object = std::move(found)});
+    for (ObjectBelief& found : find(question_.subject)) answer_.items.push_back({.object = std::move(found)});
     if (answer_.items.size() > 1)
       answer_.notes.push_back(fmt::format("'{}' may be any of {} objects; the first is the most probable",
                                           question_.subject, answer_.items.size()));
   }
 
   /// Where it was seen most, other than where it is if `elsewhere`.
-  std::optional<TaskTarget> usual_target(const ObjectState& object, bool elsewhere) const {
+  std::optional<TaskTarget> usual_target(const ObjectBelief& object, bool elsewhere) const {
     const UsualAnswer usual =
         ask(store_, UsualQuestion{.subject = object.object.name, .as_of = question_.as_of});
     size_t all = 0;
@@ -89,18 +90,18 @@ class TaskPlanner {
     return std::nullopt;
   }
 
-  void add_with_usual_target(ObjectState object, bool elsewhere) {
+  void add_with_usual_target(ObjectBelief object, bool elsewhere) {
     TaskItem item{.object = std::move(object)};
     item.target = usual_target(item.object, elsewhere);
     if (!item.target)
       answer_.missing.push_back(
-          fmt::format("where {} belongs: it was seen at no other place", object_text(item.object.object)));
+          fmt::format("where {} belongs: it was seen at no other place", to_text(item.object.object)));
     else
       item.done = item.object.place && item.object.place->id == item.target->place.id;
     answer_.items.push_back(std::move(item));
   }
 
-  void add_with_target(ObjectState object, const PlaceRow& place) {
+  void add_with_target(ObjectBelief object, const PlaceRow& place) {
     TaskItem item{.object = std::move(object)};
     item.target = TaskTarget{{place.id, place.name, place.container}, 1, "asked for"};
     item.done = item.object.place && item.object.place->id == place.id;
@@ -128,14 +129,14 @@ class TaskPlanner {
       answer_.asked += " to " + question_.place;
       place = target();
     }
-    std::vector<ObjectState> objects;
+    std::vector<ObjectBelief> objects;
     try {
       objects = find(question_.subject);
     } catch (const UnknownName& error) {
       if (question_.place.empty()) throw;
       answer_.missing.push_back(fmt::format("the objects: {} ({})", error.message(), error.hint()));
     }
-    for (ObjectState& object : objects) {
+    for (ObjectBelief& object : objects) {
       if (place)
         add_with_target(std::move(object), *place);
       else if (question_.place.empty())
@@ -151,9 +152,9 @@ class TaskPlanner {
     const std::optional<PlaceRow> place = target();
     if (!place) return;
     for (const Id object : seen_then(*place)) {
-      ObjectState found = state(object);
-      if (found.status == "gone")
-        answer_.missing.push_back(fmt::format("{}: it has gone from {}", object_text(found.object),
+      ObjectBelief found = snapshot_.object_belief(object);
+      if (found.status == ObjectStatus::gone)
+        answer_.missing.push_back(fmt::format("{}: it has gone from {}", to_text(found.object),
                                               found.place ? found.place->name : "where it was"));
       else
         add_with_target(std::move(found), *place);
@@ -164,9 +165,9 @@ class TaskPlanner {
                       question_.occasion.empty() ? "" : " at the time of " + question_.occasion));
   }
 
-  /// What was seen on a place at the hours of the occasion.
+  /// Objects seen on a place at the hours of the occasion.
   std::vector<Id> seen_then(const PlaceRow& place) {
-    const Occasion* occasion = occasion_called(question_.occasion);
+    const Occasion* occasion = find_occasion(question_.occasion);
     const bool known = occasion != nullptr;
     answer_.notes.push_back(known ? fmt::format("needed is what was seen there between {}:00 and {}:59",
                                                 occasion->first_hour, occasion->last_hour)
@@ -193,7 +194,7 @@ class TaskPlanner {
     for (const BeliefRow& belief : snapshot_.beliefs()) {
       if (belief.status == ObjectStatus::gone || !belief.place) continue;
       if (!everywhere && std::find(places.begin(), places.end(), *belief.place) == places.end()) continue;
-      ObjectState object = state(belief.object);
+      ObjectBelief object = snapshot_.object_belief(belief);
       const auto target = usual_target(object, false);
       // Of the whole room only what is not where it usually is has to move.
       if (everywhere && target && target->place.id == *belief.place)
@@ -211,21 +212,124 @@ class TaskPlanner {
   TaskAnswer answer_;
 };
 
+std::string item_text(const TaskItem& item, const TimeWriter& times) {
+  const std::string text = belief_text(item.object, times);
+  if (!item.target) return text;
+  return text + (item.done
+                     ? fmt::format(" It is where it is to be ({}).", item.target->reason)
+                     : fmt::format(" To go {} ({}).", place_text(item.target->place), item.target->reason));
+}
+
+Json item_json(const TaskItem& item) {
+  Json json = belief_json(item.object);
+  if (item.target)
+    json["target"] = {{"place", item.target->place.name},
+                      {"probability", item.target->probability},
+                      {"reason", item.target->reason}};
+  json["done"] = item.done;
+  return json;
+}
+
 }  // namespace
 
 TaskAnswer ask(const Store& store, const TaskQuestion& question) {
   return TaskPlanner(store, question).plan();
 }
 
-std::string task_name(TaskQuestion::Kind kind) {
-  return kKinds.at(static_cast<size_t>(kind));
+std::string to_text(const TaskAnswer& answer, const TimeWriter& times) {
+  std::vector<std::string> lines;
+  for (const TaskItem& item : answer.items) lines.push_back(item_text(item, times));
+  if (answer.items.empty()) lines.emplace_back("No object is concerned.");
+  for (const std::string& missing : answer.missing) lines.push_back("Missing: " + missing + ".");
+  for (const std::string& note : answer.notes) lines.push_back("Note: " + note + ".");
+  return lines_text(lines);
 }
 
-TaskQuestion::Kind task_kind(const std::string& name) {
-  const auto* found = std::find(kKinds.begin(), kKinds.end(), name);
-  if (found == kKinds.end())
-    throw Error(fmt::format("'{}' is no task", name), {}, "tasks: bring, stow, set, clean");
-  return static_cast<TaskQuestion::Kind>(found - kKinds.begin());
+Json to_json(const TaskAnswer& answer) {
+  return {{"task", kTasks.at(static_cast<size_t>(answer.kind))},
+          {"asked", answer.asked},
+          {"objects", list_json(answer.items, item_json)},
+          {"missing", answer.missing},
+          {"notes", answer.notes}};
+}
+
+namespace {
+
+/// "bring X", "stow X", "set PLACE", "clean [PLACE]".
+void read_task(std::vector<std::string> words, Query& query) {
+  query.arguments["task"] = words[0];
+  if (words.size() == 1) return;
+  const bool of_objects = words[0] == "bring" || words[0] == "stow";
+  query.arguments[of_objects ? "object" : "place"] =
+      fmt::format("{}", fmt::join(words.begin() + 1, words.end(), " "));
+}
+
+Answer ask_task(const Arguments& given) {
+  const auto kind =
+      static_cast<TaskQuestion::Kind>(std::ranges::find(kTasks, given.text("task")) - kTasks.begin());
+  const bool stow = kind == TaskQuestion::Kind::stow;
+  return ask(given.store(), TaskQuestion{.kind = kind,
+                                         .subject = given.text("object"),
+                                         .place = given.text(stow ? "destination" : "place"),
+                                         .occasion = given.text("occasion"),
+                                         .as_of = given.as_of()});
+}
+
+std::vector<SentenceForm> task_sentences() {
+  const auto task = [](const char* kind) { return std::map<std::string, std::string>{{"task", kind}}; };
+  const auto at_table = std::map<std::string, std::string>{{"task", "set"}, {"place", "table"}};
+  return {
+      {"(set|lay|prepare) <place> for <occasion>", "Set the table for breakfast.", task("set")},
+      {"(prepare|make|lay for|set for) (breakfast|lunch|dinner|supper|tea)", "", at_table},
+      {"(lay|set) <place>", "", task("set")},
+      {"(clean|tidy|clear|straighten) [up] ($room|everything|here|whole kitchen)", "Clean up the kitchen.",
+       task("clean")},
+      {"(clean|tidy|clear) ($room|everything) up", "", task("clean")},
+      {"(clean|tidy|clear) up", "", task("clean")},
+      {"(clean|tidy|clear|wipe) [up|off] <place>", "Clear the table.", task("clean")},
+      {"(clean|tidy|clear) <place> (up|off)", "", task("clean")},
+      {"(stow|put|tidy|store|pack|clear) away <object> (into|onto|to) <destination>", "", task("stow")},
+      {"(stow|put|tidy|store|pack|clear) away <object>", "Stow away the items in the shopping basket.",
+       task("stow")},
+      {"(stow|put|tidy|store|pack|clear) <object> away", "", task("stow")},
+      {"(put|return) <object> back", "", task("stow")},
+      {"(put|place|stow|store|move|lay|set|take) <object> (in|into|inside|on|onto|to) <destination>",
+       "Put all perishable items in the fridge.", task("stow")},
+      {"(bring|carry) <object> to (me|us)", "", task("bring")},
+      {"(bring|carry) <object> (to|into|onto) <destination>", "", task("stow")},
+      {"(bring|fetch|get|give|hand|pass) (me|us) <object>", "Bring me my tea cup.", task("bring")},
+      {"(bring|fetch|get) <object>", "", task("bring")},
+      {"(i|we) (want|need|would like|would like to have|want to have) <object>", "", task("bring")},
+  };
+}
+
+}  // namespace
+
+std::vector<Question> task_questions() {
+  Parameter object = object_parameter(), place = place_parameter();
+  object.required = place.required = false;
+  return {
+      {.name = "task",
+       .description = "What a task needs: the objects, where they are, where they go, and what is missing",
+       .parameters = {{.name = "task",
+                       .help = "bring OBJECT, stow OBJECT, set PLACE, or clean [PLACE]",
+                       .positional = true,
+                       .required = true,
+                       .choices = kTasks},
+                      object,
+                      place,
+                      {.name = "destination",
+                       .type = ParameterType::place,
+                       .help = "stow: where to put it",
+                       .default_text = "where it usually is"},
+                      {.name = "occasion", .help = "set: for example breakfast", .default_text = "any"}},
+       .words_help = "bring|stow OBJECT, set PLACE, clean [PLACE]",
+       .read_words = read_task,
+       .examples = {"set table --occasion breakfast", "stow red --destination drawer_1 --json"},
+       .run = ask_task,
+       .time = SentenceTime::none,
+       .sentences = task_sentences()},
+  };
 }
 
 }  // namespace loci::memory

@@ -1,11 +1,17 @@
 #pragma once
 
-#include "memory/questions/answers.h"
+#include "mapping/base/json_fwd.h"
+#include "memory/questions/answer_parts.h"
+#include "memory/questions/time_parser.h"
 
 namespace loci::memory {
 
-/// A task for a robot or a person: which objects are concerned, where they are, where they are to go, and
-/// what is missing for it.
+// What a robot or a person needs for a task: which objects, where they are, where they go, and what is
+// missing.
+
+struct Question;
+std::vector<Question> task_questions();
+
 struct TaskQuestion {
   enum class Kind {
     bring,  ///< `subject` to whoever asks
@@ -23,25 +29,22 @@ struct TaskQuestion {
 struct TaskTarget {
   PlaceRef place = {};
   double probability = 1;   ///< share of its sightings that were there, or 1 when the place was asked for
-  std::string reason = {};  ///< "asked for", "12 of 14 sightings were there"
+  std::string reason = {};  ///< "asked for", "seen there in 12 of 14 scenes"
 };
 struct TaskItem {
-  ObjectState object = {};
+  ObjectBelief object = {};
   std::optional<TaskTarget> target = {};  ///< unset for bring
   bool done = false;                      ///< it is there already
-  std::string needed_as = {};             ///< set: what it is needed as, e.g. "cup"
 };
 struct TaskAnswer {
   TaskQuestion::Kind kind = TaskQuestion::Kind::bring;
-  std::string asked = {};  ///< the task in words: "bring tea cup"
+  std::string asked = {};  ///< "bring tea cup"
   std::vector<TaskItem> items = {};
-  std::vector<std::string> missing = {};  ///< what stands in the way, one sentence each
-  std::vector<std::string> notes = {};    ///< what was taken for granted
+  std::vector<std::string> missing = {};  ///< what prevents the task, one sentence each
+  std::vector<std::string> notes = {};    ///< assumptions
 };
 TaskAnswer ask(const Store& store, const TaskQuestion& question);
-
-std::string task_name(TaskQuestion::Kind kind);  ///< "bring", "stow", "set", "clean"
-/// Error with the known ones.
-TaskQuestion::Kind task_kind(const std::string& name);
+std::string to_text(const TaskAnswer& answer, const TimeWriter& times);
+Json to_json(const TaskAnswer& answer);
 
 }  // namespace loci::memory

@@ -30,8 +30,8 @@ Taxonomy Taxonomy::read(const std::filesystem::path& path) {
     entry.finish();
   }
   if (taxonomy.concepts_.empty())
-    throw Error("names no kinds of things", {path.string(), 0, {}},
-                "write NAME: {synonyms: [...], is: [...]} per kind");
+    throw Error("names no classes", {path.string(), 0, {}},
+                "write NAME: {synonyms: [...], is: [...]} per class");
   taxonomy.check(path.string());
   return taxonomy;
 }
@@ -52,7 +52,7 @@ void Taxonomy::check(const std::string& file) const {
       const std::string kind = open.back();
       open.pop_back();
       if (kind == name)
-        throw Error(fmt::format("'{}' is a kind of itself", name), {file, 0, name}, "break the circle");
+        throw Error(fmt::format("'{}' is a kind of itself", name), {file, 0, name}, "break the cycle");
       if (!above.insert(kind).second) continue;
       if (const auto found = concepts_.find(kind); found != concepts_.end())
         open.insert(open.end(), found->second.kinds.begin(), found->second.kinds.end());

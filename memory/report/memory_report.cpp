@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "mapping/base/html.h"
-#include "memory/questions/place_names.h"
+#include "memory/questions/contents.h"
+#include "memory/questions/map_names.h"
+#include "memory/questions/presence.h"
 #include "memory/report/report_data.h"
 
 namespace loci::memory {

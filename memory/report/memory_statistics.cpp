@@ -10,8 +10,8 @@
 
 #include "mapping/base/csv.h"
 #include "mapping/base/json.h"
-#include "memory/questions/people_time.h"
-#include "memory/questions/place_names.h"
+#include "memory/questions/map_names.h"
+#include "memory/questions/time_parser.h"
 #include "memory/store/store.h"
 
 namespace loci::memory {

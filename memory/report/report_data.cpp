@@ -1,4 +1,5 @@
 #include "memory/report/report_data.h"
+#include "memory/questions/objects.h"
 
 #include <fmt/format.h>
 
@@ -9,12 +10,12 @@ namespace loci::memory {
 namespace {
 
 /// Those with most observations, in order of id.
-std::vector<ObjectState> seen_most(std::vector<ObjectState> objects, size_t most) {
+std::vector<ObjectBelief> seen_most(std::vector<ObjectBelief> objects, size_t most) {
   std::stable_sort(objects.begin(), objects.end(),
-                   [](const ObjectState& a, const ObjectState& b) { return a.sightings > b.sightings; });
+                   [](const ObjectBelief& a, const ObjectBelief& b) { return a.sightings > b.sightings; });
   if (objects.size() > most) objects.resize(most);
   std::sort(objects.begin(), objects.end(),
-            [](const ObjectState& a, const ObjectState& b) { return a.object.id < b.object.id; });
+            [](const ObjectBelief& a, const ObjectBelief& b) { return a.object.id < b.object.id; });
   return objects;
 }
 
@@ -22,9 +23,9 @@ std::vector<ObjectState> seen_most(std::vector<ObjectState> objects, size_t most
 
 ReportData::ReportData(const Store& memory, const ReportOptions& options, Progress& progress)
     : store(memory), times(memory) {
-  std::vector<ObjectState> all = ask(store, ObjectsQuestion{}).objects;
+  std::vector<ObjectBelief> all = ask(store, ObjectsQuestion{}).objects;
   objects = all.size();
-  const std::vector<ObjectState> chosen = seen_most(std::move(all), options.objects);
+  const std::vector<ObjectBelief> chosen = seen_most(std::move(all), options.objects);
   for (size_t i = 0; i < chosen.size(); ++i) {
     progress.check(static_cast<double>(i) / static_cast<double>(chosen.size()), "reading histories");
     HistoryAnswer answer = ask(store, HistoryQuestion{.subject = chosen[i].object.name});

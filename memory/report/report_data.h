@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "memory/questions/words.h"
+#include "memory/questions/location.h"
 #include "memory/report/memory_report.h"
 
 namespace loci::memory {

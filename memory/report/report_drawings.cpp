@@ -8,7 +8,8 @@
 
 #include "mapping/base/html.h"
 #include "mapping/world/kinematics.h"
-#include "memory/questions/room.h"
+#include "memory/questions/environment.h"
+#include "memory/questions/events.h"
 #include "memory/questions/snapshot.h"
 #include "memory/report/report_data.h"
 
@@ -127,13 +128,13 @@ void draw_trace(const ReportData& data, const ObjectHistory& history, Plan& plan
                fmt::format("{}: {}", history.now.object.name,
                            data.times.span_text(stay.scenes.front().time, stay.scenes.back().time)));
   if (!history.now.position) return;
-  const bool there = history.now.status != "gone" && history.now.probability >= 0.5;
+  const bool there = history.now.status != ObjectStatus::gone && history.now.probability >= 0.5;
   const Vector2d at = history.now.position->head<2>();
   plan.dot(at, 7,
            there
                ? fmt::format("fill=\"{}\"", css)
                : fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"2\" stroke-dasharray=\"3 2\"", css),
-           fmt::format("{}: {}, {:.0f} %", object_text(history.now.object), history.now.status,
+           fmt::format("{}: {}, {:.0f} %", to_text(history.now.object), to_text(history.now.status),
                        100 * history.now.probability));
   plan.label(at, -10,
              fmt::format("text-anchor=\"middle\" font-size=\"13\" font-weight=\"bold\" fill=\"{}\"", css),
@@ -183,7 +184,7 @@ class Lanes {
   std::string lane(const ObjectHistory& history, double y) const {
     const std::string css = object_css(history.now.object.id);
     const double from = x(history.stays.front().scenes.front().time);
-    const bool gone = history.now.status == "gone";
+    const bool gone = history.now.status == ObjectStatus::gone;
     const double to = gone ? x(history.stays.back().scenes.back().time) : kNames + kWidth;
     std::string shapes = fmt::format(
         "<text x=\"0\" y=\"{:.0f}\">{}</text><path d=\"M{:.1f} {:.0f}H{:.1f}\" stroke=\"{}\" "
@@ -228,8 +229,7 @@ std::string timeline_section(const ReportData& data) {
   const TimelineQuestion question{.from = data.scenes.front().time};
   for (const TimelineEntry& entry : ask(data.store, question).entries) {
     std::string happened;
-    for (const Change& change : entry.changes)
-      happened += (happened.empty() ? "" : "; ") + change_text(change);
+    for (const Change& change : entry.changes) happened += (happened.empty() ? "" : "; ") + to_text(change);
     rows.push_back({data.times.text(entry.scene.scene.time), fmt::format("{}", entry.seen.size()), happened});
   }
   return html_section("timeline", "What happened",

@@ -5,7 +5,8 @@
 #include <algorithm>
 
 #include "mapping/base/html.h"
-#include "memory/questions/about.h"
+#include "memory/questions/events.h"
+#include "memory/questions/objects.h"
 #include "memory/report/memory_statistics.h"
 #include "memory/report/report_data.h"
 
@@ -20,10 +21,10 @@ std::string when_text(const TimeWriter& times, const Stay& stay) {
   return first == last ? first : first + " – " + last;
 }
 
-std::string state_text(const ObjectState& now) {
+std::string state_text(const ObjectBelief& now) {
   const std::string where = now.place ? (now.place->container ? " in " : " on ") + now.place->name : "";
-  if (now.status == "gone") return where.empty() ? "gone" : "gone, was" + where;
-  std::string status = now.status;
+  if (now.status == ObjectStatus::gone) return where.empty() ? "gone" : "gone, was" + where;
+  std::string status = to_text(now.status);
   std::replace(status.begin(), status.end(), '_', ' ');
   return fmt::format("{}{}, {:.0f} %", status, where.empty() ? "" : "," + where, 100 * now.probability);
 }
@@ -78,11 +79,11 @@ std::string statements_about(const ReportData& data, const ObjectHistory& histor
 }
 
 std::string card(const ReportData& data, const ObjectHistory& history) {
-  const ObjectState& now = history.now;
+  const ObjectBelief& now = history.now;
   return fmt::format(
       "<article class=\"card\" id=\"{}\"><h3><span style=\"color:{}\">●</span> "
       "{}</h3><p>{}</p>{}{}{}</article>\n",
-      html_escape(now.object.name), object_css(now.object.id), html_escape(object_text(now.object)),
+      html_escape(now.object.name), object_css(now.object.id), html_escape(to_text(now.object)),
       html_escape(state_text(now)), images_of(data, history), stays_of(data, history),
       statements_about(data, history));
 }
@@ -160,7 +161,7 @@ std::string scene_log(const ReportData& data, const SceneRow& scene, const Scene
                     annotations[observation.id]});
   }
   std::string views;
-  for (const auto& [place, part] : summary.looked_at)
+  for (const auto& [place, part] : summary.seen_places)
     views += fmt::format("{}{:.0f} % of {}", views.empty() ? "" : ", ", 100 * part, place);
   const std::string head = fmt::format(
       "scene {} at {}: {} observation{}{}{}", scene.id, data.times.text(scene.time), rows.size(),

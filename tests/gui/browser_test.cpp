@@ -24,7 +24,7 @@
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
-#include "memory/questions/answers.h"
+#include "memory/questions/objects.h"
 #include "tests/gui/window_fixture.h"
 
 namespace loci::gui {
@@ -232,7 +232,7 @@ TEST_F(BrowserWindow, SaysTheSameAsTheQuestionsOfTheCommandLine) {
     go_to(time);
     const auto states = ask(store, memory::ObjectsQuestion{{}, {time, std::nullopt}}).objects;
     EXPECT_EQ(states.size(), window.browser().belief().objects.size());
-    for (const memory::ObjectState& state : states) {
+    for (const memory::ObjectBelief& state : states) {
       const BelievedObject* shown = window.browser().belief().find(state.object.id);
       ASSERT_NE(shown, nullptr) << state.object.name;
       EXPECT_EQ(shown->name, state.object.name);

@@ -16,7 +16,10 @@
 #include "mapping/base/quantile.h"
 #include "mapping/base/stopwatch.h"
 #include "memory/ingest/detection_scene.h"
-#include "memory/questions/answers.h"
+#include "memory/questions/contents.h"
+#include "memory/questions/events.h"
+#include "memory/questions/location.h"
+#include "memory/questions/presence.h"
 #include "memory/recorder/recorder.h"
 
 namespace loci::apps::memory_experiment {

@@ -9,8 +9,8 @@
 
 #include "mapping/base/json.h"
 #include "memory/ingest/ingest.h"
-#include "memory/questions/answers.h"
 #include "memory/questions/facts.h"
+#include "memory/questions/location.h"
 #include "memory/recorder/carried_belief.h"
 #include "tests/memory/store/temporary_folder.h"
 

@@ -5,9 +5,9 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "mapping/world/urdf.h"
+#include "memory/questions/environment.h"
 #include "memory/questions/facts.h"
-#include "memory/questions/place_names.h"
-#include "memory/questions/room.h"
+#include "memory/questions/map_names.h"
 #include "memory/questions/snapshot.h"
 #include "tests/memory/questions/day_fixture.h"
 
@@ -198,10 +198,10 @@ class MapEdits : public Edits {
     edit([&](Store& store) { return store.add_map("kitchen.urdf", urdf, ""); });
   }
   /// The one part that is meant.
-  RoomPart part(const std::string& name, const AsOf& as_of = {}) const {
-    const std::vector<RoomPart> parts = ask(*store_, RoomQuestion{name, as_of}).parts;
+  EnvironmentPart part(const std::string& name, const AsOf& as_of = {}) const {
+    const std::vector<EnvironmentPart> parts = ask(*store_, RoomQuestion{name, as_of}).parts;
     EXPECT_EQ(parts.size(), 1U) << name;
-    return parts.empty() ? RoomPart{} : parts.front();
+    return parts.empty() ? EnvironmentPart{} : parts.front();
   }
 };
 

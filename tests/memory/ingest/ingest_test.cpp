@@ -11,7 +11,8 @@
 #include "mapping/base/files.h"
 #include "mapping/base/random.h"
 #include "memory/ingest/detections.h"
-#include "memory/questions/answers.h"
+#include "memory/questions/location.h"
+#include "memory/questions/presence.h"
 #include "tests/memory/recorder/memory_dump.h"
 
 namespace loci::memory {

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "memory/questions/words.h"
+#include "memory/questions/time_parser.h"
 #include "tests/memory/questions/synthetic_day.h"
 #include "tests/memory/store/temporary_folder.h"
 

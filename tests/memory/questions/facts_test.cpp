@@ -4,7 +4,9 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
-#include "memory/questions/spoken.h"
+#include "memory/questions/contents.h"
+#include "memory/questions/location.h"
+#include "memory/questions/natural_language.h"
 #include "memory/questions/taxonomy.h"
 #include "tests/memory/questions/synthetic_day.h"
 #include "tests/memory/store/temporary_folder.h"
@@ -27,7 +29,7 @@ class Facts : public testing_support::TemporaryFolder {
   Store open(int hours) const { return Store::open_write(file_, {.now = kLater + hours * 3600 * kSecond}); }
   std::vector<Id> who(const std::string& subject, const AsOf& as_of = {}) const {
     std::vector<Id> ids;
-    for (const ObjectState& state : ask(Store::open_read(file_), WhereQuestion{subject, as_of}).objects)
+    for (const ObjectBelief& state : ask(Store::open_read(file_), WhereQuestion{subject, as_of}).objects)
       ids.push_back(state.object.id);
     std::sort(ids.begin(), ids.end());
     return ids;
@@ -49,9 +51,10 @@ TEST_F(Facts, ANameOfAPlaceIsUnderstoodAndTheOldAnswersStay) {
     set_fact(store, "table_1", "alias", "couch table");
   }
   const Store store = Store::open_read(file_);
-  const auto answer = ask(store, SpokenQuestion{{"Is there anything on the couch table?"}, {}}).at(0);
+  const auto answer =
+      ask(store, NaturalLanguageQuestion{{"Is there anything on the couch table?"}, {}}).at(0);
   EXPECT_THAT(answer.notes, testing::IsEmpty());
-  EXPECT_EQ(std::get<ContentsAnswer>(*answer.answer).places.at(0).place.name, "table_1");
+  EXPECT_EQ(answer.answer->get<ContentsAnswer>().places.at(0).place.name, "table_1");
   EXPECT_EQ(ask(store, FactsQuestion{"table_1", "", {.at = {}, .known_at = kLater - 1}}).facts.size(), 0U);
 }
 

@@ -1,6 +1,9 @@
 #include "mapping/base/json.h"
-#include "memory/questions/change_kinds.h"
-#include "memory/questions/unseen.h"
+#include "memory/questions/contents.h"
+#include "memory/questions/events.h"
+#include "memory/questions/location.h"
+#include "memory/questions/objects.h"
+#include "memory/questions/presence.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci::memory {
@@ -12,7 +15,7 @@ using testing_support::day_time;
 
 class Questions : public testing_support::DayFixture {
  protected:
-  ObjectState where(const std::string& subject, const AsOf& as_of = {}) const {
+  ObjectBelief where(const std::string& subject, const AsOf& as_of = {}) const {
     const WhereAnswer answer = ask(*store_, WhereQuestion{.subject = subject, .as_of = as_of});
     EXPECT_EQ(answer.objects.size(), 1U) << subject;
     return answer.objects.at(0);
@@ -43,7 +46,7 @@ TEST_F(Questions, TheMemoryIsSound) {
 
 TEST_F(Questions, WhereFollowsAnObjectThroughTheDay) {
   EXPECT_EQ(where("red", at("08:00")).place->name, "table_1");
-  EXPECT_EQ(where("red", at("09:10")).status, "gone");
+  EXPECT_EQ(where("red", at("09:10")).status, ObjectStatus::gone);
   EXPECT_EQ(where("red").place->name, "counter_1");
   EXPECT_EQ(where("red").last_seen->scene, 6);
   EXPECT_THAT(text(ask(*store_, WhereQuestion{"red"})),
@@ -51,7 +54,7 @@ TEST_F(Questions, WhereFollowsAnObjectThroughTheDay) {
                         "(98 % sure), last seen at 10:30"));
 }
 
-TEST_F(Questions, WhereTellsWhatElseMayBeTheObject) {
+TEST_F(Questions, WhereListsAlternativeLocations) {
   store_.reset();
   Id fresh = 0;
   {
@@ -78,7 +81,7 @@ TEST_F(Questions, WhereTellsWhatElseMayBeTheObject) {
   store_.emplace(Store::open_read(file_));
   const WhereAnswer answer = ask(*store_, WhereQuestion{"object_1"});
   ASSERT_EQ(answer.objects.at(0).alternatives.size(), 1U);
-  const Alternative& other = answer.objects[0].alternatives[0];
+  const AlternativeLocation& other = answer.objects[0].alternatives[0];
   EXPECT_DOUBLE_EQ(other.probability, 0.35);
   EXPECT_EQ(other.taken_for->id, fresh);
   EXPECT_THAT(text(answer), HasSubstr("or else"));
@@ -87,16 +90,16 @@ TEST_F(Questions, WhereTellsWhatElseMayBeTheObject) {
 }
 
 TEST_F(Questions, WhatIsOutOfViewStaysRemembered) {
-  const ObjectState blue = where("blue", at("08:40"));
+  const ObjectBelief blue = where("blue", at("08:40"));
   EXPECT_EQ(blue.place->name, "table_1");
-  EXPECT_EQ(blue.status, "out_of_view");
-  EXPECT_EQ(blue.looks_out_of_view, 1U);
+  EXPECT_EQ(blue.status, ObjectStatus::out_of_view);
+  EXPECT_EQ(blue.scenes_out_of_view, 1U);
   EXPECT_EQ(blue.last_seen->time, testing_support::day_time("08:00"));
 }
 
 TEST_F(Questions, WhatWasLookedForAndIsNotThereHasGone) {
-  const ObjectState red = where("red", at("09:10"));
-  EXPECT_EQ(red.looked_for->scene, 3);
+  const ObjectBelief red = where("red", at("09:10"));
+  EXPECT_EQ(red.last_missed->scene, 3);
   EXPECT_THAT(text(ask(*store_, WhereQuestion{"red", at("09:10")})),
               HasSubstr("has gone. It was on table_1 at (0.30, 0.30, 0.80), last seen at 08:00 (scene 1, "
                         "frame 0); since then looked for at 09:00 and not seen"));
@@ -104,7 +107,7 @@ TEST_F(Questions, WhatWasLookedForAndIsNotThereHasGone) {
 
 TEST_F(Questions, KnownAtForgetsWhatWasLearntLater) {
   const AsOf then{.at = {}, .known_at = testing_support::SyntheticDay::kKnownFirst};
-  EXPECT_EQ(where("red", then).status, "gone");
+  EXPECT_EQ(where("red", then).status, ObjectStatus::gone);
   EXPECT_EQ(ask(*store_, ScenesQuestion{.as_of = then}).scenes.size(), 3U);
   EXPECT_EQ(ask(*store_, ObjectsQuestion{.as_of = then}).objects.size(), 3U);
   EXPECT_TRUE(where("red", then).object.aliases.empty());
@@ -152,7 +155,7 @@ TEST_F(Questions, OnListsWhatIsThereAndWhatIsNoLonger) {
   ASSERT_EQ(now.places.size(), 1U);
   ASSERT_EQ(now.places[0].there.size(), 1U);
   EXPECT_EQ(now.places[0].there[0].object.color, std::optional<std::string>("blue"));
-  EXPECT_EQ(now.places[0].last_look->time, testing_support::day_time("10:00"));
+  EXPECT_EQ(now.places[0].last_view->time, testing_support::day_time("10:00"));
   EXPECT_EQ(ask(*store_, ContentsQuestion{"table_1", at("08:40")}).places[0].there.size(), 2U);
   EXPECT_EQ(ask(*store_, ContentsQuestion{"table_1", at("09:10")}).places[0].gone.size(), 1U);
 }
@@ -174,8 +177,8 @@ TEST_F(Questions, WasIsNoWhereThePlaceWasLookedAtWithoutIt) {
   const WasObject red = was("red", "table_1", "08:50", "09:10");
   EXPECT_EQ(red.verdict, Verdict::no);
   EXPECT_EQ(red.before->scene, 1);
-  ASSERT_EQ(red.looks.size(), 1U);
-  EXPECT_GT(red.looks[0].fraction, 0.8);
+  ASSERT_EQ(red.views.size(), 1U);
+  EXPECT_GT(red.views[0].fraction, 0.8);
   EXPECT_EQ(was("green", "table_1", "08:50", "09:10").verdict, Verdict::no);
 }
 
@@ -210,7 +213,7 @@ TEST_F(Questions, WasOfAnUndescribedContainerThatNobodyOpenedIsNotObserved) {
 TEST_F(Questions, ChangesAreListedInOrderAndCanBeNarrowed) {
   const auto kinds = [](const ChangesAnswer& answer) {
     std::vector<std::string> result;
-    for (const Change& change : answer.changes) result.push_back(change.kind);
+    for (const Change& change : answer.changes) result.emplace_back(to_text(change.kind));
     return result;
   };
   EXPECT_EQ(ask(*store_, ChangesQuestion{}).changes.size(), 8U);
@@ -230,8 +233,8 @@ TEST_F(Questions, ChangesAreListedInOrderAndCanBeNarrowed) {
 TEST_F(Questions, ChangesOfAKindKnowWhatLeftAndWhatCame) {
   const auto told = [&](const std::string& place, const std::string& kind) {
     std::vector<std::string> result;
-    for (const Change& change : ask_for_kind(*store_, ChangesQuestion{.place = place}, kind).changes)
-      result.push_back(change.kind + " " + change.object->name);
+    for (const Change& change : ask(*store_, ChangesQuestion{.place = place, .kind = kind}).changes)
+      result.push_back(std::string(to_text(change.kind)) + " " + change.object->name);
     return result;
   };
   EXPECT_THAT(told("table", "left"), ElementsAre("gone object_1", "moved object_1"));
@@ -244,13 +247,17 @@ TEST_F(Questions, ChangesOfAKindKnowWhatLeftAndWhatCame) {
 
 TEST_F(Questions, WhatWasNotSeenSinceATime) {
   std::vector<std::string> names;
-  for (const ObjectState& state : ask_unseen_since(*store_, {}, testing_support::day_time("08:15")).objects)
+  for (const ObjectBelief& state :
+       ask(*store_, ObjectsQuestion{.unseen_since = testing_support::day_time("08:15")}).objects)
     names.push_back(state.object.name);
   EXPECT_THAT(names, testing::Not(testing::Contains("object_1")));
-  for (const ObjectState& state : ask_unseen_since(*store_, {}, testing_support::day_time("10:00")).objects)
+  for (const ObjectBelief& state :
+       ask(*store_, ObjectsQuestion{.unseen_since = testing_support::day_time("10:00")}).objects)
     EXPECT_LT(state.last_seen->time, testing_support::day_time("10:00")) << state.object.name;
-  EXPECT_EQ(ask_unseen_since(*store_, {}, testing_support::day_time("11:00")).objects.size(), 4U);
-  EXPECT_TRUE(ask_unseen_since(*store_, {}, testing_support::day_time("07:00")).objects.empty());
+  EXPECT_EQ(ask(*store_, ObjectsQuestion{.unseen_since = testing_support::day_time("11:00")}).objects.size(),
+            4U);
+  EXPECT_TRUE(
+      ask(*store_, ObjectsQuestion{.unseen_since = testing_support::day_time("07:00")}).objects.empty());
 }
 
 TEST_F(Questions, TheBiggestIsOneOfThoseThatAreMeant) {

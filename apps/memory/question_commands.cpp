@@ -1,0 +1,180 @@
+// The questions of memory/questions as commands, and those that are asked in words.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <charconv>
+
+#include "apps/memory/commands.h"
+#include "apps/memory/memory_arguments.h"
+#include "mapping/base/json.h"
+#include "mapping/base/text.h"
+#include "memory/questions/natural_language.h"
+#include "memory/questions/snapshot.h"
+#include "memory/reasoning/why.h"
+
+namespace loci::apps {
+namespace {
+
+/// What is given on the command line for a question.
+struct QuestionArguments {
+  std::string memory;
+  std::vector<std::string> words, between;
+  std::map<std::string, std::string> options;  // by name of the parameter
+
+  void declare(const memory::Question& question, ArgumentTable& table);
+  memory::Query query(const memory::Question& question) const;
+};
+
+void QuestionArguments::declare(const memory::Question& question, ArgumentTable& table) {
+  table.memory(memory);
+  bool positional = false;
+  for (const memory::Parameter& parameter : question.all_parameters()) {
+    if (parameter.positional) {
+      std::string spec = question.read_words == nullptr ? upper_case(parameter.name) : "WORD";
+      spec = parameter.required ? spec + "..." : "[" + spec + "...]";
+      if (!positional)
+        table.positional(spec, &words, question.words_help.empty() ? parameter.help : question.words_help,
+                         {.default_text = parameter.default_text});
+      positional = true;
+      continue;
+    }
+    ArgumentDetails details{.default_text = parameter.default_text, .choices = parameter.choices};
+    if (parameter.name == "from" || parameter.name == "to") details.excludes = {"--between"};
+    for (const std::string& other : parameter.excludes) details.excludes.push_back(upper_case(other));
+    table.option(fmt::format("--{} {}", parameter.name, upper_case(to_text(parameter.type))),
+                 &options[parameter.name], parameter.help, details);
+  }
+  if (question.period) table.option("--between TIME", &between, "Two times", {.values = 2});
+}
+
+memory::Query QuestionArguments::query(const memory::Question& question) const {
+  memory::Query query{.question = question.name};
+  for (const auto& [name, value] : options)
+    if (!value.empty()) query.arguments[name] = value;
+  if (!between.empty()) query.arguments["from"] = between.at(0);
+  if (!between.empty()) query.arguments["to"] = between.at(1);
+  question.read(words, query);
+  return query;
+}
+
+Command question_command(const memory::Question& question) {
+  std::vector<std::string> examples;
+  for (const std::string& example : question.examples)
+    examples.push_back(fmt::format("loci-memory {}{}{} -m demo-output/memory.loci", question.name,
+                                   example.empty() ? "" : " ", example));
+  return {.name = question.name,
+          .description = question.description,
+          .examples = examples,
+          .declare =
+              [question](ArgumentTable& table) {
+                auto arguments = std::make_shared<QuestionArguments>();
+                arguments->declare(question, table);
+                return [arguments, question](Session& session) {
+                  const memory::Store store = memory::Store::open_read(arguments->memory);
+                  const memory::Query query = arguments->query(question);
+                  const memory::Answer answer = question.ask(store, query);
+                  session.answer(answer.to_text(memory::TimeWriter(store)), answer.to_json());
+                };
+              },
+          .group = to_text(question.group)};
+}
+
+/// The number in "scene_12"; unset for other words.
+std::optional<memory::Id> scene_id(const std::string& name) {
+  constexpr std::string_view kPrefix = "scene_";
+  if (!name.starts_with(kPrefix)) return std::nullopt;
+  memory::Id id = 0;
+  const char* end = name.data() + name.size();
+  const auto [rest, error] = std::from_chars(name.data() + kPrefix.size(), end, id);
+  return error == std::errc() && rest == end ? std::optional(id) : std::nullopt;
+}
+
+struct WhyAnswer {
+  memory::Why why;
+};
+std::string to_text(const WhyAnswer& answer, const memory::TimeWriter&) {
+  return answer.why.text;
+}
+Json to_json(const WhyAnswer& answer) {
+  return answer.why.json;
+}
+
+memory::Question why_question() {
+  return {.name = "why",
+          .description = "Explains a decision: evidence, alternatives, and what excluded them",
+          .parameters = {{.name = "subject",
+                          .type = memory::ParameterType::object,
+                          .help = "scene_12, object_12, or words for an object",
+                          .positional = true,
+                          .required = true}},
+          .examples = {"red", "scene_3 --json"},
+          .run = [](const memory::Arguments& given) -> memory::Answer {
+            const std::string subject = given.text("subject");
+            if (const std::optional<memory::Id> scene = scene_id(subject))
+              return WhyAnswer{memory::why_scene(given.store(), *scene)};
+            const auto objects = memory::Snapshot(given.store(), given.as_of()).find_objects(subject);
+            return WhyAnswer{memory::why_object(given.store(), objects.front(), given.as_of())};
+          }};
+}
+
+Command ask_command() {
+  return {.name = "ask",
+          .description = "Answers questions and tasks in English",
+          .examples =
+              {"loci-memory ask \"Is there anything on the couch table?\" -m demo-output/memory.loci",
+               "loci-memory ask \"Where did I leave the red cup?\" \"When was the last time you saw it?\" "
+               "-m demo-output/memory.loci --json"},
+          .declare =
+              [](ArgumentTable& table) {
+                struct Arguments {
+                  MemoryArguments memory;
+                  std::vector<std::string> sentences;
+                };
+                auto arguments = std::make_shared<Arguments>();
+                arguments->memory.declare(table);
+                table.positional("QUESTION...", &arguments->sentences,
+                                 "A question or a task; of several, \"it\" is what the one before was about");
+                return [arguments](Session& session) {
+                  const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+                  const auto answers = ask(store, memory::NaturalLanguageQuestion{
+                                                      arguments->sentences, arguments->memory.as_of(store)});
+                  std::string text;
+                  Json json = Json::array();
+                  for (const memory::NaturalLanguageAnswer& answer : answers) {
+                    text += (text.empty() ? "" : "\n") + to_text(answer, memory::TimeWriter(store));
+                    json.push_back(to_json(answer));
+                  }
+                  session.answer(text, json.size() == 1 ? json[0] : Json{{"answers", json}});
+                  for (const memory::NaturalLanguageAnswer& answer : answers)
+                    if (!answer.query)
+                      throw Error("'" + answer.sentence + "' is not understood", {},
+                                  "ask for example: " + answer.nearest.at(0));
+                };
+              },
+          .group = to_text(memory::QuestionGroup::ask)};
+}
+
+Command questions_command() {
+  return {.name = "questions",
+          .description = "Lists the questions with their arguments and sentences",
+          .examples = {"loci-memory questions", "loci-memory questions --json"},
+          .declare =
+              [](ArgumentTable&) {
+                return [](Session& session) {
+                  session.answer(memory::questions_reference(), memory::questions_json());
+                };
+              },
+          .group = to_text(memory::QuestionGroup::ask)};
+}
+
+}  // namespace
+
+void add_question_commands(Program& program) {
+  program.add(ask_command());
+  for (const memory::Question& question : memory::questions()) program.add(question_command(question));
+  program.add(question_command(why_question()));
+  program.add(questions_command());
+}
+
+}  // namespace loci::apps

@@ -1,0 +1,260 @@
+#include "memory/questions/answer_format.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace loci::memory {
+namespace format {
+
+std::string percent(double probability) {
+  if (probability > 0.995 && probability < 1) return "more than 99 %";
+  return fmt::format("{:.0f} %", 100 * probability);
+}
+
+std::string size_text(const Vector3d& size) {
+  return fmt::format("{:.0f} x {:.0f} x {:.0f} cm", 100 * size.x(), 100 * size.y(), 100 * size.z());
+}
+
+std::string point_text(const Vector3d& p) {
+  return fmt::format("({:.2f}, {:.2f}, {:.2f})", p.x(), p.y(), p.z());
+}
+
+std::string place_text(const PlaceRef& place) {
+  return (place.container ? "in " : "on ") + place.name;
+}
+
+std::string spot_text(const std::optional<PlaceRef>& place, const std::optional<Vector3d>& position) {
+  if (place && position) return place_text(*place) + " at " + point_text(*position);
+  if (place) return place_text(*place);
+  return position ? "at " + point_text(*position) : "at an unknown place";
+}
+
+std::string scene_text(const SceneRef& scene) {
+  return scene.frame ? fmt::format("scene {}, frame {}", scene.scene, *scene.frame)
+                     : fmt::format("scene {}", scene.scene);
+}
+
+std::string scenes_text(const std::vector<SceneRef>& scenes) {
+  std::vector<std::string> ids, frames;
+  for (const SceneRef& scene : scenes) {
+    ids.push_back(std::to_string(scene.scene));
+    if (scene.frame) frames.push_back(std::to_string(*scene.frame));
+  }
+  const auto list = [](const std::vector<std::string>& all) {
+    if (all.size() <= 8) return fmt::format("{}", fmt::join(all, ", "));
+    return fmt::format("{}, ..., {}", fmt::join(all.begin(), all.begin() + 5, ", "),
+                       fmt::join(all.end() - 2, all.end(), ", "));
+  };
+  std::string text = fmt::format("scene{} {}", ids.size() == 1 ? "" : "s", list(ids));
+  if (frames.size() == ids.size())
+    text += fmt::format(" (frame{} {})", frames.size() == 1 ? "" : "s", list(frames));
+  return text;
+}
+
+std::string status_text(ObjectStatus status) {
+  return status == ObjectStatus::out_of_view ? "out of view" : to_text(status);
+}
+
+std::string when_text(const Change& change, const TimeWriter& times) {
+  if (!change.since || times.text(*change.since) == times.text(change.time)) return times.text(change.time);
+  return fmt::format("{} (after {})", times.text(change.time), times.text(*change.since));
+}
+
+namespace {
+
+std::string evidence_text(const ObjectBelief& belief, const TimeWriter& times) {
+  std::vector<std::string> parts;
+  if (belief.last_missed)
+    parts.push_back(fmt::format("looked for at {} and not seen", times.text(belief.last_missed->time)));
+  if (belief.scenes_hidden > 0)
+    parts.push_back("hidden behind something in " + counted(belief.scenes_hidden, "scene"));
+  if (belief.scenes_out_of_view > 0)
+    parts.push_back("out of view in " + counted(belief.scenes_out_of_view, "scene"));
+  if (parts.empty()) return {};
+  return fmt::format("; {}{}", belief.status == ObjectStatus::seen ? "" : "since then ",
+                     fmt::join(parts, ", "));
+}
+
+}  // namespace
+
+std::string belief_text(const ObjectBelief& belief, const TimeWriter& times) {
+  const std::string name = to_text(belief.object);
+  const std::string spot = spot_text(belief.place, belief.position);
+  const std::string seen = belief.last_seen
+                               ? fmt::format("last seen at {} ({})", times.text(belief.last_seen->time),
+                                             scene_text(*belief.last_seen))
+                               : "never seen since";
+  const std::string evidence = evidence_text(belief, times);
+  if (belief.status == ObjectStatus::gone)
+    return fmt::format(
+        "{} has gone. It was {}, {}{}{}.", name, spot, seen, evidence,
+        seen_once(belief) ? "; it was seen in one scene only and may be a false detection" : "");
+  const std::string sure =
+      belief.probability < 0.995 ? fmt::format(" ({} sure)", percent(belief.probability)) : "";
+  const char* verb = belief.probability >= 0.5 ? "is" : "was, and perhaps still is,";
+  return fmt::format("{} {} {}{}, {}{}.", name, verb, spot, sure, seen, evidence);
+}
+
+bool seen_once(const ObjectBelief& belief) {
+  return belief.status == ObjectStatus::gone && belief.sightings == 1;
+}
+
+std::string lines_text(const std::vector<std::string>& lines) {
+  return lines.empty() ? "" : fmt::format("{}\n", fmt::join(lines, "\n"));
+}
+
+std::string table_text(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<size_t> widths(rows[0].size(), 0);
+  for (const auto& row : rows)
+    for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  std::string text;
+  for (const auto& row : rows) {
+    for (size_t i = 0; i + 1 < row.size(); ++i) text += fmt::format("{:<{}}  ", row[i], widths[i]);
+    text += row.back() + "\n";
+  }
+  return text;
+}
+
+Json vector_json(const Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+Json place_json(const PlaceRef& place) {
+  return place.name;
+}
+
+Json scene_json(const SceneRef& scene) {
+  Json json = {{"scene", scene.scene}, {"time", format_time(scene.time)}};
+  if (scene.recording) json["recording"] = *scene.recording;
+  if (scene.frame) json["frame"] = *scene.frame;
+  return json;
+}
+
+Json object_json(const ObjectRef& object) {
+  Json json = {{"object", object.name}};
+  if (!object.aliases.empty()) json["aliases"] = object.aliases;
+  if (object.color) json["color"] = *object.color;
+  put(json, "size", object.size, vector_json);
+  return json;
+}
+
+Json belief_json(const ObjectBelief& belief) {
+  Json json = object_json(belief.object);
+  json["status"] = to_text(belief.status);
+  json["probability"] = belief.probability;
+  put(json, "place", belief.place, place_json);
+  put(json, "position", belief.position, vector_json);
+  put(json, "first_seen", belief.first_seen, scene_json);
+  put(json, "last_seen", belief.last_seen, scene_json);
+  json["sightings"] = belief.sightings;
+  if (seen_once(belief)) json["seen_once"] = true;
+  json["since_last_seen"] = {{"out_of_view", belief.scenes_out_of_view},
+                             {"hidden", belief.scenes_hidden},
+                             {"missed", belief.scenes_missed}};
+  put(json, "looked_for", belief.last_missed, scene_json);
+  return json;
+}
+
+Json change_json(const Change& change) {
+  Json json = {{"kind", to_text(change.kind)}, {"time", format_time(change.time)}};
+  if (change.since) json["since"] = format_time(*change.since);
+  if (change.object) json.update(object_json(*change.object));
+  put(json, "place", change.place, place_json);
+  put(json, "from_place", change.from_place, place_json);
+  put(json, "position", change.position, vector_json);
+  put(json, "from_position", change.from_position, vector_json);
+  if (change.joint) json["joint"] = *change.joint;
+  if (change.joint_position) json["joint_position"] = *change.joint_position;
+  if (change.from_joint_position) json["from_joint_position"] = *change.from_joint_position;
+  json["probability"] = change.probability;
+  put(json, "scene", change.scene, scene_json);
+  json["source"] = change.source;
+  return json;
+}
+
+}  // namespace format
+
+using namespace format;
+
+namespace {
+
+std::string joint_text(const Change& change) {
+  const std::string name = change.joint.value_or(change.place ? change.place->name : "a joint");
+  if (change.from_joint_position && change.joint_position)
+    return fmt::format("{} {} from {:.2f} to {:.2f}", name,
+                       *change.joint_position > *change.from_joint_position ? "opened" : "closed",
+                       *change.from_joint_position, *change.joint_position);
+  return fmt::format("{} moved{}", name,
+                     change.joint_position ? fmt::format(" to {:.2f}", *change.joint_position) : "");
+}
+
+/// " from table_1 to counter_1 by 1.2 m".
+std::string move_text(const Change& change) {
+  std::string text;
+  const bool same = change.place && change.from_place && change.place->id == change.from_place->id;
+  if (same) {
+    text += fmt::format(" {}", place_text(*change.place));
+  } else {
+    if (change.from_place) text += " from " + change.from_place->name;
+    if (change.place) text += " to " + change.place->name;
+  }
+  if (change.position && change.from_position) {
+    const double distance = (*change.position - *change.from_position).norm();
+    text += distance < 0.995 ? fmt::format(" by {:.0f} cm", 100 * distance)
+                             : fmt::format(" by {:.1f} m", distance);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string to_text(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::yes:
+      return "yes";
+    case Verdict::no:
+      return "no";
+    case Verdict::not_observed:
+      return "not_observed";
+  }
+  return {};
+}
+
+std::string to_text(const ObjectRef& object) {
+  std::vector<std::string> notes;
+  if (object.color) notes.push_back(*object.color);
+  if (object.size) notes.push_back(size_text(*object.size));
+  for (const std::string& alias : object.aliases) notes.push_back("called " + alias);
+  return notes.empty() ? object.name : fmt::format("{} ({})", object.name, fmt::join(notes, ", "));
+}
+
+std::string to_text(const Change& change) {
+  const std::string object = change.object ? to_text(*change.object) : "";
+  const auto on = [](const std::optional<PlaceRef>& place) {
+    return place ? fmt::format(" {}", place_text(*place)) : "";
+  };
+  switch (change.kind) {
+    case EventKind::appeared:
+      return fmt::format("{} appeared{}", object, on(change.place));
+    case EventKind::moved:
+      return fmt::format("{} moved{}", object, move_text(change));
+    case EventKind::looks_different:
+      return fmt::format("{} looks different{}", object, on(change.place));
+    case EventKind::gone: {
+      const auto& from = change.from_place ? change.from_place : change.place;
+      return fmt::format("{} has gone{}", object, from ? " from " + from->name : "");
+    }
+    case EventKind::hidden:
+      return fmt::format("{} is hidden behind something{}", object,
+                         on(change.place ? change.place : change.from_place));
+    case EventKind::reappeared:
+      return fmt::format("{} is seen again{}", object, on(change.place));
+    case EventKind::joint_changed:
+      return joint_text(change);
+  }
+  return {};
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,272 @@
+#include "memory/questions/contents.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "memory/questions/answer_format.h"
+#include "memory/questions/question.h"
+#include "memory/questions/snapshot.h"
+
+namespace loci::memory {
+
+using namespace format;
+
+namespace {
+
+Verdict verdict_of(const std::vector<PlaceContents>& places) {
+  const auto believed = [](const ObjectBelief& object) { return object.probability >= 0.5; };
+  if (std::ranges::any_of(places, [&](const PlaceContents& contents) {
+        return std::ranges::any_of(contents.there, believed);
+      }))
+    return Verdict::yes;
+  const bool seen_empty = std::ranges::all_of(places, [](const PlaceContents& contents) {
+    return contents.there.empty() && contents.fraction.value_or(0) >= kMinSeenFraction;
+  });
+  return seen_empty ? Verdict::no : Verdict::not_observed;
+}
+
+bool more_probable(const ObjectBelief& a, const ObjectBelief& b) {
+  return a.probability != b.probability ? a.probability > b.probability : a.object.id < b.object.id;
+}
+
+/// `meant`: the objects asked about; unset = all.
+PlaceContents contents_of(const Snapshot& snapshot, const PlaceRow& place,
+                          const std::optional<std::set<Id>>& meant, size_t max_gone) {
+  const Store& store = snapshot.store();
+  PlaceContents contents{.place = {place.id, place.name, place.container}};
+  for (const Id object : snapshot.objects_at(place.id))
+    if (!meant || meant->contains(object)) contents.there.push_back(snapshot.object_belief(object));
+  Store::Gone gone = store.objects_gone_from(place.id, meant ? std::numeric_limits<size_t>::max() : max_gone,
+                                             snapshot.as_of());
+  std::erase_if(gone.objects, [&](Id object) { return meant && !meant->contains(object); });
+  contents.gone_in_all = meant ? gone.objects.size() : gone.in_all;
+  gone.objects.resize(std::min(gone.objects.size(), max_gone));
+  for (const Id object : gone.objects) contents.gone.push_back(snapshot.object_belief(object));
+  for (auto* list : {&contents.there, &contents.gone}) std::ranges::sort(*list, more_probable);
+  if (const std::optional<VisibilityRow> view = store.last_visibility(place.id, snapshot.as_of())) {
+    contents.last_view = snapshot.scene_ref(view->scene);
+    contents.fraction = view->fraction;
+  }
+  return contents;
+}
+
+std::string view_text(const PlaceContents& contents, const TimeWriter& times) {
+  if (!contents.last_view) return "never looked at";
+  return fmt::format("last looked at {} ({}{})", times.text(contents.last_view->time),
+                     scene_text(*contents.last_view),
+                     contents.fraction ? fmt::format(", {:.0f} % of it", 100 * *contents.fraction) : "");
+}
+
+Json contents_json(const PlaceContents& contents) {
+  Json json = {{"place", contents.place.name},
+               {"container", contents.place.container},
+               {"objects", list_json(contents.there, belief_json)},
+               {"gone", list_json(contents.gone, belief_json)}};
+  if (contents.gone_in_all > contents.gone.size()) json["gone_in_all"] = contents.gone_in_all;
+  put(json, "last_look", contents.last_view, scene_json);
+  if (contents.fraction) json["fraction"] = *contents.fraction;
+  return json;
+}
+
+/// Sets what the point is.
+void locate(const Snapshot& snapshot, const std::string& subject, NearAnswer& answer) {
+  if (const auto numbers = read_point(subject); !numbers.empty()) {
+    answer.level = numbers.size() == 2;
+    answer.point = {numbers[0], numbers[1], answer.level ? 0 : numbers[2]};
+    return;
+  }
+  const std::vector<PlaceRow> places = snapshot.places_called(subject);
+  if (!places.empty()) {
+    const std::optional<Vector3d> centre = centre_of(places[0]);
+    if (!centre) throw Error(fmt::format("the position of {} is not known", places[0].name));
+    answer.around = places[0].name;
+    answer.point = *centre;
+    answer.level = true;
+    return;
+  }
+  for (const Id object : snapshot.find_objects(subject)) {
+    const BeliefRow& belief = *snapshot.belief(object);
+    if (!belief.position) continue;
+    answer.around = object_name(object);
+    answer.point = *belief.position;
+    return;
+  }
+  throw Error(fmt::format("the position of '{}' is not known", subject));
+}
+
+}  // namespace
+
+ContentsAnswer ask(const Store& store, const ContentsQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  ContentsAnswer answer{.asked = question.place, .subject = question.subject};
+  const std::vector<PlaceRow> places = snapshot.find_places(question.place);
+  std::optional<std::set<Id>> meant;
+  if (!question.subject.empty()) {
+    const std::vector<Id> objects = snapshot.find_objects(question.subject);
+    meant.emplace(objects.begin(), objects.end());
+  }
+  for (const PlaceRow& place : places)
+    answer.places.push_back(contents_of(snapshot, place, meant, question.max_gone));
+  answer.verdict = verdict_of(answer.places);
+  return answer;
+}
+
+std::string to_text(const ContentsAnswer& answer, const TimeWriter& times) {
+  std::vector<std::string> lines;
+  for (const PlaceContents& contents : answer.places) {
+    const std::string where = place_text(contents.place), view = view_text(contents, times);
+    if (contents.there.empty() && !answer.subject.empty())
+      lines.push_back(fmt::format("No '{}' is known to be {} ({}).", answer.subject, where, view));
+    else if (contents.there.empty())
+      lines.push_back(fmt::format("Nothing is known to be {} ({}).", where, view));
+    else
+      lines.push_back(fmt::format("{} {} {} ({}):", counted(contents.there.size(), "object"),
+                                  contents.there.size() == 1 ? "is" : "are", where, view));
+    for (const ObjectBelief& object : contents.there) lines.push_back("  " + belief_text(object, times));
+    for (const ObjectBelief& object : contents.gone)
+      lines.push_back("  no longer: " + belief_text(object, times));
+    if (contents.gone_in_all > contents.gone.size())
+      lines.push_back(fmt::format("  no longer: {} more", contents.gone_in_all - contents.gone.size()));
+  }
+  return lines_text(lines);
+}
+
+Json to_json(const ContentsAnswer& answer) {
+  Json json = {{"asked", answer.asked},
+               {"verdict", to_text(answer.verdict)},
+               {"places", list_json(answer.places, contents_json)}};
+  if (!answer.subject.empty()) json["subject"] = answer.subject;
+  return json;
+}
+
+NearAnswer ask(const Store& store, const NearQuestion& question) {
+  if (!(question.radius_m > 0) || !std::isfinite(question.radius_m))
+    throw Error(fmt::format("a radius of {} m is not positive", question.radius_m), {},
+                "give metres above 0");
+  const Snapshot snapshot(store, question.as_of);
+  NearAnswer answer{.asked = question.subject, .radius_m = question.radius_m};
+  locate(snapshot, question.subject, answer);
+  for (const BeliefRow& belief : snapshot.beliefs()) {
+    if (!belief.position || belief.status == ObjectStatus::gone ||
+        object_name(belief.object) == answer.around)
+      continue;
+    Vector3d offset = *belief.position - answer.point;
+    if (answer.level) offset.z() = 0;
+    if (offset.norm() <= question.radius_m)
+      answer.objects.push_back({snapshot.object_belief(belief), offset.norm()});
+  }
+  std::ranges::stable_sort(answer.objects, {}, &NearObject::distance_m);
+  return answer;
+}
+
+std::string to_text(const NearAnswer& answer, const TimeWriter& times) {
+  const std::string around = answer.around.empty() ? point_text(answer.point) : answer.around;
+  if (answer.objects.empty())
+    return fmt::format("Nothing is believed to be within {:.2f} m of {}.\n", answer.radius_m, around);
+  std::vector<std::string> lines = {fmt::format("Within {:.2f} m of {}:", answer.radius_m, around)};
+  for (const NearObject& near : answer.objects)
+    lines.push_back(fmt::format("  {:.2f} m: {}", near.distance_m, belief_text(near.object, times)));
+  return lines_text(lines);
+}
+
+Json to_json(const NearAnswer& answer) {
+  Json json = {{"asked", answer.asked}, {"point", vector_json(answer.point)}, {"radius", answer.radius_m}};
+  if (!answer.around.empty()) json["around"] = answer.around;
+  if (answer.level) json["level"] = true;
+  json["objects"] = list_json(answer.objects, [](const NearObject& near) {
+    Json one = belief_json(near.object);
+    one["distance"] = near.distance_m;
+    return one;
+  });
+  return json;
+}
+
+namespace {
+
+/// The sentences of `on` and `in`, which differ in their preposition.
+std::vector<SentenceForm> contents_sentences(const std::string& preposition) {
+  const bool on = preposition == "$on";
+  const auto example = [on](const char* of_on, const char* of_in = "") {
+    return std::string(on ? of_on : of_in);
+  };
+  std::vector<SentenceForm> forms = {
+      {"$be there (anything|something|any $things|$things|still anything|anything left) $p <place>",
+       example("Is there anything on the couch table?")},
+      {"(is|was) (anything|something) $p <place>"},
+      {"(is|are) there <object> $p <place>", example("Is there any cereal on the kitchen table?")},
+      {"how many $things (are|are there|were|do we have|have we) $p <place>"},
+      {"how many <object> (are|are there|were|do we have|have we) $p <place>"},
+      {"(do|did) (we|i|you|they) have <object> $p <place>", example("", "Do we have milk in the fridge?")},
+      {"(have|had) (we|i|you|they) [got] <object> $p <place>"},
+      {"(is|are) <object> [still|now|already] $p <place>", example("Is the milk still on the table?")},
+      {"what (is|are|was|were|lies|stands|sits|stand|lie) [there|lying|standing|placed] $p <place>",
+       example("What is on the table?")},
+      {"(what|which) $things (is|are|was|were|stand|lie|do we have|are there) [standing|lying|placed] $p "
+       "<place>",
+       example("What objects are standing on the counter?")},
+      {"(what|which) <object> (is|are|was|were|stand|stands|lie|lies) [standing|lying|placed] $p <place>"},
+      {"what (do|did) (we|you|i) (have|see|know|find) $p <place>"},
+      {"(list|show|show me|tell me|name) [all|everything|what is] [$things|contents] $p <place>"},
+  };
+  for (SentenceForm& form : forms)
+    while (form.form.find("$p ") != std::string::npos)
+      form.form.replace(form.form.find("$p "), 2, preposition);
+  if (on)
+    forms.insert(forms.end(),
+                 {{"(is|was) <place> (empty|free|clear|full|occupied|in use|tidy)", "Is the table free?"},
+                  {"what did <place> look like"}});
+  else
+    forms.insert(forms.end(),
+                 {{"what (does|did) <place> contain"},
+                  {"(list|show|show me|tell me|name) [all|everything] [$things|contents] of <place>"}});
+  return forms;
+}
+
+Question contents_question(const char* name, const char* description, const std::string& example,
+                           const std::string& preposition) {
+  return {
+      .name = name,
+      .description = description,
+      .parameters = {place_parameter(), only_object_parameter()},
+      .examples = {example, example + " --at 08:30"},
+      .run = [](const Arguments& given) -> Answer {
+        return ask(given.store(), ContentsQuestion{given.text("place"), given.as_of(), given.text("object")});
+      },
+      .sentences = contents_sentences(preposition)};
+}
+
+}  // namespace
+
+std::vector<Question> contents_questions() {
+  return {
+      contents_question("on", "What is on a place", "table_1", "$on"),
+      contents_question("in", "What is in a place", "drawer_1", "$in"),
+      {.name = "near",
+       .description = "What is within a radius of a point, object or place",
+       .parameters = {{.name = "around",
+                       .type = ParameterType::spot,
+                       .help = "x,y or x,y,z in the map, an object, or a place",
+                       .positional = true,
+                       .required = true},
+                      {.name = "radius",
+                       .type = ParameterType::length,
+                       .help = "Between centres: metres, or \"50 cm\"",
+                       .default_text = "0.5 m"}},
+       .examples = {"red --radius 0.4", "2.0,1.0,0.8 --radius 1 --json"},
+       .run = [](const Arguments& given) -> Answer {
+         NearQuestion question{.subject = given.text("around"), .as_of = given.as_of()};
+         question.radius_m = given.length("radius").value_or(question.radius_m);
+         return ask(given.store(), question);
+       },
+       .sentences = {{"$what $is $beside <around>", "What is near the red cup?"},
+                     {"$what else $is [there] $beside <around>", "What else is there beside the red cup?"},
+                     {"$what $is within <radius> (of|from|around) <around>",
+                      "What is within 50 cm of the red cup?"}}},
+  };
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,403 @@
+#include "memory/questions/environment.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "mapping/base/math.h"
+#include "mapping/base/text.h"
+#include "mapping/world/kinematics.h"
+#include "mapping/world/semantic_map.h"
+#include "mapping/world/urdf.h"
+#include "memory/questions/answer_format.h"
+#include "memory/questions/question.h"
+#include "memory/questions/snapshot.h"
+
+namespace loci::memory {
+
+using namespace format;
+
+namespace {
+
+/// The map at the time asked about, as it is stored.
+struct StoredMap {
+  std::string name;
+  mapping::World world;
+  mapping::SemanticMap semantic;
+};
+
+std::optional<StoredMap> map_of(const Snapshot& snapshot) {
+  const Store& store = snapshot.store();
+  const std::vector<MapRow> maps = store.maps();
+  if (maps.empty()) return std::nullopt;
+  const std::optional<SceneRow> latest = store.latest_scene(snapshot.as_of());
+  const auto used = std::find_if(maps.begin(), maps.end(),
+                                 [&](const MapRow& row) { return latest && latest->map == row.id; });
+  const MapRow& row = used == maps.end() ? maps.back() : *used;
+  StoredMap map{row.name, mapping::parse_urdf(store.blob(row.urdf).bytes, row.name), {}};
+  if (row.sidecar)
+    map.semantic =
+        mapping::semantic_map_from_json(parse_json(store.blob(*row.sidecar).bytes, row.name), row.name);
+  return map;
+}
+
+/// By the sidecar, else by the beginning of its name: "drawer" of "drawer_3_front".
+std::string class_of(const StoredMap& map, const std::string& link) {
+  const auto found = map.semantic.links.find(link);
+  return found != map.semantic.links.end() ? found->second.class_name : link.substr(0, link.find('_'));
+}
+
+/// Pieces of a drawer or door are not listed.
+bool is_piece(const StoredMap& map, const mapping::Link& link) {
+  static const std::set<std::string> pieces = {"drawer_bottom", "drawer_side", "handle", "knob"};
+  if (link.visuals.empty() || pieces.contains(class_of(map, link.name))) return true;
+  const mapping::Joint* joint = map.world.parent_joint(link.name);
+  const bool fixed = joint == nullptr || joint->type == mapping::JointType::fixed;
+  const mapping::Joint* above = joint == nullptr ? nullptr : map.world.parent_joint(joint->parent);
+  return fixed && above != nullptr && above->type != mapping::JointType::fixed;
+}
+
+/// The joint that moves a link: its own or that of a link which carries it; nullptr = none does.
+const mapping::Joint* moving_joint(const mapping::World& world, const std::string& link) {
+  const mapping::Joint* joint = world.parent_joint(link);
+  while (joint != nullptr && joint->type == mapping::JointType::fixed)
+    joint = world.parent_joint(joint->parent);
+  return joint;
+}
+
+PartMotion motion_of(const Snapshot& snapshot, const mapping::Joint& joint) {
+  return {.joint = snapshot.part_names().joint(joint.name),
+          .map_joint = joint.name,
+          .type = joint.type,
+          .lower = joint.limits ? joint.limits->lower : 0,
+          .upper = joint.limits ? joint.limits->upper : 0};
+}
+
+void set_place(const Snapshot& snapshot, const PlaceRow& place, EnvironmentPart& part) {
+  part.place = PlaceRef{place.id, place.name, place.container};
+  part.height = place.height;
+  for (const FactRow& fact : snapshot.facts())
+    if (fact.place == place.id && fact.key == "alias" && fact.value) part.aliases.push_back(*fact.value);
+}
+
+std::vector<EnvironmentPart> parts_of_map(const Snapshot& snapshot, const StoredMap& map) {
+  const std::vector<Isometry3d> poses = root_from_links(map.world, {});
+  const std::vector<PlaceRow> map_places = snapshot.store().places();  // by the names of the map
+  std::vector<EnvironmentPart> parts;
+  std::set<std::string> joints;  // that have their part
+  for (size_t i = 0; i < map.world.links.size(); ++i) {
+    const mapping::Link& link = map.world.links[i];
+    if (is_piece(map, link)) continue;
+    EnvironmentPart part{.name = snapshot.part_names().link(link.name),
+                         .map_name = link.name,
+                         .class_name = class_of(map, link.name),
+                         .position = poses[i].translation()};
+    if (const auto known = map.semantic.links.find(link.name); known != map.semantic.links.end()) {
+      part.aliases = known->second.aliases;
+      if (!known->second.appliance.empty()) part.aliases.push_back(known->second.appliance);
+    }
+    const mapping::Joint* joint = moving_joint(map.world, link.name);
+    if (joint != nullptr && joints.insert(joint->name).second) part.motion = motion_of(snapshot, *joint);
+    for (size_t k = 0; k < map_places.size(); ++k) {
+      const PlaceRow& place = snapshot.places()[k];
+      const bool is_it = map_places[k].name == link.name;
+      if (is_it) part.name = place.name;
+      if (is_it || (joint != nullptr && place.joint == joint->name)) set_place(snapshot, place, part);
+    }
+    parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+/// All parts, without their motions and contents.
+std::vector<EnvironmentPart> all_parts(const Snapshot& snapshot, const std::optional<StoredMap>& map) {
+  std::vector<EnvironmentPart> parts;
+  if (map) parts = parts_of_map(snapshot, *map);
+  for (const PlaceRow& place : snapshot.places()) {
+    if (std::any_of(parts.begin(), parts.end(),
+                    [&](const EnvironmentPart& part) { return part.place && part.place->id == place.id; }))
+      continue;
+    parts.push_back({.name = place.name,
+                     .map_name = place.name,
+                     .class_name = place.class_name,
+                     .position = centre_of(place)});
+    set_place(snapshot, place, parts.back());
+  }
+  std::sort(parts.begin(), parts.end(),
+            [](const EnvironmentPart& a, const EnvironmentPart& b) { return a.name < b.name; });
+  return parts;
+}
+
+/// "the kitchen drawers" → "drawer" of a class drawer; "drawer 1" → the beginning of drawer_1_front.
+std::vector<EnvironmentPart> parts_called(const std::vector<EnvironmentPart>& parts,
+                                          const std::string& asked) {
+  const std::string name = lower_case(asked);
+  std::string joined = name;
+  std::replace(joined.begin(), joined.end(), ' ', '_');
+  std::vector<EnvironmentPart> found;
+  const auto take = [&](auto matches) {
+    if (found.empty()) std::copy_if(parts.begin(), parts.end(), std::back_inserter(found), matches);
+  };
+  const auto is_called = [&](const std::string& known) {
+    return lower_case(known) == joined || lower_case(known) == name;
+  };
+  take([&](const EnvironmentPart& part) {
+    return is_called(part.name) || (part.place && is_called(part.place->name));
+  });
+  take([&](const EnvironmentPart& part) { return is_called(part.map_name); });
+  take([&](const EnvironmentPart& part) {
+    return part.motion && (is_called(part.motion->joint) || is_called(part.motion->map_joint));
+  });
+  take([&](const EnvironmentPart& part) {
+    return std::find(part.aliases.begin(), part.aliases.end(), name) != part.aliases.end();
+  });
+  take([&](const EnvironmentPart& part) {
+    return part.name.starts_with(joined + "_") || part.map_name.starts_with(joined + "_");
+  });
+  take([&](const EnvironmentPart& part) {
+    return part.class_name == joined || part.class_name + "s" == joined;
+  });
+  if (const size_t space = name.find(' '); found.empty() && space != std::string::npos)
+    return parts_called(parts, name.substr(space + 1));
+  return found;
+}
+
+/// How joints stood when they were seen last, and when they changed.
+void add_motions(const Snapshot& snapshot, std::vector<EnvironmentPart>& parts) {
+  std::map<std::string, PartMotion*> motions;
+  for (EnvironmentPart& part : parts)
+    if (part.motion) motions[part.motion->map_joint] = &*part.motion;
+  if (motions.empty()) return;
+  const Store& store = snapshot.store();
+  if (const std::optional<SceneRow> latest = store.latest_scene(snapshot.as_of()))
+    for (const auto& [name, position] : latest->joints)
+      if (const auto found = motions.find(name); found != motions.end()) {
+        found->second->position = position;
+        found->second->seen = snapshot.scene_ref(*latest);
+      }
+  for (const EventRow& event : store.events(snapshot.as_of())) {
+    const auto found =
+        event.kind == EventKind::joint_changed && event.joint ? motions.find(*event.joint) : motions.end();
+    if (found == motions.end()) continue;
+    const bool opened =
+        std::abs(event.joint_position.value_or(0)) > std::abs(event.from_joint_position.value_or(0));
+    (opened ? found->second->opened : found->second->closed) = snapshot.change(event);
+  }
+}
+
+void add_contents(const Snapshot& snapshot, std::vector<EnvironmentPart>& parts) {
+  for (EnvironmentPart& part : parts) {
+    if (!part.place) continue;
+    for (const Id object : snapshot.store().objects_at(part.place->id, snapshot.as_of())) {
+      const BeliefRow* row = snapshot.belief(object);
+      if (row != nullptr && row->place == part.place->id && row->status != ObjectStatus::gone &&
+          row->probability >= 0.5)
+        ++part.objects;
+    }
+    if (const auto look = snapshot.store().last_visibility(part.place->id, snapshot.as_of()))
+      part.last_view = snapshot.scene_ref(look->scene);
+  }
+}
+
+std::vector<EnvironmentPart> asked_parts(const Snapshot& snapshot, std::vector<EnvironmentPart> parts,
+                                         const std::string& asked) {
+  static const std::set<std::string> everything = {"", "room", "kitchen", "everything", "all", "anything"};
+  if (everything.contains(asked)) return parts;
+  std::vector<EnvironmentPart> found = parts_called(parts, asked);
+  if (!found.empty()) return found;
+  std::vector<std::string> names;
+  for (const EnvironmentPart& part : parts) names.push_back(part.name);
+  const std::string hint = did_you_mean(asked, names);
+  throw UnknownName(UnknownName::Kind::place, fmt::format("no part of the room is called '{}'", asked),
+                    {snapshot.store().path().string(), 0, {}},
+                    !hint.empty() ? hint : fmt::format("known: {}", fmt::join(names, ", ")));
+}
+
+/// "45 cm" or "90 degrees".
+std::string travel_text(const PartMotion& motion, double position) {
+  return motion.type == mapping::JointType::prismatic
+             ? fmt::format("{:.0f} cm", 100 * std::abs(position))
+             : fmt::format("{:.0f} degrees", std::abs(position) / kDegree);
+}
+
+std::string motion_text(const PartMotion& motion, const TimeWriter& times) {
+  const double range = std::max(std::abs(motion.lower), std::abs(motion.upper));
+  std::string text =
+      fmt::format("{} up to {}", motion.type == mapping::JointType::prismatic ? "slides" : "turns",
+                  travel_text(motion, range));
+  if (motion.position && motion.seen)
+    text += fmt::format("; {} as of {} ({})",
+                        motion.open() ? "open by " + travel_text(motion, *motion.position) : "closed",
+                        times.text(motion.seen->time), scene_text(*motion.seen));
+  if (motion.opened) text += fmt::format("; last opened by {}", times.text(motion.opened->time));
+  if (motion.closed) text += fmt::format("; last closed by {}", times.text(motion.closed->time));
+  if (!motion.opened && !motion.closed) text += "; never seen to move";
+  return text;
+}
+
+/// "door_1 (door, fridge)".
+std::string title(const EnvironmentPart& part) {
+  return fmt::format("{} ({}{}{})", part.name, part.class_name, part.aliases.empty() ? "" : ", ",
+                     fmt::join(part.aliases, ", "));
+}
+
+std::string part_text(const EnvironmentPart& part, const TimeWriter& times) {
+  std::string text = part.motion ? motion_text(*part.motion, times) : "";
+  if (!part.place) return text;
+  if (part.motion) text += "; ";
+  if (part.height) text += fmt::format("{:.2f} m high, ", *part.height);
+  const std::string objects = part.objects == 0 ? "nothing" : counted(part.objects, "object");
+  const char* preposition = part.place->container ? "in" : "on";
+  return text + (part.last_view ? fmt::format("{} {} it, last looked at {}", objects, preposition,
+                                              times.text(part.last_view->time))
+                                : fmt::format("{} known {} it, never looked at", objects, preposition));
+}
+
+Json motion_json(const PartMotion& motion) {
+  Json json = {{"name", motion.joint},
+               {"type", joint_type_name(motion.type)},
+               {"lower", motion.lower},
+               {"upper", motion.upper}};
+  if (motion.map_joint != motion.joint) json["name_in_map"] = motion.map_joint;
+  if (motion.position) json["position"] = *motion.position;
+  if (motion.position) json["open"] = motion.open();
+  put(json, "seen", motion.seen, scene_json);
+  if (motion.opened) json["last_opened"] = format_time(motion.opened->time);
+  if (motion.closed) json["last_closed"] = format_time(motion.closed->time);
+  return json;
+}
+
+Json part_json(const EnvironmentPart& part) {
+  Json json = {{"name", part.name}, {"class", part.class_name}};
+  if (part.map_name != part.name) json["name_in_map"] = part.map_name;
+  if (!part.aliases.empty()) json["aliases"] = part.aliases;
+  put(json, "position", part.position, vector_json);
+  put(json, "joint", part.motion, motion_json);
+  if (part.place) {
+    json["place"] = part.place->name;
+    json["objects"] = part.objects;
+  }
+  if (part.height) json["height"] = *part.height;
+  put(json, "last_look", part.last_view, scene_json);
+  return json;
+}
+
+}  // namespace
+
+bool PartMotion::open() const {
+  const double range = std::max(std::abs(lower), std::abs(upper));
+  return position && std::abs(*position) > 0.05 * range;
+}
+
+std::optional<mapping::World> world_of(const Snapshot& snapshot) {
+  std::optional<StoredMap> map = map_of(snapshot);
+  if (!map) return std::nullopt;
+  return std::move(map->world);
+}
+
+std::string find_part_without_place(const Snapshot& snapshot, const std::string& name) {
+  const std::vector<EnvironmentPart> parts = parts_called(all_parts(snapshot, map_of(snapshot)), name);
+  return parts.size() == 1 && !parts[0].place ? parts[0].name : "";
+}
+
+RoomAnswer ask(const Store& store, const RoomQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  const std::optional<StoredMap> map = map_of(snapshot);
+  RoomAnswer answer{.asked = question.part, .map = map ? map->name : ""};
+  answer.parts = asked_parts(snapshot, all_parts(snapshot, map), question.part);
+  add_motions(snapshot, answer.parts);
+  add_contents(snapshot, answer.parts);
+  for (const EnvironmentPart& part : answer.parts) ++answer.classes[part.class_name];
+  return answer;
+}
+
+OpensAnswer ask(const Store& store, const OpensQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  OpensAnswer answer{.asked = question.part,
+                     .parts = asked_parts(snapshot, all_parts(snapshot, map_of(snapshot)), question.part)};
+  std::erase_if(answer.parts, [](const EnvironmentPart& part) { return !part.motion; });
+  add_motions(snapshot, answer.parts);
+  add_contents(snapshot, answer.parts);
+  return answer;
+}
+
+std::string to_text(const RoomAnswer& answer, const TimeWriter& times) {
+  if (answer.parts.empty()) return "No map, and no place was found yet.\n";
+  std::vector<std::string> counts;
+  for (const auto& [name, count] : answer.classes) counts.push_back(counted(count, name));
+  std::vector<std::string> lines = {fmt::format(
+      "{}: {}", answer.map.empty() ? "No map; places that were found" : answer.map, fmt::join(counts, ", "))};
+  for (const EnvironmentPart& part : answer.parts) {
+    const std::string text = part_text(part, times);
+    lines.push_back(fmt::format("  {}{}{}", title(part), text.empty() ? "" : ": ", text));
+  }
+  return lines_text(lines);
+}
+
+std::string to_text(const OpensAnswer& answer, const TimeWriter& times) {
+  if (answer.parts.empty())
+    return answer.asked.empty() ? "Nothing is known to open: the map has no joints.\n"
+                                : fmt::format("'{}' has no part that moves.\n", answer.asked);
+  std::vector<std::string> lines;
+  for (const EnvironmentPart& part : answer.parts)
+    lines.push_back(fmt::format("{} {}.", title(part), motion_text(*part.motion, times)));
+  return lines_text(lines);
+}
+
+Json to_json(const RoomAnswer& answer) {
+  Json json = {
+      {"asked", answer.asked}, {"classes", answer.classes}, {"parts", list_json(answer.parts, part_json)}};
+  if (!answer.map.empty()) json["map"] = answer.map;
+  return json;
+}
+
+Json to_json(const OpensAnswer& answer) {
+  return {{"asked", answer.asked}, {"parts", list_json(answer.parts, part_json)}};
+}
+
+template <class PartQuestion>
+static Answer ask_part(const Arguments& given) {
+  return ask(given.store(), PartQuestion{.part = given.text("part"), .as_of = given.as_of()});
+}
+
+std::vector<Question> environment_questions() {
+  const Parameter part = {.name = "part",
+                          .type = ParameterType::part,
+                          .help = "Only these: a link of the map, a place, an alias, a class",
+                          .positional = true,
+                          .default_text = "all"};
+  return {
+      {.name = "room",
+       .group = QuestionGroup::inspect,
+       .description = "The furniture: what opens, and what is where",
+       .parameters = {part},
+       .examples = {"", "drawers --at 17:45 --json"},
+       .run = ask_part<RoomQuestion>,
+       .sentences =
+           {{"what (does|do) [this|our] $room (consist of|contain|have)", "What does this room consist of?"},
+            {"what is this (room|kitchen) (made of|made up of)"},
+            {"(describe|show|show me) [this] $room"},
+            {"(what|which) (furniture|places|surfaces|parts) (is|are|do you know|are there|do we have|does "
+             "[this] (room|kitchen) have) [there] [here]"}}},
+      {.name = "opens",
+       .group = QuestionGroup::inspect,
+       .description = "What opens, whether it is open, and when it was opened",
+       .parameters = {part},
+       .examples = {"", "drawer_1 --at 17:45"},
+       .run = ask_part<OpensQuestion>,
+       .sentences =
+           {{"what (opens|can be opened|can open|can i open|can one open|moves)", "What opens?"},
+            {"(what|which) <part> (is open|are open|is closed|are closed|can be opened|can open|open)",
+             "Which drawers are open?"},
+            {"(is|are) <part> (open|opened|closed|shut|ajar)", "Is the drawer open?"},
+            {"when (was|were|did) <part> (last (open|opened|closed|shut)|(open|opened|closed|shut) last)",
+             "When was the drawer last opened?"},
+            {"when (did|have|has) (you|we|i|$someone) last $open <part>"},
+            {"how (far|wide) (does|do|is|can) <part> (open|opened)"}}},
+  };
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <map>
+
+#include "mapping/base/json_fwd.h"
+#include "mapping/world/world.h"
+#include "memory/questions/answer_parts.h"
+#include "memory/questions/time_parser.h"
+
+namespace loci::memory {
+
+// The furniture and what opens: room, opens. From the map's links, what scenes saw of them, and the objects
+// there.
+
+struct Question;
+class Snapshot;
+std::vector<Question> environment_questions();
+
+/// The map that the last scene was seen with; unset without one.
+std::optional<mapping::World> world_of(const Snapshot& snapshot);
+/// The part of the map of this name that is no place; "" = none.
+std::string find_part_without_place(const Snapshot& snapshot, const std::string& name);
+
+/// The joint of a part and its state.
+struct PartMotion {
+  std::string joint = {};
+  std::string map_joint = {};  ///< what the map calls it
+  mapping::JointType type = mapping::JointType::fixed;
+  double lower = 0, upper = 0;                     ///< metres or radians; 0 = closed
+  std::optional<double> position = {};             ///< in the last scene that knew; unset = never known
+  std::optional<SceneRef> seen = {};               ///< that scene
+  std::optional<Change> opened = {}, closed = {};  ///< the last time of each
+  bool open() const;                               ///< by at least a twentieth of its range
+};
+
+struct EnvironmentPart {
+  std::string name = {};      ///< of the link, or of a place that no map has
+  std::string map_name = {};  ///< what the map calls it
+  std::string class_name = {};
+  std::vector<std::string> aliases = {};  ///< with its appliance
+  std::optional<Vector3d> position = {};  ///< map frame, as the map was made
+  std::optional<PartMotion> motion = {};
+  // Where objects can be on or in it.
+  std::optional<PlaceRef> place = {};
+  std::optional<double> height = {};  ///< of its surface above the floor
+  size_t objects = 0;                 ///< believed to be there
+  std::optional<SceneRef> last_view = {};
+};
+
+// ---- room
+
+struct RoomQuestion {
+  std::string part = {};  ///< link, place, alias, appliance or class; empty = all
+  AsOf as_of = {};
+};
+struct RoomAnswer {
+  std::string asked = {};
+  std::string map = {};                        ///< its file name; empty = no map, only places that were found
+  std::map<std::string, size_t> classes = {};  ///< number of parts
+  std::vector<EnvironmentPart> parts = {};     ///< in the order of their names
+};
+/// UnknownName with the nearest names for an unknown part; so for opens.
+RoomAnswer ask(const Store& store, const RoomQuestion& question);
+std::string to_text(const RoomAnswer& answer, const TimeWriter& times);
+Json to_json(const RoomAnswer& answer);
+
+// ---- opens
+
+struct OpensQuestion {
+  std::string part = {};  ///< as for the room
+  AsOf as_of = {};
+};
+struct OpensAnswer {
+  std::string asked = {};
+  std::vector<EnvironmentPart> parts = {};
+};
+OpensAnswer ask(const Store& store, const OpensQuestion& question);
+std::string to_text(const OpensAnswer& answer, const TimeWriter& times);
+Json to_json(const OpensAnswer& answer);
+
+}  // namespace loci::memory

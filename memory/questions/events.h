@@ -1,0 +1,72 @@
+#pragma once
+
+#include "mapping/base/json_fwd.h"
+#include "memory/questions/answer_parts.h"
+#include "memory/questions/time_parser.h"
+
+namespace loci::memory {
+
+// What happened and when: changes, scenes, timeline.
+
+struct Question;
+std::vector<Question> event_questions();
+
+// ---- changes
+
+struct ChangesQuestion {
+  std::optional<TimeNs> from = {}, to = {};
+  std::string subject = {};  ///< empty = all objects
+  std::string place = {};    ///< empty = everywhere
+  AsOf as_of = {};
+  /// A kind of Change, or "left" (gone, or moved away from the place asked about) and "came" (appeared,
+  /// reappeared, or moved there); a move neither left nor came where no place is asked about. Empty = all.
+  std::string kind = {};
+};
+struct ChangesAnswer {
+  std::optional<TimeNs> from = {}, to = {};
+  std::vector<Change> changes = {};
+};
+/// Error that lists the kinds for an unknown one.
+ChangesAnswer ask(const Store& store, const ChangesQuestion& question);
+std::string to_text(const ChangesAnswer& answer, const TimeWriter& times);
+Json to_json(const ChangesAnswer& answer);
+
+// ---- scenes
+
+struct ScenesQuestion {
+  std::optional<TimeNs> from = {}, to = {};
+  AsOf as_of = {};
+};
+struct SceneSummary {
+  SceneRef scene = {};
+  size_t observations = 0;
+  bool has_pose = false;
+  std::vector<std::pair<std::string, double>> seen_places = {};  ///< and the fraction of each that it saw
+  TimeNs known_from = 0;
+};
+struct ScenesAnswer {
+  std::vector<SceneSummary> scenes = {};
+};
+ScenesAnswer ask(const Store& store, const ScenesQuestion& question);
+std::string to_text(const ScenesAnswer& answer, const TimeWriter& times);
+Json to_json(const ScenesAnswer& answer);
+
+// ---- timeline
+
+struct TimelineQuestion {
+  std::optional<TimeNs> from = {}, to = {};
+  AsOf as_of = {};
+};
+struct TimelineEntry {
+  SceneSummary scene = {};
+  std::vector<ObjectRef> seen = {};
+  std::vector<Change> changes = {};
+};
+struct TimelineAnswer {
+  std::vector<TimelineEntry> entries = {};
+};
+TimelineAnswer ask(const Store& store, const TimelineQuestion& question);
+std::string to_text(const TimelineAnswer& answer, const TimeWriter& times);
+Json to_json(const TimelineAnswer& answer);
+
+}  // namespace loci::memory

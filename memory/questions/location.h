@@ -1,0 +1,56 @@
+#pragma once
+
+#include "mapping/base/json_fwd.h"
+#include "memory/questions/answer_parts.h"
+#include "memory/questions/time_parser.h"
+
+namespace loci::memory {
+
+// Where objects are and were: where, history.
+
+struct Question;
+std::vector<Question> location_questions();
+
+// ---- where
+
+struct WhereQuestion {
+  std::string subject = {};
+  AsOf as_of = {};
+};
+struct WhereAnswer {
+  std::string asked = {};
+  std::vector<ObjectBelief> objects = {};  ///< most probable first, then most recent
+};
+/// UnknownName with the nearest names where the subject means nothing in this memory; so for all questions.
+WhereAnswer ask(const Store& store, const WhereQuestion& question);
+std::string to_text(const WhereAnswer& answer, const TimeWriter& times);
+Json to_json(const WhereAnswer& answer);
+
+// ---- history
+
+/// A period in which an object was seen at one spot.
+struct Stay {
+  std::optional<PlaceRef> place = {};
+  std::optional<Vector3d> position = {};  ///< mean
+  std::vector<SceneRef> scenes = {};      ///< in which it was seen there
+  double probability = 1;                 ///< least probable of the observations
+};
+struct HistoryQuestion {
+  std::string subject = {};
+  std::optional<TimeNs> from = {}, to = {};  ///< only stays and changes that reach into this period
+  AsOf as_of = {};
+};
+struct ObjectHistory {
+  ObjectBelief now = {};
+  std::vector<Stay> stays = {};
+  std::vector<Change> changes = {};
+};
+struct HistoryAnswer {
+  std::string asked = {};
+  std::vector<ObjectHistory> objects = {};
+};
+HistoryAnswer ask(const Store& store, const HistoryQuestion& question);
+std::string to_text(const HistoryAnswer& answer, const TimeWriter& times);
+Json to_json(const HistoryAnswer& answer);
+
+}  // namespace loci::memory

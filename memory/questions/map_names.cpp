@@ -1,0 +1,79 @@
+#include "memory/questions/map_names.h"
+
+#include "mapping/base/json.h"
+#include "mapping/world/urdf.h"
+
+namespace loci::memory {
+namespace {
+
+const std::string& name_in(const std::map<std::string, std::string>& names, const std::string& name) {
+  const auto found = names.find(name);
+  return found == names.end() ? name : found->second;
+}
+
+void rename_parts(mapping::World& world, const PartNames& names) {
+  for (mapping::Link& link : world.links) link.name = names.link(link.name);
+  for (mapping::Joint& joint : world.joints) {
+    joint.name = names.joint(joint.name);
+    joint.parent = names.link(joint.parent);
+    joint.child = names.link(joint.child);
+    if (joint.mimic) joint.mimic->joint = names.joint(joint.mimic->joint);
+  }
+  world.root = names.link(world.root);
+}
+
+}  // namespace
+
+const std::string& PartNames::link(const std::string& name) const {
+  return name_in(links, name);
+}
+
+const std::string& PartNames::joint(const std::string& name) const {
+  return name_in(joints, name);
+}
+
+PartNames part_names(const Store& store, std::optional<TimeNs> known_at) {
+  PartNames names;
+  for (const RunRow& run : store.runs()) {
+    if (run.program != kEditProgram || (known_at && run.started > *known_at)) continue;
+    const Json configuration = parse_json(run.configuration, "run.configuration");
+    if (!configuration.contains("part")) continue;
+    const Json& part = configuration["part"];
+    auto& of = part["of"].get<std::string>() == "link" ? names.links : names.joints;
+    const auto after = part["after"].get<std::string>();
+    if (after.empty())
+      of.erase(part["name"].get<std::string>());
+    else
+      of[part["name"].get<std::string>()] = after;
+  }
+  return names;
+}
+
+void rename_places(std::vector<PlaceRow>& places, const std::vector<FactRow>& facts) {
+  for (const FactRow& fact : facts) {
+    if (!fact.place || !fact.value || fact.key != kPlaceNameKey) continue;
+    for (PlaceRow& place : places)
+      if (place.id == *fact.place) place.name = *fact.value;
+  }
+}
+
+std::vector<PlaceRow> named_places(const Store& store) {
+  std::vector<PlaceRow> places = store.places();
+  rename_places(places, store.facts());
+  return places;
+}
+
+std::optional<mapping::World> named_map(const Store& store) {
+  const std::vector<MapRow> maps = store.maps();
+  if (maps.empty()) return std::nullopt;
+  mapping::World world = mapping::parse_urdf(store.blob(maps.back().urdf).bytes, maps.back().name);
+  PartNames names = part_names(store);
+  const std::vector<PlaceRow> before = store.places(), now = named_places(store);
+  for (size_t i = 0; i < before.size(); ++i)
+    if (before[i].name != now[i].name && world.find_link(now[i].name) == nullptr)
+      names.links[before[i].name] = now[i].name;
+  rename_parts(world, names);
+  return world;
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mapping/world/world.h"
+#include "memory/store/store.h"
+
+namespace loci::memory {
+
+// Names that people gave to places and to parts of the map. A place has its name as a fact; links and joints
+// have theirs in the rows of the table run: edits whose configuration has "part": {"of": "link" or "joint",
+// "name": the map's, "before", "after": people's, "" = none}.
+
+/// The program of runs that are edits by people.
+inline constexpr const char* kEditProgram = "loci-memory edit";
+/// The key of the fact that renames a place.
+inline constexpr const char* kPlaceNameKey = "name";
+
+/// Names of links and joints that are no places, by the map's name.
+struct PartNames {
+  std::map<std::string, std::string> links = {}, joints = {};
+
+  /// As people call it, else as the map does.
+  const std::string& link(const std::string& name) const;
+  const std::string& joint(const std::string& name) const;
+};
+
+/// As known now, or at a time.
+PartNames part_names(const Store& store, std::optional<TimeNs> known_at = {});
+
+/// Renames places; `facts` are those that hold.
+void rename_places(std::vector<PlaceRow>& places, const std::vector<FactRow>& facts);
+/// All places by the names that hold now.
+std::vector<PlaceRow> named_places(const Store& store);
+/// The newest map, its places, links and joints by the names that hold now; unset when there is none.
+std::optional<mapping::World> named_map(const Store& store);
+
+}  // namespace loci::memory

@@ -1,0 +1,191 @@
+#include "memory/questions/objects.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "memory/questions/answer_format.h"
+#include "memory/questions/question.h"
+#include "memory/questions/snapshot.h"
+
+namespace loci::memory {
+
+using namespace format;
+
+ObjectsAnswer ask(const Store& store, const ObjectsQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  ObjectsAnswer answer;
+  if (question.subject.empty())
+    for (const BeliefRow& row : snapshot.beliefs()) answer.objects.push_back(snapshot.object_belief(row));
+  else
+    for (const Id object : snapshot.find_objects(question.subject))
+      answer.objects.push_back(snapshot.object_belief(object));
+  std::erase_if(answer.objects, [&](const ObjectBelief& object) {
+    return question.unseen_since && object.last_seen && object.last_seen->time >= *question.unseen_since;
+  });
+  return answer;
+}
+
+std::string to_text(const ObjectsAnswer& answer, const TimeWriter& times) {
+  if (answer.objects.empty()) return "No objects are known.\n";
+  std::vector<std::vector<std::string>> rows = {
+      {"object", "colour", "size", "place", "status", "seen", "last seen"}};
+  for (const ObjectBelief& object : answer.objects) {
+    const auto& [id, name, aliases, color, size] = object.object;
+    rows.push_back({name + (aliases.empty() ? "" : fmt::format(" ({})", fmt::join(aliases, ", "))),
+                    color.value_or("-"), size ? size_text(*size) : "-",
+                    object.place ? place_text(*object.place) : "-", status_text(object.status),
+                    std::to_string(object.sightings),
+                    object.last_seen ? times.text(object.last_seen->time) : "-"});
+  }
+  const auto once = std::ranges::count_if(answer.objects, seen_once);
+  if (once == 0) return table_text(rows);
+  return table_text(rows) +
+         fmt::format("{} of {} were seen in one scene only and are gone: they may be false detections\n",
+                     once, answer.objects.size());
+}
+
+Json to_json(const ObjectsAnswer& answer) {
+  return {{"objects", list_json(answer.objects, belief_json)}};
+}
+
+AboutAnswer ask(const Store& store, const AboutQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  AboutAnswer answer{.asked = question.subject};
+  for (const Id id : snapshot.find_objects(question.subject)) {
+    AboutObject object{.now = snapshot.object_belief(id)};
+    object.facts =
+        ask(store, FactsQuestion{.about = object_name(id), .key = {}, .as_of = question.as_of}).facts;
+    std::vector<ObjectObservation> sightings = store.observations_of(id, question.as_of);
+    if (sightings.size() > question.max_sightings)
+      sightings.erase(sightings.begin(),
+                      sightings.end() - static_cast<std::ptrdiff_t>(question.max_sightings));
+    object.evidence = annotation_support(store, sightings);
+    object.sightings = sightings.size();
+    answer.objects.push_back(std::move(object));
+  }
+  return answer;
+}
+
+std::string to_text(const AboutAnswer& answer, const TimeWriter& times) {
+  std::vector<std::string> lines;
+  for (const AboutObject& object : answer.objects) {
+    lines.push_back(belief_text(object.now, times));
+    for (const Fact& fact : object.facts)
+      lines.push_back(fmt::format("  {}: {} (said by {})", fact.key, fact.value, fact.source));
+    for (const AnnotationSupport& one : object.evidence)
+      lines.push_back(fmt::format("  {}: {} ({} of {}, {} of those that say)",
+                                  one.type.substr(one.type.rfind('.') + 1), one.value, one.observations,
+                                  counted(object.sightings, "sighting"), percent(one.agreement)));
+    if (object.now.first_seen)
+      lines.push_back(fmt::format("  first seen at {} ({}), in {}", times.text(object.now.first_seen->time),
+                                  scene_text(*object.now.first_seen),
+                                  counted(object.now.sightings, "scene")));
+  }
+  return lines_text(lines);
+}
+
+Json to_json(const AnnotationSupport& evidence) {
+  return {{"type", evidence.type},
+          {"value", evidence.value},
+          {"sightings", evidence.observations},
+          {"agreement", evidence.agreement}};
+}
+
+Json to_json(const AboutAnswer& answer) {
+  return {{"asked", answer.asked},
+          {"objects", list_json(answer.objects, [](const AboutObject& object) {
+             Json json = belief_json(object.now);
+             json["facts"] = to_json(FactsAnswer{object.facts})["facts"];
+             json["evidence"] =
+                 list_json(object.evidence, [](const AnnotationSupport& one) { return to_json(one); });
+             return json;
+           })}};
+}
+
+namespace {
+
+/// "(what|which) is biggest [on <place>]" for the words that Snapshot::find_objects() knows.
+void add_superlatives(std::vector<SentenceForm>& forms) {
+  for (const std::string word : {"biggest", "smallest", "tallest"}) {
+    const std::string adjective = word == "biggest" ? "(biggest|largest)" : word;
+    const std::string form = "(what|which|which thing|which object|which one) is " + adjective;
+    forms.push_back({form + " [thing|object|item|one|of all]", "", {{"object", word}}});
+    forms.push_back({form + " [thing|object|item|one] (on|in) <place>",
+                     word == "biggest" ? "What is the biggest object on the table?" : "",
+                     {{"object", word + " on {place}"}}});
+  }
+}
+
+std::vector<SentenceForm> objects_sentences() {
+  using enum SentenceTime;
+  std::vector<SentenceForm> forms = {
+      {"(what|which) $things (do you know|are there|have you seen|do you remember|do we have|exist)",
+       "What objects do you know?"},
+      {"what do you (know|remember)"},
+      {"(list|show me|show|name) [all|everything] $things"},
+      {"(list|show me|show|name) (all|everything)"},
+      {"(list|show me|show|name) [all|everything] [that is] <object>", "Show me all red objects."},
+      {"(what|which) $things (is|are) <object>"},
+      {"how many <object> (are there|do we have|have we|do you know|have you seen)",
+       "How many red objects are there?"},
+      {"$what (have|has|did) (you|we|robot|anyone) not (see|seen|noticed)",
+       "What have you not seen since nine?",
+       {},
+       since},
+      {"$what (have|has) not been seen", "", {}, since},
+  };
+  add_superlatives(forms);
+  return forms;
+}
+
+std::vector<SentenceForm> about_sentences() {
+  return {
+      {"(describe|tell me [everything|all|more] about|what about) <object>",
+       "What do you know about the red cup?"},
+      {"what (do|did) (you|we) know (about|of) <object>"},
+      {"(who owns|who is owner of|whose is|whose are|who has) <object>", "Who owns the red cup?"},
+      {"whose <object> is (this|that|it)"},
+      {"(what|which) (color|colour|shape|size|class|kind|brand) (is|are|has|have|does|do) <object> [have|of]",
+       "What colour is the cup?"},
+      {"how (big|large|small|tall|high|wide|long|heavy) (is|are) <object>"},
+      {"what (does|do) <object> look like"},
+      {"what (is written|does it say|is printed) on <object>"},
+  };
+}
+
+}  // namespace
+
+std::vector<Question> object_questions() {
+  Parameter only = object_parameter();
+  only.required = false;
+  only.help = "Only these: a colour, a size, \"on table_1\"";
+  only.default_text = "all";
+  return {
+      {.name = "objects",
+       .group = QuestionGroup::inspect,
+       .description = "The objects",
+       .parameters = {only,
+                      {.name = "unseen-since",
+                       .type = ParameterType::time,
+                       .help = "Only those that were not seen since this time"}},
+       .examples = {"", "red --json"},
+       .run = [](const Arguments& given) -> Answer {
+         return ask(given.store(),
+                    ObjectsQuestion{given.text("object"), given.as_of(), given.time("unseen-since")});
+       },
+       .sentences = objects_sentences()},
+      {.name = "about",
+       .group = QuestionGroup::inspect,
+       .description = "What is known about an object: by annotators and by people",
+       .parameters = {object_parameter()},
+       .examples = {"red", "object_1 --json"},
+       .run = [](const Arguments& given) -> Answer {
+         return ask(given.store(), AboutQuestion{.subject = given.text("object"), .as_of = given.as_of()});
+       },
+       .sentences = about_sentences()},
+  };
+}
+
+}  // namespace loci::memory

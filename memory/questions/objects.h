@@ -1,0 +1,48 @@
+#pragma once
+
+#include "mapping/base/json_fwd.h"
+#include "memory/questions/answer_parts.h"
+#include "memory/questions/facts.h"
+#include "memory/questions/time_parser.h"
+
+namespace loci::memory {
+
+// The objects and what is known of them: objects, about.
+
+struct Question;
+std::vector<Question> object_questions();
+
+struct ObjectsQuestion {
+  std::string subject = {};  ///< empty = all
+  AsOf as_of = {};
+  std::optional<TimeNs> unseen_since =
+      {};  ///< only those that no scene has seen since then, gone ones included
+};
+struct ObjectsAnswer {
+  std::vector<ObjectBelief> objects = {};
+};
+ObjectsAnswer ask(const Store& store, const ObjectsQuestion& question);
+std::string to_text(const ObjectsAnswer& answer, const TimeWriter& times);
+Json to_json(const ObjectsAnswer& answer);
+
+struct AboutQuestion {
+  std::string subject = {};
+  AsOf as_of = {};
+  size_t max_sightings = 500;  ///< the last ones are asked for evidence
+};
+struct AboutObject {
+  ObjectBelief now = {};
+  std::vector<Fact> facts = {};
+  std::vector<AnnotationSupport> evidence = {};
+  size_t sightings = 0;  ///< that the evidence is of
+};
+struct AboutAnswer {
+  std::string asked = {};
+  std::vector<AboutObject> objects = {};
+};
+AboutAnswer ask(const Store& store, const AboutQuestion& question);
+std::string to_text(const AboutAnswer& answer, const TimeWriter& times);
+Json to_json(const AboutAnswer& answer);
+Json to_json(const AnnotationSupport& evidence);
+
+}  // namespace loci::memory

@@ -1,0 +1,459 @@
+// An object that no scene of a period saw at a place is only a "no" where enough of the place was seen, or
+// the spot where the object stood if that is known.
+
+#include "memory/questions/presence.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "memory/questions/answer_format.h"
+#include "memory/questions/question.h"
+#include "memory/questions/snapshot.h"
+
+namespace loci::memory {
+
+using namespace format;
+
+namespace {
+
+/// Points on the surface of a place; empty when its shape is unknown.
+std::vector<Vector3d> points_on(const PlaceRow& place) {
+  std::vector<Vector3d> points;
+  if (place.outline.size() < 3 || !place.height) return points;
+  Vector2d low = place.outline[0], high = place.outline[0];
+  for (const Vector2d& corner : place.outline) {
+    low = low.cwiseMin(corner);
+    high = high.cwiseMax(corner);
+  }
+  const auto inside = [&](const Vector2d& p) {
+    bool result = false;
+    for (size_t i = 0, j = place.outline.size() - 1; i < place.outline.size(); j = i++) {
+      const Vector2d &a = place.outline[i], &b = place.outline[j];
+      if ((a.y() > p.y()) != (b.y() > p.y()) &&
+          p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x())
+        result = !result;
+    }
+    return result;
+  };
+  constexpr int kSide = 24;
+  for (int i = 0; i < kSide; ++i)
+    for (int j = 0; j < kSide; ++j) {
+      const Vector2d p(low.x() + (high.x() - low.x()) * (i + 0.5) / kSide,
+                       low.y() + (high.y() - low.y()) * (j + 0.5) / kSide);
+      if (inside(p)) points.emplace_back(p.x(), p.y(), *place.height);
+    }
+  return points;
+}
+
+/// What a stored visibility of the object means for the spot where it stood.
+SpotStatus spot_status_of(ObjectStatus status) {
+  switch (status) {
+    case ObjectStatus::seen:
+      return SpotStatus::seen;
+    case ObjectStatus::hidden:
+      return SpotStatus::hidden;
+    case ObjectStatus::missed:
+      return SpotStatus::seen_empty;
+    case ObjectStatus::out_of_view:
+    case ObjectStatus::gone:
+      break;
+  }
+  return SpotStatus::out_of_view;
+}
+
+/// What the scenes of the period saw of the places asked about, taken together.
+class Coverage {
+ public:
+  Coverage(const Snapshot& snapshot, const std::vector<PlaceRow>& places, TimeNs from, TimeNs to)
+      : snapshot_(snapshot),
+        scenes_(snapshot.store().scenes(snapshot.as_of(), from, to)),
+        from_(from),
+        to_(to) {
+    for (const PlaceRow& place : places) add(place);
+  }
+
+  const std::vector<SceneRow>& scenes() const { return scenes_; }
+  bool has_places() const { return places_ > 0; }
+  /// Fraction of the places that any of the scenes saw.
+  double fraction() const { return places_ == 0 ? 0 : fraction_sum_ / static_cast<double>(places_); }
+  /// Fraction that a scene saw of the place of which it saw most.
+  double fraction_of(Id scene) const {
+    const auto found = by_scene_.find(scene);
+    return found == by_scene_.end() ? 0 : found->second;
+  }
+
+  const DepthThumbnail* thumbnail(const SceneRow& scene) {
+    const auto [slot, fresh] = thumbnails_.try_emplace(scene.id);
+    if (fresh) slot->second = DepthThumbnail::of(snapshot_.store(), scene);
+    return slot->second ? &*slot->second : nullptr;
+  }
+
+ private:
+  void add(const PlaceRow& place) {
+    ++places_;
+    std::map<Id, double> stored;
+    for (const VisibilityRow& row : snapshot_.store().visibility_of_place(place.id, from_, to_))
+      if (row.fraction) stored[row.scene] = *row.fraction;
+    const std::vector<Vector3d> points = points_on(place);
+    std::vector<bool> seen(points.size(), false);
+    double max_stored = 0;
+    for (const SceneRow& scene : scenes_) {
+      double fraction = points.empty() ? 0 : mark_seen(scene, points, seen);
+      if (const auto found = stored.find(scene.id); found != stored.end()) {
+        fraction = std::max(fraction, found->second);
+        max_stored = std::max(max_stored, found->second);
+      }
+      by_scene_[scene.id] = std::max(by_scene_[scene.id], fraction);
+    }
+    const auto together = static_cast<double>(std::count(seen.begin(), seen.end(), true));
+    fraction_sum_ +=
+        std::max(max_stored, points.empty() ? 0.0 : together / static_cast<double>(points.size()));
+  }
+
+  /// Marks the points that a scene saw and returns their fraction.
+  double mark_seen(const SceneRow& scene, const std::vector<Vector3d>& points, std::vector<bool>& seen) {
+    const DepthThumbnail* depth = thumbnail(scene);
+    if (depth == nullptr) return 0;
+    size_t count = 0;
+    for (size_t i = 0; i < points.size(); ++i) {
+      const SpotStatus status = depth->spot_status(points[i]);
+      if (status != SpotStatus::seen && status != SpotStatus::seen_empty) continue;
+      seen[i] = true;
+      ++count;
+    }
+    return static_cast<double>(count) / static_cast<double>(points.size());
+  }
+
+  const Snapshot& snapshot_;
+  std::vector<SceneRow> scenes_;
+  TimeNs from_, to_;
+  std::map<Id, double> by_scene_;
+  std::map<Id, std::optional<DepthThumbnail>> thumbnails_;
+  size_t places_ = 0;
+  double fraction_sum_ = 0;
+};
+
+class Judge {
+ public:
+  Judge(const Snapshot& snapshot, const WasQuestion& question, const std::vector<PlaceRow>& places,
+        Coverage& coverage)
+      : snapshot_(snapshot), question_(question), places_(places), coverage_(coverage) {}
+
+  WasObject judge(Id object) {
+    WasObject result{.object = snapshot_.object_ref(object)};
+    collect_sightings(object, result);
+    collect_views(object, result);
+    decide(result);
+    return result;
+  }
+
+ private:
+  bool is_asked(std::optional<Id> place) const {
+    return places_.empty() ||
+           (place && std::ranges::any_of(places_, [&](const PlaceRow& row) { return row.id == *place; }));
+  }
+
+  void collect_sightings(Id object, WasObject& result) {
+    spot_.reset();
+    const Store& store = snapshot_.store();
+    std::vector<Id> asked;
+    for (const PlaceRow& place : places_) asked.push_back(place.id);
+    if (const auto before = store.last_observation_before(object, question_.from, asked, snapshot_.as_of())) {
+      result.before = snapshot_.scene_ref(before->association.scene);
+      spot_ = before->observation.position;
+    }
+    if (const auto after = store.first_observation_after(object, question_.to, asked, snapshot_.as_of())) {
+      result.after = snapshot_.scene_ref(after->association.scene);
+      if (!spot_) spot_ = after->observation.position;
+    }
+    for (const ObjectObservation& sighting :
+         store.observations_of(object, snapshot_.as_of(), question_.from, question_.to)) {
+      const auto ref = snapshot_.scene_ref(sighting.association.scene);
+      if (is_asked(sighting.observation.place)) {
+        result.seen_there.push_back(*ref);
+      } else {
+        const auto place = snapshot_.place_ref(sighting.observation.place);
+        result.seen_elsewhere.emplace_back(*ref, place ? place->name : "");
+      }
+    }
+  }
+
+  /// What each scene saw of the place, and of the spot on it where the object is known to have stood.
+  void collect_views(Id object, WasObject& result) {
+    const std::map<Id, SpotStatus> stored = stored_visibility(object);
+    for (const SceneRow& scene : coverage_.scenes()) {
+      PlaceView view{.scene = snapshot_.scene_ref(scene),
+                     .fraction = coverage_.fraction_of(scene.id),
+                     .spot = SpotStatus::no_camera};
+      if (spot_) {
+        if (const DepthThumbnail* depth = coverage_.thumbnail(scene)) view.spot = depth->spot_status(*spot_);
+        // The belief used the full image, and was about this very spot.
+        const auto found = stored.find(scene.id);
+        if (view.spot == SpotStatus::no_camera && found != stored.end()) view.spot = found->second;
+      }
+      if (view.fraction > 0 || (view.spot != SpotStatus::out_of_view && view.spot != SpotStatus::no_camera))
+        result.views.push_back(view);
+    }
+  }
+
+  /// The visibility that the belief stored with the scenes. A scene without a row had the object out of view,
+  /// from its first sighting on and except while it was gone.
+  std::map<Id, SpotStatus> stored_visibility(Id object) const {
+    std::map<Id, SpotStatus> stored;
+    if (coverage_.scenes().empty()) return stored;
+    for (const VisibilityRow& row :
+         snapshot_.store().visibility_of_object(object, question_.from, question_.to))
+      stored[row.scene] = spot_status_of(row.status);
+    std::map<TimeNs, bool> present;  // from this time on
+    AsOf then = snapshot_.as_of();
+    then.at = std::min(then.at.value_or(question_.to), question_.to);
+    for (const BeliefRow& row : snapshot_.store().belief_history(object, then, question_.from))
+      present[row.clock.valid_from] = row.status != ObjectStatus::gone;
+    for (const SceneRow& scene : coverage_.scenes()) {
+      const auto next = present.upper_bound(scene.time);
+      if (next != present.begin() && std::prev(next)->second)
+        stored.try_emplace(scene.id, SpotStatus::out_of_view);
+    }
+    return stored;
+  }
+
+  void decide(WasObject& result) const {
+    if (!result.seen_there.empty()) {
+      result.verdict = Verdict::yes;
+    } else if (was_forgotten()) {
+      result.reason = "what was seen in that time was forgotten on request";
+    } else if (coverage_.scenes().empty()) {
+      result.reason = "nobody looked: there is no scene in that time";
+    } else if (!coverage_.has_places()) {
+      decide_anywhere(result);
+    } else {
+      decide_at_place(result);
+    }
+  }
+
+  bool was_forgotten() const {
+    return std::ranges::any_of(snapshot_.store().forgotten(), [&](const ForgottenRow& row) {
+      return row.valid_from && *row.valid_from <= question_.to && *row.valid_to >= question_.from;
+    });
+  }
+
+  static bool spot_was(const WasObject& result, SpotStatus status) {
+    return std::ranges::any_of(result.views, [&](const PlaceView& view) { return view.spot == status; });
+  }
+
+  void decide_at_place(WasObject& result) const {
+    const double fraction = coverage_.fraction();
+    const std::string part = fmt::format("{:.0f} % of {}", 100 * fraction, question_.place);
+    const bool spot_empty = spot_was(result, SpotStatus::seen_empty);
+    const auto no = [&](std::string reason) {
+      result.verdict = Verdict::no;
+      result.reason = std::move(reason);
+    };
+    if (!result.seen_elsewhere.empty() && (fraction >= kMinSeenFraction || spot_empty)) {
+      no(fmt::format("it was seen elsewhere, and {} was seen without it", part));
+    } else if (!result.seen_elsewhere.empty()) {
+      no("it was seen elsewhere");
+    } else if (spot_empty) {
+      no("the spot where it stood was seen without it");
+    } else if (spot_ && spot_was(result, SpotStatus::hidden)) {
+      result.reason = "the spot where it stood was hidden behind something";
+    } else if (fraction >= kMinSeenFraction &&
+               !(spot_ && spot_was(result, SpotStatus::out_of_view) && !spot_was(result, SpotStatus::seen))) {
+      no(fmt::format("{} was seen and it was not there", part));
+    } else if (spot_ && fraction > 0) {
+      result.reason = fmt::format("only {} was seen, and not the spot where it stood", part);
+    } else if (fraction > 0) {
+      result.reason = fmt::format("only {} was seen", part);
+    } else {
+      const size_t count = coverage_.scenes().size();
+      result.reason = fmt::format("nobody looked {}{}: it was out of view in the {} of that time",
+                                  places_[0].container ? "into " : "at ", question_.place,
+                                  count == 1 ? "one scene" : fmt::format("{} scenes", count));
+    }
+  }
+
+  static void decide_anywhere(WasObject& result) {
+    if (spot_was(result, SpotStatus::seen_empty)) {
+      result.verdict = Verdict::no;
+      result.reason = "the spot where it stood was seen without it, and it was seen nowhere else";
+    } else {
+      result.reason = "it was not seen, and where it stood was not looked at";
+    }
+  }
+
+  const Snapshot& snapshot_;
+  const WasQuestion& question_;
+  const std::vector<PlaceRow>& places_;
+  Coverage& coverage_;
+  std::optional<Vector3d> spot_;  ///< where the object stood on the place asked about, before or after
+};
+
+std::string verdict_text(const WasObject& object, const std::string& where, const std::string& period) {
+  const std::string name = to_text(object.object);
+  if (object.verdict == Verdict::yes)
+    return fmt::format("Yes: {} was {} {}, seen in {}.", name, where, period, scenes_text(object.seen_there));
+  if (object.verdict == Verdict::no)
+    return fmt::format("No: {} was not {} {}: {}.", name, where, period, object.reason);
+  return fmt::format("Not observed: whether {} was {} {} is not known: {}.", name, where, period,
+                     object.reason);
+}
+
+void add_evidence(const WasObject& object, const TimeWriter& times, std::vector<std::string>& lines) {
+  const auto seen_at = [&](const SceneRef& scene) {
+    return fmt::format("{} ({})", times.text(scene.time), scene_text(scene));
+  };
+  if (!object.seen_elsewhere.empty()) {
+    std::vector<std::string> places;
+    for (const auto& [scene, place] : object.seen_elsewhere)
+      places.push_back(fmt::format("{} at {}", place.empty() ? "off any place" : place, seen_at(scene)));
+    if (places.size() > 4) places.resize(4);
+    lines.push_back(fmt::format("  seen elsewhere: {}", fmt::join(places, "; ")));
+  }
+  if (object.verdict == Verdict::yes) return;
+  if (!object.views.empty()) {
+    std::vector<SceneRef> scenes;
+    for (const PlaceView& view : object.views) scenes.push_back(view.scene);
+    lines.push_back("  looked in " + scenes_text(scenes));
+  }
+  if (object.before) lines.push_back("  before that it was there at " + seen_at(*object.before));
+  if (object.after) lines.push_back("  after that it was there at " + seen_at(*object.after));
+}
+
+Json was_json(const WasObject& object) {
+  Json json = object_json(object.object);
+  json["verdict"] = to_text(object.verdict);
+  if (!object.reason.empty()) json["reason"] = object.reason;
+  json["seen_there"] = list_json(object.seen_there, scene_json);
+  json["seen_elsewhere"] = list_json(object.seen_elsewhere, [](const auto& seen) {
+    Json entry = scene_json(seen.first);
+    if (!seen.second.empty()) entry["place"] = seen.second;
+    return entry;
+  });
+  json["looks"] = list_json(object.views, [](const PlaceView& view) {
+    Json entry = scene_json(view.scene);
+    entry["fraction"] = view.fraction;
+    entry["spot"] = to_text(view.spot);
+    return entry;
+  });
+  put(json, "before", object.before, scene_json);
+  put(json, "after", object.after, scene_json);
+  return json;
+}
+
+}  // namespace
+
+WasAnswer ask(const Store& store, const WasQuestion& question) {
+  if (question.from > question.to)
+    throw Error("the first time is after the second", {}, "write --between EARLIER LATER");
+  const Snapshot snapshot(store, question.as_of);
+  std::vector<PlaceRow> places;
+  if (!question.place.empty()) places = snapshot.find_places(question.place);
+  WasAnswer answer{.asked = question.subject,
+                   .place = question.place,
+                   .container = !places.empty() && places[0].container,
+                   .from = question.from,
+                   .to = question.to};
+  Coverage coverage(snapshot, places, question.from, question.to);
+  Judge judge(snapshot, question, places, coverage);
+  for (const Id object : snapshot.find_objects(question.subject))
+    answer.objects.push_back(judge.judge(object));
+  const auto any = [&](Verdict verdict) {
+    return std::ranges::any_of(answer.objects,
+                               [&](const WasObject& object) { return object.verdict == verdict; });
+  };
+  answer.verdict = any(Verdict::yes)            ? Verdict::yes
+                   : any(Verdict::not_observed) ? Verdict::not_observed
+                                                : Verdict::no;
+  return answer;
+}
+
+std::string to_text(const WasAnswer& answer, const TimeWriter& times) {
+  std::vector<std::string> lines;
+  const std::string where =
+      answer.place.empty() ? "seen anywhere" : (answer.container ? "in " : "on ") + answer.place;
+  const std::string first = times.text(answer.from), last = times.text(answer.to);
+  const std::string period = first == last ? "at " + first : fmt::format("between {} and {}", first, last);
+  if (answer.objects.size() > 1)
+    lines.emplace_back(answer.verdict == Verdict::yes  ? "Yes, one of them was."
+                       : answer.verdict == Verdict::no ? "No, none of them was."
+                                                       : "Not observed.");
+  for (const WasObject& object : answer.objects) {
+    lines.push_back(verdict_text(object, where, period));
+    add_evidence(object, times, lines);
+  }
+  return lines_text(lines);
+}
+
+Json to_json(const WasAnswer& answer) {
+  Json json = {{"asked", answer.asked}};
+  if (!answer.place.empty()) json["place"] = answer.place;
+  json["from"] = format_time(answer.from);
+  json["to"] = format_time(answer.to);
+  json["verdict"] = to_text(answer.verdict);
+  json["objects"] = list_json(answer.objects, was_json);
+  return json;
+}
+
+namespace {
+
+/// "red cup on table_1", "red cup table_1", "red cup".
+void read_was(std::vector<std::string> words, Query& query) {
+  const auto preposition =
+      std::ranges::find_if(words, [](const std::string& w) { return w == "on" || w == "in"; });
+  if (preposition != words.begin() && words.end() - preposition > 1) {
+    query.arguments["place"] = fmt::format("{}", fmt::join(preposition + 1, words.end(), " "));
+    words.erase(preposition, words.end());
+  } else if (words.size() > 1) {
+    query.arguments["place"] = words.back();
+    words.pop_back();
+  }
+  query.arguments["object"] = fmt::format("{}", fmt::join(words, " "));
+}
+
+/// Without times: over all scenes.
+Answer ask_was(const Arguments& given) {
+  const auto scenes = given.store().scenes();
+  return ask(given.store(),
+             WasQuestion{.subject = given.text("object"),
+                         .place = given.text("place"),
+                         .from = given.from().value_or(scenes.empty() ? 0 : scenes.front().time),
+                         .to = given.to().value_or(scenes.empty() ? 0 : scenes.back().time),
+                         .as_of = given.as_of()});
+}
+
+}  // namespace
+
+std::vector<Question> presence_questions() {
+  Parameter place = place_parameter();
+  place.required = false;
+  place.default_text = "anywhere";
+  return {
+      {.name = "was",
+       .description = "Whether an object was at a place in a period: yes, no, or not observed",
+       .parameters = {object_parameter(), place},
+       .period = true,
+       .words_help = "OBJECT [on|in PLACE]",
+       .read_words = read_was,
+       .examples = {"red on table_1 --between 08:00 09:00",
+                    "object_1 in drawer_1 --between 08:00 18:00 --json"},
+       .run = ask_was,
+       .time = SentenceTime::period,
+       .sentences =
+           {{"(was|were) <object> (on|in|inside|at) <place>",
+             "Was the red cup on the table between nine and ten?"},
+            {"(was|were) <object> ever (on|in|inside|at) <place>"},
+            {"(was|were) there <object> (on|in|inside|at) <place>"},
+            {"(was|were) <object> [ever|still] there [at all|ever]",
+             "Was it there at all between nine and ten?",
+             {{"place", "there"}}},
+            {"when (was|were) <object> (on|in|inside|at) <place>", "When was the red cup on the table?"},
+            {"when (was|were) <object> (last seen|seen last|seen|last|ever) (on|in|inside|at) <place>"},
+            {"(has|have) <object> [ever] (been|stood|lain) (on|in|inside|at) <place>"},
+            {"did <object> (stand|lie) (on|in|inside|at) <place>"},
+            {"(did|have|has) $witness [ever] (see|seen) <object> (on|in|inside|at) <place>"}}},
+  };
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "mapping/base/json_fwd.h"
+#include "memory/questions/answer_parts.h"
+#include "memory/questions/time_parser.h"
+#include "memory/store/scene_images.h"
+
+namespace loci::memory {
+
+// Whether an object was at a place in a period: was.
+
+struct Question;
+std::vector<Question> presence_questions();
+
+struct WasQuestion {
+  std::string subject = {};
+  std::string place = {};  ///< empty = anywhere
+  TimeNs from = 0;
+  TimeNs to = 0;
+  AsOf as_of = {};
+};
+/// What one scene of the period shows.
+struct PlaceView {
+  SceneRef scene = {};
+  double fraction = 0;                      ///< of the place that it saw
+  SpotStatus spot = SpotStatus::no_camera;  ///< where the object stood
+};
+struct WasObject {
+  ObjectRef object = {};
+  Verdict verdict = Verdict::not_observed;
+  std::string reason = {};  ///< of any verdict but yes
+  std::vector<SceneRef> seen_there = {};
+  std::vector<std::pair<SceneRef, std::string>> seen_elsewhere = {};  ///< with the place's name, or ""
+  std::vector<PlaceView> views = {};                                  ///< that saw any of the place
+  std::optional<SceneRef> before = {};                                ///< last time it was seen there before
+  std::optional<SceneRef> after = {};                                 ///< first time it was seen there after
+};
+struct WasAnswer {
+  std::string asked = {};
+  std::string place = {};  ///< empty = anywhere
+  bool container = false;  ///< objects are in it rather than on it
+  TimeNs from = 0, to = 0;
+  Verdict verdict = Verdict::not_observed;  ///< yes if any is, no if all are not
+  std::vector<WasObject> objects = {};
+};
+WasAnswer ask(const Store& store, const WasQuestion& question);
+std::string to_text(const WasAnswer& answer, const TimeWriter& times);
+Json to_json(const WasAnswer& answer);
+
+}  // namespace loci::memory

@@ -1,0 +1,221 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <typeinfo>
+#include <utility>
+#include <vector>
+
+#include "mapping/base/json_fwd.h"
+#include "memory/questions/time_parser.h"
+
+namespace loci::memory {
+
+// A question is declared once: its parameters, the function that answers it, and the sentences that mean it.
+// The command line, natural-language queries, the browser and docs/questions.md are derived from the
+// declarations.
+//
+// To add a question: write its struct, ask(), to_text() and to_json() in the files of its family, declare it
+// in the family's list (for example location_questions()), and regenerate docs/questions.md with `loci-memory
+// questions`.
+
+/// What a parameter means. Values are given as text and read against the memory that is asked.
+enum class ParameterType {
+  object,  ///< words for objects: "object_12", an alias, a colour, a size, a class, "on table_1"
+  place,   ///< words for places: "table_1", "drawer 1", an alias, a class
+  part,    ///< a link of the map, a place, an alias, a class
+  spot,    ///< "x,y" or "x,y,z" in the map, an object, or a place
+  time,    ///< "08:30", "yesterday 9:00", "2 hours ago", ISO 8601
+  length,  ///< metres, or "50 cm"
+  point,   ///< "x,y" in the map
+  number,
+  text,
+  file,
+};
+std::string to_text(ParameterType type);
+
+struct Parameter {
+  std::string name;  ///< kebab-case: the option --NAME, or a positional argument
+  ParameterType type = ParameterType::text;
+  std::string help = {};  ///< one line
+  bool positional = false;
+  bool required = false;
+  std::string default_text = {};           ///< what holds when it is not given, for people
+  std::vector<std::string> choices = {};   ///< empty = any
+  std::vector<std::string> excludes = {};  ///< parameters that may not be given together with it
+};
+
+/// A question with its arguments as text.
+struct Query {
+  std::string question = {};                          ///< "where"
+  std::map<std::string, std::string> arguments = {};  ///< by name of the parameter
+
+  std::string argument(const std::string& name) const;  ///< "" = not given
+  /// As it is typed after "loci-memory": where 'tea cup' --at 08:30.
+  std::string text() const;
+};
+
+/// `as_of` with the times of --at and --known-at, where they are not empty.
+AsOf read_as_of(const Store& store, const std::string& at, const std::string& known_at, AsOf as_of = {});
+
+/// The arguments of a query, read against a memory.
+class Arguments {
+ public:
+  /// `as_of` holds where the query says no time of its own.
+  Arguments(const Store& store, const Query& query, const AsOf& as_of);
+
+  const Store& store() const { return store_; }
+  const AsOf& as_of() const { return as_of_; }
+  std::string text(const std::string& name) const { return query_.argument(name); }
+  /// When the time given begins.
+  std::optional<TimeNs> time(const std::string& name) const;
+  std::optional<TimeNs> from() const { return time("from"); }
+  std::optional<TimeNs> to() const;  ///< the end of the time given
+  std::optional<double> length(const std::string& name) const;
+  std::optional<Id> number(const std::string& name) const;
+  std::optional<Vector2d> point(const std::string& name) const;
+
+ private:
+  const Store& store_;
+  const Query& query_;
+  TimeReader times_;
+  AsOf as_of_;
+};
+
+/// Objects, places and scenes that an answer names, each once, in order.
+struct Mentions {
+  std::vector<Id> objects = {};
+  std::vector<std::string> places = {};
+  std::vector<Id> scenes = {};
+};
+
+namespace detail {
+template <class T>
+std::string answer_text(const T& answer, const TimeWriter& times) {
+  return to_text(answer, times);
+}
+template <class T>
+void write_answer_json(const T& answer, Json& json) {
+  json = to_json(answer);
+}
+}  // namespace detail
+
+/// The answer to any question. Holds an answer struct for which to_text(answer, times) and to_json(answer)
+/// exist.
+class Answer {
+ public:
+  template <class T>
+  requires(!std::is_same_v<T, Answer>) Answer(T answer)
+      : model_(std::make_shared<const Model<T>>(std::move(answer))) {}
+
+  std::string to_text(const TimeWriter& times) const { return model_->to_text(times); }
+  Json to_json() const;
+  Mentions mentions(const Store& store) const;
+
+  /// The answer struct; nullptr when it is of another type.
+  template <class T>
+  const T* get_if() const {
+    const auto* model = dynamic_cast<const Model<T>*>(model_.get());
+    return model == nullptr ? nullptr : &model->answer;
+  }
+  /// The answer struct; std::bad_cast when it is of another type.
+  template <class T>
+  const T& get() const {
+    return dynamic_cast<const Model<T>&>(*model_).answer;
+  }
+
+ private:
+  struct Concept {
+    virtual ~Concept() = default;
+    virtual std::string to_text(const TimeWriter& times) const = 0;
+    virtual void write_json(Json& json) const = 0;
+  };
+  template <class T>
+  struct Model final : Concept {
+    explicit Model(T value) : answer(std::move(value)) {}
+    std::string to_text(const TimeWriter& times) const override { return detail::answer_text(answer, times); }
+    void write_json(Json& json) const override { detail::write_answer_json(answer, json); }
+    T answer;
+  };
+  std::shared_ptr<const Concept> model_;
+};
+
+/// Where the time in a sentence goes.
+enum class SentenceTime {
+  none,               ///< a sentence with a time does not mean this question
+  at,                 ///< a moment: --at
+  period,             ///< --between, --from, --to
+  moment_or_history,  ///< a moment: --at; with a period the sentence means `history`
+  during,             ///< hours or days of the week: --during
+  since,              ///< a period that begins: --unseen-since
+};
+
+/// A form of English sentence. (a|b) is one of them, [a] may be missing, <object> stands for any words and
+/// becomes the parameter of that name; $what, $someone, … are sets of words (natural_language.cpp). Articles
+/// and "please" are left out. Of several forms that match a sentence the one with most literal words is
+/// taken, then the one declared first.
+struct SentenceForm {
+  std::string form;
+  std::string example = {};                           ///< shown to people; "" = a variant of the form before
+  std::map<std::string, std::string> arguments = {};  ///< given by the form; "{place}" = the words of <place>
+  std::optional<SentenceTime> time = {};              ///< unset = as for the question
+};
+
+enum class QuestionGroup { ask, inspect };
+std::string to_text(QuestionGroup group);  ///< "Ask"
+
+struct Question {
+  std::string name;  ///< kebab-case: the command
+  QuestionGroup group = QuestionGroup::ask;
+  std::string description;  ///< one line
+  /// Beside --at and --known-at, which every question takes.
+  std::vector<Parameter> parameters = {};
+  bool period = false;  ///< takes --between, --from and --to
+  /// The positional words, where they are not those of the one positional parameter, and how they become
+  /// arguments.
+  std::string words_help = {};
+  void (*read_words)(std::vector<std::string> words, Query& query) = nullptr;
+  std::vector<std::string> examples;  ///< as typed after the name, without -m
+  Answer (*run)(const Arguments& arguments);
+  SentenceTime time = SentenceTime::at;
+  std::vector<SentenceForm> sentences = {};
+
+  /// Positional arguments as they are typed; Error when the question takes none.
+  void read(const std::vector<std::string>& words, Query& query) const;
+  /// All parameters: its own, then those of time.
+  std::vector<Parameter> all_parameters() const;
+  /// Error for unknown or missing arguments, and for names that mean nothing in this memory.
+  Answer ask(const Store& store, const Query& query, const AsOf& as_of = {}) const;
+};
+
+/// All questions, in the order in which they are listed.
+const std::vector<Question>& questions();
+/// nullptr when there is none of that name.
+const Question* find_question(const std::string& name);
+
+/// Asks. Error for an unknown question, unknown or missing arguments, and names that mean nothing in this
+/// memory.
+Answer ask(const Store& store, const Query& query, const AsOf& as_of = {});
+
+/// A query as typed after "loci-memory", with quotes as in a shell; unset when the first word is no question.
+/// Error for an option that the question does not take.
+std::optional<Query> parse_query(const std::string& text);
+
+/// Metres of "0.5", "0.5 m", "50 cm" or "300 mm". Error for anything else and for what is not above 0.
+double read_length(const std::string& text);
+/// "1.2,0.4" or "1.2,0.4,0.9"; empty for anything else.
+std::vector<double> read_point(const std::string& text);
+
+/// docs/questions.md.
+std::string questions_reference();
+/// Names, parameters and examples of all questions.
+Json questions_json();
+
+// Parameters that several questions take.
+Parameter object_parameter();       ///< positional, required
+Parameter place_parameter();        ///< positional, required
+Parameter only_object_parameter();  ///< --object
+
+}  // namespace loci::memory

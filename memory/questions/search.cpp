@@ -1,0 +1,297 @@
+#include "memory/questions/search.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "mapping/image/image_io.h"
+#include "memory/questions/answer_format.h"
+#include "memory/questions/question.h"
+#include "memory/questions/snapshot.h"
+
+namespace loci::memory {
+
+using namespace format;
+
+namespace {
+
+constexpr double kSpeed_mps = 0.5;  // of a robot among people
+constexpr double kViewSeconds = 3;
+constexpr double kOpenSeconds = 8;  // a drawer or door
+constexpr double kUnknownDistance_m = 2;
+constexpr double kUnknownVisibility = 0.5;
+/// Pseudo-count of sightings at every place but the current one: the object may be anywhere.
+constexpr double kPriorSightings = 0.25;
+/// Probability that a view of all of a place misses the object.
+constexpr double kMissRate = 0.1;
+constexpr size_t kMaxPlaces = 10;
+constexpr size_t kMaxCrops = 12;  // the latest of an object
+
+/// The views of a place: how much they show, and what they showed since a scene.
+struct PlaceViews {
+  double visibility = kUnknownVisibility;
+  double missed_since = 1;  ///< probability that an object there would not have been seen since
+  std::optional<SceneRef> last = {};
+};
+
+PlaceViews views_of(const Snapshot& snapshot, const PlaceRow& place, TimeNs since) {
+  PlaceViews views;
+  double sum = 0, count = 0;
+  for (const VisibilityRow& row : snapshot.store().visibility_of_place(place.id)) {
+    const SceneRow* scene = snapshot.scene(row.scene);
+    const double fraction = row.fraction.value_or(0);
+    if (scene == nullptr || fraction <= 0) continue;
+    sum += fraction;
+    ++count;
+    if (scene->time > since)
+      views.missed_since = std::min(views.missed_since, 1 - (1 - kMissRate) * fraction);
+    if (!views.last || views.last->time <= scene->time) views.last = snapshot.scene_ref(*scene);
+  }
+  if (count > 0) views.visibility = sum / count;
+  return views;
+}
+
+class SearchPlanner {
+ public:
+  SearchPlanner(const Snapshot& snapshot, std::optional<Vector2d> start)
+      : snapshot_(snapshot), start_(start) {}
+
+  ObjectSearch plan(Id object) const {
+    const BeliefRow& belief = *snapshot_.belief(object);
+    ObjectSearch search{.now = snapshot_.object_belief(belief)};
+    const double there = belief.status == ObjectStatus::gone ? 0 : belief.probability;
+    const TimeNs seen = search.now.last_seen ? search.now.last_seen->time : 0;
+    std::map<Id, double> counts;
+    for (const ObjectObservation& sighting : snapshot_.store().observations_of(object, snapshot_.as_of()))
+      if (sighting.observation.place) ++counts[*sighting.observation.place];
+    double elsewhere = 0;
+    for (const PlaceRow& place : snapshot_.places()) {
+      const PlaceViews views = views_of(snapshot_, place, seen);
+      SearchPlace one = search_place(place, views);
+      const bool current = belief.place == place.id;
+      const double count = counts.contains(place.id) ? counts[place.id] : 0;
+      // The belief about the current place includes the views since; elsewhere they are accounted for here.
+      one.probability = current ? there : (count + kPriorSightings) * views.missed_since;
+      if (!current) elsewhere += one.probability;
+      one.reason = current && there > 0 ? "it is believed to be there"
+                   : count > 0          ? fmt::format("it was seen there in {} scenes", count)
+                                        : "it was never seen there";
+      search.places.push_back(std::move(one));
+    }
+    for (SearchPlace& one : search.places) {
+      if (belief.place != one.place.id && elsewhere > 0) one.probability *= (1 - there) / elsewhere;
+      one.chance_per_minute = one.probability * one.visibility / one.seconds * 60;
+    }
+    std::ranges::stable_sort(search.places, std::ranges::greater(), &SearchPlace::chance_per_minute);
+    if (search.places.size() > kMaxPlaces) search.places.resize(kMaxPlaces);
+    return search;
+  }
+
+ private:
+  SearchPlace search_place(const PlaceRow& row, const PlaceViews& views) const {
+    SearchPlace place{.place = {row.id, row.name, row.container}};
+    place.visibility = views.visibility;
+    place.last_view = views.last;
+    const auto centre = centre_of(row);
+    if (start_ && centre) place.distance_m = (centre->head<2>() - *start_).norm();
+    place.seconds = place.distance_m.value_or(kUnknownDistance_m) / kSpeed_mps + kViewSeconds +
+                    (row.container ? kOpenSeconds : 0);
+    return place;
+  }
+
+  const Snapshot& snapshot_;
+  std::optional<Vector2d> start_;
+};
+
+/// Hue by saturation where there is colour, and grey levels where there is none; sums to 1. Weighted towards
+/// the centre: the corners of a crop show the background.
+cv::Mat histogram_of(const cv::Mat& image) {
+  constexpr int kHues = 12, kSaturations = 3, kGreys = 6;
+  cv::Mat small, hsv;
+  cv::resize(image, small, {32, 32}, 0, 0, cv::INTER_AREA);
+  cv::cvtColor(small, hsv, cv::COLOR_BGR2HSV);
+  cv::Mat histogram = cv::Mat::zeros(1, kHues * kSaturations + kGreys, CV_32F);
+  for (int v = 0; v < hsv.rows; ++v)
+    for (int u = 0; u < hsv.cols; ++u) {
+      const auto& pixel = hsv.at<cv::Vec3b>(v, u);
+      const float off = static_cast<float>(std::hypot(u - 15.5, v - 15.5)) / 16;
+      const float weight = std::exp(-2 * off * off);
+      if (pixel[1] < 50 || pixel[2] < 30) {
+        histogram.at<float>(kHues * kSaturations + pixel[2] * kGreys / 256) += weight;
+        continue;
+      }
+      // Interpolated between two hues, as red is at both ends of the scale.
+      const float hue = static_cast<float>(pixel[0]) / 180 * kHues;
+      const float part = hue - std::floor(hue);
+      const int saturation = (pixel[1] - 50) * kSaturations / 206;
+      const int lower = static_cast<int>(hue) % kHues;
+      histogram.at<float>(lower * kSaturations + saturation) += weight * (1 - part);
+      histogram.at<float>((lower + 1) % kHues * kSaturations + saturation) += weight * part;
+    }
+  return histogram / cv::sum(histogram)[0];
+}
+
+double intersection(const cv::Mat& a, const cv::Mat& b) {
+  return static_cast<double>(static_cast<float>(cv::sum(cv::min(a, b))[0]));
+}
+
+struct Crop {
+  cv::Mat histogram = {};
+  Id scene = 0;
+};
+
+std::vector<Crop> crops_of(const Snapshot& snapshot, Id object) {
+  std::vector<Crop> crops;
+  const std::vector<ObjectObservation> sightings = snapshot.store().observations_of(object, snapshot.as_of());
+  for (auto sighting = sightings.rbegin(); sighting != sightings.rend(); ++sighting) {
+    if (!sighting->observation.crop) continue;
+    const std::string bytes = snapshot.store().blob(*sighting->observation.crop).bytes;
+    crops.push_back({histogram_of(mapping::decode_image({bytes.begin(), bytes.end()}, object_name(object))),
+                     sighting->association.scene});
+    if (crops.size() == kMaxCrops) break;
+  }
+  return crops;
+}
+
+}  // namespace
+
+SearchAnswer ask(const Store& store, const SearchQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  std::optional<Vector2d> start = question.start;
+  for (auto scene = snapshot.scenes().rbegin(); !start && scene != snapshot.scenes().rend(); ++scene)
+    if (scene->map_from_camera) start = scene->map_from_camera->translation().head<2>();
+  SearchAnswer answer{.asked = question.subject};
+  const SearchPlanner planner(snapshot, start);
+  for (const Id object : snapshot.find_objects(question.subject))
+    answer.objects.push_back(planner.plan(object));
+  return answer;
+}
+
+std::string to_text(const SearchAnswer& answer, const TimeWriter& times) {
+  std::vector<std::string> lines;
+  for (const ObjectSearch& search : answer.objects) {
+    lines.push_back(belief_text(search.now, times));
+    size_t number = 0;
+    for (const SearchPlace& place : search.places)
+      lines.push_back(fmt::format(
+          "  {}. {}: {} ({}); a view shows {} of it, {:.0f} s{}{}", ++number, place_text(place.place),
+          percent(place.probability), place.reason, percent(place.visibility), place.seconds,
+          place.distance_m ? fmt::format(" with a path of {:.1f} m", *place.distance_m) : "",
+          place.last_view ? fmt::format(", last looked at {}", times.text(place.last_view->time))
+                          : ", never looked at"));
+  }
+  return lines_text(lines);
+}
+
+Json to_json(const SearchAnswer& answer) {
+  const auto entry = [](const SearchPlace& place) {
+    Json json = {{"place", place.place.name},      {"probability", place.probability},
+                 {"visibility", place.visibility}, {"seconds", place.seconds},
+                 {"reason", place.reason},         {"chance_per_minute", place.chance_per_minute}};
+    if (place.distance_m) json["distance"] = *place.distance_m;
+    put(json, "last_view", place.last_view, scene_json);
+    return json;
+  };
+  return {{"asked", answer.asked}, {"objects", list_json(answer.objects, [&](const ObjectSearch& search) {
+                                      Json json = belief_json(search.now);
+                                      json["places"] = list_json(search.places, entry);
+                                      return json;
+                                    })}};
+}
+
+SimilarAnswer ask(const Store& store, const SimilarQuestion& question) {
+  if (question.subject.empty() && question.image.empty())
+    throw Error("there is no object to compare with", {}, "name an object, or give --image FILE");
+  const Snapshot snapshot(store, question.as_of);
+  SimilarAnswer answer;
+  std::vector<Crop> wanted;
+  std::optional<Id> self;
+  if (question.image.empty()) {
+    self = snapshot.find_objects(question.subject).at(0);
+    answer.asked = object_name(*self);
+    wanted = crops_of(snapshot, *self);
+    if (wanted.empty())
+      throw Error(fmt::format("no crop of {} is stored", answer.asked), {}, "give an image with --image");
+  } else {
+    answer.asked = question.image.filename().string();
+    wanted.push_back({histogram_of(mapping::read_color(question.image)), 0});
+  }
+  for (const BeliefRow& belief : snapshot.beliefs()) {
+    if (belief.object == self) continue;
+    SimilarObject object{.object = snapshot.object_belief(belief)};
+    for (const Crop& crop : crops_of(snapshot, belief.object))
+      for (const Crop& one : wanted)
+        if (const double similarity = intersection(crop.histogram, one.histogram);
+            !object.scene || similarity > object.similarity) {
+          object.similarity = similarity;
+          object.scene = snapshot.scene_ref(crop.scene);
+        }
+    if (object.scene) answer.objects.push_back(std::move(object));
+  }
+  std::ranges::stable_sort(answer.objects, std::ranges::greater(), &SimilarObject::similarity);
+  return answer;
+}
+
+std::string to_text(const SimilarAnswer& answer, const TimeWriter& times) {
+  if (answer.objects.empty()) return "No crop of another object is stored.\n";
+  std::vector<std::string> lines = {fmt::format("Most similar to {}:", answer.asked)};
+  for (const SimilarObject& similar : answer.objects)
+    lines.push_back(fmt::format("  {}: {}", percent(similar.similarity), belief_text(similar.object, times)));
+  return lines_text(lines);
+}
+
+Json to_json(const SimilarAnswer& answer) {
+  return {{"asked", answer.asked}, {"objects", list_json(answer.objects, [](const SimilarObject& similar) {
+                                      Json json = belief_json(similar.object);
+                                      json["similarity"] = similar.similarity;
+                                      put(json, "image", similar.scene, scene_json);
+                                      return json;
+                                    })}};
+}
+
+std::vector<Question> search_questions() {
+  Parameter object = object_parameter();
+  object.required = false;
+  return {
+      {.name = "search-next",
+       .description = "Where to search next for an object",
+       .parameters = {object_parameter(),
+                      {.name = "start",
+                       .type = ParameterType::point,
+                       .help = "Where the search starts: x,y in the map",
+                       .default_text = "the last camera"}},
+       .examples = {"red", "red --start 1.0,0.5 --json"},
+       .run = [](const Arguments& given) -> Answer {
+         return ask(given.store(), SearchQuestion{given.text("object"), given.point("start"), given.as_of()});
+       },
+       .sentences =
+           {{"where (should|shall|can|could|must) (i|we|you|one|robot) look (next|first) for <object>",
+             "Where should I look next for the cereal?"},
+            {"if <object> is not (on|in|at) <any> where [else] (may|can|could|might|should) (it|they) be",
+             "If the cereal is not on the table, where else may it be?"},
+            {"where else (should|shall|can|could|may|might) (<object> be|(i|we|you|one) look for "
+             "<object>)"}}},
+      {.name = "like",
+       .description = "Which objects look like an object or an image",
+       .parameters = {object,
+                      {.name = "image",
+                       .type = ParameterType::file,
+                       .help = "A PNG or JPEG that the object fills",
+                       .excludes = {"object"}}},
+       .examples = {"red", "red --json"},
+       .run = [](const Arguments& given) -> Answer {
+         return ask(given.store(), SimilarQuestion{given.text("object"), given.text("image"), given.as_of()});
+       },
+       .sentences = {{"$what (look|looks|is|are) like <object>", "What looks like the red cup?"},
+                     {"is there (anything|something) [else] (similar to|like) <object>"},
+                     {"is there (another|any other) <any> (similar to|like) <object>"},
+                     {"$what (resemble|resembles|is similar to|are similar to|looks similar to|look similar "
+                      "to) <object>"},
+                     {"(list|show|show me|find) [all|other] ($things|everything|anything) "
+                      "(similar to|like|that look like|that looks like) <object>"}}},
+  };
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <filesystem>
+
+#include "mapping/base/json_fwd.h"
+#include "memory/questions/answer_parts.h"
+#include "memory/questions/time_parser.h"
+
+namespace loci::memory {
+
+// Finding objects: search-next by place, like by appearance.
+
+struct Question;
+std::vector<Question> search_questions();
+
+// ---- search-next: probability × visibility of the place ÷ time that the search takes
+
+struct SearchQuestion {
+  std::string subject = {};
+  std::optional<Vector2d> start = {};  ///< map frame; unset = the camera of the last scene
+  AsOf as_of = {};
+};
+struct SearchPlace {
+  PlaceRef place = {};
+  double probability = 0;                 ///< that it is there
+  double visibility = 0;                  ///< mean fraction of the place that its views showed
+  std::optional<double> distance_m = {};  ///< horizontal
+  double seconds = 0;                     ///< travel, view, and opening a container
+  double chance_per_minute = 0;           ///< by which the places are ordered
+  std::optional<SceneRef> last_view = {};
+  std::string reason = {};
+};
+struct ObjectSearch {
+  ObjectBelief now = {};
+  std::vector<SearchPlace> places = {};  ///< best first
+};
+struct SearchAnswer {
+  std::string asked = {};
+  std::vector<ObjectSearch> objects = {};
+};
+SearchAnswer ask(const Store& store, const SearchQuestion& question);
+std::string to_text(const SearchAnswer& answer, const TimeWriter& times);
+Json to_json(const SearchAnswer& answer);
+
+// ---- like: objects of similar appearance
+
+struct SimilarQuestion {
+  std::string subject = {};          ///< empty when an image is given
+  std::filesystem::path image = {};  ///< the object fills most of it
+  AsOf as_of = {};
+};
+struct SimilarObject {
+  ObjectBelief object = {};
+  double similarity = 0;               ///< 0 to 1: intersection of the colour histograms of their crops
+  std::optional<SceneRef> scene = {};  ///< of its most similar crop
+};
+struct SimilarAnswer {
+  std::string asked = {};                   ///< the object's or the image's name
+  std::vector<SimilarObject> objects = {};  ///< most similar first
+};
+/// Error when the image cannot be read or no crop of the object is stored.
+SimilarAnswer ask(const Store& store, const SimilarQuestion& question);
+std::string to_text(const SimilarAnswer& answer, const TimeWriter& times);
+Json to_json(const SimilarAnswer& answer);
+
+}  // namespace loci::memory

@@ -1,0 +1,323 @@
+#include "memory/questions/time_parser.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <initializer_list>
+#include <vector>
+
+#include "mapping/base/error.h"
+#include "mapping/base/text.h"
+
+namespace loci::memory {
+namespace {
+
+constexpr TimeNs kMinute = 60 * kSecond;
+constexpr TimeNs kHour = 60 * kMinute;
+constexpr TimeNs kDay = 24 * kHour;
+
+std::optional<int> number_of(std::string_view text) {
+  int value = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || result.ec != std::errc() || result.ptr != text.data() + text.size())
+    return std::nullopt;
+  return value;
+}
+
+/// "8:30", "08:30:15" as a span after midnight.
+std::optional<TimeSpan> clock_of(const std::string& text) {
+  const size_t first = text.find(':');
+  if (first == std::string::npos || text.find_first_not_of("0123456789:") != std::string::npos)
+    return std::nullopt;
+  const size_t second = text.find(':', first + 1);
+  const auto hour = number_of(text.substr(0, first));
+  const auto minute =
+      number_of(text.substr(first + 1, second == std::string::npos ? second : second - first - 1));
+  const auto seconds = second == std::string::npos ? std::optional(0) : number_of(text.substr(second + 1));
+  if (!hour || !minute || !seconds || *hour > 24 || *minute > 59 || *seconds > 59) return std::nullopt;
+  const TimeNs start = *hour * kHour + *minute * kMinute + *seconds * kSecond;
+  return TimeSpan{start, start + (second == std::string::npos ? kMinute : kSecond) - 1};
+}
+
+std::optional<TimeNs> unit_of(std::string word) {
+  if (word.ends_with('s') && word.size() > 1) word.pop_back();
+  if (word == "second" || word == "sec") return kSecond;
+  if (word == "minute" || word == "min") return kMinute;
+  if (word == "hour" || word == "h") return kHour;
+  if (word == "day") return kDay;
+  if (word == "week") return 7 * kDay;
+  return std::nullopt;
+}
+
+/// "9", "nine", "a".
+std::optional<int> count_of(const std::string& word) {
+  static const std::array<const char*, 13> names = {"zero", "one",    "two",   "three", "four",
+                                                    "five", "six",    "seven", "eight", "nine",
+                                                    "ten",  "eleven", "twelve"};
+  for (size_t i = 0; i < names.size(); ++i)
+    if (word == names[i]) return static_cast<int>(i);
+  if (word == "a" || word == "an") return 1;
+  return number_of(word);
+}
+
+/// A part of the day, as a span after midnight.
+std::optional<TimeSpan> part_of_day(const std::string& word) {
+  struct Part {
+    const char* name;
+    TimeNs first, end;
+  };
+  static const std::array<Part, 6> parts = {{{"morning", 5 * kHour, 12 * kHour},
+                                             {"afternoon", 12 * kHour, 18 * kHour},
+                                             {"evening", 18 * kHour, 24 * kHour},
+                                             {"night", 22 * kHour, 30 * kHour},
+                                             {"noon", 12 * kHour, 12 * kHour + kMinute},
+                                             {"midnight", 0, kMinute}}};
+  for (const Part& part : parts)
+    if (word == part.name) return TimeSpan{part.first, part.end - 1};
+  return std::nullopt;
+}
+
+bool is_date(const std::string& word) {
+  return word.size() == 10 && word[4] == '-' && word[7] == '-';
+}
+
+bool has_zone(std::string_view text) {
+  const size_t t = text.find_first_of("T ");
+  return text.ends_with('Z') ||
+         (t != std::string_view::npos && text.find_first_of("+-", t) != std::string_view::npos);
+}
+
+TimeNs floor_to(TimeNs time, TimeNs unit) {
+  const TimeNs rest = time % unit;
+  return time - (rest < 0 ? rest + unit : rest);
+}
+
+/// Reads the words of a time one after the other, in local time: days since the epoch and spans after
+/// midnight.
+class TimePhrase {
+ public:
+  TimePhrase(std::vector<std::string> words, TimeNs local_now)
+      : words_(std::move(words)), now_(local_now), midnight_(floor_to(local_now, kDay)) {}
+
+  /// The span in local time, if all the words are a time.
+  std::optional<TimeSpan> read() {
+    if (words_.size() == 1 && words_[0] == "now") return TimeSpan{now_, now_};
+    if (!words_.empty() && words_.back() == "ago") return read_ago();
+    if (is("last", "night")) return whole(TimeSpan{midnight_ - 4 * kHour, midnight_ + 6 * kHour - 1});
+    if (is("tonight")) return whole(TimeSpan{midnight_ + 18 * kHour, midnight_ + kDay - 1});
+    if (const auto week = read_week()) return whole(*week);
+    skip({"on"});
+    const auto day = read_day();
+    skip({"at", "around", "about", "in", "the"});
+    const auto time = read_time_of_day();
+    if (!day && !time) return std::nullopt;
+    const TimeNs start = day.value_or(midnight_);
+    return whole(time ? TimeSpan{start + time->first, start + time->last}
+                      : TimeSpan{start, start + kDay - 1});
+  }
+
+ private:
+  std::string word(size_t ahead = 0) const {
+    return next_ + ahead < words_.size() ? words_[next_ + ahead] : "";
+  }
+  std::optional<TimeSpan> whole(TimeSpan span) const {
+    return next_ == words_.size() ? std::optional(span) : std::nullopt;
+  }
+  /// Takes the next words if they are these.
+  template <class... Words>
+  bool is(Words... expected) {
+    size_t ahead = 0;
+    if (!((word(ahead++) == expected) && ...)) return false;
+    next_ += ahead;
+    return true;
+  }
+  void skip(std::initializer_list<const char*> fillers) {
+    while (std::find(fillers.begin(), fillers.end(), word()) != fillers.end() && next_ < words_.size())
+      ++next_;
+  }
+
+  std::optional<TimeSpan> read_ago() const {
+    std::vector<std::string> words(words_.begin(), words_.end() - 1);
+    const bool half = words.size() == 3 && words[0] == "half" && words[1] == "an";
+    if (half) words.erase(words.begin());
+    if (words.size() != 2) return std::nullopt;
+    const auto count = count_of(words[0]);
+    const auto unit = unit_of(words[1]);
+    if (!count || !unit || *count < 0 || *count > 100000) return std::nullopt;
+    const TimeNs time = now_ - *count * *unit / (half ? 2 : 1);
+    return TimeSpan{time, time};
+  }
+
+  /// Weeks begin on Monday.
+  std::optional<TimeSpan> read_week() {
+    const TimeNs monday = midnight_ - local_weekday(midnight_, 0) * kDay;
+    if (is("this", "week")) return TimeSpan{monday, monday + 7 * kDay - 1};
+    if (is("last", "week")) return TimeSpan{monday - 7 * kDay, monday - 1};
+    return std::nullopt;
+  }
+
+  std::optional<TimeNs> read_day() {
+    if (is("the", "day", "before", "yesterday")) return midnight_ - 2 * kDay;
+    if (is("yesterday")) return midnight_ - kDay;
+    if (is("today")) return midnight_;
+    if (word() == "this" && part_of_day(word(1))) return ++next_, midnight_;
+    if (is_date(word())) {
+      try {
+        return parse_time(words_[next_++]);
+      } catch (const Error&) {
+        return std::nullopt;
+      }
+    }
+    const bool last = word() == "last";
+    const auto day = weekday_of(word(last ? 1 : 0));
+    if (!day) return std::nullopt;
+    next_ += last ? 2 : 1;
+    int back = (local_weekday(midnight_, 0) - *day + 7) % 7;
+    if (last && back == 0) back = 7;
+    return midnight_ - back * kDay;
+  }
+
+  std::optional<TimeSpan> read_time_of_day() {
+    if (const auto part = part_of_day(word())) return ++next_, part;
+    auto clock = read_clock();
+    if (!clock) return std::nullopt;
+    bool late = word() == "pm";
+    if (late || word() == "am") {
+      ++next_;
+    } else if (word() == "in" && word(1) == "the" && part_of_day(word(2))) {
+      late = word(2) != "morning";
+      next_ += 3;
+    }
+    if (late && clock->first < 12 * kHour)
+      clock = TimeSpan{clock->first + 12 * kHour, clock->last + 12 * kHour};
+    return clock;
+  }
+
+  std::optional<TimeSpan> read_clock() {
+    if (const auto clock = clock_of(word())) return ++next_, clock;
+    const auto at_minute = [](int hour, int minute) {
+      const TimeNs start = hour * kHour + minute * kMinute;
+      return TimeSpan{start, start + kMinute - 1};
+    };
+    const auto shift = is("half", "past") ? 30 : is("quarter", "past") ? 15 : is("quarter", "to") ? -15 : 0;
+    std::string text = word();
+    // "9am" is "9 am".
+    if (text.size() > 2 && (text.ends_with("am") || text.ends_with("pm")) &&
+        number_of(text.substr(0, text.size() - 2))) {
+      words_.insert(words_.begin() + static_cast<std::ptrdiff_t>(next_) + 1, text.substr(text.size() - 2));
+      words_[next_].resize(text.size() - 2);
+      text = words_[next_];
+    }
+    const auto hour = text == "a" || text == "an" ? std::nullopt : count_of(text);
+    if (!hour || *hour < 0 || *hour > 24 || text.size() > 6) return std::nullopt;
+    ++next_;
+    is("o'clock");
+    return at_minute(*hour, shift);
+  }
+
+  std::vector<std::string> words_;
+  size_t next_ = 0;
+  TimeNs now_, midnight_;
+};
+
+}  // namespace
+
+TimeReader::TimeReader(const Store& store) : last_scene_(0), zone_minutes_(store.time_zone_minutes()) {
+  const auto scenes = store.scenes();
+  last_scene_ = scenes.empty() ? now() : scenes.back().time;
+}
+
+TimeSpan TimeReader::read(std::string_view text) const {
+  const auto span = try_read(text);
+  if (!span)
+    throw Error(
+        fmt::format("'{}' is not a time", text), {},
+        "write 2026-05-01T08:30:00Z, 2026-05-01 08:30, 08:30, yesterday 9:00, this morning, last Monday at "
+        "nine, or 20 minutes ago");
+  return *span;
+}
+
+std::optional<TimeSpan> TimeReader::try_read(std::string_view text) const {
+  const TimeNs zone = zone_minutes_ * kMinute;
+  if (const auto span = TimePhrase(words_of(lower_case(text)), last_scene_ + zone).read())
+    return TimeSpan{span->first - zone, span->last - zone};
+  const std::string whole(text);
+  if (whole.size() < 11 || !is_date(whole.substr(0, 10))) return std::nullopt;
+  try {
+    if (has_zone(whole)) {
+      const TimeNs time = parse_time(whole);
+      return TimeSpan{time, time};
+    }
+    // A local ISO 8601 time.
+    if (const auto clock = clock_of(whole.substr(11))) {
+      const TimeNs date = parse_time(whole.substr(0, 10)) - zone;
+      return TimeSpan{date + clock->first, date + clock->last};
+    }
+    const TimeNs time = parse_time(whole + "Z") - zone;
+    return TimeSpan{time, time};
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+int local_hour(TimeNs time, int zone_minutes) {
+  const TimeNs local = time + zone_minutes * kMinute;
+  return static_cast<int>((local - floor_to(local, kDay)) / kHour);
+}
+
+int local_weekday(TimeNs time, int zone_minutes) {
+  const auto days =
+      static_cast<int>(floor_to(time + zone_minutes * kMinute, kDay) / kDay) + 3;  // the epoch was a Thursday
+  return ((days % 7) + 7) % 7;
+}
+
+std::optional<int> weekday_of(std::string_view name) {
+  static constexpr std::array<std::string_view, 7> kDays = {"monday", "tuesday",  "wednesday", "thursday",
+                                                            "friday", "saturday", "sunday"};
+  const auto* found = std::ranges::find(kDays, name);
+  return found == kDays.end() ? std::nullopt : std::optional(static_cast<int>(found - kDays.begin()));
+}
+
+std::string duration_text(TimeNs duration) {
+  const int64_t minutes = duration / kMinute;
+  if (minutes < 1) return {};
+  if (minutes < 60) return fmt::format("{} min", minutes);
+  if (minutes < 24 * 60) return fmt::format("{} h {} min", minutes / 60, minutes % 60);
+  return fmt::format("{} d {} h", minutes / (24 * 60), minutes / 60 % 24);
+}
+
+TimeWriter::TimeWriter(const Store& store) : zone_minutes_(store.time_zone_minutes()), with_seconds_(false) {
+  const auto scenes = store.scenes();
+  const TimeNs zone = zone_minutes_ * kMinute;
+  with_date_ = scenes.empty() ||
+               floor_to(scenes.front().time + zone, kDay) != floor_to(scenes.back().time + zone, kDay);
+  for (size_t i = 0; i < scenes.size(); ++i) {
+    if (scenes[i].time % kMinute != 0) with_seconds_ = true;
+    // Decimals only where whole seconds would not tell neighbours apart.
+    if (i > 0 && scenes[i].time != scenes[i - 1].time &&
+        scenes[i].time / kSecond == scenes[i - 1].time / kSecond)
+      decimals_ = 2;
+  }
+}
+
+std::string TimeWriter::text(TimeNs time) const {
+  const std::string iso = format_time(time, zone_minutes_);  // 2026-05-01T09:10:00.5+02:00
+  std::string text = with_date_ ? iso.substr(0, 10) + " " : "";
+  text += iso.substr(11, 5);
+  // The last moment of a minute is the end of a time that was given in minutes.
+  if (with_seconds_ || (time % kMinute != 0 && (time + 1) % kMinute != 0)) text += iso.substr(16, 3);
+  if (decimals_ > 0) {
+    const TimeNs rest = time - floor_to(time, kSecond);
+    text += fmt::format(".{:02}", rest / (kSecond / 100));
+  }
+  return text;
+}
+
+std::string TimeWriter::span_text(TimeNs from, TimeNs to) const {
+  const std::string a = text(from), b = text(to);
+  return a == b ? "at " + a : fmt::format("from {} to {}", a, b);
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "memory/store/store.h"
+
+namespace loci::memory {
+
+/// The period that a time written by people covers: "08:30" is all of that minute, a date all of that day.
+struct TimeSpan {
+  TimeNs first = 0;
+  TimeNs last = 0;  ///< inclusive
+};
+
+/// Parses times written by people: ISO 8601, with or without zone; a day ("2026-05-01", "today", "yesterday",
+/// "the day before yesterday", "Monday", "last Monday", "this week", "last week"), a time of day ("08:30",
+/// "08:30:15", "9 am", "nine", "half past nine", "quarter to ten", "noon", "morning" = 5 to 12, "afternoon" =
+/// 12 to 18, "evening" = 18 to 24, "night" = 22 to 6), or both ("yesterday morning", "last Monday at nine");
+/// "last night"; "20 minutes ago", "two hours ago", "half an hour ago"; "now". Today and now are those of the
+/// memory's last scene, in the memory's zone.
+class TimeReader {
+ public:
+  explicit TimeReader(const Store& store);
+  TimeReader(TimeNs last_scene, int zone_minutes) : last_scene_(last_scene), zone_minutes_(zone_minutes) {}
+
+  /// Throws Error that shows what can be written.
+  TimeSpan read(std::string_view text) const;
+  /// Unset when it is not a time.
+  std::optional<TimeSpan> try_read(std::string_view text) const;
+
+ private:
+  TimeNs last_scene_;
+  int zone_minutes_;
+};
+
+int local_hour(TimeNs time, int zone_minutes);         ///< 0 to 23
+int local_weekday(TimeNs time, int zone_minutes);      ///< 0 = Monday
+std::optional<int> weekday_of(std::string_view name);  ///< 0 for "monday"; unset for other words
+std::string duration_text(TimeNs duration);            ///< "1 h 5 min"; empty below a minute
+
+/// Writes times for people: the date only when the memory spans more than one day, fractions of a second only
+/// when its scenes have them.
+class TimeWriter {
+ public:
+  explicit TimeWriter(const Store& store);
+  TimeWriter(int zone_minutes, bool with_date, int decimals, bool with_seconds)
+      : zone_minutes_(zone_minutes),
+        with_date_(with_date),
+        with_seconds_(with_seconds),
+        decimals_(decimals) {}
+
+  std::string text(TimeNs time) const;
+  /// "from A to B", or "at A" when both have the same text.
+  std::string span_text(TimeNs from, TimeNs to) const;
+
+ private:
+  int zone_minutes_;
+  bool with_date_ = true;
+  bool with_seconds_ = true;
+  int decimals_ = 0;
+};
+
+}  // namespace loci::memory

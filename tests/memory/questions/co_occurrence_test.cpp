@@ -1,0 +1,72 @@
+#include "memory/questions/co_occurrence.h"
+
+#include "memory/questions/contents.h"
+#include "tests/memory/questions/day_fixture.h"
+
+namespace loci::memory {
+namespace {
+
+using testing::HasSubstr;
+class CoOccurrenceQuestions : public testing_support::DayFixture {};
+
+TEST_F(CoOccurrenceQuestions, NearIsWithinTheRadiusNearestFirst) {
+  const NearAnswer near = ask(*store_, NearQuestion{.subject = "red", .radius_m = 0.5});
+  EXPECT_EQ(near.around, "object_1");
+  ASSERT_EQ(near.objects.size(), 1U);
+  EXPECT_EQ(near.objects[0].object.object.id, 3);
+  EXPECT_NEAR(near.objects[0].distance_m, std::hypot(0.4, 0.2), 1e-9);
+
+  const NearAnswer level = ask(*store_, NearQuestion{.subject = "3.5, 0.3", .radius_m = 1});
+  ASSERT_EQ(level.objects.size(), 3U);
+  EXPECT_EQ(level.objects[0].object.object.id, 1);
+  EXPECT_NEAR(level.objects[2].distance_m, 0.6, 1e-9) << "height does not count without one";
+}
+
+TEST_F(CoOccurrenceQuestions, NearKnowsWhereObjectsWere) {
+  const NearAnswer near = ask(*store_, NearQuestion{"table_1", 0.6, at("08:30")});
+  ASSERT_EQ(near.objects.size(), 2U);
+  EXPECT_EQ(near.objects[0].object.object.id, 2);
+  EXPECT_THROW(ask(*store_, NearQuestion{"red", -1, {}}), Error);
+}
+
+TEST_F(CoOccurrenceQuestions, CountsScenesWithBoth) {
+  const CoOccurrenceAnswer all = ask(*store_, CoOccurrenceQuestion{.subject = "red"});
+  ASSERT_EQ(all.objects.size(), 1U);
+  EXPECT_EQ(all.objects[0].scenes, 3U);
+  ASSERT_EQ(all.objects[0].others.size(), 3U);
+  EXPECT_EQ(all.objects[0].others[0].object.id, 4) << "one of the three scenes with either";
+  EXPECT_EQ(all.objects[0].others[0].same_place, 0U) << "in the drawer";
+
+  const CoOccurrenceAnswer two = ask(*store_, CoOccurrenceQuestion{.subject = "blue", .other = "green"});
+  EXPECT_EQ(two.objects[0].others.at(0).together, 0U);
+  EXPECT_EQ(two.objects[0].others.at(0).scenes, 2U);
+}
+
+TEST_F(CoOccurrenceQuestions, MissingIsWhatMostVisitsShowedWithTheRest) {
+  const MissingAnswer answer = ask(*store_, MissingQuestion{.place = "table_1"});
+  ASSERT_EQ(answer.places.size(), 1U);
+  EXPECT_EQ(answer.places[0].visits, 2U) << "the third saw only what hides";
+  ASSERT_EQ(answer.places[0].missing.size(), 1U);
+  EXPECT_EQ(answer.places[0].missing[0].now.object.id, 1);
+  EXPECT_EQ(answer.places[0].missing[0].now.place->name, "counter_1");
+  ASSERT_EQ(answer.places[0].present.size(), 1U);
+  EXPECT_EQ(answer.places[0].present[0].now.object.id, 2);
+  EXPECT_THAT(text(answer), HasSubstr("Missing on table_1, by 2 visits"));
+  EXPECT_EQ(ask(*store_, MissingQuestion{"table_1", "dinner", {}}).places[0].visits, 0U);
+  EXPECT_THROW(ask(*store_, MissingQuestion{"table_1", "brunch", {}}), Error);
+}
+
+TEST_F(CoOccurrenceQuestions, SceneTypeIsByWhatOtherScenesHaveInCommon) {
+  const SceneTypeAnswer answer = ask(*store_, SceneTypeQuestion{.scene = 4});
+  ASSERT_EQ(answer.objects.size(), 2U);
+  EXPECT_EQ(answer.places, std::vector<std::string>{"counter_1"});
+  ASSERT_EQ(answer.similar.size(), 3U);
+  EXPECT_EQ(answer.similar[0].scene.scene, 2);
+  EXPECT_DOUBLE_EQ(answer.similar[0].similarity, 0.5);
+  ASSERT_FALSE(answer.occasions.empty());
+  EXPECT_EQ(answer.occasions[0].first, "breakfast");
+  EXPECT_THROW(ask(*store_, SceneTypeQuestion{.scene = 99}), Error);
+}
+
+}  // namespace
+}  // namespace loci::memory

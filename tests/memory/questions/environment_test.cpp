@@ -1,0 +1,126 @@
+#include "memory/questions/environment.h"
+
+#include <gmock/gmock.h>
+
+#include "mapping/base/json.h"
+#include "memory/questions/snapshot.h"
+#include "memory/store/scene_transaction.h"
+#include "tests/memory/questions/day_fixture.h"
+
+namespace loci::memory {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr const char* kUrdf = R"(<robot name="kitchen">
+  <link name="map"/>
+  <link name="table_1"><visual><geometry><box size="1 0.8 0.04"/></geometry></visual></link>
+  <link name="drawer_1_front"><visual><geometry><box size="0.02 0.4 0.2"/></geometry></visual></link>
+  <link name="drawer_1_handle"><visual><geometry><box size="0.02 0.1 0.02"/></geometry></visual></link>
+  <link name="door_1"><visual><geometry><box size="0.02 0.4 0.6"/></geometry></visual></link>
+  <joint name="table_1_joint" type="fixed"><parent link="map"/><child link="table_1"/></joint>
+  <joint name="drawer_1_joint" type="prismatic"><parent link="map"/><child link="drawer_1_front"/>
+    <axis xyz="1 0 0"/><limit lower="0" upper="0.4" effort="10" velocity="1"/></joint>
+  <joint name="handle_joint" type="fixed"><parent link="drawer_1_front"/><child link="drawer_1_handle"/></joint>
+  <joint name="door_1_joint" type="revolute"><parent link="map"/><child link="door_1"/>
+    <axis xyz="0 0 1"/><limit lower="0" upper="1.6" effort="10" velocity="1"/></joint>
+</robot>)";
+
+constexpr const char* kSidecar = R"({"version": 1, "frame": "map", "links": {
+  "table_1": {"class": "table", "confidence": 1, "geometry": {}, "evidence": {}},
+  "door_1": {"class": "door", "confidence": 1, "geometry": {}, "evidence": {}, "appliance": "fridge"}}})";
+
+/// A memory with that map: the drawer stands open by 30 cm at eight and is closed at nine.
+class Room : public testing_support::TemporaryFolder {
+ protected:
+  void SetUp() override {
+    testing_support::TemporaryFolder::SetUp();
+    {
+      Store store = Store::open_write(file_);
+      const Id run = store.begin_run("test", "{}");
+      const Id map = store.add_map("kitchen.urdf", kUrdf, kSidecar);
+      const Id table =
+          store.add_place({.name = "table_1", .class_name = "table", .map = map, .height = 0.75}, run);
+      for (const auto& [time, position] : {std::pair<TimeNs, double>{8, 0.3}, {9, 0.0}}) {
+        SceneTransaction scene(store, run);
+        const Id id = scene.add_scene(
+            {.time = time * 3600 * kSecond, .map = map, .joints = {{"drawer_1_joint", position}}});
+        scene.add_visibility({.scene = id, .place = table, .status = ObjectStatus::seen, .fraction = 0.9});
+        scene.add_event({.scene = id,
+                         .kind = EventKind::joint_changed,
+                         .joint = "drawer_1_joint",
+                         .joint_position = position,
+                         .from_joint_position = 0.3 - position});
+        scene.commit();
+      }
+      store.finish_run(run);
+    }
+    store_.emplace(Store::open_read(file_));
+  }
+  void TearDown() override {
+    store_.reset();
+    testing_support::TemporaryFolder::TearDown();
+  }
+  std::optional<Store> store_;
+};
+
+std::vector<std::string> names(const std::vector<EnvironmentPart>& parts) {
+  std::vector<std::string> names;
+  for (const EnvironmentPart& part : parts) names.push_back(part.name);
+  return names;
+}
+
+TEST_F(Room, ConsistsOfTheMapsPartsWithoutTheirPieces) {
+  const RoomAnswer answer = ask(*store_, RoomQuestion{});
+  EXPECT_THAT(names(answer.parts), ElementsAre("door_1", "drawer_1_front", "table_1"));
+  EXPECT_EQ(answer.classes, (std::map<std::string, size_t>{{"door", 1}, {"drawer", 1}, {"table", 1}}));
+  EXPECT_EQ(answer.parts[2].height, 0.75);
+  EXPECT_EQ(answer.parts[2].last_view->time, 9 * 3600 * kSecond);
+  EXPECT_THAT(to_text(answer, TimeWriter(*store_)),
+              HasSubstr("door_1 (door, fridge): turns up to 92 degrees"));
+  EXPECT_EQ(to_json(answer)["parts"][1]["joint"]["open"], false);
+}
+
+TEST_F(Room, OpensWhatHasAJointAsItStoodAtThatTime) {
+  const OpensAnswer now = ask(*store_, OpensQuestion{});
+  EXPECT_THAT(names(now.parts), ElementsAre("door_1", "drawer_1_front"));
+  EXPECT_FALSE(now.parts[0].motion->position);
+  EXPECT_FALSE(now.parts[1].motion->open());
+  EXPECT_EQ(now.parts[1].motion->opened->time, 8 * 3600 * kSecond);
+  EXPECT_EQ(now.parts[1].motion->closed->time, 9 * 3600 * kSecond);
+  const OpensAnswer then = ask(*store_, OpensQuestion{.as_of = {.at = 8 * 3600 * kSecond}});
+  EXPECT_TRUE(then.parts[1].motion->open());
+  EXPECT_FALSE(then.parts[1].motion->closed);
+}
+
+TEST_F(Room, PartsAreCalledByNameClassOrAppliance) {
+  const auto called = [&](const char* part) { return names(ask(*store_, OpensQuestion{part, {}}).parts); };
+  EXPECT_THAT(called("drawer 1"), ElementsAre("drawer_1_front"));
+  EXPECT_THAT(called("drawers"), ElementsAre("drawer_1_front"));
+  EXPECT_THAT(called("the fridge"), ElementsAre("door_1"));
+  EXPECT_THAT(called("table"), ElementsAre());
+  EXPECT_THROW(called("oven"), UnknownName);
+}
+
+TEST_F(Room, APartThatNoSceneSawInsideIsNoPlaceAndIsNamed) {
+  try {
+    Snapshot(*store_, {}).find_places("fridge");
+    FAIL();
+  } catch (const UnknownName& error) {
+    EXPECT_THAT(error.hint(), HasSubstr("door_1 is called so"));
+  }
+}
+
+class RoomWithoutMap : public testing_support::DayFixture {};
+
+TEST_F(RoomWithoutMap, ConsistsOfThePlacesThatWereFound) {
+  const RoomAnswer answer = ask(*store_, RoomQuestion{});
+  EXPECT_TRUE(answer.map.empty());
+  EXPECT_THAT(names(answer.parts), ElementsAre("counter_1", "drawer_1_bottom", "table_1"));
+  EXPECT_EQ(answer.parts[0].objects, 2U);
+  EXPECT_TRUE(ask(*store_, OpensQuestion{}).parts.empty());
+}
+
+}  // namespace
+}  // namespace loci::memory

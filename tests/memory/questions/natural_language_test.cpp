@@ -1,0 +1,140 @@
+#include "memory/questions/natural_language.h"
+
+#include "mapping/base/json.h"
+#include "memory/questions/contents.h"
+#include "memory/questions/location.h"
+#include "memory/questions/presence.h"
+#include "memory/questions/routines.h"
+#include "memory/questions/tasks.h"
+#include "tests/memory/questions/day_fixture.h"
+
+namespace loci::memory {
+namespace {
+
+using testing::HasSubstr;
+
+class NaturalLanguage : public testing_support::DayFixture {
+ protected:
+  NaturalLanguageAnswer say(const std::string& sentence) const {
+    return ask(*store_, NaturalLanguageQuestion{{sentence}, {}}).at(0);
+  }
+};
+
+TEST_F(NaturalLanguage, AnswersAsTheCommandWould) {
+  const NaturalLanguageAnswer answer = say("Where did I leave my tea cup?");
+  EXPECT_EQ(answer.query->text(), "where 'tea cup'");
+  const auto& where = answer.answer->get<WhereAnswer>();
+  ASSERT_EQ(where.objects.size(), 1U);
+  EXPECT_EQ(where.objects[0].place->name, "counter_1");
+  EXPECT_THAT(text(answer), HasSubstr("= loci-memory where 'tea cup'\nobject_1"));
+  EXPECT_EQ(to_json(answer)["answer"]["objects"][0]["place"], "counter_1");
+}
+
+TEST_F(NaturalLanguage, ItIsWhatTheSentenceBeforeWasAboutOrWhatWasSeenLast) {
+  const auto answers =
+      ask(*store_,
+          NaturalLanguageQuestion{{"Where is the blue thing?", "When was the last time you saw it?"}, {}});
+  EXPECT_EQ(answers[1].answer->get<WhereAnswer>().objects[0].object.id, 2);
+  const NaturalLanguageAnswer alone = say("When was the last time you saw it?");
+  EXPECT_EQ(alone.answer->get<WhereAnswer>().objects[0].last_seen->scene, 6);
+  EXPECT_THAT(alone.notes, testing::Contains(HasSubstr("nothing was spoken of before")));
+}
+
+TEST_F(NaturalLanguage, APlaceThatNobodyCalledSoIsTakenByItsLastWordAndSaysSo) {
+  const NaturalLanguageAnswer answer = say("Is there anything on the couch table?");
+  EXPECT_EQ(answer.answer->get<ContentsAnswer>().verdict, Verdict::yes);
+  EXPECT_THAT(answer.notes, testing::ElementsAre("no place is called 'couch table'; table_1 is meant"));
+}
+
+TEST_F(NaturalLanguage, ThisDrawerIsTheOneThatWasLookedAtLast) {
+  const NaturalLanguageAnswer answer = say("What do we keep in this drawer?");
+  const auto& kept = answer.answer->get<ContentsHistoryAnswer>();
+  ASSERT_EQ(kept.places[0].objects.size(), 1U);
+  EXPECT_EQ(kept.places[0].objects[0].now.object.id, 4);
+  EXPECT_TRUE(kept.places[0].objects[0].still_there);
+}
+
+TEST_F(NaturalLanguage, AnAnswerThatDoesNotExistSaysWhy) {
+  EXPECT_EQ(say("Is there any cereal on the table?").why_not->reason, "never_seen");
+  EXPECT_EQ(say("Do we have milk in the fridge?").why_not->reason, "unknown_place");
+  EXPECT_EQ(say("Where was the yellow thing at 9:00?").why_not->reason, "not_yet_seen");
+  EXPECT_EQ(say("Where is the red cup '; DROP TABLE object;--").why_not->reason, "never_seen");
+  EXPECT_EQ(say("Was the red thing on the table between ten and nine?").why_not->reason, "not_possible");
+  const NaturalLanguageAnswer strange = say("Sing a song");
+  EXPECT_EQ(strange.why_not->reason, "not_understood");
+  EXPECT_EQ(strange.nearest.size(), 3U);
+  EXPECT_FALSE(to_json(strange)["understood"].get<bool>());
+}
+
+TEST_F(NaturalLanguage, ContentsKnowWhetherThereIsAny) {
+  const auto verdict = [&](const char* sentence) {
+    return say(sentence).answer->get<ContentsAnswer>().verdict;
+  };
+  EXPECT_EQ(verdict("Is there a blue thing on the table?"), Verdict::yes);
+  EXPECT_EQ(verdict("Is there a green thing on the table?"), Verdict::no);
+  EXPECT_EQ(verdict("Is there a red thing in the drawer?"), Verdict::not_observed);
+}
+
+TEST_F(NaturalLanguage, ThereIsThePlaceThatWasSpokenOfElseWhereTheThingIs) {
+  const auto place = [&](const NaturalLanguageAnswer& answer) {
+    return answer.answer->get<WasAnswer>().place;
+  };
+  EXPECT_EQ(place(say("Was the red thing there between nine and ten?")), "counter_1");
+  const auto answers =
+      ask(*store_, NaturalLanguageQuestion{
+                       {"What is on the table?", "Was the red thing there between eight and nine?"}, {}});
+  EXPECT_EQ(place(answers[1]), "table");
+  EXPECT_EQ(answers[1].answer->get<WasAnswer>().verdict, Verdict::yes);
+}
+
+TEST_F(NaturalLanguage, OfWordsThatAreHalfKnownTheKnownHalfIsHelp) {
+  EXPECT_THAT(say("Where is the red teapot?").why_not->text, HasSubstr("(red: object_1)"));
+  EXPECT_EQ(say("Where is the teapot?").why_not->text.find("object_"), std::string::npos);
+}
+
+TEST_F(NaturalLanguage, UsualPlacesCountTheSightings) {
+  const auto usual = say("Where is the red thing usually?").answer->get<UsualAnswer>();
+  const auto& places = usual.objects.at(0).places;
+  ASSERT_EQ(places.size(), 2U);
+  EXPECT_EQ(places[0].place.name, "counter_1");
+  EXPECT_EQ(places[0].sightings, 2U);
+  EXPECT_EQ(places[0].by_hour, (std::map<int, size_t>{{9, 1}, {10, 1}}));
+  EXPECT_EQ(places[0].by_weekday, (std::map<int, size_t>{{4, 2}}));
+  EXPECT_NEAR(places[1].share, 1 / 3.0, 1e-12);
+}
+
+TEST_F(NaturalLanguage, UsualPlacesCanBeAskedForAnHourOrADayOfTheWeek) {
+  const auto at_nine = say("Where is the red thing usually at nine?").answer->get<UsualAnswer>();
+  for (const UsualPlace& place : at_nine.objects.at(0).places)
+    EXPECT_EQ(place.by_hour, (std::map<int, size_t>{{9, place.sightings}}));
+  EXPECT_FALSE(at_nine.objects.at(0).places.empty());
+  const auto fridays = say("Where is the red thing usually on Fridays?").answer->get<UsualAnswer>();
+  EXPECT_EQ(fridays.objects.at(0).places.size(), 2U);
+  const auto weekend = say("Where is the red thing usually on Sundays?").answer->get<UsualAnswer>();
+  EXPECT_TRUE(weekend.objects.at(0).places.empty());
+}
+
+TEST_F(NaturalLanguage, TasksNameObjectsTargetsAndWhatIsMissing) {
+  const auto task = [&](const char* sentence) { return say(sentence).answer->get<TaskAnswer>(); };
+  EXPECT_EQ(task("Bring me my tea cup.").items.at(0).object.object.id, 1);
+  const TaskAnswer stow = task("Put the blue thing into drawer_1");
+  EXPECT_EQ(stow.items.at(0).target->place.name, "drawer_1_bottom");
+  EXPECT_FALSE(stow.items.at(0).done);
+  const TaskAnswer fridge = task("Put all perishable items in the fridge.");
+  EXPECT_TRUE(fridge.items.empty());
+  EXPECT_EQ(fridge.missing.size(), 2U);
+  // Red and blue stood on the table at eight; red is on the counter now.
+  const TaskAnswer set = task("Set the table for breakfast.");
+  ASSERT_EQ(set.items.size(), 2U);
+  EXPECT_FALSE(set.items[0].done);
+  EXPECT_TRUE(set.items[1].done);
+  EXPECT_TRUE(task("Clean up the kitchen.").items.empty());
+  const TaskAnswer clear = task("Clear the counter");
+  ASSERT_EQ(clear.items.size(), 2U);
+  EXPECT_EQ(clear.items[0].target->place.name, "table_1");
+  EXPECT_FALSE(clear.items[1].target);
+  EXPECT_THAT(clear.missing, testing::ElementsAre(HasSubstr("seen at no other place")));
+}
+
+}  // namespace
+}  // namespace loci::memory

@@ -1,0 +1,87 @@
+#include "memory/questions/question.h"
+
+#include <gmock/gmock.h>
+
+#include "mapping/base/files.h"
+#include "mapping/base/json.h"
+#include "memory/questions/contents.h"
+#include "tests/memory/questions/day_fixture.h"
+
+namespace loci::memory {
+namespace {
+
+using testing::HasSubstr;
+using Declarations = testing_support::DayFixture;
+
+TEST(QuestionDeclarations, HaveUniqueNamesAndExamplesThatParse) {
+  for (const Question& question : questions()) {
+    EXPECT_EQ(find_question(question.name), &question) << question.name;
+    EXPECT_EQ(question.examples.size(), 2U) << question.name;
+    for (std::string example : question.examples) {
+      if (const size_t json = example.find("--json"); json != std::string::npos) example.resize(json);
+      EXPECT_TRUE(parse_query(question.name + " " + example)) << question.name << " " << example;
+    }
+  }
+}
+
+TEST(QuestionDeclarations, AreTheReference) {
+  EXPECT_EQ(read_file(std::string(LOCI_SOURCE_DIR) + "/docs/questions.md"), questions_reference())
+      << "loci-memory questions > docs/questions.md";
+}
+
+TEST(Queries, AreTypedAsTheyAreWritten) {
+  for (const char* text : {"where 'tea cup' --at 08:30", "was red on table_1 --between 08:00 09:00",
+                           "changes --kind left --place table", "task stow red --destination drawer_1",
+                           "task clean", "near 1.0,2.0 --radius '50 cm'", "changes --from nine"})
+    EXPECT_EQ(parse_query(text)->text(), text);
+  EXPECT_EQ(parse_query("loci-memory was red table_1")->text(), "was red on table_1");
+  EXPECT_FALSE(parse_query("sing a song"));
+  for (const char* text : {"where", "where red --att nine", "where red --at", "task sing", "scenes red",
+                           "like red --image x.png", "changes --kind flown"})
+    EXPECT_THROW(parse_query(text), Error) << text;
+}
+
+TEST_F(Declarations, AllAnswerWithTextAndJson) {
+  for (const Question& question : questions()) {
+    Query query{.question = question.name};
+    for (const Parameter& parameter : question.parameters) {
+      if (!parameter.required) continue;
+      query.arguments[parameter.name] = parameter.type == ParameterType::place ? "table_1"
+                                        : parameter.choices.empty()            ? "red"
+                                                                               : parameter.choices[0];
+    }
+    if (question.name == "task") query.arguments["object"] = "red";
+    if (question.name == "like") continue;  // needs crops
+    const Answer answer = ask(*store_, query);
+    EXPECT_FALSE(answer.to_text(TimeWriter(*store_)).empty()) << question.name;
+    EXPECT_TRUE(answer.to_json().is_object()) << question.name;
+  }
+}
+
+TEST_F(Declarations, AnswersNameWhatTheyMention) {
+  const Answer answer = ask(*store_, *parse_query("on table_1"));
+  const Mentions mentions = answer.mentions(*store_);
+  EXPECT_THAT(mentions.objects, testing::Contains(2));
+  EXPECT_THAT(mentions.places, testing::Contains("table_1"));
+  EXPECT_FALSE(mentions.scenes.empty());
+  EXPECT_EQ(answer.get<ContentsAnswer>().places.size(), 1U);
+  EXPECT_EQ(answer.get_if<Json>(), nullptr);
+}
+
+TEST_F(Declarations, ArgumentsAreReadAgainstTheMemory) {
+  EXPECT_EQ(ask(*store_, *parse_query("scenes --from 10:00")).to_json()["scenes"].size(), 2U);
+  EXPECT_EQ(ask(*store_, *parse_query("where red"), at("08:00")).to_json()["objects"][0]["place"], "table_1");
+  EXPECT_THROW(ask(*store_, *parse_query("scene-type --scene x")), Error);
+  EXPECT_THROW(ask(*store_, *parse_query("search-next red --start 1")), Error);
+}
+
+TEST(Length, IsReadWithItsUnit) {
+  EXPECT_DOUBLE_EQ(read_length("0.5"), 0.5);
+  EXPECT_DOUBLE_EQ(read_length("50 cm"), 0.5);
+  EXPECT_DOUBLE_EQ(read_length("300mm"), 0.3);
+  for (const char* wrong : {"", "cm", "-1", "0", "5 miles", "nan", "1e999", "1 2"})
+    EXPECT_THROW(read_length(wrong), Error) << wrong;
+}
+
+}  // namespace
+}  // namespace loci::memory

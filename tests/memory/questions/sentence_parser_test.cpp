@@ -1,0 +1,238 @@
+#include "memory/questions/natural_language.h"
+
+#include <gmock/gmock.h>
+
+namespace loci::memory {
+namespace {
+
+/// The last scene is on a Friday at 10:30.
+const TimeReader kTimes(parse_time("2026-05-01T10:30:00Z"), 0);
+
+struct Case {
+  const char* sentence;
+  const char* command;
+};
+
+void expect_commands(const std::vector<Case>& cases) {
+  for (const Case& one : cases) {
+    const auto query = parse_sentence(one.sentence, kTimes);
+    ASSERT_TRUE(query) << one.sentence;
+    EXPECT_EQ(query->text(), one.command) << one.sentence;
+  }
+}
+
+TEST(Sentences, TheTwelveOfTheIntroductionAreUnderstood) {
+  expect_commands({
+      {"Bring me my tea cup.", "task bring 'tea cup'"},
+      {"Put all perishable items in the fridge.", "task stow 'perishable items' --destination fridge"},
+      {"Stow away the items in the shopping basket.", "task stow 'items in shopping basket'"},
+      {"Set the table for breakfast.", "task set table --occasion breakfast"},
+      {"Clean up the kitchen.", "task clean"},
+      {"Is there anything on the couch table?", "on 'couch table'"},
+      {"Where did I leave my tea cup?", "where 'tea cup'"},
+      {"When was the last time you saw it?", "where it"},
+      {"Is there any cereal on the kitchen table?", "on 'kitchen table' --object cereal"},
+      {"What objects are standing on the counter?", "on counter"},
+      {"What do we keep in this drawer?", "contents-history 'this drawer'"},
+      {"Do we have milk in the fridge?", "in fridge --object milk"},
+  });
+}
+
+TEST(Sentences, UsualPlacesByHourAndWeekday) {
+  expect_commands({
+      {"Where is the tea cup normally on Mondays?", "usual 'tea cup' --during monday"},
+      {"Which place is the tea cup usually at around noon?", "usual 'tea cup' --during 'around noon'"},
+      {"Where do I usually find the tea cup in the morning?", "usual 'tea cup' --during 'the morning'"},
+      {"Where is the pot usually between nine and ten?", "usual pot --during 'nine to ten'"},
+      {"Where does the tea cup belong?", "usual 'tea cup'"},
+  });
+}
+
+TEST(Sentences, FurtherWaysToAsk) {
+  expect_commands({
+      {"Where's my tea cup gone?", "where 'tea cup'"},
+      {"Have you seen the tea cup anywhere?", "where 'tea cup'"},
+      {"When did the tea cup last leave the table?", "changes --object 'tea cup' --place table"},
+      {"How has the tea cup travelled through the day?", "history 'tea cup'"},
+      {"What goes together with the tea cup?", "co-occurrence 'tea cup'"},
+      {"Which things are often seen with the tea cup?", "co-occurrence 'tea cup'"},
+      {"What meal is this?", "scene-type"},
+      {"Where else could the jam be?", "search-next jam"},
+      {"Is there another cup like this one?", "like 'this one'"},
+      {"Show me things similar to object_4.", "like object_4"},
+      {"How many things are on the table right now?", "on table --at now"},
+      {"What did the table look like at nine?", "on table --at nine"},
+      {"Anything new on the counter since 12:00?", "changes --from 12:00 --place counter"},
+      {"What disappeared from the table this morning?",
+       "changes --between 'this morning' 'this morning' --kind left --place table"},
+      {"What appeared on the table?", "changes --kind came --place table"},
+      {"What disappeared?", "changes --kind left"},
+      {"What have you not seen since nine?", "objects --unseen-since nine"},
+      {"What have you seen since nine?", "timeline --from nine"},
+      {"What is the smallest thing?", "objects smallest"},
+      {"What is the biggest thing on the table?", "objects biggest on table"},
+      {"Which is the smallest on the shelf?", "objects smallest on shelf"},
+      {"What else is there beside object_1?", "near object_1"},
+      {"If it is not on the table, where else may it be?", "search-next it"},
+      {"When was the jam on the table?", "was jam on table"},
+      {"Was the tea cup ever on the shelf?", "was 'tea cup' on shelf"},
+      {"How long was the tea cup on the table?", "history 'tea cup'"},
+      {"Since when is the tea cup in the drawer?", "history 'tea cup'"},
+      {"What stands within 50 cm of object_4?", "near object_4 --radius '50 cm'"},
+  });
+}
+
+TEST(Sentences, QuestionsAboutOneObject) {
+  expect_commands({
+      {"where is the red cup", "where 'red cup'"},
+      {"Where's my red cup now?", "where 'red cup' --at now"},
+      {"Where are my keys?", "where keys"},
+      {"Do you know where the milk is?", "where milk"},
+      {"Can you tell me where I can find the milk?", "where milk"},
+      {"Where can I find a large bowl?", "where 'large bowl'"},
+      {"I can't find object_3", "where object_3"},
+      {"I am looking for the tea", "where tea"},
+      {"Have you seen my tea cup?", "where 'tea cup'"},
+      {"Has anyone seen the jam?", "where jam"},
+      {"Find the jam!", "where jam"},
+      {"When did you last see the bowl?", "where bowl"},
+      {"When was the plate last seen?", "where plate"},
+      {"Where has the red cup been?", "history 'red cup'"},
+      {"Where has the red cup been since nine?", "history 'red cup' --from nine"},
+      {"What happened to the cereal?", "changes --object cereal"},
+      {"Who moved my tea cup?", "changes --object 'tea cup'"},
+      {"Has the pot been moved?", "changes --object pot"},
+      {"Where do we keep the cereal?", "usual cereal"},
+      {"Where does the pot belong?", "usual pot"},
+      {"Where is the pot usually?", "usual pot"},
+      {"Do we have milk?", "where milk"},
+      {"Where have you seen the red cup last?", "where 'red cup'"},
+      {"What did the cup do today?", "history cup --between today today"},
+      {"Was it there at all between nine and ten?", "was it on there --between nine ten"},
+      {"Who owns the red cup?", "about 'red cup'"},
+      {"What colour is object_3?", "about object_3"},
+      {"How big is the bowl?", "about bowl"},
+      {"Which things are blue?", "objects blue"},
+      {"Show me everything green", "objects green"},
+      {"What is within 50 cm of the cup?", "near cup --radius '50 cm'"},
+  });
+}
+
+TEST(Sentences, QuestionsAboutTheRoom) {
+  expect_commands({
+      {"What does this room consist of?", "room"},
+      {"What opens?", "opens"},
+      {"Is the fridge open?", "opens fridge"},
+      {"Was the fridge opened today?", "changes --between today today --place fridge"},
+      {"When was drawer_1 last opened?", "opens drawer_1"},
+      {"Which drawers are open?", "opens drawers"},
+      {"Which things are missing?", "missing"},
+  });
+}
+
+TEST(Sentences, QuestionsAboutPlaces) {
+  expect_commands({
+      {"What is on the table?", "on table"},
+      {"What's in drawer 1?", "in 'drawer 1'"},
+      {"Which things are in the drawer?", "in drawer"},
+      {"What does the drawer contain?", "in drawer"},
+      {"Is anything in drawer_2?", "in drawer_2"},
+      {"Is the table free?", "on table"},
+      {"How many things are on the counter?", "on counter"},
+      {"How many cups are on the table?", "on table --object cups"},
+      {"How many red things are there?", "objects 'red things'"},
+      {"Is the milk still on the table?", "on table --object milk"},
+      {"Which red things are on the counter?", "on counter --object 'red things'"},
+      {"Show me everything on the shelf", "on shelf"},
+      {"What belongs in the drawer?", "contents-history drawer"},
+      {"What is usually kept on the shelf?", "contents-history shelf"},
+      {"Was the drawer opened this morning?",
+       "changes --between 'this morning' 'this morning' --place drawer"},
+  });
+}
+
+TEST(Sentences, TimesInWords) {
+  expect_commands({
+      {"Where was the cup at 9:00?", "where cup --at 9:00"},
+      {"Where was the cup at nine?", "where cup --at nine"},
+      {"At 9:00, where was the cup?", "where cup --at 9:00"},
+      {"Where was my cup two hours ago?", "where cup --at 'two hours ago'"},
+      {"Where was my cup yesterday?", "history cup --between yesterday yesterday"},
+      {"Where was the cup this morning?", "history cup --between 'this morning' 'this morning'"},
+      {"Where was the cup between nine and ten?", "history cup --between nine ten"},
+      {"What was on the table at half past nine?", "on table --at 'half past nine'"},
+      {"What was on the table last Monday?", "on table --at 'last monday'"},
+      {"Was the red cup on the table between nine and ten?", "was 'red cup' on table --between nine ten"},
+      {"Was the red cup on the table from 8:00 to 9:30?", "was 'red cup' on table --between 8:00 9:30"},
+      {"Was the milk in the fridge yesterday evening?",
+       "was milk on fridge --between 'yesterday evening' 'yesterday evening'"},
+      {"What changed since this morning?", "changes --from 'this morning'"},
+      {"What happened on the table before noon?", "changes --place table --to noon"},
+      {"What did you see between eight and nine?", "timeline --between eight nine"},
+      {"What changed after 2026-05-01T08:30:00Z?", "changes --from 2026-05-01T08:30:00Z"},
+      {"Where is the red one", "where 'red one'"},
+  });
+}
+
+TEST(Sentences, Tasks) {
+  expect_commands({
+      {"Could you bring me the milk, please?", "task bring milk"},
+      {"Fetch the bowl", "task bring bowl"},
+      {"Give us some milk", "task bring milk"},
+      {"I would like a banana", "task bring banana"},
+      {"Put the milk away", "task stow milk"},
+      {"Put away the milk", "task stow milk"},
+      {"Put the red cup into drawer_1", "task stow 'red cup' --destination drawer_1"},
+      {"Bring the bowl to the table", "task stow bowl --destination table"},
+      {"Lay the table", "task set table"},
+      {"Clear the table", "task clean table"},
+      {"Tidy up!", "task clean"},
+      {"Put away everything perishable into the fridge",
+       "task stow 'everything perishable' --destination fridge"},
+  });
+}
+
+TEST(Sentences, TheRestIsRefused) {
+  for (const char* sentence :
+       {"", "?", " ", "hello", "What is the weather like?", "Sing a song", "How are you?", "the red cup",
+        "where", "what is", "Why is the sky blue?", "'; DROP TABLE object; --", "Set", "on the table",
+        "Will it rain on Monday?", "Is there", "Bring", "\xff\xfe", "Clean up the kitchen yesterday"}) {
+    const auto query = parse_sentence(sentence, kTimes);
+    EXPECT_FALSE(query) << sentence << " became " << query->text();
+  }
+  EXPECT_FALSE(parse_sentence(std::string(100000, 'x'), kTimes));
+  EXPECT_FALSE(parse_sentence(
+      "where is " + std::string(50, ' ') +
+          [] {
+            std::string many;
+            for (int i = 0; i < 5000; ++i) many += "very ";
+            return many;
+          }(),
+      kTimes));
+}
+
+TEST(Sentences, EveryExampleMeansItsQuestion) {
+  for (const Question& question : questions())
+    for (const SentenceForm& form : question.sentences) {
+      if (form.example.empty()) continue;
+      const auto query = parse_sentence(form.example, kTimes);
+      ASSERT_TRUE(query) << form.example;
+      EXPECT_EQ(query->question, question.name) << form.example;
+    }
+}
+
+TEST(Sentences, TheNearestAreNamed) {
+  EXPECT_THAT(nearest_examples("Bring tea cup quickly over here me"),
+              testing::Contains("Bring me my tea cup."));
+  EXPECT_THAT(nearest_examples("Is the couch table with anything"),
+              testing::Contains("Is there anything on the couch table?"));
+  EXPECT_EQ(nearest_examples("").size(), 3U);
+}
+
+TEST(Query, QuotesWhatAShellWouldSplit) {
+  EXPECT_EQ((Query{"where", {{"object", "mum's cup"}}}).text(), "where 'mum'\\''s cup'");
+  EXPECT_EQ((Query{"where", {{"object", "$(x)"}}}).text(), "where '$(x)'");
+}
+
+}  // namespace
+}  // namespace loci::memory

@@ -1,0 +1,74 @@
+#include "memory/questions/time_parser.h"
+
+#include <gtest/gtest.h>
+
+#include "mapping/base/error.h"
+
+namespace loci::memory {
+namespace {
+
+/// The last scene is at 10:30 in a zone two hours east of UTC.
+const TimeReader kReader(parse_time("2026-05-01T08:30:00Z"), 120);
+
+void expect_span(const char* text, const char* first, const char* last) {
+  const TimeSpan span = kReader.read(text);
+  EXPECT_EQ(format_time(span.first), first) << text;
+  EXPECT_EQ(format_time(span.last), last) << text;
+}
+
+TEST(PeopleTime, ReadsWhatPeopleSayInTheMemorysZone) {
+  expect_span("09:00", "2026-05-01T07:00:00Z", "2026-05-01T07:00:59.999999999Z");
+  expect_span("9:00", "2026-05-01T07:00:00Z", "2026-05-01T07:00:59.999999999Z");
+  expect_span("09:00:05", "2026-05-01T07:00:05Z", "2026-05-01T07:00:05.999999999Z");
+  expect_span("yesterday 9:00", "2026-04-30T07:00:00Z", "2026-04-30T07:00:59.999999999Z");
+  expect_span("yesterday", "2026-04-29T22:00:00Z", "2026-04-30T21:59:59.999999999Z");
+  expect_span("today", "2026-04-30T22:00:00Z", "2026-05-01T21:59:59.999999999Z");
+  expect_span("2026-05-01", "2026-04-30T22:00:00Z", "2026-05-01T21:59:59.999999999Z");
+  expect_span("2026-05-01 09:00", "2026-05-01T07:00:00Z", "2026-05-01T07:00:59.999999999Z");
+  expect_span("2026-05-01T09:00", "2026-05-01T07:00:00Z", "2026-05-01T07:00:59.999999999Z");
+  expect_span("2026-05-01T09:00:00Z", "2026-05-01T09:00:00Z", "2026-05-01T09:00:00Z");
+  expect_span("2026-05-01T09:00:00+02:00", "2026-05-01T07:00:00Z", "2026-05-01T07:00:00Z");
+  expect_span("2026-05-01 09:00:00.25", "2026-05-01T07:00:00.25Z", "2026-05-01T07:00:00.25Z");
+  expect_span("20 minutes ago", "2026-05-01T08:10:00Z", "2026-05-01T08:10:00Z");
+  expect_span("2 days ago", "2026-04-29T08:30:00Z", "2026-04-29T08:30:00Z");
+  expect_span("now", "2026-05-01T08:30:00Z", "2026-05-01T08:30:00Z");
+}
+
+TEST(PeopleTime, ReadsTimesInWords) {
+  // The last scene was on a Friday, at 10:30 local time.
+  expect_span("this morning", "2026-05-01T03:00:00Z", "2026-05-01T09:59:59.999999999Z");
+  expect_span("yesterday evening", "2026-04-30T16:00:00Z", "2026-04-30T21:59:59.999999999Z");
+  expect_span("last night", "2026-04-30T18:00:00Z", "2026-05-01T03:59:59.999999999Z");
+  expect_span("last Monday", "2026-04-26T22:00:00Z", "2026-04-27T21:59:59.999999999Z");
+  expect_span("on Friday", "2026-04-30T22:00:00Z", "2026-05-01T21:59:59.999999999Z");
+  expect_span("last Friday", "2026-04-23T22:00:00Z", "2026-04-24T21:59:59.999999999Z");
+  expect_span("last Monday at nine", "2026-04-27T07:00:00Z", "2026-04-27T07:00:59.999999999Z");
+  expect_span("yesterday at noon", "2026-04-30T10:00:00Z", "2026-04-30T10:00:59.999999999Z");
+  expect_span("at 9:00", "2026-05-01T07:00:00Z", "2026-05-01T07:00:59.999999999Z");
+  expect_span("nine o'clock", "2026-05-01T07:00:00Z", "2026-05-01T07:00:59.999999999Z");
+  expect_span("half past nine", "2026-05-01T07:30:00Z", "2026-05-01T07:30:59.999999999Z");
+  expect_span("quarter to ten", "2026-05-01T07:45:00Z", "2026-05-01T07:45:59.999999999Z");
+  expect_span("9pm", "2026-05-01T19:00:00Z", "2026-05-01T19:00:59.999999999Z");
+  expect_span("nine in the evening", "2026-05-01T19:00:00Z", "2026-05-01T19:00:59.999999999Z");
+  expect_span("the day before yesterday", "2026-04-28T22:00:00Z", "2026-04-29T21:59:59.999999999Z");
+  expect_span("this week", "2026-04-26T22:00:00Z", "2026-05-03T21:59:59.999999999Z");
+  expect_span("two hours ago", "2026-05-01T06:30:00Z", "2026-05-01T06:30:00Z");
+  expect_span("half an hour ago", "2026-05-01T08:00:00Z", "2026-05-01T08:00:00Z");
+}
+
+TEST(PeopleTime, RefusesTheRest) {
+  for (const char* text : {"", " ", "soon", "25:00", "9:60", "yesterday at teatime", "morning Monday",
+                           "2026-13-01", "ago", "x days ago", "12:3a"})
+    EXPECT_THROW(kReader.read(text), Error) << text;
+}
+
+TEST(PeopleTime, WritesTheDateOnlyWhenThereAreSeveral) {
+  const TimeNs time = parse_time("2026-05-01T08:30:00Z");
+  EXPECT_EQ(TimeWriter(120, false, 0, false).text(time), "10:30");
+  EXPECT_EQ(TimeWriter(0, true, 0, true).text(time), "2026-05-01 08:30:00");
+  EXPECT_EQ(TimeWriter(0, false, 2, true).text(time + kSecond / 3), "08:30:00.33");
+  EXPECT_EQ(TimeWriter(0, false, 0, false).span_text(time, time + 60 * kSecond), "from 08:30 to 08:31");
+}
+
+}  // namespace
+}  // namespace loci::memory
