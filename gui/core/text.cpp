@@ -14,22 +14,6 @@ constexpr TimeNs kDay = 24 * kHour;
 
 }  // namespace
 
-const char* presence_name(Presence presence) {
-  switch (presence) {
-    case Presence::seen:
-      return "seen";
-    case Presence::remembered:
-      return "remembered";
-    case Presence::missed:
-      return "missed";
-    case Presence::hidden:
-      return "hidden";
-    case Presence::gone:
-      return "gone";
-  }
-  return "";
-}
-
 QString time_text(TimeNs time, int zone_minutes) {
   // ISO 8601 with the zone at its end: "2026-05-01T09:10:00.5+02:00".
   QString text = QString::fromStdString(format_time(time, zone_minutes));

@@ -8,18 +8,9 @@
 
 #include "mapping/base/pose.h"
 #include "mapping/base/time.h"
+#include "memory/identity/states.h"
 
 namespace loci::gui {
-
-/// How the memory stands to an object at a time.
-enum class Presence {
-  seen,        ///< observed in the scene of that time
-  remembered,  ///< believed to be there, out of view
-  missed,      ///< looked for, not found, perhaps still there
-  hidden,      ///< believed to be there, behind something
-  gone         ///< looked for and not there
-};
-const char* presence_name(Presence presence);
 
 /// "2026-05-01 09:10:00" in the memory's zone, with fractions where there are any.
 QString time_text(TimeNs time, int zone_minutes);
@@ -31,6 +22,11 @@ QString duration_text(TimeNs from, TimeNs to);
 /// "12 × 8 × 10 cm".
 QString size_text(const Vector3d& metres);
 QString percent_text(double probability);
+/// A state, kind of event or explanation in words: "out of view".
+template <memory::StateEnum State>
+QString state_text(State state) {
+  return QString(memory::to_text(state)).replace('_', ' ');
+}
 
 /// A small filled square.
 QPixmap swatch(const std::array<uint8_t, 3>& rgb, int side);
@@ -40,9 +36,9 @@ QPixmap centred(const QPixmap& image, int side);
 QImage image_of(const cv::Mat& bgr);
 
 /// What the states of objects mean, for tooltips.
-inline constexpr const char* kPresenceHelp =
-    "seen: in the scene of the chosen time\n"
-    "remembered: out of view, believed to be where it was\n"
+inline constexpr const char* kStatusHelp =
+    "seen: in the scene of the selected time\n"
+    "out of view: believed to be where it was\n"
     "hidden: behind something\n"
     "missed: looked for and not found, but it may still be there\n"
     "gone: looked for, and not there";

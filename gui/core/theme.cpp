@@ -50,30 +50,40 @@ Theme Theme::of(const QPalette& palette) {
   theme.panel = palette.color(QPalette::Base);
   theme.accent = palette.color(QPalette::Highlight);
   theme.seen = theme.dark ? QColor(92, 190, 110) : QColor(34, 139, 60);
-  theme.remembered = theme.dark ? QColor(232, 180, 80) : QColor(186, 117, 0);
+  theme.unseen = theme.dark ? QColor(232, 180, 80) : QColor(186, 117, 0);
   theme.gone = theme.dark ? QColor(235, 105, 100) : QColor(190, 45, 45);
   return theme;
 }
 
-QColor Theme::of_presence(Presence presence) const {
-  switch (presence) {
-    case Presence::seen:
+QColor Theme::of_status(memory::ObjectStatus status) const {
+  switch (status) {
+    case memory::ObjectStatus::seen:
       return seen;
-    case Presence::remembered:
-    case Presence::hidden:
-    case Presence::missed:
-      return remembered;
-    case Presence::gone:
+    case memory::ObjectStatus::missed:
+    case memory::ObjectStatus::hidden:
+    case memory::ObjectStatus::out_of_view:
+      return unseen;
+    case memory::ObjectStatus::gone:
       return gone;
   }
   return muted;
 }
 
-QColor Theme::of_event(const std::string& kind) const {
-  if (kind == "appeared" || kind == "reappeared") return seen;
-  if (kind == "gone") return gone;
-  if (kind == "hidden") return remembered;
-  if (kind == "moved") return accent;
+QColor Theme::of_event(memory::EventKind kind) const {
+  switch (kind) {
+    case memory::EventKind::appeared:
+    case memory::EventKind::reappeared:
+      return seen;
+    case memory::EventKind::gone:
+      return gone;
+    case memory::EventKind::hidden:
+      return unseen;
+    case memory::EventKind::moved:
+      return accent;
+    case memory::EventKind::looks_different:
+    case memory::EventKind::joint_changed:
+      break;
+  }
   return dark ? QColor(180, 140, 230) : QColor(120, 70, 180);
 }
 

@@ -15,11 +15,11 @@ namespace loci::gui {
 struct Theme {
   bool dark = false;
   QColor text, muted, grid, panel, accent;
-  QColor seen, remembered, gone;
+  QColor seen, unseen, gone;
 
   static Theme of(const QPalette& palette);
-  QColor of_presence(Presence presence) const;
-  QColor of_event(const std::string& kind) const;
+  QColor of_status(memory::ObjectStatus status) const;
+  QColor of_event(memory::EventKind kind) const;
 };
 
 /// The font enlarged or reduced, whether its size is in points or in pixels.

@@ -21,19 +21,19 @@ TimeNs neighbour(const std::vector<TimeNs>& times, TimeNs time, int direction) {
 /// More points make a frame slower than 20 ms under software rendering and show nothing new.
 constexpr size_t kMaxPoints = 50000;
 
-Moment read_moment(const BrowserData& memory, TimeNs time, std::optional<TimeNs> known_at,
+Moment read_moment(const OpenMemory& memory, TimeNs time, std::optional<TimeNs> known_at,
                    const Moment& before) {
   Moment moment;
   moment.belief = memory.belief_at(time, known_at);
-  const SceneEntry* entry = memory.scene_at(time);
-  if (entry == nullptr) return moment;
-  if (before.content && before.content->scene.id == entry->id) {
+  const memory::SceneRow* row = memory.scene_at(time);
+  if (row == nullptr) return moment;
+  if (before.content && before.content->scene.id == row->id) {
     moment.content = before.content;
     moment.cloud = before.cloud;
     return moment;
   }
   try {
-    moment.content = std::make_shared<const SceneContent>(memory.scene(entry->id));
+    moment.content = std::make_shared<const SceneContent>(memory.scene(row->id));
     if (moment.content->map_from_camera)
       moment.cloud = std::make_shared<const ColoredCloud>(frame_cloud(*moment.content, kMaxPoints));
   } catch (const Error& error) {  // An image is broken: what is believed can be shown nevertheless.
@@ -51,7 +51,7 @@ Browser::Browser(QObject* parent) : QObject(parent) {
   connect(&reader_, &ReadQueue::failed, this, &Browser::failed);
 }
 
-void Browser::open(std::shared_ptr<const BrowserData> data) {
+void Browser::open(std::shared_ptr<const OpenMemory> data) {
   data_ = std::move(data);
   reader_.set_data(data_);
   selection_.clear();
@@ -66,7 +66,7 @@ void Browser::open(std::shared_ptr<const BrowserData> data) {
   refresh();
 }
 
-void Browser::renew(std::shared_ptr<const BrowserData> data) {
+void Browser::renew(std::shared_ptr<const OpenMemory> data) {
   const bool at_end = data_ && !data_->scenes().empty() && selection_.time() >= data_->scenes().back().time;
   data_ = std::move(data);
   reader_.set_data(data_);
@@ -87,7 +87,7 @@ void Browser::refresh() {
 void Browser::read(const Moment& before) {
   reader_.read<Moment>(
       this, "moment", Urgency::moment,
-      [time = selection_.time(), known_at = selection_.known_at(), before](const BrowserData& memory) {
+      [time = selection_.time(), known_at = selection_.known_at(), before](const OpenMemory& memory) {
         return read_moment(memory, time, known_at, before);
       },
       [this](Moment& moment) { take(std::move(moment)); }, Overtaken::told);
@@ -99,7 +99,7 @@ void Browser::take(Moment moment) {
   if (!moment_.problem.empty()) Q_EMIT failed(QString::fromStdString(moment_.problem));
 }
 
-const SceneEntry* Browser::scene() const {
+const memory::SceneRow* Browser::scene() const {
   return data_ ? data_->scene_at(selection_.time()) : nullptr;
 }
 
@@ -110,7 +110,7 @@ const BelievedObject* Browser::selected_object() const {
 void Browser::step(int direction) {
   if (!data_ || data_->scenes().empty()) return;
   const auto& scenes = data_->scenes();
-  const auto earlier = [](const SceneEntry& scene, TimeNs t) { return scene.time < t; };
+  const auto earlier = [](const memory::SceneRow& scene, TimeNs t) { return scene.time < t; };
   const TimeNs now = selection_.time();
   const auto next = std::lower_bound(scenes.begin(), scenes.end(), direction > 0 ? now + 1 : now, earlier);
   if (direction > 0 ? next != scenes.end() : next != scenes.begin())
@@ -121,7 +121,7 @@ void Browser::step_observation(int direction) {
   if (!selection_.object()) return step(direction);
   reader_.read<std::vector<TimeNs>>(
       this, "step", Urgency::moment,
-      [object = *selection_.object()](const BrowserData& memory) { return memory.observations(object); },
+      [object = *selection_.object()](const OpenMemory& memory) { return memory.observations(object); },
       [this, direction](const std::vector<TimeNs>& times) {
         selection_.set_time(neighbour(times, selection_.time(), direction));
       });

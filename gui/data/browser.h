@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "gui/core/selection.h"
-#include "gui/data/browser_data.h"
+#include "gui/data/open_memory.h"
 #include "gui/data/read_queue.h"
 #include "gui/data/scene_content.h"
 
@@ -12,7 +12,7 @@ namespace loci::gui {
 
 /// What is shown of one time.
 struct Moment {
-  BelievedScene belief = {};
+  Belief belief = {};
   std::shared_ptr<const SceneContent> content = {};  ///< of the scene that the time falls into; null = none
   std::shared_ptr<const ColoredCloud> cloud = {};    ///< its points; null = none
   std::string problem = {};                          ///< why the scene could not be read; empty = it could
@@ -28,23 +28,23 @@ class Browser : public QObject {
   explicit Browser(QObject* parent = nullptr);
 
   /// Shows another memory at its last scene; nullptr closes. The old selection is gone.
-  void open(std::shared_ptr<const BrowserData> data);
+  void open(std::shared_ptr<const OpenMemory> data);
   /// The same memory again, after it has changed: selection and time stay; a time at the end stays at the
   /// end.
-  void renew(std::shared_ptr<const BrowserData> data);
+  void renew(std::shared_ptr<const OpenMemory> data);
 
   /// nullptr = nothing is open.
-  const BrowserData* data() const { return data_.get(); }
+  const OpenMemory* data() const { return data_.get(); }
   /// For work in another thread, which may outlast what is open.
-  std::shared_ptr<const BrowserData> shared_data() const { return data_; }
+  std::shared_ptr<const OpenMemory> shared_data() const { return data_; }
   SelectionModel& selection() { return selection_; }
   /// What was believed at belief().time, the last of the chosen times that has been read.
-  const BelievedScene& belief() const { return moment_.belief; }
+  const Belief& belief() const { return moment_.belief; }
   const Moment& moment() const { return moment_; }
   /// For what else the views read.
   ReadQueue& reader() { return reader_; }
   /// The scene that the chosen time falls into; nullptr when there is none.
-  const SceneEntry* scene() const;
+  const memory::SceneRow* scene() const;
   /// The chosen object as believed at the chosen time; nullptr = none.
   const BelievedObject* selected_object() const;
 
@@ -68,7 +68,7 @@ class Browser : public QObject {
   void read(const Moment& before);
   void take(Moment moment);
 
-  std::shared_ptr<const BrowserData> data_;
+  std::shared_ptr<const OpenMemory> data_;
   SelectionModel selection_;
   ReadQueue reader_;
   Moment moment_;

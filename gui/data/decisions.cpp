@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "gui/data/memory_index.h"
 #include "gui/data/scene_content.h"
 #include "memory/recorder/scene_reasoning.h"
 
@@ -16,12 +15,12 @@ double squashed(double log_ratio) {
   return 1 / (1 + std::exp(-log_ratio));
 }
 
-std::string name_of(const MemoryIndex& index, int64_t object, int64_t key) {
-  if (object != 0) return index.name_of(object);
+std::string name_of(const Names& names, int64_t object, int64_t key) {
+  if (object != 0) return names.object(object);
   return key != 0 ? fmt::format("not yet sure (#{})", key) : std::string("a false cluster");
 }
 
-void add_reasoning(const memory::belief::Decisions& decisions, size_t k, const MemoryIndex& index,
+void add_reasoning(const memory::belief::Decisions& decisions, size_t k, const Names& names,
                    DecidedObservation& observation) {
   const memory::belief::ObservationDecision& d = decisions.observations[k];
   observation.key = d.key;
@@ -30,7 +29,7 @@ void add_reasoning(const memory::belief::Decisions& decisions, size_t k, const M
   observation.appear = static_cast<double>(d.appear);
   observation.clutter = static_cast<double>(d.clutter);
   for (const memory::belief::Candidate& c : d.candidates)
-    observation.considered.push_back({c.key, c.object, name_of(index, c.object, c.key), c.probability(),
+    observation.considered.push_back({c.key, c.object, name_of(names, c.object, c.key), c.probability(),
                                       squashed(static_cast<double>(c.similar)),
                                       squashed(static_cast<double>(c.proximity)),
                                       c.key == d.key ? "" : memory::belief::objection(decisions, k, c)});
@@ -38,7 +37,7 @@ void add_reasoning(const memory::belief::Decisions& decisions, size_t k, const M
 
 }  // namespace
 
-SceneDecisions read_decisions(const memory::Store& store, const MemoryIndex& index, const SceneEntry& scene) {
+SceneDecisions read_decisions(const memory::Store& store, const Names& names, const memory::SceneRow& scene) {
   SceneDecisions result{scene};
   std::map<memory::Id, memory::AssociationRow> chosen;
   for (const memory::AssociationRow& row : store.associations(scene.id))
@@ -55,14 +54,14 @@ SceneDecisions read_decisions(const memory::Store& store, const MemoryIndex& ind
     }
     const auto k = static_cast<size_t>(row.number);
     if (reasoning && k < reasoning->decisions.observations.size())
-      add_reasoning(reasoning->decisions, k, index, observation);
-    observation.name = name_of(index, observation.object, observation.key);
+      add_reasoning(reasoning->decisions, k, names, observation);
+    observation.name = name_of(names, observation.object, observation.key);
     if (row.crop) observation.crop = read_image(store, *row.crop);
     result.observations.push_back(std::move(observation));
   }
   if (reasoning)
     for (const memory::belief::ObjectDecision& d : reasoning->decisions.unseen)
-      result.unseen.push_back({d.key, d.object, name_of(index, d.object, d.key),
+      result.unseen.push_back({d.key, d.object, name_of(names, d.object, d.key),
                                static_cast<double>(d.disappear), static_cast<double>(d.missed),
                                static_cast<double>(d.out_of_sight)});
   return result;

@@ -5,15 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "gui/data/browser_data.h"
+#include "gui/data/open_memory.h"
 
 namespace loci::memory {
 class Store;
 }  // namespace loci::memory
 
 namespace loci::gui {
-
-struct MemoryIndex;
 
 /// A believed object as an explanation of an observation.
 struct ConsideredObject {
@@ -47,13 +45,13 @@ struct UnseenObject {
 
 /// Every decision of one scene.
 struct SceneDecisions {
-  SceneEntry scene = {};
+  memory::SceneRow scene = {};
   bool kept = false;  ///< whether the memory has its reasoning
   std::vector<DecidedObservation> observations = {};
   std::vector<UnseenObject> unseen = {};
 };
 
 /// Of one scene. Not an error when no reasoning was kept: then the chosen associations are told.
-SceneDecisions read_decisions(const memory::Store& store, const MemoryIndex& index, const SceneEntry& scene);
+SceneDecisions read_decisions(const memory::Store& store, const Names& names, const memory::SceneRow& scene);
 
 }  // namespace loci::gui

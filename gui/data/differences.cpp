@@ -13,30 +13,34 @@ namespace {
 constexpr double kMinJointMove = 0.02;  // metres or radians; below is the noise of a look
 
 bool is_there(const BelievedObject* object) {
-  return object != nullptr && object->presence != Presence::gone;
+  return object != nullptr && object->status != memory::ObjectStatus::gone;
 }
 
-std::string place_text(const BelievedObject* object) {
+std::string place_text(const Belief& belief, const BelievedObject* object) {
   if (!is_there(object)) return {};
-  return object->place.empty() ? "somewhere" : object->place;
+  const std::string place = belief.place_of(*object);
+  return place.empty() ? "somewhere" : place;
 }
 
-std::optional<Difference> difference_of(const BelievedObject* then, const BelievedObject* now,
+std::optional<Difference> difference_of(const Belief& belief_then, const BelievedObject* then,
+                                        const Belief& belief_now, const BelievedObject* now,
                                         double min_move) {
-  const BelievedObject& any = now != nullptr ? *now : *then;
-  Difference difference{.object = any.id, .name = any.name, .then = place_text(then), .now = place_text(now)};
+  Difference difference{.object = now != nullptr ? now->object : then->object,
+                        .name = now != nullptr ? belief_now.name_of(*now) : belief_then.name_of(*then),
+                        .then = place_text(belief_then, then),
+                        .now = place_text(belief_now, now)};
   if (!is_there(then) && !is_there(now)) return std::nullopt;
   if (!is_there(then)) {
-    difference.kind = Difference::Kind::appeared;
+    difference.kind = memory::EventKind::appeared;
     return difference;
   }
   if (!is_there(now)) {
-    difference.kind = Difference::Kind::gone;
+    difference.kind = memory::EventKind::gone;
     return difference;
   }
   if (then->map_from_object && now->map_from_object)
     difference.distance = (now->map_from_object->translation() - then->map_from_object->translation()).norm();
-  if (difference.distance < min_move && then->place == now->place) return std::nullopt;
+  if (difference.distance < min_move && difference.then == difference.now) return std::nullopt;
   return difference;
 }
 
@@ -45,44 +49,31 @@ std::string joint_text(const JointState& joints, const std::string& name) {
   return found == joints.end() ? "" : fmt::format("{:.2f}", found->second);
 }
 
-void add_joints(const BelievedScene& then, const BelievedScene& now, std::vector<Difference>& all) {
+void add_joints(const Belief& then, const Belief& now, std::vector<Difference>& all) {
   for (const auto& [name, position] : now.joints) {
     const auto before = then.joints.find(name);
     const double moved = std::abs(position - (before == then.joints.end() ? 0 : before->second));
     if (moved >= kMinJointMove)
-      all.push_back({Difference::Kind::joint, 0, name, joint_text(then.joints, name),
+      all.push_back({memory::EventKind::joint_changed, 0, name, joint_text(then.joints, name),
                      joint_text(now.joints, name), moved});
   }
   for (const auto& [name, position] : then.joints)
     if (!now.joints.contains(name) && std::abs(position) >= kMinJointMove)
       all.push_back(
-          {Difference::Kind::joint, 0, name, joint_text(then.joints, name), "", std::abs(position)});
+          {memory::EventKind::joint_changed, 0, name, joint_text(then.joints, name), "", std::abs(position)});
 }
 
 }  // namespace
 
-const char* difference_name(Difference::Kind kind) {
-  switch (kind) {
-    case Difference::Kind::appeared:
-      return "appeared";
-    case Difference::Kind::moved:
-      return "moved";
-    case Difference::Kind::gone:
-      return "gone";
-    case Difference::Kind::joint:
-      return "joint";
-  }
-  return "";
-}
-
-std::vector<Difference> differences(const BelievedScene& then, const BelievedScene& now, double min_move) {
+std::vector<Difference> differences(const Belief& then, const Belief& now, double min_move) {
   std::vector<Difference> all;
   for (const BelievedObject& object : now.objects)
-    if (auto difference = difference_of(then.find(object.id), &object, min_move))
+    if (auto difference = difference_of(then, then.find(object.object), now, &object, min_move))
       all.push_back(std::move(*difference));
   for (const BelievedObject& object : then.objects)
-    if (now.find(object.id) == nullptr)
-      if (auto difference = difference_of(&object, nullptr, min_move)) all.push_back(std::move(*difference));
+    if (now.find(object.object) == nullptr)
+      if (auto difference = difference_of(then, &object, now, nullptr, min_move))
+        all.push_back(std::move(*difference));
   add_joints(then, now, all);
   std::stable_sort(all.begin(), all.end(), [](const Difference& a, const Difference& b) {
     return std::pair(a.kind, a.object) < std::pair(b.kind, b.object);
@@ -90,7 +81,7 @@ std::vector<Difference> differences(const BelievedScene& then, const BelievedSce
   return all;
 }
 
-BelievedScene renumbered(BelievedScene other, const BelievedScene& here, double within) {
+Belief renumbered(Belief other, const Belief& here, double within) {
   struct Pair {
     double distance;
     size_t there;
@@ -100,20 +91,19 @@ BelievedScene renumbered(BelievedScene other, const BelievedScene& here, double 
   for (size_t i = 0; i < other.objects.size(); ++i)
     for (const BelievedObject& object : here.objects) {
       const BelievedObject& candidate = other.objects[i];
-      if (!candidate.map_from_object || !object.map_from_object || candidate.color_name != object.color_name)
-        continue;
+      if (!candidate.map_from_object || !object.map_from_object || candidate.color != object.color) continue;
       const double distance =
           (candidate.map_from_object->translation() - object.map_from_object->translation()).norm();
-      if (distance <= within) pairs.push_back({distance, i, object.id});
+      if (distance <= within) pairs.push_back({distance, i, object.object});
     }
   std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
     return std::tie(a.distance, a.there, a.here) < std::tie(b.distance, b.there, b.here);
   });
-  for (size_t i = 0; i < other.objects.size(); ++i) other.objects[i].id = -1 - static_cast<int64_t>(i);
+  for (size_t i = 0; i < other.objects.size(); ++i) other.objects[i].object = -1 - static_cast<int64_t>(i);
   std::set<int64_t> taken;
   for (const Pair& pair : pairs)
-    if (other.objects[pair.there].id < 0 && taken.insert(pair.here).second)
-      other.objects[pair.there].id = pair.here;
+    if (other.objects[pair.there].object < 0 && taken.insert(pair.here).second)
+      other.objects[pair.there].object = pair.here;
   return other;
 }
 

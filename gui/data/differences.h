@@ -4,30 +4,27 @@
 #include <string>
 #include <vector>
 
-#include "gui/data/browser_data.h"
+#include "gui/data/open_memory.h"
 
 namespace loci::gui {
 
 /// How one belief differs from another.
 struct Difference {
-  enum class Kind { appeared, moved, gone, joint };
-  Kind kind = Kind::moved;
-  int64_t object = 0;     ///< 0 = of a joint
-  std::string name = {};  ///< of the object or joint
+  memory::EventKind kind = memory::EventKind::moved;  ///< appeared, moved, gone or joint_changed
+  int64_t object = 0;                                 ///< 0 = of a joint
+  std::string name = {};                              ///< of the object or joint
   std::string then = {};  ///< where it was, or how far it was open; empty = not known then
   std::string now = {};
   double distance = 0;  ///< metres that it moved
 };
-const char* difference_name(Difference::Kind kind);
 
 /// What is to be said when one looks from `then` to `now`: what appeared, what moved (to another place, or
 /// further than `min_move` metres), what is gone, and joints that moved. In that order, then by object.
-std::vector<Difference> differences(const BelievedScene& then, const BelievedScene& now,
-                                    double min_move = 0.05);
+std::vector<Difference> differences(const Belief& then, const Belief& now, double min_move = 0.05);
 
 /// Another memory's belief with the numbers of the same things here: of the nearest thing of the same colour
 /// within `within` metres. What has none here gets a number below 0. Two memories number things as they met
 /// them.
-BelievedScene renumbered(BelievedScene other, const BelievedScene& here, double within = 0.3);
+Belief renumbered(Belief other, const Belief& here, double within = 0.3);
 
 }  // namespace loci::gui

@@ -19,32 +19,32 @@ std::string cells_of(const std::optional<Vector3d>& v) {
 
 }  // namespace
 
-std::string believed_csv(const BelievedScene& belief) {
+std::string believed_csv(const Belief& belief) {
   std::string csv = "object,name,class,color,place,state,probability,x,y,z,size_x,size_y,size_z,last_seen\n";
   for (const BelievedObject& object : belief.objects) {
-    std::optional<Vector3d> centre, size;
+    std::optional<Vector3d> centre;
     if (object.map_from_object) centre = object.map_from_object->translation();
-    if (!object.size.isZero()) size = object.size;
-    csv += fmt::format("object_{},{},{},{},{},{},{:.4f},{},{},{}\n", object.id, csv_cell(object.name),
-                       csv_cell(object.class_name), csv_cell(object.color_name), csv_cell(object.place),
-                       presence_name(object.presence), object.probability, cells_of(centre), cells_of(size),
-                       object.last_seen ? format_time(*object.last_seen) : "");
+    csv += fmt::format("object_{},{},{},{},{},{},{:.4f},{},{},{}\n", object.object,
+                       csv_cell(belief.name_of(object)), csv_cell(belief.names->class_of(object.object)),
+                       csv_cell(object.color.value_or("")), csv_cell(belief.place_of(object)),
+                       memory::to_text(object.status), object.probability, cells_of(centre),
+                       cells_of(object.size), object.last_seen ? format_time(*object.last_seen) : "");
   }
   return csv;
 }
 
-std::string believed_json(const BelievedScene& belief) {
+std::string believed_json(const Belief& belief) {
   Json objects = Json::array();
   for (const BelievedObject& object : belief.objects) {
-    Json row = {{"object", fmt::format("object_{}", object.id)},
-                {"name", object.name},
-                {"state", presence_name(object.presence)},
+    Json row = {{"object", memory::object_name(object.object)},
+                {"name", belief.name_of(object)},
+                {"state", memory::to_text(object.status)},
                 {"probability", object.probability}};
-    if (!object.class_name.empty()) row["class"] = object.class_name;
-    if (!object.color_name.empty()) row["color"] = object.color_name;
-    if (!object.place.empty()) row["place"] = object.place;
+    if (const std::string name = belief.names->class_of(object.object); !name.empty()) row["class"] = name;
+    if (object.color) row["color"] = *object.color;
+    if (const std::string place = belief.place_of(object); !place.empty()) row["place"] = place;
     if (object.map_from_object) row["position"] = vector_of(object.map_from_object->translation());
-    if (!object.size.isZero()) row["size"] = vector_of(object.size);
+    if (object.size) row["size"] = vector_of(*object.size);
     if (object.last_seen) row["last_seen"] = format_time(*object.last_seen);
     objects.push_back(std::move(row));
   }

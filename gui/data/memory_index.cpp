@@ -11,69 +11,75 @@
 namespace loci::gui {
 namespace {
 
-constexpr size_t kKnownStates = 30;
+constexpr size_t kKnownStates = 30;  // earlier ones are asked for on the command line
 
-void read_names(const memory::Store& store, MemoryIndex& index) {
-  index.parts = part_names(store);
-  for (const memory::PlaceRow& place : named_places(store)) index.places[place.id] = place.name;
+std::string value_or_empty(const std::map<memory::Id, std::string>& values, memory::Id id) {
+  const auto found = values.find(id);
+  return found == values.end() ? std::string() : found->second;
+}
+
+std::shared_ptr<const Names> read_names(const memory::Store& store,
+                                        const std::vector<memory::PlaceRow>& places) {
+  auto names = std::make_shared<Names>();
+  names->parts = part_names(store);
+  for (const memory::PlaceRow& place : places) names->places[place.id] = place.name;
   for (const memory::FactRow& fact : store.facts()) {
     if (!fact.object || !fact.value) continue;
-    if (fact.key == "alias") index.aliases[*fact.object] = *fact.value;
-    if (fact.key == "owner") index.owners[*fact.object] = *fact.value;
-    if (fact.key == "class") index.classes[*fact.object] = *fact.value;
+    if (fact.key == "alias") names->aliases[*fact.object] = *fact.value;
+    if (fact.key == "owner") names->owners[*fact.object] = *fact.value;
+    if (fact.key == "class") names->classes[*fact.object] = *fact.value;
+  }
+  return names;
+}
+
+void add_scenes(std::vector<memory::SceneRow> rows, MemoryIndex& index) {
+  for (memory::SceneRow& row : rows) {
+    index.number_of_scene[row.id] = index.scenes.size();
+    index.last_scene = std::max(index.last_scene, row.id);
+    index.scenes.push_back(std::move(row));
   }
 }
 
-void add_scene(const memory::SceneRow& row, MemoryIndex& index) {
-  const std::string name =
-      row.frame_index ? fmt::format("frame {}", *row.frame_index) : fmt::format("scene {}", row.id);
-  index.number_of_scene[row.id] = index.scenes.size();
-  index.scenes.push_back({row.id, row.time, name, row.map_from_camera});
-  index.last_scene = std::max(index.last_scene, row.id);
-}
-
 void add_events(const memory::Store& store, std::optional<TimeNs> from, MemoryIndex& index) {
-  for (const memory::Change& change : ask(store, memory::ChangesQuestion{.from = from}).changes)
-    index.events.push_back(
-        {change.time, memory::to_text(change.kind), change.object ? change.object->id : 0, to_text(change)});
+  for (memory::Change& change : ask(store, memory::ChangesQuestion{.from = from}).changes)
+    index.events.push_back(std::move(change));
   std::stable_sort(index.events.begin(), index.events.end(),
-                   [](const EventEntry& a, const EventEntry& b) { return a.time < b.time; });
+                   [](const memory::Change& a, const memory::Change& b) { return a.time < b.time; });
 }
 
-/// Takes over the scenes and events of before and adds those behind them; false when something else than
-/// further scenes at the end may have come.
+/// Takes over the scenes and events of before and adds later ones; false when something else than further
+/// scenes at the end may have come.
 bool grow(const memory::Store& store, const MemoryIndex& before, MemoryIndex& index) {
   if (before.info.runs != index.info.runs || before.scenes.empty()) return false;
   const TimeNs end = before.scenes.back().time;
-  const std::vector<memory::SceneRow> later = store.scenes({}, end + 1);
+  std::vector<memory::SceneRow> later = store.scenes({}, end + 1);
   const std::optional<memory::SceneRow> newest = store.last_scene();
   if (!newest || newest->id - before.last_scene != static_cast<memory::Id>(later.size())) return false;
   index.scenes = before.scenes;
   index.number_of_scene = before.number_of_scene;
   index.last_scene = before.last_scene;
   index.events = before.events;
-  for (const memory::SceneRow& row : later) add_scene(row, index);
+  add_scenes(std::move(later), index);
   add_events(store, end + 1, index);
   return true;
 }
 
-void read_places(const memory::Store& store, const MemoryIndex* before, MemoryIndex& index) {
+void read_map(const memory::Store& store, const std::vector<memory::PlaceRow>& places,
+              const MemoryIndex* before, MemoryIndex& index) {
   if (before != nullptr && before->world && before->info.runs == index.info.runs)
     index.world = before->world;
   else if (auto map = named_map(store))
     index.world = std::make_shared<const mapping::World>(std::move(*map));
-  for (const memory::PlaceRow& place : named_places(store))
+  for (const memory::PlaceRow& place : places)
     if (place.height && place.outline.size() > 2 &&
         !(index.world && index.world->find_link(place.name) != nullptr))
-      index.loose_places.push_back({place.name, place.outline, *place.height});
+      index.loose_places.push_back(place);
 }
 
-/// Only the last ones: who goes further back than that asks the command line.
-std::vector<KnownState> known_states(const memory::Store& store) {
+std::vector<KnownState> known_states(const std::vector<memory::RunRow>& runs) {
   std::vector<KnownState> states;
-  const std::vector<memory::RunRow> runs = store.runs();
   for (size_t i = runs.size() - std::min(runs.size(), kKnownStates); i < runs.size(); ++i) {
-    if (i == 0) continue;  // before the first one nothing was known
+    if (i == 0) continue;  // before the first run nothing was known
     const Json configuration = parse_json(runs[i].configuration, "run.configuration");
     std::string what = runs[i].program;
     if (configuration.is_object() && configuration.contains("text") && configuration["text"].is_string())
@@ -85,8 +91,9 @@ std::vector<KnownState> known_states(const memory::Store& store) {
 
 MemoryInfo describe(const memory::Store& store, const MemoryIndex& index) {
   MemoryInfo info;
+  const std::vector<memory::RunRow> runs = store.runs();
   info.runs = index.info.runs;
-  info.known = known_states(store);
+  info.known = known_states(runs);
   info.path = store.path().string();
   info.schema = fmt::format("{}.{}", store.major(), store.minor());
   info.zone_minutes = store.time_zone_minutes();
@@ -103,28 +110,41 @@ MemoryInfo describe(const memory::Store& store, const MemoryIndex& index) {
 
 }  // namespace
 
-const std::string* MemoryIndex::name_of_place(std::optional<memory::Id> id) const {
-  const auto found = id ? places.find(*id) : places.end();
-  return found == places.end() ? nullptr : &found->second;
+std::string Names::object(memory::Id id) const {
+  const auto alias = aliases.find(id);
+  return alias == aliases.end() ? memory::object_name(id) : alias->second;
 }
 
-std::string MemoryIndex::name_of(memory::Id object) const {
-  const auto alias = aliases.find(object);
-  return alias == aliases.end() ? memory::object_name(object) : alias->second;
+std::string Names::class_of(memory::Id object) const {
+  return value_or_empty(classes, object);
+}
+
+std::string Names::owner_of(memory::Id object) const {
+  return value_or_empty(owners, object);
+}
+
+std::string Names::place(const std::optional<memory::Id>& id) const {
+  return id ? value_or_empty(places, *id) : std::string();
+}
+
+const memory::SceneRow* MemoryIndex::scene(const std::optional<memory::Id>& id) const {
+  const auto found = id ? number_of_scene.find(*id) : number_of_scene.end();
+  return found == number_of_scene.end() ? nullptr : &scenes[found->second];
 }
 
 MemoryIndex read_index(const memory::Store& store, const MemoryIndex* before, Progress& progress) {
   MemoryIndex index;
   index.info.runs = store.runs().size();
   progress.check(0.1, "reading scenes");
-  read_names(store, index);
+  const std::vector<memory::PlaceRow> places = named_places(store);
+  index.names = read_names(store, places);
   if (before == nullptr || !grow(store, *before, index)) {
-    for (const memory::SceneRow& row : store.scenes()) add_scene(row, index);
+    add_scenes(store.scenes(), index);
     progress.check(0.4, "reading events");
     add_events(store, {}, index);
   }
   progress.check(0.9, "reading the map");
-  read_places(store, before, index);
+  read_map(store, places, before, index);
   index.info = describe(store, index);
   return index;
 }

@@ -8,20 +8,17 @@
 #include <memory>
 #include <string>
 
-#include "gui/data/browser_data.h"
+#include "gui/data/open_memory.h"
 #include "mapping/base/progress.h"
 
 namespace loci::gui {
-
-/// Opens a memory by path; throws Error, Interrupted when it is told to stop.
-using MemoryOpener = std::function<std::unique_ptr<BrowserData>(const std::string& path, Progress& progress)>;
 
 /// Opens memories in the background, and again when the file has changed.
 class MemoryLoader : public QObject {
   Q_OBJECT
 
  public:
-  using Result = std::shared_ptr<const BrowserData>;
+  using Result = std::shared_ptr<const OpenMemory>;
 
   explicit MemoryLoader(MemoryOpener opener, QObject* parent = nullptr);
   ~MemoryLoader() override;

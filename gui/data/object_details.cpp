@@ -21,7 +21,7 @@ std::string short_type(const std::string& type) {
 }
 
 /// In which of eight directions from the object the camera stood: 0 = east, counter-clockwise.
-int side_of(const SceneEntry& scene, const memory::ObservationRow& seen) {
+int side_of(const memory::SceneRow& scene, const memory::ObservationRow& seen) {
   if (!scene.map_from_camera || !seen.position) return -1;
   const Vector3d towards = scene.map_from_camera->translation() - *seen.position;
   return static_cast<int>(std::lround(std::atan2(towards.y(), towards.x()) / (kPi / 4)) + 8) % 8;
@@ -34,9 +34,9 @@ std::vector<ObjectImage> images_of(const memory::Store& store, const MemoryIndex
                                                         "from −x", "from −x −y", "from −y", "from +x −y"};
   std::map<int, const memory::ObjectObservation*> newest;  // by side
   for (const memory::ObjectObservation& sighting : sightings) {
-    const auto scene = index.number_of_scene.find(sighting.association.scene);
-    if (sighting.observation.crop && scene != index.number_of_scene.end())
-      newest[side_of(index.scenes[scene->second], sighting.observation)] = &sighting;
+    const memory::SceneRow* scene = index.scene(sighting.association.scene);
+    if (sighting.observation.crop && scene != nullptr)
+      newest[side_of(*scene, sighting.observation)] = &sighting;
   }
   std::vector<ObjectImage> images;
   for (const auto& [side, sighting] : newest)

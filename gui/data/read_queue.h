@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "gui/data/browser_data.h"
+#include "gui/data/open_memory.h"
 
 namespace loci::gui {
 
@@ -31,7 +31,7 @@ class ReadQueue : public QObject {
   Q_OBJECT
 
  public:
-  using Data = std::shared_ptr<const BrowserData>;
+  using Data = std::shared_ptr<const OpenMemory>;
 
   explicit ReadQueue(QObject* parent = nullptr);
   ~ReadQueue() override;
@@ -43,7 +43,7 @@ class ReadQueue : public QObject {
   /// failed(). Does nothing when no memory is open.
   template <class Result>
   void read(QObject* owner, const std::string& what, Urgency urgency,
-            std::function<Result(const BrowserData&)> work, std::function<void(Result&)> done,
+            std::function<Result(const OpenMemory&)> work, std::function<void(Result&)> done,
             Overtaken overtaken = Overtaken::dropped) {
     add({owner, owner, what, urgency, overtaken, 0,
          [work = std::move(work), done = std::move(done)](const Data& data) {

@@ -5,11 +5,17 @@
 #include <cmath>
 #include <map>
 #include <opencv2/imgproc.hpp>
+#include <unordered_map>
 #include <vector>
 
+#include "mapping/base/error.h"
 #include "mapping/base/json.h"
 #include "mapping/image/image_io.h"
+#include "memory/store/feature_structures.h"
+#include "memory/store/scene_images.h"
 #include "memory/store/store.h"
+#include "perception/types/geometry.h"
+#include "perception/types/types.h"
 
 namespace loci::gui {
 
@@ -23,6 +29,109 @@ cv::Mat read_image(const memory::Store& store, memory::Id blob) {
   cv::Mat color;
   cv::cvtColor(image, color, image.channels() == 4 ? cv::COLOR_BGRA2BGR : cv::COLOR_GRAY2BGR);
   return color;
+}
+
+namespace {
+
+double distance_of(const std::optional<Vector3d>& position, const SceneContent& content) {
+  double z = 1;
+  if (position && content.map_from_camera) z = (content.map_from_camera->inverse() * *position).z();
+  return std::max(z, 0.1);
+}
+
+/// Where a part of the depth image is in the colour image, at the distance of what it shows.
+cv::Rect2d in_color_image(const cv::Rect2d& roi, const std::optional<Vector3d>& position,
+                          const SceneContent& content) {
+  const mapping::RgbdCamera& camera = content.camera;
+  const Isometry3d color_from_depth = camera.depth_from_color.inverse();
+  const double z = distance_of(position, content);
+  Eigen::AlignedBox2d area;
+  for (const auto& [u, v] : {std::pair(roi.x, roi.y), std::pair(roi.x + roi.width, roi.y + roi.height)})
+    area.extend(camera.color.project(color_from_depth * camera.depth.unproject(u, v, z)));
+  return {area.min().x(), area.min().y(), area.sizes().x(), area.sizes().y()};
+}
+
+cv::Mat read_mask(const memory::Store& store, memory::Id blob) {
+  cv::Mat mask;
+  cv::extractChannel(read_image(store, blob), mask, 0);
+  return mask;
+}
+
+/// The mask's outlines as drawings over both images.
+void add_outlines(const cv::Mat& mask, const std::optional<Vector3d>& position, const SceneContent& content,
+                  ImageBox& box) {
+  std::vector<std::vector<cv::Point>> contours;
+  cv::findContours(mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE);
+  const mapping::RgbdCamera& camera = content.camera;
+  const Isometry3d color_from_depth = camera.depth_from_color.inverse();
+  const double z = distance_of(position, content);
+  for (const auto& contour : contours) {
+    auto& in_depth = box.depth_outline.emplace_back();
+    auto& in_color = box.color_outline.emplace_back();
+    for (const cv::Point& pixel : contour) {
+      const double u = pixel.x + box.depth.x, v = pixel.y + box.depth.y;
+      const Vector2d there = camera.color.project(color_from_depth * camera.depth.unproject(u, v, z));
+      in_depth.emplace_back(static_cast<float>(u), static_cast<float>(v));
+      in_color.emplace_back(static_cast<float>(there.x()), static_cast<float>(there.y()));
+    }
+  }
+}
+
+std::vector<ImageBox> read_boxes(const memory::Store& store, const SceneContent& content) {
+  std::unordered_map<memory::Id, memory::Id> object_of;
+  for (const memory::AssociationRow& association : store.associations(content.scene.id))
+    if (association.chosen && association.observation && association.object && association.probability > 0)
+      object_of[*association.observation] = *association.object;
+  std::vector<ImageBox> boxes;
+  for (const memory::ObservationRow& seen : store.observations(content.scene.id)) {
+    if (!seen.roi) continue;
+    const auto found = object_of.find(seen.id);
+    ImageBox box{.object = found == object_of.end() ? 0 : found->second, .number = seen.number};
+    const auto& roi = *seen.roi;
+    box.depth = cv::Rect2d(roi[0], roi[1], roi[2], roi[3]);
+    box.color = in_color_image(box.depth, seen.position, content);
+    if (seen.mask) add_outlines(read_mask(store, *seen.mask), seen.position, content, box);
+    boxes.push_back(std::move(box));
+  }
+  return boxes;
+}
+
+}  // namespace
+
+mapping::RgbdCamera cameras_of(const memory::Store& store, const memory::SceneRow& row) {
+  mapping::RgbdCamera cameras;
+  const memory::SceneCamera& camera = *row.camera;
+  cameras.depth = {camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy};
+  cameras.color = cameras.depth;
+  for (const memory::FeatureStructureRow& stored :
+       store.feature_structures(row.id, std::string(perception::types::CameraInfo::kTypeName))) {
+    perception::cas::Cas cas(perception::types::type_system());
+    const perception::types::CameraInfo info(read_feature_structure(store, stored.id, cas));
+    if (info.name.get() != "color") continue;
+    cameras.color = {info.width.get(), info.height.get(), info.fx.get(),
+                     info.fy.get(),    info.cx.get(),     info.cy.get()};
+    if (const perception::types::Transform pose = info.depth_from_camera.get())
+      cameras.depth_from_color = perception::types::from<Isometry3d>(pose);
+  }
+  return cameras;
+}
+
+SceneContent read_scene_content(const memory::Store& store, const memory::SceneRow& row) {
+  SceneContent content{.scene = row, .map_from_camera = row.map_from_camera};
+  if (row.camera) content.camera = cameras_of(store, row);
+  if (row.image) content.color = read_image(store, *row.image);
+  if (row.depth && row.depth_width > 0) {
+    std::vector<float> depth = memory::decode_depth_thumbnail(store.blob(*row.depth).bytes);
+    if (depth.size() == static_cast<size_t>(row.depth_width) * static_cast<size_t>(row.depth_height))
+      content.depth = cv::Mat(row.depth_height, row.depth_width, CV_32F, depth.data()).clone();
+  }
+  if (const auto kinds = pixel_kinds(store, row)) {
+    content.kinds = cv::Mat(kinds->height, kinds->width, CV_8U);
+    for (size_t i = 0; i < kinds->pixels.size(); ++i)
+      content.kinds.data[i] = static_cast<uint8_t>(kinds->pixels[i]);
+  }
+  content.boxes = read_boxes(store, content);
+  return content;
 }
 
 std::array<uint8_t, 3> color_at(const SceneContent& content, const Vector3d& in_camera) {

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "gui/core/colored_cloud.h"
-#include "gui/data/browser_data.h"
+#include "mapping/base/pose.h"
+#include "mapping/sensor/camera.h"
+#include "mapping/sensor/pixel_kind.h"
 #include "memory/store/rows.h"
 
 namespace loci::memory {
@@ -15,6 +17,33 @@ class Store;
 }  // namespace loci::memory
 
 namespace loci::gui {
+
+/// An object as it was found in an image.
+struct ImageBox {
+  memory::Id object = 0;  ///< 0 = none
+  int64_t number = 0;     ///< of the observation within its scene
+  cv::Rect2d color = {};  ///< pixels of the colour image
+  cv::Rect2d depth = {};  ///< pixels of the depth image
+  /// Outlines of the mask in pixels of either image; empty = no mask is stored.
+  std::vector<std::vector<cv::Point2f>> color_outline = {}, depth_outline = {};
+};
+
+/// What was recorded of one scene, decoded.
+struct SceneContent {
+  memory::SceneRow scene = {};
+  cv::Mat color = {};  ///< CV_8UC3, BGR; empty = not stored
+  cv::Mat depth = {};  ///< CV_32F, metres, NaN = no measurement; may be smaller than the camera's image
+  mapping::RgbdCamera camera = {};
+  std::optional<Isometry3d> map_from_camera = {};
+  cv::Mat kinds = {};  ///< CV_8U of depth's size, mapping::PixelKind; empty = unknown
+  std::vector<ImageBox> boxes = {};
+};
+
+/// Error when an image is broken.
+SceneContent read_scene_content(const memory::Store& store, const memory::SceneRow& row);
+/// The cameras of a scene that has one: the depth camera is in its row, the colour camera in a feature
+/// structure where a pipeline wrote it; otherwise the image is taken to be registered to the depth.
+mapping::RgbdCamera cameras_of(const memory::Store& store, const memory::SceneRow& row);
 
 /// An image of the memory as CV_8UC3, BGR. Error when it is broken.
 cv::Mat read_image(const memory::Store& store, memory::Id blob);

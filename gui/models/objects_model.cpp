@@ -32,7 +32,7 @@ QPixmap Thumbnails::of(int64_t object) {
   if (asked_.insert(object).second)
     browser_.reader().read<QImage>(
         this, "thumbnail " + std::to_string(object), Urgency::rest,
-        [object, side = side_, time = browser_.selection().time()](const BrowserData& memory) {
+        [object, side = side_, time = browser_.selection().time()](const OpenMemory& memory) {
           const QImage image = image_of(memory.image(object, time));
           return image.isNull() ? image
                                 : image.scaled(side, side, Qt::KeepAspectRatio, Qt::SmoothTransformation);
@@ -63,19 +63,20 @@ ObjectsModel::ObjectsModel(Browser& browser, QObject* parent)
   refresh();
 }
 
-std::vector<ObjectsModel::Group> ObjectsModel::groups_of(const BelievedScene& belief) {
+std::vector<ObjectsModel::Group> ObjectsModel::groups_of(const Belief& belief) {
   std::map<std::string, Group> places;
   Group somewhere{"somewhere", "", {}};
   Group gone{"gone", "", {}};
   for (const BelievedObject& object : belief.objects) {
-    if (object.presence == Presence::gone) {
+    const std::string place = belief.place_of(object);
+    if (object.status == memory::ObjectStatus::gone) {
       gone.objects.push_back(object);
-    } else if (object.place.empty()) {
+    } else if (place.empty()) {
       somewhere.objects.push_back(object);
     } else {
-      Group& group = places[object.place];
-      group.title = QString::fromStdString(object.place);
-      group.place = object.place;
+      Group& group = places[place];
+      group.title = QString::fromStdString(place);
+      group.place = place;
       group.objects.push_back(object);
     }
   }
@@ -91,7 +92,7 @@ bool ObjectsModel::same_shape(const std::vector<Group>& groups) const {
       groups.begin(), groups.end(), groups_.begin(), groups_.end(), [](const Group& a, const Group& b) {
         return a.title == b.title &&
                std::equal(a.objects.begin(), a.objects.end(), b.objects.begin(), b.objects.end(),
-                          [](const auto& x, const auto& y) { return x.id == y.id; });
+                          [](const auto& x, const auto& y) { return x.object == y.object; });
       });
 }
 
@@ -162,42 +163,44 @@ QVariant ObjectsModel::group_data(const Group& group, int column, int role) cons
 
 QVariant ObjectsModel::object_data(const BelievedObject& object, int column, int role) const {
   const Theme theme = Theme::of(QApplication::palette());
+  const Belief& belief = browser_.belief();
+  const QString color = QString::fromStdString(object.color.value_or(""));
+  const auto class_name = [&] { return QString::fromStdString(belief.names->class_of(object.object)); };
   switch (role) {
     case Qt::DisplayRole:
-      if (column == name_column) return QString::fromStdString(object.name);
-      return column == state_column ? QString(presence_name(object.presence))
-                                    : percent_text(object.probability);
+      if (column == name_column) return QString::fromStdString(belief.name_of(object));
+      return column == state_column ? state_text(object.status) : percent_text(object.probability);
     case Qt::TextAlignmentRole:
       return column == probability_column ? QVariant(Qt::AlignRight | Qt::AlignVCenter) : QVariant();
     case Qt::DecorationRole: {
       if (column != name_column) return {};
-      const QPixmap image = thumbnails_->of(object.id);
-      return image.isNull() ? centred(swatch(object.rgb, kSwatchSide), kImageSide)
-                            : centred(image, kImageSide);
+      const QPixmap image = thumbnails_->of(object.object);
+      return centred(image.isNull() ? swatch(rgb_of(object), kSwatchSide) : image, kImageSide);
     }
     case Qt::ForegroundRole:
-      if (column == state_column) return theme.of_presence(object.presence);
-      return object.presence == Presence::seen ? QVariant() : QVariant(theme.muted);
+      if (column == state_column) return theme.of_status(object.status);
+      return object.status == memory::ObjectStatus::seen ? QVariant() : QVariant(theme.muted);
     case Qt::ToolTipRole:
       return QString("%1 %2\n%3")
-          .arg(QString::fromStdString(object.color_name), QString::fromStdString(object.class_name))
+          .arg(color, class_name())
           .trimmed()
-          .arg(size_text(object.size));
+          .arg(object.size ? size_text(*object.size) : "size unknown");
     case object_role:
-      return static_cast<qlonglong>(object.id);
+      return static_cast<qlonglong>(object.object);
     case class_role:
-      return QString::fromStdString(object.class_name);
+      return class_name();
     case color_role:
-      return QString::fromStdString(object.color_name);
+      return color;
     case state_role:
-      return QString(presence_name(object.presence));
+      return state_text(object.status);
     case hour_role:
       return object.last_seen && browser_.data() != nullptr
                  ? time_text(*object.last_seen, browser_.data()->info().zone_minutes).mid(11, 2) + ":00"
                  : QString();
     case filter_role:
-      return QString::fromStdString(object.name + " " + object.class_name + " " + object.color_name + " " +
-                                    object.place + " " + presence_name(object.presence));
+      return QStringList{QString::fromStdString(belief.name_of(object)), class_name(), color,
+                         QString::fromStdString(belief.place_of(object)), state_text(object.status)}
+          .join(' ');
     default:
       return {};
   }
@@ -206,7 +209,7 @@ QVariant ObjectsModel::object_data(const BelievedObject& object, int column, int
 QVariant ObjectsModel::headerData(int section, Qt::Orientation orientation, int role) const {
   if (orientation == Qt::Horizontal && role == Qt::ToolTipRole)
     return section == probability_column ? "How probable it is that the object is there"
-           : section == state_column     ? kPresenceHelp
+           : section == state_column     ? kStatusHelp
                                          : "Places with the objects that are believed to be there";
   if (orientation != Qt::Horizontal || role != Qt::DisplayRole) return {};
   switch (section) {
@@ -222,7 +225,7 @@ QVariant ObjectsModel::headerData(int section, Qt::Orientation orientation, int 
 QModelIndex ObjectsModel::index_of_object(int64_t object) const {
   for (size_t g = 0; g < groups_.size(); ++g)
     for (size_t i = 0; i < groups_[g].objects.size(); ++i)
-      if (groups_[g].objects[i].id == object)
+      if (groups_[g].objects[i].object == object)
         return index(static_cast<int>(i), 0, index(static_cast<int>(g), 0));
   return {};
 }

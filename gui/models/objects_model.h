@@ -75,7 +75,7 @@ class ObjectsModel : public QAbstractItemModel {
   };
 
   void refresh();
-  static std::vector<Group> groups_of(const BelievedScene& belief);
+  static std::vector<Group> groups_of(const Belief& belief);
   bool same_shape(const std::vector<Group>& groups) const;
   QVariant group_data(const Group& group, int column, int role) const;
   QVariant object_data(const BelievedObject& object, int column, int role) const;

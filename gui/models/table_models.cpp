@@ -11,11 +11,6 @@
 namespace loci::gui {
 namespace {
 
-QColor color_of(Difference::Kind kind) {
-  const Theme theme = Theme::of(QApplication::palette());
-  return theme.of_event(kind == Difference::Kind::joint ? "joint_changed" : difference_name(kind));
-}
-
 QString cell_of(const Difference& difference, int column) {
   const auto or_dash = [](const std::string& text) {
     return text.empty() ? QString("–") : QString::fromStdString(text);
@@ -23,8 +18,8 @@ QString cell_of(const Difference& difference, int column) {
   if (column == DifferencesModel::name_column) return QString::fromStdString(difference.name);
   if (column == DifferencesModel::then_column) return or_dash(difference.then);
   if (column == DifferencesModel::now_column) return or_dash(difference.now);
-  QString what = difference_name(difference.kind);
-  if (difference.kind == Difference::Kind::moved && difference.then == difference.now)
+  QString what = state_text(difference.kind);
+  if (difference.kind == memory::EventKind::moved && difference.then == difference.now)
     what += QString(" %1 cm").arg(difference.distance * 100, 0, 'f', 0);
   return what;
 }
@@ -73,16 +68,16 @@ void HistoryModel::refresh() {
     browser_.reader().forget(this, "history");
     return set_entries({});
   }
-  browser_.reader().read<std::vector<HistoryEntry>>(
+  browser_.reader().read<std::vector<memory::Change>>(
       this, "history", Urgency::selection,
-      [id = *object](const BrowserData& memory) { return memory.history(id); },
-      [this](std::vector<HistoryEntry>& entries) {
+      [id = *object](const OpenMemory& memory) { return memory.history(id); },
+      [this](std::vector<memory::Change>& entries) {
         std::reverse(entries.begin(), entries.end());
         set_entries(std::move(entries));
       });
 }
 
-void HistoryModel::set_entries(std::vector<HistoryEntry> entries) {
+void HistoryModel::set_entries(std::vector<memory::Change> entries) {
   beginResetModel();
   entries_ = std::move(entries);
   endResetModel();
@@ -91,13 +86,13 @@ void HistoryModel::set_entries(std::vector<HistoryEntry> entries) {
 /// Whether the selected time falls into this row.
 bool HistoryModel::is_now(size_t row) const {
   const TimeNs time = browser_.selection().time();
-  return entries_[row].from <= time && (row == 0 || time < entries_[row - 1].from);
+  return entries_[row].time <= time && (row == 0 || time < entries_[row - 1].time);
 }
 
 /// The date is shown where it differs from that of the selected time.
-QString HistoryModel::time_cell(const HistoryEntry& entry, bool full) const {
+QString HistoryModel::time_cell(const memory::Change& entry, bool full) const {
   const int zone = browser_.data()->info().zone_minutes;
-  const QString text = time_text(entry.from, zone);
+  const QString text = time_text(entry.time, zone);
   const bool same_day = text.left(10) == time_text(browser_.selection().time(), zone).left(10);
   return same_day && !full ? text.mid(11, 8) : text.left(19);
 }
@@ -105,17 +100,19 @@ QString HistoryModel::time_cell(const HistoryEntry& entry, bool full) const {
 QVariant HistoryModel::data(const QModelIndex& index, int role) const {
   if (!index.isValid()) return {};
   const auto row = static_cast<size_t>(index.row());
-  const HistoryEntry& entry = entries_[row];
-  if (role == time_role) return static_cast<qlonglong>(entry.from);
+  const memory::Change& entry = entries_[row];
+  if (role == time_role) return static_cast<qlonglong>(entry.time);
   if (role == Qt::FontRole && is_now(row)) return bold_font(QApplication::font());
   if (role != Qt::DisplayRole && role != Qt::ToolTipRole) return {};
   switch (index.column()) {
     case time_column:
       return time_cell(entry, role == Qt::ToolTipRole);
     case what_column:
-      return QString::fromStdString(entry.what);
-    case place_column:
-      return QString::fromStdString(entry.place);
+      return state_text(entry.kind);
+    case place_column: {
+      const auto& place = entry.place ? entry.place : entry.from_place;
+      return place ? QString::fromStdString(place->name) : QString();
+    }
     case probability_column:
       return percent_text(entry.probability);
     default:
@@ -139,7 +136,8 @@ QVariant DifferencesModel::data(const QModelIndex& index, int role) const {
   if (!index.isValid()) return {};
   const Difference& difference = differences_[static_cast<size_t>(index.row())];
   if (role == Qt::DisplayRole || role == Qt::ToolTipRole) return cell_of(difference, index.column());
-  if (role == Qt::ForegroundRole && index.column() == what_column) return color_of(difference.kind);
+  if (role == Qt::ForegroundRole && index.column() == what_column)
+    return Theme::of(QApplication::palette()).of_event(difference.kind);
   return {};
 }
 

@@ -46,13 +46,13 @@ class HistoryModel : public TableModel {
 
  private:
   void refresh();
-  void set_entries(std::vector<HistoryEntry> entries);
-  QString time_cell(const HistoryEntry& entry, bool full) const;
+  void set_entries(std::vector<memory::Change> entries);
+  QString time_cell(const memory::Change& entry, bool full) const;
   bool is_now(size_t row) const;
 
   Browser& browser_;
   std::optional<int64_t> object_;
-  std::vector<HistoryEntry> entries_;
+  std::vector<memory::Change> entries_;
 };
 
 /// Differences between two beliefs.

@@ -14,7 +14,7 @@
 
 #include "gui/core/background.h"
 #include "gui/core/text.h"
-#include "gui/data/memory_data.h"
+#include "gui/data/open_memory.h"
 #include "gui/models/table_models.h"
 
 namespace loci::gui {
@@ -85,7 +85,7 @@ CompareView::CompareView(Browser& browser, QWidget* parent)
 }
 
 void CompareView::forget() {
-  const BrowserData* memory = browser_.data();
+  const OpenMemory* memory = browser_.data();
   const std::string path = memory == nullptr ? "" : memory->info().path;
   fill_sources();
   if (path == memory_) return;  // it has grown: the time stays
@@ -132,10 +132,10 @@ void CompareView::ask_for_memory() {
 }
 
 void CompareView::compare_with(const QString& path) {
-  in_background<std::shared_ptr<const BrowserData>>(
+  in_background<std::shared_ptr<const OpenMemory>>(
       this,
-      [path = path.toStdString()]() -> std::shared_ptr<const BrowserData> { return open_memory_data(path); },
-      [this](const std::shared_ptr<const BrowserData>& memory) {
+      [path = path.toStdString()]() -> std::shared_ptr<const OpenMemory> { return OpenMemory::open(path); },
+      [this](const std::shared_ptr<const OpenMemory>& memory) {
         another_ = memory;
         known_at_.reset();
         fill_sources();
@@ -154,7 +154,7 @@ void CompareView::take_stamp() {
   refresh();  // what cannot be read is not taken
   browser_.reader().read<TimeNs>(
       this, "stamp", Urgency::moment,
-      [text = typed, another = another_](const BrowserData& memory) {
+      [text = typed, another = another_](const OpenMemory& memory) {
         return (another ? *another : memory).time_of(text);
       },
       [this](const TimeNs& time) { set_other(time); });
@@ -162,7 +162,7 @@ void CompareView::take_stamp() {
 
 void CompareView::refresh() {
   if (!is_in_front() && !beside_->isChecked()) return;
-  const BrowserData* memory = browser_.data();
+  const OpenMemory* memory = browser_.data();
   setEnabled(memory != nullptr);
   if (memory == nullptr) {
     state_->setText("Open a memory to compare two of its times.");
@@ -177,22 +177,22 @@ void CompareView::refresh() {
 }
 
 void CompareView::read_other() {
-  browser_.reader().read<BelievedScene>(
+  browser_.reader().read<Belief>(
       this, "other", Urgency::moment,
-      [time = other_, known_at = known_at_, another = another_](const BrowserData& source) {
+      [time = other_, known_at = known_at_, another = another_](const OpenMemory& source) {
         return another ? another->belief_at(time) : source.belief_at(time, known_at);
       },
-      [this](const BelievedScene& then) {
+      [this](const Belief& then) {
         same_.clear();
         if (!another_) return show_differences(then);
-        const BelievedScene same = renumbered(then, browser_.belief());
+        const Belief same = renumbered(then, browser_.belief());
         for (size_t i = 0; i < same.objects.size(); ++i)
-          same_.emplace_back(same.objects[i].id, then.objects[i].id);
+          same_.emplace_back(same.objects[i].object, then.objects[i].object);
         show_differences(same);
       });
 }
 
-void CompareView::show_differences(const BelievedScene& then) {
+void CompareView::show_differences(const Belief& then) {
   const int zone = browser_.data()->info().zone_minutes;
   const auto head = [zone](TimeNs time) { return "At " + time_text(time, zone).mid(11, 10); };
   model_->set(differences(then, browser_.belief()), head(other_), head(browser_.selection().time()));

@@ -51,7 +51,7 @@ class CompareView : public Page {
   void read_other();
   void refresh();
   void take_stamp();
-  void show_differences(const BelievedScene& then);
+  void show_differences(const Belief& then);
 
   Browser& browser_;
   QLineEdit* stamp_;
@@ -62,9 +62,9 @@ class CompareView : public Page {
   DifferencesModel* model_;
   QTableView* table_;
   TimeNs other_ = 0;
-  std::optional<TimeNs> known_at_;              ///< as which the other time is believed; unset = as known now
-  std::shared_ptr<const BrowserData> another_;  ///< memory that the other time is of; null = the open one
-  std::string memory_;                          ///< path of the memory that `other_` is a time of
+  std::optional<TimeNs> known_at_;             ///< as which the other time is believed; unset = as known now
+  std::shared_ptr<const OpenMemory> another_;  ///< memory that the other time is of; null = the open one
+  std::string memory_;                         ///< path of the memory that `other_` is a time of
 };
 
 }  // namespace loci::gui

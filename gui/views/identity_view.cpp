@@ -376,7 +376,7 @@ IdentityView::IdentityView(Browser& browser, QWidget* parent)
 
 void IdentityView::refresh() {
   if (!is_in_front()) return;
-  const SceneEntry* scene = browser_.scene();
+  const memory::SceneRow* scene = browser_.scene();
   if (scene == nullptr) {
     std::vector<SceneDecisions> none;
     show_decisions(none);
@@ -384,7 +384,7 @@ void IdentityView::refresh() {
   }
   browser_.reader().read<std::vector<SceneDecisions>>(
       this, "decisions", Urgency::selection,
-      [id = scene->id](const BrowserData& memory) { return memory.decisions(id, kScenes); },
+      [id = scene->id](const OpenMemory& memory) { return memory.decisions(id, kScenes); },
       [this](std::vector<SceneDecisions>& scenes) { show_decisions(scenes); });
 }
 

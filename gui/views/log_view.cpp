@@ -95,7 +95,7 @@ void LogView::show_details() {
 }
 
 void LogView::follow_scene() {
-  const SceneEntry* scene = browser_.scene();
+  const memory::SceneRow* scene = browser_.scene();
   if (!is_in_front() || scene == nullptr || scene->time == followed_) return;
   for (int row = 0; row < model_->rowCount(); ++row)
     if (model_->entry(row).scene == scene->time) {

@@ -127,7 +127,7 @@ void ObjectDetailsView::refresh() {
   }
   browser_.reader().read<ObjectDetails>(
       this, "details", Urgency::rest,
-      [id = *object, time = browser_.selection().time()](const BrowserData& memory) {
+      [id = *object, time = browser_.selection().time()](const OpenMemory& memory) {
         return memory.details(id, time);
       },
       [this](ObjectDetails& details) { show_details(details); });
@@ -243,7 +243,7 @@ void ObjectCard::build_rows() {
   for (const char* name : {"Place", "State", "Last seen", "Colour", "Size", "Position"}) {
     auto* value = selectable_label(rows_);
     form->addRow(name, value);
-    if (QString(name) == "State") value->setToolTip(kPresenceHelp);
+    if (QString(name) == "State") value->setToolTip(kStatusHelp);
     values_.emplace_back(name, value);
   }
   probability_->setRange(0, 1000);
@@ -272,7 +272,8 @@ void ObjectCard::refresh() {
   if (!selection.place().empty()) {
     int there = 0;
     for (const BelievedObject& object : browser_.belief().objects)
-      there += object.place == selection.place() && object.presence != Presence::gone;
+      there += browser_.belief().place_of(object) == selection.place() &&
+               object.status != memory::ObjectStatus::gone;
     return show_nothing(QString::fromStdString(selection.place()),
                         there == 0 ? QString("Nothing is believed to be here.")
                                    : QString("%1 object%2 here.").arg(there).arg(there == 1 ? "" : "s"));
@@ -293,19 +294,23 @@ void ObjectCard::show_object(const BelievedObject& object) {
   const int zone = browser_.data()->info().zone_minutes;
   const Theme theme = Theme::of(palette());
   title_->setVisible(true);
-  title_->setText(QString::fromStdString(object.name));
-  QStringList said;
-  if (object.name != "object_" + std::to_string(object.id)) said << QString("object_%1").arg(object.id);
-  if (!object.class_name.empty()) said << QString::fromStdString(object.class_name);
-  if (!object.owner.empty()) said << "of " + QString::fromStdString(object.owner);
-  hint_->setText(said.join(", "));
-  const QString place = QString::fromStdString(object.place);
-  const QString at = object.place.empty() ? "unknown" : place;
+  const Belief& belief = browser_.belief();
+  const std::string id = memory::object_name(object.object), name = belief.name_of(object);
+  const std::string class_name = belief.names->class_of(object.object);
+  const std::string owner = belief.names->owner_of(object.object);
+  title_->setText(QString::fromStdString(name));
+  QStringList facts;
+  if (name != id) facts << QString::fromStdString(id);
+  if (!class_name.empty()) facts << QString::fromStdString(class_name);
+  if (!owner.empty()) facts << "of " + QString::fromStdString(owner);
+  hint_->setText(facts.join(", "));
+  const QString place = QString::fromStdString(belief.place_of(object));
+  const QString at = place.isEmpty() ? "unknown" : place;
   QString seen = "never";
   if (object.last_seen) {
     seen = time_text(*object.last_seen, zone);
     const QString ago = duration_text(*object.last_seen, browser_.selection().time());
-    if (object.presence != Presence::seen) seen += QString(" (%1 before)").arg(ago);
+    if (object.status != memory::ObjectStatus::seen) seen += QString(" (%1 before)").arg(ago);
   }
   QString position = "unknown";
   if (object.map_from_object) {
@@ -313,17 +318,17 @@ void ObjectCard::show_object(const BelievedObject& object) {
     position = QString("%1, %2, %3 m").arg(p.x(), 0, 'f', 2).arg(p.y(), 0, 'f', 2).arg(p.z(), 0, 'f', 2);
   }
   const std::vector<QString> values = {
-      object.presence == Presence::gone ? QString("gone, last on %1").arg(at) : at,
-      presence_name(object.presence),
+      object.status == memory::ObjectStatus::gone ? QString("gone, last on %1").arg(at) : at,
+      state_text(object.status),
       seen,
-      object.color_name.empty() ? "unknown" : QString::fromStdString(object.color_name),
-      object.size.isZero() ? "unknown" : size_text(object.size),
+      QString::fromStdString(object.color.value_or("unknown")),
+      object.size ? size_text(*object.size) : "unknown",
       position};
   for (size_t i = 0; i < values.size(); ++i) values_[i].second->setText(values[i]);
   probability_->setValue(static_cast<int>(object.probability * 1000));
   probability_->setFormat(percent_text(object.probability));
   QPalette colors = palette();
-  colors.setColor(QPalette::Highlight, theme.of_presence(object.presence));
+  colors.setColor(QPalette::Highlight, theme.of_status(object.status));
   colors.setColor(QPalette::HighlightedText,
                   colors.color(QPalette::Highlight).lightness() > 140 ? Qt::black : Qt::white);
   probability_->setPalette(colors);
@@ -337,7 +342,7 @@ void ObjectCard::show_image() {
   if (object != imaged_) image_->hide();  // of another object
   browser_.reader().read<cv::Mat>(
       this, "image", Urgency::selection,
-      [object, time = browser_.selection().time()](const BrowserData& memory) {
+      [object, time = browser_.selection().time()](const OpenMemory& memory) {
         return memory.image(object, time);
       },
       [this, object](const cv::Mat& pixels) {

@@ -63,8 +63,8 @@ ObjectsTree::ObjectsTree(Browser& browser, QWidget* parent)
   filters->setSpacing(4);
   add_filter(ObjectsFilter::class_field, "Any class", "Only things of this class", filters);
   add_filter(ObjectsFilter::color_field, "Any colour", "Only things of this colour", filters);
-  add_filter(ObjectsFilter::state_field, "Any state", "Only what is seen, remembered, hidden, missed or gone",
-             filters);
+  add_filter(ObjectsFilter::state_field, "Any state",
+             "Only objects that are seen, out of view, hidden, missed or gone", filters);
   add_filter(ObjectsFilter::hour_field, "Any hour", "Only what was seen last in this hour of the day",
              filters);
   layout->addLayout(filters);
@@ -72,11 +72,11 @@ ObjectsTree::ObjectsTree(Browser& browser, QWidget* parent)
   layout->addWidget(count_);
 
   connect(search_, &QLineEdit::returnPressed, this, [this] {
-    browser_.reader().read<FoundThings>(
+    browser_.reader().read<SearchResult>(
         this, "find", Urgency::moment,
         [words = search_->text().trimmed().toStdString(),
-         time = browser_.selection().time()](const BrowserData& memory) { return memory.find(words, time); },
-        [this](const FoundThings& found) {
+         time = browser_.selection().time()](const OpenMemory& memory) { return memory.find(words, time); },
+        [this](const SearchResult& found) {
           if (!found.objects.empty()) {
             show_all();
             browser_.selection().select_object(found.objects.front());

@@ -268,7 +268,7 @@ void QuestionBar::follow(const QUrl& link) {
   if (target.startsWith("time:"))
     browser_.reader().read<TimeNs>(
         this, "time", Urgency::moment,
-        [text = rest.toStdString()](const BrowserData& memory) { return memory.time_of(text); },
+        [text = rest.toStdString()](const OpenMemory& memory) { return memory.time_of(text); },
         [this](const TimeNs& time) { browser_.selection().set_time(time); });
 }
 

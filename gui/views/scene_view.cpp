@@ -279,14 +279,14 @@ void SceneImage::paint_names(QPainter& painter) const {
   const auto selected = browser_.selection().object();
   std::vector<const ImageBox*> order;  // the chosen one first: it gets the best place
   for (const ImageBox& box : boxes())
-    if (!box.name.empty() && !on_widget(box).isEmpty())
+    if (box.object != 0 && !on_widget(box).isEmpty())
       order.insert(box.object == selected ? order.begin() : order.end(), &box);
   std::vector<QRectF> taken;
   for (const ImageBox* box : order) {
     const QRectF area = on_widget(*box);
     QFont font = small_font(this->font());
     font.setBold(box->object == selected);
-    const QString name = QString::fromStdString(box->name);
+    const QString name = QString::fromStdString(browser_.data()->names().object(box->object));
     const QSizeF size = QFontMetricsF(font).size(Qt::TextSingleLine, name) + QSizeF(8, 2);
     const double left = std::clamp(area.left(), all.left(), std::max(all.left(), all.right() - size.width()));
     // Above the box, below it, in it, or not at all.
@@ -396,7 +396,7 @@ void SceneView::refresh() {
   if (!notes_.empty() || scene == 0) show_notes({});
   if (scene == 0) return;
   browser_.reader().read<std::vector<ImageNote>>(
-      this, "notes", Urgency::rest, [scene](const BrowserData& memory) { return memory.notes(scene); },
+      this, "notes", Urgency::rest, [scene](const OpenMemory& memory) { return memory.notes(scene); },
       [this, scene](std::vector<ImageNote>& notes) {
         if (scene == scene_ && !notes.empty()) show_notes(std::move(notes));
       });

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "gui/core/background.h"
-#include "gui/data/memory_data.h"
+#include "gui/data/open_memory.h"
 #include "gui/scene3d/egl_window.h"
 #include "gui/views/compare_view.h"
 #include "gui/views/question_bar.h"
@@ -81,33 +81,33 @@ void pass_message(QtMsgType, const QMessageLogContext&, const QString& message) 
 }
 
 MemoryOpener opener() {
-  return [](const std::string& path, Progress& progress) { return open_memory_data(path, progress); };
+  return [](const std::string& path, Progress& progress) { return OpenMemory::open(path, progress); };
 }
 
 /// What the options choose, by the memory's own words.
 struct Target {
   std::optional<TimeNs> time = {};
   std::optional<TimeNs> beside = {};  ///< unset = none, or another memory
-  FoundThings things = {};
+  SearchResult found = {};
 };
 
-Target find_target(const BrowserData& data, const BrowseOptions& options) {
+Target find_target(const OpenMemory& data, const BrowseOptions& options) {
   Target target;
   if (!options.at.empty()) target.time = data.time_of(options.at);
   if (!options.beside.empty() && !std::filesystem::exists(options.beside))
     target.beside = data.time_of(options.beside);
   if (options.select.empty() || data.scenes().empty()) return target;
-  target.things = data.find(options.select, target.time.value_or(data.scenes().back().time));
+  target.found = data.find(options.select, target.time.value_or(data.scenes().back().time));
   return target;
 }
 
 void go_to(MainWindow& window, const Target& target, const BrowseOptions& options) {
   SelectionModel& selection = window.browser().selection();
   if (target.time) selection.set_time(*target.time);
-  if (!target.things.objects.empty())
-    selection.select_object(target.things.objects.front());
-  else if (!target.things.place.empty())
-    selection.select_place(target.things.place);
+  if (!target.found.objects.empty())
+    selection.select_object(target.found.objects.front());
+  else if (!target.found.place.empty())
+    selection.select_place(target.found.place);
   for (const std::string& action : options.run)
     if (!window.question_bar().run_action(QString::fromStdString(action)))
       throw Error("--run '" + action + "' is no action of the menus", {}, "as \"Depth image\"");
@@ -154,7 +154,7 @@ void write_image(MainWindow& window, const BrowseOptions& options) {
   write_file_atomically(path, {bytes.constData(), static_cast<size_t>(bytes.size())});
 }
 
-int take_image(const BrowseOptions& options, std::unique_ptr<BrowserData> data, MapBackend backend) {
+int take_image(const BrowseOptions& options, std::shared_ptr<const OpenMemory> data, MapBackend backend) {
   WindowOptions window_options;
   window_options.remember = false;
   window_options.backend = backend;
@@ -185,7 +185,7 @@ int show_window(const BrowseOptions& options, MapBackend backend) {
     window.open(QString::fromStdString(options.file), [&window, &options] {
       window.browser().reader().read<Target>(
           &window, "target", Urgency::moment,
-          [options](const BrowserData& memory) { return find_target(memory, options); },
+          [options](const OpenMemory& memory) { return find_target(memory, options); },
           [&window, &options](const Target& target) { go_to(window, target, options); });
     });
   return QApplication::exec();
@@ -195,7 +195,7 @@ int show_window(const BrowseOptions& options, MapBackend backend) {
 
 int run_browser(const BrowseOptions& options, const std::string& program) {
   const bool image = !options.screenshot.empty();
-  std::unique_ptr<BrowserData> data;
+  std::shared_ptr<const OpenMemory> data;
   MapBackend backend = MapBackend::widget;
   if (image) {
     if (options.file.empty()) throw Error("an image needs a memory", {}, "give a FILE.loci");
@@ -203,7 +203,7 @@ int run_browser(const BrowseOptions& options, const std::string& program) {
     for (const std::string& name : options.hide) layer_of(name);
     if (options.view != "window" && options.view != "map")
       throw Error("--view '" + options.view + "' is no view", {}, "views are window, map");
-    data = open_memory_data(options.file);
+    data = OpenMemory::open(options.file);
     backend = image_backend(options.has_screen);
   } else if (!options.has_screen) {
     throw Error("there is no screen (DISPLAY is not set)", {}, "use --screenshot FILE, or xvfb-run");

@@ -89,7 +89,7 @@ void select_objects(MainWindow& window) {
   const auto objects = window.browser().belief().objects;
   for (int i = 0; i < kObjects && !objects.empty(); ++i) {
     window.browser().selection().select_object(
-        objects[static_cast<size_t>(i) * objects.size() / kObjects].id);
+        objects[static_cast<size_t>(i) * objects.size() / kObjects].object);
     settle(window);
   }
 }

@@ -17,10 +17,11 @@ namespace {
 
 /// What is believed of the selected object, or of what is at the selected place; all when nothing is
 /// selected.
-BelievedScene selected_part(BelievedScene belief, const SelectionModel& selection) {
+Belief selected_part(Belief belief, const SelectionModel& selection) {
   if (!selection.object() && selection.place().empty()) return belief;
-  std::erase_if(belief.objects, [&](const BelievedObject& object) {
-    return selection.object() ? object.id != *selection.object() : object.place != selection.place();
+  std::erase_if(belief.objects, [&, names = belief.names](const BelievedObject& object) {
+    return selection.object() ? object.object != *selection.object()
+                              : names->place(object.place) != selection.place();
   });
   return belief;
 }

@@ -97,7 +97,7 @@ bool MainWindow::eventFilter(QObject* watched, QEvent* event) {
 }
 
 void MainWindow::refresh_title() {
-  const BrowserData* memory = browser_.data();
+  const OpenMemory* memory = browser_.data();
   if (memory == nullptr) {
     setWindowTitle("loci");
     summary_->setText("Open a memory with Ctrl+O, or drop one here");

@@ -32,7 +32,7 @@ std::optional<QString> ObjectEditor::ask(const QString& title, const QString& qu
 void ObjectEditor::edit_fact(const QString& title, const std::string& key, const std::string& now) {
   const BelievedObject* object = edited_object();
   if (object == nullptr) return;
-  const std::string id = memory::object_name(object->id);
+  const std::string id = memory::object_name(object->object);
   const auto value =
       ask(title, QString("%1 of %2 (empty removes it):").arg(title, QString::fromStdString(id)),
           now == id ? QString() : QString::fromStdString(now));
@@ -41,19 +41,19 @@ void ObjectEditor::edit_fact(const QString& title, const std::string& key, const
 
 void ObjectEditor::set_class() {
   const BelievedObject* object = browser_.selected_object();
-  edit_fact("Class", "class", object == nullptr ? "" : object->class_name);
+  edit_fact("Class", "class", object == nullptr ? "" : browser_.belief().names->class_of(object->object));
 }
 
 void ObjectEditor::set_owner() {
   const BelievedObject* object = browser_.selected_object();
-  edit_fact("Owner", "owner", object == nullptr ? "" : object->owner);
+  edit_fact("Owner", "owner", object == nullptr ? "" : browser_.belief().names->owner_of(object->object));
 }
 
 void ObjectEditor::rename() {
   const QString place = QString::fromStdString(browser_.selection().place());
   if (!place.isEmpty()) return rename_place(place);
   const BelievedObject* object = browser_.selected_object();
-  edit_fact("Name", "alias", object == nullptr ? "" : object->name);
+  edit_fact("Name", "alias", object == nullptr ? "" : browser_.belief().name_of(*object));
 }
 
 void ObjectEditor::rename_place(const QString& place) {
@@ -75,35 +75,38 @@ void ObjectEditor::merge() {
   if (object == nullptr) return;
   QStringList names;
   std::vector<int64_t> ids;
-  for (const BelievedObject& other : browser_.belief().objects)
-    if (other.id != object->id) {
-      names << QString("%1 (%2%3)")
-                   .arg(QString::fromStdString(other.name), other.color_name.c_str(),
-                        other.place.empty() ? "" : ", " + QString::fromStdString(other.place));
-      ids.push_back(other.id);
-    }
+  const Belief& belief = browser_.belief();
+  for (const BelievedObject& other : belief.objects) {
+    if (other.object == object->object) continue;
+    QStringList facts = {QString::fromStdString(other.color.value_or(""))};
+    facts << QString::fromStdString(belief.place_of(other));
+    facts.removeAll("");
+    names << QString("%1 (%2)").arg(QString::fromStdString(belief.name_of(other)), facts.join(", "));
+    ids.push_back(other.object);
+  }
   if (names.isEmpty()) return message("There is no other object at this time");
   bool accepted = false;
-  const QString other =
-      QInputDialog::getItem(window_, "Merge objects",
-                            QString("%1 is the same object as:").arg(QString::fromStdString(object->name)),
-                            names, 0, false, &accepted);
-  if (accepted) edits_.merge(object->id, ids[static_cast<size_t>(names.indexOf(other))]);
+  const QString other = QInputDialog::getItem(
+      window_, "Merge objects",
+      QString("%1 is the same object as:").arg(QString::fromStdString(belief.name_of(*object))), names, 0,
+      false, &accepted);
+  if (accepted) edits_.merge(object->object, ids[static_cast<size_t>(names.indexOf(other))]);
 }
 
 void ObjectEditor::split() {
-  if (const BelievedObject* object = edited_object()) edits_.split(object->id, browser_.selection().time());
+  if (const BelievedObject* object = edited_object())
+    edits_.split(object->object, browser_.selection().time());
 }
 
 void ObjectEditor::label() {
   const BelievedObject* object = edited_object();
-  const SceneEntry* scene = browser_.scene();
+  const memory::SceneRow* scene = browser_.scene();
   const SceneContent* content = browser_.moment().content.get();
   if (object == nullptr || scene == nullptr || content == nullptr) return;
   for (const ImageBox& box : content->boxes) {
-    if (box.object != object->id) continue;
+    if (box.object != object->object) continue;
     const auto label = ask("Label", "Class of this object in the image (empty removes it):",
-                           QString::fromStdString(object->class_name));
+                           QString::fromStdString(browser_.belief().names->class_of(object->object)));
     if (label) edits_.label(scene->id, box.number, label->toStdString());
     return;
   }

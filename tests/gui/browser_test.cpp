@@ -12,7 +12,7 @@
 #include <set>
 
 #include "gui/core/background.h"
-#include "gui/data/memory_data.h"
+#include "gui/data/open_memory.h"
 #include "gui/scene3d/object_actors.h"
 #include "gui/views/object_card.h"
 #include "gui/views/objects_tree.h"
@@ -104,17 +104,17 @@ TEST_F(BrowserWindow, TheSliderChangesWhatIsBelieved) {
   click_at(sample_.first);
   EXPECT_EQ(selection().time(), sample_.first);
   ASSERT_NE(window.browser().belief().find(1), nullptr);
-  EXPECT_EQ(window.browser().belief().find(1)->presence, Presence::seen);
+  EXPECT_EQ(window.browser().belief().find(1)->status, memory::ObjectStatus::seen);
   EXPECT_EQ(window.browser().belief().find(3), nullptr);
   EXPECT_FALSE(drawn(1)->ghost);
 
   click_at(sample_.second);
-  EXPECT_EQ(window.browser().belief().find(1)->presence, Presence::remembered);
+  EXPECT_EQ(window.browser().belief().find(1)->status, memory::ObjectStatus::out_of_view);
   EXPECT_TRUE(drawn(1)->ghost);
-  EXPECT_EQ(window.browser().belief().find(2)->place, "table_1");
+  EXPECT_EQ(place_of(2), "table_1");
 
   click_at(sample_.third);
-  EXPECT_EQ(window.browser().belief().find(1)->presence, Presence::gone);
+  EXPECT_EQ(window.browser().belief().find(1)->status, memory::ObjectStatus::gone);
   EXPECT_EQ(drawn(1), nullptr);
   EXPECT_NE(drawn(3), nullptr);
 }
@@ -235,11 +235,11 @@ TEST_F(BrowserWindow, SaysTheSameAsTheQuestionsOfTheCommandLine) {
     for (const memory::ObjectBelief& state : states) {
       const BelievedObject* shown = window.browser().belief().find(state.object.id);
       ASSERT_NE(shown, nullptr) << state.object.name;
-      EXPECT_EQ(shown->name, state.object.name);
-      EXPECT_EQ(shown->place, state.place->name);
+      EXPECT_EQ(window.browser().belief().name_of(*shown), state.object.name);
+      EXPECT_EQ(place_of(shown->object), state.place->name);
       EXPECT_DOUBLE_EQ(shown->probability, state.probability);
       EXPECT_EQ(shown->last_seen, state.last_seen->time);
-      EXPECT_EQ(shown->presence == Presence::gone, state.status == "gone");
+      EXPECT_EQ(shown->status == memory::ObjectStatus::gone, state.status == "gone");
     }
   }
 }

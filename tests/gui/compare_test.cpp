@@ -11,18 +11,27 @@
 namespace loci::gui {
 namespace {
 
-BelievedObject at(int64_t id, const std::string& place, double x, Presence presence = Presence::seen) {
+constexpr memory::Id kTable = 1, kShelf = 2;
+
+BelievedObject at(memory::Id id, memory::Id place, double x,
+                  memory::ObjectStatus status = memory::ObjectStatus::seen) {
   BelievedObject object;
-  object.id = id;
+  object.object = id;
   object.place = place;
-  object.presence = presence;
+  object.status = status;
   object.map_from_object = Isometry3d(Eigen::Translation3d(x, 0, 0));
   return object;
 }
 
+Belief belief_of(TimeNs time, std::vector<BelievedObject> objects, const JointState& joints = {}) {
+  Names names;
+  names.places = {{kTable, "table"}, {kShelf, "shelf"}};
+  return {time, std::move(objects), joints, std::make_shared<const Names>(std::move(names))};
+}
+
 TEST(Differences, TellApartWhatMovedFromTheNoiseOfALook) {
-  const BelievedScene then{0, {at(1, "table", 0), at(2, "table", 0), at(3, "table", 0)}, {}};
-  const BelievedScene now{1, {at(1, "table", 0.01), at(2, "table", 0.3), at(3, "shelf", 0.01)}, {}};
+  const Belief then = belief_of(0, {at(1, kTable, 0), at(2, kTable, 0), at(3, kTable, 0)});
+  const Belief now = belief_of(1, {at(1, kTable, 0.01), at(2, kTable, 0.3), at(3, kShelf, 0.01)});
   const auto all = differences(then, now);
   ASSERT_EQ(all.size(), 2U);
   EXPECT_EQ(all[0].object, 2);
@@ -32,15 +41,17 @@ TEST(Differences, TellApartWhatMovedFromTheNoiseOfALook) {
 }
 
 TEST(Differences, AreTurnedAroundWhenTheTimesAre) {
-  const BelievedScene then{0, {at(1, "table", 0), at(2, "table", 0, Presence::gone)}, {{"drawer", 0.0}}};
-  const BelievedScene now{1, {at(1, "table", 0, Presence::gone), at(2, "table", 0)}, {{"drawer", 0.3}}};
+  const Belief then =
+      belief_of(0, {at(1, kTable, 0), at(2, kTable, 0, memory::ObjectStatus::gone)}, {{"drawer", 0.0}});
+  const Belief now =
+      belief_of(1, {at(1, kTable, 0, memory::ObjectStatus::gone), at(2, kTable, 0)}, {{"drawer", 0.3}});
   const auto forward = differences(then, now), back = differences(now, then);
   ASSERT_EQ(forward.size(), 3U);
-  EXPECT_EQ(forward[0].kind, Difference::Kind::appeared);
+  EXPECT_EQ(forward[0].kind, memory::EventKind::appeared);
   EXPECT_EQ(forward[0].object, 2);
-  EXPECT_EQ(forward[1].kind, Difference::Kind::gone);
+  EXPECT_EQ(forward[1].kind, memory::EventKind::gone);
   EXPECT_EQ(forward[1].object, 1);
-  EXPECT_EQ(forward[2].kind, Difference::Kind::joint);
+  EXPECT_EQ(forward[2].kind, memory::EventKind::joint_changed);
   ASSERT_EQ(back.size(), 3U);
   EXPECT_EQ(back[0].object, 1);
   EXPECT_TRUE(differences(now, now).empty());

@@ -55,7 +55,7 @@ TEST_F(EditsInWindow, ARenamedPlaceIsCalledSoInTreeMapAndAnswers) {
   });
   press(Qt::Key_F2);
   settle();
-  EXPECT_EQ(window.browser().belief().find(2)->place, "breakfast table");
+  EXPECT_EQ(place_of(2), "breakfast table");
   EXPECT_NE(window.browser().data()->world()->find_link("breakfast table"), nullptr);
   EXPECT_TRUE(window.docks().tree().shown_index_of_object(2).parent().data().toString().startsWith(
       "breakfast table"));
@@ -63,7 +63,7 @@ TEST_F(EditsInWindow, ARenamedPlaceIsCalledSoInTreeMapAndAnswers) {
   EXPECT_EQ(selection().place(), "breakfast table") << "it stays chosen";
   window.edits().undo();
   settle();
-  EXPECT_EQ(window.browser().belief().find(2)->place, "table_1");
+  EXPECT_EQ(place_of(2), "table_1");
   EXPECT_NE(window.browser().data()->world()->find_link("table_1"), nullptr);
 }
 
@@ -107,7 +107,7 @@ TEST_F(EditsInWindow, UndoAndRedoRestoreWhatHeldAndLoseNothing) {
   press(Qt::Key_Z, Qt::ControlModifier);
   settle();
   EXPECT_EQ(owner(), "Ada");
-  EXPECT_EQ(window.browser().belief().find(2)->owner, "Ada");
+  EXPECT_EQ(window.browser().belief().names->owner_of(2), "Ada");
   edits.undo();
   settle();
   EXPECT_EQ(owner(), "");
@@ -139,12 +139,12 @@ TEST_F(EditsInWindow, MergedObjectsAreOneInAllViewsAndUndoBringsTheOtherBack) {
   settle();
   EXPECT_EQ(window.browser().belief().find(3), nullptr);
   ASSERT_NE(window.browser().belief().find(1), nullptr);
-  EXPECT_EQ(window.browser().belief().find(1)->presence, Presence::seen)
+  EXPECT_EQ(window.browser().belief().find(1)->status, memory::ObjectStatus::seen)
       << "the cup that was gone is the tin";
   EXPECT_EQ(drawn(3), nullptr);
   press(Qt::Key_Z, Qt::ControlModifier);
   EXPECT_NE(window.browser().belief().find(3), nullptr);
-  EXPECT_EQ(window.browser().belief().find(1)->presence, Presence::gone);
+  EXPECT_EQ(window.browser().belief().find(1)->status, memory::ObjectStatus::gone);
 }
 
 TEST_F(EditsInWindow, TheSecondClockShowsWhatWasKnownBeforeAnEdit) {
@@ -165,8 +165,8 @@ TEST_F(EditsInWindow, FromTheChosenTimeOnItIsAnother) {
   go_to(sample_.second);
   press(Qt::Key_J, Qt::ControlModifier | Qt::ShiftModifier);
   settle();
-  EXPECT_EQ(window.browser().belief().find(4)->place, "table_1");
-  EXPECT_EQ(window.browser().belief().find(2)->place, "counter_1");
+  EXPECT_EQ(place_of(4), "table_1");
+  EXPECT_EQ(place_of(2), "counter_1");
 }
 
 TEST_F(EditsInWindow, WhileAnotherProgramWritesTheEditIsRefusedWithTheReason) {

@@ -105,18 +105,18 @@ TEST_F(IdentityInWindow, TheSecondClockShowsWhatWasKnownBeforeARunAddedMore) {
     }
     store.finish_run(run);
   }
-  window.show_data(open_memory_data(sample_.path));
+  window.show_data(OpenMemory::open(sample_.path));
   go_to(sample_.third + 2 * kSecond);
-  EXPECT_EQ(window.browser().belief().find(2)->place, "counter_1");
+  EXPECT_EQ(place_of(2), "counter_1");
   QComboBox* known = window.docks().time_bar().known();
   ASSERT_EQ(known->count(), 2) << "now, and before the second run";
   EXPECT_TRUE(known->itemText(1).contains("somebody who knows better"));
   selection().set_known_at(known->itemData(1).toLongLong());
   settle();
-  EXPECT_EQ(window.browser().belief().find(2)->place, "table_1");
+  EXPECT_EQ(place_of(2), "table_1");
   selection().set_known_at({});
   settle();
-  EXPECT_EQ(window.browser().belief().find(2)->place, "counter_1");
+  EXPECT_EQ(place_of(2), "counter_1");
 }
 
 }  // namespace

@@ -29,10 +29,12 @@ class LanesInWindow : public test::BrowserWindow {
 
 TEST_F(LanesInWindow, ThereIsOneForEachObjectAndPlace) {
   EXPECT_EQ(lanes().lanes().size(), 5U);
-  EXPECT_EQ(window.browser().data()->looks_for_object(1),
-            (std::vector<Look>{Look::seen, Look::nothing, Look::missed}));
-  EXPECT_EQ(window.browser().data()->looks_at_place("table_1"),
-            (std::vector<Look>{Look::nothing, Look::seen, Look::nothing}));
+  EXPECT_EQ(window.browser().data()->visibility_of_object(1),
+            (std::vector<memory::ObjectStatus>{memory::ObjectStatus::seen, memory::ObjectStatus::out_of_view,
+                                               memory::ObjectStatus::missed}));
+  EXPECT_EQ(window.browser().data()->visibility_of_place("table_1"),
+            (std::vector<memory::ObjectStatus>{memory::ObjectStatus::out_of_view, memory::ObjectStatus::seen,
+                                               memory::ObjectStatus::out_of_view}));
 }
 
 TEST_F(LanesInWindow, SeenMissedAndNotObservedHaveColoursOfTheirOwn) {

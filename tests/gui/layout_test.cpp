@@ -135,7 +135,7 @@ TEST_P(Layout, WhatIsWrittenCanBeRead) {
   EXPECT_GE(QFontInfo(small_font(font)).pointSizeF(), QFontInfo(font).pointSizeF() - 1) << "what is painted";
   EXPECT_GE(contrast(colors.color(QPalette::WindowText), colors.color(QPalette::Window)), 7);
   EXPECT_GE(contrast(colors.color(QPalette::HighlightedText), colors.color(QPalette::Highlight)), 3);
-  for (const QColor& color : {theme.seen, theme.remembered, theme.gone, theme.muted})
+  for (const QColor& color : {theme.seen, theme.unseen, theme.gone, theme.muted})
     EXPECT_GE(contrast(color, theme.panel), 3) << color.name().toStdString();
 }
 

@@ -79,17 +79,17 @@ TEST(ImageNotes, AreWhatHasARegionInTheImage) {
 TEST(AnotherMemory, IsRenumberedByPlaceAndColour) {
   const auto thing = [](int64_t id, double x, const char* color) {
     BelievedObject object;
-    object.id = id;
-    object.color_name = color;
+    object.object = id;
+    object.color = color;
     object.map_from_object = Isometry3d(Eigen::Translation3d(x, 0, 0));
     return object;
   };
-  const BelievedScene here{0, {thing(1, 0, "red"), thing(2, 1, "blue")}, {}};
-  const BelievedScene there{0, {thing(7, 1.1, "blue"), thing(8, 0.1, "blue"), thing(9, 0.2, "red")}, {}};
-  const BelievedScene same = renumbered(there, here);
-  EXPECT_EQ(same.objects[0].id, 2);
-  EXPECT_LT(same.objects[1].id, 0);
-  EXPECT_EQ(same.objects[2].id, 1);
+  const Belief here{0, {thing(1, 0, "red"), thing(2, 1, "blue")}};
+  const Belief there{0, {thing(7, 1.1, "blue"), thing(8, 0.1, "blue"), thing(9, 0.2, "red")}};
+  const Belief same = renumbered(there, here);
+  EXPECT_EQ(same.objects[0].object, 2);
+  EXPECT_LT(same.objects[1].object, 0);
+  EXPECT_EQ(same.objects[2].object, 1);
 }
 
 using test::BrowserWindow;
@@ -148,7 +148,7 @@ TEST_F(BrowserWindow, WhatWasFoundInTheImageStandsBesideIt) {
 
 TEST_F(BrowserWindow, TheTreeShowsOnlyWhatIsOfTheChosenColour) {
   go_to(sample_.first);
-  const std::string color = window.browser().belief().find(1)->color_name;
+  const std::string color = window.browser().belief().find(1)->color.value();
   QComboBox* box = window.docks().tree().filter(ObjectsFilter::color_field);
   box->showPopup();
   box->hidePopup();
@@ -159,7 +159,7 @@ TEST_F(BrowserWindow, TheTreeShowsOnlyWhatIsOfTheChosenColour) {
   settle();
   EXPECT_TRUE(window.docks().tree().shown_index_of_object(1).isValid());
   for (const BelievedObject& object : window.browser().belief().objects)
-    EXPECT_EQ(window.docks().tree().shown_index_of_object(object.id).isValid(), object.color_name == color);
+    EXPECT_EQ(window.docks().tree().shown_index_of_object(object.object).isValid(), object.color == color);
   QApplication::setActiveWindow(&window);
   press(Qt::Key_Escape);
   EXPECT_TRUE(window.docks().tree().shown_index_of_object(2).isValid()) << "Esc shows all again";

@@ -157,14 +157,14 @@ TEST_F(QuestionBarInWindow, UpAndDownGoThroughWhatWasAsked) {
 TEST(QuestionHistory, IsKeptFromOneStartToTheNext) {
   QSettings().remove("asked");
   const auto opener = [](const std::string& path, Progress& progress) {
-    return open_memory_data(path, progress);
+    return OpenMemory::open(path, progress);
   };
   const auto path =
       std::filesystem::temp_directory_path() / ("loci_asked_" + std::to_string(getpid()) + ".loci");
   test::write_sample_memory(path);
   for (const bool second : {false, true}) {
     MainWindow window(opener, {MapBackend::memory, true});
-    window.show_data(open_memory_data(path));
+    window.show_data(OpenMemory::open(path));
     window.show();
     finish_background();
     if (second) {

@@ -52,7 +52,7 @@ class RealMemory : public test::BrowserWindow, public testing::WithParamInterfac
     }
     const auto path = folder_.path / "real.loci";
     ASSERT_TRUE(run("loci-perceive", "run " + recording + " -m " + path.string() + " " + options));
-    window.show_data(open_memory_data(path));
+    window.show_data(OpenMemory::open(path));
     settle();
     ASSERT_FALSE(window.browser().belief().objects.empty());
   }
@@ -68,17 +68,17 @@ TEST_P(RealMemory, ShowsSomethingInEachViewAndFailsNowhere) {
   }
   size_t there = 0;
   for (const BelievedObject& believed : window.browser().belief().objects)
-    there += believed.map_from_object && believed.presence != Presence::gone;
+    there += believed.map_from_object && believed.status != memory::ObjectStatus::gone;
   EXPECT_GT(there, 0U);
   EXPECT_EQ(window.map().scene().objects().size(), there);
   EXPECT_GT(window.map().scene().point_count(), 1000U);
-  const int64_t object = window.browser().belief().objects.front().id;
+  const int64_t object = window.browser().belief().objects.front().object;
   click_in_tree(object);
   EXPECT_EQ(selection().object(), object);
   EXPECT_FALSE(window.map().scene().trace().empty());
   const BelievedObject* believed = window.browser().selected_object();
   ASSERT_NE(believed, nullptr);
-  EXPECT_EQ(window.map().scene().object_point_count() > 100, believed->presence != Presence::gone);
+  EXPECT_EQ(window.map().scene().object_point_count() > 100, believed->status != memory::ObjectStatus::gone);
   EXPECT_GE(window.docks().card().history()->model()->rowCount(), 1);
   for (int page = 0; page < window.docks().card().pages()->count(); ++page) {
     window.docks().card().pages()->setCurrentIndex(page);

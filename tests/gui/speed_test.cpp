@@ -5,7 +5,7 @@
 
 #include <cstdio>
 
-#include "gui/data/memory_data.h"
+#include "gui/data/open_memory.h"
 #include "gui/scene3d/object_actors.h"
 #include "gui/window/benchmark.h"
 #include "gui/window/main_window.h"
@@ -25,7 +25,7 @@ TEST(WindowSpeed, TheApartmentWithTwoHundredObjectsCanBeScrubbed) {
   auto* application = dynamic_cast<TimedApplication*>(QCoreApplication::instance());
   ASSERT_NE(application, nullptr);
   MainWindow window(
-      [](const std::string& path, Progress& progress) { return open_memory_data(path, progress); },
+      [](const std::string& path, Progress& progress) { return OpenMemory::open(path, progress); },
       {MapBackend::memory, false});
   window.resize(1280, 800);
   const WindowFigures figures = benchmark_window(*application, window, (folder / "large.loci").string(), 5);

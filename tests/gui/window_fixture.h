@@ -10,7 +10,7 @@
 #include <string>
 
 #include "gui/core/background.h"
-#include "gui/data/memory_data.h"
+#include "gui/data/open_memory.h"
 #include "gui/scene3d/object_actors.h"
 #include "gui/views/object_card.h"
 #include "gui/views/objects_tree.h"
@@ -32,9 +32,9 @@ class BrowserWindow : public testing::Test {
   };
 
   explicit BrowserWindow(MapBackend backend = MapBackend::widget)
-      : window([](const std::string& path, Progress& progress) { return open_memory_data(path, progress); },
+      : window([](const std::string& path, Progress& progress) { return OpenMemory::open(path, progress); },
                {backend, false}) {
-    window.show_data(open_memory_data(sample_.path));
+    window.show_data(OpenMemory::open(sample_.path));
     window.show();
     EXPECT_TRUE(QTest::qWaitForWindowExposed(&window));
     QApplication::setActiveWindow(&window);  // No window manager does it here.
@@ -63,6 +63,12 @@ class BrowserWindow : public testing::Test {
   static void click(QWidget* widget, const QPoint& at) {
     QTest::mouseClick(widget, Qt::LeftButton, Qt::NoModifier, at);
     settle();
+  }
+  /// The place where an object is believed to be.
+  std::string place_of(int64_t object) {
+    const Belief& belief = window.browser().belief();
+    const BelievedObject* found = belief.find(object);
+    return found == nullptr ? "unknown object" : belief.place_of(*found);
   }
   SelectionModel& selection() { return window.browser().selection(); }
   void click_in_tree(int64_t object) {

@@ -16,8 +16,8 @@ std::map<int64_t, std::array<uint8_t, 3>> marks_of(const std::vector<Difference>
   const Theme theme = Theme::of(palette);
   std::map<int64_t, std::array<uint8_t, 3>> marks;
   for (const Difference& difference : differences) {
-    if (difference.kind == Difference::Kind::joint) continue;
-    const QColor color = theme.of_event(difference_name(difference.kind));
+    if (difference.kind == memory::EventKind::joint_changed) continue;
+    const QColor color = theme.of_event(difference.kind);
     marks[difference.object] = {static_cast<uint8_t>(color.red()), static_cast<uint8_t>(color.green()),
                                 static_cast<uint8_t>(color.blue())};
   }

@@ -12,7 +12,7 @@ namespace loci::gui {
 
 /// A belief that the chosen one is compared with.
 struct OtherBelief {
-  std::shared_ptr<const BrowserData> memory;  ///< null = none
+  std::shared_ptr<const OpenMemory> memory;  ///< null = none
   TimeNs time = 0;
   std::optional<TimeNs> known_at = {};
   QString title = {};

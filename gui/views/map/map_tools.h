@@ -66,7 +66,7 @@ class MapTools : public Page {
   QToolButton* put_back_;
   QLabel* empty_;
   std::vector<JointRow> rows_;
-  std::shared_ptr<const BrowserData> filled_;  ///< whose joints are listed
+  std::shared_ptr<const OpenMemory> filled_;  ///< whose joints are listed
   bool listed_ = false;
 };
 

@@ -30,21 +30,21 @@ bool is_blank(const QImage& image) {
 }
 
 /// Where the cameras looked from, by and large: from there the room is open.
-Vector3d usual_side(const BrowserData& memory) {
+Vector3d usual_side(const OpenMemory& memory) {
   Vector3d sum = Vector3d::Zero();
-  for (const SceneEntry& scene : memory.scenes())
+  for (const memory::SceneRow& scene : memory.scenes())
     if (scene.map_from_camera) sum -= scene.map_from_camera->linear().col(2);
   return sum;
 }
 
-MapObject map_object_of(const BelievedObject& object) {
+MapObject map_object_of(const Belief& belief, const BelievedObject& object) {
   MapObject result;
-  result.id = object.id;
-  result.label = object.name;
+  result.id = object.object;
+  result.label = belief.name_of(object);
   result.map_from_object = *object.map_from_object;
-  result.size = object.size;
-  result.rgb = object.rgb;
-  result.ghost = object.presence != Presence::seen;
+  result.size = object.size.value_or(Vector3d::Zero());
+  result.rgb = rgb_of(object);
+  result.ghost = object.status != memory::ObjectStatus::seen;
   result.probability = object.probability;
   return result;
 }
@@ -111,7 +111,7 @@ void MapView::take_mouse() {
 }
 
 void MapView::show_memory() {
-  const BrowserData* memory = browser_.data();
+  const OpenMemory* memory = browser_.data();
   const std::string path = memory == nullptr ? "" : memory->info().path;
   const mapping::World* world = memory == nullptr ? nullptr : memory->world();
   const bool same = path == memory_;
@@ -130,7 +130,7 @@ void MapView::show_memory() {
   if (!same || world == nullptr) scene_->clear_world();
   browser_.reader().read<PreparedWorld>(
       this, "map", Urgency::moment,
-      [colors = scene_->colors()](const BrowserData& source) {
+      [colors = scene_->colors()](const OpenMemory& source) {
         PreparedWorld prepared;
         if (source.world() != nullptr)
           prepared = prepare_world(*source.world(), source.mesh_search(), colors);
@@ -143,8 +143,8 @@ void MapView::take_world(const PreparedWorld& world) {
   waits_for_world_ = false;
   scene_->clear_world();
   if (world_ != nullptr) scene_->set_world(*world_, world);
-  for (const PlaceOutline& place : browser_.data()->loose_places())
-    scene_->add_place(place.name, place.outline, place.height);
+  for (const memory::PlaceRow& place : browser_.data()->loose_places())
+    scene_->add_place(place.name, place.outline, *place.height);
   for (const std::string& text : world.warnings) Q_EMIT warned(QString::fromStdString(text));
   Warnings early;  // what is believed may still be of the map before: it is told when that has been read
   if (world_ != nullptr) scene_->set_joints(joints(), early);
@@ -156,9 +156,10 @@ void MapView::take_world(const PreparedWorld& world) {
 void MapView::show_objects() {
   std::vector<MapObject> objects;
   for (const BelievedObject& object : browser_.belief().objects) {
-    if (!object.map_from_object || object.presence == Presence::gone) continue;
-    objects.push_back(map_object_of(object));
-    if (const auto mark = marks_.find(object.id); mark != marks_.end()) objects.back().mark = mark->second;
+    if (!object.map_from_object || object.status == memory::ObjectStatus::gone) continue;
+    objects.push_back(map_object_of(browser_.belief(), object));
+    if (const auto mark = marks_.find(object.object); mark != marks_.end())
+      objects.back().mark = mark->second;
   }
   scene_->set_objects(std::move(objects));
 }
@@ -225,10 +226,10 @@ void MapView::read_trace() {
   traced_ = object;
   trace_.clear();
   if (!object) return;
-  browser_.reader().read<std::vector<TracePoint>>(
+  browser_.reader().read<std::vector<TrajectoryPoint>>(
       this, "trace", Urgency::selection,
-      [id = *object](const BrowserData& memory) { return memory.trace(id); },
-      [this](std::vector<TracePoint>& trace) {
+      [id = *object](const OpenMemory& memory) { return memory.trajectory(id); },
+      [this](std::vector<TrajectoryPoint>& trace) {
         trace_ = std::move(trace);
         show_trace();
         redraw();
@@ -238,7 +239,7 @@ void MapView::read_trace() {
 /// The way until now.
 void MapView::show_trace() {
   std::vector<Vector3d> points;
-  for (const TracePoint& point : trace_)
+  for (const TrajectoryPoint& point : trace_)
     if (point.time <= browser_.selection().time()) points.push_back(point.position);
   if (points != scene_->trace()) scene_->set_trace(std::move(points));
 }
@@ -246,16 +247,16 @@ void MapView::show_trace() {
 /// As it was seen last, while it is believed to be there.
 void MapView::read_object_cloud() {
   const BelievedObject* object = browser_.selected_object();
-  const bool there = object != nullptr && object->presence != Presence::gone && object->last_seen;
-  const auto sight = there ? std::pair(object->id, *object->last_seen) : std::pair<int64_t, TimeNs>();
+  const bool there = object != nullptr && object->status != memory::ObjectStatus::gone && object->last_seen;
+  const auto sight = there ? std::pair(object->object, *object->last_seen) : std::pair<int64_t, TimeNs>();
   if (sight == clouded_) return;
   if (sight.first != clouded_.first) scene_->set_object_cloud({});
   clouded_ = sight;
   if (!there) return browser_.reader().forget(this, "points");
   browser_.reader().read<ColoredCloud>(
       this, "points", Urgency::selection,
-      [id = object->id, time = *object->last_seen,
-       known_at = browser_.selection().known_at()](const BrowserData& memory) {
+      [id = object->object, time = *object->last_seen,
+       known_at = browser_.selection().known_at()](const OpenMemory& memory) {
         return thinned(memory.object_cloud(id, time, known_at), kMaxObjectPoints);
       },
       [this](const ColoredCloud& cloud) {

@@ -86,7 +86,7 @@ class MapView : public QWidget {
   JointState joints_by_hand_;
   TimeNs joints_time_ = 0;  ///< at which they were moved by hand
   std::optional<int64_t> traced_;
-  std::vector<TracePoint> trace_;            ///< of that object, at all times
+  std::vector<TrajectoryPoint> trace_;       ///< of that object, at all times
   std::pair<int64_t, TimeNs> clouded_ = {};  ///< object and sight whose points are shown; 0 = none
   std::vector<Vector3d> ruler_;
   bool measuring_ = false;

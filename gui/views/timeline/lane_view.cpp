@@ -13,6 +13,7 @@
 
 #include "gui/core/text.h"
 #include "gui/core/theme.h"
+#include "memory/questions/events.h"
 
 namespace loci::gui {
 namespace {
@@ -23,16 +24,9 @@ constexpr double kMinHalf = 1.5;  // of the mark of one scene, pixels
 constexpr double kMaxHalf = 6;
 constexpr double kEventRadius = 3;
 
-const char* look_text(Look look, bool place) {
-  switch (look) {
-    case Look::seen:
-      return place ? "looked at" : "seen";
-    case Look::missed:
-      return "looked for, not there";
-    case Look::nothing:
-      return "not observed";
-  }
-  return "";
+const char* visibility_text(memory::ObjectStatus shown, bool place) {
+  if (shown == memory::ObjectStatus::seen) return place ? "observed" : "seen";
+  return shown == memory::ObjectStatus::missed ? "missed: its place was seen without it" : "not observed";
 }
 
 std::string what_of(const std::pair<int64_t, std::string>& lane) {
@@ -57,37 +51,38 @@ LaneView::LaneView(Browser& browser, TimeAxis& axis, QWidget* parent)
 }
 
 /// Whether all that has been read is true of this memory as well.
-bool LaneView::goes_on_from(const BrowserData& memory) const {
+bool LaneView::goes_on_from(const OpenMemory& memory) const {
   return memory.info().path == memory_ && memory.info().runs == runs_;
 }
 
 void LaneView::reload() {
-  const BrowserData* memory = browser_.data();
+  const OpenMemory* memory = browser_.data();
   events_.clear();
   asked_.clear();
   if (memory == nullptr || !goes_on_from(*memory)) {
     lanes_.clear();
-    looks_.clear();
+    shown_.clear();
   }
   memory_ = memory == nullptr ? "" : memory->info().path;
   runs_ = memory == nullptr ? 0 : memory->info().runs;
   if (memory != nullptr && !memory->scenes().empty()) {
-    for (const EventEntry& event : memory->events()) events_[event.object].push_back(&event);
-    browser_.reader().read<BelievedScene>(
+    for (const memory::Change& event : memory->events())
+      events_[event.object ? event.object->id : 0].push_back(&event);
+    browser_.reader().read<Belief>(
         this, "lanes", Urgency::selection,
-        [](const BrowserData& source) { return source.belief_at(source.scenes().back().time); },
-        [this](const BelievedScene& belief) { show_lanes(belief); });
+        [](const OpenMemory& source) { return source.belief_at(source.scenes().back().time); },
+        [this](const Belief& belief) { show_lanes(belief); });
   }
   update_scroll_bar();
   refresh();
 }
 
-void LaneView::show_lanes(const BelievedScene& belief) {
+void LaneView::show_lanes(const Belief& belief) {
   lanes_.clear();
   std::set<std::string> places;
   for (const BelievedObject& object : belief.objects) {
-    lanes_.push_back({object.id, {}, QString::fromStdString(object.name)});
-    if (!object.place.empty()) places.insert(object.place);
+    lanes_.push_back({object.object, {}, QString::fromStdString(belief.name_of(object))});
+    if (const std::string place = belief.place_of(object); !place.empty()) places.insert(place);
   }
   for (const std::string& place : places) lanes_.push_back({0, place, QString::fromStdString(place)});
   update_scroll_bar();
@@ -143,20 +138,20 @@ void LaneView::follow_selection() {
   refresh();
 }
 
-const std::vector<Look>& LaneView::looks(const Lane& lane) {
+const std::vector<memory::ObjectStatus>& LaneView::visibility(const Lane& lane) {
   const Key key = {lane.object, lane.place};
-  std::vector<Look>& known = looks_[key];
+  std::vector<memory::ObjectStatus>& known = shown_[key];
   const size_t all = browser_.data()->scenes().size();
   if (known.size() >= all || !asked_.insert(key).second) return known;
-  browser_.reader().read<std::vector<Look>>(
+  browser_.reader().read<std::vector<memory::ObjectStatus>>(
       this, what_of(key), Urgency::rest,
-      [key, first = known.size()](const BrowserData& memory) {
-        return key.first != 0 ? memory.looks_for_object(key.first, first)
-                              : memory.looks_at_place(key.second, first);
+      [key, first = known.size()](const OpenMemory& memory) {
+        return key.first != 0 ? memory.visibility_of_object(key.first, first)
+                              : memory.visibility_of_place(key.second, first);
       },
-      [this, key](const std::vector<Look>& more) {
+      [this, key](const std::vector<memory::ObjectStatus>& more) {
         asked_.erase(key);
-        std::vector<Look>& looks = looks_[key];
+        std::vector<memory::ObjectStatus>& looks = shown_[key];
         looks.insert(looks.end(), more.begin(), more.end());
         refresh();
       });
@@ -213,15 +208,16 @@ bool LaneView::viewportEvent(QEvent* event) {
   const Lane* lane = lane_at(help->pos().y());
   if (lane == nullptr || browser_.data()->scenes().empty()) return true;
   const TimeNs time = snapped_time(*browser_.data(), axis_, help->pos().x(), viewport()->width());
-  const SceneEntry* scene = browser_.data()->scene_at(time);
+  const memory::SceneRow* scene = browser_.data()->scene_at(time);
   const auto number = static_cast<size_t>(scene - browser_.data()->scenes().data());
   const int zone = browser_.data()->info().zone_minutes;
-  const std::vector<Look>& known = looks(*lane);
+  const std::vector<memory::ObjectStatus>& known = visibility(*lane);
   if (number >= known.size()) return true;  // still being read
-  QString text = lane->name + ": " + look_text(known[number], lane->object == 0) + " in the scene of " +
+  QString text = lane->name + ": " + visibility_text(known[number], lane->object == 0) + " in the scene of " +
                  time_text(scene->time, zone).mid(11, 8);
-  for (const EventEntry* entry : events_[lane->object])
-    if (lane->object != 0 && entry->time == scene->time) text += "\n" + QString::fromStdString(entry->text);
+  for (const memory::Change* entry : events_[lane->object])
+    if (lane->object != 0 && entry->time == scene->time)
+      text += "\n" + QString::fromStdString(to_text(*entry));
   QToolTip::showText(help->globalPos(), text, viewport());
   return true;
 }
@@ -241,7 +237,7 @@ void LaneView::paint_lanes(QPainter& painter) {
   forget_hidden();
   std::vector<double> scene_x;
   scene_x.reserve(browser_.data()->scenes().size());
-  for (const SceneEntry& scene : browser_.data()->scenes())
+  for (const memory::SceneRow& scene : browser_.data()->scenes())
     scene_x.push_back(axis_.x_of(scene.time, viewport()->width()));
   for (size_t i = 0; i < lanes_.size(); ++i)
     if (const int top = top_of(i); top > -kRow && top < viewport()->height())
@@ -262,24 +258,24 @@ void LaneView::paint_lane(QPainter& painter, const Lane& lane, int top, const st
                    fontMetrics().elidedText(lane.name, Qt::ElideRight, static_cast<int>(name.width())));
   const double bar_top = top + (kRow - kBar) / 2.0;
   painter.fillRect(QRectF(TimeAxis::kLeft, bar_top + kBar / 2.0 - 1, right - TimeAxis::kLeft, 2), theme.grid);
-  paint_looks(painter, lane, bar_top, scene_x);
+  paint_visibility(painter, lane, bar_top, scene_x);
   if (lane.object == 0) return;
   painter.setPen(QPen(theme.panel, 1));
   double last = -1;
-  for (const EventEntry* event : events_[lane.object]) {
+  for (const memory::Change* event : events_[lane.object]) {
     const double x = axis_.x_of(event->time, viewport()->width());
-    if (x < TimeAxis::kLeft - 1 || x > right + 1 || event->kind == "appeared") continue;
+    if (x < TimeAxis::kLeft - 1 || x > right + 1 || event->kind == memory::EventKind::appeared) continue;
     if (x - std::exchange(last, x) < 1) continue;
     painter.setBrush(theme.of_event(event->kind));
     painter.drawEllipse(QPointF(x, top + kRow / 2.0), kEventRadius + 1, kEventRadius + 1);
   }
 }
 
-void LaneView::paint_looks(QPainter& painter, const Lane& lane, double top,
-                           const std::vector<double>& scene_x) {
+void LaneView::paint_visibility(QPainter& painter, const Lane& lane, double top,
+                                const std::vector<double>& scene_x) {
   const Theme theme = Theme::of(palette());
   const double right = viewport()->width() - TimeAxis::kRight;
-  const std::vector<Look>& all = looks(lane);
+  const std::vector<memory::ObjectStatus>& all = visibility(lane);
   const QColor seen = lane.object != 0 ? theme.seen : theme.accent;
   const auto begin = std::lower_bound(scene_x.begin(), scene_x.end(), TimeAxis::kLeft - 1);
   const auto end = std::upper_bound(begin, scene_x.end(), right + 1);
@@ -288,17 +284,17 @@ void LaneView::paint_looks(QPainter& painter, const Lane& lane, double top,
   for (size_t i = first; i < last;) {
     // Scenes that fall into one pixel are drawn as what most of them say.
     const double x = scene_x[i];
-    size_t next = i, sights = 0, misses = 0;
+    size_t next = i, seen_count = 0, missed_count = 0;
     for (; next < last && scene_x[next] < x + 1; ++next) {
-      sights += all[next] == Look::seen;
-      misses += all[next] == Look::missed;
+      seen_count += all[next] == memory::ObjectStatus::seen;
+      missed_count += all[next] == memory::ObjectStatus::missed;
     }
-    if (sights + misses > 0) {
+    if (seen_count + missed_count > 0) {
       double room = 2 * kMaxHalf;  // to the nearest other scene
       if (i > 0) room = std::min(room, x - scene_x[i - 1]);
       if (next < scene_x.size()) room = std::min(room, scene_x[next] - x);
       const double half = std::clamp(room / 2, kMinHalf, kMaxHalf);
-      painter.fillRect(QRectF(x - half, top, 2 * half, kBar), misses > sights ? theme.gone : seen);
+      painter.fillRect(QRectF(x - half, top, 2 * half, kBar), missed_count > seen_count ? theme.gone : seen);
     }
     i = next;
   }

@@ -51,25 +51,26 @@ class LaneView : public QAbstractScrollArea {
   bool is_selected(const Lane& lane) const;
   void set_time_at(double x);
   using Key = std::pair<int64_t, std::string>;
-  void show_lanes(const BelievedScene& belief);
+  void show_lanes(const Belief& belief);
   /// What is known of a lane; what is missing is asked for.
-  const std::vector<Look>& looks(const Lane& lane);
+  const std::vector<memory::ObjectStatus>& visibility(const Lane& lane);
   /// What was asked for and has been scrolled away is not read any more.
   void forget_hidden();
-  bool goes_on_from(const BrowserData& memory) const;
+  bool goes_on_from(const OpenMemory& memory) const;
   void paint_lanes(QPainter& painter);
   void paint_lane(QPainter& painter, const Lane& lane, int top, const std::vector<double>& scene_x);
-  void paint_looks(QPainter& painter, const Lane& lane, double top, const std::vector<double>& scene_x);
+  void paint_visibility(QPainter& painter, const Lane& lane, double top, const std::vector<double>& scene_x);
 
   Browser& browser_;
   Backdrop backdrop_;  ///< all but the chosen time
   TimeAxis& axis_;
   std::vector<Lane> lanes_;
-  std::map<int64_t, std::vector<const EventEntry*>> events_;  ///< by object
-  std::map<Key, std::vector<Look>> looks_;  ///< that have been on the screen; may lack the newest scenes
-  std::set<Key> asked_;                     ///< that are being read
-  std::string memory_;                      ///< path of the memory that they are of
-  size_t runs_ = 0;                         ///< of it then
+  std::map<int64_t, std::vector<const memory::Change*>> events_;  ///< by object
+  std::map<Key, std::vector<memory::ObjectStatus>>
+      shown_;            ///< that have been on the screen; may lack the newest scenes
+  std::set<Key> asked_;  ///< that are being read
+  std::string memory_;   ///< path of the memory that they are of
+  size_t runs_ = 0;      ///< of it then
 };
 
 }  // namespace loci::gui

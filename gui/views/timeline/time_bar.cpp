@@ -16,6 +16,7 @@
 #include "gui/core/theme.h"
 #include "gui/views/timeline/lane_view.h"
 #include "gui/views/timeline/time_track.h"
+#include "memory/questions/events.h"
 
 namespace loci::gui {
 namespace {
@@ -133,7 +134,7 @@ TimeBar::TimeBar(Browser& browser, QWidget* parent)
   });
   connect(stamp_, &QLineEdit::editingFinished, this, &TimeBar::refresh);
   connect(&browser_, &Browser::opened, this, [this] {
-    const BrowserData* memory = browser_.data();
+    const OpenMemory* memory = browser_.data();
     if (memory != nullptr && !memory->scenes().empty()) {
       const TimeNs first = memory->scenes().front().time, last = memory->scenes().back().time;
       if (memory->info().path == memory_)
@@ -212,7 +213,7 @@ void TimeBar::play_step() {
 void TimeBar::take_stamp() {
   browser_.reader().read<TimeNs>(
       this, "stamp", Urgency::moment,
-      [text = stamp_->text().toStdString()](const BrowserData& memory) { return memory.time_of(text); },
+      [text = stamp_->text().toStdString()](const OpenMemory& memory) { return memory.time_of(text); },
       [this](const TimeNs& time) { browser_.selection().set_time(time); });
   track_->setFocus();
   refresh();  // what cannot be read is not taken
@@ -230,13 +231,14 @@ void TimeBar::fill_known() {
 }
 
 QString TimeBar::what_happened() const {
-  const SceneEntry* scene = browser_.scene();
+  const memory::SceneRow* scene = browser_.scene();
   QStringList texts;
   const auto& events = browser_.data()->events();
-  const auto first = std::lower_bound(events.begin(), events.end(), scene == nullptr ? 0 : scene->time,
-                                      [](const EventEntry& event, TimeNs time) { return event.time < time; });
+  const auto first =
+      std::lower_bound(events.begin(), events.end(), scene == nullptr ? 0 : scene->time,
+                       [](const memory::Change& event, TimeNs time) { return event.time < time; });
   for (auto event = first; scene != nullptr && event != events.end() && event->time == scene->time; ++event)
-    texts << QString::fromStdString(event->text);
+    texts << QString::fromStdString(to_text(*event));
   if (texts.isEmpty()) return "nothing changed";
   return texts.size() <= 3 ? texts.join(" · ")
                            : QString("%1 · and %2 more")
@@ -245,7 +247,7 @@ QString TimeBar::what_happened() const {
 }
 
 void TimeBar::refresh() {
-  const BrowserData* memory = browser_.data();
+  const OpenMemory* memory = browser_.data();
   setEnabled(memory != nullptr && !memory->scenes().empty());
   if (memory == nullptr || memory->scenes().empty()) {
     stamp_->clear();
@@ -260,7 +262,7 @@ void TimeBar::refresh() {
                                    : zone_text(info.zone_minutes));
   zone_->setToolTip(info.time_assumed ? "The recording had no time stamps: these were made up at 30 Hz"
                                       : "Time zone of all times shown");
-  const SceneEntry* scene = browser_.scene();
+  const memory::SceneRow* scene = browser_.scene();
   const auto number = scene - memory->scenes().data() + 1;
   scene_->setText(QString("scene %1 of %2").arg(number).arg(memory->scenes().size()));
   happened_->setToolTip(what_happened());

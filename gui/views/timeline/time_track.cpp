@@ -12,6 +12,7 @@
 
 #include "gui/core/text.h"
 #include "gui/core/theme.h"
+#include "memory/questions/events.h"
 
 namespace loci::gui {
 namespace {
@@ -93,6 +94,10 @@ TimeNs label_step(TimeNs span, double pixels) {
   return kSteps.back();
 }
 
+bool is_of(const memory::Change& event, memory::Id object) {
+  return event.object && event.object->id == object;
+}
+
 QString tick_text(TimeNs time, TimeNs step, int zone) {
   const QString text = time_text(time, zone);  // "2026-05-01 09:10:00.5"
   if (step >= 86400 * kSecond) return text.left(10);
@@ -102,11 +107,11 @@ QString tick_text(TimeNs time, TimeNs step, int zone) {
 
 }  // namespace
 
-TimeNs snapped_time(const BrowserData& memory, const TimeAxis& axis, double x, int width) {
+TimeNs snapped_time(const OpenMemory& memory, const TimeAxis& axis, double x, int width) {
   const auto& scenes = memory.scenes();
   const TimeNs time = axis.time_at(x, width);
   const auto after = std::lower_bound(scenes.begin(), scenes.end(), time,
-                                      [](const SceneEntry& scene, TimeNs t) { return scene.time < t; });
+                                      [](const memory::SceneRow& scene, TimeNs t) { return scene.time < t; });
   TimeNs result = time;
   double nearest = TimeAxis::kSnap;
   for (auto scene = after == scenes.begin() ? after : after - 1; scene != scenes.end() && scene <= after;
@@ -135,7 +140,7 @@ void TimeTrack::refresh() {
   if (const auto object = browser_.selection().object())
     browser_.reader().read<std::vector<TimeNs>>(
         this, "observations", Urgency::selection,
-        [id = *object](const BrowserData& memory) { return memory.observations(id); },
+        [id = *object](const OpenMemory& memory) { return memory.observations(id); },
         [this](std::vector<TimeNs>& times) {
           observations_ = std::move(times);
           redraw();
@@ -164,7 +169,7 @@ bool TimeTrack::shows(double x) const {
 }
 
 void TimeTrack::drag(double x) {
-  const BrowserData* memory = browser_.data();
+  const OpenMemory* memory = browser_.data();
   if (memory != nullptr && !memory->scenes().empty())
     browser_.selection().set_time(snapped_time(*memory, axis_, x, width()));
 }
@@ -192,11 +197,11 @@ bool TimeTrack::event(QEvent* event) {
   if (event->type() != QEvent::ToolTip || browser_.data() == nullptr) return QWidget::event(event);
   const auto* help = static_cast<QHelpEvent*>(event);
   QString text;
-  for (const EventEntry& entry : browser_.data()->events()) {
+  for (const memory::Change& entry : browser_.data()->events()) {
     if (std::abs(x_of(entry.time) - help->pos().x()) > kDotRadius + 1) continue;
     if (!text.isEmpty()) text += "\n";
     text += time_text(entry.time, browser_.data()->info().zone_minutes).mid(11) + "  " +
-            QString::fromStdString(entry.text);
+            QString::fromStdString(to_text(entry));
     if (text.count('\n') > 12) break;
   }
   if (text.isEmpty()) text = time_text(time_at(help->pos().x()), browser_.data()->info().zone_minutes);
@@ -234,7 +239,7 @@ void TimeTrack::paint_axis(QPainter& painter) const {
     painter.drawLine(QPointF(x, kAxisY - 5), QPointF(x, kAxisY + 5));
   };
   painter.setPen(QPen(theme.muted, 1));
-  for (const SceneEntry& scene : browser_.data()->scenes()) mark(scene.time);
+  for (const memory::SceneRow& scene : browser_.data()->scenes()) mark(scene.time);
   last = -1;
   painter.setPen(QPen(theme.seen, 3));
   for (const TimeNs time : observations_) mark(time);
@@ -256,7 +261,7 @@ void TimeTrack::paint_events(QPainter& painter) const {
   const Theme theme = Theme::of(palette());
   const auto object = browser_.selection().object();
   std::map<QRgb, double> last;  // dots that would cover each other are drawn once
-  const auto dot = [&](const EventEntry& event, const QColor& color) {
+  const auto dot = [&](const memory::Change& event, const QColor& color) {
     const double x = x_of(event.time);
     if (!shows(x)) return;
     const auto [before, is_first] = last.try_emplace(color.rgb(), x);
@@ -266,11 +271,11 @@ void TimeTrack::paint_events(QPainter& painter) const {
     painter.drawEllipse(QPointF(x, kEventsY), kDotRadius, kDotRadius);
   };
   painter.setPen(Qt::NoPen);
-  for (const EventEntry& event : browser_.data()->events())
-    if (object && event.object != *object) dot(event, theme.grid);
+  for (const memory::Change& event : browser_.data()->events())
+    if (object && !is_of(event, *object)) dot(event, theme.grid);
   last.clear();
-  for (const EventEntry& event : browser_.data()->events())
-    if (!object || event.object == *object) dot(event, theme.of_event(event.kind));
+  for (const memory::Change& event : browser_.data()->events())
+    if (!object || is_of(event, *object)) dot(event, theme.of_event(event.kind));
 }
 
 void TimeTrack::paint_handle(QPainter& painter) const {

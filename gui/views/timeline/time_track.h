@@ -54,7 +54,7 @@ class TimeAxis : public QObject {
 };
 
 /// The scene's time when a drag comes near to it, else the time at this place.
-TimeNs snapped_time(const BrowserData& memory, const TimeAxis& axis, double x, int width);
+TimeNs snapped_time(const OpenMemory& memory, const TimeAxis& axis, double x, int width);
 
 /// The slider of the time bar: an axis with a tick per scene, a dot per event, the observations of the chosen
 /// object, and a handle at the chosen time. The wheel zooms, a drag with the right button moves along.
