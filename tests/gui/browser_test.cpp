@@ -239,7 +239,7 @@ TEST_F(BrowserWindow, SaysTheSameAsTheQuestionsOfTheCommandLine) {
       EXPECT_EQ(place_of(shown->object), state.place->name);
       EXPECT_DOUBLE_EQ(shown->probability, state.probability);
       EXPECT_EQ(shown->last_seen, state.last_seen->time);
-      EXPECT_EQ(shown->status == memory::ObjectStatus::gone, state.status == "gone");
+      EXPECT_EQ(shown->status == memory::ObjectStatus::gone, state.status == memory::ObjectStatus::gone);
     }
   }
 }
