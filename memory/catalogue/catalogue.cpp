@@ -41,7 +41,7 @@ std::vector<belief::Descriptor> view_from(const Json& json) {
 }
 
 Json entry_json(const CatalogueEntry& entry) {
-  Json json = {{"name", entry.name}, {"sightings", entry.sightings}};
+  Json json = {{"name", entry.name}, {"observations", entry.observations}};
   if (!entry.class_name.empty()) json["class"] = entry.class_name;
   Json facts = Json::array();
   for (const auto& [key, value] : entry.facts) facts.push_back({{"key", key}, {"value", value}});
@@ -58,7 +58,7 @@ CatalogueEntry entry_from(const Json& json) {
   CatalogueEntry entry;
   entry.name = json.at("name");
   entry.class_name = json.value("class", "");
-  entry.sightings = json.value("sightings", size_t{0});
+  entry.observations = json.value("observations", size_t{0});
   for (const Json& fact : json.value("facts", Json::array()))
     entry.facts.emplace_back(fact.at("key"), fact.at("value"));
   entry.color = json.value("color", "");
@@ -105,10 +105,10 @@ Catalogue catalogue_of(const Store& store) {
     for (auto& [kind, values] : entry.terms)
       for (auto& [value, agreement] : values) agreement = std::round(agreement * 1e3) / 1e3;
     entry.views = views.views_of(belief.object);
-    for (const ObjectObservation& sighting : store.observations_of(belief.object)) {
-      ++entry.sightings;
-      if (!entry.class_name.empty() && sighting.observation.place)
-        catalogue.kept_on[entry.class_name][place_class[*sighting.observation.place]] += 1;
+    for (const ObjectObservation& observed : store.observations_of(belief.object)) {
+      ++entry.observations;
+      if (!entry.class_name.empty() && observed.observation.place)
+        catalogue.kept_on[entry.class_name][place_class[*observed.observation.place]] += 1;
     }
     catalogue.entries.push_back(std::move(entry));
   }

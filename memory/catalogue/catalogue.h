@@ -24,7 +24,7 @@ struct CatalogueEntry {
   std::optional<Vector3d> size;  ///< metres
   ObjectTerms terms;
   ObjectViews views;  ///< a few, over time
-  size_t sightings = 0;
+  size_t observations = 0;
 };
 
 /// The objects of a home and how people handle them, without observations: knowledge for another home.
@@ -33,7 +33,7 @@ struct Catalogue {
   std::vector<CatalogueEntry> entries;
   std::map<std::string, belief::Factor> handling;  ///< by class, as the belief learned it
   std::map<std::string, std::map<std::string, double>>
-      kept_on;  ///< by class: share of its sightings by place class
+      kept_on;  ///< by class: share of its observations by class of place
 };
 
 /// The id of the home in its catalogue; empty for a memory without scenes.

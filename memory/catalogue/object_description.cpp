@@ -13,16 +13,16 @@ namespace {
 constexpr const char* kClassType = "loci.annotation.ClassificationAnnotation";
 
 std::string class_by_annotators(const Store& store, Id object) {
-  std::map<std::string, double> said;
-  for (const ObjectObservation& sighting : store.observations_of(object))
-    for (const AnnotationRow& row : store.annotations(sighting.observation.scene))
-      if (row.observation == sighting.observation.id && row.type == kClassType)
-        said[row.value] += row.confidence.value_or(0.5);
-  const auto most = std::ranges::max_element(said, {}, &std::pair<const std::string, double>::second);
-  return most == said.end() ? std::string() : most->first;
+  std::map<std::string, double> confidence;
+  for (const ObjectObservation& observed : store.observations_of(object))
+    for (const AnnotationRow& row : store.annotations(observed.observation.scene))
+      if (row.observation == observed.observation.id && row.type == kClassType)
+        confidence[row.value] += row.confidence.value_or(0.5);
+  const auto most = std::ranges::max_element(confidence, {}, &std::pair<const std::string, double>::second);
+  return most == confidence.end() ? std::string() : most->first;
 }
 
-constexpr size_t kMaxSightings = 100;
+constexpr size_t kMaxObservations = 100;
 
 /// How terms of one kind are compared. Texts and labels are compared as by the belief. A recogniser of
 /// products confuses flavours of one brand; the digits of a barcode are checked, but all objects of one
@@ -49,9 +49,10 @@ const std::vector<TermKind>& term_kinds() {
 }
 
 /// In lower case; a text as its words of at least two letters.
-std::map<std::string, double> comparable(const std::string& kind, const std::map<std::string, double>& said) {
+std::map<std::string, double> comparable(const std::string& kind,
+                                         const std::map<std::string, double>& values) {
   std::map<std::string, double> result;
-  for (const auto& [value, agreement] : said) {
+  for (const auto& [value, agreement] : values) {
     std::string lower = value;
     std::ranges::transform(lower, lower.begin(),
                            [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -88,11 +89,12 @@ ObjectClass class_of(const Store& store, Id object) {
 }
 
 ObjectTerms terms_of(const Store& store, Id object) {
-  std::vector<ObjectObservation> sightings = store.observations_of(object);
-  if (sightings.size() > kMaxSightings)
-    sightings.erase(sightings.begin(), sightings.end() - static_cast<std::ptrdiff_t>(kMaxSightings));
+  std::vector<ObjectObservation> observations = store.observations_of(object);
+  if (observations.size() > kMaxObservations)
+    observations.erase(observations.begin(),
+                       observations.end() - static_cast<std::ptrdiff_t>(kMaxObservations));
   ObjectTerms terms;
-  for (const AnnotationSupport& evidence : annotation_support(store, sightings))
+  for (const AnnotationSupport& evidence : annotation_support(store, observations))
     for (const TermKind& kind : term_kinds())
       if (evidence.type == kind.type) terms[kind.kind][evidence.value] = evidence.agreement;
   if (const ObjectClass stated = class_of(store, object); stated.by == "fact")
@@ -120,8 +122,8 @@ void remove_terms(ObjectViews& views) {
 ObjectViews ViewReader::views_of(Id object) {
   constexpr size_t kMax = 6;
   std::vector<const belief::Observation*> seen;
-  for (const ObjectObservation& sighting : store_.observations_of(object))
-    if (const belief::Observation* one = evidence(sighting.observation);
+  for (const ObjectObservation& observed : store_.observations_of(object))
+    if (const belief::Observation* one = evidence(observed.observation);
         one != nullptr && !one->descriptors.empty())
       seen.push_back(one);
   const auto is_part = [](const belief::Observation* one) { return one->partial; };

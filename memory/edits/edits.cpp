@@ -385,7 +385,7 @@ Edit split_object(Store& store, Id object, TimeNs from) {
 
 std::string label_of(const Store& store, Id scene, Id observation) {
   std::string label;
-  for (const AnnotationRow& row : store.annotations(scene))  // in the order of being said
+  for (const AnnotationRow& row : store.annotations(scene))
     if (row.type == kLabelType && row.observation == observation) label = row.value;
   return label;
 }
@@ -413,7 +413,7 @@ Edit say(Store& store, const std::string& about, const std::string& key, const s
   else
     set_fact(store, about, key, value);
   const EditList list = edits(store);
-  if (list.done.empty()) refuse(store, "nothing was changed", "it was said already");
+  if (list.done.empty()) refuse(store, "nothing was changed", "the memory has this fact already");
   return list.done.back();
 }
 

@@ -47,9 +47,9 @@ struct Clusters {
   }
 };
 
-class State {
+class BeliefStateWriter {
  public:
-  State(const Store& store, const SceneRow& scene, const std::optional<SceneRow>& previous)
+  BeliefStateWriter(const Store& store, const SceneRow& scene, const std::optional<SceneRow>& previous)
       : scene_(scene), now_(store, scene), beliefs_(store.beliefs({.at = scene.time})) {
     if (previous) before_.emplace(store, *previous);
     for (const PlaceRow& place : store.places()) places_[place.id] = place;
@@ -131,7 +131,7 @@ class State {
       Json candidates = Json::object();
       const auto clutter = now_.clutter.find(row.id);
       const double mistaken = clutter == now_.clutter.end() ? 0.0 : clutter->second;
-      double fresh = 1 - mistaken;  // what is neither is new, or not told yet
+      double fresh = 1 - mistaken;  // the rest: new, or not confirmed yet
       if (const auto found = now_.known.find(row.id); found != now_.known.end())
         for (const auto& [object, probability] : found->second) {
           fresh -= probability;
@@ -145,7 +145,7 @@ class State {
     return list;
   }
 
-  /// Two clusters are of one thing as probably as both are of any one object.
+  /// The probability that two clusters are of one object, summed over the objects.
   Json tracking() const {
     Json list = Json::array();
     for (const ObservationRow& row : now_.rows) {
@@ -182,7 +182,7 @@ class State {
 }  // namespace
 
 Json belief_state(const Store& store, const SceneRow& scene, const std::optional<SceneRow>& previous) {
-  return State(store, scene, previous).json();
+  return BeliefStateWriter(store, scene, previous).json();
 }
 
 void for_each_belief_state(const Store& store, Progress& progress,

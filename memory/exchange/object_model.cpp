@@ -16,47 +16,47 @@
 namespace loci::memory {
 namespace {
 
-/// Sightings closer than this on one place show it where nobody moved it.
+/// Observations closer than this on one place show the object unmoved.
 constexpr double kSameSpot_m = 0.08;
 /// From higher than this it is seen from above.
 constexpr double kAbove_deg = 55;
 
-/// A sighting that may become a view.
+/// An observation that may become a view.
 struct Candidate {
-  ObjectObservation sighting;
+  ObjectObservation observed;
   size_t stay = 0;
 };
 
-std::vector<Candidate> candidates_of(const std::vector<ObjectObservation>& sightings) {
+std::vector<Candidate> candidates_of(const std::vector<ObjectObservation>& observations) {
   std::vector<Candidate> candidates;
   size_t stay = 0;
   const ObservationRow* before = nullptr;
-  for (const ObjectObservation& sighting : sightings) {
-    const ObservationRow& seen = sighting.observation;
+  for (const ObjectObservation& observed : observations) {
+    const ObservationRow& seen = observed.observation;
     if (!seen.position) continue;
     if (before != nullptr &&
         (before->place != seen.place || (*before->position - *seen.position).norm() > kSameSpot_m))
       ++stay;
     before = &seen;
-    candidates.push_back({sighting, stay});
+    candidates.push_back({observed, stay});
   }
   return candidates;
 }
 
-/// Where the object stood in each stay: the mean of its sightings.
+/// Where the object stood in each stay: the mean of its observations.
 std::map<size_t, Vector3d> centres_of(const std::vector<Candidate>& candidates) {
   std::map<size_t, Vector3d> sums;
   std::map<size_t, double> counts;
   for (const Candidate& candidate : candidates) {
     const auto [sum, fresh] = sums.try_emplace(candidate.stay, Vector3d::Zero());
-    sum->second += *candidate.sighting.observation.position;
+    sum->second += *candidate.observed.observation.position;
     counts[candidate.stay] += 1;
   }
   for (auto& [stay, sum] : sums) sum /= counts[stay];
   return sums;
 }
 
-/// The angle from which the camera looks at a centre, in eighths of a turn.
+/// The direction from a centre to the camera, in eighths of a turn.
 int eighth_of(const Vector3d& from_centre) {
   return static_cast<int>(std::floor(std::atan2(from_centre.y(), from_centre.x()) / (kPi / 4)));
 }
@@ -65,15 +65,15 @@ int eighth_of(const Vector3d& from_centre) {
 std::vector<Candidate> chosen_of(const Store& store, std::vector<Candidate> candidates,
                                  const std::map<size_t, Vector3d>& centres, size_t most) {
   std::erase_if(candidates, [](const Candidate& candidate) {
-    return !candidate.sighting.observation.roi || candidate.sighting.observation.points.value_or(0) == 0;
+    return !candidate.observed.observation.roi || candidate.observed.observation.points.value_or(0) == 0;
   });
   std::ranges::stable_sort(candidates, [](const Candidate& a, const Candidate& b) {
-    return *a.sighting.observation.points > *b.sighting.observation.points;
+    return *a.observed.observation.points > *b.observed.observation.points;
   });
   std::map<std::pair<size_t, int>, int> taken;
   std::vector<std::pair<int, size_t>> order;
   for (size_t i = 0; i < candidates.size(); ++i) {
-    const SceneRow scene = store.scene(candidates[i].sighting.observation.scene);
+    const SceneRow scene = store.scene(candidates[i].observed.observation.scene);
     const Vector3d from_centre =
         scene.map_from_camera ? (scene.map_from_camera->translation() - centres.at(candidates[i].stay)).eval()
                               : Vector3d::Zero();
@@ -83,7 +83,7 @@ std::vector<Candidate> chosen_of(const Store& store, std::vector<Candidate> cand
   std::vector<Candidate> chosen;
   for (const auto& [round, i] : order)
     if (chosen.size() < most) chosen.push_back(candidates[i]);
-  std::ranges::stable_sort(chosen, {}, [](const Candidate& candidate) { return candidate.sighting.time; });
+  std::ranges::stable_sort(chosen, {}, [](const Candidate& candidate) { return candidate.observed.time; });
   return chosen;
 }
 
@@ -117,7 +117,7 @@ void register_views(ObjectModel& model, const ObjectModelOptions& options, Progr
     }
     const bool unmoved = view.stay == model.views.front().stay;
     view.placed = unmoved ? "by the pose of the camera: it was not moved, and no alignment is certain"
-                          : "by its centre alone: no alignment says for certain how it was turned";
+                          : "by its centre alone: no alignment shows for certain how it was rotated";
   }
 }
 
@@ -137,17 +137,18 @@ ObjectModel model_of(const Store& store, Id object, const ObjectModelOptions& op
   const Store::ReadTransaction moment(store);
   ObjectModel model;
   model.object = object;
-  const std::vector<ObjectObservation> sightings = store.observations_of(object, as_of);
-  if (sightings.empty()) throw Error(object_name(object) + " was never seen", {store.path().string(), 0, {}});
-  model.sightings = sightings.size();
-  model.evidence = annotation_support(store, sightings);
-  const std::vector<Candidate> candidates = candidates_of(sightings);
+  const std::vector<ObjectObservation> observations = store.observations_of(object, as_of);
+  if (observations.empty())
+    throw Error(object_name(object) + " was never seen", {store.path().string(), 0, {}});
+  model.observations = observations.size();
+  model.evidence = annotation_support(store, observations);
+  const std::vector<Candidate> candidates = candidates_of(observations);
   const std::map<size_t, Vector3d> centres = centres_of(candidates);
   model.cloud.sensor = "remembered depth";
   for (const Candidate& candidate :
        chosen_of(store, candidates, centres, static_cast<size_t>(options.views))) {
-    const SceneRow scene = store.scene(candidate.sighting.observation.scene);
-    std::optional<mapping::Scan> scan = cloud_of(store, scene, candidate.sighting.observation);
+    const SceneRow scene = store.scene(candidate.observed.observation.scene);
+    std::optional<mapping::Scan> scan = cloud_of(store, scene, candidate.observed.observation);
     if (!scan) continue;
     centre(*scan, centres.at(candidate.stay));
     model.views.push_back({.scene = scene.id,
@@ -161,7 +162,7 @@ ObjectModel model_of(const Store& store, Id object, const ObjectModelOptions& op
   }
   if (model.views.empty())
     throw Error(
-        "nothing of the surface of " + object_name(object) + " is kept", {store.path().string(), 0, {}},
+        "nothing of the surface of " + object_name(object) + " is stored", {store.path().string(), 0, {}},
         "depth, masks and poses are needed (loci-perceive run keeps them; loci-memory retain lets them go)");
   register_views(model, options, progress);
   const auto from_centre = [&](size_t i) {
@@ -174,7 +175,7 @@ ObjectModel model_of(const Store& store, Id object, const ObjectModelOptions& op
     ObjectView& view = model.views[i];
     view.side = side_of(from_centre(i), front);
     for (const Candidate& candidate : candidates) {
-      const ObservationRow& seen = candidate.sighting.observation;
+      const ObservationRow& seen = candidate.observed.observation;
       if (seen.scene != view.scene || !seen.crop || !seen.roi) continue;
       const int area = (*seen.roi)[2] * (*seen.roi)[3];
       if (area <= largest[view.side]) continue;
@@ -191,19 +192,19 @@ std::string ObjectModel::summary() const {
     points += view.points;
     registered += view.registered ? 1 : 0;
   }
-  std::string text = fmt::format("{}: {} points of {} views ({} registered) of {} sightings\n",
-                                 object_name(object), points, views.size(), registered, sightings);
+  std::string text = fmt::format("{}: {} points of {} views ({} registered) of {} observations\n",
+                                 object_name(object), points, views.size(), registered, observations);
   for (const ObjectView& view : views)
     text += fmt::format("  scene {}: {}, {} points, {}\n", view.scene, view.side, view.points, view.placed);
   for (const AnnotationSupport& one : evidence)
-    text += fmt::format("  {} '{}': {} sightings, {:.0f} % agree\n", one.type, one.value, one.observations,
+    text += fmt::format("  {} '{}': {} observations, {:.0f} % agree\n", one.type, one.value, one.observations,
                         100 * one.agreement);
   return text;
 }
 
 Json ObjectModel::report() const {
   Json json = {{"object", object_name(object)},
-               {"sightings", sightings},
+               {"observations", observations},
                {"views", Json::array()},
                {"evidence", Json::array()}};
   for (const ObjectView& view : views)

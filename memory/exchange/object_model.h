@@ -19,7 +19,7 @@ namespace loci::memory {
 struct ObjectModelOptions {
   int views = 12;                  ///< at most; those with most points, from as many sides as there are
   double position_error_m = 0.03;  ///< of a view against the others (σ)
-  double yaw_error_deg = 20;       ///< likewise; a thing that was turned further is not registered
+  double yaw_error_deg = 20;       ///< likewise; an object that was rotated further is not registered
   double voxel_m = 0.006;          ///< of the registration
 
   void declare(OptionTable& table);
@@ -29,7 +29,7 @@ struct ObjectModelOptions {
 struct ObjectView {
   Id scene = 0;
   TimeNs time = 0;
-  size_t stay = 0;   ///< those of one number show it at one spot, where nobody moved it
+  size_t stay = 0;   ///< views with one number show the object unmoved
   std::string side;  ///< from where it was seen, as of the first view: front, left, back, right, top
   size_t points = 0;
   bool registered = false;  ///< a chain of trusted alignments leads to the first view
@@ -44,13 +44,13 @@ struct ObjectModel {
   std::vector<ObjectView> views;            ///< in the order of the scans
   std::map<std::string, Id> best_crop;      ///< by side: blob of the largest image
   std::vector<AnnotationSupport> evidence;  ///< most often first, by type
-  size_t sightings = 0;
+  size_t observations = 0;
 
   std::string summary() const;
   Json report() const;
 };
 
-/// Error when the object is unknown or nothing of its surface is kept (no depth, masks or poses).
+/// Error when the object is unknown or nothing of its surface is stored (no depth, masks or poses).
 ObjectModel model_of(const Store& store, Id object, const ObjectModelOptions& options, Progress& progress,
                      const AsOf& as_of = {});
 

@@ -76,7 +76,8 @@ ClusterPoints coarse_points(const Store& store, const SceneRow& scene, const Obs
 }  // namespace
 
 ClusterPoints measured_points(const Store& store, const SceneRow& scene, const ObservationRow& observation) {
-  if (std::optional<ClusterPoints> kept = cluster_points(store, scene, observation)) return *std::move(kept);
+  if (std::optional<ClusterPoints> stored = cluster_points(store, scene, observation))
+    return *std::move(stored);
   return coarse_points(store, scene, observation);
 }
 

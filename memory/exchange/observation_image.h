@@ -10,7 +10,7 @@
 namespace loci::memory {
 
 /// Which pixels of the depth image an observation has: CV_8U of the depth camera's size, 255 = its own.
-/// Without a mask its region of interest; empty when neither is there (let go, or never given).
+/// Without a mask its region of interest; empty without either.
 cv::Mat mask_of(const Store& store, const SceneRow& scene, const ObservationRow& observation);
 
 /// Whose pixels they are: CV_16U of the depth camera's size, the number of the object that is believed to be
@@ -18,12 +18,12 @@ cv::Mat mask_of(const Store& store, const SceneRow& scene, const ObservationRow&
 /// above 65535.
 cv::Mat label_image(const Store& store, const SceneRow& scene, const AsOf& as_of = {});
 
-/// The points of an observation as far as the memory has them: those that are kept, else those of the depth
+/// The points of an observation as far as the memory has them: the stored ones, else those of the depth
 /// thumbnail under its mask. Empty when depth, mask or camera are missing, or no pixel is left.
 ClusterPoints measured_points(const Store& store, const SceneRow& scene, const ObservationRow& observation);
 
 /// The surface of an observation as far as the memory has it: its measured points in the map frame,
-/// coloured by the scene's image where that is kept (taken to be registered with the depth). One origin,
+/// coloured by the scene's image where that is stored (assumed to be registered with the depth). One origin,
 /// the camera. Unset when there are none, or the pose is missing.
 std::optional<mapping::Scan> cloud_of(const Store& store, const SceneRow& scene,
                                       const ObservationRow& observation);

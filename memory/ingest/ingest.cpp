@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kNamedLines = 100;       ///< bad lines whose reason is kept; all are counted
+constexpr size_t kNamedLines = 100;       ///< bad lines with a warning; all are counted
 constexpr size_t kScenesForNoise = 1000;  ///< from the beginning of the file
 
 /// A valid line.
@@ -168,7 +168,7 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
   const Preview ahead = preview(file, options.strict, progress);
   std::vector<PlaceRow> places;
   if (!options.map.empty()) {
-    mapping::read_urdf(options.map);  // says so when it is none
+    mapping::read_urdf(options.map);  // Error when it is not a URDF
     places = places_of_map(options.map);
     if (places.empty()) warnings.add("the map has no places", {options.map.string(), 0, {}});
   }

@@ -8,7 +8,7 @@
 
 namespace loci::memory {
 
-/// How much of a long memory the page shows; what is left out is said on it.
+/// How much of a long memory the page shows; it states what it leaves out.
 struct ReportOptions {
   size_t objects = 100;  ///< with a card: those that were seen most often
   size_t scenes = 200;   ///< in timeline, decisions and log: the last ones

@@ -36,10 +36,10 @@ std::string images_of(const ReportData& data, const ObjectHistory& history) {
   for (auto stay = history.stays.rbegin(); stay != history.stays.rend() && count < kImages; ++stay) {
     const Id scene = stay->scenes.back().scene;
     const TimeNs time = stay->scenes.back().time;
-    for (const ObjectObservation& sighting :
+    for (const ObjectObservation& observed :
          data.store.observations_of(history.now.object.id, {}, time, time)) {
-      if (sighting.observation.scene != scene || !sighting.observation.crop) continue;
-      const BlobRow blob = data.store.blob(*sighting.observation.crop);
+      if (observed.observation.scene != scene || !observed.observation.crop) continue;
+      const BlobRow blob = data.store.blob(*observed.observation.crop);
       const auto* bytes = reinterpret_cast<const unsigned char*>(blob.bytes.data());
       images += html_image({bytes, blob.bytes.size()}, blob.media,
                            history.now.object.name + " at " + data.times.text(time));

@@ -101,7 +101,7 @@ class Merger {
             second_.filename().string(),
             maps > 0 ? "they have no map in common" : "they have neither map nor recording in common"),
         {second_.string(), 0, {}},
-        "say where the second frame lies in the first with --transform x,y,z,yaw_deg (0,0,0,0 = the same)");
+        "give the pose of the second frame in the first with --transform x,y,z,yaw_deg (0,0,0,0 = the same)");
   }
 
   /// Transforms all positions of the second memory into the map frame of the first.

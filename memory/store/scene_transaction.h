@@ -46,7 +46,7 @@ class SceneTransaction {
   void commit();
 
  private:
-  /// `momentary`: it holds at one moment, unless it says otherwise.
+  /// `momentary`: it holds at one moment, unless valid_to is set.
   template <class Row>
   Row stamped(const Row& row, bool momentary = false) const;
 

@@ -3,7 +3,7 @@
 -- Conventions
 --   time      INTEGER, nanoseconds since the Unix epoch, UTC
 --   lengths   REAL, metres; frames: map (z up, floor at z = 0), camera optical (x right, y down, z forward)
---   poses     seven columns x, y, z, qx, qy, qz, qw; always target_from_source as the column prefix says
+--   poses     seven columns x, y, z, qx, qy, qz, qw; always target_from_source by the column prefix
 --   colour    hue 0 to 360, saturation and value 0 to 1
 --   NULL      unset, unknown; never zero or identity
 --   ids       INTEGER here; object 12 is "object_12" for people

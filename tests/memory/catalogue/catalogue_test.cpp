@@ -72,7 +72,7 @@ TEST_F(CatalogueTest, HoldsWhatThingsAreAndNoEpisodes) {
   const Catalogue made = catalogue();
   ASSERT_EQ(made.entries.size(), 2U);
   EXPECT_EQ(made.entries[0].class_name, "mug");
-  EXPECT_EQ(made.entries[0].sightings, 3U);
+  EXPECT_EQ(made.entries[0].observations, 3U);
   EXPECT_FALSE(made.entries[0].views.empty());
   EXPECT_TRUE(made.entries[1].facts.empty()) << "a state is an episode";
   const Json json = to_json(made);
