@@ -215,6 +215,15 @@ void ArgumentTable::memory(std::string& file) {
   arguments_.back().default_text = "$LOCI_MEMORY, or the only *.loci file here";
 }
 
+void ArgumentTable::output(std::string_view value_name, Variable variable, std::string description) {
+  option(fmt::format("-o,--output {}", value_name), variable, std::move(description), {.required = true});
+}
+
+void ArgumentTable::package_path(Variable folders) {
+  option("--package-path FOLDER", folders,
+         "Folder with packages, for package://NAME/… in a URDF; may be repeated");
+}
+
 const Argument* ArgumentTable::find(std::string_view name) const {
   const auto found = std::find_if(arguments_.begin(), arguments_.end(), [&](const Argument& argument) {
     return argument.name == name || (!argument.short_name.empty() && argument.short_name == name);

@@ -77,6 +77,10 @@ class ArgumentTable {
   /// The memory that a command works on, "-m,--memory": given, or in LOCI_MEMORY, or the only *.loci file of
   /// the current folder.
   void memory(std::string& file);
+  /// "-o,--output VALUE_NAME", required.
+  void output(std::string_view value_name, Variable variable, std::string description);
+  /// "--package-path FOLDER".
+  void package_path(Variable folders);
   /// Heading of the arguments declared from now on.
   void begin_group(std::string name) { group_ = std::move(name); }
 

@@ -7,7 +7,7 @@ namespace loci::apps {
 
 Command record_command() {
   return {"record",
-          "Plays a scenario and renders it",
+          "Render a scenario as a recording",
           {"loci-simulate record apps/samples/day.yaml -o demo-output/day",
            "loci-simulate record apps/samples/tour.yaml -o demo-output/tour --seed 1 --noise kinect"},
           [](ArgumentTable& table) {
@@ -17,10 +17,9 @@ Command record_command() {
             };
             auto arguments = std::make_shared<Arguments>();
             table.positional("SCENARIO", &arguments->scenario, "Scenario (YAML)");
-            table.option("-o,--output", &arguments->output, "Folder of the recording", {.required = true});
-            table.option("--package-path", &arguments->options.package_paths,
-                         "Folder that holds packages (package://NAME/…); can be given several times");
-            table.options(table_of(arguments->options));
+            table.output("FOLDER", &arguments->output, "Folder of the recording");
+            table.package_path(&arguments->options.package_paths);
+            table.options(table_of(arguments->options), "Rendering");
             return [arguments](Session& session) {
               arguments->options.threads = session.flags().threads;
               const mapping::RecordResult result =

@@ -13,7 +13,8 @@ namespace loci::apps {
 namespace {
 
 struct Arguments {
-  std::string world, out, poses, floor = "0", ceiling = "none";
+  std::string world, out, poses;
+  std::optional<double> floor = 0, ceiling;
   std::vector<std::string> joints;
   std::vector<std::filesystem::path> package_paths;
   bool odometry = false;
@@ -49,11 +50,6 @@ JointState joints_from(const std::vector<std::string>& texts) {
   return state;
 }
 
-std::optional<double> height_from(const std::string& text, const std::string& what) {
-  if (text == "none") return std::nullopt;
-  return number_from(text, what);
-}
-
 Json scan_report(const mapping::Scan& scan) {
   size_t returned = 0;
   for (const mapping::ScanPoint& point : scan.points) returned += point.returned ? 1 : 0;
@@ -75,8 +71,8 @@ void scan(Arguments& arguments, Session& session) {
   const std::vector<mapping::PlanarPose> poses = mapping::planar_poses_from(arguments.poses, "--poses");
   mapping::SimulatedRobotOptions options;
   options.package_paths = arguments.package_paths;
-  options.floor = height_from(arguments.floor, "--floor");
-  options.ceiling = height_from(arguments.ceiling, "--ceiling");
+  options.floor = arguments.floor;
+  options.ceiling = arguments.ceiling;
   options.laser = arguments.laser;
   options.odometry = arguments.odometry ? arguments.drift : mapping::OdometryModel{0, 0, 0};
   options.seed = static_cast<uint64_t>(arguments.seed);
@@ -109,24 +105,23 @@ void scan(Arguments& arguments, Session& session) {
 Command scan_command() {
   return {
       "scan",
-      "Scans a world with a simulated tilting laser",
+      "Scan a world with a simulated tilting laser",
       {"loci-simulate scan apps/samples/kitchen.urdf --poses \"1.5,1.5,0; 2.5,1.5,180\" -o demo-output/laser",
        "loci-simulate scan apps/samples/kitchen.urdf --poses \"1.5,1.5,90\" --joints "
        "drawer_1_front_joint=0.3 --odometry --seed 7 -o demo-output/laser_open"},
       [](ArgumentTable& table) {
         auto arguments = std::make_shared<Arguments>();
-        table.positional("WORLD", &arguments->world, "World (URDF)");
-        table.option("--poses", &arguments->poses,
-                     "Where the robot stands: \"x,y,yaw_deg; x,y,yaw_deg; …\", metres, in the world's frame",
+        table.positional("WORLD", &arguments->world, "URDF of the world to scan");
+        table.option("--poses POSES", &arguments->poses,
+                     "Poses of the robot in the world frame: \"x,y,yaw_deg; x,y,yaw_deg; …\"",
                      {.required = true});
-        table.option("-o,--output", &arguments->out, "Folder of the scan set", {.required = true});
-        table.option("--package-path", &arguments->package_paths,
-                     "Folder that holds packages (package://NAME/…); can be given several times");
-        table.option("--floor", &arguments->floor,
-                     "Height of a floor that is added where the world has none, or 'none'", {.unit = "m"});
-        table.option("--ceiling", &arguments->ceiling, "Likewise of a ceiling", {.unit = "m"});
-        table.option("--joints", &arguments->joints, "What stands open: joint=value …", {.unit = "m or rad"});
-        table.options(table_of(*arguments));
+        table.output("FOLDER", &arguments->out, "Folder of the scan set");
+        table.package_path(&arguments->package_paths);
+        table.option("--floor HEIGHT", &arguments->floor, "Add a floor at this height", {.unit = "m"});
+        table.option("--ceiling HEIGHT", &arguments->ceiling, "Add a ceiling at this height", {.unit = "m"});
+        table.option("--joints JOINT=VALUE", &arguments->joints, "Position of a joint; may be repeated",
+                     {.unit = "m or rad"});
+        table.options(table_of(*arguments), "Sensor and odometry");
         return [arguments](Session& session) { scan(*arguments, session); };
       }};
 }

@@ -1,7 +1,6 @@
-// What a memory holds, for other programs.
+// Exchange with other programs: ingest, export, catalogue, model, report.
 
 #include <fmt/format.h>
-
 #include <algorithm>
 
 #include "apps/memory/commands.h"
@@ -14,14 +13,50 @@
 #include "mapping/recording/recording.h"
 #include "mapping/world/urdf.h"
 #include "memory/annotators/memory_session.h"
+#include "memory/catalogue/catalogue.h"
 #include "memory/exchange/belief_states.h"
 #include "memory/exchange/dataset.h"
+#include "memory/exchange/object_model.h"
 #include "memory/exchange/observation_image.h"
 #include "memory/exchange/owl_individuals.h"
+#include "memory/ingest/ingest.h"
 #include "memory/questions/map_names.h"
+#include "memory/questions/snapshot.h"
+#include "memory/report/memory_report.h"
 #include "memory/store/scene_images.h"
 
 namespace loci::apps {
+
+Command ingest_command() {
+  return {"ingest",
+          "Takes in detections of other systems",
+          {"loci-memory ingest apps/samples/detections.jsonl -m demo-output/detections.loci --resume",
+           "loci-memory ingest apps/samples/detections.jsonl -m demo-output/detections_map.loci --map "
+           "apps/samples/kitchen.urdf --strict --resume --json"},
+          [](ArgumentTable& table) {
+            struct Arguments {
+              std::string file, memory, map, now;
+              memory::IngestOptions options;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            table.positional("FILE", &arguments->file, "Detections, one scene per line (JSON Lines)");
+            table.memory(arguments->memory);
+            table.option("--map", &arguments->map, "URDF of the kitchen, for the places");
+            table.option("--now", &arguments->now, "When the memory learns it, ISO 8601",
+                         {.default_text = "the clock"});
+            table.options(table_of(arguments->options));
+            return [arguments](Session& session) {
+              memory::WriteOptions write;
+              if (!arguments->now.empty()) write.now = parse_time(arguments->now);
+              arguments->options.map = arguments->map;
+              const memory::IngestResult result =
+                  ingest(arguments->file, arguments->memory, arguments->options, write, session.progress(),
+                         session.warnings());
+              session.answer(result.summary(), result.report());
+            };
+          }};
+}
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -140,14 +175,14 @@ std::function<std::optional<mapping::RgbdFrame>(const memory::SceneRow&)> frames
   };
 }
 
-struct Arguments {
+struct ExportArguments {
   std::string memory, folder;
   bool labels = false, kinds = false, clouds = false, owl = false, beliefs = false, map = false;
   std::string dataset, recording;
   bool by_object = false;
 };
 
-void write_dataset(const Arguments& arguments, const memory::Store& store, Session& session) {
+void write_dataset(const ExportArguments& arguments, const memory::Store& store, Session& session) {
   memory::DatasetOptions options;
   options.by_object = arguments.by_object;
   if (!arguments.recording.empty()) options.frame_of = frames_of(store, arguments.recording);
@@ -155,7 +190,7 @@ void write_dataset(const Arguments& arguments, const memory::Store& store, Sessi
   session.answer("Dataset " + arguments.dataset + ": " + result.summary(), result.report());
 }
 
-void export_memory(const Arguments& arguments, Session& session) {
+void export_memory(const ExportArguments& arguments, Session& session) {
   const memory::Store store = memory::Store::open_read(arguments.memory);
   if (!arguments.dataset.empty()) return write_dataset(arguments, store, session);
   const fs::path folder = arguments.folder;
@@ -198,7 +233,7 @@ Command export_command() {
        "loci-memory export -m demo-output/memory.loci --dataset demo-output/dataset --by-object "
        "--recording demo-output/day"},
       [](ArgumentTable& table) {
-        auto arguments = std::make_shared<Arguments>();
+        auto arguments = std::make_shared<ExportArguments>();
         table.memory(arguments->memory);
         table.option("-o,--output", &arguments->folder, "Folder for the files");
         table.flag("--labels", arguments->labels,
@@ -229,6 +264,143 @@ Command export_command() {
           export_memory(*arguments, session);
         };
       }};
+}
+
+namespace {
+
+struct CatalogueArguments {
+  std::string action, file, memory;
+};
+
+void export_to(const CatalogueArguments& arguments, Session& session) {
+  const memory::Catalogue catalogue = catalogue_of(memory::Store::open_read(arguments.memory));
+  write_file_atomically(arguments.file, to_json(catalogue).dump(1) + "\n");
+  std::map<std::string, size_t> classes;
+  for (const memory::CatalogueEntry& entry : catalogue.entries) ++classes[entry.class_name];
+  std::string text = fmt::format("{} things in {}", catalogue.entries.size(), arguments.file);
+  Json named = Json::object();
+  for (const auto& [name, count] : classes) {
+    text += fmt::format("\n  {:20} {:4}", name.empty() ? "(nobody says what)" : name, count);
+    if (!name.empty()) named[name] = count;
+  }
+  session.answer(text, {{"things", catalogue.entries.size()}, {"classes", named}, {"file", arguments.file}});
+}
+
+void import_from(const CatalogueArguments& arguments, Session& session) {
+  const memory::Catalogue catalogue = memory::read_home_catalogue(arguments.file);
+  memory::Store::open_read(arguments.memory);  // a mistyped name must not make a new memory
+  memory::Store store = memory::Store::open_write(arguments.memory);
+  const memory::CatalogueResult result = import_catalogue(store, catalogue);
+  session.answer(result.summary(), result.report());
+}
+
+}  // namespace
+
+Command catalogue_command() {
+  return {"catalogue",
+          "Object knowledge to and from another home: what there is, its names, looks and habits",
+          {"loci-memory catalogue export demo-output/catalogue.json -m demo-output/memory.loci",
+           "loci-memory catalogue import demo-output/catalogue.json -m demo-output/detections.loci --json"},
+          [](ArgumentTable& table) {
+            auto arguments = std::make_shared<CatalogueArguments>();
+            table.positional("ACTION", &arguments->action, "export FILE, or import FILE",
+                             {.choices = {"export", "import"}});
+            table.positional("FILE", &arguments->file, "The catalogue, JSON");
+            table.memory(arguments->memory);
+            return [arguments](Session& session) {
+              arguments->action == "export" ? export_to(*arguments, session)
+                                            : import_from(*arguments, session);
+            };
+          }};
+}
+
+namespace {
+
+/// The object that words mean; Error when they mean several.
+memory::Id one_object(const memory::Store& store, const std::string& words, const memory::AsOf& as_of) {
+  const memory::Snapshot snapshot(store, as_of);
+  const std::vector<memory::Id> found = snapshot.find_objects(words);
+  if (found.size() == 1) return found.front();
+  throw Error(fmt::format("'{}' means {} objects", words, found.size()), {store.path().string(), 0, {}},
+              fmt::format("{} is the most probable one", memory::object_name(found.front())));
+}
+
+}  // namespace
+
+Command model_command() {
+  return {
+      "model",
+      "What the observations of an object add up to: cloud, best images, evidence",
+      {"loci-memory model object_1 -m demo-output/memory.loci -o demo-output/object_1.ply",
+       "loci-memory model object_1 -m demo-output/memory.loci -o demo-output/object_1.ply --views 4 --json"},
+      [](ArgumentTable& table) {
+        struct Arguments {
+          MemoryArguments memory;
+          std::vector<std::string> subject;
+          std::string output;
+          memory::ObjectModelOptions options;
+        };
+        auto arguments = std::make_shared<Arguments>();
+        arguments->memory.declare(table);
+        table.positional("OBJECT...", &arguments->subject, "object_12, or words that mean one object");
+        table.option("-o,--output", &arguments->output,
+                     "PLY for the cloud; the best image per side is written beside it", {.required = true});
+        table.options(table_of(arguments->options));
+        return [arguments](Session& session) {
+          table_of(arguments->options).validate();
+          const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+          const memory::AsOf as_of = arguments->memory.as_of(store);
+          const memory::ObjectModel model =
+              model_of(store, one_object(store, joined(arguments->subject), as_of), arguments->options,
+                       session.progress(), as_of);
+          write_file_atomically(arguments->output, ply_text(model.cloud));
+          Json json = model.report();
+          json["cloud"] = arguments->output;
+          json["images"] = Json::object();
+          std::filesystem::path base = arguments->output;
+          base.replace_extension();
+          for (const auto& [side, crop] : model.best_crop) {
+            const memory::BlobRow image = store.blob(crop);
+            const std::string file =
+                fmt::format("{}_{}.{}", base.string(), side, image.media == "image/png" ? "png" : "jpg");
+            write_file_atomically(file, image.bytes);
+            json["images"][side] = file;
+          }
+          session.answer(model.summary() + "Written to " + arguments->output + ".", json);
+        };
+      }};
+}
+
+Command report_command() {
+  return {"report",
+          "Writes a self-contained HTML page about a memory",
+          {"loci-memory report -m demo-output/memory.loci -o demo-output/memory.html",
+           "loci-memory report -m demo-output/memory.loci --append-to demo-output/report.html"},
+          [](ArgumentTable& table) {
+            struct Arguments {
+              std::string memory, output, append_to;
+              memory::ReportOptions options;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            table.memory(arguments->memory);
+            table.option("-o,--output", &arguments->output, "The page to write");
+            table.option("--append-to", &arguments->append_to,
+                         "A page of loci-map's report, to which the memory's sections are added",
+                         {.excludes = {"--output"}});
+            table.option("--objects", &arguments->options.objects, "So many objects at most get a card");
+            table.option("--scenes", &arguments->options.scenes,
+                         "So many scenes at most, the last ones, in timeline, decisions and log", {.min = 1});
+            return [arguments](Session& session) {
+              const bool append_to_page = !arguments->append_to.empty();
+              const std::string target = append_to_page ? arguments->append_to : arguments->output;
+              if (target.empty()) throw Error("nowhere to write to", {}, "give -o FILE or --append-to PAGE");
+              std::optional<std::string> page;
+              if (append_to_page) page = read_file(target);
+              write_file_atomically(target, memory_report(memory::Store::open_read(arguments->memory), page,
+                                                          arguments->options, session.progress()));
+              session.answer("report " + target, Json{{"report", target}});
+            };
+          }};
 }
 
 }  // namespace loci::apps

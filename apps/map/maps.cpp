@@ -1,28 +1,88 @@
-#include <fmt/format.h>
+// Finished maps: check, compare, export.
 
+#include <fmt/format.h>
 #include <chrono>
 
 #include "apps/map/commands.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/exchange/compare.h"
 #include "mapping/exchange/link_graph.h"
 #include "mapping/exchange/occupancy_grid.h"
 #include "mapping/exchange/owl.h"
 #include "mapping/exchange/ply.h"
 #include "mapping/exchange/sdf.h"
+#include "mapping/world/inspection.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::apps {
+
+Command check_command() {
+  return {"check",
+          "Check a URDF and list its contents",
+          {"loci-map check apps/samples/kitchen.urdf", "loci-map check demo-output/map.urdf --json"},
+          [](ArgumentTable& table) {
+            struct Arguments {
+              std::string urdf;
+              std::vector<std::string> package_paths;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            table.positional("URDF", &arguments->urdf, "URDF file; the sidecar of a map is found beside it");
+            table.package_path(&arguments->package_paths);
+            return [arguments](Session& session) {
+              const std::filesystem::path path = arguments->urdf;
+              const mapping::MeshSearch search = {
+                  {arguments->package_paths.begin(), arguments->package_paths.end()}, path.parent_path()};
+              const mapping::World world = mapping::read_urdf(path);
+              mapping::WorldInspection inspection = inspect(world, search, session.warnings());
+              if (const auto sidecar = mapping::sidecar_path(path); std::filesystem::exists(sidecar))
+                inspect_sidecar(mapping::read_semantic_map(sidecar), world, inspection, session.warnings());
+              session.answer(inspection.report(), inspection.to_json());
+            };
+          }};
+}
+
+Command compare_command() {
+  return {"compare",
+          "Compare a map with another map or with ground truth",
+          {"loci-map compare apps/samples/kitchen.urdf apps/samples/kitchen.urdf",
+           "loci-map compare demo-output/map.urdf apps/samples/kitchen.urdf --json"},
+          [](ArgumentTable& table) {
+            struct Arguments {
+              std::string map, truth;
+              std::vector<std::string> package_paths;
+              mapping::ComparisonOptions options;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            table.positional("MAP", &arguments->map, "URDF of the map");
+            table.positional("TRUTH", &arguments->truth, "URDF (with sidecar or geometry) or truth.json");
+            table.package_path(&arguments->package_paths);
+            table.options(table_of(arguments->options), "Comparison");
+            return [arguments](Session& session) {
+              const auto read = [&](const std::string& path) {
+                mapping::MeshSearch search;
+                for (const std::string& folder : arguments->package_paths)
+                  search.package_paths.emplace_back(folder);
+                search.urdf_folder = std::filesystem::path(path).parent_path();
+                return read_structure(path, search, session.warnings());
+              };
+              const mapping::Comparison result =
+                  compare(read(arguments->map), read(arguments->truth), arguments->options);
+              session.answer(result.text(), result.report());
+            };
+          }};
+}
+
 namespace {
 
-struct Arguments {
+struct ExportArguments {
   std::string input, format, out, root;
   std::vector<std::string> package_paths;
   mapping::GridOptions grid;
 };
 
 /// The format that was named, or else that a file's ending means.
-std::string format_of(const Arguments& arguments) {
+std::string format_of(const ExportArguments& arguments) {
   if (!arguments.format.empty()) return arguments.format;
   const std::string ending = std::filesystem::path(arguments.out).extension();
   for (const char* format : {"sdf", "owl", "ply", "bt", "svg"})
@@ -54,7 +114,7 @@ int64_t modified_ns(const std::filesystem::path& file) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count();
 }
 
-Json export_map(const Arguments& arguments, const std::string& format, Session& session) {
+Json export_map(const ExportArguments& arguments, const std::string& format, Session& session) {
   const mapping::World world = mapping::read_urdf(arguments.input);
   const std::filesystem::path sidecar = mapping::sidecar_path(arguments.input);
   const bool described = std::filesystem::exists(sidecar);
@@ -79,7 +139,7 @@ Json export_map(const Arguments& arguments, const std::string& format, Session& 
   return {{"files", {arguments.out}}};
 }
 
-Json export_scans(const Arguments& arguments, const std::string& format) {
+Json export_scans(const ExportArguments& arguments, const std::string& format) {
   const mapping::ScanSet scans = mapping::read_scan_set(arguments.input);
   if (format == "ply") return write_text(ply_text(scans), arguments.out);
   if (format != "grid" && format != "bt")
@@ -95,7 +155,7 @@ Json export_scans(const Arguments& arguments, const std::string& format) {
   return {{"files", {arguments.out}}};
 }
 
-void run(const Arguments& arguments, Session& session) {
+void run(const ExportArguments& arguments, Session& session) {
   const std::string format = format_of(arguments);
   const std::filesystem::path input = arguments.input;
   if (!std::filesystem::exists(input)) throw Error("does not exist", {arguments.input, 0, ""});
@@ -111,21 +171,21 @@ void run(const Arguments& arguments, Session& session) {
 
 Command export_command() {
   return {"export",
-          "A map as SDF, OWL, PLY, grid, OctoMap or link graph; scans as PLY, grid, OctoMap",
+          "Export a map as SDF, OWL, PLY, grid, OctoMap or link graph; scans as PLY, grid or OctoMap",
           {"loci-map export apps/samples/kitchen.urdf -o demo-output/kitchen.sdf",
            "loci-map export apps/samples/kitchen.urdf --format grid --resolution-m 0.02 -o "
            "demo-output/floor.yaml"},
           [](ArgumentTable& table) {
-            auto arguments = std::make_shared<Arguments>();
+            auto arguments = std::make_shared<ExportArguments>();
             table.positional("MAP", &arguments->input,
-                             "URDF of the map (its sidecar beside it), or a folder of scans");
-            table.option("-o,--output", &arguments->out, "File to write", {.required = true});
-            table.option("--format", &arguments->format, "What to write; without, the file's ending says it",
-                         {.choices = {"sdf", "owl", "ply", "grid", "bt", "svg"}});
-            table.option("--root", &arguments->root, "Link graph: begin with this link");
-            table.option("--package-path", &arguments->package_paths,
-                         "Folder for package:// names; may repeat");
-            table.options(table_of(arguments->grid));
+                             "URDF of the map (the sidecar is found beside it), or a folder of scans");
+            table.output("FILE", &arguments->out, "File to write");
+            table.option(
+                "--format FORMAT", &arguments->format, "Format",
+                {.default_text = "by the file name", .choices = {"sdf", "owl", "ply", "grid", "bt", "svg"}});
+            table.option("--root LINK", &arguments->root, "Link with which the link graph begins");
+            table.package_path(&arguments->package_paths);
+            table.options(table_of(arguments->grid), "Grid");
             return [arguments](Session& session) {
               table_of(arguments->grid).validate({"", 0, "export"});
               run(*arguments, session);

@@ -1,15 +1,20 @@
+// What is learned before a run: train, surface.
+
 #include <fmt/format.h>
 
 #include "apps/perceive/commands.h"
 #include "mapping/base/json.h"
+#include "mapping/recording/recording.h"
+#include "perception/annotators/hypotheses/flat_object_extractor.h"
 #include "perception/annotators/io/labelled_recording.h"
 #include "perception/classification/ensemble.h"
 #include "perception/recognition/template_detector.h"
 
 namespace loci::apps {
+
 namespace {
 
-struct Arguments {
+struct TrainArguments {
   std::string dataset, out;
   std::vector<std::string> experts = {"VFH:svm", "ESF:svm", "PFH:svm"};
   bool templates = false;
@@ -29,7 +34,7 @@ std::map<std::string, size_t> leave_out_small_classes(std::vector<perception::La
 }
 
 /// Templates of every labelled view, for the annotator TemplateDetector.
-void train_templates(const Arguments& given, Session& session) {
+void train_templates(const TrainArguments& given, Session& session) {
   const perception::LabelledRecording labelled = perception::open_labelled_recording(given.dataset);
   perception::TemplateDetector detector;
   size_t views = 0;
@@ -46,7 +51,7 @@ void train_templates(const Arguments& given, Session& session) {
                  {{"templates", detector.templates()}, {"views", views}, {"out", given.out}});
 }
 
-void train(Arguments& given, Session& session) {
+void train(TrainArguments& given, Session& session) {
   if (given.templates) return train_templates(given, session);
   table_of(given.options).validate();
   std::vector<perception::ExpertSpec> experts;
@@ -85,27 +90,68 @@ void train(Arguments& given, Session& session) {
 
 Command train_command() {
   return {"train",
-          "Trains a classifier of clusters from labelled images",
+          "Train a classifier of clusters from labelled images",
           {"loci-perceive train tests/data/blocks -o demo-output/blocks.model --folds 2",
            "loci-perceive train tests/data/blocks -o demo-output/blocks.model --folds 2 --expert VFH:knn:L1 "
            "--k 2 --json",
            "loci-perceive train tests/data/blocks -o demo-output/blocks.templates --templates"},
           [](ArgumentTable& table) {
-            auto given = std::make_shared<Arguments>();
-            table.positional(
-                "DATASET", &given->dataset,
-                "Recording with FRAME_label.png for its depth images (0 not judged, 1 to 19 table, from 20 "
-                "on tens are objects) and objects.csv (scene, label_group, class)");
-            table.option("-o,--output", &given->out, "The model, for the annotator FeatureClassifier",
-                         {.required = true});
-            table.option("--expert", &given->experts,
-                         "DESCRIPTOR:CLASSIFIER[:DISTANCE], several times; they are fused");
+            auto given = std::make_shared<TrainArguments>();
+            table.positional("DATASET", &given->dataset,
+                             "Recording with FRAME_label.png for its depth images (0 ignored, 1 to 19 table, "
+                             "objects in tens from 20 on) and objects.csv (scene, label_group, class)");
+            table.output("FILE", &given->out, "The model, for the annotator FeatureClassifier");
+            table.option("--expert SPEC", &given->experts,
+                         "DESCRIPTOR:CLASSIFIER[:DISTANCE]; may be repeated, the experts are fused");
             table.flag("--templates", given->templates,
-                       "Templates of whole images instead, for the annotator TemplateDetector");
-            table.option("--folds", &given->folds, "Parts for cross-validation", {.min = 2, .max = 100});
-            table.option("--seed", &given->seed, "Of the forests");
-            table.options(table_of(given->options));
+                       "Train templates of whole images instead, for the annotator TemplateDetector");
+            table.option("--folds N", &given->folds, "Number of folds of the cross-validation",
+                         {.min = 2, .max = 100});
+            table.option("--seed N", &given->seed, "Seed of the forests");
+            table.options(table_of(given->options), "Classifiers");
             return [given](Session& session) { train(*given, session); };
+          }};
+}
+
+namespace {
+
+struct SurfaceArguments {
+  std::string recording;
+  std::string output;
+  int frames = 100;
+};
+
+void run(const SurfaceArguments& given, Session& session) {
+  const std::unique_ptr<mapping::Recording> recording = mapping::open_recording(given.recording);
+  const size_t count = std::min(recording->size(), static_cast<size_t>(given.frames));
+  perception::SurfaceCalibration calibration;
+  for (size_t i = 0; i < count; ++i) {
+    session.progress().check(static_cast<double>(i) / static_cast<double>(count), "averaging");
+    calibration.add(recording->frame(i).depth);
+  }
+  const cv::Mat mean = calibration.mean();
+  const double known =
+      static_cast<double>(cv::countNonZero(mean == mean)) / static_cast<double>(mean.total());
+  perception::write_surface(given.output, mean);
+  session.answer(fmt::format("the mean of {} images, {:.0f} % of the pixels known: {}\n", count, 100 * known,
+                             given.output),
+                 {{"frames", count}, {"known", known}, {"file", given.output}});
+}
+
+}  // namespace
+
+Command surface_command() {
+  return {"surface",
+          "Average depth images of an empty workspace for the detection of flat objects",
+          {"loci-perceive surface demo-output/day -o demo-output/surface.png --max-frames 5",
+           "loci-perceive surface demo-output/day -o demo-output/surface.png --json"},
+          [](ArgumentTable& table) {
+            auto given = std::make_shared<SurfaceArguments>();
+            table.positional("RECORDING", &given->recording,
+                             "Recording of the empty workspace by a fixed camera");
+            table.output("FILE", &given->output, "PNG, 16 bit, in tenths of a millimetre");
+            table.option("--max-frames N", &given->frames, "Maximum number of images", {.min = 1});
+            return [given](Session& session) { run(*given, session); };
           }};
 }
 

@@ -73,22 +73,24 @@ void articulate_map(const ArticulateArguments& arguments, Session& session) {
 Command articulate_command() {
   return {
       "articulate",
-      "Joints from recorded tracks, or from scans before and after something moved",
+      "Estimate joints from recorded tracks, or from scans before and after a front moved",
       {"loci-map articulate --track apps/samples/tracks/door.csv",
        "loci-map articulate --track apps/samples/tracks/drawer.csv --json"},
       [](ArgumentTable& table) {
         auto arguments = std::make_shared<ArticulateArguments>();
-        table.option("--track", &arguments->track, "CSV with x, y, z and maybe qx, qy, qz, qw");
-        table.option("--before", &arguments->before, "Scan set with everything closed",
+        table.option("--track CSV", &arguments->track, "Track with x, y, z and optionally qx, qy, qz, qw");
+        table.option("--before SCANS", &arguments->before, "Scan set with everything closed",
                      {.needs = {"--after", "--map"}, .excludes = {"--track"}});
-        table.option("--after", &arguments->after, "Scan set with a front open", {.needs = {"--before"}});
-        table.option("--map", &arguments->map, "URDF of the map, with its sidecar", {.needs = {"--before"}});
-        table.option("--front", &arguments->front, "Asks for this front only",
-                     {.default_text = "which moved", .needs = {"--map"}});
-        table.option("-o,--output", &arguments->out, "URDF of the map with what was learned",
+        table.option("--after SCANS", &arguments->after, "Scan set with a front open",
+                     {.needs = {"--before"}});
+        table.option("--map MAP", &arguments->map, "URDF of the map; the sidecar is found beside it",
+                     {.needs = {"--before"}});
+        table.option("--front NAME", &arguments->front, "Examine only this front",
+                     {.default_text = "all", .needs = {"--map"}});
+        table.option("-o,--output URDF", &arguments->out, "Write the map with the estimated joints",
                      {.needs = {"--map"}});
-        table.options(table_of(arguments->options));
-        table.options(table_of(arguments->difference));
+        table.options(table_of(arguments->options), "Tracks");
+        table.options(table_of(arguments->difference), "Scans before and after");
         return [arguments](Session& session) {
           if (!arguments->before.empty()) return articulate_map(*arguments, session);
           if (arguments->track.empty())

@@ -1,5 +1,6 @@
-#include <fmt/format.h>
+// Scanning by next best view: explore, next-view.
 
+#include <fmt/format.h>
 #include <set>
 
 #include "apps/map/commands.h"
@@ -8,13 +9,79 @@
 #include "mapping/base/math.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/exchange/occupancy_grid.h"
+#include "mapping/sensor/pose_text.h"
+#include "mapping/simulation/simulated_robot.h"
 #include "nbv/images.h"
 #include "nbv/planner.h"
+#include "nbv/survey.h"
 
 namespace loci::apps {
+
 namespace {
 
-struct Arguments {
+struct ExploreArguments {
+  std::string world, out, start, scanner = "hokuyo";
+  std::vector<std::string> package_paths;
+  std::optional<double> floor = 0;
+  std::optional<double> ceiling;
+  bool resume = false;
+  nbv::SurveyOptions options;
+};
+
+void explore(ExploreArguments& arguments, Session& session) {
+  nbv::ExplorationOptions& exploration = arguments.options.exploration;
+  exploration.threads = session.flags().threads;
+  mapping::SimulatedRobotOptions world;
+  for (const std::string& folder : arguments.package_paths) world.package_paths.emplace_back(folder);
+  world.floor = arguments.floor;
+  world.ceiling = arguments.ceiling;
+  world.laser = exploration.laser;
+  world.seed = exploration.seed;
+  world.threads = exploration.threads;
+  mapping::SimulatedRobot robot(arguments.world, world, {}, session.warnings());
+  const mapping::PlanarPose start = arguments.start.empty()
+                                        ? robot.open_place()
+                                        : mapping::planar_poses_from(arguments.start, "--start").front();
+  robot.put_at(start);
+  const nbv::SurveyResult result = survey(robot, start, arguments.out, arguments.resume, arguments.options,
+                                          session.progress(), session.warnings());
+  for (const std::string& note : result.map.notes) session.warnings().add(note);
+  for (const mapping::StageTime& time : result.map.times) session.timing(time.stage, time.seconds);
+  session.answer(
+      result.summary() + "in " + arguments.out + "/map.urdf, see " + arguments.out + "/report.html",
+      result.report());
+}
+
+}  // namespace
+
+Command explore_command() {
+  return {"explore",
+          "Explore and map an unknown kitchen by next best view",
+          {"loci-map explore apps/samples/kitchen.urdf -o demo-output/kitchen",
+           "loci-map explore apps/samples/kitchen.urdf --interact --seed 2 -o demo-output/kitchen_2 --json"},
+          [](ArgumentTable& table) {
+            auto arguments = std::make_shared<ExploreArguments>();
+            table.positional("WORLD", &arguments->world, "URDF of the world to scan");
+            table.output("FOLDER", &arguments->out, "Folder of the map, its scans and the report");
+            table.package_path(&arguments->package_paths);
+            table.option("--start POSE", &arguments->start,
+                         "Pose of the first scan in the world frame: x,y,yaw_deg",
+                         {.default_text = "the most open floor"});
+            table.option("--scanner SENSOR", &arguments->scanner, "Sensor", {.choices = {"hokuyo"}});
+            table.option("--floor HEIGHT", &arguments->floor, "Add a floor at this height", {.unit = "m"});
+            table.option("--ceiling HEIGHT", &arguments->ceiling, "Add a ceiling at this height",
+                         {.unit = "m"});
+            table.option("--seed N", &arguments->options.exploration.seed, "Seed of noise and samples");
+            table.flag("--interact", arguments->options.interact, "Pull each handle and scan again");
+            table.flag("--resume", arguments->resume, "Continue an exploration that was interrupted");
+            table.options(table_of(arguments->options), "Exploration");
+            return [arguments](Session& session) { explore(*arguments, session); };
+          }};
+}
+
+namespace {
+
+struct NextViewArguments {
   std::string scans, pool, out;
   std::vector<double> robot;  ///< x, y, yaw in degrees; empty = at the last scan
   int seed = 1;
@@ -67,8 +134,8 @@ std::string view_text(const nbv::NextView& view) {
 }
 
 /// The scans of the pool that are not in the map yet, by name.
-void choose(const Arguments& arguments, const mapping::ScanSet& scans, const mapping::OccupancyMap& map,
-            Session& session) {
+void choose(const NextViewArguments& arguments, const mapping::ScanSet& scans,
+            const mapping::OccupancyMap& map, Session& session) {
   const mapping::ScanSet pool = read_scans(arguments.pool, "a pool");
   std::set<std::string> taken;
   for (const mapping::Scan& scan : scans.scans) taken.insert(scan.name);
@@ -85,7 +152,7 @@ void choose(const Arguments& arguments, const mapping::ScanSet& scans, const map
   session.answer((choice.index ? names[*choice.index] + ". " : "") + view_text(choice.view), json);
 }
 
-void next(Arguments& arguments, Session& session) {
+void next(NextViewArguments& arguments, Session& session) {
   table_of(arguments.occupancy).validate();
   table_of(arguments.planner).validate();
   arguments.planner.threads = arguments.occupancy.threads = session.flags().threads;
@@ -122,23 +189,23 @@ void next(Arguments& arguments, Session& session) {
 
 Command next_view_command() {
   return {"next-view",
-          "Where to scan next, and why",
-          {"loci-map next-view demo-output/scans --robot 2.2,1.2,0",
-           "loci-map next-view demo-output/scans --robot 2.2,1.2,0 -o demo-output/next-view --json"},
+          "Plan the next best view for a set of scans",
+          {"loci-map next-view demo-output/scans --robot-pose 2.2,1.2,0",
+           "loci-map next-view demo-output/scans --robot-pose 2.2,1.2,0 -o demo-output/next-view --json"},
           [](ArgumentTable& table) {
-            auto arguments = std::make_shared<Arguments>();
+            auto arguments = std::make_shared<NextViewArguments>();
             table.positional("SCANS", &arguments->scans, "Folder of posed scans (registered, levelled)");
-            table.option("--robot", &arguments->robot, "Where the robot stands: x,y,yaw_deg",
+            table.option("--robot-pose POSE", &arguments->robot, "Pose of the robot: x,y,yaw_deg",
                          {.default_text = "at the last scan", .values = 3});
-            table.option("--pool", &arguments->pool,
-                         "Choose one of the posed scans in this folder that SCANS does not have");
-            table.option("-o,--output", &arguments->out,
+            table.option("--pool SCANS", &arguments->pool,
+                         "Choose among the posed scans in this folder that SCANS does not have");
+            table.option("-o,--output FOLDER", &arguments->out,
                          "Folder for images of the costmaps, map.bt and floor.pgm");
-            table.option("--seed", &arguments->seed, "Seed of the samples", {.min = 0, .max = 1 << 30});
-            table.options(table_of(arguments->occupancy));
-            table.options(table_of(arguments->planner));
-            table.option("--height-m", &arguments->laser.height_m, "Height of the scanner over the floor",
-                         {.unit = "m", .min = 0.05, .max = 5.0});
+            table.option("--seed N", &arguments->seed, "Seed of the samples", {.min = 0, .max = 1 << 30});
+            table.options(table_of(arguments->occupancy), "Occupancy map");
+            table.options(table_of(arguments->planner), "Planner");
+            table.option("--height-m HEIGHT", &arguments->laser.height_m,
+                         "Height of the scanner over the floor", {.unit = "m", .min = 0.05, .max = 5.0});
             return [arguments](Session& session) { next(*arguments, session); };
           }};
 }

@@ -1,0 +1,237 @@
+// Scans and what is made from them: fuse, register, interpret.
+
+#include <fmt/format.h>
+#include <array>
+#include <cmath>
+#include <sstream>
+
+#include "apps/map/commands.h"
+#include "mapping/base/files.h"
+#include "mapping/base/json.h"
+#include "mapping/base/math.h"
+#include "mapping/exchange/map_report.h"
+#include "mapping/fusion/fusion.h"
+#include "mapping/interpretation/furniture/names.h"
+#include "mapping/interpretation/interpretation.h"
+#include "mapping/registration/registration.h"
+#include "mapping/world/urdf.h"
+
+namespace loci::apps {
+
+Command fuse_command() {
+  return {"fuse",
+          "Fuse posed depth images into a scan set",
+          {"loci-map fuse demo-output/tour -o demo-output/scans",
+           "loci-map fuse demo-output/tour -o demo-output/coarse --every 2 --voxel-m 0.02 --json"},
+          [](ArgumentTable& table) {
+            struct Arguments {
+              std::string recording, out;
+              mapping::FusionOptions options;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            table.positional("RECORDING", &arguments->recording, "Folder of the recording");
+            table.output("FOLDER", &arguments->out, "Folder of the scan set");
+            table.options(table_of(arguments->options), "Fusion");
+            return [arguments](Session& session) {
+              arguments->options.threads = session.flags().threads;
+              const auto recording = mapping::open_recording(arguments->recording);
+              for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
+              const mapping::FusionResult result = fuse(*recording, arguments->options, session.progress());
+              write_scan_set(result.scans, arguments->out);
+              session.timing("fuse", result.seconds);
+              Json json = result.report();
+              json["out"] = arguments->out;
+              session.answer(result.summary() + " in " + arguments->out, json);
+            };
+          }};
+}
+
+namespace {
+
+struct RegisterArguments {
+  std::vector<std::string> scans;
+  std::string out, guess;
+  bool dof_given = false;
+  mapping::RegistrationOptions options;
+};
+
+/// "x,y,z,yaw_deg": the pose of each scan as seen from the one before it.
+Isometry3d pose_of(const std::string& guess) {
+  const Error malformed(fmt::format("'{}' is no guess", guess), {"", 0, "--guess"},
+                        "four numbers with commas between: x,y,z (metres) and yaw (degrees)");
+  std::array<double, 4> values{};
+  std::istringstream stream(guess);
+  for (size_t i = 0; i < values.size(); ++i) {
+    char comma = ',';
+    if (i > 0 && (!(stream >> comma) || comma != ',')) throw malformed;
+    if (!(stream >> values[i])) throw malformed;
+  }
+  if (!(stream >> std::ws).eof()) throw malformed;
+  Isometry3d pose = Isometry3d::Identity();
+  pose.translation() = Vector3d(values[0], values[1], values[2]);
+  pose.linear() = rotation_from_rpy({0, 0, values[3] * kPi / 180});
+  return pose;
+}
+
+/// A scan set, or several bare clouds as one, each at the guess from the one before it.
+mapping::ScanSet read_scans(const RegisterArguments& arguments) {
+  mapping::ScanSet set = mapping::read_scan_set(arguments.scans.front());
+  for (size_t i = 1; i < arguments.scans.size(); ++i) {
+    mapping::ScanSet more = mapping::read_scan_set(arguments.scans[i]);
+    if (set.free_space || more.free_space)
+      throw Error("only bare PCD files can be given one by one", {arguments.scans[i], 0, {}},
+                  "a scan set is registered by itself");
+    set.scans.push_back(std::move(more.scans.front()));
+    // Files of one name in different folders are different scans.
+    set.scans.back().name += arguments.scans.size() > 1 ? fmt::format("_{}", i) : "";
+  }
+  if (arguments.guess.empty()) return set;
+  if (arguments.scans.size() < 2)
+    throw Error("a guess is for bare PCD files", {arguments.scans.front(), 0, "--guess"},
+                "the poses of a scan set stand in its scans.yaml");
+  const Isometry3d guess = pose_of(arguments.guess);
+  for (size_t i = 1; i < set.scans.size(); ++i)
+    set.scans[i].map_from_scan = set.scans[i - 1].map_from_scan * guess;
+  return set;
+}
+
+std::string answer_text(const mapping::RegistrationResult& result) {
+  std::string text = result.summary() + "\n";
+  for (const mapping::PairAlignment& pair : result.pairs)
+    text += fmt::format("  {} <- {}: {}: {}\n", result.names[pair.target], result.names[pair.source],
+                        pair.trusted ? "trusted" : "refused", pair.reason);
+  for (size_t i = 0; i < result.names.size(); ++i) {
+    const Vector3d position = result.map_from_scan[i].translation();
+    const Vector3d rpy = rpy_from_rotation(result.map_from_scan[i].linear()) * 180 / kPi;
+    text += fmt::format("  {}: x {:.3f} y {:.3f} z {:.3f} m, roll {:.2f} pitch {:.2f} yaw {:.2f} deg{}\n",
+                        result.names[i], position.x(), position.y(), position.z(), rpy.x(), rpy.y(), rpy.z(),
+                        result.connected[i] ? "" : " (by odometry only)");
+  }
+  return text;
+}
+
+/// The connected scans at their new poses: one that stands nobody knows where would spoil a map.
+void write_connected(mapping::ScanSet scans, const mapping::RegistrationResult& result,
+                     const std::string& folder) {
+  std::vector<mapping::Scan> connected;
+  for (size_t i = 0; i < scans.scans.size(); ++i) {
+    if (!result.connected[i]) continue;
+    connected.push_back(std::move(scans.scans[i]));
+    connected.back().map_from_scan = result.map_from_scan[i];
+    connected.back().covariance.setZero();  // It was that of the pose given.
+  }
+  scans.scans = std::move(connected);
+  write_scan_set(scans, folder);
+}
+
+void run(RegisterArguments arguments, bool dof_given, Session& session) {
+  arguments.options.threads = session.flags().threads;
+  const mapping::ScanSet scans = read_scans(arguments);
+  if (!dof_given && !scans.levelled) arguments.options.dof = 6;
+  const mapping::RegistrationResult result = register_scans(scans, arguments.options, session.progress());
+  session.timing("register", result.seconds);
+  std::string text = answer_text(result);
+  Json json = result.report();
+  json["dof"] = arguments.options.dof;
+  if (result.usable() && !arguments.out.empty()) {
+    write_connected(scans, result, arguments.out);
+    text += fmt::format("{} scans in {}\n", result.connected_count(), arguments.out);
+    json["out"] = arguments.out;
+  }
+  session.answer(text, json);
+  if (!result.usable())
+    throw Error("no two of the scans could be brought together", {arguments.scans.front(), 0, {}},
+                "they show different places, share too little surface, or start too far off "
+                "(--position-error-m, --yaw-error-deg)");
+}
+
+}  // namespace
+
+Command register_command() {
+  return {"register",
+          "Estimate the poses of scans by registration",
+          {"loci-map register demo-output/scans --dof 6 -o demo-output/registered",
+           "loci-map register demo-output/scans --dof 6 --json"},
+          [](ArgumentTable& table) {
+            auto arguments = std::make_shared<RegisterArguments>();
+            table.positional("SCANS...", &arguments->scans, "Folder of a scan set, or several PCD files");
+            table.option("-o,--output FOLDER", &arguments->out, "Folder for the scans at their new poses");
+            table.option("--guess POSE", &arguments->guess,
+                         "Pose of each PCD file in the one before it: x,y,z,yaw_deg");
+            table.options(table_of(arguments->options), "Registration");
+            table.at("--dof").given = &arguments->dof_given;
+            return [arguments](Session& session) { run(*arguments, arguments->dof_given, session); };
+          }};
+}
+
+namespace {
+
+/// The most telling numbers of a link's geometry, by what its class has of them.
+std::string where_text(const Json& geometry) {
+  if (geometry.contains("offset")) return fmt::format("offset {:.3f} m", geometry["offset"].get<double>());
+  std::string text;
+  if (geometry.contains("width"))
+    text =
+        fmt::format("{:.3f} x {:.3f} m", geometry["width"].get<double>(), geometry["height"].get<double>());
+  else if (geometry.contains("height"))
+    text = fmt::format("height {:.3f} m", geometry["height"].get<double>());
+  else if (geometry.contains("length"))
+    text = fmt::format("{:.3f} m long", geometry["length"].get<double>());
+  if (!geometry.contains("centre")) return text;
+  const Json& centre = geometry["centre"];
+  return text + fmt::format(" at ({:.3f}, {:.3f}, {:.3f})", centre[0].get<double>(), centre[1].get<double>(),
+                            centre[2].get<double>());
+}
+
+std::string answer_text(const mapping::InterpretedMap& map, const std::string& folder) {
+  std::string text = map.summary() + "\n";
+  for (const auto& [name, link] : map.semantics.links) {
+    text += fmt::format("  {:<16} {}, confidence {:.2f}\n", name, where_text(link.geometry), link.confidence);
+  }
+  return text + "in " + folder + "/map.urdf\n";
+}
+
+}  // namespace
+
+Command interpret_command() {
+  return {"interpret",
+          "Interpret a scan set as a semantic map",
+          {"loci-map interpret demo-output/scans -o demo-output",
+           "loci-map interpret demo-output/scans -o demo-output/map --json"},
+          [](ArgumentTable& table) {
+            struct Arguments {
+              std::string scans, out, names_from;
+              mapping::InterpretationOptions options;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            table.positional("SCANS", &arguments->scans, "Folder of a scan set, or a PCD file");
+            table.output("FOLDER", &arguments->out, "Folder of the map");
+            table.option("--names-from MAP", &arguments->names_from,
+                         "Older map (URDF) of the same kitchen, whose names are kept");
+            table.options(table_of(arguments->options), "Interpretation");
+            return [arguments](Session& session) {
+              arguments->options.threads = session.flags().threads;
+              const mapping::ScanSet scans = mapping::read_scan_set(arguments->scans);
+              mapping::InterpretedMap map = interpret(scans, arguments->options, session.progress());
+              for (const std::string& note : map.notes) session.warnings().add(note);
+              for (const mapping::StageTime& time : map.times) session.timing(time.stage, time.seconds);
+              if (!map.usable()) throw Error(map.summary(), {arguments->scans, 0, ""}, "nothing was written");
+              if (!arguments->names_from.empty()) {
+                const mapping::NameTransfer names =
+                    transfer_names(map.world, map.semantics,
+                                   mapping::read_semantic_map(mapping::sidecar_path(arguments->names_from)));
+                for (const std::string& name : names.vanished)
+                  session.warnings().add("'" + name + "' of the older map was not found again");
+              }
+              make_folder(arguments->out);
+              const std::filesystem::path urdf = std::filesystem::path(arguments->out) / "map.urdf";
+              write_urdf(map.world, urdf);
+              write_semantic_map(map.semantics, mapping::sidecar_path(urdf));
+              write_file_atomically(std::filesystem::path(arguments->out) / "report.html",
+                                    map_report(map, scans, arguments->scans));
+              session.answer(answer_text(map, arguments->out), map.report());
+            };
+          }};
+}
+
+}  // namespace loci::apps

@@ -1,0 +1,363 @@
+// The memory file: reason, resolve, verify, stat, forget, retain, merge.
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "apps/memory/commands.h"
+#include "apps/memory/memory_arguments.h"
+#include "mapping/base/json.h"
+#include "mapping/base/math.h"
+#include "mapping/base/stopwatch.h"
+#include "memory/identity/vector_file.h"
+#include "memory/reasoning/reason.h"
+#include "memory/recorder/forget.h"
+#include "memory/store/memory_file.h"
+#include "memory/store/merge.h"
+#include "memory/store/retention.h"
+
+namespace loci::apps {
+
+Command reason_command() {
+  return {
+      "reason",
+      "Runs the reasoning again over the whole past, with other parameters",
+      {"loci-memory reason -m demo-output/memory.loci -o demo-output/other.loci --move-time-s 7200 --compare",
+       "loci-memory reason -m demo-output/memory.loci -o demo-output/other.loci --only-compare --json"},
+      [](ArgumentTable& table) {
+        struct Arguments {
+          std::string memory, other, now;
+          bool compare = false, only_compare = false;
+          memory::belief::BeliefOptions options;
+        };
+        auto arguments = std::make_shared<Arguments>();
+        table.memory(arguments->memory);
+        table.option("-o,--output", &arguments->other, "New memory for the other history",
+                     {.required = true});
+        table.flag("--compare", arguments->compare, "Then say what the two histories tell differently");
+        table.flag("--only-compare", arguments->only_compare,
+                   "Reason nothing: compare with a history made before");
+        table.option("--now", &arguments->now, "When the memory learns it, ISO 8601",
+                     {.default_text = "the clock"});
+        table.options(table_of(arguments->options));
+        return [arguments](Session& session) {
+          const memory::Store store = memory::Store::open_read(arguments->memory);
+          memory::WriteOptions write;
+          if (!arguments->now.empty()) write.now = parse_time(arguments->now);
+          std::string text;
+          Json json = Json::object();
+          if (!arguments->only_compare) {
+            const memory::ReasonResult result =
+                reason(store, arguments->other, arguments->options, write, session.progress());
+            text = result.summary() + "\n";
+            json = result.report();
+          }
+          if (arguments->compare || arguments->only_compare) {
+            const memory::HistoryDifference difference =
+                compare_histories(store, memory::Store::open_read(arguments->other));
+            text += difference.text();
+            json["difference"] = difference.to_json();
+          }
+          session.answer(text, json);
+        };
+      }};
+}
+
+Command resolve_command() {
+  return {"resolve",
+          "Solves one identity problem exactly",
+          {"loci-memory resolve tests/data/identity/two_by_two.json",
+           "loci-memory resolve tests/data/identity/two_by_two.json --best 3"},
+          [](ArgumentTable& table) {
+            struct Arguments {
+              std::string file;
+              int best = 5;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            table.positional("FILE", &arguments->file, "Problem, JSON");
+            table.option("--best", &arguments->best, "Ranked matchings to list", {.min = 0, .max = 10000});
+            return [arguments](Session& session) {
+              memory::IdentityVector vector =
+                  memory::identity_vector_from_json(read_json(arguments->file), arguments->file);
+              vector.options.best = arguments->best;
+              const Stopwatch watch;
+              const memory::IdentitySolution solution = solve(vector.problem, vector.options);
+              session.timing("resolve", watch.seconds());
+              if (solution.gate_bound > std::max(1e-6, 2 * vector.options.gate))
+                session.warnings().add(
+                    "probabilities are approximate: the problem is too large to solve without dropping pairs",
+                    {arguments->file, 0, {}});
+              const Json answer = to_json(solution);
+              session.answer(answer.dump(), answer);
+            };
+          }};
+}
+
+namespace {
+
+Json report_json(const memory::VerifyReport& report) {
+  Json json = {{"ok", report.problems.empty()}, {"format", fmt::format("{}.{}", report.major, report.minor)}};
+  json["problems"] = report.problems;
+  json["rows"] = Json::object();
+  for (const auto& [table, count] : report.counts) json["rows"][table] = count;
+  return json;
+}
+
+std::string report_text(const memory::VerifyReport& report) {
+  std::string text =
+      fmt::format("The memory is {}, format {}.{}:", report.problems.empty() ? "sound" : "NOT sound",
+                  report.major, report.minor);
+  for (const auto& [table, count] : report.counts)
+    if (count > 0) text += fmt::format(" {} {},", count, table);
+  text.back() = '.';
+  for (const std::string& problem : report.problems) text += "\n  " + problem;
+  return text;
+}
+
+}  // namespace
+
+Command verify_command() {
+  return {"verify",
+          "Checks a memory file, and makes anew what follows from other rows",
+          {"loci-memory verify -m demo-output/memory.loci",
+           "loci-memory verify --repair -m demo-output/memory.loci --json"},
+          [](ArgumentTable& table) {
+            struct Arguments {
+              std::string memory;
+              bool repair = false;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            table.memory(arguments->memory);
+            table.flag("--repair", arguments->repair,
+                       "Where stays, words or marks of objects are not what the rows say, make them anew");
+            return [arguments](Session& session) {
+              memory::VerifyReport report =
+                  memory::Store::open_read(arguments->memory).verify(session.progress());
+              const size_t repaired = arguments->repair ? report.derived_problems.size() : 0;
+              if (repaired > 0) {
+                memory::Store store = memory::Store::open_write(arguments->memory);
+                const memory::Id run = store.begin_run("loci-memory verify --repair", "{}");
+                store.derive();
+                store.finish_run(run);
+                report = store.verify(session.progress());
+              }
+              Json json = report_json(report);
+              std::string text = report_text(report);
+              if (arguments->repair) {
+                json["repaired"] = repaired;
+                text = fmt::format("{} problems repaired. ", repaired) + text;
+              }
+              session.answer(text, json);
+              if (!report.problems.empty())
+                throw Error(fmt::format("{} problems found", report.problems.size()),
+                            {arguments->memory, 0, {}},
+                            report.derived_problems.size() == report.problems.size()
+                                ? "loci-memory verify --repair makes them good"
+                                : "restore it from a copy");
+            };
+          }};
+}
+
+Command stat_command() {
+  return {
+      "stat",
+      "Rows and bytes of the file by table",
+      {"loci-memory stat -m demo-output/memory.loci", "loci-memory stat -m demo-output/memory.loci --json"},
+      [](ArgumentTable& table) {
+        auto memory = std::make_shared<std::string>();
+        table.memory(*memory);
+        return [memory](Session& session) {
+          std::string text = fmt::format("{:24} {:>12} {:>14}\n", "table, with its indexes", "rows", "bytes");
+          Json tables = Json::object();
+          int64_t bytes = 0;
+          for (const memory::Store::TableSize& size : memory::Store::open_read(*memory).statistics()) {
+            text += fmt::format("{:24} {:12} {:14}\n", size.table, size.rows, size.bytes);
+            tables[size.table] = {{"rows", size.rows}, {"bytes", size.bytes}};
+            bytes += size.bytes;
+          }
+          text += fmt::format("{:24} {:>12} {:14}", "all", "", bytes);
+          session.answer(text, {{"bytes", bytes}, {"tables", tables}});
+        };
+      }};
+}
+
+Command forget_command() {
+  return {
+      "forget",
+      "Removes an object, or everything of a time, from the file for good",
+      {"loci-memory forget object_1 -m demo-output/memory.loci -o demo-output/remaining.loci",
+       "loci-memory forget --between 08:00 08:30 -m demo-output/memory.loci -o demo-output/remaining.loci "
+       "--json"},
+      [](ArgumentTable& table) {
+        struct Arguments {
+          std::string memory, object, output;
+          SpanArguments span;
+        };
+        auto arguments = std::make_shared<Arguments>();
+        table.memory(arguments->memory);
+        table.positional("[OBJECT]", &arguments->object, "object_12");
+        table.option("-o,--output", &arguments->output, "Forget in a copy and leave the memory as it is");
+        arguments->span.declare(table);
+        return [arguments](Session& session) {
+          memory::ForgetRequest request;
+          {
+            const memory::Store store = memory::Store::open_read(arguments->memory);
+            request.from = arguments->span.first(store);
+            request.to = arguments->span.last(store);
+          }
+          const bool interval = request.from && request.to;
+          if (!arguments->object.empty()) request.object = memory::object_id(arguments->object);
+          if (request.object.has_value() == interval || (!request.object && !arguments->object.empty()))
+            throw Error("either one object or two times are forgotten", {},
+                        "loci-memory forget object_12, or --between A B");
+          if (!arguments->output.empty()) memory::copy_memory(arguments->memory, arguments->output);
+          memory::Store store =
+              memory::Store::open_write(arguments->output.empty() ? arguments->memory : arguments->output);
+          const memory::Id run = store.begin_run("loci-memory forget", "{}");
+          const memory::ForgetResult result = forget(store, request, run);
+          store.finish_run(run);
+          session.answer(fmt::format("Forgotten: {} objects, {} observations, the images of {} scenes.",
+                                     result.objects, result.observations, result.scenes),
+                         {{"objects", result.objects},
+                          {"observations", result.observations},
+                          {"scenes", result.scenes}});
+        };
+      }};
+}
+
+namespace {
+
+/// "x,y,z,yaw_deg".
+memory::FrameChange frame_from(const std::string& text) {
+  std::vector<double> values;
+  const char *at = text.data(), *const end = text.data() + text.size();
+  while (at < end) {
+    double value = 0;
+    const auto read = std::from_chars(at, end, value);
+    if (read.ec != std::errc() || !std::isfinite(value) || (read.ptr < end && *read.ptr != ',')) break;
+    values.push_back(value);
+    at = read.ptr + 1;
+  }
+  if (values.size() != 4 || at <= end)
+    throw Error("'" + text + "' is no transform", {}, "write --transform x,y,z,yaw_deg, for example 0,0,0,0");
+  return {Vector3d(values[0], values[1], values[2]), values[3] / 180 * kPi};
+}
+
+/// "90s", "12h", "30d", "2y".
+std::optional<double> age_from(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  double number = 0;
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, number);
+  const std::string unit(read.ptr, end);
+  for (const auto& [name, seconds] :
+       {std::pair{"s", 1.0}, {"h", 3600.0}, {"d", 86400.0}, {"y", 365 * 86400.0}})
+    if (read.ec == std::errc() && unit == name && number >= 0 && number < 1e6) return number * seconds;
+  throw Error("'" + text + "' is no age", {}, "write 90s, 12h, 30d or 2y");
+}
+
+}  // namespace
+
+Command merge_command() {
+  return {
+      "merge",
+      "Joins two memories of one home, of several robots or runs, without loss",
+      {"loci-memory merge demo-output/memory.loci demo-output/memory.loci -o demo-output/merged.loci",
+       "loci-memory merge demo-output/memory.loci demo-output/memory.loci --transform 0,0,0,0 -o "
+       "demo-output/merged_same_frame.loci --json"},
+      [](ArgumentTable& table) {
+        struct Arguments {
+          std::string first, second, output, transform, reason;
+        };
+        auto arguments = std::make_shared<Arguments>();
+        table.positional("MEMORY", &arguments->first, "The memory whose map frame is that of the result");
+        table.positional("OTHER", &arguments->second, "The memory that is added");
+        table.option("-o,--output", &arguments->output, "The new memory", {.required = true});
+        table.option(
+            "--transform", &arguments->transform,
+            "Where the second map frame lies in the first: x,y,z,yaw_deg; 0,0,0,0 = it is the same one");
+        table.option("--reason", &arguments->reason,
+                     "Then reason over both together, into this new memory: what both have seen becomes one");
+        return [arguments](Session& session) {
+          std::optional<memory::FrameChange> frame;
+          if (!arguments->transform.empty()) frame = frame_from(arguments->transform);
+          const memory::MergeResult result =
+              merge(arguments->first, arguments->second, arguments->output, frame, session.progress());
+          std::string text = fmt::format(
+              "{} scenes with {} observations of {} objects and {} facts came in; {} scenes were known.",
+              result.scenes, result.observations, result.objects, result.facts, result.known_scenes);
+          Json renamed = Json::object();
+          for (const auto& [old, name] : result.renamed) {
+            text += fmt::format("\n{} of the second memory lies elsewhere: it is called {} now.", old, name);
+            renamed[old] = name;
+          }
+          if (result.reasoning > 0)
+            text += fmt::format("\nThe reasoning of {} scenes, which is in the other frame, stays behind.",
+                                result.reasoning);
+          Json reasoned;
+          if (!arguments->reason.empty()) {
+            const memory::ReasonResult reasons = reason(memory::Store::open_read(arguments->output),
+                                                        arguments->reason, {}, {}, session.progress());
+            text += "\n" + reasons.summary();
+            reasoned = reasons.report();
+          } else if (result.scenes > 0)
+            text += fmt::format(
+                "\nWhat both have seen has two names: loci-memory reason -m {} -o OTHER finds out.",
+                arguments->output);
+          Json json = {{"scenes", result.scenes},
+                       {"observations", result.observations},
+                       {"objects", result.objects},
+                       {"facts", result.facts},
+                       {"known_scenes", result.known_scenes},
+                       {"reasoning_left", result.reasoning},
+                       {"renamed", renamed}};
+          if (!reasoned.is_null()) json["reason"] = reasoned;
+          session.answer(text, json);
+        };
+      }};
+}
+
+Command retain_command() {
+  return {"retain",
+          "Lets images that are old go, then crops, and reasons: numbers stay",
+          {"loci-memory retain --images 1h -m demo-output/memory.loci -o demo-output/smaller.loci",
+           "loci-memory retain --images 1h --crops 2h -m demo-output/memory.loci -o "
+           "demo-output/smaller.loci --json"},
+          [](ArgumentTable& table) {
+            struct Arguments {
+              std::string memory, output, images, crops, reasoning;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            table.memory(arguments->memory);
+            table.option(
+                "--images", &arguments->images,
+                "Whole images, depth and clouds are kept so long (90s, 12h, 30d, 2y before the last scene)");
+            table.option("--crops", &arguments->crops, "Crops, masks and large arrays are kept so long");
+            table.option("--reasoning", &arguments->reasoning,
+                         "What `why` and `reason` rest on is kept so long");
+            table.option("-o,--output", &arguments->output, "Do so in a copy and leave the memory as it is");
+            return [arguments](Session& session) {
+              const memory::RetentionRules rules{age_from(arguments->images), age_from(arguments->crops),
+                                                 age_from(arguments->reasoning)};
+              if (!arguments->output.empty()) memory::copy_memory(arguments->memory, arguments->output);
+              const memory::RetentionResult result =
+                  retain(arguments->output.empty() ? arguments->memory : arguments->output, rules);
+              session.answer(
+                  fmt::format("{} scenes without images now, {} observations without clouds, {} without "
+                              "crops, {} arrays gone, {} scenes without reasons; {} bytes of {} remain.",
+                              result.scenes_without_images, result.observations_without_points,
+                              result.observations_without_crops, result.arrays,
+                              result.scenes_without_reasoning, result.bytes_after, result.bytes_before),
+                  {{"scenes_without_images", result.scenes_without_images},
+                   {"observations_without_points", result.observations_without_points},
+                   {"observations_without_crops", result.observations_without_crops},
+                   {"arrays", result.arrays},
+                   {"scenes_without_reasoning", result.scenes_without_reasoning},
+                   {"bytes_before", result.bytes_before},
+                   {"bytes_after", result.bytes_after}});
+            };
+          }};
+}
+
+}  // namespace loci::apps

@@ -1,0 +1,406 @@
+// Recordings: info, run.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <cmath>
+
+#include "apps/perceive/annotators.h"
+#include "apps/perceive/commands.h"
+#include "mapping/base/config.h"
+#include "mapping/base/files.h"
+#include "mapping/base/json.h"
+#include "mapping/base/time.h"
+#include "mapping/recording/recording.h"
+#include "memory/annotators/memory_annotators.h"
+#include "memory/annotators/memory_session.h"
+#include "perception/annotators/annotators.h"
+#include "perception/annotators/hypotheses/known_map.h"
+#include "perception/annotators/io/images.h"
+#include "perception/pipeline/goal.h"
+#include "perception/pipeline/pipeline.h"
+#include "perception/types/geometry.h"
+
+namespace loci::apps {
+
+namespace {
+
+std::string camera_text(const mapping::PinholeCamera& camera) {
+  return fmt::format("{} x {} pixels, f {} {}, centre {} {}", camera.width, camera.height, camera.fx,
+                     camera.fy, camera.cx, camera.cy);
+}
+
+std::string info_text(const mapping::RecordingInfo& info) {
+  const Vector3d offset = info.camera.depth_from_color.translation();
+  std::string text = fmt::format("{}: {} frames, layout {}\n", info.path, info.frames, info.format) +
+                     fmt::format("time    {} to {}{}\n", format_time(info.first_time),
+                                 format_time(info.last_time), info.time_assumed ? " (made up)" : "") +
+                     fmt::format("poses   {} of {}{}\n", info.frames_with_pose, info.frames,
+                                 info.map_frame.empty() ? "" : ", in frame '" + info.map_frame + "'") +
+                     fmt::format("depth   {}\n", camera_text(info.camera.depth)) +
+                     fmt::format("colour  {}, at {:.3f} {:.3f} {:.3f} m from depth\n",
+                                 camera_text(info.camera.color), offset.x(), offset.y(), offset.z());
+  for (const std::string& guess : info.guesses) text += fmt::format("guessed {}\n", guess);
+  for (const std::string& problem : info.problems) text += fmt::format("problem {}\n", problem);
+  return text;
+}
+
+}  // namespace
+
+Command info_command() {
+  return {"info",
+          "Describe a recording and what was guessed about it",
+          {"loci-perceive info demo-output/day", "loci-perceive info demo-output/tour --json"},
+          [](ArgumentTable& table) {
+            auto path = std::make_shared<std::string>();
+            table.positional("RECORDING", path.get(), "Folder of the recording");
+            return [path](Session& session) {
+              const auto recording = mapping::open_recording(*path);
+              session.answer(info_text(recording->info()), to_json(recording->info()));
+            };
+          }};
+}
+
+namespace {
+
+double rounded(double value) {
+  return std::round(value * 1e4) / 1e4;
+}
+
+Json vector_json(const perception::types::Vector& vector) {
+  const Vector3d v = perception::types::from<Vector3d>(vector);
+  return {rounded(v.x()), rounded(v.y()), rounded(v.z())};
+}
+
+/// What an annotation says in words and numbers, whatever its type.
+Json annotation_json(const perception::types::Annotation& annotation) {
+  Json json = {{"type", annotation.type().short_name()}};
+  const perception::cas::FeatureStructure& structure = annotation;
+  for (const perception::cas::Feature& feature : structure.type().features()) {
+    if (!structure.is_set(feature)) continue;
+    const perception::cas::Kind kind = feature.range().kind();
+    if (kind == perception::cas::Kind::kString) json[feature.name()] = structure.text(feature);
+    if (kind == perception::cas::Kind::kBoolean) json[feature.name()] = structure.get<bool>(feature);
+    if (perception::cas::is_integer(kind)) json[feature.name()] = structure.get<int64_t>(feature);
+    if (perception::cas::is_floating(kind)) json[feature.name()] = rounded(structure.get<double>(feature));
+  }
+  return json;
+}
+
+Json cluster_json(const perception::types::Cluster& cluster, int number) {
+  Json json = {{"cluster", number}, {"centroid", vector_json(cluster.centroid.get())}};
+  if (cluster.place.is_set()) json["place"] = cluster.place.get();
+  if (const auto location = cluster.annotations.first<perception::types::TFLocationAnnotation>())
+    json["sentence"] = location.sentence.get();
+  if (const auto geometry = cluster.annotations.first<perception::types::GeometryAnnotation>()) {
+    json["size"] = vector_json(geometry.size.get());
+    json["height"] = rounded(geometry.height.get());
+  }
+  if (const auto color = cluster.annotations.first<perception::types::ColorAnnotation>()) {
+    json["colors"] = color.names.to_vector();
+    json["mean_hsv"] = {rounded(color.mean_hue.get()), rounded(color.mean_saturation.get()),
+                        rounded(color.mean_value.get())};
+  }
+  if (const auto points = cluster.hypotheses.first<perception::types::ReferenceClusterPoints>())
+    json["points"] = points.indices.get().indices.size();
+  json["annotations"] = Json::array();
+  for (const perception::types::Annotation& annotation : cluster.annotations)
+    json["annotations"].push_back(annotation_json(annotation));
+  json["at_image_border"] = cluster.at_image_border.get();
+  json["at_support_border"] = cluster.at_support_border.get();
+  json["partly_hidden"] = cluster.partly_hidden.get();
+  return json;
+}
+
+Json support_json(const perception::types::PlanarSupport& support) {
+  Json json = Json::object();
+  if (support.name.is_set()) json["name"] = support.name.get();
+  if (support.support_class.is_set()) json["class"] = support.support_class.get();
+  json["height"] = rounded(support.height.get());
+  json["inliers"] = support.inliers.get();
+  json["covered_fraction"] = rounded(support.covered_fraction.get());
+  return json;
+}
+
+Json scene_json(const perception::types::SceneCas& facade) {
+  const perception::types::Scene scene = facade.scene();
+  Json json = {{"frame", scene.frame_index.get()},
+               {"time", format_time(scene.timestamp.get())},
+               {"supports", Json::array()},
+               {"clusters", Json::array()},
+               {"annotations", Json::array()}};
+  for (const perception::types::Annotation& annotation : scene.annotations)
+    json["annotations"].push_back(annotation_json(annotation));
+  for (const perception::types::PlanarSupport& support : facade.supports())
+    json["supports"].push_back(support_json(support));
+  int number = 0;
+  for (const perception::types::Cluster& cluster : facade.clusters())
+    json["clusters"].push_back(cluster_json(cluster, ++number));
+  return json;
+}
+
+std::string scene_text(const perception::types::SceneCas& facade) {
+  const Json json = scene_json(facade);
+  std::string text =
+      fmt::format("frame {}  {}\n", json["frame"].get<int64_t>(), json["time"].get<std::string>());
+  for (const Json& support : json["supports"])
+    text += fmt::format("  support {} at height {:.3f} m, {:.0f} % of it seen\n",
+                        support.value("name", std::string("without a name")), support["height"].get<double>(),
+                        100 * support["covered_fraction"].get<double>());
+  for (const auto& joint : facade.scene().annotations.filter<perception::types::JointAnnotation>())
+    if (joint.moved.get())
+      text += fmt::format("  {} stands at {:.2f}\n", joint.joint.get(), joint.position.get());
+  for (const auto& obstacle : facade.scene().annotations.filter<perception::types::ObstacleAnnotation>())
+    text += fmt::format("  something stands {:.2f} m before {} and hides {:.0f} % of it\n",
+                        obstacle.distance.get(), obstacle.joint.get(), 100 * obstacle.share.get());
+  for (const Json& cluster : json["clusters"]) {
+    text += fmt::format("  {:2} {}", cluster["cluster"].get<int>(),
+                        cluster.value("sentence", std::string("somewhere")));
+    if (cluster.contains("size"))
+      text += fmt::format(", {:.2f} x {:.2f} x {:.2f} m", cluster["size"][0].get<double>(),
+                          cluster["size"][1].get<double>(), cluster["size"][2].get<double>());
+    if (cluster.contains("colors"))
+      text += fmt::format(", {}", fmt::join(cluster["colors"].get<std::vector<std::string>>(), " "));
+    if (cluster["at_image_border"].get<bool>()) text += ", cut off by the image";
+    if (cluster["partly_hidden"].get<bool>()) text += ", partly hidden";
+    text += "\n";
+  }
+  return text;
+}
+
+/// The part of a run that has to do with the memory: its flags, and what they do to resources and pipeline.
+struct MemoryTarget {
+  std::string memory;  ///< file; empty = none
+  bool resume = false;
+  std::string now;  ///< ISO 8601; empty = the machine's clock
+
+  void declare(ArgumentTable& table);
+  /// Opens the memory for what the resources hold and adds identity and writer to the pipeline. Nothing
+  /// without a memory.
+  void prepare(const std::string& map, perception::Pipeline& pipeline,
+               const perception::AnnotatorRegistry& registry, perception::Resources& resources) const;
+};
+
+void MemoryTarget::declare(ArgumentTable& table) {
+  table.option("-m,--memory MEMORY", &memory, "Memory to write to, FILE.loci; created if absent");
+  table.flag("--resume", resume, "Continue a recording that the memory has in part");
+  table.option("--now TIME", &now, "Transaction time of the rows, ISO 8601", {.default_text = "the clock"});
+}
+
+void MemoryTarget::prepare(const std::string& map, perception::Pipeline& pipeline,
+                           const perception::AnnotatorRegistry& registry,
+                           perception::Resources& resources) const {
+  if (memory.empty()) {
+    if (resume) throw Error("--resume needs a memory", {}, "name it with -m FILE.loci");
+    return;
+  }
+  pipeline.add("IdentityResolution", registry);
+  pipeline.add_writer("MemoryWriter", registry);
+  pipeline.check(registry);
+  memory::MemorySessionOptions options;
+  options.memory = memory;
+  options.configuration = pipeline.to_json();
+  options.resume = resume;
+  options.map = map;
+  if (!now.empty()) options.write.now = parse_time(now);
+  const mapping::Recording& recording =
+      resources.get<mapping::Recording>("recording to read", "give its folder");
+  resources.put_for_run(std::make_shared<memory::MemorySession>(options, recording));
+  if (const auto known = resources.find<perception::KnownMap>())
+    resources.put(std::make_shared<mapping::World>(known->world));
+}
+
+struct RunArguments {
+  std::string recording;
+  std::string map;
+  std::vector<std::string> package_paths;
+  std::vector<std::string> robots;
+  std::string pipeline;
+  std::string labels;
+  std::string images;
+  int every = 0;
+  MemoryTarget memory;
+  StatisticsTarget statistics;
+  PluginOption plugins;
+  std::string goal;
+  double budget_ms = 0;
+  std::vector<std::string> with;
+};
+
+void declare(ArgumentTable& table, RunArguments& arguments) {
+  table.positional("RECORDING", &arguments.recording, "Folder of the recording");
+  table.option("--map MAP", &arguments.map, "URDF of the map; the sidecar is found beside it");
+  table.package_path(&arguments.package_paths);
+  table.option("--robot URDF", &arguments.robots,
+               "URDF[,JOINTS.csv] of a robot that may be in view; may be repeated");
+  table.option("--every N", &arguments.every, "Process every n-th frame",
+               {.default_text = "as in the pipeline", .min = 1});
+  table.option("--labels FOLDER", &arguments.labels,
+               "Write label images FRAME_label.png (0 = none, n = object)");
+  table.option("--overlays FOLDER", &arguments.images, "Write colour images with the results drawn in");
+  table.begin_group("Memory");
+  arguments.memory.declare(table);
+  table.begin_group("Annotators");
+  table.option("--pipeline FILE", &arguments.pipeline,
+               "Pipeline as YAML; `describe pipeline` prints the default one");
+  table.option("--goal CONDITIONS", &arguments.goal,
+               "Choose annotators for a goal: \"class=mug color=red on=table_1\"",
+               {.excludes = {"--pipeline"}});
+  table.option("--budget-ms MS", &arguments.budget_ms,
+               "Expected time per scene that the chosen annotators may take",
+               {.default_text = "no limit", .min = 1, .needs = {"--goal"}});
+  table.option("--annotator SPEC", &arguments.with,
+               "Options of an annotator that may be chosen: 'Name: {option: value}'; may be repeated",
+               {.needs = {"--goal"}});
+  arguments.statistics.declare(table);
+  arguments.plugins.declare(table);
+}
+
+/// The steps of the default pipeline that find the objects: those before the first that needs them.
+Json steps_that_find(const perception::AnnotatorRegistry& registry) {
+  Json steps = Json::array();
+  const Json all =
+      perception::Pipeline::parse(perception::default_pipeline(), "the default pipeline", registry).to_json();
+  for (const Json& step : all["flow"]) {
+    const std::vector<std::string> needs = registry.make(step.begin().key())->descriptor().needs;
+    if (std::find(needs.begin(), needs.end(), "Cluster") != needs.end()) break;
+    steps.push_back(step);
+  }
+  return steps;
+}
+
+std::optional<perception::GoalPlan> plan_for(const RunArguments& arguments,
+                                             const perception::AnnotatorRegistry& registry) {
+  if (arguments.goal.empty()) return std::nullopt;
+  Json configured = Json::object();
+  for (const std::string& text : arguments.with) {
+    const Config list = Config::parse("flow: [{" + text + "}]", "--annotator");
+    configured.update(to_json(read_flow(list, "flow", registry))[0]);
+  }
+  const std::optional<double> budget =
+      arguments.budget_ms > 0 ? std::optional<double>(arguments.budget_ms / 1e3) : std::nullopt;
+  return plan_goal(perception::parse_goal(arguments.goal), steps_that_find(registry), configured, registry,
+                   arguments.statistics.read(arguments.memory.memory), budget);
+}
+
+perception::Pipeline read_pipeline(const RunArguments& arguments,
+                                   const perception::AnnotatorRegistry& registry,
+                                   const std::optional<perception::GoalPlan>& plan) {
+  Config config = plan ? Config::parse(plan->pipeline.dump(), "the pipeline made by --goal")
+                  : arguments.pipeline.empty()
+                      ? Config::parse(perception::default_pipeline(), "the default pipeline")
+                      : Config::read(arguments.pipeline);
+  if (arguments.every > 0) {
+    // The command line overrides the file.
+    YAML::Node options;
+    options["RecordingReader"]["every"] = arguments.every;
+    YAML::Node changed = YAML::Clone(config.node());
+    changed["reader"] = options;
+    config = config.over(changed, "");
+  }
+  return perception::Pipeline::parse(config, registry);
+}
+
+/// What annotators share. Rooms that bring annotators with resources of their own put them here.
+perception::Resources make_resources(const RunArguments& arguments, Session& session) {
+  perception::Resources resources;
+  resources.put(std::shared_ptr<mapping::Recording>(mapping::open_recording(arguments.recording)));
+  if (!arguments.map.empty() || !arguments.robots.empty()) {
+    const std::vector<std::filesystem::path> packages(arguments.package_paths.begin(),
+                                                      arguments.package_paths.end());
+    const std::shared_ptr<perception::KnownMap> map =
+        arguments.map.empty() ? perception::KnownMap::without_room(session.warnings())
+                              : perception::KnownMap::load(arguments.map, packages, session.warnings());
+    for (const std::string& robot : arguments.robots) {
+      const size_t comma = robot.find(',');
+      const std::string joints = comma == std::string::npos ? "" : robot.substr(comma + 1);
+      map->add_robot(robot.substr(0, comma), joints, packages, session.warnings());
+    }
+    resources.put(map);
+  }
+  return resources;
+}
+
+void write_images(const RunArguments& arguments, const perception::types::SceneCas& scene, bool with_memory) {
+  // With a memory the numbers are its objects', otherwise those of the scene's clusters.
+  if (!arguments.labels.empty())
+    perception::write_label_image(scene, arguments.labels,
+                                  with_memory ? perception::tracked_numbers(scene) : std::vector<int>());
+  if (!arguments.images.empty()) perception::write_overlay(scene, arguments.images);
+}
+
+void run(const RunArguments& arguments, Session& session) {
+  const Experts experts = arguments.plugins.load();
+  const perception::AnnotatorRegistry& registry = experts.registry;
+  const std::optional<perception::GoalPlan> plan = plan_for(arguments, registry);
+  perception::Pipeline pipeline = read_pipeline(arguments, registry, plan);
+  perception::Resources resources = make_resources(arguments, session);
+  if (!arguments.labels.empty()) make_folder(arguments.labels);
+  if (!arguments.images.empty()) make_folder(arguments.images);
+  arguments.memory.prepare(arguments.map, pipeline, registry, resources);
+  perception::Context context{resources, session.warnings(), session.flags().threads, {}};
+  const bool remembers = resources.find<memory::MemorySession>() != nullptr;
+  std::string text = plan ? plan_text(*plan) : std::string();
+  const std::optional<perception::Condition> wanted =
+      plan && !plan->condition.empty() ? std::optional(perception::Condition::parse(plan->condition, {}))
+                                       : std::nullopt;
+  Json found = Json::array();
+  size_t things = 0;
+  Json scenes = Json::array();
+  const auto done = [&](perception::cas::Cas& cas) {
+    const perception::types::SceneCas scene(cas);
+    things += scene.scene().clusters.size();
+    if (wanted) {
+      int number = 0;
+      for (const perception::types::Cluster& cluster : scene.clusters()) {
+        ++number;
+        if (!wanted->holds(scene, cluster)) continue;
+        found.push_back({{"frame", scene.scene().frame_index.get()}, {"cluster", number}});
+        text += fmt::format("frame {}: cluster {} fits\n", scene.scene().frame_index.get(), number);
+      }
+      return write_images(arguments, scene, remembers);
+    }
+    // With a memory the questions are the way to look; without one this is the answer.
+    if (!remembers || session.flags().verbose) text += scene_text(scene);
+    if (session.flags().json) scenes.push_back(scene_json(scene));
+    write_images(arguments, scene, resources.find<memory::MemorySession>() != nullptr);
+  };
+  memory::MemoryRunResult result;
+  if (remembers)
+    result = memory::run_with_memory(pipeline, context, experts.types, session.progress(), done);
+  else
+    result.pipeline = pipeline.run(context, experts.types, session.progress(), done);
+  for (const auto& [name, seconds] : result.pipeline.seconds) session.timing(name, seconds);
+  if (const auto path = arguments.statistics.path(arguments.memory.memory); !path.empty())
+    add_to_statistics(path, result.pipeline.statistics);
+  text += fmt::format("{} frames, {} things seen", result.pipeline.frames, things);
+  if (result.pipeline.left_out > 0)
+    text += fmt::format("; {} frames were left out because an annotator failed", result.pipeline.left_out);
+  if (result.skipped > 0) text += fmt::format("; {} frames were in the memory already", result.skipped);
+  text += remembers ? fmt::format("; remembered in {}\n", arguments.memory.memory) : "\n";
+  Json json = {{"frames", result.pipeline.frames},
+               {"skipped", result.skipped},
+               {"left_out", result.pipeline.left_out},
+               {"scenes", scenes},
+               {"pipeline", context.configuration}};
+  if (plan) json.update({{"found", found}, {"plan", to_json(*plan)}});
+  session.answer(text, json);
+}
+
+}  // namespace
+
+Command run_command() {
+  return {"run",
+          "Run a perception pipeline over a recording",
+          {"loci-perceive run demo-output/day --map demo-output/explored/map.urdf -m demo-output/memory.loci "
+           "--resume",
+           "loci-perceive run demo-output/day --every 6 --json",
+           "loci-perceive run demo-output/day --every 6 --goal \"color=red\" --budget-ms 2000"},
+          [](ArgumentTable& table) {
+            auto arguments = std::make_shared<RunArguments>();
+            declare(table, *arguments);
+            return [arguments](Session& session) { run(*arguments, session); };
+          }};
+}
+
+}  // namespace loci::apps
