@@ -38,7 +38,8 @@ struct ArgumentDetails {
   double min = -std::numeric_limits<double>::infinity();  ///< of numbers, inclusive
   double max = std::numeric_limits<double>::infinity();
   std::vector<std::string> choices = {};  ///< the only values allowed
-  int values = 1;  ///< how many follow one occurrence of an option, or have commas between
+  int values = 1;         ///< how many follow one occurrence of an option, or have commas between
+  bool open_end = false;  ///< any number of values follow one occurrence of a list option
   std::vector<std::string> needs = {};     ///< options without which this one means nothing
   std::vector<std::string> excludes = {};  ///< arguments that cannot be given together with this one
   bool* given = nullptr;                   ///< set when the argument stands on the command line

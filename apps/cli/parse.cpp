@@ -18,7 +18,7 @@ CLI::Option* declare(CLI::App& app, const Argument& argument) {
   if (argument.flag())
     return app.add_flag(argument.negatable ? names + ",!--no-" + argument.name.substr(2) : names);
   CLI::Option* option = app.add_option(names);
-  const bool open_end = argument.positional() && argument.list();
+  const bool open_end = argument.open_end || (argument.positional() && argument.list());
   const int values = argument.list() ? argument.values : 1;
   option->expected(values, open_end ? CLI::detail::expected_max_vector_size : values);
   option->allow_extra_args(open_end);

@@ -119,8 +119,8 @@ Command scan_command() {
         table.package_path(&arguments->package_paths);
         table.option("--floor HEIGHT", &arguments->floor, "Add a floor at this height", {.unit = "m"});
         table.option("--ceiling HEIGHT", &arguments->ceiling, "Add a ceiling at this height", {.unit = "m"});
-        table.option("--joints JOINT=VALUE", &arguments->joints, "Position of a joint; may be repeated",
-                     {.unit = "m or rad"});
+        table.option("--joints JOINT=VALUE...", &arguments->joints, "Positions of joints",
+                     {.unit = "m or rad", .open_end = true});
         table.options(table_of(*arguments), "Sensor and odometry");
         return [arguments](Session& session) { scan(*arguments, session); };
       }};

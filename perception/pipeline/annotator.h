@@ -22,7 +22,7 @@ struct AnnotatorDescriptor {
   std::vector<std::string> makes;         ///< adds
   std::vector<std::string> uses = {};     ///< reads when it is there; "*" = everything
   std::vector<std::string> changes = {};  ///< writes to, although others made it
-  /// Whether it cannot start without options: a model, an index, a server. --for takes it when it is given.
+  /// Whether it cannot start without options: a model, an index, a server. --goal takes it when it is given.
   bool needs_options = false;
 };
 

@@ -106,15 +106,15 @@ std::vector<GoalTerm> parse_goal(const std::string& text) {
     const auto meaning = meanings().find(key);
     if (equals == std::string::npos || equals + 1 == word.size() || meaning == meanings().end()) {
       const std::string hint = did_you_mean(key, keys);
-      throw Error(fmt::format("'{}' is nothing that can be asked for", word), {"", 0, "--for"},
+      throw Error(fmt::format("'{}' is nothing that can be asked for", word), {"", 0, "--goal"},
                   hint.empty() ? fmt::format("KEY=VALUE with {}", fmt::join(keys, ", ")) : hint);
     }
     const std::string value = word.substr(equals + 1);
-    if (value.find('\'') != std::string::npos) throw Error("a value cannot hold a quote", {"", 0, "--for"});
+    if (value.find('\'') != std::string::npos) throw Error("a value cannot hold a quote", {"", 0, "--goal"});
     goal.push_back(
         {key, value, meaning->second.products, fmt::format(fmt::runtime(meaning->second.condition), value)});
   }
-  if (goal.empty()) throw Error("nothing is asked for", {"", 0, "--for"}, "e.g. \"color=red on=table_1\"");
+  if (goal.empty()) throw Error("nothing is asked for", {"", 0, "--goal"}, "e.g. \"color=red on=table_1\"");
   return goal;
 }
 

@@ -26,7 +26,7 @@ class Annotate : public ::testing::Test {
     ASSERT_EQ(seen.exit_code, 0) << seen.error;
   }
   Json annotate(const std::string& with) const {
-    const Outcome outcome = run("loci-perceive annotate --json -m " + memory_ + " --with " + with);
+    const Outcome outcome = run("loci-perceive annotate --json -m " + memory_ + " --annotator " + with);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
     return parse_json(outcome.out, "annotate");
   }
@@ -46,15 +46,15 @@ TEST_F(Annotate, LateAnnotationsBelongToTheOldClustersAndTheirObjects) {
 }
 
 TEST_F(Annotate, CloudsAreMadeOfThePointsThatWereKept) {
-  const Outcome outcome = run("loci-perceive annotate -m " + memory_ + " --with GeometryAnnotator");
+  const Outcome outcome = run("loci-perceive annotate -m " + memory_ + " --annotator GeometryAnnotator");
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.error, HasSubstr("GeometryAnnotator needs view:cloud"));
   EXPECT_THAT(outcome.error, HasSubstr("put NormalEstimator before it"));
   EXPECT_EQ(lines_of(outcome.error), 1);
-  const Json shapes = annotate("NormalEstimator --with \"PclFeature: {features: [GaussImage]}\"");
+  const Json shapes = annotate("NormalEstimator --annotator \"PclFeature: {features: [GaussImage]}\"");
   EXPECT_GT(shapes["clusters"].get<int>(), 0);
   EXPECT_EQ(shapes["annotations"], shapes["clusters"]);
-  const Json boxes = annotate("NormalEstimator --with GeometryAnnotator --again");
+  const Json boxes = annotate("NormalEstimator --annotator GeometryAnnotator --again");
   EXPECT_EQ(boxes["annotations"], boxes["clusters"]);
   EXPECT_EQ(run("loci-memory verify -m " + memory_).exit_code, 0);
 }
@@ -70,7 +70,7 @@ TEST_F(Annotate, ThingsThatStoodStillAreAskedAboutOnce) {
 }
 
 TEST_F(Annotate, MakesNoMemory) {
-  const Outcome outcome = run("loci-perceive annotate --with ColorName -m " + folder_ + "/absent.loci");
+  const Outcome outcome = run("loci-perceive annotate --annotator ColorName -m " + folder_ + "/absent.loci");
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_FALSE(std::filesystem::exists(folder_ + "/absent.loci"));
 }
