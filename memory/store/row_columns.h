@@ -11,37 +11,6 @@
 
 namespace loci::memory {
 
-template <class Row>
-inline constexpr const char* kTable = nullptr;
-template <>
-inline constexpr const char* kTable<RunRow> = "run";
-template <>
-inline constexpr const char* kTable<RecordingRow> = "recording";
-template <>
-inline constexpr const char* kTable<MapRow> = "map";
-template <>
-inline constexpr const char* kTable<PlaceRow> = "place";
-template <>
-inline constexpr const char* kTable<SceneRow> = "scene";
-template <>
-inline constexpr const char* kTable<LogRow> = "scene_log";
-template <>
-inline constexpr const char* kTable<ObservationRow> = "observation";
-template <>
-inline constexpr const char* kTable<AnnotationRow> = "annotation_value";
-template <>
-inline constexpr const char* kTable<ObjectRow> = "object";
-template <>
-inline constexpr const char* kTable<AssociationRow> = "association";
-template <>
-inline constexpr const char* kTable<EventRow> = "event";
-template <>
-inline constexpr const char* kTable<BeliefRow> = "belief";
-template <>
-inline constexpr const char* kTable<VisibilityRow> = "visibility";
-template <>
-inline constexpr const char* kTable<FactRow> = "fact";
-
 inline constexpr const char* kVectorColumns[] = {"x", "y", "z"};
 inline constexpr const char* kPoseColumns[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
 inline constexpr const char* kRoiColumns[] = {"roi_x", "roi_y", "roi_width", "roi_height"};
@@ -313,7 +282,7 @@ Id insert_row(Store::Connection& db, const Row& row, const SqlColumns& more = {}
   visit_columns(writer, row);
   SqlColumns columns = writer.columns();
   columns.insert(columns.end(), more.begin(), more.end());
-  return db.insert(kTable<Row>, columns);
+  return db.insert(Row::kTable, columns);
 }
 
 /// The rows of SELECT * FROM `from` WHERE `where` ORDER BY `order`.
@@ -330,7 +299,7 @@ std::vector<Row> select(Store::Connection& db, const std::string& from, const Wh
 template <class Row>
 std::vector<Row> select(Store::Connection& db, const Where& where = Where(),
                         const std::string& order = "id") {
-  return select<Row>(db, kTable<Row>, where, order);
+  return select<Row>(db, Row::kTable, where, order);
 }
 /// The first of them; unset when there are none.
 template <class Row>
@@ -341,12 +310,12 @@ std::optional<Row> select_first(Store::Connection& db, const std::string& from, 
 }
 template <class Row>
 std::optional<Row> select_first(Store::Connection& db, const Where& where, const std::string& order = "id") {
-  return select_first<Row>(db, kTable<Row>, where, order);
+  return select_first<Row>(db, Row::kTable, where, order);
 }
 template <class Row>
 Row select_by_id(Store::Connection& db, Id id) {
-  auto row = select_first<Row>(db, kTable<Row>, Where("id = ?1", {sql(id)}));
-  if (!row) throw db.error(fmt::format("no {} {}", kTable<Row>, id));
+  auto row = select_first<Row>(db, Row::kTable, Where("id = ?1", {sql(id)}));
+  if (!row) throw db.error(fmt::format("no {} {}", Row::kTable, id));
   return *std::move(row);
 }
 

@@ -19,9 +19,11 @@ using Id = int64_t;
 // The rows of memory/store/schema.sql, which defines units and meanings. An unset optional is NULL. The store
 // fills in `id`, `known_from`, `known_to` and `run` when a row is added.
 //
-// All fields have initializers, so that a row can be written as {.scene = 3, .status = ObjectStatus::seen}.
+// `kTable` is the table or view from which rows are read. All fields have initializers, so that a row can be
+// written as {.scene = 3, .status = ObjectStatus::seen}.
 
 struct RunRow {
+  static constexpr const char* kTable = "run";
   Id id = 0;
   std::string program = {};
   std::string version = {};
@@ -31,6 +33,7 @@ struct RunRow {
 };
 
 struct RecordingRow {
+  static constexpr const char* kTable = "recording";
   Id id = 0;
   std::string fingerprint = {};  ///< content_hash() of its list of frames
   std::string name = {};
@@ -40,6 +43,7 @@ struct RecordingRow {
 };
 
 struct MapRow {
+  static constexpr const char* kTable = "map";
   Id id = 0;
   std::string hash = {};
   std::string name = {};
@@ -48,6 +52,7 @@ struct MapRow {
 };
 
 struct PlaceRow {
+  static constexpr const char* kTable = "place";
   Id id = 0;
   std::string name = {};
   std::string class_name = {};
@@ -66,6 +71,7 @@ struct SceneCamera {
 };
 
 struct SceneRow {
+  static constexpr const char* kTable = "scene";
   Id id = 0;
   std::optional<Id> recording = {};
   std::optional<int64_t> frame_index = {};
@@ -89,6 +95,7 @@ struct HsvColor {
 };
 
 struct ObservationRow {
+  static constexpr const char* kTable = "observation";
   Id id = 0;
   Id scene = 0;
   int64_t number = 0;  ///< within the scene, from 0
@@ -108,6 +115,7 @@ struct ObservationRow {
 
 /// A line of the log of a scene.
 struct LogRow {
+  static constexpr const char* kTable = "scene_log";
   Id scene = 0;
   int64_t number = 0;  ///< within the scene, from 0
   std::string annotator = {};
@@ -117,6 +125,7 @@ struct LogRow {
 };
 
 struct AnnotationRow {
+  static constexpr const char* kTable = "annotation_value";
   Id id = 0;
   Id scene = 0;
   std::optional<Id> observation = {};
@@ -138,11 +147,13 @@ struct Bitemporal {
 };
 
 struct ObjectRow {
+  static constexpr const char* kTable = "object";
   Id id = 0;
   Bitemporal clock = {};  ///< valid_from = first seen
 };
 
 struct AssociationRow {
+  static constexpr const char* kTable = "association";
   Id id = 0;
   Id scene = 0;
   std::optional<Id> observation = {};  ///< unset = the object was not matched
@@ -154,6 +165,7 @@ struct AssociationRow {
 };
 
 struct EventRow {
+  static constexpr const char* kTable = "event";
   Id id = 0;
   std::optional<Id> scene = {};
   EventKind kind = EventKind::appeared;
@@ -172,6 +184,7 @@ struct EventRow {
 };
 
 struct BeliefRow {
+  static constexpr const char* kTable = "belief";
   Id id = 0;
   Id object = 0;
   std::optional<Id> scene = {};
@@ -198,6 +211,7 @@ struct BeliefRow {
 double faded(const BeliefRow& row, TimeNs time);
 
 struct VisibilityRow {
+  static constexpr const char* kTable = "visibility";
   Id id = 0;
   Id scene = 0;
   std::optional<Id> object = {};  ///< exactly one of object and place is set
@@ -209,6 +223,7 @@ struct VisibilityRow {
 };
 
 struct FactRow {
+  static constexpr const char* kTable = "fact";
   Id id = 0;
   std::optional<Id> object = {};  ///< exactly one of object and place is set
   std::optional<Id> place = {};

@@ -163,7 +163,7 @@ Row Store::row(Id id) const {
 template <class Row>
 Id Store::current_row(Id id) const {
   const std::string later =
-      fmt::format("SELECT id FROM {} WHERE supersedes = ? ORDER BY known_from, id LIMIT 1", kTable<Row>);
+      fmt::format("SELECT id FROM {} WHERE supersedes = ? ORDER BY known_from, id LIMIT 1", Row::kTable);
   while (const auto next = connection_->value<Id>(later, {sql(id)})) id = *next;
   return id;
 }
