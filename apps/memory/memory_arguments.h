@@ -13,14 +13,14 @@
 
 namespace loci::apps {
 
-/// What every question takes: the file and the two clocks.
+/// The memory, valid time and transaction time.
 struct MemoryArguments {
   std::string memory;
   std::string at;
   std::string known_at;
 
   void declare(ArgumentTable& table);
-  /// The clocks, read against the open memory.
+  /// The times, read against the open memory.
   memory::AsOf as_of(const memory::Store& store) const;
 };
 

@@ -152,7 +152,9 @@ std::vector<SimilarScene> similar_scenes(const Snapshot& snapshot, const Objects
                                          Id scene) {
   std::vector<SimilarScene> similar;
   const std::set<Id>& own = objects_in.at(scene);
-  for (const auto& [other, objects] : objects_in) {
+  for (const auto& entry : objects_in) {
+    const Id other = entry.first;
+    const std::set<Id>& objects = entry.second;
     const auto common =
         static_cast<double>(std::ranges::count_if(own, [&](Id object) { return objects.contains(object); }));
     if (other == scene || common == 0) continue;

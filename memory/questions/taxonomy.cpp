@@ -24,9 +24,9 @@ Taxonomy Taxonomy::read(const std::filesystem::path& path) {
   const Config file = Config::read(path);
   for (const std::string& name : file.keys()) {
     const Config entry = file.map(name);
-    using Words = std::vector<std::string>;
-    taxonomy.concepts_[name] = {entry.get<Words>("synonyms", {}), entry.get<Words>("is", {}),
-                                entry.get<Words>("properties", {})};
+    using Texts = std::vector<std::string>;
+    taxonomy.concepts_[name] = {entry.get<Texts>("synonyms", {}), entry.get<Texts>("is", {}),
+                                entry.get<Texts>("properties", {})};
     entry.finish();
   }
   if (taxonomy.concepts_.empty())

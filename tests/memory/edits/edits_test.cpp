@@ -5,9 +5,13 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "mapping/world/urdf.h"
+#include "memory/questions/contents.h"
 #include "memory/questions/environment.h"
+#include "memory/questions/events.h"
 #include "memory/questions/facts.h"
+#include "memory/questions/location.h"
 #include "memory/questions/map_names.h"
+#include "memory/questions/objects.h"
 #include "memory/questions/snapshot.h"
 #include "tests/memory/questions/day_fixture.h"
 
@@ -73,7 +77,7 @@ TEST_F(Edits, MergedObjectsAreOneWithOneHistory) {
   EXPECT_EQ(history.now.place->name, "drawer_1_bottom");
   EXPECT_EQ(history.now.sightings, 3U);
   const Change& last = history.changes.back();
-  EXPECT_EQ(last.kind, "moved") << "it was known, so it has come from somewhere";
+  EXPECT_EQ(last.kind, EventKind::moved) << "it was known, so it has come from somewhere";
   EXPECT_EQ(last.from_place->name, "table_1");
   expect_sound();
 }
@@ -102,7 +106,7 @@ TEST_F(Edits, ASplitObjectGoesOnAsAnother) {
   EXPECT_EQ(store_->belief(1)->status, ObjectStatus::gone) << "what was believed before stays";
   const auto changes = ask(*store_, HistoryQuestion{object_name(made)}).objects.at(0).changes;
   ASSERT_FALSE(changes.empty());
-  EXPECT_EQ(changes[0].kind, "appeared");
+  EXPECT_EQ(changes[0].kind, EventKind::appeared);
   expect_sound();
   EXPECT_THAT(refusal([](Store& store) { split_object(store, 1, testing_support::day_time("07:00")); }),
               HasSubstr("not before"));
