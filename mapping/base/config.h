@@ -12,11 +12,11 @@
 
 namespace loci {
 
-/// A YAML map that is read strictly: every key must be asked for, or finish() refuses the unknown one and
-/// names the closest known one. Errors carry file, line and the path of the key.
+/// A YAML map that is read strictly: finish() refuses keys that were not asked for and names the closest
+/// known key. Errors carry file, line and the path of the key.
 class Config {
  public:
-  /// Reads a file whose top is a map (an empty file is an empty map).
+  /// Reads a file whose root is a map (an empty file is an empty map).
   static Config read(const std::filesystem::path& path);
   /// Parses text; `file` is for messages.
   static Config parse(const std::string& text, const std::string& file);

@@ -17,16 +17,16 @@ class CsvTable {
 
   size_t rows() const { return cells_.size(); }
   const std::vector<std::string>& header() const { return header_; }
-  /// Column of a name; -1 when there is none.
+  /// Column of a name, -1 when it is missing.
   int column(const std::string& name) const;
-  /// Column of a name that must be there.
+  /// Column of a name; Error when it is missing.
   size_t require_column(const std::string& name) const;
 
   const std::string& cell(size_t row, size_t column) const { return cells_[row][column]; }
   /// The cell as a finite number; Error with file and line otherwise.
   double number(size_t row, size_t column) const;
   int64_t integer(size_t row, size_t column) const;
-  /// Where a row stands in the file.
+  /// Location of a row in the file.
   FileLocation location(size_t row, const std::string& key = {}) const;
   FileLocation place(size_t row, const std::string& key = {}) const {
     return location(row, key);

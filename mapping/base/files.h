@@ -10,15 +10,15 @@ namespace loci {
 /// The whole file as bytes. Throws Error when it does not exist or cannot be read.
 std::string read_file(const std::filesystem::path& path);
 
-/// Writes to a temporary neighbour, fsync, rename: the old file stays until the new one is whole (also on a
-/// full disk).
+/// Writes to a temporary file in the same folder, fsync, rename: the old file stays until the new one is
+/// complete, also on a full disk.
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
 
 /// Creates a folder and its parents; throws Error when that fails or a file is in the way.
 void make_folder(const std::filesystem::path& path);
 
-/// A file that is written piece by piece and appears under its name only at commit(). Without commit() the
-/// temporary file is removed and what was there before stays.
+/// A file that is written in pieces and gets its name only at commit(). Without commit() the temporary file
+/// is removed and an existing file stays.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 
 #include "mapping/base/base64.h"
+#include "mapping/base/text.h"
 
 namespace loci {
 namespace {
@@ -46,10 +46,9 @@ addEventListener('beforeprint', () => document.querySelectorAll('details').forEa
 constexpr std::string_view kEnd = "</main>";
 
 bool is_number(const std::string& cell) {
-  return !cell.empty() &&
-         (std::isdigit(static_cast<unsigned char>(cell.back())) != 0 || cell.back() == '%') &&
-         std::all_of(cell.begin(), cell.end(), [](unsigned char c) {
-           return std::isdigit(c) != 0 || c == '.' || c == '-' || c == '+' || c == ' ' || c == '%';
+  return !cell.empty() && (is_digit(cell.back()) || cell.back() == '%') &&
+         std::all_of(cell.begin(), cell.end(), [](char c) {
+           return is_digit(c) || c == '.' || c == '-' || c == '+' || c == ' ' || c == '%';
          });
 }
 

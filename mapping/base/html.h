@@ -23,14 +23,13 @@ std::string html_image(std::span<const unsigned char> bytes, std::string_view mi
 /// A section with a heading; `body` is HTML.
 std::string html_section(std::string_view id, std::string_view heading, std::string_view body);
 
-/// A whole page that needs no other file: style inside, and a script of some lines that adds a field to
-/// search in it (cards, rows and details without the words are hidden). `sections` is HTML made by
-/// html_section. For print everything is opened and the field is gone.
+/// A page without external files. Its script adds a search field that hides cards, rows and details without
+/// the given words; in print all details are open and the field is hidden. `sections` is HTML from
+/// html_section().
 std::string html_page(std::string_view title, std::string_view sections);
 bool is_html_page(const std::string& text);
 
-/// The page with a section put in the place of the one with the same id, or else at its end. For pages made
-/// by html_page: a report that grows.
+/// A page made by html_page() with a section replaced (same id) or appended.
 std::string html_with_section(const std::string& page, std::string_view id, const std::string& section);
 
 }  // namespace loci

@@ -6,21 +6,21 @@
 
 namespace loci {
 
-/// How a stage tells how far it is and learns whether to go on (run logic knows no threads and no terminal).
+/// Receives the progress of a stage and answers whether to go on. Stages know neither threads nor terminals.
 class Progress {
  public:
   virtual ~Progress() = default;
 
-  /// `fraction` in [0,1] of the stage, `text` what is being done. Returns false when the stage should stop.
+  /// `fraction` in [0,1] of the stage, `text` the current activity. Returns false when the stage should stop.
   virtual bool update(double fraction, std::string_view text) = 0;
 
-  /// update(), and Interrupted when the answer is to stop. For stages that have nothing to finish first.
+  /// update(), throwing Interrupted when the stage should stop. For stages without cleanup.
   void check(double fraction, std::string_view text) {
     if (!update(fraction, text)) throw Interrupted();
   }
 };
 
-/// Says nothing, never stops.
+/// Ignores progress and never stops.
 class NoProgress : public Progress {
  public:
   bool update(double, std::string_view) override { return true; }

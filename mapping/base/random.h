@@ -5,13 +5,13 @@
 
 namespace loci {
 
-/// A small generator of random numbers (xoshiro256**, Blackman and Vigna 2018) whose sequence is the same on
-/// every machine, unlike the distributions of <random>. Every function that draws takes one.
+/// Random numbers (xoshiro256**, Blackman and Vigna 2018) with the same
+/// sequence on every machine, unlike the distributions of <random>. Functions that draw take one.
 class Random {
  public:
   explicit Random(uint64_t seed);
 
-  /// A generator of its own for part `stream` of the work: the same whichever thread takes that part.
+  /// An independent generator for part `stream` of the work, the same on any thread.
   Random fork(uint64_t stream) const;
 
   uint64_t bits();

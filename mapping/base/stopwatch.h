@@ -5,17 +5,16 @@
 
 namespace loci {
 
-/// Seconds of a stage and its parts, by the clock on the wall unless it says otherwise, for reports. Never
-/// decides a result.
+/// Wall time of a stage and its laps, and CPU time, for reports. Never affects a result.
 class Stopwatch {
  public:
-  /// Seconds since it was made.
+  /// Seconds since construction.
   double seconds() const { return since(start_, Clock::now()); }
 
-  /// Processor time of all threads since it was made.
-  double processor_seconds() const { return static_cast<double>(std::clock() - processor_) / CLOCKS_PER_SEC; }
+  /// CPU time of all threads since construction.
+  double cpu_seconds() const { return static_cast<double>(std::clock() - cpu_) / CLOCKS_PER_SEC; }
 
-  /// Seconds since it was made or the last lap.
+  /// Seconds since construction or the last lap.
   double lap() {
     const Clock::time_point now = Clock::now();
     const double seconds = since(lap_, now);
@@ -30,7 +29,7 @@ class Stopwatch {
   }
   Clock::time_point start_ = Clock::now();
   Clock::time_point lap_ = start_;
-  std::clock_t processor_ = std::clock();
+  std::clock_t cpu_ = std::clock();
 };
 
 }  // namespace loci

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <cctype>
 #include <chrono>
 
 #include "mapping/base/error.h"
+#include "mapping/base/text.h"
 
 namespace loci {
 namespace {
@@ -45,7 +45,6 @@ class Cursor {
   }
 
  private:
-  static bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
   std::string_view text_;
   size_t at_ = 0;
 };

@@ -77,10 +77,6 @@ ComparedElement compared(const SurfacePatch& map, const SurfacePatch& truth, dou
   return element;
 }
 
-bool asked_for(const std::string& region, const ComparisonOptions& options) {
-  return options.region.empty() || region.empty() || region == options.region;
-}
-
 void compare_supports(const MapStructure& map, const MapStructure& truth, const ComparisonOptions& options,
                       Comparison& result) {
   struct Pair {

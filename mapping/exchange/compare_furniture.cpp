@@ -35,11 +35,7 @@ double angle_deg(const Vector3d& a, const Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / kPi;
 }
 
-bool asked_for(const std::string& region, const ComparisonOptions& options) {
-  return options.region.empty() || region.empty() || region == options.region;
-}
-
-/// Whether a element that the truth does not have is a mistake: not where the truth was not asked.
+/// Whether an element that the truth does not have is a mistake: not where the truth was not asked.
 bool in_region(const Vector3d& point, const MapStructure& truth, const ComparisonOptions& options) {
   const auto region = truth.regions.find(options.region);
   return region == truth.regions.end() || region->second.exteriorDistance(point) <= kRegionMargin;
@@ -141,6 +137,10 @@ void fill_front(const KnownFront& map, const KnownFront& truth, ComparedElement&
 }
 
 }  // namespace
+
+bool asked_for(const std::string& region, const ComparisonOptions& options) {
+  return options.region.empty() || region.empty() || region == options.region;
+}
 
 double overlap_of(const Front& a, const Front& b) {
   if (a.normal.dot(b.normal) < kNormalGate) return 0;

@@ -16,4 +16,7 @@ double overlap_of(const Front& a, const Front& b);
 ComparedJoint compare_joints(const std::optional<JointEstimate>& map, const JointEstimate& truth,
                              const Vector3d& front_centre);
 
+/// Whether the options ask for a region of the truth.
+bool asked_for(const std::string& region, const ComparisonOptions& options);
+
 }  // namespace loci::mapping

@@ -8,10 +8,6 @@
 namespace loci::mapping {
 namespace {
 
-Vector3d vector_of(const Json& json) {
-  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
-}
-
 bool is_fixture(const SemanticLink& link) {
   return (link.class_name == "handle" || link.class_name == "knob") && link.geometry.contains("centre");
 }

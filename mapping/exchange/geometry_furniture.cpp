@@ -3,6 +3,7 @@
 #include <map>
 #include <numbers>
 
+#include "mapping/base/text.h"
 #include "mapping/exchange/furniture_structure.h"
 #include "mapping/world/kinematics.h"
 
@@ -26,13 +27,8 @@ struct Face {
   Vector3d middle() const { return weighted / area; }
 };
 
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
 bool called_fixture(const std::string& name) {
-  const std::string text = lower(name);
+  const std::string text = lower_case(name);
   return text.find("handle") != std::string::npos || text.find("knob") != std::string::npos;
 }
 
@@ -186,8 +182,8 @@ class FurnitureReader {
     Fixture& fixture = known.fixture;
     fixture.centre =
         (low[0] + high[0]) / 2 * right + (low[1] + high[1]) / 2 * up + (high[2] - thickness / 2) * out;
-    const bool round =
-        lower(name).find("knob") != std::string::npos || length < kRoundFixture * std::min(width, height);
+    const bool round = lower_case(name).find("knob") != std::string::npos ||
+                       length < kRoundFixture * std::min(width, height);
     fixture.kind = round ? Fixture::Kind::knob : Fixture::Kind::handle;
     fixture.axis = round ? out : width > height ? right : up;
     fixture.length = length;

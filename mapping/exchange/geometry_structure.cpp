@@ -9,11 +9,11 @@
 namespace loci::mapping {
 namespace {
 
-constexpr double kMinSurface = 0.05;  // m²
-constexpr double kMinWall = 0.5;      // m²
-constexpr double kReveal = 0.3;       // m; narrower faces of walls
-constexpr double kLowest = 0.2;       // m; lower surfaces are the floor or plinths
-constexpr double kHighest = 2.0;
+constexpr double kMinSurface = 0.05;       // m²
+constexpr double kMinWall = 0.5;           // m²
+constexpr double kReveal = 0.3;            // m; narrower faces of walls
+constexpr double kMinSupportHeight = 0.2;  // m; lower surfaces are the floor or plinths
+constexpr double kMaxSupportHeight = 2.0;
 constexpr double kFreeAbove = 0.25;  // m; less room above and nothing can be put there or seen
 constexpr double kSameHeight = 0.01;
 
@@ -59,7 +59,7 @@ void add_supports(const World& world, const std::vector<WorldTriangle>& triangle
   std::map<std::pair<size_t, long>, std::vector<const WorldTriangle*>> patches;
   for (const WorldTriangle& triangle : triangles) {
     const double z = triangle.corners[0].z();
-    if (triangle.normal.z() > 0.99 && z > kLowest && z < kHighest)
+    if (triangle.normal.z() > 0.99 && z > kMinSupportHeight && z < kMaxSupportHeight)
       patches[{triangle.link, std::lround(z / kSameHeight)}].push_back(&triangle);
   }
   for (const auto& [key, patch] : patches) {

@@ -13,7 +13,7 @@ constexpr double kRow = 30;      // px between leaves
 constexpr double kBox = 22;      // px, height of a box
 constexpr double kLetter = 7.2;  // px, width of a letter of the font below
 constexpr double kGap = 36;      // px between a box and the next
-constexpr double kMargin = 20;
+constexpr double kPageMargin = 20;
 
 /// A link or a joint that moves.
 struct Node {
@@ -27,7 +27,7 @@ struct Node {
   double width() const { return kLetter * static_cast<double>(std::max(name.size(), note.size())) + 16; }
 };
 
-const char* color_of(const std::string& class_name) {
+const char* node_color(const std::string& class_name) {
   if (class_name == "front" || class_name == "drawer" || class_name == "door" || class_name == "flap")
     return "#cfe6f5";
   if (class_name == "handle" || class_name == "knob") return "#bfe3b4";
@@ -46,9 +46,9 @@ class Graph {
   }
 
   std::string svg() const {
-    const double height = 2 * kMargin + kRow * static_cast<double>(rows_);
-    double width = 2 * kMargin;
-    for (const Node& node : nodes_) width = std::max(width, left_of(node) + node.width() + kMargin);
+    const double height = 2 * kPageMargin + kRow * static_cast<double>(rows_);
+    double width = 2 * kPageMargin;
+    for (const Node& node : nodes_) width = std::max(width, left_of(node) + node.width() + kPageMargin);
     std::string text = fmt::format(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
         "viewBox=\"0 0 {0:.0f} {1:.0f}\" font-family=\"monospace\" font-size=\"12\">\n"
@@ -73,7 +73,7 @@ class Graph {
     Node node;
     node.name = link;
     node.depth = depth;
-    if (entry != semantics_.links.end()) node.color = color_of(entry->second.class_name);
+    if (entry != semantics_.links.end()) node.color = node_color(entry->second.class_name);
     const size_t index = add(std::move(node));
     for (const Joint& joint : world_.joints) {
       if (joint.parent != link) continue;
@@ -101,12 +101,12 @@ class Graph {
   void place(size_t index) {
     Node& node = nodes_[index];
     for (const size_t below : node.below) place(below);
-    node.y = node.below.empty() ? kMargin + kRow * (static_cast<double>(rows_++) + 0.5)
+    node.y = node.below.empty() ? kPageMargin + kRow * (static_cast<double>(rows_++) + 0.5)
                                 : (nodes_[node.below.front()].y + nodes_[node.below.back()].y) / 2;
   }
 
   double left_of(const Node& node) const {
-    double left = kMargin;
+    double left = kPageMargin;
     for (size_t depth = 0; depth < node.depth; ++depth) left += widths_[depth] + kGap;
     return left;
   }

@@ -15,8 +15,8 @@
 namespace loci::mapping {
 namespace {
 
-constexpr double kHighest = 1.9;  // m; what hangs higher would hide the furniture
-constexpr double kMargin = 0.2;   // m around the points
+constexpr double kMaxShownHeight = 1.9;  // m; what hangs higher would hide the furniture
+constexpr double kPointMargin = 0.2;     // m around the points
 constexpr double kMaxPixels = 1400;
 
 struct TopView {
@@ -40,7 +40,7 @@ void each_point(const InterpretedMap& map, const ScanSet& scans, Visit visit) {
     for (const ScanPoint& point : scan.points) {
       if (!point.returned) continue;
       const Vector3d position = map_from_scan * point.position.cast<double>();
-      if (position.z() < kHighest) visit(position, point);
+      if (position.z() < kMaxShownHeight) visit(position, point);
     }
   }
 }
@@ -55,8 +55,8 @@ TopView view_of(const InterpretedMap& map, const ScanSet& scans) {
   TopView view;
   const auto spread = [](std::vector<double>& values, double& low, double& high) {
     if (values.empty()) values = {0, 1};
-    low = quantile(values, 0.001) - kMargin;
-    high = quantile(values, 0.999) + kMargin;
+    low = quantile(values, 0.001) - kPointMargin;
+    high = quantile(values, 0.999) + kPointMargin;
   };
   spread(x, view.low.x(), view.high.x());
   spread(y, view.low.y(), view.high.y());
@@ -83,7 +83,7 @@ cv::Mat image_of(const InterpretedMap& map, const ScanSet& scans, const TopView&
   return image;
 }
 
-const char* color_of(const std::string& class_name) {
+const char* outline_color(const std::string& class_name) {
   if (class_name == "wall") return "#1f4fd8";
   if (class_name == "table") return "#c2410c";
   if (class_name == "counter") return "#047857";
@@ -105,7 +105,7 @@ std::string points_text(const Json& outline, const TopView& view) {
 
 std::string drawing_of(const std::string& name, const SemanticLink& link, const TopView& view) {
   const Json& outline = link.geometry.at("outline");
-  const char* color = color_of(link.class_name);
+  const char* color = outline_color(link.class_name);
   Vector2d middle = Vector2d::Zero();
   for (const Json& corner : outline)
     middle += view.at({corner.at(0).get<double>(), corner.at(1).get<double>()});

@@ -31,10 +31,6 @@ std::vector<Vector2d> polygon_of(const Json& corners) {
   return polygon;
 }
 
-Vector3d vector_of(const Json& json) {
-  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
-}
-
 /// Extents of a wall from its corners.
 void span(WallPatch& wall, const std::vector<Vector3d>& corners) {
   wall.along_min = wall.bottom = 1e9;
@@ -50,6 +46,10 @@ void span(WallPatch& wall, const std::vector<Vector3d>& corners) {
 }
 
 }  // namespace
+
+Vector3d vector_of(const Json& json) {
+  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
+}
 
 MapStructure structure_from_sidecar(const SemanticMap& sidecar, const World& world, const std::string& file) {
   MapStructure structure;

@@ -13,9 +13,9 @@
 namespace loci::mapping {
 namespace {
 
-constexpr double kMargin = 0.5;    // m of unknown around everything
-constexpr double kFloor = 0.05;    // m; upward faces so near to the floor's height are floor
-constexpr double kMinFloor = 0.1;  // of the area that the geometry spans
+constexpr double kUnknownMargin = 0.5;  // m of unknown around everything
+constexpr double kFloor = 0.05;         // m; upward faces so near to the floor's height are floor
+constexpr double kMinFloor = 0.1;       // of the area that the geometry spans
 constexpr double kMaxCells = 4e8;
 constexpr int kShift = 4;  // fractional bits of OpenCV's polygon corners
 
@@ -40,8 +40,8 @@ std::vector<Vector3d> slice(const WorldTriangle& triangle, double low, double hi
 OccupancyGrid empty_grid(const Eigen::AlignedBox2d& box, double resolution) {
   OccupancyGrid grid;
   grid.resolution = resolution;
-  const Vector2d low = ((box.min().array() - kMargin) / resolution).floor();
-  const Vector2d high = ((box.max().array() + kMargin) / resolution).ceil();
+  const Vector2d low = ((box.min().array() - kUnknownMargin) / resolution).floor();
+  const Vector2d high = ((box.max().array() + kUnknownMargin) / resolution).ceil();
   grid.origin = low * resolution;
   const Vector2d size = high - low;
   if (size.prod() > kMaxCells) throw Error("the grid has too many cells", {}, "choose a coarser resolution");

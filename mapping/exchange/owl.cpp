@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mapping/base/json.h"
+#include "mapping/exchange/map_structure.h"
 #include "mapping/exchange/owl_document.h"
 #include "mapping/world/kinematics.h"
 
@@ -12,10 +13,6 @@ namespace loci::mapping {
 namespace {
 
 using tinyxml2::XMLElement;
-
-Vector3d vector_of(const Json& json) {
-  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
-}
 
 /// Depth, width, height of a link's shape: the box of its primitives in the link's axes.
 std::optional<Vector3d> size_of(const Link& link) {
@@ -38,9 +35,9 @@ std::optional<Vector3d> size_of(const Link& link) {
   return box.sizes();
 }
 
-class Writer {
+class OwlWriter {
  public:
-  Writer(const World& world, const SemanticMap& semantics, const std::string& name, int64_t time_ns)
+  OwlWriter(const World& world, const SemanticMap& semantics, const std::string& name, int64_t time_ns)
       : world_(world),
         semantics_(semantics),
         map_(owl_identifier(name)),
@@ -186,7 +183,7 @@ std::string knowrob_class(const SemanticLink& link) {
 
 std::string owl_text(const World& world, const SemanticMap& semantics, const std::string& name,
                      int64_t time_ns) {
-  return Writer(world, semantics, name, time_ns).text();
+  return OwlWriter(world, semantics, name, time_ns).text();
 }
 
 }  // namespace loci::mapping

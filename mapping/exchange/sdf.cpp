@@ -86,9 +86,9 @@ std::string shape_name(const std::string& given, const std::string& link, const 
   return given.empty() ? fmt::format("{}_{}_{}", link, what, index + 1) : given;
 }
 
-class Writer {
+class SdfWriter {
  public:
-  Writer(const World& world, Warnings& warnings) : world_(world), warnings_(warnings) {}
+  SdfWriter(const World& world, Warnings& warnings) : world_(world), warnings_(warnings) {}
 
   std::string text() {
     document_.InsertEndChild(document_.NewDeclaration());
@@ -220,7 +220,7 @@ class Writer {
 
 std::string sdf_text(const World& world, Warnings& warnings) {
   if (world.find_link(world.root) == nullptr) throw Error("the world '" + world.name + "' has no root link");
-  return Writer(world, warnings).text();
+  return SdfWriter(world, warnings).text();
 }
 
 }  // namespace loci::mapping

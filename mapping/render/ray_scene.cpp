@@ -3,12 +3,12 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <deque>
 #include <limits>
 #include <unordered_map>
 
+#include "mapping/base/text.h"
 #include "mapping/render/scene_parts.h"
 #include "mapping/render/triangles.h"
 
@@ -19,8 +19,8 @@ using render_detail::ScenePart;
 
 namespace {
 
-/// What a triangle belongs to.
-struct Surface {
+/// Link and material of a triangle.
+struct TriangleMaterial {
   uint32_t link = 0;
   std::array<uint8_t, 3> color{};
   bool glossy = false;
@@ -31,7 +31,7 @@ struct Body {
   size_t base_link = 0;  ///< the body's frame is that of this link
   std::vector<Vector3f> vertices;
   std::vector<std::array<uint32_t, 3>> triangles;
-  std::vector<Surface> surfaces;  ///< by triangle
+  std::vector<TriangleMaterial> surfaces;  ///< by triangle
   Isometry3d map_from_body = Isometry3d::Identity();
   Eigen::Matrix3f rotation = Eigen::Matrix3f::Identity();  ///< of map_from_body
   RTCScene scene = nullptr;
@@ -71,10 +71,9 @@ std::vector<size_t> base_links(const World& world) {
 }  // namespace
 
 bool glossy_material(const std::string& name) {
-  std::string low;
-  for (const char c : name) low += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string lower = lower_case(name);
   for (const char* word : {"glossy", "glass", "mirror", "chrome"})
-    if (low.find(word) != std::string::npos) return true;
+    if (lower.find(word) != std::string::npos) return true;
   return false;
 }
 
@@ -238,7 +237,7 @@ RayHit RayScene::cast(const Vector3f& origin, const Vector3f& direction, float r
   hit.distance = std::numeric_limits<float>::infinity();
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
   const Body& body = impl_->bodies[ray.hit.instID[0]];
-  const Surface& surface = body.surfaces[ray.hit.primID];
+  const TriangleMaterial& surface = body.surfaces[ray.hit.primID];
   hit.distance = ray.ray.tfar;
   hit.link = static_cast<int>(surface.link);
   hit.normal = (body.rotation * Vector3f(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z)).normalized();

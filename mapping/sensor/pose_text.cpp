@@ -4,16 +4,10 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/math.h"
+#include "mapping/base/text.h"
 
 namespace loci::mapping {
 namespace {
-
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts;
-  std::istringstream stream(text);
-  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
-  return parts;
-}
 
 bool read_number(const std::string& text, double& value) {
   std::istringstream stream(text);

@@ -119,7 +119,7 @@ void Pipeline::run_frames(Context& context, const std::shared_ptr<const cas::Typ
     const Stopwatch watch;
     reader_->read_next(cas, context);
     reader_seconds_ += watch.seconds();
-    reader_processor_seconds_ += watch.processor_seconds();
+    reader_cpu_seconds_ += watch.cpu_seconds();
     try {
       run_flow(flow_, cas, context);
       run_flow(writers_, cas, context);
@@ -143,11 +143,11 @@ PipelineResult Pipeline::run(Context& context, const std::shared_ptr<const cas::
   finish(context);
   progress.update(1, "done");
   result.seconds.emplace_back(reader_->descriptor().name, reader_seconds_);
-  result.processor_seconds.emplace_back(reader_->descriptor().name, reader_processor_seconds_);
+  result.cpu_seconds.emplace_back(reader_->descriptor().name, reader_cpu_seconds_);
   for (const Step* step : steps()) {
     const std::string& name = step->descriptor().name;
     result.seconds.emplace_back(name, step->statistics().seconds);
-    result.processor_seconds.emplace_back(name, step->processor_seconds());
+    result.cpu_seconds.emplace_back(name, step->cpu_seconds());
     result.statistics[name].add(step->statistics());
   }
   return result;

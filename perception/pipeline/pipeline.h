@@ -21,7 +21,7 @@ struct PipelineResult {
   /// Seconds by annotator (and reader), in order of the flow.
   std::vector<std::pair<std::string, double>> seconds;
   /// The same in processor time of all threads; of those that run beside others, of their own thread.
-  std::vector<std::pair<std::string, double>> processor_seconds;
+  std::vector<std::pair<std::string, double>> cpu_seconds;
   StatisticsTable statistics;  ///< of this run, by annotator
 };
 
@@ -78,7 +78,7 @@ class Pipeline {
   Flow flow_;
   Flow writers_;
   double reader_seconds_ = 0;
-  double reader_processor_seconds_ = 0;
+  double reader_cpu_seconds_ = 0;
   bool started_ = false;
 };
 

@@ -154,7 +154,7 @@ void Step::try_until_done(cas::Cas& cas, Context& context, std::shared_ptr<Attem
   ++statistics_.scenes;
   statistics_.clusters += static_cast<int64_t>(types::SceneCas(cas).clusters().size());
   statistics_.seconds += seconds;
-  processor_seconds_ += context.alone ? watch.processor_seconds() : thread_seconds() - thread_begin;
+  cpu_seconds_ += context.alone ? watch.cpu_seconds() : thread_seconds() - thread_begin;
   if (!done) return fail(why, cas, context);
   types::SceneCas(cas).log(descriptor_.name, "info", "done", seconds * 1e3);
 }

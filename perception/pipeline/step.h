@@ -44,7 +44,7 @@ class Step {
   const AnnotatorStatistics& statistics() const { return statistics_; }
   /// Clusters that keep what was said about them before.
   void note_reused(size_t clusters) { statistics_.reused += static_cast<int64_t>(clusters); }
-  double processor_seconds() const { return processor_seconds_; }
+  double cpu_seconds() const { return cpu_seconds_; }
   /// {"Name": options, "on_error": ...}, without policies that are the default.
   Json to_json() const;
 
@@ -78,7 +78,7 @@ class Step {
   Json policy_json_;
   FileLocation place_;
   AnnotatorStatistics statistics_;
-  double processor_seconds_ = 0;
+  double cpu_seconds_ = 0;
 };
 
 /// Waits for what was launched, also when an exception is on its way.

@@ -178,7 +178,7 @@ Json score_json(const ProductsScore& score) {
           {"first_percent", percent(score.first, score.queries)},
           {"among_five_percent", percent(score.among_five, score.queries)},
           {"seconds_a_query", score.seconds / queries},
-          {"processor_seconds_a_query", score.cpu_seconds / queries}};
+          {"cpu_seconds_a_query", score.cpu_seconds / queries}};
 }
 
 }  // namespace

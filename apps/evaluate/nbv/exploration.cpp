@@ -53,7 +53,7 @@ Run run_of(const NamedStrategy& strategy, const mapping::PlanarPose& start, cons
     if (static_cast<int>(run.coverage.size()) == options.max_scans) return run;
     const Decision decision = strategy.decide(map, robot, random);
     run.seconds.push_back(decision.seconds);
-    run.processor_seconds.push_back(decision.processor_seconds);
+    run.cpu_seconds.push_back(decision.cpu_seconds);
     run.cut = run.cut || decision.cut;
     if (!decision.pose) break;
     run.overlap.push_back(decision.overlap);

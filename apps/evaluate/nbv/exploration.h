@@ -31,12 +31,12 @@ struct ExplorationOptions {
 struct Run {
   std::string strategy;
   mapping::PlanarPose start;
-  std::vector<double> coverage;           ///< after each scan
-  std::vector<double> seconds;            ///< of each decision
-  std::vector<double> processor_seconds;  ///< of each decision, all threads
-  std::vector<double> overlap;            ///< expected of each chosen view
-  bool stopped = false;                   ///< by its own rule, not by max_scans
-  bool cut = false;                       ///< a decision was cut by the time limit
+  std::vector<double> coverage;     ///< after each scan
+  std::vector<double> seconds;      ///< of each decision
+  std::vector<double> cpu_seconds;  ///< of each decision, all threads
+  std::vector<double> overlap;      ///< expected of each chosen view
+  bool stopped = false;             ///< by its own rule, not by max_scans
+  bool cut = false;                 ///< a decision was cut by the time limit
 
   /// Scans until the coverage was reached; 0 = never.
   int scans_to(double goal) const;

@@ -18,7 +18,7 @@ class DecisionWatch {
   /// Tells a decision what it took since the watch was made.
   void stop(Decision& decision) const {
     decision.seconds = seconds();
-    decision.processor_seconds = processor() - begin_;
+    decision.cpu_seconds = processor() - begin_;
   }
 
  private:
@@ -175,8 +175,7 @@ Decision exhaustive(const mapping::OccupancyMap& map, const mapping::PlanarPose&
   const double share =
       static_cast<double>(places.size()) / static_cast<double>(std::max<size_t>(looked_at, 1));
   decision.seconds = prepared.seconds + (decision.seconds - prepared.seconds) * share;
-  decision.processor_seconds =
-      prepared.processor_seconds + (decision.processor_seconds - prepared.processor_seconds) * share;
+  decision.cpu_seconds = prepared.cpu_seconds + (decision.cpu_seconds - prepared.cpu_seconds) * share;
   return decision;
 }
 

@@ -12,7 +12,7 @@ namespace loci::apps::nbv_evaluation {
 struct Decision {
   std::optional<mapping::PlanarPose> pose;  ///< unset: stop
   double seconds = 0;                       ///< that it took, or would have taken without the limit
-  double processor_seconds = 0;             ///< likewise, of all threads: other programs do not count
+  double cpu_seconds = 0;                   ///< likewise, of all threads: other programs do not count
   bool cut = false;                         ///< by the time limit
   double overlap = 0;                       ///< expected
 };

@@ -35,7 +35,7 @@ double coverage_after(const std::vector<const Run*>& runs, size_t scans) {
 /// What a row of the table says about a strategy in a world.
 struct Row {
   double final_coverage = 0, lowest_coverage = 1, scans_made = 0, scans_to_goal = 0, seconds = 0,
-         max_seconds = 0, processor_seconds = 0, overlap = 0;
+         max_seconds = 0, cpu_seconds = 0, overlap = 0;
   int reached = 0, runs = 0;
   bool cut = false;
 };
@@ -48,7 +48,7 @@ Row row_of(const std::vector<const Run*>& runs, double goal) {
     made.push_back(static_cast<double>(run->coverage.size()));
     if (const int scans = run->scans_to(goal); scans > 0) to_goal.push_back(scans);
     seconds.insert(seconds.end(), run->seconds.begin(), run->seconds.end());
-    processor.insert(processor.end(), run->processor_seconds.begin(), run->processor_seconds.end());
+    processor.insert(processor.end(), run->cpu_seconds.begin(), run->cpu_seconds.end());
     overlap.insert(overlap.end(), run->overlap.begin(), run->overlap.end());
     row.cut = row.cut || run->cut;
   }
@@ -61,7 +61,7 @@ Row row_of(const std::vector<const Run*>& runs, double goal) {
   row.scans_to_goal = mean(to_goal);
   row.seconds = mean(seconds);
   row.max_seconds = seconds.empty() ? 0 : *std::max_element(seconds.begin(), seconds.end());
-  row.processor_seconds = mean(processor);
+  row.cpu_seconds = mean(processor);
   row.overlap = mean(overlap);
   return row;
 }
@@ -75,7 +75,7 @@ std::string table_of_results(const std::vector<WorldResult>& results, double goa
       "|---|---|---|---|---|---|---|---|\n",
       100 * goal);
   for (const WorldResult& result : results) {
-    const double ours = row_of(runs_of(result, "ours"), goal).processor_seconds;
+    const double ours = row_of(runs_of(result, "ours"), goal).cpu_seconds;
     for (const auto& [name, color] : kColors) {
       const Row row = row_of(runs_of(result, name), goal);
       if (row.runs == 0) continue;
@@ -84,8 +84,8 @@ std::string table_of_results(const std::vector<WorldResult>& results, double goa
           result.world, name, 100 * row.final_coverage, 100 * row.lowest_coverage, row.scans_made,
           row.reached > 0 ? fmt::format("{:.1f} ({} of {})", row.scans_to_goal, row.reached, row.runs)
                           : fmt::format("– (0 of {})", row.runs),
-          row.seconds, row.max_seconds, row.cut ? ", cut" : "", row.processor_seconds,
-          ours > 0 ? row.processor_seconds / ours : 0);
+          row.seconds, row.max_seconds, row.cut ? ", cut" : "", row.cpu_seconds,
+          ours > 0 ? row.cpu_seconds / ours : 0);
     }
   }
   return text;
@@ -106,7 +106,7 @@ Json json_of_results(const std::vector<WorldResult>& results, double goal) {
                                  {"runs", row.runs},
                                  {"decision_s", row.seconds},
                                  {"decision_max_s", row.max_seconds},
-                                 {"decision_processor_s", row.processor_seconds},
+                                 {"decision_processor_s", row.cpu_seconds},
                                  {"overlap", row.overlap},
                                  {"cut", row.cut}};
     }
@@ -115,7 +115,7 @@ Json json_of_results(const std::vector<WorldResult>& results, double goal) {
                                {"start", {run.start.x, run.start.y, run.start.yaw}},
                                {"coverage", run.coverage},
                                {"decision_s", run.seconds},
-                               {"decision_processor_s", run.processor_seconds},
+                               {"decision_processor_s", run.cpu_seconds},
                                {"overlap", run.overlap},
                                {"stopped", run.stopped},
                                {"cut", run.cut}});

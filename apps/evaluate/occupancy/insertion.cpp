@@ -44,19 +44,19 @@ std::string stream_of(const octomap::OcTree& tree) {
   return stream.str();
 }
 
-double processor_seconds() {
+double cpu_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
 /// Times the insertion of all scans and keeps it when it is the best so far.
 void time_insertion(Insertion& way, size_t scans, const std::function<void()>& insert_all) {
-  const double begin = processor_seconds();
+  const double begin = cpu_seconds();
   const Stopwatch watch;
   insert_all();
   const double count = static_cast<double>(scans);
-  const double seconds = watch.seconds() / count, processor = (processor_seconds() - begin) / count;
+  const double seconds = watch.seconds() / count, processor = (cpu_seconds() - begin) / count;
   way.seconds = way.seconds == 0 ? seconds : std::min(way.seconds, seconds);
-  way.processor_seconds = way.processor_seconds == 0 ? processor : std::min(way.processor_seconds, processor);
+  way.cpu_seconds = way.cpu_seconds == 0 ? processor : std::min(way.cpu_seconds, processor);
 }
 
 }  // namespace
@@ -109,8 +109,8 @@ std::string table_text(const std::vector<SetResult>& results) {
     for (const Insertion& way : result.ways)
       text += fmt::format("| {}, {} × {} points | {} | {} | {:.0f} ms | {:.0f} ms | {:.2f} | {} |\n",
                           result.name, result.scans, result.points / result.scans, way.name, way.threads,
-                          1e3 * way.seconds, 1e3 * way.processor_seconds,
-                          result.ways[0].seconds / way.seconds, way.identical ? "yes" : "NO");
+                          1e3 * way.seconds, 1e3 * way.cpu_seconds, result.ways[0].seconds / way.seconds,
+                          way.identical ? "yes" : "NO");
   return text;
 }
 
@@ -122,7 +122,7 @@ Json table_json(const std::vector<SetResult>& results) {
       set["ways"].push_back({{"by", way.name},
                              {"threads", way.threads},
                              {"seconds_per_scan", way.seconds},
-                             {"processor_seconds_per_scan", way.processor_seconds},
+                             {"cpu_seconds_per_scan", way.cpu_seconds},
                              {"ratio", result.ways[0].seconds / way.seconds},
                              {"nodes", way.nodes},
                              {"identical", way.identical}});

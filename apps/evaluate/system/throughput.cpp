@@ -51,7 +51,7 @@ std::vector<StepTime> step_times(const perception::PipelineResult& result) {
   const double frames = static_cast<double>(std::max<size_t>(1, result.frames));
   for (size_t i = 0; i < result.seconds.size(); ++i)
     steps.push_back({result.seconds[i].first, 1000 * result.seconds[i].second / frames,
-                     1000 * result.processor_seconds[i].second / frames});
+                     1000 * result.cpu_seconds[i].second / frames});
   return steps;
 }
 
