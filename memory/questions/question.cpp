@@ -393,9 +393,11 @@ std::string questions_reference() {
       std::vector<std::string> examples;
       for (const SentenceForm& sentence : question.sentences)
         if (!sentence.example.empty()) examples.push_back(sentence.example);
-      const std::string arguments = usage(question);
-      text += fmt::format("| `{}{}{}` | {} | {} |\n", question.name, arguments.empty() ? "" : " ", arguments,
-                          question.description, fmt::join(examples, "<br>"));
+      std::string command = question.name + " " + usage(question);
+      for (size_t pipe = command.find('|'); pipe != std::string::npos; pipe = command.find('|', pipe + 2))
+        command.insert(pipe, "\\");  // a cell of a table
+      text += fmt::format("| `{}` | {} | {} |\n", trimmed(command), question.description,
+                          fmt::join(examples, "<br>"));
     }
   }
   return text;
