@@ -41,11 +41,11 @@ void in_background(QObject* owner, std::function<Result()> work, std::function<v
   });
 }
 
-/// What an exception says.
+/// The text of an exception.
 QString reason_of(const std::exception_ptr& error);
 /// Where the memory is read for the views: one thread, which long work cannot hold up.
 QThreadPool& reading_pool();
-/// Waits until nothing runs in the background and what is done has been told, with all that follows from it.
+/// Waits until nothing runs in the background and all results are delivered, with what follows from them.
 void finish_background();
 
 }  // namespace loci::gui

@@ -8,7 +8,7 @@
 
 namespace loci::gui {
 
-/// What is chosen, for all views at once: an object or a place (never both), and a time.
+/// The selection of all views: an object or a place (never both), and a time.
 class SelectionModel : public QObject {
   Q_OBJECT
 
@@ -18,7 +18,7 @@ class SelectionModel : public QObject {
   std::optional<int64_t> object() const { return object_; }
   const std::string& place() const { return place_; }  ///< empty = none
   TimeNs time() const { return time_; }
-  /// The second clock: as it was known then; unset = as known now.
+  /// Transaction time: as it was known then; unset = as known now.
   std::optional<TimeNs> known_at() const { return known_at_; }
 
   void select_object(std::optional<int64_t> object);
@@ -31,7 +31,7 @@ class SelectionModel : public QObject {
  Q_SIGNALS:
   /// Object or place.
   void selected();
-  void time_changed();  ///< either clock
+  void time_changed();  ///< valid time or transaction time
 
  private:
   std::optional<int64_t> object_;

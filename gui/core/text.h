@@ -40,7 +40,7 @@ inline constexpr const char* kStatusHelp =
     "seen: in the scene of the selected time\n"
     "out of view: believed to be where it was\n"
     "hidden: behind something\n"
-    "missed: looked for and not found, but it may still be there\n"
-    "gone: looked for, and not there";
+    "missed: its place was seen without it, but it may still be there\n"
+    "gone: believed to have left";
 
 }  // namespace loci::gui

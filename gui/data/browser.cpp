@@ -90,7 +90,7 @@ void Browser::read(const Moment& before) {
       [time = selection_.time(), known_at = selection_.known_at(), before](const OpenMemory& memory) {
         return read_moment(memory, time, known_at, before);
       },
-      [this](Moment& moment) { take(std::move(moment)); }, Overtaken::told);
+      [this](Moment& moment) { take(std::move(moment)); }, Overtaken::delivered);
 }
 
 void Browser::take(Moment moment) {

@@ -18,9 +18,9 @@ struct Moment {
   std::string problem = {};                          ///< why the scene could not be read; empty = it could
 };
 
-/// One open memory, what is chosen in it, and what is believed at the chosen time: what all views share. The
+/// One open memory, the selection in it, and what is believed at the selected time: what all views share. The
 /// views read from here and write only to the selection. What is believed is read in the background: it
-/// follows the chosen time, and times that are passed too quickly are left out.
+/// follows the selected time, and times that are passed too quickly are left out.
 class Browser : public QObject {
   Q_OBJECT
 
@@ -38,33 +38,33 @@ class Browser : public QObject {
   /// For work in another thread, which may outlast what is open.
   std::shared_ptr<const OpenMemory> shared_data() const { return data_; }
   SelectionModel& selection() { return selection_; }
-  /// What was believed at belief().time, the last of the chosen times that has been read.
+  /// What was believed at belief().time, the last of the selected times that has been read.
   const Belief& belief() const { return moment_.belief; }
   const Moment& moment() const { return moment_; }
   /// For what else the views read.
   ReadQueue& reader() { return reader_; }
-  /// The scene that the chosen time falls into; nullptr when there is none.
+  /// The scene that the selected time falls into; nullptr when there is none.
   const memory::SceneRow* scene() const;
-  /// The chosen object as believed at the chosen time; nullptr = none.
+  /// The selected object as believed at the selected time; nullptr = none.
   const BelievedObject* selected_object() const;
 
   /// To the next (+1) or previous (-1) scene.
   void step(int direction);
-  /// To the next or previous observation of the chosen object; to the next scene when none is chosen.
+  /// To the next or previous observation of the selected object; to the next scene when none is selected.
   void step_observation(int direction);
   void to_first();
   void to_last();
 
  Q_SIGNALS:
   void opened();          ///< another memory, or none
-  void time_changed();    ///< another time is chosen
+  void time_changed();    ///< another time is selected
   void belief_changed();  ///< and what was believed then has been read
   void selected();        ///< another object or place
   void failed(const QString& message);
 
  private:
   void refresh();
-  /// Reads what is shown of the chosen time, but for what `before` has of the same scene.
+  /// Reads what is shown of the selected time, but for what `before` has of the same scene.
   void read(const Moment& before);
   void take(Moment moment);
 

@@ -15,11 +15,11 @@ namespace loci::gui {
 
 /// A believed object as an explanation of an observation.
 struct ConsideredObject {
-  int64_t key = 0;     ///< tells apart what has no number yet
-  int64_t object = 0;  ///< 0 = not yet sure to be an object
+  int64_t key = 0;     ///< distinguishes objects without an id
+  int64_t object = 0;  ///< 0 = tentative
   std::string name = {};
   double probability = 0;    ///< that the observation is it
-  double alike = 0;          ///< by its look, 0 to 1: 0.5 says nothing
+  double alike = 0;          ///< similarity of appearance, 0 to 1: 0.5 is neutral
   double near = 0;           ///< by its position, likewise
   std::string against = {};  ///< why it was not taken; empty = it was
 };
@@ -27,12 +27,12 @@ struct ConsideredObject {
 /// What one observation of a scene was taken for.
 struct DecidedObservation {
   int64_t number = 0;  ///< within the scene
-  int64_t object = 0;  ///< 0 = a false cluster, or not yet sure
+  int64_t object = 0;  ///< 0 = a false cluster, or tentative
   int64_t key = 0;     ///< of what it was taken for
   std::string name = {};
   std::string explanation = {};  ///< stay, move, newview, appear, clutter
   double probability = 0, appear = 0, clutter = 0;
-  cv::Mat crop = {};  ///< CV_8UC3, BGR; empty = not kept
+  cv::Mat crop = {};  ///< CV_8UC3, BGR; empty = not stored
   std::vector<ConsideredObject> considered = {};
 };
 
@@ -51,7 +51,7 @@ struct SceneDecisions {
   std::vector<UnseenObject> unseen = {};
 };
 
-/// Of one scene. Not an error when no reasoning was kept: then the chosen associations are told.
+/// Of one scene. Without stored reasoning only the associations of the MAP hypothesis.
 SceneDecisions read_decisions(const memory::Store& store, const Names& names, const memory::SceneRow& scene);
 
 }  // namespace loci::gui

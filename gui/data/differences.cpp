@@ -10,7 +10,7 @@
 namespace loci::gui {
 namespace {
 
-constexpr double kMinJointMove = 0.02;  // metres or radians; below is the noise of a look
+constexpr double kMinJointMove = 0.02;  // metres or radians; below is noise
 
 bool is_there(const BelievedObject* object) {
   return object != nullptr && object->status != memory::ObjectStatus::gone;

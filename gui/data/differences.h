@@ -18,13 +18,12 @@ struct Difference {
   double distance = 0;  ///< metres that it moved
 };
 
-/// What is to be said when one looks from `then` to `now`: what appeared, what moved (to another place, or
+/// The differences from `then` to `now`: what appeared, what moved (to another place, or
 /// further than `min_move` metres), what is gone, and joints that moved. In that order, then by object.
 std::vector<Difference> differences(const Belief& then, const Belief& now, double min_move = 0.05);
 
-/// Another memory's belief with the numbers of the same things here: of the nearest thing of the same colour
-/// within `within` metres. What has none here gets a number below 0. Two memories number things as they met
-/// them.
+/// Another memory's belief with the ids of the same objects here: of the nearest object of the same colour
+/// within `within` metres. Objects without one get an id below 0.
 Belief renumbered(Belief other, const Belief& here, double within = 0.3);
 
 }  // namespace loci::gui

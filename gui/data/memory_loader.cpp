@@ -10,12 +10,12 @@
 namespace loci::gui {
 namespace {
 
-constexpr int kLookMs = 1500;
+constexpr int kCheckMs = 1500;
 
-/// Tells the window how far it is, from the thread that loads.
-class ToldProgress : public Progress {
+/// Reports progress to the window, from the thread that loads.
+class SignalledProgress : public Progress {
  public:
-  ToldProgress(QPointer<MemoryLoader> loader, std::shared_ptr<std::atomic<bool>> stop)
+  SignalledProgress(QPointer<MemoryLoader> loader, std::shared_ptr<std::atomic<bool>> stop)
       : loader_(std::move(loader)), stop_(std::move(stop)) {}
 
   bool update(double fraction, std::string_view text) override {
@@ -34,7 +34,7 @@ class ToldProgress : public Progress {
   std::shared_ptr<std::atomic<bool>> stop_;
 };
 
-/// Changes when somebody writes to the memory: size and time of the file and of what is not yet in it.
+/// Changes when a program writes to the memory: size and time of the file and of what is not yet in it.
 std::string state_of(const QString& path) {
   QString state;
   for (const QString& name : {path, path + "-wal"}) {
@@ -49,7 +49,7 @@ std::string state_of(const QString& path) {
 
 MemoryLoader::MemoryLoader(MemoryOpener opener, QObject* parent)
     : QObject(parent), opener_(std::move(opener)) {
-  timer_.setInterval(kLookMs);
+  timer_.setInterval(kCheckMs);
   connect(&timer_, &QTimer::timeout, this, &MemoryLoader::check);
 }
 
@@ -72,7 +72,7 @@ void MemoryLoader::load(const QString& path, std::function<Result(Progress&)> re
   in_background<Result>(
       this,
       [read = std::move(read), stop = stop_, self = QPointer<MemoryLoader>(this)] {
-        ToldProgress progress(self, stop);
+        SignalledProgress progress(self, stop);
         return read(progress);
       },
       [this, path, state, again, stop = stop_](Result& memory) {

@@ -29,7 +29,7 @@ class MemoryLoader : public QObject {
   bool is_loading() const { return stop_ != nullptr; }
   /// Reads what is new whenever a writer has changed the file of an open memory; empty = follows none.
   void follow(const QString& path, Result memory = {});
-  /// Looks now whether the followed file has changed.
+  /// Checks now whether the followed file has changed.
   void check();
 
  Q_SIGNALS:

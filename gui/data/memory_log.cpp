@@ -46,7 +46,7 @@ LogEntry entry_of(const memory::SceneRow& row, const memory::SceneSummary& summa
     entry.details +=
         fmt::format("\nrecording {}, frame {}", *summary.scene.recording, summary.scene.frame.value_or(0));
   for (const auto& [place, part] : summary.seen_places)
-    entry.details += fmt::format("\nlooked at {} of {}", fmt::format("{:.0f} %", part * 100), place);
+    entry.details += fmt::format("\nobserved {} of {}", fmt::format("{:.0f} %", part * 100), place);
   return entry;
 }
 
@@ -72,7 +72,7 @@ std::vector<LogEntry> memory_log(const std::filesystem::path& path) {
 
 std::string annotator_log(const std::filesystem::path& path, int64_t scene) {
   const std::vector<memory::LogRow> rows = memory::Store::open_read(path).log(scene);
-  if (rows.empty()) return "What annotators did in this scene was not kept.";
+  if (rows.empty()) return "The log of annotators is not stored for this scene.";
   double all = 0;
   std::string text;
   for (const memory::LogRow& row : rows) {

@@ -26,7 +26,7 @@ struct LogEntry {
 /// cannot be read.
 std::vector<LogEntry> memory_log(const std::filesystem::path& path);
 
-/// What annotators did in a scene and how long each took, a line each; says so when that was not kept.
+/// What annotators did in a scene and how long each took, a line each; or that it is not stored.
 std::string annotator_log(const std::filesystem::path& path, int64_t scene);
 
 /// What checking a whole memory file found, in lines: that it is sound with the rows of each table, or its

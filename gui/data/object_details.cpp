@@ -45,7 +45,7 @@ std::vector<ObjectImage> images_of(const memory::Store& store, const MemoryIndex
   return images;
 }
 
-/// Every list of numbers in a feature structure, and who made it.
+/// Every list of numbers in a feature structure.
 void read_structure(const memory::FeatureStructureRow& row, ObjectDetails& details) {
   const Json json = parse_json(row.json, "feature_structure");
   for (const Json& structure : json.value("structures", Json::array())) {
@@ -61,7 +61,7 @@ void read_structure(const memory::FeatureStructureRow& row, ObjectDetails& detai
   }
 }
 
-std::string expert_of(const memory::Store& store, const memory::AnnotationRow& row) {
+std::string annotator_of(const memory::Store& store, const memory::AnnotationRow& row) {
   if (!row.feature_structure) return row.type == "loci.Label" ? "user" : "";
   const Json json = parse_json(store.feature_structure(*row.feature_structure).json, "feature_structure");
   for (const Json& structure : json.value("structures", Json::array()))
@@ -83,12 +83,13 @@ ObjectDetails read_details(const memory::Store& store, const MemoryIndex& index,
   const memory::ObjectObservation& last = sightings.back();
   for (const memory::AnnotationRow& row : store.annotations(last.association.scene))
     if (row.observation == last.observation.id && !row.value.empty())
-      details.annotations.push_back({short_type(row.type), row.value, expert_of(store, row), row.confidence});
+      details.annotations.push_back(
+          {short_type(row.type), row.value, annotator_of(store, row), row.confidence});
   for (const memory::FeatureStructureRow& row : store.feature_structures(last.association.scene))
     if (row.observation == last.observation.id) read_structure(row, details);
   try {
     details.why = why_object(store, object, {time, std::nullopt}).text;
-  } catch (const Error& error) {  // of scenes without reasoning: it says so
+  } catch (const Error& error) {  // of scenes without stored reasoning
     details.why = error.what();
   }
   return details;

@@ -15,11 +15,11 @@ namespace loci::gui {
 
 struct MemoryIndex;
 
-/// What an expert said of an object.
+/// An annotation of an object.
 struct Annotation {
   std::string type = {};  ///< without its package: "ColorAnnotation"
   std::string value = {};
-  std::string expert = {};  ///< the annotator; empty = unknown
+  std::string annotator = {};  ///< empty = unknown
   std::optional<double> confidence = {};
 };
 
@@ -31,14 +31,14 @@ struct Histogram {
 
 struct ObjectImage {
   TimeNs time = 0;
-  std::string side = {};  ///< from where it was looked at: "from the south-east"; empty = unknown
+  std::string side = {};  ///< of the camera: "from +x"; empty = unknown
   cv::Mat image = {};     ///< CV_8UC3, BGR
 };
 
 /// What the memory has of an object beyond its history.
 struct ObjectDetails {
   std::vector<ObjectImage> images = {};      ///< the newest from each side
-  std::vector<Annotation> annotations = {};  ///< of its last sight
+  std::vector<Annotation> annotations = {};  ///< of its last observation
   std::vector<Histogram> histograms = {};
   std::string why = {};  ///< why the memory believes what it does, in words
 };

@@ -18,7 +18,7 @@ namespace loci::gui {
 struct TypedQuestion {
   std::string text = {};              ///< a sentence, or a command of loci-memory without the program's name
   std::optional<int64_t> about = {};  ///< the object that "it" means; unset = the one seen last
-  std::optional<TimeNs> at = {};      ///< what the question says that says no time; unset = the end
+  std::optional<TimeNs> at = {};      ///< time of a question without one; unset = the end
 };
 
 /// What is shown of an answer.

@@ -16,8 +16,8 @@ struct ReadQueue::Shared {
   ReadQueue* reader = nullptr;  ///< null when it is gone
   Data data;
   std::deque<Job> jobs;                                                ///< not begun
-  std::map<std::pair<const void*, std::string>, uint64_t> last_asked;  ///< that has not been told
-  uint64_t asked = 0, taken_back = 0;  ///< numbers up to the second are not told any more
+  std::map<std::pair<const void*, std::string>, uint64_t> last_asked;  ///< not delivered yet
+  uint64_t asked = 0, taken_back = 0;  ///< numbers up to the second are not delivered
   bool runs = false;
 };
 

@@ -14,19 +14,19 @@ namespace loci::gui {
 
 /// What is read first.
 enum class Urgency {
-  moment,     ///< what is shown of the chosen time
-  selection,  ///< what is shown of the chosen object
+  moment,     ///< what is shown of the selected time
+  selection,  ///< what is shown of the selected object
   rest        ///< lanes, thumbnails
 };
 
 /// What becomes of a reading that has begun when the same is asked for again.
 enum class Overtaken {
-  dropped,  ///< only the last one is told
-  told  ///< each is told that has begun: something moves while a slider is dragged, however slow the memory
+  dropped,   ///< only the last result is delivered
+  delivered  ///< each that has begun is delivered: the view moves while a slider is dragged
 };
 
-/// Reads for the views from the open memory, one thing after the other, in a thread of its own: nothing waits
-/// in the thread of the windows. Who asks again for the same thing takes back what was asked before.
+/// Reads for the views from the open memory, one request after the other, in a thread of its own. A request
+/// replaces an earlier one of the same owner for the same `what`.
 class ReadQueue : public QObject {
   Q_OBJECT
 
@@ -39,8 +39,8 @@ class ReadQueue : public QObject {
   /// What is read from now on; forgets all that was asked.
   void set_data(Data data);
   /// Runs `work` in the reading thread, then `done` with its result in this one; never when `owner` is gone,
-  /// when it has asked for the same `what` again, or when another memory is open by then. Errors are told by
-  /// failed(). Does nothing when no memory is open.
+  /// when it has asked for the same `what` again, or when another memory is open by then. Errors are reported
+  /// by failed(). Does nothing when no memory is open.
   template <class Result>
   void read(QObject* owner, const std::string& what, Urgency urgency,
             std::function<Result(const OpenMemory&)> work, std::function<void(Result&)> done,

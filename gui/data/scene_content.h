@@ -57,7 +57,7 @@ std::array<uint8_t, 3> color_at(const SceneContent& content, const Vector3d& in_
 ColoredCloud frame_cloud(const SceneContent& content, size_t limit);
 
 /// What the pixels of the colour image are (CV_8U, mapping::PixelKind, as many pixels as the depth image
-/// has), by way of the depth that was measured there. Empty when it is not known.
+/// has), through the depth that was measured there. Empty when unknown.
 cv::Mat kinds_in_color(const SceneContent& content);
 
 /// What was measured at a pixel of a scene's images.
@@ -75,11 +75,11 @@ PixelValues values_at_depth(const SceneContent& content, const Vector2d& pixel);
 /// Something that an annotator read or recognised in a part of an image: a text, a barcode, a logo, an
 /// answer of a visual search.
 struct ImageNote {
-  std::string type = {};    ///< without its package: "BarcodeAnnotation"
-  std::string text = {};    ///< what it says; empty = only where
-  std::string expert = {};  ///< the annotator; empty = unknown
-  int64_t observation = 0;  ///< number of the observation it is about within its scene; -1 = of none
-  cv::Rect2d region = {};   ///< pixels of the colour image
+  std::string type = {};       ///< without its package: "BarcodeAnnotation"
+  std::string text = {};       ///< content; empty = only a region
+  std::string annotator = {};  ///< empty = unknown
+  int64_t observation = 0;     ///< number of the observation it is about within its scene; -1 = of none
+  cv::Rect2d region = {};      ///< pixels of the colour image
 };
 
 /// All annotations of a scene that have an image region of their own, as they stand in the memory.

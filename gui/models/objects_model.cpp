@@ -17,7 +17,7 @@ Thumbnails::Thumbnails(Browser& browser, int side, QObject* parent)
 }
 
 void Thumbnails::forget() {
-  asked_.clear();  // what was being read is not told any more
+  asked_.clear();  // what is being read is not delivered any more
   for (const auto& [object, image] : images_) asked_.insert(object);
   const std::string path = browser_.data() == nullptr ? "" : browser_.data()->info().path;
   if (path == memory_) return;  // it has grown: the images still show what they are of

@@ -37,8 +37,8 @@ class Thumbnails : public QObject {
   std::set<int64_t> asked_;
 };
 
-/// Places with the objects believed to be at them at the chosen time; what is gone comes last, in a group of
-/// its own.
+/// Places with the objects believed to be at them at the selected time; what is gone comes last, in a group
+/// of its own.
 class ObjectsModel : public QAbstractItemModel {
   Q_OBJECT
 
@@ -49,7 +49,7 @@ class ObjectsModel : public QAbstractItemModel {
     place_role,                  ///< QString, of groups that are places
     group_role,                  ///< QString, of every group: stable over time
     filter_role,                 ///< all words that a search looks in
-    class_role,                  ///< of objects, what they can be chosen by
+    class_role,                  ///< of objects, for the filters
     color_role,
     state_role,
     hour_role  ///< of the day at which it was seen last: "08:00"
@@ -85,8 +85,8 @@ class ObjectsModel : public QAbstractItemModel {
   std::vector<Group> groups_;
 };
 
-/// What of the tree is shown: rows that contain the searched words, and are of the chosen class, colour,
-/// state and hour. An empty wish is none.
+/// What of the tree is shown: rows that contain the searched words, and have the wanted class, colour,
+/// state and hour; empty = any.
 class ObjectsFilter : public QSortFilterProxyModel {
   Q_OBJECT
 
@@ -99,7 +99,7 @@ class ObjectsFilter : public QSortFilterProxyModel {
   void want(Field field, const QString& value);
   /// Whether anything is left out.
   bool filters() const;
-  /// What the rows of the source say of a field, sorted.
+  /// The values of a field in the rows of the source, sorted.
   QStringList values(Field field) const;
 
  protected:

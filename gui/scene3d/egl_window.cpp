@@ -14,7 +14,7 @@ namespace loci::gui {
 namespace {
 
 /// GLEW in Debian is built for GLX: it loads all functions and then complains that there is no X display.
-/// They work all the same, so the window is told that it is ready.
+/// They work all the same, so the window is marked as ready.
 class EglRenderWindow : public vtkGenericOpenGLRenderWindow {
  public:
   static EglRenderWindow* New();

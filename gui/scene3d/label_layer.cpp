@@ -203,7 +203,7 @@ void LabelLayer::lay_out() {
     if (item.area.width == 0) continue;
     const int x = static_cast<int>(std::lround(at->x())), y = static_cast<int>(std::lround(at->y()));
     const int width = item.area.width, height = item.area.height;
-    // Above the thing; where that is taken, beside it; else it goes without a name.
+    // Above the anchor; where that is taken, beside it; else no label.
     for (const auto& [wanted_left, wanted_bottom] :
          {std::pair(x - width / 2, y + kGap), std::pair(x + kGap, y - height),
           std::pair(x - kGap - width, y - height)}) {

@@ -48,7 +48,7 @@ class LabelAtlas {
   int row_left_ = 0, row_bottom_ = 0;  ///< where the next text goes
 };
 
-/// Names beside things. Where labels would cover each other, the less important one is left out. All of them
+/// Names beside objects. Where labels would cover each other, the less important one is left out. All of them
 /// are one actor.
 class LabelLayer {
  public:

@@ -24,7 +24,7 @@
 namespace loci::gui {
 namespace {
 
-// The pyramid of the camera, by the size of what is looked at: longer ones hide it.
+// The pyramid of the camera, by the size of the view: longer ones hide the objects.
 constexpr double kFrustumPart = 0.08;
 constexpr double kLongestFrustum = 0.35;  // metres
 constexpr double kFieldOfViewDeg = 35;    // little perspective: sizes stay comparable
@@ -77,7 +77,7 @@ struct MapScene::Impl {
   vtkNew<vtkRenderer> overlay;  ///< labels: before everything, and not blurred by anti-aliasing
   ObjectActors objects{renderer.Get(), overlay.Get()};
   FrameActors frame{renderer.Get()};
-  FrameActors chosen{renderer.Get()};  ///< the chosen object's points
+  FrameActors chosen{renderer.Get()};  ///< the selected object's points
   GuideActors guides{renderer.Get()};
   SceneColors colors;
   JointState joints;
@@ -97,7 +97,7 @@ struct MapScene::Impl {
     self->objects.arrange({eye[0], eye[1], eye[2]});
   }
 
-  /// By what is there now, not by what was there at the first look: the same scene gives the same image.
+  /// By what is there now, not by what was there at the first image: the same scene gives the same image.
   /// VTK would ask every actor for its size.
   void reset_clipping_range() {
     const Eigen::AlignedBox3d all = bounds().merged(guides.bounds());
@@ -379,7 +379,7 @@ MapPick MapScene::pick(int x, int y) {
 }
 
 std::optional<Vector3d> MapScene::pick_point(int x, int y) {
-  // The chosen object's points are of the same surface, but finer.
+  // The selected object's points are of the same surface, but finer.
   auto measured = impl_->chosen.point_near(*impl_->renderer, x, y, kPickReach);
   if (!measured) measured = impl_->frame.point_near(*impl_->renderer, x, y, kPickReach);
   vtkNew<vtkCellPicker> picker;

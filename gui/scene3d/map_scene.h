@@ -40,7 +40,7 @@ struct MapPick {
   std::string link;  ///< empty = none
 };
 
-/// The 3D scene: map, objects, the frame of the chosen time. Knows VTK but no Qt, so that it can be drawn
+/// The 3D scene: map, objects, the frame of the selected time. Knows VTK but no Qt, so that it can be drawn
 /// into any render window, with or without a screen.
 class MapScene {
  public:
@@ -57,15 +57,15 @@ class MapScene {
   void set_joints(const JointState& state, Warnings& warnings);
   void set_objects(std::vector<MapObject> objects);
   void set_cloud(const ColoredCloud& cloud);
-  /// What is known of the chosen object's surface.
+  /// What is known of the selected object's surface.
   void set_object_cloud(const ColoredCloud& cloud);
   size_t object_point_count() const;
   void set_camera(const mapping::PinholeCamera& camera, const Isometry3d& map_from_camera);
   void clear_frame();
-  /// The way of the chosen object, in the order of time.
+  /// The trajectory of the selected object, in order of time.
   void set_trace(std::vector<Vector3d> points);
   const std::vector<Vector3d>& trace() const;
-  /// From where all scenes were looked at (map_from_camera).
+  /// Camera poses of all scenes (map_from_camera).
   void set_cameras(const std::vector<Isometry3d>& cameras);
   /// Up to two points that are measured between.
   void set_ruler(const std::vector<Vector3d>& points);
@@ -84,9 +84,9 @@ class MapScene {
   /// The side from which an overview looks: horizontal direction from the objects towards the eye.
   void set_overview_side(const Vector3d& towards_eye);
   void look_from(MapViewpoint viewpoint);
-  /// Looks with the eye of another scene from now on: who moves one moves both.
+  /// Shares the camera of another scene from now on.
   void share_eye_of(MapScene& other);
-  /// Where the eye is, what it looks at and what is up: nine numbers.
+  /// Position, focal point and up vector of the camera: nine numbers.
   std::array<double, 9> eye() const;
   /// Moves the eye along its line of sight so that the selection (or all, when nothing is selected) fills the
   /// view.

@@ -17,7 +17,7 @@
 namespace loci::gui {
 namespace {
 
-/// Nothing is drawn thinner than this, so that flat and unmeasured things can be seen and clicked.
+/// Nothing is drawn thinner than this, so that flat and unmeasured objects can be seen and clicked.
 constexpr double kMinSize = 0.01;
 constexpr vtkIdType kFaces = 6, kEdges = 12;
 // Corner i has bit 0 for x, 1 for y, 2 for z.

@@ -49,13 +49,13 @@ class FrameActors {
   bool cloud_visible_ = true, camera_visible_ = true, has_camera_ = false;
 };
 
-/// Lines that explain what is seen: the way of the chosen object, from where all scenes were looked at, and
-/// what is being measured. Map frame.
+/// Lines that explain what is seen: the trajectory of the selected object, the cameras of all scenes, and the
+/// ruler. Map frame.
 class GuideActors {
  public:
   explicit GuideActors(vtkRenderer* renderer);
 
-  /// Where the object was, in the order of time.
+  /// Where the object was, in order of time.
   void set_trace(std::vector<Vector3d> points);
   /// Poses map_from_camera, drawn as pyramids of `size` metres.
   void set_cameras(const std::vector<Isometry3d>& cameras, double size);

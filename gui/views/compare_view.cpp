@@ -34,10 +34,10 @@ CompareView::CompareView(Browser& browser, QWidget* parent)
       model_(new DifferencesModel(this)),
       table_(new QTableView(this)) {
   table_->setModel(model_);
-  stamp_->setToolTip("The time to compare the chosen one with: 2026-05-01 08:30, 08:30, yesterday 9:00");
+  stamp_->setToolTip("The time to compare the selected one with: 2026-05-01 08:30, 08:30, yesterday 9:00");
   auto* pin = new QToolButton(this);
-  pin->setText("Chosen time");
-  pin->setToolTip("Compare with the chosen time, then choose another");
+  pin->setText("Selected time");
+  pin->setToolTip("Compare with the selected time, then select another");
   style_table(*table_);
   table_->setSelectionMode(QAbstractItemView::SingleSelection);
   table_->horizontalHeader()->setSectionResizeMode(QHeaderView::Stretch);
@@ -197,7 +197,7 @@ void CompareView::show_differences(const Belief& then) {
   const auto head = [zone](TimeNs time) { return "At " + time_text(time, zone).mid(11, 10); };
   model_->set(differences(then, browser_.belief()), head(other_), head(browser_.selection().time()));
   if (other_ == browser_.selection().time() && !known_at_ && !another_)
-    state_->setText("This is the chosen time: choose another one below.");
+    state_->setText("This is the selected time: select another one below.");
   else if (shown().empty())
     state_->setText("Nothing differs.");
   else

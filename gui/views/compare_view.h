@@ -16,14 +16,15 @@ class QTableView;
 namespace loci::gui {
 
 /// Two beliefs side by side: what appeared, moved and is gone between another time, what was known earlier of
-/// a time, or another memory, and what is believed at the chosen time. A click on a line chooses its object.
+/// a time, or another memory, and what is believed at the selected time. A click on a line selects its
+/// object.
 class CompareView : public Page {
   Q_OBJECT
 
  public:
   explicit CompareView(Browser& browser, QWidget* parent = nullptr);
 
-  /// The time that the chosen one is compared with.
+  /// The time that the selected one is compared with.
   void set_other(TimeNs time);
   /// Another memory's end instead of a time of this one.
   void compare_with(const QString& path);
@@ -37,7 +38,7 @@ class CompareView : public Page {
   const std::vector<Difference>& shown() const { return model_->differences(); }
 
  Q_SIGNALS:
-  /// There are other differences, or another wish to see both maps.
+  /// The differences have changed, or whether both maps are shown.
   void compared();
 
  protected:

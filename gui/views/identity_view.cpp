@@ -34,7 +34,8 @@ std::optional<std::pair<size_t, size_t>> last_seen(const std::vector<SceneDecisi
 AssociationLines::AssociationLines(QWidget* parent) : QWidget(parent) {
   setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
   setToolTip(
-      "Each thing seen, and what it may be the same as in earlier scenes: the darker, the more probable.\n"
+      "Each observation and the earlier ones that it may be the same object as: the darker, the more "
+      "probable.\n"
       "A click chooses the object, on a time stamp the scene.");
 }
 
@@ -54,7 +55,7 @@ void AssociationLines::set(std::vector<SceneDecisions> scenes, int zone_minutes)
         lines_.push_back({i, k, earlier->first, earlier->second, other.probability, chosen});
       }
       if (told || !scenes_[i].observations[k].considered.empty()) continue;
-      if (const auto earlier = last_seen(scenes_, i, observation.object))  // no reasoning was kept
+      if (const auto earlier = last_seen(scenes_, i, observation.object))  // no reasoning is stored
         lines_.push_back({i, k, earlier->first, earlier->second, observation.probability, true});
     }
   std::stable_sort(lines_.begin(), lines_.end(),
@@ -220,7 +221,7 @@ void DecisionMatrix::paint_panel(QPainter& painter, Panel panel) const {
   painter.setPen(theme.text);
   const char* title = panel == Panel::alike  ? "Looks alike"
                       : panel == Panel::near ? "Is near"
-                                             : "Is the same (red: what was chosen)";
+                                             : "Is the same (red: the assignment)";
   painter.drawText(QRect(0, top, width(), kTitle), Qt::AlignVCenter | Qt::AlignLeft, title);
   painter.setFont(small_font(font()));
   const size_t seen = decisions_.observations.size();
@@ -380,7 +381,7 @@ void IdentityView::refresh() {
   if (scene == nullptr) {
     std::vector<SceneDecisions> none;
     show_decisions(none);
-    return state_->setText("Open a memory to see why things were taken for what they are.");
+    return state_->setText("Open a memory to see how object identities were decided.");
   }
   browser_.reader().read<std::vector<SceneDecisions>>(
       this, "decisions", Urgency::selection,
@@ -392,14 +393,14 @@ void IdentityView::show_decisions(std::vector<SceneDecisions>& scenes) {
   const int zone = browser_.data() == nullptr ? 0 : browser_.data()->info().zone_minutes;
   const SceneDecisions last = scenes.empty() ? SceneDecisions{} : scenes.back();
   const size_t seen = last.observations.size();
-  QString text = QString("Scene of %1: %2 thing%3 seen")
+  QString text = QString("Scene of %1: %2 observation%3")
                      .arg(time_text(last.scene.time, zone).mid(11, 10))
                      .arg(seen)
                      .arg(seen == 1 ? "" : "s");
   if (seen == 0)
-    text += "; a scene that sees things shows how they were recognised.";
+    text += "; a scene with observations shows how identities were decided.";
   else if (!last.kept)
-    text += "; its reasoning was not kept (loci-memory reason makes it anew).";
+    text += "; its reasoning is not stored (loci-memory reason rebuilds it).";
   state_->setText(text);
   matrix_->set(last);
   lines_->set(std::move(scenes), zone);

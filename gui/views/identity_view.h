@@ -27,7 +27,7 @@ class AssociationLines : public QWidget {
 
   explicit AssociationLines(QWidget* parent = nullptr);
 
-  /// In the order of time; the last is the chosen one.
+  /// In order of time; the last is the selected one.
   void set(std::vector<SceneDecisions> scenes, int zone_minutes);
   void select(std::optional<int64_t> object);
   const std::vector<Line>& lines() const { return lines_; }
@@ -51,10 +51,10 @@ class AssociationLines : public QWidget {
   int zone_minutes_ = 0;
 };
 
-/// The identity decisions of a scene as three matrices (Fig. 6.9 of the dissertation): how alike things look,
-/// how near they are, and what is the same. New observations along the top, believed objects along the left;
-/// below "is": A something new, F a false cluster; beside it D gone, M missed, H hidden. What was chosen is
-/// red.
+/// The identity decisions of a scene as three matrices (Fig. 6.9 of the dissertation): similarity,
+/// proximity and identity. New observations along the top, believed objects along the left;
+/// below "is": A something new, F a false cluster; beside it D gone, M missed, H hidden. The assignment
+/// is red.
 class DecisionMatrix : public QWidget {
   Q_OBJECT
 
@@ -65,7 +65,7 @@ class DecisionMatrix : public QWidget {
   const SceneDecisions& decisions() const { return decisions_; }
   QSize sizeHint() const override;
   QSize minimumSizeHint() const override { return {240, sizeHint().height()}; }
-  /// What a point says, for tooltips; empty = nothing.
+  /// Text at a point, for tooltips; empty = none.
   QString text_at(const QPoint& point) const;
 
  Q_SIGNALS:
@@ -102,8 +102,8 @@ class DecisionMatrix : public QWidget {
 class AssociationLines;
 class DecisionMatrix;
 
-/// Why things in the chosen scene were taken for what they are: lines to the scenes before, and the matrices
-/// of similarity, proximity and identity.
+/// How object identities were decided in the selected scene: lines to the scenes before, and the matrices of
+/// similarity, proximity and identity.
 class IdentityView : public Page {
   Q_OBJECT
 

@@ -21,7 +21,7 @@ class LogView : public Page {
 
   LogModel& model() { return *model_; }
   QTableView* table() const { return table_; }
-  /// The chosen line's details to the clipboard.
+  /// The selected line's details to the clipboard.
   void copy_details();
 
  protected:
@@ -31,7 +31,7 @@ class LogView : public Page {
   void forget();
   void load();
   void show_details();
-  /// To the line of the chosen scene, when that is another one.
+  /// To the line of the selected scene, when that is another one.
   void follow_scene();
 
   Browser& browser_;

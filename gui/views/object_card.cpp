@@ -77,7 +77,7 @@ ObjectDetailsView::ObjectDetailsView(Browser& browser, QWidget* history, QWidget
   images_->setIconSize(QSize(kImage, kImage));
   images_->setFrameShape(QFrame::NoFrame);
   images_->setToolTip("The newest image from each side. Click one to go to its time");
-  annotations_->setHorizontalHeaderLabels({"What", "Value", "Expert"});
+  annotations_->setHorizontalHeaderLabels({"What", "Value", "Annotator"});
   annotations_->setEditTriggers(QAbstractItemView::NoEditTriggers);
   annotations_->setSelectionBehavior(QAbstractItemView::SelectRows);
   annotations_->setShowGrid(false);
@@ -89,22 +89,22 @@ ObjectDetailsView::ObjectDetailsView(Browser& browser, QWidget* history, QWidget
   annotations_->horizontalHeader()->setSectionResizeMode(1, QHeaderView::Stretch);
   why_->setOpenLinks(false);
   why_->setFrameShape(QFrame::NoFrame);
-  auto* said = new QWidget;
+  auto* page = new QWidget;
   histograms_ = new QVBoxLayout;
-  auto* said_layout = new QVBoxLayout(said);
-  said_layout->setContentsMargins(0, 4, 0, 0);
-  said_layout->addWidget(annotations_);
-  said_layout->addLayout(histograms_);
-  said_layout->addStretch();
+  auto* page_layout = new QVBoxLayout(page);
+  page_layout->setContentsMargins(0, 4, 0, 0);
+  page_layout->addWidget(annotations_);
+  page_layout->addLayout(histograms_);
+  page_layout->addStretch();
   auto* area = new QScrollArea(this);
-  area->setWidget(said);
+  area->setWidget(page);
   area->setWidgetResizable(true);
   area->setFrameShape(QFrame::NoFrame);
   addTab(history, "History");
   addTab(images_, "Images");
-  addTab(area, "Said");
+  addTab(area, "Annotations");
   addTab(why_, "Why");
-  setTabToolTip(2, "What annotators said of it when it was seen last, and their histograms");
+  setTabToolTip(2, "Annotations of the last observation, and their histograms");
   setTabToolTip(3, "Why the memory believes this, with the evidence and what else was considered");
   connect(images_, &QListWidget::itemClicked, this, [this](const QListWidgetItem* item) {
     browser_.selection().set_time(item->data(Qt::UserRole).toLongLong());
@@ -144,13 +144,14 @@ void ObjectDetailsView::show_details(ObjectDetails& details) {
     auto* item = new QListWidgetItem(QIcon(QPixmap::fromImage(image)), text, images_);
     item->setData(Qt::UserRole, static_cast<qlonglong>(one.time));
   }
-  if (details_.images.empty()) new QListWidgetItem("No images were kept of it.", images_);
+  if (details_.images.empty()) new QListWidgetItem("No images are stored of it.", images_);
   annotations_->setRowCount(static_cast<int>(details_.annotations.size()));
   for (int row = 0; row < annotations_->rowCount(); ++row) {
     const Annotation& said = details_.annotations[static_cast<size_t>(row)];
-    QString expert = QString::fromStdString(said.expert.empty() ? "–" : said.expert);
-    if (said.confidence) expert += ", " + percent_text(*said.confidence);
-    const QString cells[] = {QString::fromStdString(said.type), QString::fromStdString(said.value), expert};
+    QString annotator = QString::fromStdString(said.annotator.empty() ? "–" : said.annotator);
+    if (said.confidence) annotator += ", " + percent_text(*said.confidence);
+    const QString cells[] = {QString::fromStdString(said.type), QString::fromStdString(said.value),
+                             annotator};
     for (int column = 0; column < 3; ++column) {
       auto* item = new QTableWidgetItem(cells[column]);
       item->setToolTip(cells[column]);

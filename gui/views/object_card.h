@@ -16,8 +16,8 @@ class QVBoxLayout;
 
 namespace loci::gui {
 
-/// The pages of the object card beside its history: images from all sides, what experts say with
-/// histograms, and why the memory believes what it does. Read when a page is looked at.
+/// The pages of the object card beside its history: images from all sides, annotations with
+/// histograms, and the reasons of the belief. Read when a page is in front.
 class ObjectDetailsView : public QTabWidget {
   Q_OBJECT
 
@@ -46,7 +46,7 @@ class ObjectDetailsView : public QTabWidget {
 class HistoryModel;
 class ObjectDetailsView;
 
-/// What is known of the chosen object: image, where, since when, how sure, and its history.
+/// What is known of the selected object: image, where, since when, how sure, and its history.
 class ObjectCard : public QWidget {
   Q_OBJECT
 

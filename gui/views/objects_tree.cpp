@@ -15,7 +15,7 @@
 namespace loci::gui {
 namespace {
 
-/// Asks what can be chosen when it is opened.
+/// Fills its list when it is opened.
 class FilterBox : public QComboBox {
  public:
   FilterBox(std::function<void()> fill, QWidget* parent) : QComboBox(parent), fill_(std::move(fill)) {}
@@ -61,8 +61,8 @@ ObjectsTree::ObjectsTree(Browser& browser, QWidget* parent)
   layout->addWidget(search_);
   auto* filters = new QGridLayout;
   filters->setSpacing(4);
-  add_filter(ObjectsFilter::class_field, "Any class", "Only things of this class", filters);
-  add_filter(ObjectsFilter::color_field, "Any colour", "Only things of this colour", filters);
+  add_filter(ObjectsFilter::class_field, "Any class", "Only objects of this class", filters);
+  add_filter(ObjectsFilter::color_field, "Any colour", "Only objects of this colour", filters);
   add_filter(ObjectsFilter::state_field, "Any state",
              "Only objects that are seen, out of view, hidden, missed or gone", filters);
   add_filter(ObjectsFilter::hour_field, "Any hour", "Only what was seen last in this hour of the day",
@@ -87,7 +87,7 @@ ObjectsTree::ObjectsTree(Browser& browser, QWidget* parent)
         });
   });
   connect(search_, &QLineEdit::textChanged, this, [this](const QString& text) {
-    following_ = true;  // The view moves on to a row that stays; nobody chose it.
+    following_ = true;  // The view moves on to a row that stays: no selection by a person.
     filtered_->search(text);
     show_filtered();
   });
@@ -103,7 +103,7 @@ ObjectsTree::ObjectsTree(Browser& browser, QWidget* parent)
     count();
   });
   connect(view_->selectionModel(), &QItemSelectionModel::selectionChanged, this,
-          &ObjectsTree::tell_selection);
+          &ObjectsTree::take_selection);
   connect(&browser_, &Browser::selected, this, &ObjectsTree::follow_selection);
   restore_open_groups();
 }
@@ -124,7 +124,7 @@ void ObjectsTree::add_filter(int field, const QString& all, const QString& tip, 
   });
 }
 
-/// What is chosen stays, even when nothing is of it at this time.
+/// The selected value stays in the list, even when no object has it at this time.
 void ObjectsTree::fill_filter(int field) {
   QComboBox* box = filters_.at(field);
   QStringList values = filtered_->values(static_cast<ObjectsFilter::Field>(field));
@@ -189,10 +189,10 @@ void ObjectsTree::follow_selection() {
   following_ = false;
 }
 
-void ObjectsTree::tell_selection() {
+void ObjectsTree::take_selection() {
   if (following_) return;
   const QModelIndexList rows = view_->selectionModel()->selectedRows();
-  if (rows.isEmpty()) return;  // A filter or another time hid it: it stays chosen.
+  if (rows.isEmpty()) return;  // A filter or another time hid it: it stays selected.
   const QVariant object = rows.front().data(ObjectsModel::object_role);
   if (object.isValid())
     browser_.selection().select_object(object.toLongLong());

@@ -36,7 +36,7 @@ class ObjectsTree : public QWidget {
 
  private:
   void follow_selection();
-  void tell_selection();
+  void take_selection();
   void restore_open_groups();
   void show_filtered();
   void add_filter(int field, const QString& all, const QString& tip, QLayout* layout);

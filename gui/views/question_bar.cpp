@@ -60,7 +60,7 @@ QuestionBar::QuestionBar(Browser& browser, QWidget* parent)
       line_(new QLineEdit(this)),
       list_(new QListWidget(this)),
       answers_(new QTextBrowser(this)),
-      hint_(new QLabel("Enter asks · Tab completes · ↓ choose · ↑ asked before · Esc closes", this)) {
+      hint_(new QLabel("Enter asks · Tab completes · ↓ selects · ↑ asked before · Esc closes", this)) {
   setObjectName("question_bar");
   setFrameShape(QFrame::StyledPanel);
   setFrameShadow(QFrame::Raised);
@@ -111,7 +111,7 @@ void QuestionBar::forget() {
   sources_.examples.clear();
   places_.clear();
   const std::string memory = browser_.data() == nullptr ? "" : browser_.data()->info().path;
-  if (memory != memory_) {  // else it has grown: what was said stays
+  if (memory != memory_) {  // else it has grown: the answers stay
     html_.clear();
     answers_->clear();
   }

@@ -18,7 +18,7 @@ namespace loci::gui {
 
 /// The command palette, over the middle of the window: a line for a question, a command of loci-memory or an
 /// action of the window, with what completes it; the answers below, with objects, places and times that can
-/// be clicked. "It" is the chosen object, and what no time is said of is meant at the chosen time.
+/// be clicked. "It" is the selected object, and a question without a time is asked at the selected time.
 class QuestionBar : public QFrame {
   Q_OBJECT
 
@@ -36,7 +36,7 @@ class QuestionBar : public QFrame {
   void open();
   /// Asks as if it had been typed; the answer comes when it is found.
   void ask(const QString& question);
-  /// The chosen link of an answer: object:12, place:table_1, time:08:30, ask:SENTENCE.
+  /// The selected link of an answer: object:12, place:table_1, time:08:30, ask:SENTENCE.
   void follow(const QUrl& link);
   /// Puts the bar where it belongs within the parent.
   void place_in(const QRect& area);

@@ -147,9 +147,9 @@ const ImageBox* SceneImage::box_at(const QPointF& point) const {
 }
 
 QString SceneImage::empty_text() const {
-  if (browser_.data() == nullptr) return "The image of the chosen scene";
+  if (browser_.data() == nullptr) return "The image of the selected scene";
   if (browser_.scene() == nullptr) return "This memory has no scenes";
-  return depth_ ? "No depth was kept for this scene" : "No image was kept for this scene";
+  return depth_ ? "No depth is stored for this scene" : "No image is stored for this scene";
 }
 
 void SceneImage::paintEvent(QPaintEvent*) {
@@ -201,7 +201,7 @@ void SceneImage::paint_kinds(QPainter& painter) const {
     painter.setPen(Qt::white);
     return painter.drawText(
         QRect(0, 0, width(), height), Qt::AlignCenter,
-        metrics.elidedText("This scene does not say what was known", Qt::ElideRight, width()));
+        metrics.elidedText("No pixel kinds are stored for this scene", Qt::ElideRight, width()));
   }
   int x = 6;
   int end = x;
@@ -219,7 +219,7 @@ void SceneImage::paint_kinds(QPainter& painter) const {
   }
 }
 
-/// The outline of what belongs to a thing, lightly filled for the chosen one.
+/// The outline of an object, lightly filled for the selected one.
 void SceneImage::paint_mask(QPainter& painter, const ImageBox& box) const {
   const mapping::PinholeCamera& camera = depth_ ? content_->camera.depth : content_->camera.color;
   if (!masks_ || camera.width <= 0) return;
@@ -277,7 +277,7 @@ void SceneImage::paint_names(QPainter& painter) const {
   const Theme theme = Theme::of(palette());
   const QRectF all = image_area();
   const auto selected = browser_.selection().object();
-  std::vector<const ImageBox*> order;  // the chosen one first: it gets the best place
+  std::vector<const ImageBox*> order;  // the selected one first: it gets the best place
   for (const ImageBox& box : boxes())
     if (box.object != 0 && !on_widget(box).isEmpty())
       order.insert(box.object == selected ? order.begin() : order.end(), &box);
@@ -415,7 +415,7 @@ void SceneView::show_notes(std::vector<ImageNote> notes) {
       group->setFirstColumnSpanned(true);
     }
     const QString text = note.text.empty() ? QString("–") : QString::fromStdString(note.text);
-    auto* item = new QTreeWidgetItem(group, {text, QString::fromStdString(note.expert)});
+    auto* item = new QTreeWidgetItem(group, {text, QString::fromStdString(note.annotator)});
     item->setToolTip(0, text);
     item->setData(0, kNoteRole, static_cast<qulonglong>(i));
   }

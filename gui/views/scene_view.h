@@ -12,7 +12,7 @@ class QTreeWidget;
 
 namespace loci::gui {
 
-/// The image of the chosen scene with the boxes of what was found in it; colour or depth. A click on a box
+/// The image of the selected scene with the boxes of what was found in it; colour or depth. A click on a box
 /// selects its object.
 class SceneImage : public QWidget {
   Q_OBJECT
@@ -22,7 +22,7 @@ class SceneImage : public QWidget {
 
   bool shows_depth() const { return depth_; }
   void show_depth(bool depth);
-  /// Around what belongs to each thing.
+  /// Outlines of the objects.
   void show_masks(bool masks);
   /// Tints pixels by their mapping::PixelKind.
   void show_kinds(bool kinds);
@@ -54,7 +54,7 @@ class SceneImage : public QWidget {
   void paint_kinds(QPainter& painter) const;
   void paint_values(QPainter& painter) const;
   void paint_notes(QPainter& painter) const;
-  /// Names where there is room for them, beside their boxes; the chosen one always.
+  /// Names where they have space, beside their boxes; that of the selected object always.
   void paint_names(QPainter& painter) const;
   QString empty_text() const;
 
@@ -70,7 +70,7 @@ class SceneImage : public QWidget {
 
 class SceneImage;
 
-/// The image of the chosen scene, what is measured under the cursor, and, where annotators found something
+/// The image of the selected scene, what is measured under the cursor, and, where annotators found something
 /// in parts of it (texts, barcodes, answers of a visual search), these as a tree beside their boxes.
 class SceneView : public QWidget {
   Q_OBJECT

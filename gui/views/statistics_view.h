@@ -38,7 +38,7 @@ class BarChart : public QWidget {
 
 class BarChart;
 
-/// Numbers about the whole memory as bar charts; counted in the background when they are first looked at.
+/// Numbers about the whole memory as bar charts; counted in the background when they are first shown.
 class StatisticsView : public Page {
   Q_OBJECT
 

@@ -38,7 +38,7 @@ QSize parse_size(const std::string& text) {
   return {std::stoi(match[1]), std::stoi(match[2])};
 }
 
-/// Images are drawn in memory where that is possible; a screen is only the second way. Error when neither
+/// Images are drawn in memory where that is possible; a screen is the fallback. Error when neither
 /// works.
 MapBackend image_backend(bool has_screen) {
   try {
@@ -51,7 +51,7 @@ MapBackend image_backend(bool has_screen) {
 }
 
 /// How a window draws: by the graphics card, or in memory where there is only software for it. Error when
-/// there is no OpenGL: a widget would stay blank and say nothing.
+/// there is no OpenGL: a widget would stay blank.
 MapBackend window_backend() {
   QOpenGLContext context;
   if (!context.create())
@@ -84,7 +84,7 @@ MemoryOpener opener() {
   return [](const std::string& path, Progress& progress) { return OpenMemory::open(path, progress); };
 }
 
-/// What the options choose, by the memory's own words.
+/// What the options select.
 struct Target {
   std::optional<TimeNs> time = {};
   std::optional<TimeNs> beside = {};  ///< unset = none, or another memory

@@ -13,7 +13,7 @@ struct BrowseOptions {
   std::string file;                   ///< memory; may be empty for a window
   std::string screenshot;             ///< PNG to write instead of staying; empty = a window
   std::string at;                     ///< time to show, as people write it; empty = the last scene
-  std::string select;                 ///< object or place to choose, in words; empty = nothing
+  std::string select;                 ///< object or place to select; empty = none
   std::string ask;                    ///< question to ask in the question bar; empty = none
   std::string beside = {};            ///< time, or memory, whose map stands beside the map; empty = none
   std::vector<std::string> run = {};  ///< actions of the menus, by name
@@ -25,7 +25,7 @@ struct BrowseOptions {
   std::vector<std::string> hide = {};  ///< layers of the 3D view that the image leaves out
   ThemeChoice theme = ThemeChoice::system;
   bool has_screen = true;   ///< there is an X or Wayland display
-  bool has_desktop = true;  ///< which says how its windows should look
+  bool has_desktop = true;  ///< whose palette and font are taken
 };
 
 /// Runs the browser until its window is closed, or writes one image; returns the exit code. Error when the

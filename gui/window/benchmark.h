@@ -10,7 +10,7 @@ class MainWindow;
 
 /// What a person waits for.
 struct WindowFigures {
-  double open_s = 0;        ///< from the wish to open the file to the first image with everything in it
+  double open_s = 0;        ///< from the request to open the file to the first image with everything in it
   double frames_per_s = 0;  ///< while the time is scrubbed
   double frame_median_ms = 0, frame_p95_ms = 0;  ///< from one new moment on the screen to the next
   size_t frames = 0;

@@ -60,7 +60,7 @@ TEST_F(EditsInWindow, ARenamedPlaceIsCalledSoInTreeMapAndAnswers) {
   EXPECT_TRUE(window.docks().tree().shown_index_of_object(2).parent().data().toString().startsWith(
       "breakfast table"));
   EXPECT_EQ(window.browser().data()->find("breakfast table", sample_.third).place, "breakfast table");
-  EXPECT_EQ(selection().place(), "breakfast table") << "it stays chosen";
+  EXPECT_EQ(selection().place(), "breakfast table") << "it stays selected";
   window.edits().undo();
   settle();
   EXPECT_EQ(place_of(2), "table_1");

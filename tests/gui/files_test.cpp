@@ -66,10 +66,10 @@ TEST_F(FilesInWindow, OpeningGoesOnInTheBackgroundAndCanBeCancelled) {
   window.files().loader().cancel();
   settle();
   EXPECT_TRUE(window.windowTitle().contains("sample.loci"));
-  bool told = false;
-  window.open(QString::fromStdString(other.string()), [&] { told = true; });
+  bool opened = false;
+  window.open(QString::fromStdString(other.string()), [&] { opened = true; });
   settle();
-  EXPECT_TRUE(told);
+  EXPECT_TRUE(opened);
   EXPECT_TRUE(window.windowTitle().contains("other.loci"));
 }
 

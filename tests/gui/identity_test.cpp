@@ -1,4 +1,4 @@
-// Why things were taken for what they are, what experts said of them, and what was known when.
+// Object identities, annotations and transaction time in the browser.
 
 #include <QComboBox>
 #include <QListWidget>
@@ -13,7 +13,7 @@
 namespace loci::gui {
 namespace {
 
-/// One thing was seen; it is object_1 rather than object_2, and object_3 is gone.
+/// One observation; it is object_1 rather than object_2, and object_3 is gone.
 SceneDecisions one_decision() {
   DecidedObservation seen;
   seen.object = 1;

@@ -68,7 +68,7 @@ TEST_F(LanesInWindow, ZoomKeepsTheChosenTimeAndAllCanBeShownAgain) {
   EXPECT_NEAR(window.docks().time_bar().track()->x_of(sample_.second), before, 1);
   EXPECT_NEAR(lanes().point_of(0, sample_.second).x(), before, 1) << "lanes and track are in line";
   press(Qt::Key_Home);
-  EXPECT_EQ(axis().from(), sample_.first) << "the chosen time is always shown";
+  EXPECT_EQ(axis().from(), sample_.first) << "the selected time is always shown";
   press(Qt::Key_0, Qt::ControlModifier);
   EXPECT_EQ(axis().from(), sample_.first);
   EXPECT_EQ(axis().to(), sample_.third);

@@ -139,7 +139,7 @@ TEST_P(Layout, WhatIsWrittenCanBeRead) {
     EXPECT_GE(contrast(color, theme.panel), 3) << color.name().toStdString();
 }
 
-TEST_P(Layout, TheFirstLookHasEverythingInView) {
+TEST_P(Layout, TheFirstViewHasEverythingInView) {
   window.screenshot();
   EXPECT_EQ(window.map().scene().shown_labels().size(), window.map().scene().objects().size());
 }

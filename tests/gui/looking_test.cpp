@@ -1,5 +1,4 @@
-// What one looks at and by what it is chosen: values under the cursor, what annotators found in images,
-// filters, files.
+// Values under the cursor, annotations of images, filters, files.
 
 #include <QComboBox>
 #include <QTreeWidget>
@@ -70,22 +69,22 @@ TEST(ImageNotes, AreWhatHasARegionInTheImage) {
     {"id": "#5", "type": "loci.annotation.ColorAnnotation", "features": {"text": "red"}}]})");
   ASSERT_EQ(notes.size(), 2U);
   EXPECT_EQ(notes[0].text, "Milka");
-  EXPECT_EQ(notes[0].expert, "VisualSearch");
+  EXPECT_EQ(notes[0].annotator, "VisualSearch");
   EXPECT_EQ(notes[0].region, cv::Rect2d(4, 5, 60, 30));
   EXPECT_EQ(notes[1].type, "BarcodeAnnotation");
   EXPECT_EQ(notes[1].region.width, 3);
 }
 
 TEST(AnotherMemory, IsRenumberedByPlaceAndColour) {
-  const auto thing = [](int64_t id, double x, const char* color) {
+  const auto believed = [](int64_t id, double x, const char* color) {
     BelievedObject object;
     object.object = id;
     object.color = color;
     object.map_from_object = Isometry3d(Eigen::Translation3d(x, 0, 0));
     return object;
   };
-  const Belief here{0, {thing(1, 0, "red"), thing(2, 1, "blue")}};
-  const Belief there{0, {thing(7, 1.1, "blue"), thing(8, 0.1, "blue"), thing(9, 0.2, "red")}};
+  const Belief here{0, {believed(1, 0, "red"), believed(2, 1, "blue")}};
+  const Belief there{0, {believed(7, 1.1, "blue"), believed(8, 0.1, "blue"), believed(9, 0.2, "red")}};
   const Belief same = renumbered(there, here);
   EXPECT_EQ(same.objects[0].object, 2);
   EXPECT_LT(same.objects[1].object, 0);

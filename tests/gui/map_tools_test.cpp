@@ -68,7 +68,7 @@ TEST_F(MapToolsInWindow, PointsOfAnObjectLieOnItInItsColour) {
   EXPECT_TRUE(window.browser().data()->object_cloud(2, sample_.first - kSecond).points.empty());
 }
 
-TEST_F(MapToolsInWindow, MeasuresBetweenTwoClicksAndChoosesNothingMeanwhile) {
+TEST_F(MapToolsInWindow, MeasuresBetweenTwoClicksAndSelectsNothingMeanwhile) {
   window.map().look_from(MapViewpoint::front);
   image();
   tools().ruler()->click();
@@ -85,8 +85,8 @@ TEST_F(MapToolsInWindow, MeasuresBetweenTwoClicksAndChoosesNothingMeanwhile) {
     return *window.map().scene().pick_point(static_cast<int>(p.x() * ratio),
                                             static_cast<int>((canvas->height() - 1 - p.y()) * ratio));
   };
-  const double told = tools().measured()->text().section(' ', 0, 0).toDouble();
-  EXPECT_NEAR(told, (at(one) - at(other)).norm(), 0.002);
+  const double distance = tools().measured()->text().section(' ', 0, 0).toDouble();
+  EXPECT_NEAR(distance, (at(one) - at(other)).norm(), 0.002);
   tools().ruler()->click();
   EXPECT_FALSE(tools().measured()->text().contains("apart"));
 }

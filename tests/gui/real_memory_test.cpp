@@ -93,7 +93,7 @@ TEST_P(RealMemory, ShowsSomethingInEachViewAndFailsNowhere) {
     window.docks().show(dock);
     settle();
   }
-  EXPECT_FALSE(window.docks().compare().shown().empty()) << "things came or were moved";
+  EXPECT_FALSE(window.docks().compare().shown().empty()) << "objects came or were moved";
   window.docks().compare().beside_box()->setChecked(true);
   settle();
   EXPECT_NO_THROW(window.maps().then()->image());

@@ -19,7 +19,7 @@ namespace {
 constexpr int kThumbnailStep = 4;
 const std::filesystem::path kKitchen = std::filesystem::path(LOCI_SOURCE_DIR) / "apps/samples/kitchen.urdf";
 
-struct Thing {
+struct SampleObject {
   memory::Id object;
   Vector3d centre, size;
   memory::HsvColor hsv;
@@ -27,11 +27,11 @@ struct Thing {
   cv::Scalar bgr;
 };
 
-mapping::TriangleMesh box_mesh(const Thing& thing) {
+mapping::TriangleMesh box_mesh(const SampleObject& object) {
   Warnings warnings;
-  mapping::TriangleMesh mesh = triangulate(mapping::Box{thing.size}, {}, warnings);
-  const mapping::Rgba color(static_cast<float>(thing.bgr[2] / 255), static_cast<float>(thing.bgr[1] / 255),
-                            static_cast<float>(thing.bgr[0] / 255), 1);
+  mapping::TriangleMesh mesh = triangulate(mapping::Box{object.size}, {}, warnings);
+  const mapping::Rgba color(static_cast<float>(object.bgr[2] / 255), static_cast<float>(object.bgr[1] / 255),
+                            static_cast<float>(object.bgr[0] / 255), 1);
   mesh.colors.assign(mesh.triangles.size(), color);
   return mesh;
 }
@@ -53,17 +53,17 @@ class Writer {
   }
   ~Writer() { store_.finish_run(run_); }
 
-  /// Draws what the camera sees, adds the scene with one observation per thing; returns the scene's id.
+  /// Draws what the camera sees, adds the scene with one observation per object; returns the scene's id.
   memory::Id add_scene(memory::SceneTransaction& transaction, TimeNs time, const Isometry3d& map_from_camera,
-                       const std::vector<Thing>& things, const JointState& joints) {
+                       const std::vector<SampleObject>& objects, const JointState& joints) {
     const mapping::PinholeCamera camera;
     mapping::RenderScene scene;
     Warnings warnings;
     scene.add(world_, {{}, kKitchen.parent_path()}, Isometry3d::Identity(), warnings);
     scene.set_joints(0, joints);
-    for (const Thing& thing : things)
-      scene.add("thing_" + std::to_string(thing.object), box_mesh(thing),
-                Isometry3d(Eigen::Translation3d(thing.centre)));
+    for (const SampleObject& object : objects)
+      scene.add("thing_" + std::to_string(object.object), box_mesh(object),
+                Isometry3d(Eigen::Translation3d(object.centre)));
     mapping::RenderOptions options;
     options.colors = true;
     const mapping::RenderedView view = scene.render(camera, map_from_camera, options);
@@ -85,7 +85,7 @@ class Writer {
     row.depth = transaction.add_blob(memory::encode_depth_thumbnail(depth), memory::kDepthThumbnailMedia);
     row.depth_width = camera.width / kThumbnailStep;
     row.depth_height = camera.height / kThumbnailStep;
-    // Above the middle the map explains all; things are looked for below.
+    // Above the middle the map explains all; the region of interest is below.
     std::string kinds(depth.size(), static_cast<char>(mapping::PixelKind::map_explained));
     std::fill(kinds.begin() + static_cast<ptrdiff_t>(kinds.size() / 2), kinds.end(),
               static_cast<char>(mapping::PixelKind::region_of_interest));
@@ -101,27 +101,27 @@ class Writer {
     return id;
   }
 
-  /// An observation of a thing in the last scene that is believed to be the object; returns its id. In the
+  /// An observation of an object in the last scene that is believed to be the object; returns its id. In the
   /// first scene no points are kept.
-  memory::Id add_sight(memory::SceneTransaction& transaction, memory::Id scene, const std::string& place,
-                       const Thing& thing, const Isometry3d& map_from_camera,
-                       const std::string& explanation) {
+  memory::Id add_object_observation(memory::SceneTransaction& transaction, memory::Id scene,
+                                    const std::string& place, const SampleObject& object,
+                                    const Isometry3d& map_from_camera, const std::string& explanation) {
     const mapping::PinholeCamera camera;
     Eigen::AlignedBox2d area;
     for (int i = 0; i < 8; ++i) {
       const Vector3d corner(i & 1 ? 0.5 : -0.5, i & 2 ? 0.5 : -0.5, i & 4 ? 0.5 : -0.5);
       area.extend(
-          camera.project(map_from_camera.inverse() * (thing.centre + corner.cwiseProduct(thing.size))));
+          camera.project(map_from_camera.inverse() * (object.centre + corner.cwiseProduct(object.size))));
     }
     memory::ObservationRow row;
     row.scene = scene;
     row.number = number_++;
     row.place = place_id(place);
-    row.position = thing.centre;
-    row.map_from_box = Isometry3d(Eigen::Translation3d(thing.centre));
-    row.size = thing.size;
-    row.hsv = thing.hsv;
-    row.color = thing.color;
+    row.position = object.centre;
+    row.map_from_box = Isometry3d(Eigen::Translation3d(object.centre));
+    row.size = object.size;
+    row.hsv = object.hsv;
+    row.color = object.color;
     row.roi = {static_cast<int>(area.min().x()), static_cast<int>(area.min().y()),
                static_cast<int>(area.sizes().x()), static_cast<int>(area.sizes().y())};
     // An ellipse stands for the shape of it.
@@ -139,13 +139,13 @@ class Writer {
             depth.push_back(depth_.at<float>(y + (*row.roi)[1], x + (*row.roi)[0]));
       row.cloud = transaction.add_blob(memory::encode_cluster_depth(depth), memory::kClusterDepthMedia);
     }
-    const auto crop = mapping::encode_image(cv::Mat(40, 30, CV_8UC3, thing.bgr), ".png");
+    const auto crop = mapping::encode_image(cv::Mat(40, 30, CV_8UC3, object.bgr), ".png");
     row.crop = transaction.add_blob({reinterpret_cast<const char*>(crop.data()), crop.size()}, "image/png");
     const memory::Id observation = transaction.add_observation(row);
     memory::AssociationRow association;
     association.scene = scene;
     association.observation = observation;
-    association.object = thing.object;
+    association.object = object.object;
     association.explanation = memory::parse_state<memory::Explanation>(explanation);
     association.probability = 0.97;
     association.chosen = true;
@@ -153,16 +153,16 @@ class Writer {
     return observation;
   }
 
-  /// What a scene could tell about a thing.
-  void add_look(memory::SceneTransaction& transaction, memory::Id scene, memory::Id object,
-                const std::string& status) {
+  /// What a scene showed of an object.
+  void add_object_visibility(memory::SceneTransaction& transaction, memory::Id scene, memory::Id object,
+                             const std::string& status) {
     transaction.add_visibility({.scene = scene,
                                 .object = object,
                                 .status = memory::parse_state<memory::ObjectStatus>(status),
                                 .probability = 0.95});
   }
-  void add_look_at(memory::SceneTransaction& transaction, memory::Id scene, const std::string& place,
-                   double fraction) {
+  void add_place_visibility(memory::SceneTransaction& transaction, memory::Id scene, const std::string& place,
+                            double fraction) {
     transaction.add_visibility({.scene = scene,
                                 .place = place_id(place),
                                 .status = memory::ObjectStatus::seen,
@@ -175,21 +175,22 @@ class Writer {
     return transaction.add_object(row);
   }
 
-  void add_belief(memory::SceneTransaction& transaction, TimeNs time, memory::Id scene, const Thing& thing,
-                  const std::string& place, const std::string& status, double probability,
-                  std::optional<memory::Id> last_scene, std::optional<memory::Id> last_observation) {
+  void add_belief(memory::SceneTransaction& transaction, TimeNs time, memory::Id scene,
+                  const SampleObject& object, const std::string& place, const std::string& status,
+                  double probability, std::optional<memory::Id> last_scene,
+                  std::optional<memory::Id> last_observation) {
     memory::BeliefRow row;
-    row.object = thing.object;
+    row.object = object.object;
     row.scene = scene;
     row.status = memory::parse_state<memory::ObjectStatus>(status);
     row.probability = probability;
     row.place = place_id(place);
-    row.position = thing.centre;
+    row.position = object.centre;
     row.last_scene = last_scene;
     row.last_observation = last_observation;
-    row.hsv = thing.hsv;
-    row.color = thing.color;
-    row.size = thing.size;
+    row.hsv = object.hsv;
+    row.color = object.color;
+    row.size = object.size;
     row.clock.valid_from = time;
     transaction.add_belief(row);
   }
@@ -230,9 +231,9 @@ SampleMemory write_sample_memory(const std::filesystem::path& path) {
   Writer writer(path);
   const Isometry3d at_counter = mapping::looking_at({1.7, 1.4, 1.5}, {1.75, 2.65, 0.9});
   const Isometry3d at_table = mapping::looking_at({2.0, 1.7, 1.5}, {2.0, 0.62, 0.74});
-  Thing cup{0, {1.5, 2.5, 0.95}, {0.09, 0.12, 0.10}, {4, 0.85, 0.8}, "red", {30, 35, 205}};
-  Thing box{0, {1.9, 2.55, 1.00}, {0.10, 0.06, 0.20}, {215, 0.75, 0.75}, "blue", {190, 105, 48}};
-  Thing tin{0, {2.2, 2.5, 0.95}, {0.07, 0.07, 0.11}, {110, 0.7, 0.6}, "green", {45, 150, 60}};
+  SampleObject cup{0, {1.5, 2.5, 0.95}, {0.09, 0.12, 0.10}, {4, 0.85, 0.8}, "red", {30, 35, 205}};
+  SampleObject box{0, {1.9, 2.55, 1.00}, {0.10, 0.06, 0.20}, {215, 0.75, 0.75}, "blue", {190, 105, 48}};
+  SampleObject tin{0, {2.2, 2.5, 0.95}, {0.07, 0.07, 0.11}, {110, 0.7, 0.6}, "green", {45, 150, 60}};
   memory::Id cup_seen = 0;
   memory::Id box_seen = 0;
   memory::Id first_scene = 0;
@@ -241,8 +242,8 @@ SampleMemory write_sample_memory(const std::filesystem::path& path) {
     cup.object = writer.add_object(t, sample.first);
     box.object = writer.add_object(t, sample.first);
     first_scene = writer.add_scene(t, sample.first, at_counter, {cup, box}, {});
-    cup_seen = writer.add_sight(t, first_scene, "counter_1", cup, at_counter, "appear");
-    box_seen = writer.add_sight(t, first_scene, "counter_1", box, at_counter, "appear");
+    cup_seen = writer.add_object_observation(t, first_scene, "counter_1", cup, at_counter, "appear");
+    box_seen = writer.add_object_observation(t, first_scene, "counter_1", box, at_counter, "appear");
     writer.add_belief(t, sample.first, first_scene, cup, "counter_1", "seen", 0.99, first_scene, cup_seen);
     writer.add_belief(t, sample.first, first_scene, box, "counter_1", "seen", 0.99, first_scene, box_seen);
     writer.add_event(t, sample.first, first_scene, "appeared", cup.object, "counter_1");
@@ -254,11 +255,11 @@ SampleMemory write_sample_memory(const std::filesystem::path& path) {
     memory::SceneTransaction t(writer.store(), writer.run());
     const memory::Id scene =
         writer.add_scene(t, sample.second, at_table, {cup, box}, {{"drawer_2_front_joint", 0.35}});
-    box_seen = writer.add_sight(t, scene, "table_1", box, at_table, "move");
+    box_seen = writer.add_object_observation(t, scene, "table_1", box, at_table, "move");
     writer.add_belief(t, sample.second, scene, cup, "counter_1", "out_of_view", 0.9, first_scene, cup_seen);
     writer.add_belief(t, sample.second, scene, box, "table_1", "seen", 0.98, scene, box_seen);
-    writer.add_look(t, scene, cup.object, "out_of_view");
-    writer.add_look_at(t, scene, "table_1", 0.9);
+    writer.add_object_visibility(t, scene, cup.object, "out_of_view");
+    writer.add_place_visibility(t, scene, "table_1", 0.9);
     writer.add_event(t, sample.second, scene, "moved", box.object, "table_1", "counter_1");
     t.commit();
   }
@@ -266,12 +267,13 @@ SampleMemory write_sample_memory(const std::filesystem::path& path) {
     memory::SceneTransaction t(writer.store(), writer.run());
     tin.object = writer.add_object(t, sample.third);
     const memory::Id scene = writer.add_scene(t, sample.third, at_counter, {box, tin}, {});
-    const memory::Id tin_seen = writer.add_sight(t, scene, "counter_1", tin, at_counter, "appear");
+    const memory::Id tin_seen =
+        writer.add_object_observation(t, scene, "counter_1", tin, at_counter, "appear");
     writer.add_belief(t, sample.third, scene, cup, "counter_1", "gone", 0.04, first_scene, cup_seen);
     writer.add_belief(t, sample.third, scene, box, "table_1", "out_of_view", 0.93, scene, box_seen);
     writer.add_belief(t, sample.third, scene, tin, "counter_1", "seen", 0.99, scene, tin_seen);
-    writer.add_look(t, scene, cup.object, "missed");
-    writer.add_look_at(t, scene, "counter_1", 0.8);
+    writer.add_object_visibility(t, scene, cup.object, "missed");
+    writer.add_place_visibility(t, scene, "counter_1", 0.8);
     writer.add_event(t, sample.third, scene, "gone", cup.object, "counter_1", "counter_1");
     writer.add_event(t, sample.third, scene, "appeared", tin.object, "counter_1");
     t.commit();

@@ -17,8 +17,8 @@ enum class MapBackend {
            ///< draws
 };
 
-/// Where the 3D view is drawn and moved with the mouse. It draws when it is told to, however often that is
-/// before it comes to it.
+/// Where the 3D view is drawn and moved with the mouse. Several requests to draw become
+/// one image.
 class MapCanvas : public QWidget {
   Q_OBJECT
 

@@ -67,7 +67,7 @@ void MapPair::make_other() {
   link_selection();
 }
 
-/// Who is turned draws; the other one follows when its image is of another eye.
+/// The map that is turned draws; the other one follows when its last image has another viewpoint.
 void MapPair::link_eyes() {
   const auto follow = [this](MapView* moved, MapView* other) {
     connect(moved, &MapView::drawn, this, [this, moved, other] {

@@ -10,13 +10,13 @@ class QLabel;
 
 namespace loci::gui {
 
-/// A belief that the chosen one is compared with.
+/// A belief that the selected one is compared with.
 struct OtherBelief {
   std::shared_ptr<const OpenMemory> memory;  ///< null = none
   TimeNs time = 0;
   std::optional<TimeNs> known_at = {};
   QString title = {};
-  /// Of the same things: here, there. Others have the same number in both.
+  /// Ids of the same object: here, there. Others have the same id in both.
   std::vector<std::pair<int64_t, int64_t>> same = {};
   bool is_same_memory = true;
 };

@@ -110,7 +110,7 @@ void MapTools::build_section(QVBoxLayout& layout) {
 void MapTools::build_joints(QVBoxLayout& layout) {
   put_back_ = new QToolButton(this);
   put_back_->setText("As believed");
-  put_back_->setToolTip("All joints as they are believed to be at the chosen time");
+  put_back_->setToolTip("All joints as they are believed to be at the selected time");
   auto* head = new QHBoxLayout;
   head->addWidget(heading("Doors and drawers", this), 1);
   head->addWidget(put_back_);

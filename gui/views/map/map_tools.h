@@ -20,7 +20,7 @@ namespace loci::gui {
 class MapView;
 
 /// What one does to the map to see more of it: measuring, cutting it open, opening its doors and drawers.
-/// Nothing of it is written; joints go back to what is believed when another time is chosen.
+/// Nothing of it is written; joints go back to what is believed when another time is selected.
 class MapTools : public Page {
   Q_OBJECT
 

@@ -17,7 +17,7 @@ namespace {
 constexpr int kStillMs = 300;
 /// More of them are a thicket.
 constexpr size_t kMaxCameras = 400;
-/// Of the chosen object; with those of a scene's thumbnail they stay below what is drawn fluently.
+/// Of the selected object; with those of a scene's thumbnail they stay below what is drawn fluently.
 constexpr size_t kMaxObjectPoints = 25000;
 
 /// An image of one colour is what a context without drawing gives; even an empty scene has a gradient.
@@ -29,7 +29,7 @@ bool is_blank(const QImage& image) {
   return true;
 }
 
-/// Where the cameras looked from, by and large: from there the room is open.
+/// The mean viewing direction, reversed: from there the scene is open.
 Vector3d usual_side(const OpenMemory& memory) {
   Vector3d sum = Vector3d::Zero();
   for (const memory::SceneRow& scene : memory.scenes())
@@ -55,7 +55,7 @@ SceneColors scene_colors(const Theme& theme) {
   return colors;
 }
 
-/// At most so many points, evenly chosen.
+/// At most so many points, evenly spaced in the list.
 ColoredCloud thinned(ColoredCloud cloud, size_t limit) {
   const size_t step = cloud.points.size() / limit + 1;
   if (step == 1) return cloud;
@@ -121,7 +121,7 @@ void MapView::show_memory() {
   if (same && world == world_ && !waits_for_world_ && world != nullptr)
     return;  // it has grown: the eye stays
   if (!same) {
-    first_look_ = true;
+    first_view_ = true;
     joints_by_hand_.clear();
   }
   memory_ = path;
@@ -146,7 +146,7 @@ void MapView::take_world(const PreparedWorld& world) {
   for (const memory::PlaceRow& place : browser_.data()->loose_places())
     scene_->add_place(place.name, place.outline, *place.height);
   for (const std::string& text : world.warnings) Q_EMIT warned(QString::fromStdString(text));
-  Warnings early;  // what is believed may still be of the map before: it is told when that has been read
+  Warnings early;  // the belief may still be of the map before: reported when the new one has been read
   if (world_ != nullptr) scene_->set_joints(joints(), early);
   show_frame();
   show_selection();
@@ -195,13 +195,13 @@ void MapView::show_joints() {
   for (const std::string& text : warnings.texts()) Q_EMIT warned(QString::fromStdString(text));
 }
 
-/// The first look waits for everything that is to be seen.
+/// The first viewpoint waits for map and belief.
 void MapView::place_eye() {
-  if (!own_eye_ || !first_look_ || browser_.data() == nullptr || waits_for_world_ ||
+  if (!own_eye_ || !first_view_ || browser_.data() == nullptr || waits_for_world_ ||
       browser_.belief().time == 0)
     return;
   scene_->look_from(MapViewpoint::overview);
-  first_look_ = false;
+  first_view_ = false;
 }
 
 void MapView::show_frame() {
@@ -211,7 +211,7 @@ void MapView::show_frame() {
   scene_->set_camera(moment.content->camera.depth, *moment.content->map_from_camera);
 }
 
-/// From where the scenes were looked at; evenly chosen where there are very many.
+/// Camera poses of the scenes; every n-th where there are very many.
 void MapView::show_cameras() {
   std::vector<Isometry3d> cameras;
   const size_t count = browser_.data() == nullptr ? 0 : browser_.data()->scenes().size();
@@ -236,7 +236,7 @@ void MapView::read_trace() {
       });
 }
 
-/// The way until now.
+/// The trajectory until the selected time.
 void MapView::show_trace() {
   std::vector<Vector3d> points;
   for (const TrajectoryPoint& point : trace_)

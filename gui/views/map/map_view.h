@@ -15,7 +15,7 @@ namespace loci::gui {
 
 struct PreparedWorld;
 
-/// The 3D view: map, objects at their believed place, cloud and camera of the chosen scene.
+/// The 3D view: map, objects at their believed place, cloud and camera of the selected scene.
 class MapView : public QWidget {
   Q_OBJECT
 
@@ -31,7 +31,7 @@ class MapView : public QWidget {
   void frame_selection();
   void look_from(MapViewpoint viewpoint);
   void set_layer(MapLayer layer, bool visible);
-  /// Looks with the eye of another view, and never places it.
+  /// Shares the camera of another view from now on.
   void share_eye_of(MapView& other);
   /// The eye of the last image.
   const std::array<double, 9>& drawn_eye() const { return drawn_eye_; }
@@ -41,7 +41,7 @@ class MapView : public QWidget {
   /// Whether clicks measure between two points instead of choosing.
   void set_measuring(bool measuring);
   void set_section(const std::optional<MapSection>& section);
-  /// Moves a joint to look behind it, until another time is chosen. An empty state puts all back.
+  /// Moves a joint to look behind it, until another time is selected. An empty state puts all back.
   void set_joints_by_hand(const JointState& joints);
   /// The joints as they are drawn.
   JointState joints() const;
@@ -82,12 +82,13 @@ class MapView : public QWidget {
   std::string memory_;                     ///< path of the memory that is drawn
   const mapping::World* world_ = nullptr;  ///< its map, drawn or being prepared
   bool waits_for_world_ = false;
-  bool first_look_ = true;  ///< the eye has not been placed yet
+  bool first_view_ = true;  ///< the eye has not been placed yet
   JointState joints_by_hand_;
   TimeNs joints_time_ = 0;  ///< at which they were moved by hand
   std::optional<int64_t> traced_;
-  std::vector<TrajectoryPoint> trace_;       ///< of that object, at all times
-  std::pair<int64_t, TimeNs> clouded_ = {};  ///< object and sight whose points are shown; 0 = none
+  std::vector<TrajectoryPoint> trace_;  ///< of that object, at all times
+  std::pair<int64_t, TimeNs> clouded_ =
+      {};  ///< object and time of the observation whose points are shown; 0 = none
   std::vector<Vector3d> ruler_;
   bool measuring_ = false;
   bool own_eye_ = true;

@@ -282,7 +282,7 @@ void LaneView::paint_visibility(QPainter& painter, const Lane& lane, double top,
   const auto first = static_cast<size_t>(begin - scene_x.begin());
   const auto last = std::min(all.size(), static_cast<size_t>(end - scene_x.begin()));
   for (size_t i = first; i < last;) {
-    // Scenes that fall into one pixel are drawn as what most of them say.
+    // Scenes that fall into one pixel are drawn in the colour of their majority.
     const double x = scene_x[i];
     size_t next = i, seen_count = 0, missed_count = 0;
     for (; next < last && scene_x[next] < x + 1; ++next) {

@@ -12,7 +12,7 @@
 
 namespace loci::gui {
 
-/// A lane per object and place below the time track, in three colours: seen, looked for but not there, not
+/// A lane per object and place below the time track, in three colours: seen, missed, not
 /// observed; events as dots. A click chooses the time and the object or place, a drag scrubs. Only lanes
 /// that are on the screen are read from the memory.
 class LaneView : public QAbstractScrollArea {
@@ -62,7 +62,7 @@ class LaneView : public QAbstractScrollArea {
   void paint_visibility(QPainter& painter, const Lane& lane, double top, const std::vector<double>& scene_x);
 
   Browser& browser_;
-  Backdrop backdrop_;  ///< all but the chosen time
+  Backdrop backdrop_;  ///< all but the selected time
   TimeAxis& axis_;
   std::vector<Lane> lanes_;
   std::map<int64_t, std::vector<const memory::Change*>> events_;  ///< by object

@@ -97,13 +97,14 @@ TimeBar::TimeBar(Browser& browser, QWidget* parent)
   add(Transport::play, "Play (Space)", [this] { toggle_play(); });
   add(Transport::next, "Next scene (Right)", [this] { browser_.step(1); });
   add(Transport::last, "Last scene (End)", [this] { browser_.to_last(); });
-  stamp_->setToolTip("The chosen time; type another: 2026-05-01 08:30, 08:30, yesterday 9:00 (Ctrl+T)");
+  stamp_->setToolTip("The selected time; type another: 2026-05-01 08:30, 08:30, yesterday 9:00 (Ctrl+T)");
   stamp_->setFixedWidth(fontMetrics().horizontalAdvance("2026-05-01 00:00:00.000000") + 24);
   buttons->addSpacing(6);
   buttons->addWidget(stamp_);
   buttons->addWidget(zone_);
   known_->setToolTip(
-      "The second clock: what the memory knew of this time, now or before something was added or corrected");
+      "Transaction time: what the memory knew of the selected time, now or before something was added or "
+      "corrected");
   known_->setFocusPolicy(Qt::NoFocus);
   known_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
   known_->setMinimumContentsLength(14);
@@ -153,9 +154,8 @@ TimeBar::TimeBar(Browser& browser, QWidget* parent)
 QString TimeBar::legend() const {
   const Theme theme = Theme::of(palette());
   QStringList parts;
-  for (const auto& [color, text] :
-       {std::pair(theme.seen, "seen"), std::pair(theme.gone, "looked for, not there"),
-        std::pair(theme.grid, "not observed")})
+  for (const auto& [color, text] : {std::pair(theme.seen, "seen"), std::pair(theme.gone, "missed"),
+                                    std::pair(theme.grid, "not observed")})
     parts << QString("<span style='color:%1'>■</span> %2").arg(color.name(), text);
   return parts.join("&nbsp;&nbsp; ");
 }
@@ -163,7 +163,7 @@ QString TimeBar::legend() const {
 void TimeBar::paint_buttons() {
   legend_->setText(legend());
   legend_->setToolTip(
-      "What each scene could tell about a thing: it was seen; its place was seen without it; or nothing, "
+      "What each scene showed of an object: it was seen; its place was seen without it; or nothing, "
       "because "
       "it was out of view or behind something");
   for (const auto& [sign, button] : buttons_) {
@@ -172,7 +172,7 @@ void TimeBar::paint_buttons() {
   }
 }
 
-/// A line that is cut off says so.
+/// A line that is cut off ends in "…".
 void TimeBar::elide() {
   const int width = std::max(0, happened_->width() - 2);
   happened_->setText(fontMetrics().elidedText(happened_->toolTip(), Qt::ElideRight, width));

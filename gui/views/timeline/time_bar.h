@@ -22,7 +22,7 @@ enum class Transport { first, previous, play, pause, next, last };
 class LaneView;
 class TimeTrack;
 
-/// The chosen time: buttons, a time stamp that can be edited, the slider, what happened there in words, and
+/// The selected time: buttons, a time stamp that can be edited, the slider, what happened there in words, and
 /// the lanes of objects and places.
 class TimeBar : public QWidget {
   Q_OBJECT
@@ -35,7 +35,7 @@ class TimeBar : public QWidget {
   LaneView* lanes() const { return lanes_; }
   TimeAxis& axis() { return axis_; }
   QLineEdit* stamp() const { return stamp_; }
-  /// The second clock: as known now, or before one of the runs.
+  /// Transaction time: as known now, or before one of the runs.
   QComboBox* known() const { return known_; }
   bool plays() const { return timer_.isActive(); }
   /// Starts at the beginning when the end is reached; stops there.

@@ -57,7 +57,7 @@ class TimeAxis : public QObject {
 TimeNs snapped_time(const OpenMemory& memory, const TimeAxis& axis, double x, int width);
 
 /// The slider of the time bar: an axis with a tick per scene, a dot per event, the observations of the chosen
-/// object, and a handle at the chosen time. The wheel zooms, a drag with the right button moves along.
+/// object, and a handle at the selected time. The wheel zooms, a drag with the right button moves along.
 class TimeTrack : public QWidget {
   Q_OBJECT
 
@@ -80,7 +80,7 @@ class TimeTrack : public QWidget {
  private:
   void refresh();
   void drag(double x);
-  /// What does not depend on the chosen time.
+  /// What does not depend on the selected time.
   void paint_backdrop(QPainter& painter) const;
   void redraw();
   void paint_axis(QPainter& painter) const;
@@ -92,7 +92,7 @@ class TimeTrack : public QWidget {
 
   TimeAxis& axis_;
   Backdrop backdrop_;
-  std::vector<TimeNs> observations_;  ///< of the chosen object
+  std::vector<TimeNs> observations_;  ///< of the selected object
   double dragged_from_ = 0;
 };
 
