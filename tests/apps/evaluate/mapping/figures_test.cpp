@@ -23,8 +23,8 @@ const Figure& figure(const std::vector<Figure>& figures, const std::string& name
 
 TEST(MappingFigures, CountFoundOfThoseAskedForAndRightOfThoseFound) {
   MappedWorld first, second;
-  first.before.objects = {handle("matched", 0.01), handle("matched", 0.02), handle("extra")};
-  second.before.objects = {handle("matched", 0.03), handle("missed"), handle("minor")};
+  first.before.elements = {handle("matched", 0.01), handle("matched", 0.02), handle("extra")};
+  second.before.elements = {handle("matched", 0.03), handle("missed"), handle("minor")};
   const std::vector<Figure> figures = figures_of({&first, &second});
   EXPECT_NEAR(figure(figures, "handles found").value, 75, 1e-9);
   EXPECT_FALSE(figure(figures, "handles found").met);
@@ -64,7 +64,7 @@ TEST(MappingFigures, FrontsAndJointsAreShownBeforeAndAfterPulling) {
     return object;
   };
   MappedWorld map;
-  map.before.objects = {front(0.6, "revolute")};
+  map.before.elements = {front(0.6, "revolute")};
   EXPECT_FALSE(figure(figures_of({&map}), "front IoU after, mean").known);
   map.after = mapping::Comparison{{front(0.9, "prismatic")}, "", ""};
   const std::vector<Figure> figures = figures_of({&map});
