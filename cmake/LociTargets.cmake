@@ -3,6 +3,8 @@
 #   loci_library(LINKS ... PRIVATE_LINKS ...) all *.cpp of this folder as one static library, named after the folder
 #                                             (but those under EXCLUDE folders; with GENERATED sources)
 #   loci_generate_types(FOLDER NAMESPACE XML ...)  typed proxies from type systems: FOLDER/generated.{h,cpp} in the build folder
+#   loci_generate_messages(SOURCES FILE.proto)  C++ of protobuf messages, included as FOLDER/FILE.pb.h; SOURCES is set to
+#                                             what goes into GENERATED, and LINKS needs protobuf::libprotobuf
 #   loci_program(NAME [SOURCES ...] LINKS ...) a program in bin/
 #   loci_test(LINKS ...)                      all *_test.cpp of this folder as one GoogleTest program
 #
@@ -99,6 +101,22 @@ function(loci_generate_types folder namespace)
     COMMAND loci_generate_types proxies ${namespace} ${folder} ${CMAKE_BINARY_DIR}/generated ${files}
     DEPENDS loci_generate_types ${files}
     COMMENT "Generating the proxies of ${folder}")
+endfunction()
+
+function(loci_generate_messages sources file)
+  set(generated ${CMAKE_BINARY_DIR}/generated)
+  file(RELATIVE_PATH source ${CMAKE_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR}/${file})
+  string(REGEX REPLACE "\\.proto$" ".pb" messages ${generated}/${source})
+  add_custom_command(
+    OUTPUT ${messages}.h ${messages}.cc
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${generated}
+    COMMAND protobuf::protoc --proto_path=${CMAKE_SOURCE_DIR} --cpp_out=${generated} ${source}
+    DEPENDS ${file}
+    WORKING_DIRECTORY ${CMAKE_SOURCE_DIR}
+    COMMENT "Generating the messages of ${source}")
+  # The code is protoc's; so are its warnings.
+  set_source_files_properties(${messages}.cc PROPERTIES COMPILE_OPTIONS "-w")
+  set(${sources} ${messages}.h ${messages}.cc PARENT_SCOPE)
 endfunction()
 
 function(loci_program name)

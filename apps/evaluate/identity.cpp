@@ -1,7 +1,5 @@
 #include "apps/evaluate/commands.h"
-#include "apps/evaluate/identity/figures.h"
-#include "apps/evaluate/identity/speed.h"
-#include "apps/evaluate/identity/tables.h"
+#include "apps/evaluate/identity/report.h"
 #include "mapping/base/json.h"
 
 namespace loci::apps {
@@ -35,7 +33,7 @@ void run(Arguments& arguments, Session& session) {
 
 Command identity_command() {
   return {"identity",
-          "The identity experiment: the paper's model, ours and simpler ones, who is who and what happened",
+          "The identity experiment: data association by the paper's model, ours and simpler ones",
           {"loci-evaluate identity --runs 1 -o demo-output/identity",
            "loci-evaluate identity --runs 1 --noise estimated --tables 8 --json"},
           [](ArgumentTable& table) {

@@ -24,7 +24,7 @@ void add_reasoning(const memory::belief::Decisions& decisions, size_t k, const N
                    DecidedObservation& observation) {
   const memory::belief::ObservationDecision& d = decisions.observations[k];
   observation.key = d.key;
-  observation.explanation = to_text(d.chosen());
+  observation.explanation = to_text(d.explanation);
   observation.probability = static_cast<double>(d.probability);
   observation.appear = static_cast<double>(d.appear);
   observation.clutter = static_cast<double>(d.clutter);
@@ -32,7 +32,7 @@ void add_reasoning(const memory::belief::Decisions& decisions, size_t k, const N
     observation.considered.push_back({c.key, c.object, name_of(names, c.object, c.key), c.probability(),
                                       squashed(static_cast<double>(c.similar)),
                                       squashed(static_cast<double>(c.proximity)),
-                                      c.key == d.key ? "" : memory::belief::objection(decisions, k, c)});
+                                      c.key == d.key ? "" : memory::belief::rejection_reason(decisions, k, c)});
 }
 
 }  // namespace
@@ -60,7 +60,7 @@ SceneDecisions read_decisions(const memory::Store& store, const Names& names, co
     result.observations.push_back(std::move(observation));
   }
   if (reasoning)
-    for (const memory::belief::ObjectDecision& d : reasoning->decisions.unseen)
+    for (const memory::belief::ObjectDecision& d : reasoning->decisions.unobserved)
       result.unseen.push_back({d.key, d.object, name_of(names, d.object, d.key),
                                static_cast<double>(d.disappear), static_cast<double>(d.missed),
                                static_cast<double>(d.out_of_sight)});

@@ -66,7 +66,7 @@ void add_matrices(const perception::types::SceneCas& cas, const ResolvedScene& r
   const belief::PairEvidence& evidence = resolved.update.evidence;
   for (Eigen::Index k = 0; k < evidence.offset.cols(); ++k) {
     for (Eigen::Index o = 0; o < evidence.offset.rows(); ++o) {
-      similarities.push_back(evidence.closeness(o, k));
+      similarities.push_back(evidence.similarity(o, k));
       distances.push_back(evidence.offset(o, k));
     }
   }
@@ -114,8 +114,8 @@ perception::types::AssociationDistribution distribution(
     const belief::ObservationOutcome& outcome = resolved.update.observations[k];
     for (const int64_t key : keys) {
       double probability = 0;
-      for (const belief::Share& share : outcome.shares)
-        if (share.key == key) probability = share.probability();
+      for (const belief::PartnerProbability& partner : outcome.partners)
+        if (partner.key == key) probability = partner.probability();
       probabilities.push_back(probability);
     }
     fresh.push_back(outcome.appear);

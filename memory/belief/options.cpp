@@ -3,14 +3,13 @@
 namespace loci::memory::belief {
 
 void BeliefOptions::declare(OptionTable& table) {
-  table.number("noise_m", noise_m, "m",
-               "Scatter of a cluster's centre seen twice by a camera that stands still.", 1e-4, 1);
-  table.number("noise_per_m2", noise_per_m2, "1/m", "Growth of that scatter with the square of the distance.",
+  table.number("noise_m", noise_m, "m", "Noise of a cluster's centre between two views of a static camera.",
+               1e-4, 1);
+  table.number("noise_per_m2", noise_per_m2, "1/m", "Growth of that noise with the square of the distance.",
                0, 1);
-  table.number("noise_per_size", noise_per_size, "",
-               "Scatter of the centre as a share of the cluster's size.", 0, 1);
-  table.number("pose_noise_m", pose_noise_m, "m",
-               "Error of the pose between two views of a camera that moved.", 0, 10);
+  table.number("noise_per_size", noise_per_size, "", "Noise of the centre as a share of the cluster's size.",
+               0, 1);
+  table.number("pose_noise_m", pose_noise_m, "m", "Pose error between two views of a moved camera.", 0, 10);
   table.number("view_bias", view_bias, "",
                "Shift of the visible part's centre, as a share of its size, when the view point changed.", 0,
                1);
@@ -22,14 +21,13 @@ void BeliefOptions::declare(OptionTable& table) {
                "Probability that an object has been handled after a very long time.", 0.01, 0.99);
   table.number(
       "watched", watched, "",
-      "Share of the time that counts between the frames of a video: who handles things comes into view.", 0,
+      "Share of the time between video frames that counts: a person who handles objects comes into view.", 0,
       1);
   table.number("nudge_m", nudge_m, "m", "Length of a short move; half of all moves are short.", 0.01, 10);
   table.number("newview", newview, "",
-               "Probability that an object that stays looks different from an altogether different side.", 0,
-               1);
+               "Probability that a static object looks different from an opposite view point.", 0, 1);
   table.number("appear", appear, "", "New objects expected in a scene.", 0.001, 100);
-  table.number("reappear", reappear, "", "Probability that an object that was gone is back.", 0, 1);
+  table.number("reappear", reappear, "", "Probability that a gone object is back.", 0, 1);
   table.number("detection", detection, "", "Probability that an object in full view is found.", 0.01, 0.999);
   table.number("clutter", clutter, "", "False clusters expected in a scene.", 1e-6, 100);
   table.number("repeat_clutter", repeat_clutter, "", "Probability that a false cluster is found again.",
@@ -38,15 +36,15 @@ void BeliefOptions::declare(OptionTable& table) {
                "Probability that the sensor sees through an object that is there (pose and depth errors).",
                1e-6, 0.5);
   table.number("appearance_weight", appearance_weight, "",
-               "Annotations of one object depend on each other: their evidence is multiplied by this.", 0.05,
+               "Factor on the evidence of annotations, since those of one object are not independent.", 0.05,
                1);
-  table.flag(
-      "settle", settle,
-      "What trackers of position, shape and colour agree on, and nothing else is near to, is settled before "
-      "the model.");
+  table.flag("settle", settle,
+             "Settles observations without the model where the position, shape and colour trackers agree and "
+             "nothing else "
+             "is near.");
   table.number(
       "snapshot_gap_s", snapshot_gap_s, "s",
-      "Scenes farther apart than this cannot confirm each other: what they show is believed at once.", 0,
+      "Scenes farther apart than this cannot confirm each other: their observations are believed at once.", 0,
       1e9);
   table.number("confirm", confirm, "", "Probability of existing from which an object is reported.", 0.5,
                0.9999);
@@ -54,9 +52,9 @@ void BeliefOptions::declare(OptionTable& table) {
                "Probability that a cluster seen once in a video is an object.", 0.01, 0.99);
   table.number("gone", gone, "", "Probability of not being there from which an object is reported as gone.",
                0.5, 0.9999);
-  table.integer("views", views, "", "Looks that are kept of each object for comparison.", 1, 100);
-  table.integer("gone_kept", gone_kept, "",
-                "Objects that are gone and can still be recognised when they come back.", 0, 100000);
+  table.integer("views", views, "", "Views stored per object for comparison.", 1, 100);
+  table.integer("gone_kept", gone_kept, "", "Gone objects that can still be recognised when they return.", 0,
+                100000);
 }
 
 }  // namespace loci::memory::belief

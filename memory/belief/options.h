@@ -1,14 +1,13 @@
 #pragma once
 
 #include "mapping/base/options.h"
-#include "memory/belief/visibility.h"
+#include "memory/belief/evidence/visibility.h"
 
 namespace loci::memory::belief {
 
-/// How the belief judges evidence. All that is a probability is one per object and look unless said
-/// otherwise.
+/// Parameters of the belief. Probabilities are per object and view unless stated otherwise.
 struct BeliefOptions {
-  // Where an observation's centre is, one standard deviation.
+  // Noise of an observation's centre, one standard deviation.
   double noise_m = 0.002;
   double noise_per_m2 = 0.001;
   double noise_per_size = 0.01;
@@ -16,7 +15,7 @@ struct BeliefOptions {
   double view_bias = 0.1;
   double area_m2 = 1.0;
 
-  // What happens between looks.
+  // Changes between views.
   double move_time_s = 1200;
   double move_cap = 0.8;
   double watched = 0.1;
@@ -25,7 +24,7 @@ struct BeliefOptions {
   double appear = 0.45;
   double reappear = 0.2;
 
-  // What detectors do.
+  // Detectors.
   double detection = 0.9;
   double clutter = 0.05;
   double repeat_clutter = 0.3;
@@ -33,7 +32,7 @@ struct BeliefOptions {
   double appearance_weight = 0.8;
   bool settle = true;
 
-  // What is told to others.
+  // Reporting and storage.
   double snapshot_gap_s = 5;
   double confirm = 0.95;
   double first_sight = 0.7;

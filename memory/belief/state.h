@@ -4,157 +4,105 @@
 #include <string>
 #include <vector>
 
-#include "memory/belief/calibration.h"
-#include "memory/belief/habits.h"
-#include "memory/belief/observation.h"
+#include "memory/belief/evidence/calibration.h"
+#include "memory/belief/interaction_model.h"
 #include "memory/belief/options.h"
+#include "memory/belief/scene.h"
 
 namespace loci::memory::belief {
 
 enum class Status {
-  tentative,  ///< seen too rarely to be told from a false cluster; nobody is told
-  present,    ///< believed to be where it was seen last (perhaps hidden or out of view)
-  gone,       ///< looked for and not there
+  tentative,  ///< observed too rarely to exclude clutter; not reported
+  present,    ///< believed to be where it was observed last (perhaps hidden or out of view)
+  gone,       ///< its spot was observed and it was not there
 };
 
-/// One way an object looked, and how often it looked like that.
-struct Look {
+/// An appearance of an object, and how often it was observed.
+struct StoredView {
   std::vector<Descriptor> descriptors;
   double weight = 1;
   TimeNs time = 0;
   bool partial = false;
-
-  template <class Archive>
-  void archive(Archive& fields) {
-    fields(descriptors, weight, time, partial);
-  }
 };
 
-/// An observation that was attributed to a tentative object, to be told when it is confirmed.
-struct PendingSighting {
+/// Observation attributed to a tentative object, reported once that is confirmed.
+struct PendingObservation {
   int64_t observation = 0;  ///< memory's number
   TimeNs time = 0;
-  bool first = false;      ///< it made the object; otherwise it was found again
+  bool first = false;      ///< it created the object
   double probability = 0;  ///< of the attribution
-
-  template <class Archive>
-  void archive(Archive& fields) {
-    fields(observation, time, first, probability);
-  }
 };
 
-/// What a track may be instead of what it is taken for: alike things that changed places cannot be told
-/// apart.
+/// Another object that a track may be: similar objects that changed places are indistinguishable.
 struct Alternative {
-  int64_t key = 0;  ///< of the proto object that it may be in truth
+  int64_t key = 0;  ///< of that proto object
   double probability = 0;
-
-  template <class Archive>
-  void archive(Archive& fields) {
-    fields(key, probability);
-  }
 };
 
-/// A proto object: what a bag of observations adds up to (§3.2.5).
+/// A proto object: what observations add up to (§3.2.5).
 struct ProtoObject {
   int64_t key = 0;  ///< within the belief; never reused
   int64_t id = 0;   ///< the memory's object number; 0 while tentative
   Status status = Status::tentative;
   TimeNs first_seen = 0;
   TimeNs last_seen = 0;
-  TimeNs last_update = 0;       ///< of the scene that last told anything about it
-  double attention_s = 0;       ///< BeliefState::attention_s then: the clock for which probability_here holds
-  double seen_attention_s = 0;  ///< the same clock when it was seen last
-  int sightings = 0;
-  double exists_log_odds = 0;   ///< of being an object and no false cluster
-  double probability_here = 1;  ///< that it still is where it was seen last
-  int hidden_looks = 0;         ///< scenes in a row in which something stood in front of it
-  bool told_hidden = false;     ///< an event said so and no sighting has followed
+  TimeNs last_update = 0;           ///< of the scene that last carried information about it
+  double exposure_s = 0;            ///< BeliefState::exposure_s then; probability_here is as of that
+  double last_seen_exposure_s = 0;  ///< BeliefState::exposure_s when it was observed last
+  int observation_count = 0;
+  double exists_log_odds = 0;    ///< of being an object and not clutter
+  double probability_here = 1;   ///< of still being where it was observed last
+  int hidden_scenes = 0;         ///< consecutive scenes in which it was occluded
+  bool hidden_reported = false;  ///< by an event, and not observed since
 
-  std::string place;     ///< what it stands on; empty = unknown
+  std::string place;     ///< supporting place; empty = unknown
   AxisBox box;           ///< fused; centre in the place's frame, size along the map's axes
   double variance = 0;   ///< of the centre per axis, m²
-  bool partial = false;  ///< never seen whole since it is there
-  bool sized = true;     ///< somebody measured its size
-  Isometry3d map_from_camera = Isometry3d::Identity();  ///< of the last sighting
+  bool partial = false;  ///< never observed whole at its present spot
+  bool has_size = true;  ///< its size was measured
+  Isometry3d map_from_camera = Isometry3d::Identity();  ///< of the last observation
 
-  std::vector<Look> looks;
-  std::string kind;  ///< what classifiers call it most of all; empty = nobody said
-  Factor handling;   ///< how often it was handled, against what its kind and place let expect
-  std::vector<Alternative> alternatives;  ///< most probable first; the rest is that it is itself
-  int64_t last_observation = 0;           ///< memory's number
-  std::vector<PendingSighting> pending;   ///< while tentative
-  /// Key of an object that is taken for having moved away from here: this is that object if it was another
-  /// one that was seen elsewhere. 0 = none of this kind. Tentative until somebody looks here again.
-  int64_t leftover_of = 0;
-  /// Probability of being a false cluster when it turned up where nothing new was expected; 0 = it did not,
-  /// or the next look has shown.
-  double doubt = 0;
+  std::vector<StoredView> views;
+  std::string class_name;                   ///< most probable one; empty = not classified
+  RateFactor interaction;                   ///< rate of handling relative to its class and place
+  std::vector<Alternative> alternatives;    ///< most probable first; the rest is that it is itself
+  int64_t last_observation = 0;             ///< memory's number
+  std::vector<PendingObservation> pending;  ///< while tentative
+  /// Alternative hypothesis to a move: key of the object that is believed to have moved away from here. This
+  /// is that object if another one was observed elsewhere. Tentative until its spot is observed again. 0 =
+  /// none.
+  int64_t alternative_of = 0;
+  /// Probability of being clutter, of an object that appeared where nothing new was expected. 0 = not so, or
+  /// resolved by a later view.
+  double clutter_probability = 0;
 
   double probability_itself() const;
-
-  template <class Archive>
-  void archive(Archive& fields) {
-    archive_before_4(fields);
-    fields(leftover_of, doubt);
-  }
-  /// The fields that beliefs before the fourth version had.
-  template <class Archive>
-  void archive_before_4(Archive& fields) {
-    fields(key, id, status, first_seen, last_seen, last_update, attention_s, seen_attention_s, sightings,
-           exists_log_odds, probability_here, hidden_looks, told_hidden, place, box.centre, box.size,
-           variance, partial, sized, map_from_camera, looks, kind, handling, alternatives, last_observation,
-           pending);
-  }
 };
 
 /// All that the belief carries from one scene to the next.
 struct BeliefState {
-  std::vector<ProtoObject> objects;  ///< in the order in which they were first seen
+  std::vector<ProtoObject> objects;  ///< in order of first observation
   std::optional<TimeNs> last_scene;
-  double attention_s =
-      0;  ///< seconds during which things could be handled; time that was watched counts less
+  double exposure_s = 0;  ///< seconds in which objects could be handled; watched time counts less
   int64_t next_key = 1;
   int64_t next_id = 1;
-  Habits habits;
-  Calibration calibration;  ///< what likeness tells
-  Factor view_noise;        ///< variance of where things seem to stand from elsewhere, against the options'
+  InteractionModel interaction;
+  Calibration calibration;  ///< of similarity
+  RateFactor view_noise;    ///< variance of positions between view points, relative to the options
 
   const ProtoObject* find(int64_t id) const;
-
-  template <class Archive>
-  void archive(Archive& fields) {
-    fields(objects);
-    archive_rest(fields);
-  }
-  /// All but the objects, which checkpoints keep one by one.
-  template <class Archive>
-  void archive_rest(Archive& fields) {
-    fields(last_scene, attention_s, next_key, next_id, habits, view_noise, calibration);
-  }
-  /// The fields that the versions from the second to the fourth had.
-  template <class Archive>
-  void archive_rest_before_5(Archive& fields, int version) {
-    fields(last_scene, attention_s, next_key, next_id);
-    version < 4 ? habits.archive_before_4(fields) : habits.archive(fields);
-    if (version >= 3) fields(view_noise);
-  }
 };
 
-/// What the belief learned to multiply view_change_variance() by: whether poses are better than the options
-/// say shows in what stays. Never below a tenth: visible parts differ.
+/// Learned factor on view_change_variance(): objects that stay show how accurate poses are.
 double view_noise(const BeliefState& state);
-/// Whose habits tell about an object.
-Handled handled(const ProtoObject& object);
-/// Probability that an object was handled between its last update and a time (BeliefState::attention_s).
-double handled_until(const ProtoObject& object, double attention_s, const BeliefState& state,
-                     const BeliefOptions& options);
-/// Probability that an object still is where it was seen last, as of the last scene.
+/// Key of an object in the interaction model.
+InteractionKey interaction_key(const ProtoObject& object);
+/// Probability that an object was handled between its last update and a time (BeliefState::exposure_s).
+double interaction_probability(const ProtoObject& object, double exposure_s, const BeliefState& state,
+                               const BeliefOptions& options);
+/// Probability that an object still is where it was observed last, as of the last scene.
 double probability_here(const ProtoObject& object, const BeliefState& state, const BeliefOptions& options);
-
-/// All of it as bytes; every number comes back as it was.
-std::string to_bytes(const BeliefState& state);
-/// Also reads beliefs of earlier versions. Error when the bytes are no belief.
-BeliefState belief_state_from_bytes(const std::string& bytes);
+/// The box of an object in the map frame, for the poses that places have now.
+AxisBox box_in_map(const ProtoObject& object, const std::vector<PlacePose>& places);
 
 }  // namespace loci::memory::belief

@@ -5,7 +5,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/hash.h"
 #include "mapping/base/json.h"
-#include "memory/recorder/carried_belief.h"
+#include "memory/recorder/checkpoint.h"
 
 namespace loci::memory {
 namespace {
@@ -85,7 +85,7 @@ std::string home_of(const Store& store) {
 Catalogue catalogue_of(const Store& store) {
   Catalogue catalogue;
   catalogue.home = home_of(store);
-  catalogue.handling = load_belief(store).habits.kinds();
+  catalogue.handling = load_belief(store).interaction.statistics().by_class;
   ViewReader views(store);
   std::map<Id, std::string> place_class;
   for (const PlaceRow& place : store.places()) place_class[place.id] = place.class_name;

@@ -7,8 +7,8 @@
 
 #include "mapping/base/json_fwd.h"
 #include "mapping/base/pose.h"
-#include "memory/belief/habits.h"
-#include "memory/belief/observation.h"
+#include "memory/belief/interaction_model.h"
+#include "memory/belief/scene.h"
 #include "memory/catalogue/object_description.h"
 #include "memory/store/store.h"
 
@@ -31,7 +31,7 @@ struct CatalogueEntry {
 struct Catalogue {
   std::string home;  ///< identified by its first recording or scene
   std::vector<CatalogueEntry> entries;
-  std::map<std::string, belief::Factor> handling;  ///< by class, as the belief learned it
+  std::map<std::string, belief::RateFactor> handling;  ///< by class, as the belief learned it
   std::map<std::string, std::map<std::string, double>>
       kept_on;  ///< by class: share of its observations by class of place
 };

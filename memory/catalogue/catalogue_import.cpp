@@ -7,10 +7,10 @@
 #include <set>
 
 #include "mapping/base/json.h"
-#include "memory/belief/appearance.h"
+#include "memory/belief/evidence/similarity.h"
 #include "memory/catalogue/catalogue.h"
 #include "memory/identity/solution.h"
-#include "memory/recorder/carried_belief.h"
+#include "memory/recorder/checkpoint.h"
 
 namespace loci::memory {
 namespace {
@@ -38,10 +38,10 @@ double appearance_log_ratio(const ObjectViews& here, const ObjectViews& there,
     double likelihood = 0;
     size_t compared = 0;
     for (const auto& known : there) {
-      const belief::Contrast contrast =
-          belief::contrast(belief::Appearance(known), belief::Appearance(seen), false, kWeight, corrections);
-      if (contrast.count == 0) continue;
-      likelihood += std::exp(contrast.log_ratio);
+      const belief::ViewSimilarity similarity =
+          belief::compare(belief::Appearance(known), belief::Appearance(seen), false, kWeight, corrections);
+      if (similarity.count == 0) continue;
+      likelihood += std::exp(similarity.log_ratio);
       ++compared;
     }
     if (compared == 0) continue;
@@ -199,12 +199,12 @@ void add_habits(Store& store, const Catalogue& catalogue) {
   belief::BeliefState state = load_belief(store);
   for (const auto& [kind, factor] : catalogue.handling) {
     const double share = std::min(1.0, kMaxExpected / std::max(1e-9, factor.expected));
-    state.habits.take_kind(kind, {share * factor.found, share * factor.expected});
+    state.interaction.import_class(kind, {share * factor.found, share * factor.expected});
   }
   const Id run = store.begin_run("loci-memory catalogue", "{}");
   SceneTransaction transaction(store, run);
   transaction.set_checkpoint(kHabitsCheckpoint + catalogue.home, "1", std::nullopt);
-  CarriedBelief().save(transaction, last->id, state);
+  BeliefCheckpoint().save(transaction, last->id, state);
   transaction.commit();
   store.finish_run(run);
 }

@@ -101,7 +101,7 @@ ObservationRecord observation_of(const Detection& detection, double sigma_m,
   ObservationRecord observation;
   belief::Observation& evidence = observation.evidence;
   evidence.box = {detection.position, detection.size.value_or(Vector3d::Constant(kAssumedSize_m))};
-  evidence.sized = detection.size.has_value();
+  evidence.has_size = detection.size.has_value();
   evidence.sigma_m = detection.position_sigma.value_or(sigma_m);
   if (map_from_camera) evidence.range = (map_from_camera->inverse() * detection.position).z();
   evidence.place = detection.place.empty() ? support_under(detection, places) : detection.place;

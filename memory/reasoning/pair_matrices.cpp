@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "mapping/base/json.h"
-#include "memory/belief/similarity.h"
+#include "memory/belief/evidence/similarity.h"
 #include "memory/recorder/scene_reasoning.h"
 
 namespace loci::memory {
@@ -33,7 +33,7 @@ void read_outcomes(const belief::Decisions& decisions, const belief::SceneMatric
     PairMatrices::Row& row = matrices.rows[k];
     row.appear = decision.appear;
     row.clutter = decision.clutter;
-    row.outcome = to_text(decision.chosen());
+    row.outcome = to_text(decision.explanation);
     for (size_t o = 0; o < kept.keys.size(); ++o) {
       for (const belief::Candidate& candidate : decision.candidates)
         if (candidate.key == kept.keys[o])
@@ -46,8 +46,8 @@ void read_outcomes(const belief::Decisions& decisions, const belief::SceneMatric
   for (size_t o = 0; o < kept.keys.size(); ++o) {
     PairMatrices::Column& column = matrices.columns[o];
     column.unseen = std::clamp(1 - matrices.is.col(static_cast<Eigen::Index>(o)).sum(), 0.0, 1.0);
-    for (const belief::ObjectDecision& unseen : decisions.unseen)
-      if (unseen.key == kept.keys[o]) column.outcome = to_text(unseen.chosen());
+    for (const belief::ObjectDecision& unseen : decisions.unobserved)
+      if (unseen.key == kept.keys[o]) column.outcome = to_text(unseen.explanation);
   }
 }
 
@@ -98,10 +98,10 @@ std::optional<PairMatrices> pair_matrices(const Store& store, Id scene) {
     kind.similarity = kind.distance;
     if (const belief::Comparison* comparison = belief::find_comparison(kind.name))
       for (double& value : kind.similarity.reshaped())
-        value = belief::gaussian_closeness(value, comparison->sigma);
+        value = belief::gaussian_similarity(value, comparison->sigma);
     matrices.kinds.push_back(std::move(kind));
   }
-  matrices.similar = table_of(kept, kept.closeness, [](uint8_t v) { return value_of(v, 1.0 / 254); });
+  matrices.similar = table_of(kept, kept.similarity, [](uint8_t v) { return value_of(v, 1.0 / 254); });
   matrices.distance = table_of(kept, kept.offsets, [](uint16_t v) {
     return v == belief::SceneMatrices::kNone16 ? kNothing : v * 0.001;
   });

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "mapping/base/json.h"
-#include "memory/belief/kept_votes.h"
+#include "memory/belief/association/decisions.h"
 #include "memory/reasoning/pair_matrices.h"
 #include "memory/recorder/scene_reasoning.h"
 
@@ -69,12 +69,12 @@ Json candidate_json(const belief::Decisions& decisions, size_t k, const belief::
            {{"stay", number_or_null(candidate.stay_prior)},
             {"move", number_or_null(candidate.move_prior)},
             {"newview", number_or_null(candidate.newview_prior)}}},
-          {"against", chosen ? Json() : Json(belief::objection(decisions, k, candidate))}};
+          {"against", chosen ? Json() : Json(belief::rejection_reason(decisions, k, candidate))}};
 }
 
 Why explain(const belief::Decisions& decisions, size_t k) {
   const belief::ObservationDecision& d = decisions.observations[k];
-  const std::string chosen = to_text(d.chosen());
+  const std::string chosen = to_text(d.explanation);
   Why why;
   why.text = fmt::format("observation {} is {}: {}, {}\n", k, name_of(d.object, d.key), chosen,
                          percent(d.probability));
@@ -84,12 +84,13 @@ Why explain(const belief::Decisions& decisions, size_t k) {
     why.text += fmt::format("  {} {}, {}\n    {}\n",
                             taken ? "taken:  " : "instead:", name_of(candidate.object, candidate.key),
                             percent(candidate.probability()), evidence_text(decisions, candidate));
-    if (!taken) why.text += fmt::format("    not taken: {}\n", belief::objection(decisions, k, candidate));
+    if (!taken)
+      why.text += fmt::format("    not taken: {}\n", belief::rejection_reason(decisions, k, candidate));
     candidates.push_back(candidate_json(decisions, k, candidate));
   }
   why.text +=
       fmt::format("  {} something new, {} (beforehand {:+.1f}); a false cluster, {} (beforehand {:+.1f})\n",
-                  d.chosen() == Explanation::appear ? "taken:  " : "instead:", percent(d.appear),
+                  d.explanation == Explanation::appear ? "taken:  " : "instead:", percent(d.appear),
                   d.appear_prior, percent(d.clutter), d.clutter_prior);
   why.json = {
       {"observation", k},
@@ -109,11 +110,11 @@ Why explain(const belief::ObjectDecision& d) {
       "{} was not seen: {} (gone {}, missed {}, out of sight {}). Of its place {} out of view, {} hidden, {} "
       "not "
       "measured, {} taken, {} seen through, {} searched in vain; still there: {}\n",
-      name_of(d.object, d.key), to_text(d.chosen()), percent(d.disappear), percent(d.missed),
+      name_of(d.object, d.key), to_text(d.explanation), percent(d.disappear), percent(d.missed),
       percent(d.out_of_sight), percent(d.out_of_view), percent(d.hidden), percent(d.unmeasured),
       percent(d.occupied), percent(d.seen_through), percent(d.searched), percent(d.here));
   why.json = {{"object", object_name(d.object)},
-              {"explanation", to_text(d.chosen())},
+              {"explanation", to_text(d.explanation)},
               {"disappear", number_or_null(d.disappear)},
               {"missed", number_or_null(d.missed)},
               {"hidden", number_or_null(d.out_of_sight)},
@@ -175,7 +176,7 @@ std::optional<std::pair<SceneRow, belief::ObjectDecision>> last_visibility(const
     if (scene.time <= after) break;
     const std::optional<SceneReasoning> reasoning = load_reasoning(store, scene.id);
     if (!reasoning) continue;
-    for (const belief::ObjectDecision& d : reasoning->decisions.unseen)
+    for (const belief::ObjectDecision& d : reasoning->decisions.unobserved)
       if (d.object == object) return std::pair{scene, d};
   }
   return std::nullopt;
@@ -225,7 +226,7 @@ Why why_scene(const Store& store, Id id) {
     why.text += one.text;
     why.json["observations"].push_back(one.json);
   }
-  for (const belief::ObjectDecision& d : reasoning->decisions.unseen) {
+  for (const belief::ObjectDecision& d : reasoning->decisions.unobserved) {
     const Why one = explain(d);
     why.text += one.text;
     why.json["unseen"].push_back(one.json);

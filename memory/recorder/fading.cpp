@@ -14,10 +14,10 @@ constexpr double kFirstLoss = 0.05;
 
 Fading fading_of(const belief::ProtoObject& object, const belief::BeliefState& state,
                  const belief::BeliefOptions& options) {
-  const belief::Handled habit = belief::handled(object);
-  const double age = state.attention_s - object.seen_attention_s;
+  const belief::InteractionKey key = belief::interaction_key(object);
+  const double age = state.exposure_s - object.last_seen_exposure_s;
   const auto left = [&](double seconds) {
-    return 1 - state.habits.handled(habit, age, age + seconds, options);
+    return 1 - state.interaction.probability(key, age, age + seconds, options);
   };
   double early = 0, late = 6 * options.move_time_s;
   Fading fading{options.move_time_s, left(late)};

@@ -32,12 +32,12 @@ bool joint_moved(double from, double to) {
 }
 
 ObjectStatus unseen_status(const belief::Visibility& v) {
-  if (v.looked() >= v.out_of_view && v.looked() >= v.hidden + v.unmeasured) return ObjectStatus::missed;
+  if (v.observed() >= v.out_of_view && v.observed() >= v.hidden + v.unmeasured) return ObjectStatus::missed;
   return v.out_of_view >= v.hidden + v.unmeasured ? ObjectStatus::out_of_view : ObjectStatus::hidden;
 }
 
 double unseen_probability(const belief::Visibility& v, ObjectStatus status) {
-  const double share = status == ObjectStatus::missed        ? v.looked()
+  const double share = status == ObjectStatus::missed        ? v.observed()
                        : status == ObjectStatus::out_of_view ? v.out_of_view
                                                              : v.hidden + v.unmeasured;
   return std::clamp(share, 0.0, 1.0);

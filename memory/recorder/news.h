@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "memory/belief/visibility.h"
+#include "memory/belief/evidence/visibility.h"
 #include "memory/store/rows.h"
 
 namespace loci::memory {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-#include "memory/recorder/carried_belief.h"
+#include "memory/recorder/checkpoint.h"
 #include "memory/recorder/depth_sample.h"
 #include "memory/recorder/fading.h"
 #include "memory/recorder/news.h"
@@ -44,12 +44,13 @@ class Recorder::Writing {
     add_joint_events();
     add_beliefs();
     add_visibility();
-    const belief::Decisions decisions = belief::decisions_of(result_.update);
-    save_reasoning(transaction_, result_.scene, evidence_, decisions,
-                   belief::matrices_of(result_.update, decisions));
-    recorder_.carried_.save(transaction_, result_.scene, state_);
+    belief::Decisions decisions = belief::decisions_of(result_.update);
+    belief::SceneMatrices matrices = belief::matrices_of(result_.update, decisions);
+    save_reasoning(transaction_, result_.scene,
+                   {std::move(evidence_), std::move(decisions), std::move(matrices)});
+    recorder_.checkpoint_.save(transaction_, result_.scene, state_);
     transaction_.commit();
-    recorder_.carried_.committed();
+    recorder_.checkpoint_.committed();
     keep_told();
     recorder_.state_ = std::move(state_);
     recorder_.last_joints_ = record_.row.joints;
@@ -151,7 +152,7 @@ class Recorder::Writing {
       const Id id = transaction_.add_object(row);
       recorder_.max_object_ = std::max(recorder_.max_object_, id);
       if (id != confirmed.object) another_writer("object", id, confirmed.object);
-      for (const belief::PendingSighting& sighting : confirmed.earlier) {
+      for (const belief::PendingObservation& sighting : confirmed.earlier) {
         AssociationRow association;
         association.scene = recorder_.store_.observation(sighting.observation).scene;
         association.observation = sighting.observation;
@@ -184,7 +185,7 @@ class Recorder::Writing {
     for (size_t k = 0; k < result_.observations.size(); ++k) {
       const belief::ObservationOutcome& outcome = result_.update.observations[k];
       const Id observation = result_.observations[k];
-      for (const belief::Share& share : outcome.shares) {
+      for (const belief::PartnerProbability& share : outcome.partners) {
         if (share.object == 0) continue;  // tentative: told when it is confirmed
         const bool chosen = outcome.key == share.key;
         for (const auto& [explanation, probability] :
@@ -345,7 +346,7 @@ class Recorder::Writing {
   /// What is believed from the first sighting on, where the object was confirmed only later.
   void add_first_belief(const belief::Confirmed& confirmed) {
     if (confirmed.earlier.empty()) return;
-    const belief::PendingSighting& first = confirmed.earlier.front();
+    const belief::PendingObservation& first = confirmed.earlier.front();
     const ObservationRow observation = recorder_.store_.observation(first.observation);
     BeliefRow row;
     row.object = confirmed.object;
@@ -421,7 +422,7 @@ Recorder::Recorder(Store& store, Id run, const belief::BeliefOptions& options)
 
 void Recorder::take_up() {
   state_ = load_belief(store_);
-  carried_.start_anew();
+  checkpoint_.reset();
   told_.clear();
   for (const belief::ProtoObject& object : state_.objects)
     if (object.id != 0)

@@ -3,7 +3,7 @@
 #include <map>
 
 #include "memory/belief/belief.h"
-#include "memory/recorder/carried_belief.h"
+#include "memory/recorder/checkpoint.h"
 #include "memory/recorder/scene_record.h"
 #include "memory/store/scene_transaction.h"
 
@@ -55,7 +55,7 @@ class Recorder {
   Id next_observation_ = 1;
   std::map<Id, BeliefRow> told_;  ///< what the memory says about each object of the belief
   Id max_object_ = 0;             ///< of the memory
-  CarriedBelief carried_;
+  BeliefCheckpoint checkpoint_;
   std::map<std::string, double> last_joints_;  ///< of the scene before
   std::map<std::string, Id> places_;           ///< that the memory knows
 };

@@ -1,22 +1,15 @@
 #pragma once
 
-#include "memory/belief/scene_matrices.h"
+#include "memory/belief/association/decisions.h"
 #include "memory/store/scene_transaction.h"
 
 namespace loci::memory {
 
-/// What the belief was told about a scene, without images, and what it made of it: enough to explain it
-/// later and to reason anew.
-struct SceneReasoning {
-  belief::Scene evidence;  ///< view without camera and images, which the scene's row has
-  belief::Decisions decisions;
-  belief::SceneMatrices matrices;  ///< empty where an earlier version wrote it
-};
+using belief::SceneReasoning;
 
-/// Kept with the scene, compact.
-void save_reasoning(SceneTransaction& transaction, Id scene, const belief::Scene& evidence,
-                    const belief::Decisions& decisions, const belief::SceneMatrices& matrices);
-/// Unset for scenes of which none was kept (other writers, earlier versions).
+/// Stores the reasoning with its scene.
+void save_reasoning(SceneTransaction& transaction, Id scene, const SceneReasoning& reasoning);
+/// Unset for scenes without (other writers, or deleted by a rule of retention).
 std::optional<SceneReasoning> load_reasoning(const Store& store, Id scene);
 
 }  // namespace loci::memory

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "memory/belief/observation.h"
+#include "memory/belief/scene.h"
 #include "memory/store/rows.h"
 #include "perception/cas/cas.h"
 

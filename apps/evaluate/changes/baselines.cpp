@@ -2,12 +2,12 @@
 
 #include "apps/evaluate/changes/story.h"
 #include "apps/evaluate/pairing.h"
-#include "memory/belief/similarity.h"
+#include "memory/belief/evidence/similarity.h"
 
 namespace loci::apps::changes {
 namespace {
 
-constexpr double kReach = 0.25;          ///< metres; beyond that nearest does not look, and closeness fades
+constexpr double kReach = 0.25;          ///< metres; beyond that nothing is a neighbour
 constexpr double kMinCombined = 0.2;     ///< RoboSherlock's
 constexpr double kMoved = 0.05;          ///< metres between two looks; visible parts differ by less
 constexpr double kMinSimilar = 0.5;      ///< below, it looks different
@@ -20,9 +20,9 @@ struct Entry {
 };
 
 double similar(const Entry& old, const Sight& seen) {
-  const memory::belief::Likeness likeness =
-      memory::belief::compare(old.last.descriptors, seen.evidence.descriptors, false, 1);
-  return likeness.closeness.value_or(0.5);
+  return memory::belief::compare(old.last.descriptors, seen.evidence.descriptors, false, 1)
+      .similarity()
+      .value_or(0.5);
 }
 
 double distance(const Entry& old, const Sight& seen) {
@@ -40,7 +40,7 @@ bool in_image(const Vector3d& point, const Moment& moment) {
 
 Pairs greedy_pairs(const std::vector<Entry>& old, const std::vector<Sight>& seen) {
   return mutual_best(old.size(), seen.size(), kMinCombined, [&](size_t o, size_t k) {
-    const double proximity = memory::belief::gaussian_closeness(distance(old[o], seen[k]), kReach);
+    const double proximity = memory::belief::gaussian_similarity(distance(old[o], seen[k]), kReach);
     return 0.5 * similar(old[o], seen[k]) + 0.5 * proximity;
   });
 }

@@ -7,7 +7,7 @@
 #include "apps/evaluate/changes/truth.h"
 #include "mapping/base/json_fwd.h"
 #include "mapping/recording/recording.h"
-#include "memory/belief/kept_votes.h"
+#include "memory/belief/association/decisions.h"
 
 namespace loci::apps::changes {
 

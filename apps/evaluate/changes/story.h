@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "memory/belief/observation.h"
+#include "memory/belief/scene.h"
 #include "memory/store/store.h"
 
 namespace loci::apps::changes {

@@ -52,13 +52,13 @@ class Run {
   void step(const SimulatedScene& scene, int number) {
     if (condition_ == Condition::fresh) {
       believed_.clear();
-      for (const Sighting& sighting : scene.before)
-        believed_.push_back({Entry::first(sighting.seen, number - 1), sighting.origin});
+      for (const SimulatedObservation& observation : scene.before)
+        believed_.push_back({Entry::first(observation.seen, number - 1), observation.origin});
     }
     std::vector<Entry> old;
     for (const Believed& believed : believed_) old.push_back(believed.entry);
     std::vector<Measurement> seen;
-    for (const Sighting& sighting : scene.seen) seen.push_back(sighting.seen);
+    for (const SimulatedObservation& observation : scene.seen) seen.push_back(observation.seen);
     const Judgement judgement = model_.judge(scene.view, number, old, seen, condition_ == Condition::fresh);
     const SceneTruth truth = truth_of(scene, believed_);
     for (size_t o = 0; o < old.size(); ++o) believed_[o].entry.where = std::move(old[o].where);
@@ -67,7 +67,7 @@ class Run {
     if (condition_ == Condition::truth) go_on_with_truth(scene, number, truth);
   }
 
-  /// The belief for the next scene: what is kept, and everything that was seen.
+  /// The belief for the next scene: kept objects and all measurements.
   void go_on(const SimulatedScene& scene, int number, const std::vector<Link>& links,
              const std::vector<bool>& kept) {
     std::vector<bool> linked(believed_.size(), false);
@@ -97,9 +97,10 @@ class Run {
                          truth.seen[k] == memory::Explanation::newview ? 0.0 : 1.0});
     std::vector<bool> kept;
     for (size_t o = 0; o < believed_.size(); ++o) {
-      const bool seen = std::any_of(scene.seen.begin(), scene.seen.end(), [&](const Sighting& sighting) {
-        return sighting.origin.object == believed_[o].origin.object;
-      });
+      const bool seen =
+          std::any_of(scene.seen.begin(), scene.seen.end(), [&](const SimulatedObservation& observation) {
+            return observation.origin.object == believed_[o].origin.object;
+          });
       kept.push_back(!seen && truth.old[o] == memory::Explanation::hidden);
     }
     go_on(scene, number, links, kept);
@@ -121,7 +122,7 @@ const char* condition_name(Condition condition) {
 void ExperimentOptions::declare(OptionTable& table) {
   table.integer("seed", seed, "", "Seed of the random numbers.", 0, 1000000000);
   table.integer("runs", runs, "", "Runs of all sequences (800 scenes each) per noise level.", 1, 10000);
-  table.text("noise", noise, "Whether the measurements' noise is told or has to be estimated.",
+  table.text("noise", noise, "Whether the measurements' noise is given or has to be estimated.",
              {"known", "estimated"});
   table.text("levels", levels, "Standard deviations of the measurements.");
   table.text("conditions", conditions, "Beliefs to compare with: A own, B true, C true and fresh.");

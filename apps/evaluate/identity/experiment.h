@@ -1,18 +1,105 @@
 #pragma once
 
+#include <array>
 #include <map>
 #include <string>
 #include <vector>
 
-#include "apps/evaluate/identity/score.h"
+#include "apps/evaluate/identity/models.h"
 #include "mapping/base/progress.h"
 
 namespace loci::apps::identity_experiment {
 
-/// What the next scene is compared with.
+/// Accuracy count.
+struct Tally {
+  int64_t right = 0, total = 0;
+
+  void add(bool is_right) {
+    right += is_right ? 1 : 0;
+    ++total;
+  }
+  void operator+=(const Tally& other) {
+    right += other.right;
+    total += other.total;
+  }
+  double fraction() const { return total == 0 ? 1.0 : double(right) / double(total); }
+};
+
+struct Success {
+  Tally association, explanation;
+  void operator+=(const Success& other) {
+    association += other.association;
+    explanation += other.explanation;
+  }
+};
+
+/// Stated probabilities of the answers against how often they were right, in ten bins.
+struct Calibration {
+  struct Bin {
+    double stated = 0;
+    Tally answers;
+    double mean_stated() const { return answers.total == 0 ? 0 : stated / double(answers.total); }
+    /// Two binomial standard errors and one point.
+    double allowed() const;
+    bool holds() const { return std::abs(mean_stated() - answers.fraction()) <= allowed(); }
+  };
+  std::array<Bin, 10> bins{};
+  void add(double probability, bool right);
+  void operator+=(const Calibration& other);
+};
+
+/// Mean and deviation of errors of the evidence.
+struct ErrorSum {
+  double sum = 0, squares = 0;
+  int64_t count = 0;
+  void add(double error) {
+    sum += error;
+    squares += error * error;
+    ++count;
+  }
+  void operator+=(const ErrorSum& other) {
+    sum += other.sum;
+    squares += other.squares;
+    count += other.count;
+  }
+  double mean() const { return count == 0 ? 0 : sum / double(count); }
+  double deviation() const;
+};
+
+/// Results of one model in one condition at one noise level.
+struct Score {
+  Success all, of_new, of_old, whole_scenes;
+  std::map<int, Success> by_objects, by_actions;
+  /// Rows truth, columns answer: newview, move, hidden, disappear, stay; stay, move, newview, appear.
+  std::array<std::array<int64_t, 5>, 5> old_confusion{};
+  std::array<std::array<int64_t, 4>, 4> new_confusion{};
+  Calibration association, explanation;
+  ErrorSum same_position, same_color, other_position, other_color;  ///< of the evidence (table 6.2)
+
+  void operator+=(const Score& other);
+};
+
+/// Ground truth of one scene, relative to a belief.
+struct SceneTruth {
+  std::vector<std::optional<size_t>> partner_of_seen, partner_of_old;
+  std::vector<memory::Explanation> seen, old;
+};
+
+/// A believed object with the ground truth of its last measurement.
+struct Believed {
+  Entry entry;
+  Origin origin;
+};
+
+SceneTruth truth_of(const SimulatedScene& scene, const std::vector<Believed>& believed);
+
+void count_scene(const SimulatedScene& scene, int actions, const std::vector<Believed>& believed,
+                 const SceneTruth& truth, const Judgement& judgement, Score& score);
+
+/// Belief that the next scene is compared with.
 enum class Condition {
-  own,    ///< A: what the model itself believes
-  truth,  ///< B: the last real sighting of each object, linked by the truth
+  own,    ///< A: the belief of the model itself
+  truth,  ///< B: the last real observation of each object, linked by the truth
   fresh   ///< C: everything measured just before the actions
 };
 const char* condition_name(Condition condition);
@@ -55,5 +142,16 @@ ExperimentResult run_experiment(const WorldOptions& world, const ExperimentOptio
 
 /// Judges one sequence after another with one model.
 Score run_model(Model& model, Condition condition, const std::vector<Sequence>& sequences);
+
+/// How long one problem takes to solve exactly on one core.
+struct SpeedRow {
+  std::string problem;
+  double milliseconds = 0;  ///< processor time, best of the repetitions
+  double aim_milliseconds = 0;
+  double gate_bound = 0;  ///< largest error of a probability
+};
+
+/// Weights, marginals and the most probable matching, as every scene needs them.
+std::vector<SpeedRow> measure_speed(int seed);
 
 }  // namespace loci::apps::identity_experiment

@@ -1,4 +1,4 @@
-#include "apps/evaluate/identity/figures.h"
+#include "apps/evaluate/identity/report.h"
 
 #include <fmt/format.h>
 

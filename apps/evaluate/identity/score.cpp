@@ -1,4 +1,4 @@
-#include "apps/evaluate/identity/score.h"
+#include "apps/evaluate/identity/experiment.h"
 
 #include <algorithm>
 #include <cmath>
@@ -36,19 +36,19 @@ size_t new_column(memory::Explanation explanation) {
 
 void count_evidence(const SimulatedScene& scene, const std::vector<Believed>& believed, Score& score) {
   for (const Believed& old : believed)
-    for (const Sighting& sighting : scene.seen) {
-      const Closeness close = compare(old.entry.last, sighting.seen, kEffectiveScale);
-      if (old.origin.object == sighting.origin.object) {
+    for (const SimulatedObservation& observation : scene.seen) {
+      const PairSimilarity close = compare(old.entry.last, observation.seen, kEffectiveScale);
+      if (old.origin.object == observation.origin.object) {
         score.same_position.add(1 - close.proximity);
         score.same_color.add(1 - close.similar);
-      } else if (old.entry.last.table == sighting.seen.table) {
+      } else if (old.entry.last.table == observation.seen.table) {
         score.other_position.add(close.proximity);
         score.other_color.add(close.similar);
       }
     }
 }
 
-/// Counts the answers about one side of the scene; false answers are told.
+/// Counts the answers about one side of the scene; reports wrong answers.
 struct SideResult {
   bool association = true, explanation = true;
 };
@@ -132,7 +132,7 @@ SceneTruth truth_of(const SimulatedScene& scene, const std::vector<Believed>& be
         newest = o;
     if (!newest) continue;
     const Origin& before = believed[*newest].origin;
-    const bool moved = before.placings != now.placings, changed = before.looks != now.looks;
+    const bool moved = before.placements != now.placements, changed = before.appearances != now.appearances;
     if (moved && changed) continue;  // nothing in the evidence can link them
     truth.partner_of_seen[k] = newest;
     truth.partner_of_old[*newest] = k;

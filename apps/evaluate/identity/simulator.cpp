@@ -5,7 +5,7 @@
 namespace loci::apps::identity_experiment {
 namespace {
 
-struct Thing {
+struct SimulatedObject {
   bool present = false;
   bool handled = false;  ///< in this step
   Eigen::Vector3d color = Eigen::Vector3d::Zero();
@@ -16,10 +16,10 @@ class World {
  public:
   World(const WorldOptions& options, int limit, double sigma, Random random)
       : options_(options), limit_(limit), sigma_(sigma), random_(random) {
-    things_.resize(static_cast<size_t>(options.objects));
-    for (size_t i = 0; i < things_.size(); ++i) {
-      things_[i].origin.object = static_cast<int>(i);
-      things_[i].color = any_color();
+    objects_.resize(static_cast<size_t>(options.objects));
+    for (size_t i = 0; i < objects_.size(); ++i) {
+      objects_[i].origin.object = static_cast<int>(i);
+      objects_[i].color = any_color();
     }
     const int start = std::min(options.objects, start_objects(options, limit));
     for (int i = 0; i < start; ++i) act(Action::appear);
@@ -27,9 +27,9 @@ class World {
 
   SimulatedScene step(int actions) {
     SimulatedScene scene;
-    for (const Thing& thing : things_)
-      if (thing.present) scene.before.push_back(measure(thing));
-    for (Thing& thing : things_) thing.handled = false;
+    for (const SimulatedObject& object : objects_)
+      if (object.present) scene.before.push_back(measure(object));
+    for (SimulatedObject& object : objects_) object.handled = false;
     for (int i = 0; i < actions; ++i) {
       const std::optional<Action> action = draw_action();
       if (!action) break;
@@ -39,11 +39,11 @@ class World {
     scene.view.table = static_cast<int>(random_.index(static_cast<uint64_t>(options_.tables)));
     scene.view.centre = random_.uniform();
     scene.view.half = options_.view_m / 2;
-    for (const Thing& thing : things_) {
-      if (!thing.present) continue;
+    for (const SimulatedObject& object : objects_) {
+      if (!object.present) continue;
       ++scene.present;
-      if (scene.view.contains(thing.origin.table, thing.origin.position.x()))
-        scene.seen.push_back(measure(thing));
+      if (scene.view.contains(object.origin.table, object.origin.position.x()))
+        scene.seen.push_back(measure(object));
     }
     for (size_t i = scene.seen.size(); i > 1; --i) std::swap(scene.seen[i - 1], scene.seen[random_.index(i)]);
     return scene;
@@ -59,9 +59,9 @@ class World {
   std::vector<size_t> candidates(Action action) const {
     std::vector<size_t> found;
     int present = 0;
-    for (size_t i = 0; i < things_.size(); ++i) {
-      present += things_[i].present ? 1 : 0;
-      if (!things_[i].handled && things_[i].present != (action == Action::appear)) found.push_back(i);
+    for (size_t i = 0; i < objects_.size(); ++i) {
+      present += objects_[i].present ? 1 : 0;
+      if (!objects_[i].handled && objects_[i].present != (action == Action::appear)) found.push_back(i);
     }
     if (action == Action::appear && present >= limit_) found.clear();
     return found;
@@ -89,35 +89,36 @@ class World {
 
   void act(Action action) {
     const std::vector<size_t> possible = candidates(action);
-    Thing& thing = things_[possible[random_.index(possible.size())]];
-    thing.handled = true;
-    if (action == Action::disappear) thing.present = false;
+    SimulatedObject& object = objects_[possible[random_.index(possible.size())]];
+    object.handled = true;
+    if (action == Action::disappear) object.present = false;
     if (action == Action::newview) {
-      thing.color = any_color();
-      ++thing.origin.looks;
+      object.color = any_color();
+      ++object.origin.appearances;
     }
     if (action != Action::appear && action != Action::move) return;
-    thing.present = true;
-    thing.origin.table = static_cast<int>(random_.index(static_cast<uint64_t>(options_.tables)));
-    thing.origin.position.x() = random_.uniform();
-    thing.origin.position.y() = random_.uniform();
-    ++thing.origin.placings;
+    object.present = true;
+    object.origin.table = static_cast<int>(random_.index(static_cast<uint64_t>(options_.tables)));
+    object.origin.position.x() = random_.uniform();
+    object.origin.position.y() = random_.uniform();
+    ++object.origin.placements;
   }
 
-  Sighting measure(const Thing& thing) {
-    Sighting sighting;
-    sighting.origin = thing.origin;
-    sighting.seen.table = thing.origin.table;
-    for (int i = 0; i < 2; ++i) sighting.seen.position[i] = thing.origin.position[i] + random_.normal(sigma_);
-    for (int i = 0; i < 3; ++i) sighting.seen.color[i] = thing.color[i] + random_.normal(sigma_);
-    return sighting;
+  SimulatedObservation measure(const SimulatedObject& object) {
+    SimulatedObservation observation;
+    observation.origin = object.origin;
+    observation.seen.table = object.origin.table;
+    for (int i = 0; i < 2; ++i)
+      observation.seen.position[i] = object.origin.position[i] + random_.normal(sigma_);
+    for (int i = 0; i < 3; ++i) observation.seen.color[i] = object.color[i] + random_.normal(sigma_);
+    return observation;
   }
 
   const WorldOptions& options_;
   int limit_;
   double sigma_;
   Random random_;
-  std::vector<Thing> things_;
+  std::vector<SimulatedObject> objects_;
 };
 
 }  // namespace

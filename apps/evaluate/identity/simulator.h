@@ -27,28 +27,28 @@ struct WorldOptions {
   void declare(OptionTable& table);
 };
 
-/// One measurement, as a robot gets it.
+/// Measurement of one object.
 struct Measurement {
   int table = 0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< metres from the table's corner
   Eigen::Vector3d color = Eigen::Vector3d::Zero();     ///< each channel 0 to 1 but for the noise
 };
 
-/// What the simulator knows about a measurement; no model sees it.
+/// Ground truth of a measurement; no model sees it.
 struct Origin {
   int object = 0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< true
   int table = 0;
-  int placings = 0;  ///< how often the object had been put somewhere
-  int looks = 0;     ///< how often its colour had changed
+  int placements = 0;   ///< how often the object had been put somewhere
+  int appearances = 0;  ///< how often its colour had changed
 };
 
-struct Sighting {
+struct SimulatedObservation {
   Measurement seen;
   Origin origin;
 };
 
-/// What the sensor looks at: a strip across a table.
+/// Field of view: a strip across a table.
 struct View {
   int table = 0;
   double centre = 0.5;  ///< along the table, metres
@@ -62,10 +62,10 @@ constexpr size_t kActions = 4;
 
 struct SimulatedScene {
   View view;
-  std::vector<Sighting> seen;
-  std::vector<Sighting> before;         ///< everything present, measured anew before the actions
-  std::array<int, kActions> actions{};  ///< how many of each
-  int present = 0;                      ///< objects after the actions
+  std::vector<SimulatedObservation> seen;
+  std::vector<SimulatedObservation> before;  ///< all present objects, measured before the actions
+  std::array<int, kActions> actions{};       ///< how many of each
+  int present = 0;                           ///< objects after the actions
 };
 
 /// One run of the dissertation: an empty belief and then a number of steps.

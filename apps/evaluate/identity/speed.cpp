@@ -1,13 +1,8 @@
-#include "apps/evaluate/identity/speed.h"
-
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <ctime>
 
-#include "mapping/base/json.h"
+#include "apps/evaluate/identity/experiment.h"
 #include "mapping/base/random.h"
-#include "memory/identity/solution.h"
 
 namespace loci::apps::identity_experiment {
 namespace {
@@ -28,8 +23,8 @@ memory::LogOddsProblem problem_of(Eigen::Index size, Eigen::Index block, Random 
   return problem;
 }
 
-/// Time of this thread on a processor: other programs do not count.
-double processor_ms() {
+/// CPU time of this thread.
+double cpu_ms() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return 1e3 * double(now.tv_sec) + 1e-6 * double(now.tv_nsec);
@@ -40,11 +35,11 @@ SpeedRow measure(const std::string& name, Eigen::Index size, Eigen::Index block,
   memory::IdentityOptions options;
   options.best = 1;
   SpeedRow row{name, 1e300, aim, 0};
-  const double start = processor_ms();
+  const double start = cpu_ms();
   for (int repeat = 0; repeat < 200; ++repeat) {
-    const double before = processor_ms();
+    const double before = cpu_ms();
     row.gate_bound = solve(problem, options).gate_bound;
-    const double after = processor_ms();
+    const double after = cpu_ms();
     row.milliseconds = std::min(row.milliseconds, after - before);
     if (repeat >= 5 && after - start > 1000) break;
   }
@@ -57,25 +52,6 @@ std::vector<SpeedRow> measure_speed(int seed) {
   return {measure("10 x 10 dense", 10, 10, 0.1, seed), measure("16 x 16 dense", 16, 16, 15, seed),
           measure("50 x 50 gated, groups of 5", 50, 5, 0.5, seed),
           measure("50 x 50 gated, groups of 10", 50, 10, 0, seed)};
-}
-
-std::string text_of(const std::vector<SpeedRow>& rows) {
-  std::string out = "Exact marginals and the best matching, one core, processor time, best of many\n";
-  for (const SpeedRow& row : rows)
-    out += fmt::format("  {:<30} {:>9.3f} ms  {:<14} error at most {:.1e}\n", row.problem, row.milliseconds,
-                       row.aim_milliseconds > 0 ? fmt::format("aim {} ms", row.aim_milliseconds) : "",
-                       row.gate_bound);
-  return out;
-}
-
-Json json_of(const std::vector<SpeedRow>& rows) {
-  Json json = Json::array();
-  for (const SpeedRow& row : rows)
-    json.push_back({{"problem", row.problem},
-                    {"milliseconds", row.milliseconds},
-                    {"aim_milliseconds", row.aim_milliseconds},
-                    {"gate_error_bound", row.gate_bound}});
-  return {{"speed", json}};
 }
 
 }  // namespace loci::apps::identity_experiment

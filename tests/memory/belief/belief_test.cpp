@@ -18,14 +18,14 @@ Vector3d at(double x, double y) {
 
 class Belief : public ::testing::Test {
  protected:
-  BeliefUpdate look(double seconds, std::optional<double> to_next = {}) {
+  BeliefUpdate observe(double seconds, std::optional<double> to_next = {}) {
     return advance(state, kitchen.scene(seconds, to_next));
   }
-  /// A video of `frames` frames at 30 Hz from `seconds` on; all that was told.
-  std::vector<std::string> watch(double seconds, int frames) {
+  /// A video of `frames` frames at 30 Hz from `seconds` on; all events.
+  std::vector<std::string> observe_video(double seconds, int frames) {
     std::vector<std::string> all;
     for (int i = 0; i < frames; ++i)
-      for (const std::string& text : told(look(seconds + i / 30.0, 1 / 30.0))) all.push_back(text);
+      for (const std::string& text : events(observe(seconds + i / 30.0, 1 / 30.0))) all.push_back(text);
     return all;
   }
 
@@ -34,191 +34,193 @@ class Belief : public ::testing::Test {
 };
 
 TEST_F(Belief, SnapshotIsBelievedAtOnce) {
-  kitchen.things = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
-  EXPECT_THAT(told(look(0)), ElementsAre("appeared 1", "appeared 2"));
-  EXPECT_THAT(told(look(60)), IsEmpty());
+  kitchen.objects = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
+  EXPECT_THAT(events(observe(0)), ElementsAre("appeared 1", "appeared 2"));
+  EXPECT_THAT(events(observe(60)), IsEmpty());
 }
 
-TEST_F(Belief, ThingThatWasMovedKeepsItsIdentity) {
-  kitchen.things = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
-  look(0);
-  kitchen.thing("mug").centre = at(-0.3, 0.1);
-  const BeliefUpdate update = look(600);
-  EXPECT_THAT(told(update), ElementsAre("moved 1"));
+TEST_F(Belief, MovedObjectKeepsItsIdentity) {
+  kitchen.objects = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
+  observe(0);
+  kitchen.object("mug").centre = at(-0.3, 0.1);
+  const BeliefUpdate update = observe(600);
+  EXPECT_THAT(events(update), ElementsAre("moved 1"));
   EXPECT_NEAR(update.events[0].from->centre.x(), 0, 1e-6);
   EXPECT_NEAR(update.events[0].to->centre.x(), -0.3, 1e-6);
 }
 
 TEST_F(Belief, SmallShiftIsAMoveForACameraThatStandsStill) {
-  kitchen.things = {{"mug", at(0, 0)}};
-  look(0);
-  kitchen.thing("mug").centre = at(0.03, 0);
-  EXPECT_THAT(told(look(60)), ElementsAre("moved 1"));
-  kitchen.thing("mug").centre = at(0.033, 0);
-  EXPECT_THAT(told(look(120)), IsEmpty()) << "three millimetres are noise";
+  kitchen.objects = {{"mug", at(0, 0)}};
+  observe(0);
+  kitchen.object("mug").centre = at(0.03, 0);
+  EXPECT_THAT(events(observe(60)), ElementsAre("moved 1"));
+  kitchen.object("mug").centre = at(0.033, 0);
+  EXPECT_THAT(events(observe(120)), IsEmpty()) << "three millimetres are noise";
 }
 
 TEST_F(Belief, ShiftWithinThePoseErrorIsNoMoveForACameraThatMoved) {
-  kitchen.things = {{"mug", at(0, 0)}};
-  look(0);
-  kitchen.thing("mug").centre = at(0.03, 0);
+  kitchen.objects = {{"mug", at(0, 0)}};
+  observe(0);
+  kitchen.object("mug").centre = at(0.03, 0);
   kitchen.map_from_camera = SyntheticKitchen::look_from({0.6, -0.8, 1.4}, {0, 0, 0.72});
-  EXPECT_THAT(told(look(60)), IsEmpty());
+  EXPECT_THAT(events(observe(60)), IsEmpty());
 }
 
-TEST_F(Belief, SwappedEqualCupsCannotBeToldFromCupsThatStayed) {
-  kitchen.things = {{"cup_1", at(-0.2, 0), {0.08, 0.08, 0.1}, kWhite},
-                    {"cup_2", at(0.2, 0), {0.08, 0.08, 0.1}, kWhite}};
-  look(0);
-  std::swap(kitchen.thing("cup_1").centre, kitchen.thing("cup_2").centre);
-  EXPECT_THAT(told(look(60)), IsEmpty());
+TEST_F(Belief, SwappedEqualCupsAreTakenForCupsThatStayed) {
+  kitchen.objects = {{"cup_1", at(-0.2, 0), {0.08, 0.08, 0.1}, kWhite},
+                     {"cup_2", at(0.2, 0), {0.08, 0.08, 0.1}, kWhite}};
+  observe(0);
+  std::swap(kitchen.object("cup_1").centre, kitchen.object("cup_2").centre);
+  EXPECT_THAT(events(observe(60)), IsEmpty());
 }
 
 TEST_F(Belief, TwoEqualCupsThatBothMovedAreAmbiguous) {
-  kitchen.things = {{"cup_1", at(-0.2, 0.1), {0.08, 0.08, 0.1}, kWhite},
-                    {"cup_2", at(0.2, 0.1), {0.08, 0.08, 0.1}, kWhite}};
-  look(0);
-  kitchen.thing("cup_1").centre = at(0, -0.1);
-  kitchen.thing("cup_2").centre = at(0, 0.25);
-  const BeliefUpdate update = look(600);
-  EXPECT_THAT(told(update), UnorderedElementsAre("moved 1", "moved 2"));
+  kitchen.objects = {{"cup_1", at(-0.2, 0.1), {0.08, 0.08, 0.1}, kWhite},
+                     {"cup_2", at(0.2, 0.1), {0.08, 0.08, 0.1}, kWhite}};
+  observe(0);
+  kitchen.object("cup_1").centre = at(0, -0.1);
+  kitchen.object("cup_2").centre = at(0, 0.25);
+  const BeliefUpdate update = observe(600);
+  EXPECT_THAT(events(update), UnorderedElementsAre("moved 1", "moved 2"));
   for (const ObservationOutcome& outcome : update.observations) {
-    ASSERT_GE(outcome.shares.size(), 2U);
-    EXPECT_NEAR(outcome.shares[0].probability(), outcome.shares[1].probability(), 0.1);
-    EXPECT_GT(outcome.shares[0].probability(), 0.3);
+    ASSERT_GE(outcome.partners.size(), 2U);
+    EXPECT_NEAR(outcome.partners[0].probability(), outcome.partners[1].probability(), 0.1);
+    EXPECT_GT(outcome.partners[0].probability(), 0.3);
   }
 }
 
-TEST_F(Belief, TwoEqualCupsAreNotTakenForOneThatGoesToAndFro) {
+TEST_F(Belief, TwoEqualCupsDoNotBecomeOneThatGoesToAndFro) {
   const Isometry3d here = kitchen.map_from_camera;
   const Isometry3d there = SyntheticKitchen::look_from({4, -1.0, 1.4}, {4, 0, 0.72});
-  kitchen.things = {{"cup", at(0, 0)}};
-  look(0);
-  kitchen.things.push_back({"its twin", at(4, 0)});
+  kitchen.objects = {{"cup", at(0, 0)}};
+  observe(0);
+  kitchen.objects.push_back({"its twin", at(4, 0)});
   kitchen.map_from_camera = there;
-  EXPECT_THAT(told(look(1200)), ElementsAre("moved 1")) << "the likelier story as long as nobody looks back";
+  EXPECT_THAT(events(observe(1200)), ElementsAre("moved 1"))
+      << "the more probable hypothesis until the first spot is observed again";
   kitchen.map_from_camera = here;
-  EXPECT_THAT(told(look(1260)), ElementsAre("moved 1")) << "it stands where it stood";
+  EXPECT_THAT(events(observe(1260)), ElementsAre("moved 1")) << "it stands where it stood";
   kitchen.map_from_camera = there;
-  EXPECT_THAT(told(look(1320)), ElementsAre("appeared 2"));
+  EXPECT_THAT(events(observe(1320)), ElementsAre("appeared 2"));
   for (int i = 0; i < 4; ++i) {
     kitchen.map_from_camera = i % 2 == 0 ? here : there;
-    EXPECT_THAT(told(look(1500 + 60 * i)), IsEmpty());
+    EXPECT_THAT(events(observe(1500 + 60 * i)), IsEmpty());
   }
 }
 
-TEST_F(Belief, WhatLeftItsPlaceLeavesNothingBehind) {
-  kitchen.things = {{"cup", at(0, 0)}};
-  look(0);
-  kitchen.thing("cup").centre = at(0.3, 0);
-  look(600);
+TEST_F(Belief, MoveFromAnObservedSpotLeavesNoAlternative) {
+  kitchen.objects = {{"cup", at(0, 0)}};
+  observe(0);
+  kitchen.object("cup").centre = at(0.3, 0);
+  observe(600);
   EXPECT_EQ(state.objects.size(), 1U) << "the place was seen empty";
 }
 
-TEST_F(Belief, WhereNewThingsAreMostlyFalseTheyWaitForAnotherLook) {
-  kitchen.things = {{"cup", at(0, 0)}};
-  look(0);
-  for (int i = 0; i < 200; ++i) state.habits.learn_false(i % 2, {});
-  kitchen.things.push_back({"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue});
-  EXPECT_THAT(told(look(60)), IsEmpty());
-  const BeliefUpdate second = look(120);
-  EXPECT_THAT(told(second), ElementsAre("appeared 2"));
+TEST_F(Belief, NewObjectsWaitForAnotherViewWhereMostAreClutter) {
+  kitchen.objects = {{"cup", at(0, 0)}};
+  observe(0);
+  for (int i = 0; i < 200; ++i) state.interaction.learn_clutter(i % 2, {});
+  kitchen.objects.push_back({"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue});
+  EXPECT_THAT(events(observe(60)), IsEmpty());
+  const BeliefUpdate second = observe(120);
+  EXPECT_THAT(events(second), ElementsAre("appeared 2"));
   ASSERT_EQ(second.confirmed.size(), 1U);
   EXPECT_EQ(second.confirmed[0].earlier.size(), 1U) << "with its first sighting";
 }
 
-TEST_F(Belief, LookedForAndNotThereIsGone) {
-  kitchen.things = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
-  look(0);
-  kitchen.things.erase(kitchen.things.begin());
-  EXPECT_THAT(told(look(300)), ElementsAre("gone 1"));
+TEST_F(Belief, ObjectThatIsNotAtItsObservedSpotIsGone) {
+  kitchen.objects = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
+  observe(0);
+  kitchen.objects.erase(kitchen.objects.begin());
+  EXPECT_THAT(events(observe(300)), ElementsAre("gone 1"));
   EXPECT_EQ(state.find(1)->status, Status::gone);
-  EXPECT_THAT(told(look(600)), IsEmpty()) << "said once";
+  EXPECT_THAT(events(observe(600)), IsEmpty()) << "said once";
 }
 
-TEST_F(Belief, HiddenThingStaysAndIsTheSameWhenSeenAgain) {
-  kitchen.things = {{"mug", at(0, 0.1)}};
-  look(0);
-  kitchen.things.push_back({"carton", SyntheticKitchen::on_table(0, -0.1, 0.3), {0.3, 0.1, 0.3}, kBlue});
-  EXPECT_THAT(told(look(300)), ElementsAre("hidden 1", "appeared 2"));
+TEST_F(Belief, HiddenObjectStaysAndIsTheSameWhenObservedAgain) {
+  kitchen.objects = {{"mug", at(0, 0.1)}};
+  observe(0);
+  kitchen.objects.push_back({"carton", SyntheticKitchen::on_table(0, -0.1, 0.3), {0.3, 0.1, 0.3}, kBlue});
+  EXPECT_THAT(events(observe(300)), ElementsAre("hidden 1", "appeared 2"));
   EXPECT_GT(state.find(1)->probability_here, 0.8);
-  EXPECT_THAT(told(look(600)), IsEmpty());
-  kitchen.things.pop_back();
-  EXPECT_THAT(told(look(900)), ElementsAre("reappeared 1", "gone 2"));
+  EXPECT_THAT(events(observe(600)), IsEmpty());
+  kitchen.objects.pop_back();
+  EXPECT_THAT(events(observe(900)), ElementsAre("reappeared 1", "gone 2"));
 }
 
 TEST_F(Belief, OutOfViewIsNotGone) {
-  kitchen.things = {{"mug", at(0, 0)}};
-  look(0);
+  kitchen.objects = {{"mug", at(0, 0)}};
+  observe(0);
   const Isometry3d before = kitchen.map_from_camera;
   kitchen.map_from_camera = SyntheticKitchen::look_from({3, -1, 1.4}, {3, 0, 0.72});
-  EXPECT_THAT(told(look(300)), IsEmpty());
-  EXPECT_THAT(told(look(7 * 86400)), IsEmpty()) << "time alone makes nothing go";
+  EXPECT_THAT(events(observe(300)), IsEmpty());
+  EXPECT_THAT(events(observe(7 * 86400)), IsEmpty()) << "time alone makes nothing go";
   EXPECT_EQ(state.find(1)->status, Status::present);
   kitchen.map_from_camera = before;
-  EXPECT_THAT(told(look(7 * 86400 + 300)), IsEmpty());
+  EXPECT_THAT(events(observe(7 * 86400 + 300)), IsEmpty());
   EXPECT_EQ(state.find(1)->last_seen, (7 * 86400 + 300) * kSecond);
 }
 
-TEST_F(Belief, GoneThingThatComesBackIsRecognised) {
-  kitchen.things = {{"mug", at(0, 0)}};
-  look(0);
-  const Thing mug = kitchen.things[0];
-  kitchen.things.clear();
-  EXPECT_THAT(told(look(300)), ElementsAre("gone 1"));
-  kitchen.things = {mug};
-  kitchen.things[0].centre = at(0.3, 0.1);
-  EXPECT_THAT(told(look(600)), ElementsAre("reappeared 1"));
+TEST_F(Belief, GoneObjectThatReturnsIsRecognised) {
+  kitchen.objects = {{"mug", at(0, 0)}};
+  observe(0);
+  const SyntheticObject mug = kitchen.objects[0];
+  kitchen.objects.clear();
+  EXPECT_THAT(events(observe(300)), ElementsAre("gone 1"));
+  kitchen.objects = {mug};
+  kitchen.objects[0].centre = at(0.3, 0.1);
+  EXPECT_THAT(events(observe(600)), ElementsAre("reappeared 1"));
 }
 
-TEST_F(Belief, SomethingElseInItsPlaceLooksDifferent) {
-  kitchen.things = {{"mug", at(0, 0)}};
-  look(0);
-  kitchen.things[0].color = kBlue;
-  EXPECT_THAT(told(look(300)), ElementsAre("looks_different 1"));
+TEST_F(Belief, AnotherAppearanceAtTheSameSpotIsReported) {
+  kitchen.objects = {{"mug", at(0, 0)}};
+  observe(0);
+  kitchen.objects[0].color = kBlue;
+  EXPECT_THAT(events(observe(300)), ElementsAre("looks_different 1"));
 }
 
 TEST_F(Belief, MissedDetectionChangesNothing) {
-  kitchen.things = {{"mug", at(0, 0)}};
-  look(0);
-  kitchen.things[0].detected = false;
-  EXPECT_THAT(told(look(60)), IsEmpty());
+  kitchen.objects = {{"mug", at(0, 0)}};
+  observe(0);
+  kitchen.objects[0].detected = false;
+  EXPECT_THAT(events(observe(60)), IsEmpty());
   EXPECT_EQ(state.find(1)->status, Status::present);
   EXPECT_GT(state.find(1)->probability_here, 0.5);
-  kitchen.things[0].detected = true;
-  EXPECT_THAT(told(look(120)), IsEmpty());
+  kitchen.objects[0].detected = true;
+  EXPECT_THAT(events(observe(120)), IsEmpty());
 }
 
-TEST_F(Belief, PhantomOfOneFrameOfAVideoIsNeverTold) {
-  kitchen.things = {{"mug", at(0, 0)}};
-  EXPECT_THAT(watch(0, 10), ElementsAre("appeared 1"));
-  kitchen.things.push_back({"phantom", at(0.3, 0.1), {0.03, 0.03, 0.03}, kBlue});
-  EXPECT_THAT(watch(0.34, 1), IsEmpty());
-  kitchen.things.pop_back();
-  EXPECT_THAT(watch(0.38, 20), IsEmpty());
+TEST_F(Belief, ClutterInOneFrameOfAVideoIsNeverReported) {
+  kitchen.objects = {{"mug", at(0, 0)}};
+  EXPECT_THAT(observe_video(0, 10), ElementsAre("appeared 1"));
+  kitchen.objects.push_back({"clutter", at(0.3, 0.1), {0.03, 0.03, 0.03}, kBlue});
+  EXPECT_THAT(observe_video(0.34, 1), IsEmpty());
+  kitchen.objects.pop_back();
+  EXPECT_THAT(observe_video(0.38, 20), IsEmpty());
   EXPECT_EQ(state.objects.size(), 1U) << "forgotten";
 }
 
-TEST_F(Belief, ConfirmedThingBringsItsEarlierObservationsAlong) {
-  kitchen.things = {{"mug", at(0, 0)}};
+TEST_F(Belief, ConfirmationReportsEarlierObservations) {
+  kitchen.objects = {{"mug", at(0, 0)}};
   std::vector<int64_t> earlier;
   for (int i = 0; i < 10; ++i)
-    for (const Confirmed& confirmed : look(i / 30.0, 1 / 30.0).confirmed)
-      for (const PendingSighting& sighting : confirmed.earlier) earlier.push_back(sighting.observation);
+    for (const Confirmed& confirmed : observe(i / 30.0, 1 / 30.0).confirmed)
+      for (const PendingObservation& observation : confirmed.earlier)
+        earlier.push_back(observation.observation);
   EXPECT_THAT(earlier, ElementsAre(1, 2));
 }
 
-TEST_F(Belief, ThingTakenAwayDuringAVideoIsGoneAfterASecondOrTwo) {
-  kitchen.things = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
-  watch(0, 30);
-  kitchen.things.erase(kitchen.things.begin());
-  EXPECT_THAT(watch(1.0, 3), IsEmpty());
-  EXPECT_THAT(watch(1.1, 90), ElementsAre("gone 1"));
+TEST_F(Belief, ObjectTakenAwayDuringAVideoIsGoneAfterASecondOrTwo) {
+  kitchen.objects = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
+  observe_video(0, 30);
+  kitchen.objects.erase(kitchen.objects.begin());
+  EXPECT_THAT(observe_video(1.0, 3), IsEmpty());
+  EXPECT_THAT(observe_video(1.1, 90), ElementsAre("gone 1"));
 }
 
-TEST_F(Belief, PartialViewAtTheBorderIsTheSameThing) {
-  kitchen.things = {{"tub", at(0, 0), {0.3, 0.2, 0.1}, kRed}};
-  watch(0, 10);
+TEST_F(Belief, PartialViewAtTheBorderIsTheSameObject) {
+  kitchen.objects = {{"tub", at(0, 0), {0.3, 0.2, 0.1}, kRed}};
+  observe_video(0, 10);
   // The camera turns away until only a piece is left in view.
   for (int i = 0; i <= 40; ++i) {
     kitchen.map_from_camera = SyntheticKitchen::look_from({0, -1, 1.4}, {i * 0.02, 0, 0.72});
@@ -229,41 +231,41 @@ TEST_F(Belief, PartialViewAtTheBorderIsTheSameThing) {
       observation.box.size.x() = 0.15 - left;
       observation.box.centre.x() = (0.15 + left) / 2;
     }
-    EXPECT_THAT(told(advance(state, scene)), IsEmpty());
+    EXPECT_THAT(events(advance(state, scene)), IsEmpty());
   }
   EXPECT_EQ(state.objects.size(), 1U);
   EXPECT_NEAR(state.find(1)->box.size.x(), 0.3, 0.01) << "pieces do not shrink what was seen whole";
 }
 
-TEST_F(Belief, WhatLiesInADrawerMovesWithIt) {
+TEST_F(Belief, ObjectInADrawerMovesWithIt) {
   const auto drawer = [](double open) {
     PlacePose pose{"drawer_1_bottom", Isometry3d::Identity()};
     pose.map_from_place.translation() = Vector3d(0, -open, 0.7);
     return pose;
   };
-  kitchen.things = {{"spoon", at(0, 0)}};
+  kitchen.objects = {{"spoon", at(0, 0)}};
   Scene open = kitchen.scene(0);
   open.observations[0].place = "drawer_1_bottom";
   open.places = {drawer(0.3)};
   advance(state, open);
 
-  kitchen.things[0].centre += Vector3d(0, 0.3, 0);
+  kitchen.objects[0].centre += Vector3d(0, 0.3, 0);
   Scene closed = kitchen.scene(600);
   closed.observations.clear();
   closed.places = {drawer(0)};
   closed.view.map_depth = cv::Mat(closed.view.depth.size(), CV_32F, cv::Scalar(0.6));
-  EXPECT_THAT(told(advance(state, closed)), ElementsAre("hidden 1"));
+  EXPECT_THAT(events(advance(state, closed)), ElementsAre("hidden 1"));
 
-  kitchen.things[0].centre -= Vector3d(0, 0.1, 0);
+  kitchen.objects[0].centre -= Vector3d(0, 0.1, 0);
   Scene half_open = kitchen.scene(1200);
   half_open.observations[0].place = "drawer_1_bottom";
   half_open.places = {drawer(0.1)};
-  EXPECT_THAT(told(advance(state, half_open)), ElementsAre("reappeared 1"));
+  EXPECT_THAT(events(advance(state, half_open)), ElementsAre("reappeared 1"));
   EXPECT_NEAR(box_in_map(*state.find(1), half_open.places).centre.y(), 0.2, 0.005);
 }
 
-TEST_F(Belief, WhatAllTrackersAgreeOnIsSettledAsTheModelWouldHave) {
-  kitchen.things = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
+TEST_F(Belief, SettledObservationsAreAssignedAsByTheModel) {
+  kitchen.objects = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
   BeliefOptions model_alone;
   model_alone.settle = false;
   BeliefState other = state;
@@ -279,20 +281,20 @@ TEST_F(Belief, WhatAllTrackersAgreeOnIsSettledAsTheModelWouldHave) {
     EXPECT_EQ(arbiter.observations[k].object, model.observations[k].object);
     EXPECT_NEAR(arbiter.observations[k].probability, model.observations[k].probability, 0.01);
   }
-  kitchen.thing("mug").centre = at(-0.3, 0.1);
+  kitchen.object("mug").centre = at(-0.3, 0.1);
   EXPECT_THAT(both(1200).first.evidence.settled, ElementsAre(std::nullopt, 1U))
       << "the model says what moved";
 }
 
-TEST_F(Belief, WhatIsSettledIsNotComparedWithWhatIsOutOfView) {
-  kitchen.things = {{"mug", at(0, 0)}};
-  look(0);
+TEST_F(Belief, SettledObservationsAreNotComparedWithObjectsOutOfView) {
+  kitchen.objects = {{"mug", at(0, 0)}};
+  observe(0);
   const Isometry3d here = kitchen.map_from_camera;
   kitchen.map_from_camera = SyntheticKitchen::look_from({9, -1.0, 1.4}, {9, 0, 0.72});
-  kitchen.things.push_back({"box", at(9, 0), {0.2, 0.1, 0.1}, kBlue});
-  look(600);
+  kitchen.objects.push_back({"box", at(9, 0), {0.2, 0.1, 0.1}, kBlue});
+  observe(600);
   kitchen.map_from_camera = here;
-  const BeliefUpdate update = look(1200);
+  const BeliefUpdate update = observe(1200);
   ASSERT_EQ(update.evidence.settled.size(), 1U);
   EXPECT_EQ(update.evidence.settled[0], 0U);
   EXPECT_FALSE(std::isnan(update.evidence.distances[0].distance(0, 0)));
@@ -300,36 +302,36 @@ TEST_F(Belief, WhatIsSettledIsNotComparedWithWhatIsOutOfView) {
 }
 
 TEST_F(Belief, DistributionsSumToOne) {
-  kitchen.things = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
-  look(0);
-  kitchen.things[0].centre = at(-0.3, 0.1);
-  kitchen.things[1].color = kRed;
-  const BeliefUpdate update = look(600);
+  kitchen.objects = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
+  observe(0);
+  kitchen.objects[0].centre = at(-0.3, 0.1);
+  kitchen.objects[1].color = kRed;
+  const BeliefUpdate update = observe(600);
   for (const ObservationOutcome& o : update.observations) {
     double sum = o.appear + o.clutter;
-    for (const Share& share : o.shares) sum += share.probability();
+    for (const PartnerProbability& share : o.partners) sum += share.probability();
     EXPECT_NEAR(sum, 1, 0.01);
   }
   for (const ObjectOutcome& o : update.objects)
     EXPECT_NEAR(o.matched + o.disappear + o.missed + o.hidden, 1, 1e-9);
 }
 
-TEST_F(Belief, GoesOnFromItsBytesAsIfNothingHadHappened) {
-  kitchen.things = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
-  watch(0, 7);
-  BeliefState copy = belief_state_from_bytes(to_bytes(state));
-  kitchen.things[0].centre = at(0.011, 0.003);
+TEST_F(Belief, ContinuesFromItsBytesWithTheSameNumbers) {
+  kitchen.objects = {{"mug", at(0, 0)}, {"box", at(0.3, 0.1), {0.2, 0.1, 0.1}, kBlue}};
+  observe_video(0, 7);
+  BeliefState copy = restored(stored(state));
+  kitchen.objects[0].centre = at(0.011, 0.003);
   for (int i = 0; i < 5; ++i) {
     const Scene scene = kitchen.scene(10 + i, 1);
     advance(state, scene);
     advance(copy, scene);
   }
-  EXPECT_EQ(to_bytes(state), to_bytes(copy));
+  EXPECT_EQ(stored(state), stored(copy));
 }
 
 TEST_F(Belief, RefusesToGoBackInTime) {
-  look(10);
-  EXPECT_THROW(look(9), Error);
+  observe(10);
+  EXPECT_THROW(observe(9), Error);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "memory/belief/calibration.h"
+#include "memory/belief/evidence/calibration.h"
 
 #include <gtest/gtest.h>
 

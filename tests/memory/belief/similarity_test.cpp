@@ -1,4 +1,4 @@
-#include "memory/belief/similarity.h"
+#include "memory/belief/evidence/similarity.h"
 
 #include <gtest/gtest.h>
 
@@ -7,12 +7,9 @@
 namespace loci::memory::belief {
 namespace {
 
-TEST(Similarity, ClosenessFunctionsAreOneAtZeroAndFall) {
-  EXPECT_DOUBLE_EQ(gaussian_closeness(0), 1);
-  EXPECT_NEAR(gaussian_closeness(0.25), std::exp(-1.0), 1e-12);
-  EXPECT_DOUBLE_EQ(linear_closeness(0), 1);
-  EXPECT_NEAR((linear_closeness(1e-6) - 1) / 1e-6, -0.5, 1e-5);
-  EXPECT_LT(linear_closeness(10), 1e-3);
+TEST(Similarity, IsOneAtDistanceZeroAndFalls) {
+  EXPECT_DOUBLE_EQ(gaussian_similarity(0), 1);
+  EXPECT_NEAR(gaussian_similarity(0.25), std::exp(-1.0), 1e-12);
 }
 
 TEST(Similarity, DistancesAreZeroForEqualsSymmetricAndLargestForStrangers) {
@@ -39,12 +36,12 @@ TEST(Similarity, EveryComparisonFallsFromEvidenceForToEvidenceAgainst) {
 }
 
 TEST(Similarity, MissingEvidenceIsMissing) {
-  const Likeness none = compare({{"mean_color", {1, 0, 0}}}, {{"extents", {1, 1, 1}}}, false, 1);
-  EXPECT_TRUE(none.parts.empty());
+  const ViewSimilarity none = compare({{"mean_color", {1, 0, 0}}}, {{"extents", {1, 1, 1}}}, false, 1);
+  EXPECT_EQ(none.count, 0U);
   EXPECT_DOUBLE_EQ(none.log_ratio, 0);
-  EXPECT_FALSE(none.closeness);
-  const Likeness unknown = compare({{"smell", {1}}}, {{"smell", {1}}}, false, 1);
-  EXPECT_TRUE(unknown.parts.empty());
+  EXPECT_FALSE(none.similarity());
+  const ViewSimilarity unknown = compare({{"smell", {1}}}, {{"smell", {1}}}, false, 1);
+  EXPECT_EQ(unknown.count, 0U);
 }
 
 TEST(Similarity, SizeOfACutOffViewIsNoEvidence) {
@@ -54,10 +51,10 @@ TEST(Similarity, SizeOfACutOffViewIsNoEvidence) {
   EXPECT_DOUBLE_EQ(compare(whole, part, true, 1).log_ratio, 0);
 }
 
-TEST(Similarity, BaselineIsTheGeometricMeanOfCloseness) {
+TEST(Similarity, BaselineIsTheGeometricMeanOfSimilarity) {
   const std::vector<Descriptor> a = {{"mean_color", {0, 0, 0}}, {"extents", {0.1F, 0.1F, 0.1F}}};
   const std::vector<Descriptor> b = {{"mean_color", {0.1F, 0.1F, 0.1F}}, {"extents", {0.1F, 0.1F, 0.1F}}};
-  EXPECT_NEAR(*compare(a, b, false, 1).closeness, std::sqrt(gaussian_closeness(0.1) * 1.0), 1e-6);
+  EXPECT_NEAR(*compare(a, b, false, 1).similarity(), std::sqrt(gaussian_similarity(0.1) * 1.0), 1e-6);
 }
 
 }  // namespace

@@ -6,11 +6,12 @@
 #include <vector>
 
 #include "memory/belief/belief.h"
+#include "memory/belief/serialization.h"
 
 namespace loci::memory::belief {
 
-/// A box-shaped thing on a table, for scenes with known truth.
-struct Thing {
+/// A box-shaped object on a table, for scenes with known truth.
+struct SyntheticObject {
   std::string name;
   Vector3d centre = Vector3d::Zero();
   Vector3d size = Vector3d(0.08, 0.08, 0.1);
@@ -22,7 +23,7 @@ struct Thing {
 /// with boxes.
 class SyntheticKitchen {
  public:
-  std::vector<Thing> things;
+  std::vector<SyntheticObject> objects;
   mapping::PinholeCamera camera{320, 240, 290, 290, 160, 120};
   Isometry3d map_from_camera = look_from({0, -1.0, 1.4}, {0, 0, 0.72});
 
@@ -40,13 +41,13 @@ class SyntheticKitchen {
 
   static Vector3d on_table(double x, double y, double height = 0.1) { return {x, y, 0.7 + height / 2}; }
 
-  Thing& thing(const std::string& name) {
-    for (Thing& t : things)
-      if (t.name == name) return t;
-    throw Error("no such thing: " + name);
+  SyntheticObject& object(const std::string& name) {
+    for (SyntheticObject& o : objects)
+      if (o.name == name) return o;
+    throw Error("no such object: " + name);
   }
 
-  /// What is measured and found at `seconds` after the epoch. Things of which less than a tenth of the
+  /// What is measured and found at `seconds` after the epoch. Objects of which less than a tenth of the
   /// pixels are visible are not found.
   Scene scene(double seconds, std::optional<double> to_next = {}) const {
     Scene scene;
@@ -56,24 +57,24 @@ class SyntheticKitchen {
     scene.view.map_from_camera = map_from_camera;
     scene.view.depth = cv::Mat(camera.height, camera.width, CV_32F, std::numeric_limits<float>::quiet_NaN());
     scene.view.labels = cv::Mat(camera.height, camera.width, CV_32S, cv::Scalar(-1));
-    std::vector<int> pixels(things.size(), 0), alone(things.size(), 0);
-    std::vector<bool> cut(things.size(), false);
+    std::vector<int> pixels(objects.size(), 0), alone(objects.size(), 0);
+    std::vector<bool> cut(objects.size(), false);
     for (int v = 0; v < camera.height; ++v)
       for (int u = 0; u < camera.width; ++u) measure(u, v, scene.view, pixels, alone, cut);
-    std::vector<int> label_of(things.size(), -1);
-    for (size_t i = 0; i < things.size(); ++i) {
-      if (!things[i].detected || pixels[i] < 15 || pixels[i] < alone[i] / 10) continue;
+    std::vector<int> label_of(objects.size(), -1);
+    for (size_t i = 0; i < objects.size(); ++i) {
+      if (!objects[i].detected || pixels[i] < 15 || pixels[i] < alone[i] / 10) continue;
       label_of[i] = static_cast<int>(scene.observations.size());
       Observation o;
       o.id = next_observation++;
-      o.box = {things[i].centre, things[i].size};
-      o.range = (map_from_camera.inverse() * things[i].centre).z();
+      o.box = {objects[i].centre, objects[i].size};
+      o.range = (map_from_camera.inverse() * objects[i].centre).z();
       o.partial = cut[i] || pixels[i] < alone[i] * 8 / 10;
       o.points = pixels[i];
       o.place = "table_1";
       o.descriptors = {
-          {"mean_color", things[i].color},
-          {"extents", {float(things[i].size.x()), float(things[i].size.y()), float(things[i].size.z())}}};
+          {"mean_color", objects[i].color},
+          {"extents", {float(objects[i].size.x()), float(objects[i].size.y()), float(objects[i].size.z())}}};
       scene.observations.push_back(o);
     }
     for (int v = 0; v < camera.height; ++v)
@@ -92,11 +93,11 @@ class SyntheticKitchen {
     double depth = std::numeric_limits<double>::infinity();
     int who = -1;
     if (ray.z() < 0) depth = (0.7 - origin.z()) / ray.z();  // the table has no edges
-    for (size_t i = 0; i < things.size(); ++i) {
+    for (size_t i = 0; i < objects.size(); ++i) {
       double enter = 0, leave = 1e9;
       for (int axis = 0; axis < 3; ++axis) {
-        const double low = things[i].centre[axis] - things[i].size[axis] / 2;
-        const double high = low + things[i].size[axis];
+        const double low = objects[i].centre[axis] - objects[i].size[axis] / 2;
+        const double high = low + objects[i].size[axis];
         const double a = (low - origin[axis]) / ray[axis], b = (high - origin[axis]) / ray[axis];
         enter = std::max(enter, std::min(a, b));
         leave = std::min(leave, std::max(a, b));
@@ -118,11 +119,24 @@ class SyntheticKitchen {
 };
 
 /// Kinds of the events of an update, with the object: "moved 2".
-inline std::vector<std::string> told(const BeliefUpdate& update) {
+inline std::vector<std::string> events(const BeliefUpdate& update) {
   std::vector<std::string> texts;
   for (const Event& event : update.events)
     texts.push_back(std::string(to_text(event.kind)) + " " + std::to_string(event.object));
   return texts;
+}
+
+/// A belief as bytes: the common part, then the objects.
+inline std::vector<std::string> stored(const BeliefState& state) {
+  std::vector<std::string> bytes = {to_bytes(state)};
+  for (const ProtoObject& object : state.objects) bytes.push_back(to_bytes(object));
+  return bytes;
+}
+
+inline BeliefState restored(const std::vector<std::string>& bytes) {
+  BeliefState state = state_from_bytes(bytes.front());
+  for (size_t i = 1; i < bytes.size(); ++i) state.objects.push_back(object_from_bytes(bytes[i]));
+  return state;
 }
 
 }  // namespace loci::memory::belief

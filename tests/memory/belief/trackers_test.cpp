@@ -1,4 +1,4 @@
-#include "memory/belief/kept_votes.h"
+#include "memory/belief/association/decisions.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "memory/belief/visibility.h"
+#include "memory/belief/evidence/visibility.h"
 
 #include <gtest/gtest.h>
 
@@ -13,25 +13,25 @@ double sum(const Visibility& v) {
   return v.out_of_view + v.hidden + v.unmeasured + v.occupied + v.seen_through;
 }
 
-TEST(Visibility, ThingThatIsThereOccupiesItsPlace) {
+TEST(Visibility, PresentObjectOccupiesItsSpot) {
   SyntheticKitchen kitchen;
-  kitchen.things = {{"cup", kCup.centre, kCup.size, {}}};
-  const Visibility v = look_at(kitchen.scene(0).view, kCup, 0.005);
+  kitchen.objects = {{"cup", kCup.centre, kCup.size, {}}};
+  const Visibility v = visibility_of(kitchen.scene(0).view, kCup, 0.005);
   EXPECT_GT(v.occupied, 0.95);
   EXPECT_NEAR(sum(v), 1, 1e-9);
   EXPECT_LT(undetectable(v), 0.05);
 }
 
 TEST(Visibility, EmptyTableIsSeenThrough) {
-  const Visibility v = look_at(SyntheticKitchen().scene(0).view, kCup, 0.005);
+  const Visibility v = visibility_of(SyntheticKitchen().scene(0).view, kCup, 0.005);
   EXPECT_GT(v.seen_through, 0.9);
   EXPECT_GT(v.empty_share(), 0.9);
 }
 
-TEST(Visibility, SomethingInFrontHides) {
+TEST(Visibility, ObjectInFrontHides) {
   SyntheticKitchen kitchen;
-  kitchen.things = {{"board", SyntheticKitchen::on_table(0, -0.25, 0.3), Vector3d(0.4, 0.02, 0.3), {}}};
-  const Visibility v = look_at(kitchen.scene(0).view, kCup, 0.005);
+  kitchen.objects = {{"board", SyntheticKitchen::on_table(0, -0.25, 0.3), Vector3d(0.4, 0.02, 0.3), {}}};
+  const Visibility v = visibility_of(kitchen.scene(0).view, kCup, 0.005);
   EXPECT_GT(v.hidden, 0.95);
   EXPECT_GT(undetectable(v), 0.95);
 }
@@ -39,9 +39,9 @@ TEST(Visibility, SomethingInFrontHides) {
 TEST(Visibility, BesideTheImageIsOutOfView) {
   SyntheticKitchen kitchen;
   const AxisBox far_left{SyntheticKitchen::on_table(-2, 0), kCup.size};
-  EXPECT_DOUBLE_EQ(look_at(kitchen.scene(0).view, far_left, 0.005).out_of_view, 1);
+  EXPECT_DOUBLE_EQ(visibility_of(kitchen.scene(0).view, far_left, 0.005).out_of_view, 1);
   const AxisBox behind{Vector3d(0, -3, 1), kCup.size};
-  EXPECT_DOUBLE_EQ(look_at(kitchen.scene(0).view, behind, 0.005).out_of_view, 1);
+  EXPECT_DOUBLE_EQ(visibility_of(kitchen.scene(0).view, behind, 0.005).out_of_view, 1);
 }
 
 TEST(Visibility, HalfAcrossTheBorderIsHalfOutOfView) {
@@ -50,7 +50,7 @@ TEST(Visibility, HalfAcrossTheBorderIsHalfOutOfView) {
   const double border =
       (-0.5 - kitchen.camera.cx) / kitchen.camera.fx * z;  // x of the left image border there
   const AxisBox box{kCup.centre + Vector3d(border, 0, 0), kCup.size};
-  const Visibility v = look_at(kitchen.scene(0).view, box, 0.0);
+  const Visibility v = visibility_of(kitchen.scene(0).view, box, 0.0);
   EXPECT_NEAR(v.out_of_view, 0.5, 0.15);
 }
 
@@ -59,14 +59,14 @@ TEST(Visibility, UncertainPositionBlursTheBorder) {
   const double z = (kitchen.map_from_camera.inverse() * kCup.centre).z();
   const double border = (-0.5 - kitchen.camera.cx) / kitchen.camera.fx * z;
   const AxisBox box{kCup.centre + Vector3d(border - 0.06, 0, 0), kCup.size};
-  EXPECT_DOUBLE_EQ(look_at(kitchen.scene(0).view, box, 0.0).out_of_view, 1);
-  EXPECT_LT(look_at(kitchen.scene(0).view, box, 0.1).out_of_view, 0.9);
+  EXPECT_DOUBLE_EQ(visibility_of(kitchen.scene(0).view, box, 0.0).out_of_view, 1);
+  EXPECT_LT(visibility_of(kitchen.scene(0).view, box, 0.1).out_of_view, 0.9);
 }
 
 TEST(Visibility, NoMeasurementIsNoEvidence) {
   Scene scene = SyntheticKitchen().scene(0);
   scene.view.depth.setTo(std::numeric_limits<float>::quiet_NaN());
-  const Visibility v = look_at(scene.view, kCup, 0.005);
+  const Visibility v = visibility_of(scene.view, kCup, 0.005);
   EXPECT_DOUBLE_EQ(v.unmeasured, 1);
   EXPECT_DOUBLE_EQ(v.empty_share(), 0);
   EXPECT_DOUBLE_EQ(undetectable(v), 1);
@@ -76,18 +76,18 @@ TEST(Visibility, MapHidesEvenWhereTheSensorMeasuresNothing) {
   Scene scene = SyntheticKitchen().scene(0);
   scene.view.depth.setTo(std::numeric_limits<float>::quiet_NaN());
   scene.view.map_depth = cv::Mat(scene.view.depth.size(), CV_32F, cv::Scalar(0.6));  // a cupboard's front
-  EXPECT_DOUBLE_EQ(look_at(scene.view, kCup, 0.005).hidden, 1);
+  EXPECT_DOUBLE_EQ(visibility_of(scene.view, kCup, 0.005).hidden, 1);
 }
 
-TEST(Visibility, TellsWhoseSurfaceIsThere) {
+TEST(Visibility, AttributesSurfacesToObservations) {
   SyntheticKitchen kitchen;
-  kitchen.things = {{"a", SyntheticKitchen::on_table(0.3, 0), Vector3d(0.1, 0.1, 0.1), {}},
-                    {"b", kCup.centre, kCup.size, {}}};
+  kitchen.objects = {{"a", SyntheticKitchen::on_table(0.3, 0), Vector3d(0.1, 0.1, 0.1), {}},
+                     {"b", kCup.centre, kCup.size, {}}};
   const Scene scene = kitchen.scene(0);
-  const OccupiedBy who = look_at_who(scene.view, kCup, 0.0, scene.observations.size());
-  ASSERT_EQ(who.share.size(), 2U);
-  EXPECT_DOUBLE_EQ(who.share[0], 0);
-  EXPECT_GT(who.share[1], 0.9);
+  const BoxVisibility seen = box_visibility(scene.view, kCup, 0.0, scene.observations.size());
+  ASSERT_EQ(seen.occupied_by.size(), 2U);
+  EXPECT_DOUBLE_EQ(seen.occupied_by[0], 0);
+  EXPECT_GT(seen.occupied_by[1], 0.9);
 }
 
 TEST(Visibility, ObservedFractionOfATableHalfInView) {

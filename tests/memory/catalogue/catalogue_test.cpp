@@ -11,7 +11,7 @@
 #include "memory/ingest/ingest.h"
 #include "memory/questions/facts.h"
 #include "memory/questions/location.h"
-#include "memory/recorder/carried_belief.h"
+#include "memory/recorder/checkpoint.h"
 #include "tests/memory/store/temporary_folder.h"
 
 namespace loci::memory {
@@ -226,7 +226,7 @@ TEST_F(CatalogueTest, HabitsComeAlongOnce) {
   Store store = Store::open_write(home("second", 30, {kGreenCan}));
   import_catalogue(store, made);
   import_catalogue(store, made);
-  EXPECT_NEAR(load_belief(store).habits.kinds().at("mug").found, 30, 1e-9);
+  EXPECT_NEAR(load_belief(store).interaction.statistics().by_class.at("mug").found, 30, 1e-9);
 }
 
 TEST_F(CatalogueTest, RefusesItsOwnHomeAndWhatIsNone) {

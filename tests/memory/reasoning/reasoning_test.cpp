@@ -132,7 +132,7 @@ TEST_F(Reasoning, OneThingIsInOnePlace) {
   decisions.observations[0].probability = 0.9F;
   belief::Candidate candidate;
   candidate.key = 7;
-  EXPECT_THAT(belief::objection(decisions, 1, candidate), HasSubstr("taken for observation 0"));
+  EXPECT_THAT(belief::rejection_reason(decisions, 1, candidate), HasSubstr("it is observation 0"));
 }
 
 TEST_F(Reasoning, TheSameParametersMakeTheSameHistory) {

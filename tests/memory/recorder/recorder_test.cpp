@@ -23,8 +23,8 @@ class RecorderTest : public ::testing::Test {
   void SetUp() override {
     folder = std::filesystem::temp_directory_path() / ("loci_recorder_" + std::to_string(getpid()));
     make_folder(folder);
-    kitchen.things = {{"mug", SyntheticKitchen::on_table(0, 0)},
-                      {"box", SyntheticKitchen::on_table(0.3, 0.1), {0.2, 0.1, 0.1}, {0.2F, 0.2F, 0.8F}}};
+    kitchen.objects = {{"mug", SyntheticKitchen::on_table(0, 0)},
+                       {"box", SyntheticKitchen::on_table(0.3, 0.1), {0.2, 0.1, 0.1}, {0.2F, 0.2F, 0.8F}}};
   }
   void TearDown() override { std::filesystem::remove_all(folder); }
 
@@ -59,8 +59,8 @@ class RecorderTest : public ::testing::Test {
 
   /// The n-th scene of a story: a video, things that are moved, taken, hidden.
   SceneRecord story(int n) {
-    if (n == 12) kitchen.thing("mug").centre = SyntheticKitchen::on_table(-0.3, 0.1);
-    if (n == 13) kitchen.things.pop_back();
+    if (n == 12) kitchen.object("mug").centre = SyntheticKitchen::on_table(-0.3, 0.1);
+    if (n == 13) kitchen.objects.pop_back();
     if (n < 10) return record(1 + n / 30.0, 1 / 30.0);
     return record(100.0 * n);
   }
@@ -119,10 +119,10 @@ TEST_F(RecorderTest, FailedSceneLeavesMemoryAndBeliefAsTheyWere) {
   Recorder recorder(store, store.begin_run("test", "{}"));
   recorder.record(record(100));
   const std::string before = memory_dump(folder / "day.loci");
-  const std::string belief_before = to_bytes(recorder.belief());
+  const auto belief_before = belief::stored(recorder.belief());
   EXPECT_THROW(recorder.record(record(50)), Error);
   EXPECT_EQ(memory_dump(folder / "day.loci"), before);
-  EXPECT_EQ(to_bytes(recorder.belief()), belief_before);
+  EXPECT_EQ(belief::stored(recorder.belief()), belief_before);
   recorder.record(record(200));
 }
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "apps/evaluate/identity/tables.h"
+#include "apps/evaluate/identity/report.h"
 #include "mapping/base/json.h"
 
 namespace loci::apps::test {
@@ -63,7 +63,7 @@ TEST(IdentityExperiment, ReproducesThePapersModel) {
   EXPECT_NEAR(100 * fresh.explanation.fraction(), 82.9, 1.0);
 }
 
-TEST(IdentityExperiment, LearnedRatesAreNearlyAsGoodAsToldOnesInOtherWorlds) {
+TEST(IdentityExperiment, LearnedRatesAreNearlyAsGoodAsKnownOnesInOtherWorlds) {
   identity_experiment::WorldOptions still;
   still.newview = 0;
   identity_experiment::WorldOptions restless;
@@ -72,15 +72,15 @@ TEST(IdentityExperiment, LearnedRatesAreNearlyAsGoodAsToldOnesInOtherWorlds) {
   crowded.tables = 2;
   crowded.view_m = 0.6;
   for (const identity_experiment::WorldOptions& world : {still, restless, crowded}) {
-    const identity_experiment::ExperimentResult result = experiment("ours,told,paper", 0, world, 4);
+    const identity_experiment::ExperimentResult result = experiment("ours,known_rates,paper", 0, world, 4);
     for (size_t level = 0; level < 2; ++level) {
       const identity_experiment::Success& ours =
           result.cell(identity_experiment::Condition::own, "ours", level).score.all;
-      const identity_experiment::Success& told =
-          result.cell(identity_experiment::Condition::own, "told", level).score.all;
+      const identity_experiment::Success& known =
+          result.cell(identity_experiment::Condition::own, "known_rates", level).score.all;
       const identity_experiment::Success& paper =
           result.cell(identity_experiment::Condition::own, "paper", level).score.all;
-      EXPECT_GT(ours.explanation.fraction(), told.explanation.fraction() - 0.015);
+      EXPECT_GT(ours.explanation.fraction(), known.explanation.fraction() - 0.015);
       EXPECT_GT(ours.explanation.fraction(), paper.explanation.fraction());
     }
   }
@@ -91,9 +91,9 @@ TEST(IdentityExperiment, LinksToTheNewestEntryAndNotWhatMovedAndChanged) {
   first.object = 7;
   first.position = {0.5, 0.5};
   identity_experiment::Origin moved = first, both = first;
-  moved.placings = 1;
-  both.placings = 1;
-  both.looks = 1;
+  moved.placements = 1;
+  both.placements = 1;
+  both.appearances = 1;
   identity_experiment::SimulatedScene scene;
   scene.seen = {{identity_experiment::Measurement{}, both}};
   const auto believed = [&](const identity_experiment::Origin& origin, int step) {

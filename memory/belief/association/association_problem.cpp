@@ -1,0 +1,178 @@
+#include "memory/belief/association/association_problem.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/base/math.h"
+#include "memory/belief/parameters.h"
+
+namespace loci::memory::belief {
+namespace {
+
+Eigen::Index index(size_t i) {
+  return static_cast<Eigen::Index>(i);
+}
+
+/// The different places of a scene's observations.
+struct ObservedPlaces {
+  explicit ObservedPlaces(const std::vector<Observation>& observations) {
+    for (const Observation& observation : observations) {
+      const auto known = std::find(names.begin(), names.end(), observation.place);
+      of.push_back(static_cast<size_t>(known - names.begin()));
+      if (known == names.end()) names.push_back(observation.place);
+    }
+  }
+  std::vector<std::string> names;
+  std::vector<size_t> of;  ///< index of each observation's
+};
+
+/// Log ratio of where a moved object is put down, against anywhere on the place: half of all moves are short.
+double log_short_move(const Vector3d& offset, const BeliefOptions& options) {
+  const double variance = options.nudge_m * options.nudge_m;
+  const double density = std::exp(-offset.head<2>().squaredNorm() / (2 * variance)) / (2 * kPi * variance);
+  return std::log(0.5 + 0.5 * options.area_m2 * density);
+}
+
+class ProblemBuilder {
+ public:
+  ProblemBuilder(const BeliefState& state, const std::vector<Prediction>& predicted, const Scene& scene,
+                 const PairEvidence& evidence, const BeliefOptions& options)
+      : state_(state),
+        predicted_(predicted),
+        scene_(scene),
+        evidence_(evidence),
+        options_(options),
+        timing_(state, scene, options),
+        places_(scene.observations) {}
+
+  LogOddsProblem build() {
+    const size_t m = state_.objects.size(), n = scene_.observations.size();
+    problem_.log_similar = evidence_.log_similar;
+    problem_.log_proximity = evidence_.log_proximity;
+    keep_settled_pairs();
+    for (PairTable* table : {&problem_.stay_prior, &problem_.move_prior, &problem_.newview_prior})
+      table->setZero(index(m), index(n));
+    for (size_t o = 0; o < m; ++o) add_object(o);
+    for (const Observation& observation : scene_.observations) add_observation(observation);
+    return std::move(problem_);
+  }
+
+ private:
+  /// Excludes all other partners of a settled pair. Whether the two are the same, against one being gone and
+  /// the other new, is left to the model.
+  void keep_settled_pairs() {
+    for (size_t k = 0; k < evidence_.settled.size(); ++k) {
+      if (!evidence_.settled[k]) continue;
+      const Eigen::Index row = index(*evidence_.settled[k]), column = index(k);
+      for (PairTable* table : {&problem_.log_similar, &problem_.log_proximity}) {
+        const double kept = (*table)(row, column);
+        table->row(row).setConstant(kNever);
+        table->col(column).setConstant(kNever);
+        (*table)(row, column) = kept;
+      }
+    }
+  }
+
+  void add_object(size_t o) {
+    const Prediction& p = predicted_[o];
+    const AbsenceEvidence absence = absence_of(o);
+    add_stay_priors(o);
+    add_move_priors(o, absence);
+    if (state_.objects[o].alternative_of != 0) {  // elsewhere it is already believed as another object
+      problem_.move_prior.row(index(o)).setConstant(kNever);
+      problem_.newview_prior.row(index(o)).setConstant(kNever);
+    }
+    problem_.out_of_view.push_back(p.undetectable);
+    problem_.disappear_prior.push_back(std::log(std::max(1e-6, 1 - p.here)) + absence.if_gone);
+    problem_.missed_prior.push_back(std::log(std::max(1e-6, p.here)) + absence.if_there);
+    problem_.hidden_prior.push_back(0.0);
+  }
+
+  AbsenceEvidence absence_of(size_t o) const {
+    std::vector<double> other(scene_.observations.size(), 0.0);
+    for (size_t k = 0; k < other.size(); ++k) {
+      const double same =
+          evidence_.log_proximity(index(o), index(k)) + evidence_.log_similar(index(o), index(k));
+      other[k] = (timing_.snapshot ? 1.0 : kParameters.merged_in_video) /
+                 (1 + std::exp(std::clamp(same, -30.0, 30.0)));
+    }
+    return absence_evidence(predicted_[o], empty_share(predicted_[o].seen, other),
+                            std::min(1e9, timing_.seconds), options_);
+  }
+
+  void add_stay_priors(size_t o) {
+    const Prediction& p = predicted_[o];
+    const double stays = std::max(1e-6, p.here) * options_.detection;
+    problem_.stay_prior.row(index(o)).setConstant(std::log(stays * (1 - p.appearance_change)));
+    const double turns = std::log(stays * p.appearance_change);
+    for (size_t k = 0; k < scene_.observations.size(); ++k) {
+      // Another side hardly has another size.
+      const double size = evidence_.log_size(index(o), index(k));
+      const double color = evidence_.log_similar(index(o), index(k)) - options_.appearance_weight * size;
+      problem_.newview_prior(index(o), index(k)) =
+          turns + size + kParameters.newview_color_weight * std::min(0.0, color);
+    }
+  }
+
+  void add_move_priors(size_t o, const AbsenceEvidence& absence) {
+    const Prediction& p = predicted_[o];
+    const ProtoObject& object = state_.objects[o];
+    const bool gone = object.status == Status::gone;
+    const double left =
+        options_.detection * (p.undetectable + (1 - p.undetectable) * std::exp(absence.if_gone));
+    const double returns =
+        gone ? state_.interaction.returns(timing_.exposure_s - object.last_seen_exposure_s, options_) : 0.0;
+    const double before = object.probability_here;
+    std::vector<double> moves_to;
+    for (const std::string& place : places_.names) {
+      const double put_here = state_.interaction.moved_to(object.place, place);
+      const double back = gone ? returns : put_here;
+      const double moves = before * p.interaction * put_here + (1 - before) * back;
+      moves_to.push_back(std::log(std::max(1e-9, moves * left)));
+    }
+    for (size_t k = 0; k < scene_.observations.size(); ++k) {
+      const Observation& observation = scene_.observations[k];
+      // A video would have shown the hand that nudges; gone objects may return anywhere.
+      const bool anywhere = !timing_.snapshot || gone || object.place != observation.place;
+      problem_.move_prior(index(o), index(k)) =
+          moves_to[places_.of[k]] +
+          (anywhere ? 0.0 : log_short_move(p.box.centre - observation.box.centre, options_));
+    }
+  }
+
+  void add_observation(const Observation& observation) {
+    // Pieces of believed objects are clutter: objects fall into parts more often than a new one is put
+    // inside.
+    double piece = 0;
+    for (size_t o = 0; o < predicted_.size() && observation.has_size; ++o) {
+      double inside =
+          shared_volume(predicted_[o].box, observation.box) / std::max(1e-9, observation.box.volume());
+      if (!timing_.snapshot && is_piece(predicted_[o], observation.box)) inside = 1;
+      piece = std::max(piece, inside * predicted_[o].here);
+    }
+    const double arrivals = state_.interaction.arrivals(observation.place, options_);
+    const double clutter = state_.interaction.clutter_share(observation.place, options_);
+    problem_.appear_prior.push_back(std::log(arrivals * (1 - clutter)));
+    problem_.clutter_prior.push_back(
+        std::log(arrivals * clutter + (timing_.snapshot ? kParameters.piece_in_snapshot : 1.0) * piece));
+  }
+
+  const BeliefState& state_;
+  const std::vector<Prediction>& predicted_;
+  const Scene& scene_;
+  const PairEvidence& evidence_;
+  const BeliefOptions& options_;
+  const SceneTiming timing_;
+  const ObservedPlaces places_;
+  LogOddsProblem problem_;
+};
+
+}  // namespace
+
+LogOddsProblem association_problem(const BeliefState& state, const std::vector<Prediction>& predicted,
+                                   const Scene& scene, const PairEvidence& evidence,
+                                   const BeliefOptions& options) {
+  return ProblemBuilder(state, predicted, scene, evidence, options).build();
+}
+
+}  // namespace loci::memory::belief

@@ -1,0 +1,119 @@
+#include "memory/belief/association/fusion.h"
+
+#include <algorithm>
+#include <map>
+
+#include "memory/belief/evidence/proximity.h"
+#include "memory/belief/parameters.h"
+
+namespace loci::memory::belief {
+namespace {
+
+/// From the same view point the faces are averaged. Another one shows further parts: the box grows quickly
+/// and shrinks slowly.
+AxisBox fused_box(const AxisBox& believed, const AxisBox& seen, double gain, bool other_view) {
+  const bool merged = other_view && seen.volume() > kParameters.merged_cluster_volume * believed.volume();
+  const double outward = merged       ? kParameters.merged_cluster_gain * gain
+                         : other_view ? std::max(gain, kParameters.grow_gain)
+                                      : gain;
+  const double inward = other_view ? kParameters.shrink_gain * gain : gain;
+  Vector3d low = believed.low(), high = believed.high();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double below = seen.low()[axis] - low[axis], above = seen.high()[axis] - high[axis];
+    low[axis] += (below < 0 ? outward : inward) * below;
+    high[axis] += (above > 0 ? outward : inward) * above;
+  }
+  return {(low + high) / 2, high - low};
+}
+
+/// Value of storing a view.
+double storage_value(const StoredView& view) {
+  return view.partial ? view.weight : view.weight + kParameters.whole_view_bonus;
+}
+
+}  // namespace
+
+void reset_box(ProtoObject& object, const Observation& observation, const Scene& scene,
+               const BeliefOptions& options) {
+  object.box = observation.box;
+  object.place = observation.place;
+  object.box.centre = place_pose(object.place, scene.places).inverse() * observation.box.centre;
+  object.variance = observation_variance(observation, options);
+  object.partial = observation.partial;
+  object.has_size = observation.has_size || object.has_size;
+}
+
+void fuse_box(ProtoObject& object, const Prediction& predicted, const Observation& observation,
+              const Scene& scene, const BeliefOptions& options) {
+  AxisBox box_now = predicted.box;
+  if (observation.has_size && !object.has_size) box_now.size = observation.box.size;
+  object.has_size = object.has_size || observation.has_size;
+  const double noise = observation_variance(observation, options);
+  if (object.partial && !observation.partial) {
+    reset_box(object, observation, scene, options);
+    return;
+  }
+  if (observation.partial) {
+    if (!object.partial) return;  // a whole view outweighs a partial one
+    AxisBox both = join(box_now, observation.box);
+    both.centre = place_pose(object.place, scene.places).inverse() * both.centre;
+    object.box = both;
+    return;
+  }
+  const double variance = std::max(predicted.variance, 1e-12);
+  const double gain = variance / (variance + noise);
+  const bool other_view = !object.map_from_camera.isApprox(scene.view.map_from_camera, 1e-9);
+  const AxisBox fused = fused_box(box_now, observation.box, gain, other_view);
+  object.box.size = fused.size;
+  object.box.centre = place_pose(object.place, scene.places).inverse() * fused.centre;
+  object.variance = std::max(variance * noise / (variance + noise), kParameters.min_variance_share * noise);
+}
+
+void set_place(ProtoObject& object, const std::string& place, const Scene& scene) {
+  if (object.place == place) return;
+  object.box.centre = place_pose(place, scene.places).inverse() *
+                      (place_pose(object.place, scene.places) * object.box.centre);
+  object.place = place;
+}
+
+void store_view(ProtoObject& object, const Observation& observation, const Scene& scene,
+                const BeliefOptions& options, bool position_confirmed) {
+  if (observation.descriptors.empty()) return;
+  StoredView* nearest = nullptr;
+  double nearest_ratio = -1e9;
+  for (StoredView& view : object.views) {
+    const double ratio =
+        compare(view.descriptors, observation.descriptors, view.partial || observation.partial, 1).log_ratio;
+    if (ratio > nearest_ratio) {
+      nearest_ratio = ratio;
+      nearest = &view;
+    }
+  }
+  const StoredView fresh{observation.descriptors, 1, scene.time, observation.partial};
+  if (nearest != nullptr && nearest_ratio >= kParameters.same_view_log_ratio) {
+    nearest->weight += 1;
+    if (!nearest->partial && observation.partial) return;
+    nearest->descriptors = fresh.descriptors;
+    nearest->time = fresh.time;
+    nearest->partial = fresh.partial;
+  } else if (!position_confirmed && nearest != nullptr) {
+    return;
+  } else if (object.views.size() < size_t(options.views)) {
+    object.views.push_back(fresh);
+  } else {
+    *std::ranges::min_element(object.views, {}, storage_value) = fresh;
+  }
+}
+
+std::string most_probable_class(const ProtoObject& object) {
+  std::map<std::string, double> weights;
+  for (const StoredView& view : object.views)
+    for (const Descriptor& descriptor : view.descriptors)
+      for (size_t i = 0; descriptor.kind == "class" && i < descriptor.names.size(); ++i)
+        weights[descriptor.names[i]] += view.weight * descriptor.values[i];
+  const auto most = std::max_element(weights.begin(), weights.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == weights.end() ? std::string() : most->first;
+}
+
+}  // namespace loci::memory::belief

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "memory/belief/belief.h"
+
+namespace loci::memory::belief {
+
+inline double log_odds(double probability) {
+  return std::log(probability / (1 - probability));
+}
+
+/// Updates the belief with one scene. run() is the algorithm; stages share the members.
+class SceneUpdate {
+ public:
+  SceneUpdate(BeliefState& state, const Scene& scene, const BeliefOptions& options);
+  BeliefUpdate run();
+
+ private:
+  // Data association (scene_update.cpp).
+  void solve_association();
+  /// Takes the MAP hypothesis over, as one consistent explanation of the scene.
+  void choose_partners();
+  /// In a video, an observation at the spot of a known object is that object rather than a new one: drift of
+  /// the pose and cut views would otherwise create doubles.
+  void prefer_known_object(size_t k);
+  Explanation pair_explanation(size_t o, size_t k) const;
+  void report_observations();
+  void report_objects();
+  /// Alternative identities of each track after this scene.
+  std::vector<std::vector<Alternative>> propagated_alternatives() const;
+  double pair_probability(size_t o, size_t k) const;
+  /// Fills in object numbers and posteriors once all objects are updated.
+  void finish_outcomes();
+
+  // Alternative hypotheses: what is believed to have moved may have stayed. Two similar objects must not
+  // become one that goes to and fro, so the second hypothesis is kept until the spot is observed again
+  // (object_updates.cpp).
+  /// An observation at the old spot of a moved object confirms the alternative hypothesis: that object never
+  /// moved, and what was tracked since is another one.
+  void reinstate_alternatives();
+  void reinstate(size_t o, size_t k);
+  /// Keeps the hypothesis that the object did not move. Called before its box is reset.
+  void keep_alternative(size_t o, size_t k);
+
+  // Observed objects (object_updates.cpp).
+  void update_observed(size_t o, size_t k);
+  void update_box_and_views(size_t o, const Observation& observation, Explanation explanation, bool piece);
+  void mark_observed(ProtoObject& object, const Observation& observation);
+  void create_object(size_t k);
+  void confirm(ProtoObject& object, std::optional<size_t> k);
+  /// Before a long pause no more evidence can come: confirms tentative objects that were never missed.
+  void confirm_unrefuted();
+
+  // Unobserved objects (object_updates.cpp).
+  void update_unobserved(size_t o);
+  /// Joint probabilities of what was measured at an object's spot with the object being there or away, and
+  /// the likelihood of an empty spot.
+  struct PresenceEvidence {
+    double there = 0, away = 0, empty = 0;
+    double probability() const;
+  };
+  PresenceEvidence presence_evidence(size_t o) const;
+  /// empty_share() given the partners of all observations (merged clusters do not count).
+  double posterior_empty_share(size_t o) const;
+  void note_hidden(ProtoObject& object, const Prediction& predicted);
+  void delete_clutter();
+  /// Bounds the number of gone objects that observations are compared with: the longest gone are dropped.
+  void prune_gone();
+
+  // Learning, from independent scenes only: video frames repeat each other (learning.cpp).
+  void learn_from_observation(size_t o, size_t k);
+  void learn_from_absence(ProtoObject& object);
+  /// Objects that stayed and are whole in both views show how accurate poses are. Small moves count little.
+  void learn_view_noise(size_t o, size_t k);
+  /// Distances between views of one object and of different ones.
+  void learn_similarity();
+  /// Whether a new object is observed again shows how often new objects are clutter.
+  void learn_clutter(ProtoObject& object, double if_clutter, double if_object);
+  void learn_arrivals();
+
+  BeliefState& state_;
+  const Scene& scene_;
+  const BeliefOptions& options_;
+  const SceneTiming timing_;
+  std::vector<Prediction> predicted_;
+  IdentityWeights weights_;
+  IdentitySolution solution_;
+  std::vector<std::optional<size_t>> partner_of_object_, partner_of_observation_;
+  std::vector<ProtoObject> alternatives_;  ///< hypotheses of this scene
+  BeliefUpdate update_;
+};
+
+}  // namespace loci::memory::belief

@@ -1,0 +1,132 @@
+#include "memory/belief/evidence/calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "memory/belief/parameters.h"
+
+namespace loci::memory::belief {
+namespace {
+
+constexpr size_t kBins = Correction::kBins;
+/// Finer where distances between views of one object lie; distances are about 1 at most.
+constexpr std::array<double, kBins - 1> kBorders{0.02, 0.04, 0.07, 0.11, 0.16, 0.22,
+                                                 0.30, 0.40, 0.52, 0.66, 0.82};
+
+size_t bin_of(double distance) {
+  return static_cast<size_t>(std::ranges::upper_bound(kBorders, distance) - kBorders.begin());
+}
+
+double middle(size_t bin) {
+  const double low = bin == 0 ? 0.0 : kBorders[bin - 1];
+  const double high = bin == kBorders.size() ? 1.0 : kBorders[bin];
+  return (low + high) / 2;
+}
+
+using Shares = std::array<double, kBins>;
+
+/// Prior distributions of the distance between views of one object and of different ones.
+struct DistanceDistributions {
+  Shares same{}, different{};
+};
+
+/// The most even distributions whose ratio is the comparison's table: q ~ exp(-s t), p ~ exp((1-s) t), with s
+/// such that both have the same sum.
+DistanceDistributions distributions_of(const Shares& table) {
+  double low = 0, high = 1;
+  const auto sum = [&](double exponent) {
+    double all = 0;
+    for (const double ratio : table) all += std::exp(exponent * ratio);
+    return all;
+  };
+  for (int i = 0; i < 40; ++i) {
+    const double s = (low + high) / 2;
+    (sum(1 - s) > sum(-s) ? low : high) = s;
+  }
+  const double all = sum(-low);
+  DistanceDistributions prior;
+  for (size_t i = 0; i < kBins; ++i) {
+    prior.different[i] = std::exp(-low * table[i]) / all;
+    prior.same[i] = prior.different[i] * std::exp(table[i]);
+  }
+  return prior;
+}
+
+using PriorDistributions = std::array<std::array<DistanceDistributions, 2>, kComparisons>;
+
+PriorDistributions prior_distributions() {
+  PriorDistributions all;
+  for (size_t kind = 0; kind < kComparisons; ++kind) {
+    for (const bool achromatic : {false, true}) {
+      Shares table{};
+      for (size_t i = 0; i < kBins; ++i)
+        table[i] = prior_log_ratio(comparisons()[kind], middle(i), achromatic);
+      all[kind][achromatic] = distributions_of(table);
+    }
+  }
+  return all;
+}
+
+/// Log ratio of the found to the expected share of distances in each bin.
+Shares log_found_over_expected(const std::array<float, kBins>& counts, const Shares& expected) {
+  const double all = std::accumulate(counts.begin(), counts.end(), kParameters.calibration_prior);
+  Shares result{};
+  for (size_t i = 0; i < kBins; ++i)
+    result[i] = std::log((counts[i] + kParameters.calibration_prior * expected[i]) / (all * expected[i]));
+  return result;
+}
+
+std::string key_of(size_t kind, bool achromatic) {
+  const Comparison& comparison = comparisons()[kind];
+  return comparison.kind + (achromatic && comparison.of_color ? ", achromatic" : "");
+}
+
+}  // namespace
+
+double prior_log_ratio(const Comparison& comparison, double distance, bool achromatic) {
+  const double ratio = log_ratio(comparison, distance);
+  return achromatic && comparison.of_color && ratio > 0 ? ratio / 2 : ratio;
+}
+
+double Correction::at(double distance) const {
+  if (!(distance > middle(0))) return values.front();
+  for (size_t i = 1; i < values.size(); ++i) {
+    if (distance > middle(i)) continue;
+    const double t = (distance - middle(i - 1)) / (middle(i) - middle(i - 1));
+    return values[i - 1] + t * (values[i] - values[i - 1]);
+  }
+  return values.back();
+}
+
+void Calibration::Counts::count(bool same_object, double distance, double weight) {
+  (same_object ? same : different)[bin_of(distance)] += static_cast<float>(weight);
+}
+
+void Calibration::Counts::fade() {
+  for (auto* counts : {&same, &different})
+    if (std::accumulate(counts->begin(), counts->end(), 0.0F) > kParameters.calibration_max)
+      for (float& count : *counts) count /= 2;
+}
+
+Calibration::Counts& Calibration::of(size_t kind, bool achromatic) {
+  return counts_[key_of(kind, achromatic)];
+}
+
+Corrections Calibration::corrections() const {
+  static const PriorDistributions prior = prior_distributions();
+  Corrections all{};
+  for (size_t kind = 0; kind < kComparisons; ++kind) {
+    for (const bool achromatic : {false, true}) {
+      const auto found = counts_.find(key_of(kind, achromatic));
+      if (found == counts_.end()) continue;
+      const Shares same = log_found_over_expected(found->second.same, prior[kind][achromatic].same);
+      const Shares different =
+          log_found_over_expected(found->second.different, prior[kind][achromatic].different);
+      for (size_t i = 0; i < kBins; ++i) all[kind][achromatic].values[i] = same[i] - different[i];
+    }
+  }
+  return all;
+}
+
+}  // namespace loci::memory::belief

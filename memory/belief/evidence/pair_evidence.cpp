@@ -1,0 +1,202 @@
+#include "memory/belief/evidence/pair_evidence.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "memory/belief/evidence/proximity.h"
+#include "memory/belief/parameters.h"
+
+namespace loci::memory::belief {
+namespace {
+
+constexpr double kMaxEvidence = kParameters.max_log_evidence;
+
+Eigen::Index index(size_t i) {
+  return static_cast<Eigen::Index>(i);
+}
+
+/// The stored views of an object, prepared for comparison.
+class ViewSet {
+ public:
+  explicit ViewSet(const ProtoObject& object) {
+    for (const StoredView& view : object.views) {
+      const double weight = 1 + std::log(view.weight);
+      views_.push_back({Appearance(view.descriptors), view.partial, weight, std::log(weight)});
+    }
+  }
+
+  /// Similarity to the mixture of the views, weighted by how often each was observed; the parts are those of
+  /// the most similar view.
+  ViewSimilarity compare(const Appearance& seen, bool partial, const Corrections& corrections,
+                         const BeliefOptions& options) {
+    ViewSimilarity best;
+    ratios_.clear();
+    double weights = 0, largest = -std::numeric_limits<double>::infinity();
+    for (const Entry& view : views_) {
+      const ViewSimilarity one = belief::compare(view.appearance, seen, view.partial || partial,
+                                                 options.appearance_weight, corrections);
+      if (one.count == 0) continue;
+      ratios_.push_back(one.log_ratio + view.log_weight);
+      weights += view.weight;
+      largest = std::max(largest, ratios_.back());
+      if (best.count == 0 || one.log_ratio > best.log_ratio) best = one;
+    }
+    if (ratios_.empty()) return best;
+    double sum = 0;
+    for (const double ratio : ratios_) sum += std::exp(ratio - largest);
+    best.log_ratio = largest + std::log(sum / weights);
+    return best;
+  }
+
+ private:
+  struct Entry {
+    Appearance appearance;
+    bool partial;
+    double weight, log_weight;
+  };
+  std::vector<Entry> views_;
+  std::vector<double> ratios_;
+};
+
+/// An observation without its appearance.
+Observation shape_of(const Observation& observation) {
+  Observation shape;
+  shape.box = observation.box;
+  shape.has_size = observation.has_size;
+  shape.sigma_m = observation.sigma_m;
+  shape.range = observation.range;
+  shape.partial = observation.partial;
+  return shape;
+}
+
+/// Fills the evidence of a scene, pair by pair.
+class PairComparer {
+ public:
+  PairComparer(const BeliefState& state, const std::vector<Prediction>& predicted, const Scene& scene,
+               const BeliefOptions& options)
+      : state_(state),
+        predicted_(predicted),
+        scene_(scene),
+        options_(options),
+        snapshot_(SceneTiming(state, scene, options).snapshot),
+        corrections_(state.calibration.corrections()) {
+    for (const Observation& observation : scene.observations) {
+      appearances_.emplace_back(observation.descriptors);
+      shapes_.push_back(shape_of(observation));
+    }
+    const Eigen::Index rows = index(state.objects.size()), columns = index(shapes_.size());
+    evidence_.log_similar.setConstant(rows, columns, -kMaxEvidence);
+    evidence_.log_proximity.setConstant(rows, columns, -kMaxEvidence);
+    evidence_.log_size.setZero(rows, columns);
+    evidence_.offset.setZero(rows, columns);
+    evidence_.achromatic.setConstant(rows, columns, false);
+    evidence_.similarity.setConstant(rows, columns, std::numeric_limits<double>::quiet_NaN());
+    for (const Comparison& comparison : comparisons())
+      evidence_.distances.push_back({comparison.kind, evidence_.similarity, evidence_.log_size});
+    for (Eigen::Index o = 0; o < rows; ++o)
+      for (Eigen::Index k = 0; k < columns; ++k)
+        evidence_.offset(o, k) = (shapes_[size_t(k)].box.centre - predicted[size_t(o)].box.centre).norm();
+  }
+
+  /// Objects at the observed places come first; observations that they settle are not compared with the rest.
+  PairEvidence run() {
+    std::vector<Eigen::Index> here, elsewhere, all, open;
+    for (Eigen::Index o = 0; o < evidence_.offset.rows(); ++o) (is_near(o) ? here : elsewhere).push_back(o);
+    for (Eigen::Index k = 0; k < evidence_.offset.cols(); ++k) all.push_back(k);
+    for (const Eigen::Index o : here) compare(o, all);
+    run_trackers(here);
+    for (const Eigen::Index k : all)
+      if (!evidence_.settled[size_t(k)]) open.push_back(k);
+    if (!open.empty())
+      for (const Eigen::Index o : elsewhere) compare(o, open);
+    std::erase_if(evidence_.distances,
+                  [](const PairEvidence::Distances& d) { return d.distance.array().isNaN().all(); });
+    return std::move(evidence_);
+  }
+
+ private:
+  bool is_near(Eigen::Index o) const {
+    return predicted_[size_t(o)].seen.visibility.out_of_view < kParameters.out_of_view ||
+           (evidence_.offset.row(o).array() <= kParameters.tracker_reach_m).any();
+  }
+
+  void compare(Eigen::Index o, const std::vector<Eigen::Index>& columns) {
+    ViewSet views(state_.objects[size_t(o)]);
+    for (const Eigen::Index k : columns) compare(o, k, views);
+  }
+
+  void compare(Eigen::Index o, Eigen::Index k, ViewSet& views) {
+    const ProtoObject& object = state_.objects[size_t(o)];
+    const Prediction& p = predicted_[size_t(o)];
+    Observation observation = shapes_[size_t(k)];
+    // An unknown size is no evidence: it is taken to be that of the other.
+    AxisBox believed = p.box;
+    if (!object.has_size) believed.size = observation.box.size;
+    if (!observation.has_size) observation.box.size = believed.size;
+    if (!snapshot_ && is_piece(p, observation.box)) observation.partial = true;
+    const ViewSimilarity similar =
+        views.compare(appearances_[size_t(k)], observation.partial, corrections_, options_);
+    evidence_.achromatic(o, k) = similar.achromatic;
+    evidence_.log_similar(o, k) = std::clamp(similar.log_ratio, -kMaxEvidence, kMaxEvidence);
+    if (const auto similarity = similar.similarity()) evidence_.similarity(o, k) = *similarity;
+    for (size_t i = 0; i < kComparisons; ++i) {
+      evidence_.distances[i].distance(o, k) = similar.parts[i].distance;
+      evidence_.distances[i].log_ratio(o, k) = similar.parts[i].log_ratio;
+      if (comparisons()[i].whole_only) evidence_.log_size(o, k) += similar.parts[i].log_ratio;
+    }
+    const double variance = p.variance + observation_variance(observation, options_);
+    const double extent_variance = variance + p.view_variance * (1 / view_noise(state_) - 1);
+    evidence_.log_proximity(o, k) =
+        std::clamp(log_proximity(believed, variance, extent_variance, object.partial, observation, options_),
+                   -kMaxEvidence, kMaxEvidence);
+  }
+
+  /// Distances of a kind between observations and some objects, infinite where not comparable.
+  std::vector<double> distances(std::string_view kind, const std::vector<Eigen::Index>& rows) const {
+    const auto& table =
+        std::ranges::find(evidence_.distances, kind, &PairEvidence::Distances::kind)->distance;
+    std::vector<double> values;
+    for (Eigen::Index k = 0; k < table.cols(); ++k)
+      for (const Eigen::Index o : rows)
+        values.push_back(std::isnan(table(o, k)) ? std::numeric_limits<double>::infinity() : table(o, k));
+    return values;
+  }
+
+  void run_trackers(const std::vector<Eigen::Index>& rows) {
+    TrackerDistances seen{scene_.observations.size(), {}, {}};
+    for (const Eigen::Index o : rows) seen.keys.push_back(state_.objects[size_t(o)].key);
+    for (Eigen::Index k = 0; k < evidence_.offset.cols(); ++k)
+      for (const Eigen::Index o : rows) seen.of[0].push_back(evidence_.offset(o, k));
+    seen.of[1] = distances("extents", rows);
+    seen.of[2] = distances("color_histogram", rows);
+    if (std::ranges::none_of(seen.of[2], [](double distance) { return std::isfinite(distance); }))
+      seen.of[2] = distances("mean_color", rows);
+    evidence_.votes = votes(seen);
+    for (const TrackerVotes& vote : evidence_.votes) {
+      std::optional<size_t>& settled = evidence_.settled.emplace_back();
+      if (!options_.settle || !vote.settled) continue;
+      const auto found = std::ranges::find(state_.objects, *vote.settled, &ProtoObject::key);
+      // Existence and absence are left to the model.
+      if (found->status == Status::present) settled = static_cast<size_t>(found - state_.objects.begin());
+    }
+  }
+
+  const BeliefState& state_;
+  const std::vector<Prediction>& predicted_;
+  const Scene& scene_;
+  const BeliefOptions& options_;
+  const bool snapshot_;
+  const Corrections corrections_;
+  std::vector<Appearance> appearances_;
+  std::vector<Observation> shapes_;
+  PairEvidence evidence_;
+};
+
+}  // namespace
+
+PairEvidence pair_evidence(const BeliefState& state, const std::vector<Prediction>& predicted,
+                           const Scene& scene, const BeliefOptions& options) {
+  return PairComparer(state, predicted, scene, options).run();
+}
+
+}  // namespace loci::memory::belief

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "memory/belief/evidence/visibility.h"
+#include "memory/belief/state.h"
+
+namespace loci::memory::belief {
+
+/// Temporal context of a scene.
+struct SceneTiming {
+  SceneTiming(const BeliefState& state, const Scene& scene, const BeliefOptions& options);
+
+  double seconds = std::numeric_limits<double>::infinity();  ///< since the last scene
+  bool snapshot = true;     ///< too far from other scenes in time to be confirmed by them
+  bool independent = true;  ///< of the last scene: its events are training data
+  double exposure_s = 0;    ///< BeliefState::exposure_s at the time of the scene
+};
+
+/// A believed object as it is predicted for a scene.
+struct Prediction {
+  AxisBox box;               ///< map frame
+  double variance = 0;       ///< of the centre, without the observation's own noise, m²
+  double view_variance = 0;  ///< its part that is due to another view point
+  double interaction = 0;    ///< probability of having been handled since the last view
+  double appearance_change =
+      0;                    ///< probability of another appearance at the same spot: another side, or handled
+  double here = 1;          ///< probability of still being there
+  BoxVisibility seen;       ///< what observing its spot showed
+  double undetectable = 0;  ///< probability of not being detected if there: too little in view
+};
+
+std::vector<Prediction> predict(const BeliefState& state, const Scene& scene, const BeliefOptions& options);
+
+/// Log likelihoods of what was measured at a spot, of an object that is there and of one that is gone.
+struct AbsenceEvidence {
+  double if_there = 0;
+  double if_gone = 0;
+};
+/// Views in quick succession count for less. Flat objects are hardly distinguishable from the surface, and
+/// often missed. A detector without depth only tells that it found nothing.
+AbsenceEvidence absence_evidence(const Prediction& predicted, double empty_share, double seconds,
+                                 const BeliefOptions& options);
+
+/// Share of an object's observed spot that speaks against the object: seen through, or occupied by another.
+/// `other[k]`: probability that observation k is another object.
+double empty_share(const BoxVisibility& seen, const std::vector<double>& other);
+
+/// Whether an observation is a piece of the object predicted in a box: it lies inside and is much smaller. In
+/// a video, objects appear so that are cut by occlusion, glare or missing depth.
+bool is_piece(const Prediction& predicted, const AxisBox& seen);
+
+/// Share of an observation within a predicted box and its uncertainty.
+double covered_share(const Prediction& predicted, const AxisBox& seen);
+
+}  // namespace loci::memory::belief

@@ -1,0 +1,79 @@
+#include "memory/belief/evidence/proximity.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/base/math.h"
+#include "memory/belief/parameters.h"
+
+namespace loci::memory::belief {
+namespace {
+
+double square(double x) {
+  return x * x;
+}
+
+/// How far `inner` extends beyond `outer` on each axis.
+Vector3d excess(const AxisBox& inner, const AxisBox& outer) {
+  return (inner.high() - outer.high()).cwiseMax(outer.low() - inner.low()).cwiseMax(0.0);
+}
+
+Vector3d gap(const AxisBox& a, const AxisBox& b) {
+  return (a.low() - b.high()).cwiseMax(b.low() - a.high()).cwiseMax(0.0);
+}
+
+/// Horizontally against a uniform density. All objects stand on their place, so height is only evidence
+/// against.
+double gaussian_log_ratio(const Vector3d& offset, double variance, double spread, double area) {
+  const double horizontal = square(offset.x()) + square(offset.y());
+  const double vertical_variance = variance + square(kParameters.vertical_noise_m);
+  return std::log(area / (2 * kPi * (variance + spread))) - horizontal / (2 * variance) -
+         square(offset.z()) / (2 * vertical_variance);
+}
+
+/// An object that stays keeps its extents along the axes of the map.
+double extent_penalty(const AxisBox& believed, const AxisBox& seen, double variance) {
+  double penalty = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double size = std::max(believed.size[axis], seen.size[axis]);
+    penalty -=
+        square(seen.size[axis] - believed.size[axis]) /
+        (2 * (square(kParameters.extent_noise_m + kParameters.extent_noise_per_size * size) + 4 * variance));
+  }
+  return std::max(kParameters.min_extent_log_ratio, penalty);
+}
+
+}  // namespace
+
+double observation_variance(const Observation& observation, const BeliefOptions& options) {
+  if (observation.sigma_m) return square(*observation.sigma_m);
+  return square(options.noise_m) + square(options.noise_per_m2 * square(observation.range)) +
+         square(options.noise_per_size * observation.box.size.maxCoeff());
+}
+
+double camera_motion(const Isometry3d& from, const Isometry3d& to) {
+  const Isometry3d change = from.inverse() * to;
+  return change.translation().norm() + Eigen::AngleAxisd(change.linear()).angle();
+}
+
+double view_change_variance(const Isometry3d& from, const Isometry3d& to, double size,
+                            const BeliefOptions& options) {
+  const double motion = camera_motion(from, to);
+  return square(options.pose_noise_m * (1 - std::exp(-motion / kParameters.pose_error_motion))) +
+         square(options.view_bias * size * (1 - std::exp(-motion / kParameters.turn_motion)));
+}
+
+double log_proximity(const AxisBox& box, double variance, double extent_variance, bool box_partial,
+                     const Observation& observation, const BeliefOptions& options) {
+  const double size = std::max(box.size.maxCoeff(), observation.box.size.maxCoeff());
+  const double spread = square(size / 3);  // the visible part may be anywhere within the other box
+  if (box_partial && observation.partial)
+    return gaussian_log_ratio(gap(box, observation.box), variance, spread, options.area_m2);
+  if (observation.partial)
+    return gaussian_log_ratio(excess(observation.box, box), variance, spread, options.area_m2);
+  if (box_partial) return gaussian_log_ratio(excess(box, observation.box), variance, spread, options.area_m2);
+  return gaussian_log_ratio(observation.box.centre - box.centre, variance, 0, options.area_m2) +
+         extent_penalty(box, observation.box, extent_variance);
+}
+
+}  // namespace loci::memory::belief

@@ -1,0 +1,207 @@
+#include "memory/belief/evidence/similarity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace loci::memory::belief {
+namespace {
+
+std::vector<double> log_extents(const std::vector<float>& extents) {
+  // A centimetre is added so that the thickness of flat objects, mostly noise, does not dominate.
+  std::vector<double> logs;
+  for (const float extent : extents) logs.push_back(std::log(double(extent) + 0.01));
+  std::sort(logs.begin(), logs.end());
+  return logs;
+}
+
+double log_extent_distance(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return a.empty() ? 0.0 : std::sqrt(sum / double(a.size()));
+}
+
+}  // namespace
+
+double gaussian_similarity(double distance, double sigma) {
+  return std::exp(-(distance / sigma) * (distance / sigma));
+}
+
+double histogram_distance(const std::vector<float>& a, const std::vector<float>& b) {
+  const double sum_a = std::accumulate(a.begin(), a.end(), 0.0);
+  const double sum_b = std::accumulate(b.begin(), b.end(), 0.0);
+  if (!(sum_a > 0) || !(sum_b > 0)) return 1.0;
+  double overlap = 0;
+  for (size_t i = 0; i < a.size(); ++i) overlap += std::sqrt(std::max(0.0, double(a[i]) * double(b[i])));
+  return std::sqrt(std::max(0.0, 1.0 - overlap / std::sqrt(sum_a * sum_b)));
+}
+
+double euclidean_distance(const std::vector<float>& a, const std::vector<float>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += (double(a[i]) - b[i]) * (double(a[i]) - b[i]);
+  return a.empty() ? 0.0 : std::sqrt(sum / double(a.size()));
+}
+
+double extent_distance(const std::vector<float>& a, const std::vector<float>& b) {
+  return log_extent_distance(log_extents(a), log_extents(b));
+}
+
+const std::vector<Comparison>& comparisons() {
+  // Log ratios were read off distances between labelled views of the same and of different objects, then
+  // flattened: other kitchens have other objects, so no single annotation may decide alone.
+  static const std::vector<Comparison> all = {
+      {"color_histogram",
+       histogram_distance,
+       {{0.0, 2.0}, {0.2, 1.7}, {0.4, 0.9}, {0.6, 0.0}, {0.75, -1.5}, {0.9, -3.5}, {1.0, -5.0}},
+       0.5,
+       false,
+       true},
+      {"mean_color",
+       euclidean_distance,
+       {{0.0, 1.8}, {0.05, 1.3}, {0.12, 0.0}, {0.25, -2.5}, {0.5, -6.0}},
+       0.25,
+       false,
+       true},
+      {"extents",
+       extent_distance,
+       {{0.0, 2.2}, {0.08, 1.4}, {0.15, 0.2}, {0.25, -2.0}, {0.4, -4.0}, {0.55, -5.0}, {1.0, -6.0}},
+       0.4,
+       true,
+       false},
+      // A detector's classes depend on the view, and it errs in the same way again.
+      {"class",
+       histogram_distance,
+       {{0.0, 2.0}, {0.4, 1.2}, {0.6, 0.3}, {0.8, -1.5}, {1.0, -4.0}},
+       0.5,
+       false,
+       false},
+      // Another side bears another text, so that different words say little.
+      {"text", histogram_distance, {{0.0, 3.0}, {0.55, 2.0}, {0.8, 0.5}, {1.0, -1.0}}, 0.5, false, false},
+  };
+  return all;
+}
+
+const Comparison* find_comparison(const std::string& kind) {
+  for (const Comparison& comparison : comparisons())
+    if (comparison.kind == kind) return &comparison;
+  return nullptr;
+}
+
+double log_ratio(const Comparison& comparison, double distance) {
+  const auto& table = comparison.table;
+  if (distance <= table.front().distance) return table.front().log_ratio;
+  for (size_t i = 1; i < table.size(); ++i) {
+    if (distance > table[i].distance) continue;
+    const double t = (distance - table[i - 1].distance) / (table[i].distance - table[i - 1].distance);
+    return table[i - 1].log_ratio + t * (table[i].log_ratio - table[i - 1].log_ratio);
+  }
+  return table.back().log_ratio;
+}
+
+namespace {
+
+bool is_achromatic(const std::vector<Descriptor>& view) {
+  for (const Descriptor& d : view) {
+    if (d.kind != "mean_color" || d.values.empty()) continue;
+    const auto [lowest, highest] = std::minmax_element(d.values.begin(), d.values.end());
+    return *highest - *lowest < 0.25F * std::max(*highest, 0.2F);
+  }
+  return false;
+}
+
+std::vector<std::pair<const std::string*, float>> by_name(const Descriptor& descriptor) {
+  std::vector<std::pair<const std::string*, float>> sorted;
+  for (size_t i = 0; i < descriptor.names.size(); ++i)
+    sorted.emplace_back(&descriptor.names[i], descriptor.values[i]);
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const auto& one, const auto& other) { return *one.first < *other.first; });
+  size_t kept = 0;
+  for (size_t i = 0; i < sorted.size(); ++i) {
+    if (kept > 0 && *sorted[i].first == *sorted[kept - 1].first)
+      sorted[kept - 1].second += sorted[i].second;
+    else
+      sorted[kept++] = sorted[i];
+  }
+  sorted.resize(kept);
+  return sorted;
+}
+
+/// The values of both over the union of their names, in order; 0 for a missing name.
+void align(const Appearance::Feature& a, const Appearance::Feature& b, std::vector<float>& x,
+           std::vector<float>& y) {
+  x.clear();
+  y.clear();
+  auto in_a = a.by_name.begin();
+  auto in_b = b.by_name.begin();
+  while (in_a != a.by_name.end() || in_b != b.by_name.end()) {
+    const int order = in_a == a.by_name.end()   ? 1
+                      : in_b == b.by_name.end() ? -1
+                                                : in_a->first->compare(*in_b->first);
+    x.push_back(order <= 0 ? (in_a++)->second : 0.0F);
+    y.push_back(order >= 0 ? (in_b++)->second : 0.0F);
+  }
+}
+
+bool comparable(const Appearance::Feature& a, const Appearance::Feature& b) {
+  if (a.values == nullptr || b.values == nullptr) return false;
+  return a.named == b.named && (a.named || a.values->size() == b.values->size());
+}
+
+double distance_of(const Comparison& comparison, const Appearance::Feature& a, const Appearance::Feature& b) {
+  if (comparison.distance == extent_distance) return log_extent_distance(a.log_extents, b.log_extents);
+  if (!a.named) return comparison.distance(*a.values, *b.values);
+  thread_local std::vector<float> x, y;
+  align(a, b, x, y);
+  return comparison.distance(x, y);
+}
+
+}  // namespace
+
+Appearance::Appearance(const std::vector<Descriptor>& descriptors) : achromatic_(is_achromatic(descriptors)) {
+  const std::vector<Comparison>& known = comparisons();
+  for (const Descriptor& descriptor : descriptors) {
+    const auto found = std::find_if(known.begin(), known.end(),
+                                    [&](const Comparison& one) { return one.kind == descriptor.kind; });
+    if (found == known.end()) continue;
+    Feature& feature = features_.at(static_cast<size_t>(found - known.begin()));
+    if (feature.values != nullptr) continue;  // the first of a kind counts
+    feature.values = &descriptor.values;
+    feature.named = !descriptor.names.empty();
+    feature.by_name = by_name(descriptor);
+    if (found->distance == extent_distance) feature.log_extents = log_extents(descriptor.values);
+  }
+}
+
+std::optional<double> ViewSimilarity::similarity() const {
+  return count > 0 ? std::optional(std::exp(mean_log_similarity)) : std::nullopt;
+}
+
+ViewSimilarity compare(const Appearance& a, const Appearance& b, bool partial, double weight,
+                       const Corrections& corrections) {
+  static const double min_log_similarity = std::log(1e-12);  // bounds gaussian_similarity()
+  ViewSimilarity result;
+  result.achromatic = a.achromatic() && b.achromatic();
+  for (size_t i = 0; i < kComparisons; ++i) {
+    const Comparison& comparison = comparisons()[i];
+    const Appearance::Feature &of_a = a.features()[i], &of_b = b.features()[i];
+    if (!comparable(of_a, of_b) || (partial && comparison.whole_only)) continue;
+    const double distance = distance_of(comparison, of_a, of_b);
+    if (!std::isfinite(distance)) continue;
+    const double ratio = prior_log_ratio(comparison, distance, result.achromatic) +
+                         corrections[i][result.achromatic].at(distance);
+    result.parts[i] = {distance, ratio};
+    ++result.count;
+    result.log_ratio += weight * ratio;
+    const double relative = distance / comparison.sigma;
+    result.mean_log_similarity += std::max(min_log_similarity, -relative * relative);
+  }
+  if (result.count > 0) result.mean_log_similarity /= double(result.count);
+  return result;
+}
+
+ViewSimilarity compare(const std::vector<Descriptor>& a, const std::vector<Descriptor>& b, bool partial,
+                       double weight) {
+  return compare(Appearance(a), Appearance(b), partial, weight);
+}
+
+}  // namespace loci::memory::belief

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <array>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "memory/belief/scene.h"
+
+namespace loci::memory::belief {
+
+/// Similarity in [0,1] of a distance: exp(-(x/sigma)²). This form reproduces the dissertation's table 6.2;
+/// equation 6.1 as printed has twice the sigma.
+double gaussian_similarity(double distance, double sigma = 0.25);
+
+/// How two descriptors of one kind are compared: a distance in about [0,1], and its evidence. The table maps
+/// a distance to the log-likelihood ratio "same object" against "unrelated objects", linear between its
+/// points and constant outside.
+struct Comparison {
+  std::string kind;
+  double (*distance)(const std::vector<float>&, const std::vector<float>&) = nullptr;
+  struct Point {
+    double distance;
+    double log_ratio;
+  };
+  std::vector<Point> table;
+  double sigma = 0.25;      ///< of gaussian_similarity()
+  bool whole_only = false;  ///< not comparable in partial views (sizes)
+  bool of_color = false;
+};
+
+inline constexpr size_t kComparisons = 5;
+/// All known comparisons, in the order in which they are reported.
+const std::vector<Comparison>& comparisons();
+/// nullptr for an unknown kind: such a descriptor is no evidence.
+const Comparison* find_comparison(const std::string& kind);
+
+double log_ratio(const Comparison& comparison, double distance);
+
+/// Hellinger distance of two histograms (each is normalised first), in [0,1].
+double histogram_distance(const std::vector<float>& a, const std::vector<float>& b);
+/// Euclidean distance over the length of the unit cube's diagonal.
+double euclidean_distance(const std::vector<float>& a, const std::vector<float>& b);
+/// Root mean square of the log ratios of sorted positive extents.
+double extent_distance(const std::vector<float>& a, const std::vector<float>& b);
+
+/// Learned addition to a comparison's table: log-likelihood ratios at the middles of some distances.
+struct Correction {
+  static constexpr size_t kBins = 12;
+  std::array<double, kBins> values{};
+
+  double at(double distance) const;
+};
+/// By kind, in the order of comparisons(); the second is for two achromatic objects.
+using Corrections = std::array<std::array<Correction, 2>, kComparisons>;
+
+/// Log-likelihood ratio of the table. Achromatic objects are common: that two of them agree in colour counts
+/// less.
+double prior_log_ratio(const Comparison& comparison, double distance, bool achromatic);
+
+/// Descriptors of a view prepared for many comparisons. Refers to the descriptors, which must outlive it.
+class Appearance {
+ public:
+  explicit Appearance(const std::vector<Descriptor>& descriptors);
+
+  struct Feature {
+    const std::vector<float>* values = nullptr;  ///< unset = no descriptor of this kind
+    bool named = false;
+    std::vector<std::pair<const std::string*, float>> by_name;  ///< in order of the names, each once
+    std::vector<double> log_extents;                            ///< where extents are compared
+  };
+  const std::array<Feature, kComparisons>& features() const { return features_; }
+  bool achromatic() const { return achromatic_; }
+
+ private:
+  std::array<Feature, kComparisons> features_;
+  bool achromatic_;
+};
+
+/// Result of comparing two views, in the order of comparisons().
+struct ViewSimilarity {
+  struct Part {
+    double distance = std::numeric_limits<double>::quiet_NaN();  ///< NaN = not comparable
+    double log_ratio = 0;
+  };
+  std::array<Part, kComparisons> parts;
+  bool achromatic = false;         ///< both are
+  size_t count = 0;                ///< of comparable parts
+  double log_ratio = 0;            ///< combined evidence; 0 when nothing is comparable
+  double mean_log_similarity = 0;  ///< over the parts
+
+  /// The dissertation's similarity: geometric mean over the parts; unset when nothing is comparable.
+  std::optional<double> similarity() const;
+};
+
+/// Compares two views. Annotations of one object are not independent: the sum of their log ratios is
+/// multiplied by `weight` in (0,1]. `partial`: one of the two is cut off.
+ViewSimilarity compare(const Appearance& a, const Appearance& b, bool partial, double weight,
+                       const Corrections& corrections = {});
+ViewSimilarity compare(const std::vector<Descriptor>& a, const std::vector<Descriptor>& b, bool partial,
+                       double weight);
+
+}  // namespace loci::memory::belief

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <array>
+
+namespace loci::memory::belief {
+
+/// Tuned constants of the belief that are not options; options.h has those that depend on sensor and home.
+struct Parameters {
+  // Visibility
+  double unobstructed = 0.5;  ///< share of the frustum a detector without depth sees: it reports no occlusion
+  double footing_m = 0.02;    ///< lowest part of a box, which merges with the supporting surface …
+  double footing_share = 0.4;      ///< … at most this share of its height
+  double min_sigma_m = 0.005;      ///< position uncertainty below this is not sampled: less than a pixel
+  double min_detectable = 0.15;    ///< below a sixth in view nothing is detected …
+  double detectable_range = 0.45;  ///< … from three fifths on a detector works as usual
+
+  // Prediction and absence
+  double base_appearance_change = 0.002;  ///< per view, even without motion: glare, shadows
+  double turn_motion = 0.5;               ///< m + rad of camera motion after which another side is visible
+  double pose_error_motion = 0.1;         ///< m + rad after which the pose error has its full size
+  double occupied_if_gone = 0.1;          ///< probability that an empty spot measures as occupied
+  double flat_height_m = 0.015;           ///< up to this height an object merges with the surface's noise …
+  double flat_height_range_m = 0.02;      ///< … from this much higher on it is detected as usual
+  double flat_detection = 0.4;            ///< detection factor of flat objects
+  double min_independence = 0.05;  ///< views within a second repeat each other's errors: a view counts by
+                                   ///< its distance in seconds, from this up to 1
+
+  // Position evidence
+  double max_log_evidence = 30;        ///< of one pair: no sensor model is exact beyond
+  double vertical_noise_m = 0.01;      ///< heights vary with the segmentation of the supporting surface
+  double min_extent_log_ratio = -6;    ///< parts may be occluded unnoticed
+  double extent_noise_m = 0.01;        ///< of the extent between two views …
+  double extent_noise_per_size = 0.1;  ///< … and relative to the size
+  double out_of_view = 0.99;           ///< an object this far out of view is not about the observed places
+
+  // Single-cue trackers: largest distance of a proposal, by position (m), extents and colour
+  std::array<double, 3> max_tracker_distance{0.1, 0.25, 0.6};
+  double tracker_margin_m = 0.05;  ///< anything else must be twice as far and this much more
+  double tracker_reach_m =
+      0.25;  ///< = 2 · max_tracker_distance[0] + tracker_margin_m: nothing beyond matters
+
+  // Video
+  double piece_volume = 0.5;          ///< an observation below this share of a predicted box …
+  double piece_covered = 0.6;         ///< … and inside it by this share is a piece of that object
+  double merged_in_video = 0.3;       ///< weight of "taken by another object": touching objects often merge
+  double piece_in_snapshot = 0.1;     ///< weight of pieces as clutter where no video shows the rest
+  double covered = 0.4;               ///< an observation covered this far by a prediction is that object …
+  double max_covering_volume = 3;     ///< … unless it is this much larger …
+  double min_color_log_ratio = -2.5;  ///< … or has another colour
+  double merged_volume = 1.4;         ///< a cluster that grew this much contains its neighbour
+
+  // Association
+  double gate = 1e-4;              ///< a tenth of min_probability: the error stays below what is reported
+  double min_probability = 0.001;  ///< of a reported partner
+  double min_alternative = 0.02;   ///< of an alternative identity that is carried on
+  double min_alternative_hypothesis = 2e-4;  ///< of an alternative hypothesis that is kept
+  double newview_color_weight = 0.25;  ///< another side may have other colours, though seldom altogether
+
+  // Existence
+  double cut_off_log_odds = 0.5;   ///< a cut-off cluster is less certainly an object
+  double max_log_odds = 20;        ///< of existing: evidence against must still count
+  double min_observed = 0.3;       ///< a spot must be observed this much before absence counts
+  double seen_empty = 0.7;         ///< from this share on an empty spot counts …
+  double seen_empty_factor = 1.1;  ///< … this much more than a missed detection
+
+  // Fusion of views
+  double merged_cluster_volume = 2.5;  ///< a box this much larger is rather two objects in one cluster …
+  double merged_cluster_gain = 0.1;    ///< … and hardly counts
+  double grow_gain = 0.5;              ///< another view point shows further parts: boxes grow quickly …
+  double shrink_gain = 0.1;            ///< … and shrink slowly
+  double min_variance_share = 0.25;    ///< of one view's: errors of one view point repeat
+  double same_view_log_ratio = 2.5;    ///< views at least this similar are stored once
+  double whole_view_bonus = 5;         ///< in views: whole ones are stored rather than partial ones
+
+  // Learning
+  double certain = 0.9;             ///< associations this probable are training data
+  double similarity_weight = 0.5;   ///< of one comparison: views of one object repeat each other
+  double view_noise_weight = 0.25;  ///< of one observation …
+  double max_view_noise = 4;        ///< … whose error counts up to this multiple of the expected one
+  double min_view_noise = 0.1;      ///< factor on the view-point error: visible parts always differ
+  double view_point_ratio = 4;      ///< view-point variance over other noise from which a view teaches
+  double calibration_prior = 30;    ///< distances that the tables of comparisons() are worth
+  float calibration_max = 10000;    ///< counts beyond this fade by half
+
+  // Interaction
+  double prior_events = 2;       ///< events at the expected rate that the options are worth
+  double prior_carried_off = 1;  ///< without evidence a third of what is handled is carried off, …
+  double prior_put_down = 2;     ///< … the rest is put down, half of it on the same place
+  double hazard_tail = 0.15;     ///< slow tail of the rate of handling: nothing stays forever …
+  double hazard_tail_time = 24;  ///< … in multiples of move_time_s
+  double max_probability = 0.9;  ///< of returning and of being clutter
+};
+
+inline constexpr Parameters kParameters;
+
+}  // namespace loci::memory::belief
