@@ -129,7 +129,7 @@ Why explain(const belief::ObjectDecision& d) {
   return why;
 }
 
-/// What the simple trackers would have said (memory/belief/kept_votes.h).
+/// Proposals of the single-cue trackers.
 Why explain_votes(const SceneReasoning& reasoning) {
   const belief::SceneMatrices& kept = reasoning.matrices;
   const auto name = [&](const std::optional<int64_t>& key) {

@@ -43,10 +43,10 @@ TEST(LocationBelief, IsEmptyWhereNothingWasObserved) {
 
 TEST(Interactions, NeverHandlesMoreThanEverything) {
   ChangeRates rates;
-  const Handling much = interactions(rates, 1e6);
+  const Interactions much = interactions(rates, 1e6);
   EXPECT_GT(much.untouched(), 0.0);
   EXPECT_NEAR(much.removed, much.moved, 1e-12);
-  const Handling none = interactions(rates, 0);
+  const Interactions none = interactions(rates, 0);
   EXPECT_EQ(none.untouched(), 1.0);
 }
 
