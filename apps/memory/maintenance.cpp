@@ -12,7 +12,7 @@
 #include "mapping/base/stopwatch.h"
 #include "memory/identity/vector_file.h"
 #include "memory/reasoning/reason.h"
-#include "memory/recorder/forget.h"
+#include "memory/recorder/checkpoint.h"
 #include "memory/store/memory_file.h"
 #include "memory/store/merge.h"
 #include "memory/store/retention.h"

@@ -8,7 +8,7 @@
 #include "apps/perceive/commands.h"
 #include "mapping/base/json.h"
 #include "memory/annotators/memory_annotators.h"
-#include "memory/annotators/remembered.h"
+#include "memory/annotators/memory_reader.h"
 #include "perception/annotators/annotators.h"
 #include "perception/pipeline/pipeline.h"
 
@@ -82,9 +82,9 @@ void annotate(const AnnotateArguments& arguments, Session& session) {
   if (!arguments.now.empty()) options.now = parse_time(arguments.now);
   memory::Store::open_read(arguments.memory);  // What is no memory is refused, not made.
   const auto memory =
-      std::make_shared<memory::RememberedMemory>(memory::Store::open_write(arguments.memory, options));
+      std::make_shared<memory::MemorySource>(memory::Store::open_write(arguments.memory, options));
   const Json configuration = pipeline.to_json();
-  if (!arguments.again) memory->answered_by = pipeline.annotating();
+  if (!arguments.again) memory->annotated_by = pipeline.annotating();
   perception::Resources resources;
   resources.put_for_run(memory);
   perception::Context context{resources, session.warnings(), session.flags().threads, {}};
@@ -94,7 +94,7 @@ void annotate(const AnnotateArguments& arguments, Session& session) {
   const perception::PipelineResult result =
       pipeline.run(context, experts.types, session.progress(), [&](perception::cas::Cas& cas) {
         clusters += perception::types::SceneCas(cas).clusters().size();
-        annotations += keep_late_annotations(*memory, cas, run);
+        annotations += store_new_annotations(*memory, cas, run);
       });
   memory->store.finish_run(run);
   for (const auto& [name, seconds] : result.seconds) session.timing(name, seconds);

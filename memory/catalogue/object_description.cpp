@@ -5,7 +5,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "memory/belief/similarity.h"
+#include "memory/belief/evidence/similarity.h"
 
 namespace loci::memory {
 namespace {

@@ -9,7 +9,7 @@
 
 namespace loci::memory {
 
-/// A value that an annotator found, to be searched for.
+/// An annotation and its searchable value.
 struct AnnotationRecord {
   std::string type;  ///< type name
   std::string value;
@@ -23,7 +23,7 @@ struct BlobRecord {
   std::string media;
 };
 
-/// One thing that was seen: what the belief compares, what the memory keeps.
+/// One observation: what the belief compares, and what the memory stores.
 struct ObservationRecord {
   belief::Observation evidence;  ///< its id is given by the memory; its place is a name
   ObservationRow row;            ///< without id, scene, place, crop and mask, which the recorder fills in
@@ -31,16 +31,16 @@ struct ObservationRecord {
   BlobRecord mask;
   BlobRecord cloud;  ///< encode_cluster_depth() of the pixels of the mask
   std::vector<AnnotationRecord> annotations;
-  std::vector<perception::cas::FeatureStructure> structures;  ///< further feature structures to keep with it
+  std::vector<perception::cas::FeatureStructure> structures;  ///< further feature structures to store with it
 };
 
-/// Everything about one moment, as it comes out of a pipeline or another detector.
+/// Output of a pipeline or another detector for one moment.
 struct SceneRecord {
-  std::string source = "perceive";  ///< who says so
+  std::string source = "perceive";  ///< program or detector
   SceneRow row;                     ///< without id, depth and image, which the recorder fills in
   belief::SceneView view;
   std::optional<double> seconds_to_next;
-  std::vector<belief::PlacePose> place_poses;  ///< where moving places are now
+  std::vector<belief::PlacePose> place_poses;  ///< current poses of moving places
   BlobRecord image;
   std::vector<PlaceRow> places;  ///< in view or in the map
   std::vector<ObservationRecord> observations;

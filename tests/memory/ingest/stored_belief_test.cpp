@@ -7,7 +7,7 @@
 #include "mapping/base/files.h"
 #include "memory/ingest/ingest.h"
 #include "memory/questions/location.h"
-#include "memory/recorder/forget.h"
+#include "memory/recorder/checkpoint.h"
 #include "memory/recorder/recorder.h"
 
 namespace loci::memory {

@@ -6,17 +6,21 @@
 
 namespace loci::memory {
 
-/// Reads a processed CAS: what the belief compares and what the memory keeps. `world` (may be null) says
-/// where places that move with a joint are. The row's recording and map are left to the caller.
+/// Converts a processed CAS: what the belief compares and what the memory stores. `world` (may be null) gives
+/// the poses of places that move with a joint. The row's recording and map are left to the caller.
 SceneRecord scene_record(const perception::types::SceneCas& scene, const mapping::World* world);
 
-/// An annotation with the value that it is searched by.
+/// An annotation and its searchable value.
 AnnotationRecord annotation_record(const perception::types::Annotation& annotation);
 
-/// The numbers of a cluster's annotations that can be compared (distances live with the types).
+/// Descriptors of a cluster that the belief can compare.
 std::vector<belief::Descriptor> descriptors_of(const perception::types::Cluster& cluster);
 
 /// Box of points along the axes of the map: 1st to 99th percentile, since outliers are common.
 belief::AxisBox robust_box(const std::vector<Vector3d>& points);
+
+/// Adds to a scene_record() of this CAS what the memory stores and the belief does not use: pixel kinds, logs
+/// of the annotators with their times, and with `clouds` the points of each cluster.
+void add_stored_data(const perception::types::SceneCas& scene, bool clouds, SceneRecord& record);
 
 }  // namespace loci::memory

@@ -1,4 +1,4 @@
-#include "memory/annotators/remembered.h"
+#include "memory/annotators/memory_reader.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/image/image_io.h"
-#include "memory/annotators/scene_of_cas.h"
+#include "memory/annotators/cas_to_scene.h"
 #include "memory/store/feature_structures.h"
 #include "memory/store/scene_images.h"
 #include "perception/conversions/camera.h"
@@ -65,7 +65,7 @@ void add_points(const Store& store, const SceneRow& scene, const ObservationRow&
   cluster.hypotheses.push_back(reference);
 }
 
-bool answered(const perception::types::Cluster& cluster, const std::set<std::string>& by) {
+bool is_annotated(const perception::types::Cluster& cluster, const std::set<std::string>& by) {
   std::set<std::string> sources;
   for (const perception::types::Annotation& annotation : cluster.annotations)
     sources.insert(annotation.source.get());
@@ -85,7 +85,7 @@ perception::AnnotatorDescriptor MemoryReader::descriptor() const {
 }
 
 void MemoryReader::start(perception::Context& context) {
-  memory_ = &context.resources.get<RememberedMemory>("memory for MemoryReader", "name one with -m FILE.loci");
+  memory_ = &context.resources.get<MemorySource>("memory for MemoryReader", "name one with -m FILE.loci");
   scenes_ = memory_->store.scenes();
 }
 
@@ -135,7 +135,7 @@ void MemoryReader::read_next(perception::cas::Cas& cas, perception::Context& con
     if (annotation && !kept.observation) made.annotations.push_back(*annotation);
   }
   if (row.camera && !scene.has_camera("depth")) {
-    // The colour camera is not kept.
+    // The colour camera is not stored.
     const SceneCamera& kept = *row.camera;
     mapping::RgbdCamera camera;
     camera.depth = {kept.width, kept.height, kept.fx, kept.fy, kept.cx, kept.cy};
@@ -147,12 +147,12 @@ void MemoryReader::read_next(perception::cas::Cas& cas, perception::Context& con
       cluster.place.set(location.frame_id.get());
     for (const perception::types::PlanarSupport& support : scene.supports())
       if (cluster.place.is_set() && support.name.get() == cluster.place.get()) cluster.support.set(support);
-    if (answered(cluster, memory_->answered_by)) cas.hide(cluster);
+    if (is_annotated(cluster, memory_->annotated_by)) cas.hide(cluster);
   }
   memory_->current.structures = cas.size();
 }
 
-size_t keep_late_annotations(RememberedMemory& memory, perception::cas::Cas& cas, Id run) {
+size_t store_new_annotations(MemorySource& memory, perception::cas::Cas& cas, Id run) {
   const std::vector<perception::types::Cluster> clusters =
       perception::types::SceneCas(cas).scene().clusters.to_vector();
   SceneTransaction transaction(memory.store, run);

@@ -8,13 +8,13 @@
 
 namespace loci::memory {
 
-/// A memory whose scenes are read again (§5.2): a resource of the pipeline.
-struct RememberedMemory {
-  explicit RememberedMemory(Store opened) : store(std::move(opened)) {}
+/// A memory whose scenes are processed again (§5.2): a resource of the pipeline.
+struct MemorySource {
+  explicit MemorySource(Store opened) : store(std::move(opened)) {}
 
   Store store;
-  /// Clusters about which all of these have said something already are hidden; empty = none are.
-  std::set<std::string> answered_by;
+  /// Clusters that all of these annotators have annotated already are hidden; empty = none are.
+  std::set<std::string> annotated_by;
   /// The scene that was read last: its observations in the order of its clusters, and the structures of its
   /// CAS.
   struct Current {
@@ -26,7 +26,7 @@ struct RememberedMemory {
 };
 
 /// Reads the scenes of a memory: clusters with their images and points (a depth image in which nothing
-/// else was measured), supports, and what was said about them.
+/// else was measured), supports, and their annotations.
 class MemoryReader : public perception::Reader {
  public:
   perception::AnnotatorDescriptor descriptor() const override;
@@ -38,14 +38,14 @@ class MemoryReader : public perception::Reader {
   void skip(size_t frames) override { position_ += frames; }
 
  private:
-  RememberedMemory* memory_ = nullptr;
+  MemorySource* memory_ = nullptr;
   std::vector<SceneRow> scenes_;
   size_t position_ = 0;
-  std::set<std::string> unknown_;  ///< types that were warned about
+  std::set<std::string> unknown_;  ///< types with a warning
 };
 
-/// Adds what was said anew about the clusters of the scene read last to their observations, in one
-/// transaction. Returns how many annotations these are.
-size_t keep_late_annotations(RememberedMemory& memory, perception::cas::Cas& cas, Id run);
+/// Adds new annotations of the clusters of the scene read last to their observations, in one transaction.
+/// Returns their number.
+size_t store_new_annotations(MemorySource& memory, perception::cas::Cas& cas, Id run);
 
 }  // namespace loci::memory

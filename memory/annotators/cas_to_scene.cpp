@@ -1,5 +1,6 @@
-#include "memory/annotators/scene_of_cas.h"
+#include "memory/annotators/cas_to_scene.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -7,6 +8,7 @@
 #include "mapping/image/hsv.h"
 #include "mapping/image/image_io.h"
 #include "mapping/world/kinematics.h"
+#include "memory/store/scene_images.h"
 #include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
 #include "perception/types/geometry.h"
@@ -14,7 +16,7 @@
 namespace loci::memory {
 namespace {
 
-constexpr std::string_view kMapDepth = "map_depth";  ///< view of what the map alone would measure
+constexpr std::string_view kMapDepth = "map_depth";  ///< view with the depth of the map alone
 
 std::string encoded(const cv::Mat& image, const std::string& ending) {
   const std::vector<unsigned char> bytes = mapping::encode_image(image, ending);
@@ -49,7 +51,7 @@ void describe_place(const perception::types::PlanarSupport& support, const mappi
   record.places.push_back(std::move(row));
 }
 
-/// Poses of links that some joint moves: what lies on them moves along.
+/// Poses of movable links: objects on them move along.
 void add_place_poses(const mapping::World& world, SceneRecord& record) {
   const std::vector<Isometry3d> poses = root_from_links(world, record.row.joints);
   for (size_t i = 0; i < world.links.size(); ++i) {
@@ -82,7 +84,7 @@ void read_camera(const perception::types::SceneCas& cas, const perception::types
   if (cas.has(perception::types::SceneCas::kColor))
     record.image = {encoded(perception::types::view_image(cas, perception::types::SceneCas::kColor), ".jpg"),
                     "image/jpeg"};
-  // The scene's own columns describe the depth camera; whoever draws on the image needs the other one too.
+  // The columns of the scene describe the depth camera; drawing on the image needs the colour camera.
   if (cas.has_camera("color")) record.structures.push_back(cas.camera("color"));
 }
 
@@ -113,7 +115,7 @@ void read_points(const perception::types::Cluster& cluster, SceneRecord& record,
   observation.mask = {encoded(mask, ".png"), "image/png"};
 }
 
-/// The first text in a type that we do not know: what it is to be searched by.
+/// Searchable value of an unknown type: its first text.
 std::string first_word(const perception::cas::FeatureStructure& structure) {
   if (structure.type().name().starts_with("loci.")) return {};
   const perception::cas::Type base =
@@ -193,6 +195,38 @@ ObservationRecord read_cluster(const perception::types::Cluster& cluster, SceneR
   return observation;
 }
 
+constexpr std::string_view kStructure = "structure";  ///< view of the known structure filter: kinds of pixels
+
+std::vector<LogRow> log_of(const perception::types::Scene& scene) {
+  std::vector<LogRow> lines;
+  if (!scene.log.is_set()) return lines;
+  for (const perception::types::LogEntry& entry : scene.log.get().entries) {
+    LogRow line;
+    line.annotator = entry.annotator.get();
+    line.level = entry.level.get();
+    line.text = entry.text.get();
+    if (entry.milliseconds.is_set()) line.milliseconds = entry.milliseconds.get();
+    if (line.milliseconds && line.text == "done") line.text.clear();
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+BlobRecord cloud_of(const perception::types::Cluster& cluster, const cv::Mat& depth) {
+  const auto reference = cluster.hypotheses.first<perception::types::ReferenceClusterPoints>();
+  if (!reference) return {};
+  std::vector<int32_t> pixels = reference.indices.get().indices.to_vector();
+  // Ascending and unique, as in the mask.
+  std::ranges::sort(pixels);
+  const auto repeated = std::ranges::unique(pixels);
+  pixels.erase(repeated.begin(), repeated.end());
+  std::vector<float> values;
+  values.reserve(pixels.size());
+  for (const int32_t pixel : pixels)
+    values.push_back(depth.at<float>(pixel / depth.cols, pixel % depth.cols));
+  return {encode_cluster_depth(values), kClusterDepthMedia};
+}
+
 }  // namespace
 
 AnnotationRecord annotation_record(const perception::types::Annotation& annotation) {
@@ -254,12 +288,27 @@ SceneRecord scene_record(const perception::types::SceneCas& cas, const mapping::
   }
   for (const perception::types::Annotation& annotation : scene.annotations) {
     const auto joint = perception::types::try_as<perception::types::JointAnnotation>(annotation);
-    if (!joint || joint->moved.get()) record.structures.push_back(annotation);  // As assumed is no news.
+    if (!joint || joint->moved.get())
+      record.structures.push_back(annotation);  // An assumed position is not stored.
   }
   record.view.labels = cv::Mat(record.view.depth.size(), CV_32S, cv::Scalar(-1));
   for (const perception::types::Cluster& cluster : cas.clusters())
     record.observations.push_back(read_cluster(cluster, record));
   return record;
+}
+
+void add_stored_data(const perception::types::SceneCas& scene, bool clouds, SceneRecord& record) {
+  if (scene.has(kStructure)) record.kinds = perception::types::view_image(scene, kStructure);
+  record.log = log_of(scene.scene());
+  if (!clouds) return;
+  // The depth that the annotators used: smoothed where available.
+  const cv::Mat depth =
+      perception::types::view_image(scene, scene.has(perception::types::SceneCas::kSmoothedDepth)
+                                               ? perception::types::SceneCas::kSmoothedDepth
+                                               : perception::types::SceneCas::kDepth);
+  const std::vector<perception::types::Cluster> clusters = scene.clusters();
+  for (size_t i = 0; i < std::min(clusters.size(), record.observations.size()); ++i)
+    record.observations[i].cloud = cloud_of(clusters[i], depth);
 }
 
 }  // namespace loci::memory

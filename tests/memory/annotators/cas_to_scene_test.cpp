@@ -1,11 +1,10 @@
-#include "memory/annotators/scene_of_cas.h"
+#include "memory/annotators/cas_to_scene.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
 
-#include "memory/annotators/kept_of_cas.h"
 #include "memory/store/scene_images.h"
 #include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
@@ -25,7 +24,7 @@ TEST(RobustBox, OutliersDoNotCount) {
   EXPECT_TRUE(robust_box({}).size.isZero());
 }
 
-TEST(SceneOfCas, ReadsWhatTheAnnotatorsSaid) {
+TEST(CasToScene, ReadsAnnotations) {
   perception::cas::Cas cas(perception::types::type_system());
   const perception::types::SceneCas facade(cas);
   const perception::types::Scene scene = facade.create_scene();
@@ -72,7 +71,7 @@ TEST(SceneOfCas, ReadsWhatTheAnnotatorsSaid) {
   facade.log("KnownStructureFilter", "info", "drawer_1_joint stands at 0.300");
 
   SceneRecord record = scene_record(facade, nullptr);
-  add_what_is_kept(facade, true, record);
+  add_stored_data(facade, true, record);
   EXPECT_EQ(record.kinds.at<uint8_t>(240, 320), 3);
   ASSERT_EQ(record.log.size(), 2U);
   EXPECT_EQ(record.log[0].annotator, "NormalEstimator");
@@ -85,7 +84,7 @@ TEST(SceneOfCas, ReadsWhatTheAnnotatorsSaid) {
   EXPECT_FLOAT_EQ(cloud[0], 1);
   EXPECT_EQ(cloud[10 * 20 + 10], 0) << "not measured";
   SceneRecord without = scene_record(facade, nullptr);
-  add_what_is_kept(facade, false, without);
+  add_stored_data(facade, false, without);
   EXPECT_TRUE(without.observations.at(0).cloud.bytes.empty());
   const auto kept = [&](const std::string& name) {
     return std::count_if(record.structures.begin(), record.structures.end(), [&](const auto& each) {
@@ -94,7 +93,7 @@ TEST(SceneOfCas, ReadsWhatTheAnnotatorsSaid) {
     });
   };
   EXPECT_EQ(kept("drawer"), 1);
-  EXPECT_EQ(kept("door"), 0) << "what stands as assumed is no news";
+  EXPECT_EQ(kept("door"), 0) << "an assumed position is not stored";
   EXPECT_EQ(record.row.time, 7 * kSecond);
   EXPECT_EQ(record.row.frame_index, 3);
   ASSERT_EQ(record.places.size(), 1U);
