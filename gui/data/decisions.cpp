@@ -29,10 +29,10 @@ void add_reasoning(const memory::belief::Decisions& decisions, size_t k, const N
   observation.appear = static_cast<double>(d.appear);
   observation.clutter = static_cast<double>(d.clutter);
   for (const memory::belief::Candidate& c : d.candidates)
-    observation.considered.push_back({c.key, c.object, name_of(names, c.object, c.key), c.probability(),
-                                      squashed(static_cast<double>(c.similar)),
-                                      squashed(static_cast<double>(c.proximity)),
-                                      c.key == d.key ? "" : memory::belief::rejection_reason(decisions, k, c)});
+    observation.considered.push_back(
+        {c.key, c.object, name_of(names, c.object, c.key), c.probability(),
+         squashed(static_cast<double>(c.similar)), squashed(static_cast<double>(c.proximity)),
+         c.key == d.key ? "" : memory::belief::rejection_reason(decisions, k, c)});
 }
 
 }  // namespace
