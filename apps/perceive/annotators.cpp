@@ -214,17 +214,17 @@ void list(const ListArguments& arguments, Session& session) {
   for (const std::string& name : registry.readers()) {
     const auto reader = registry.make_reader(name);
     json["readers"].push_back(entry(*reader));
-    text += fmt::format("{:<24}{} (reader)\n", name, reader->descriptor().sentence);
+    text += fmt::format("{:<24}{} (reader)\n", name, reader->descriptor().description);
   }
   for (const std::string& name : registry.multipliers()) {
     const auto multiplier = registry.make_multiplier(name);
     json["multipliers"].push_back(entry(*multiplier));
-    text += fmt::format("{:<24}{} (CAS multiplier)\n", name, multiplier->descriptor().sentence);
+    text += fmt::format("{:<24}{} (CAS multiplier)\n", name, multiplier->descriptor().description);
   }
   for (const std::string& name : registry.annotators()) {
     const auto annotator = registry.make(name);
     json["annotators"].push_back(entry(*annotator));
-    text += fmt::format("{:<24}{}\n", name, annotator->descriptor().sentence);
+    text += fmt::format("{:<24}{}\n", name, annotator->descriptor().description);
     const auto known = statistics.find(name);
     if (known == statistics.end()) continue;
     json["annotators"].back()["statistics"] = to_json(known->second);

@@ -9,10 +9,10 @@
 #include "mapping/recording/ros_bag.h"
 #include "perception/cas/cas.h"
 #include "perception/cas/json.h"
-#include "perception/cas/listing.h"
+#include "perception/cas/type_system.h"
 #include "perception/cas/xmi.h"
 #include "perception/conversions/ros_types.h"
-#include "perception/types/types.h"
+#include "perception/types/scene_cas.h"
 
 namespace loci::apps {
 

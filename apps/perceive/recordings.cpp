@@ -15,8 +15,8 @@
 #include "memory/annotators/memory_annotators.h"
 #include "memory/annotators/memory_session.h"
 #include "perception/annotators/annotators.h"
-#include "perception/annotators/hypotheses/known_map.h"
-#include "perception/annotators/io/images.h"
+#include "perception/annotators/io/labelled_recording.h"
+#include "perception/annotators/structure/known_map.h"
 #include "perception/pipeline/goal.h"
 #include "perception/pipeline/pipeline.h"
 #include "perception/types/geometry.h"
@@ -262,7 +262,7 @@ Json steps_that_find(const perception::AnnotatorRegistry& registry) {
   const Json all =
       perception::Pipeline::parse(perception::default_pipeline(), "the default pipeline", registry).to_json();
   for (const Json& step : all["flow"]) {
-    const std::vector<std::string> needs = registry.make(step.begin().key())->descriptor().needs;
+    const std::vector<std::string> needs = registry.make(step.begin().key())->descriptor().inputs;
     if (std::find(needs.begin(), needs.end(), "Cluster") != needs.end()) break;
     steps.push_back(step);
   }
@@ -309,7 +309,7 @@ perception::Resources make_resources(const RunArguments& arguments, Session& ses
     const std::vector<std::filesystem::path> packages(arguments.package_paths.begin(),
                                                       arguments.package_paths.end());
     const std::shared_ptr<perception::KnownMap> map =
-        arguments.map.empty() ? perception::KnownMap::without_room(session.warnings())
+        arguments.map.empty() ? perception::KnownMap::robots_only(session.warnings())
                               : perception::KnownMap::load(arguments.map, packages, session.warnings());
     for (const std::string& robot : arguments.robots) {
       const size_t comma = robot.find(',');

@@ -5,8 +5,8 @@
 #include "apps/perceive/commands.h"
 #include "mapping/base/json.h"
 #include "mapping/recording/recording.h"
-#include "perception/annotators/hypotheses/flat_object_extractor.h"
 #include "perception/annotators/io/labelled_recording.h"
+#include "perception/annotators/segmentation/flat_surface.h"
 #include "perception/classification/ensemble.h"
 #include "perception/recognition/template_detector.h"
 
@@ -24,12 +24,12 @@ struct TrainArguments {
 };
 
 /// Leaves out classes of which too few things were found for each fold to judge one; how many of each.
-std::map<std::string, size_t> leave_out_small_classes(std::vector<perception::LabelledThing>& things,
+std::map<std::string, size_t> leave_out_small_classes(std::vector<perception::TrainingSample>& things,
                                                       int folds) {
   std::map<std::string, size_t> count;
-  for (const perception::LabelledThing& thing : things) ++count[thing.label];
+  for (const perception::TrainingSample& thing : things) ++count[thing.label];
   std::erase_if(count, [&](const auto& of) { return of.second >= size_t(folds); });
-  std::erase_if(things, [&](const perception::LabelledThing& thing) { return count.contains(thing.label); });
+  std::erase_if(things, [&](const perception::TrainingSample& thing) { return count.contains(thing.label); });
   return count;
 }
 
@@ -61,9 +61,9 @@ void train(TrainArguments& given, Session& session) {
       labelled_surfaces(perception::open_labelled_recording(given.dataset), finding, session.warnings());
   std::vector<std::string> features;
   for (const perception::ExpertSpec& expert : experts) features.push_back(expert.feature);
-  std::vector<perception::LabelledThing> things;
+  std::vector<perception::TrainingSample> things;
   for (const perception::LabelledSurface& each : surfaces.found) {
-    perception::ThingFeatures of = thing_features(features, each.view);
+    perception::ObjectFeatures of = object_features(features, each.view);
     things.push_back({each.label, std::move(of.features), std::move(of.local)});
   }
   for (const auto& [name, count] : leave_out_small_classes(things, given.folds))

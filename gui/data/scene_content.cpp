@@ -15,7 +15,7 @@
 #include "memory/store/scene_images.h"
 #include "memory/store/store.h"
 #include "perception/types/geometry.h"
-#include "perception/types/types.h"
+#include "perception/types/scene_cas.h"
 
 namespace loci::gui {
 

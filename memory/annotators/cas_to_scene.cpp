@@ -9,7 +9,6 @@
 #include "mapping/image/image_io.h"
 #include "mapping/world/kinematics.h"
 #include "memory/store/scene_images.h"
-#include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
 #include "perception/types/geometry.h"
 

@@ -11,7 +11,6 @@
 #include "memory/annotators/cas_to_scene.h"
 #include "memory/store/feature_structures.h"
 #include "memory/store/scene_images.h"
-#include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
 #include "perception/types/geometry.h"
 

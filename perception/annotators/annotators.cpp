@@ -1,25 +1,19 @@
 #include "perception/annotators/annotators.h"
 
-#include "perception/annotators/description/color_histogram.h"
-#include "perception/annotators/description/color_name.h"
-#include "perception/annotators/description/geometry_annotator.h"
-#include "perception/annotators/description/location_annotator.h"
+#include "perception/annotators/description/color_annotators.h"
+#include "perception/annotators/description/geometry_annotators.h"
 #include "perception/annotators/description/object_views.h"
-#include "perception/annotators/description/perceptual_hash_annotator.h"
-#include "perception/annotators/description/primitive_annotator.h"
 #include "perception/annotators/description/recognition_annotators.h"
-#include "perception/annotators/description/relations_annotator.h"
 #include "perception/annotators/description/shape_annotators.h"
-#include "perception/annotators/description/template_annotator.h"
 #include "perception/annotators/description/visual_search.h"
-#include "perception/annotators/hypotheses/asserted_volumes.h"
-#include "perception/annotators/hypotheses/flat_object_extractor.h"
-#include "perception/annotators/hypotheses/known_structure_filter.h"
-#include "perception/annotators/hypotheses/normal_estimator.h"
-#include "perception/annotators/hypotheses/plane_cluster_extractor.h"
-#include "perception/annotators/hypotheses/superpixel_annotators.h"
-#include "perception/annotators/hypotheses/transparent_extractor.h"
 #include "perception/annotators/io/recording_reader.h"
+#include "perception/annotators/segmentation/asserted_volumes.h"
+#include "perception/annotators/segmentation/flat_objects.h"
+#include "perception/annotators/segmentation/plane_cluster_extractor.h"
+#include "perception/annotators/segmentation/superpixels.h"
+#include "perception/annotators/segmentation/transparent_objects.h"
+#include "perception/annotators/structure/known_structure.h"
+#include "perception/annotators/structure/normals.h"
 
 namespace loci::perception {
 
@@ -57,15 +51,15 @@ const std::string& default_pipeline() {
   static const std::string text = R"(# The pipeline that loci-perceive run uses when none is given.
 reader: RecordingReader
 flow:
-  - NormalEstimator          # smoothed depth, cloud, normals
-  - KnownStructureFilter     # what the map explains goes (does nothing without a map)
+  - NormalEstimator          # smoothed depth, point cloud, normals
+  - KnownStructureFilter     # removes map-explained points (no effect without a map)
   - PlaneClusterExtractor    # supports, and one cluster per object
-  - FlatObjectExtractor      # what is too low to be told from its support by height alone
-  - PlaceNaming              # without a map: plane_1, plane_2, ... stay the same surfaces
+  - FlatObjectExtractor      # objects too low to be separated from their support by height alone
+  - PlaceNaming              # without a map: stable names plane_1, plane_2, ...
   - ColorHistogram
   - ColorName
-  - GeometryAnnotator        # oriented box, pose in the map and in the frame of its place
-  - LocationAnnotator        # where it is, with a sentence
+  - GeometryAnnotator        # oriented box, in the map and in the frame of its place
+  - LocationAnnotator        # place of the object, as text
 )";
   return text;
 }

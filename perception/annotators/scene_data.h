@@ -27,6 +27,14 @@ cv::Mat cloud_normals(const types::SceneCas& scene);
 void set_cloud_points(const types::SceneCas& scene, const cv::Mat& points);
 void set_cloud_normals(const types::SceneCas& scene, const cv::Mat& normals);
 
+/// A pixel of such an image.
+inline Vector3d to_vector(const cv::Vec3f& pixel) {
+  return {static_cast<double>(pixel[0]), static_cast<double>(pixel[1]), static_cast<double>(pixel[2])};
+}
+inline Eigen::Vector3f to_vector3f(const cv::Vec3f& pixel) {
+  return {pixel[0], pixel[1], pixel[2]};
+}
+
 /// Pose of the depth camera; the Error of a scene without one names it.
 Isometry3d map_from_camera(const types::Scene& scene);
 /// Whether that pose was measured rather than assumed.

@@ -49,7 +49,7 @@ Json to_json(const Cas& cas, BlobSink* sink = nullptr);
 
 /// Brings either back: returns the root, or null for a whole CAS, whose views are added to `cas`. Throws
 /// Error that names the place when the JSON does not fit the type system; `cas` may then hold unreachable
-/// leftovers.
+/// structures.
 FeatureStructure from_json(Cas& cas, const Json& json, BlobSource* source = nullptr);
 
 }  // namespace loci::perception::cas

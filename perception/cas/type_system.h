@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mapping/base/error.h"
+#include "mapping/base/json_fwd.h"
 
 namespace loci::perception::cas {
 
@@ -197,5 +198,13 @@ class TypeSystem {
   std::vector<Type> arrays_;                                ///< by Kind
   ListTypes fs_list_, string_list_, integer_list_, float_list_;
 };
+
+/// The declared types (not the built-in ones) with supertype, features, allowed values; for people.
+std::string types_text(const TypeSystem& system);
+
+/// The same for programs: {"types": n, "features": n, "type": [{"name", "supertype", "file", "line",
+/// "description", "features": [{"name", "range", "element", "description", "inherited_from"}],
+/// "allowed_values"}]}. Lists hold inherited features too; the counts those that were declared.
+Json types_json(const TypeSystem& system);
 
 }  // namespace loci::perception::cas

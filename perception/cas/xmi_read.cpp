@@ -80,9 +80,9 @@ struct Values {
   bool from_children = false;
 };
 
-class Reader {
+class XmiReader {
  public:
-  Reader(Cas& cas, std::string file, const XmiOptions& options, Warnings& warnings)
+  XmiReader(Cas& cas, std::string file, const XmiOptions& options, Warnings& warnings)
       : cas_(cas),
         system_(cas.type_system()),
         file_(std::move(file)),
@@ -387,7 +387,7 @@ class Reader {
 void from_xmi(Cas& cas, std::string_view xml, const std::string& file, const XmiOptions& options,
               Warnings& warnings) {
   if (cas.size() > 0 || !cas.view_names().empty()) throw Error("XMI is read into an empty CAS");
-  Reader(cas, file, options, warnings).read(xml);
+  XmiReader(cas, file, options, warnings).read(xml);
 }
 
 }  // namespace loci::perception::cas

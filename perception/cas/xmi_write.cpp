@@ -100,9 +100,9 @@ class Prefixes {
   std::set<std::string> used_ = {"cas", "xmi", "xsi", "xml", "xmlns"};
 };
 
-class Writer {
+class XmiWriter {
  public:
-  explicit Writer(const Cas& cas) : system_(cas.type_system()), views_(canonical_views(cas)) {
+  explicit XmiWriter(const Cas& cas) : system_(cas.type_system()), views_(canonical_views(cas)) {
     std::vector<FeatureStructure> roots;
     for (const CanonicalView& view : views_) {
       if (view.sofa) roots.push_back(view.sofa);
@@ -338,7 +338,7 @@ class Writer {
 }  // namespace
 
 std::string to_xmi(const Cas& cas) {
-  return Writer(cas).text();
+  return XmiWriter(cas).text();
 }
 
 }  // namespace loci::perception::cas

@@ -1,15 +1,22 @@
 #include "perception/classification/ensemble.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <sstream>
 
+#include "mapping/base/error.h"
 #include "mapping/base/json.h"
 #include "mapping/base/parallel.h"
 
 namespace loci::perception {
 namespace {
+
+Eigen::VectorXd softmax(const Eigen::VectorXd& logits) {
+  const Eigen::VectorXd powers = (logits.array() - logits.maxCoeff()).exp();
+  return powers / powers.sum();
+}
 
 constexpr const char* kKind = "loci classifier";
 constexpr int kVersion = 1;
@@ -17,7 +24,7 @@ constexpr double kRidge = 1e-3;
 constexpr std::string_view kBag = "Bag";
 constexpr size_t kWords = 100;
 
-/// What one expert says of each thing when it has not learned it.
+/// What one expert says of each object when it has not learned it.
 std::vector<std::vector<double>> scores_out_of_fold(const LabelledVectors& data,
                                                     const ClassifierOptions& options,
                                                     const std::vector<size_t>& fold, size_t folds,
@@ -43,9 +50,9 @@ size_t best_of(const std::vector<double>& probabilities) {
                              probabilities.begin());
 }
 
-bool has_all(const LabelledThing& thing, const std::vector<ExpertSpec>& experts) {
+bool has_all(const TrainingSample& object, const std::vector<ExpertSpec>& experts) {
   return std::all_of(experts.begin(), experts.end(),
-                     [&](const ExpertSpec& expert) { return thing.features.contains(expert.feature); });
+                     [&](const ExpertSpec& expert) { return object.features.contains(expert.feature); });
 }
 
 /// Each class is spread evenly over the folds.
@@ -55,13 +62,13 @@ std::vector<size_t> folds_of(const std::vector<size_t>& labels, size_t classes, 
   for (const size_t label : labels) fold.push_back(count[label]++ % folds);
   for (const size_t each : count)
     if (each < folds)
-      throw Error("a class has fewer things than there are folds", {},
-                  "show more things, or take fewer folds");
+      throw Error("a class has fewer objects than there are folds", {},
+                  "show more objects, or take fewer folds");
   return fold;
 }
 
 /// The words of every bag that experts ask for.
-std::map<std::string, Vocabulary> learned_words(const std::vector<LabelledThing>& things,
+std::map<std::string, Vocabulary> learned_words(const std::vector<TrainingSample>& objects,
                                                 const std::vector<ExpertSpec>& experts,
                                                 const Random& random) {
   std::map<std::string, Vocabulary> vocabularies;
@@ -69,8 +76,8 @@ std::map<std::string, Vocabulary> learned_words(const std::vector<LabelledThing>
     const std::string name = local_name_of(expert.feature);
     if (name.empty() || vocabularies.contains(expert.feature)) continue;
     std::vector<const LocalFeatures*> examples;
-    for (const LabelledThing& thing : things)
-      if (const auto found = thing.local.find(name); found != thing.local.end())
+    for (const TrainingSample& object : objects)
+      if (const auto found = object.local.find(name); found != object.local.end())
         examples.push_back(&found->second);
     vocabularies.emplace(expert.feature, Vocabulary::learn(examples, kWords, random));
   }
@@ -78,6 +85,51 @@ std::map<std::string, Vocabulary> learned_words(const std::vector<LabelledThing>
 }
 
 }  // namespace
+
+SoftmaxRegression SoftmaxRegression::fit(const std::vector<Eigen::MatrixXd>& examples,
+                                         const std::vector<size_t>& labels, double ridge) {
+  if (labels.empty() || labels.size() != examples.size())
+    throw Error("a regression needs one label for each example");
+  const Eigen::Index size = examples.front().cols();
+  const double share = 1.0 / static_cast<double>(labels.size());
+  SoftmaxRegression regression;
+  regression.weights_ = Eigen::VectorXd::Zero(size);
+  constexpr int kSteps = 30;
+  for (int step = 0; step < kSteps; ++step) {
+    Eigen::VectorXd gradient = ridge * regression.weights_;
+    Eigen::MatrixXd hessian = ridge * Eigen::MatrixXd::Identity(size, size);
+    for (size_t i = 0; i < examples.size(); ++i) {
+      const Eigen::MatrixXd& x = examples[i];
+      const Eigen::VectorXd p = softmax(x * regression.weights_);
+      const Eigen::VectorXd mean = x.transpose() * p;
+      gradient += share * (mean - x.row(static_cast<Eigen::Index>(labels[i])).transpose());
+      hessian += share * (x.transpose() * p.asDiagonal() * x - mean * mean.transpose());
+    }
+    const Eigen::VectorXd move = hessian.llt().solve(gradient);
+    regression.weights_ -= move;
+    if (move.norm() < 1e-8) break;
+  }
+  if (!regression.weights_.allFinite()) throw Error("the regression has no finite weights");
+  return regression;
+}
+
+std::vector<double> SoftmaxRegression::probabilities(const Eigen::MatrixXd& example) const {
+  if (example.cols() != weights_.size()) throw Error("a regression was given inputs of another size");
+  const Eigen::VectorXd p = softmax(example * weights_);
+  return {p.begin(), p.end()};
+}
+
+Json SoftmaxRegression::to_json() const {
+  return std::vector<double>(weights_.begin(), weights_.end());
+}
+
+SoftmaxRegression SoftmaxRegression::from_json(const Json& json) {
+  const std::vector<double> weights = json;
+  SoftmaxRegression regression;
+  regression.weights_ =
+      Eigen::Map<const Eigen::VectorXd>(weights.data(), static_cast<Eigen::Index>(weights.size()));
+  return regression;
+}
 
 std::vector<std::string> expert_feature_names() {
   std::vector<std::string> names = shape_feature_names();
@@ -94,8 +146,8 @@ bool is_of_image(const std::string& name) {
   return name == "HOG" || name.starts_with("SIFT") || name.starts_with("ORB");
 }
 
-ThingFeatures thing_features(const std::vector<std::string>& names, const ThingView& view) {
-  ThingFeatures all;
+ObjectFeatures object_features(const std::vector<std::string>& names, const ObjectView& view) {
+  ObjectFeatures all;
   for (const std::string& name : names) {
     if (const std::string local = local_name_of(name); !local.empty()) {
       LocalFeatures found = local_features(local, view);
@@ -153,26 +205,26 @@ Eigen::MatrixXd Ensemble::inputs(const std::vector<std::vector<double>>& scores)
   return inputs;
 }
 
-Ensemble Ensemble::train(std::vector<LabelledThing> things, const std::vector<ExpertSpec>& experts, int folds,
-                         const Random& random, int threads, Progress& progress) {
+Ensemble Ensemble::train(std::vector<TrainingSample> objects, const std::vector<ExpertSpec>& experts,
+                         int folds, const Random& random, int threads, Progress& progress) {
   if (experts.empty()) throw Error("there is no expert to train");
   Ensemble ensemble;
   ensemble.specs_ = experts;
-  ensemble.vocabularies_ = learned_words(things, experts, random.fork(experts.size()));
-  for (LabelledThing& thing : things) ensemble.add_bags(thing.features, thing.local);
+  ensemble.vocabularies_ = learned_words(objects, experts, random.fork(experts.size()));
+  for (TrainingSample& object : objects) ensemble.add_bags(object.features, object.local);
   std::set<std::string> names;
-  for (const LabelledThing& thing : things)
-    if (has_all(thing, experts)) names.insert(thing.label);
+  for (const TrainingSample& object : objects)
+    if (has_all(object, experts)) names.insert(object.label);
   ensemble.classes_.assign(names.begin(), names.end());
   const size_t classes = ensemble.classes_.size();
   if (classes < 2) throw Error("there are fewer than two classes to tell apart");
   std::vector<size_t> labels;
-  std::vector<const LabelledThing*> used;
-  for (const LabelledThing& thing : things) {
-    if (!has_all(thing, experts)) continue;
-    const auto name = std::lower_bound(ensemble.classes_.begin(), ensemble.classes_.end(), thing.label);
+  std::vector<const TrainingSample*> used;
+  for (const TrainingSample& object : objects) {
+    if (!has_all(object, experts)) continue;
+    const auto name = std::lower_bound(ensemble.classes_.begin(), ensemble.classes_.end(), object.label);
     labels.push_back(static_cast<size_t>(name - ensemble.classes_.begin()));
-    used.push_back(&thing);
+    used.push_back(&object);
   }
   const auto parts = static_cast<size_t>(folds);
   const std::vector<size_t> fold = folds_of(labels, classes, parts);
@@ -182,7 +234,8 @@ Ensemble Ensemble::train(std::vector<LabelledThing> things, const std::vector<Ex
   parallel_for(experts.size(), threads, [&](size_t begin, size_t end) {
     for (size_t e = begin; e < end; ++e) {
       LabelledVectors data{{}, labels, classes};
-      for (const LabelledThing* thing : used) data.vectors.push_back(thing->features.at(experts[e].feature));
+      for (const TrainingSample* object : used)
+        data.vectors.push_back(object->features.at(experts[e].feature));
       const Random draw = random.fork(e);
       scores[e] = scores_out_of_fold(data, experts[e].options, fold, parts, draw);
       ensemble.classifiers_[e] = train_classifier(data, experts[e].options, draw.fork(0));

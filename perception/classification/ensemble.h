@@ -1,31 +1,51 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
 #include "perception/classification/classifier.h"
 #include "perception/classification/local_features.h"
 #include "perception/classification/shape_features.h"
-#include "perception/classification/softmax_regression.h"
 
 namespace loci::perception {
 
-/// Descriptors of one thing by their names (shape_feature_names()); one that could not be computed is
+/// Conditional logistic regression: the probability of a class is proportional to exp(x · w), x being what
+/// is said for that class (a row of an example) and w weights that all classes share, so that few examples
+/// are enough.
+class SoftmaxRegression {
+ public:
+  /// The weights that maximise the mean log probability of the labels minus ridge/2 · |w|², by Newton's
+  /// method. Each example is a matrix of classes × inputs; `ridge` > 0.
+  static SoftmaxRegression fit(const std::vector<Eigen::MatrixXd>& examples,
+                               const std::vector<size_t>& labels, double ridge);
+
+  std::vector<double> probabilities(const Eigen::MatrixXd& example) const;
+
+  Json to_json() const;
+  static SoftmaxRegression from_json(const Json& json);
+
+ private:
+  Eigen::VectorXd weights_;
+};
+
+/// Descriptors of one object by their names (shape_feature_names()); one that could not be computed is
 /// missing.
 using FeatureSet = std::map<std::string, FeatureVector>;
 
 /// The descriptors of these names.
 FeatureSet feature_set(const std::vector<std::string>& names, const SurfacePoints& surface);
 
-/// Descriptors of a thing's key points by their names (local_feature_names()).
+/// Descriptors of an object's key points by their names (local_feature_names()).
 using LocalFeatureSet = std::map<std::string, LocalFeatures>;
 
-/// What experts know of a thing. Of bags of words ("SIFTBag") the key points: the words are the ensemble's.
-struct ThingFeatures {
+/// What experts know of an object. Of bags of words ("SIFTBag") the key points: the words are the ensemble's.
+struct ObjectFeatures {
   FeatureSet features;
   LocalFeatureSet local;
 };
@@ -34,13 +54,13 @@ struct ThingFeatures {
 /// "FPFHBag".
 std::vector<std::string> expert_feature_names();
 /// The descriptors of these names (expert_feature_names()) of what is seen.
-ThingFeatures thing_features(const std::vector<std::string>& names, const ThingView& view);
+ObjectFeatures object_features(const std::vector<std::string>& names, const ObjectView& view);
 /// "SIFT" of "SIFTBag": the descriptors that a bag is of. Empty for what is no bag.
 std::string local_name_of(const std::string& name);
 /// Whether a descriptor is taken of the image rather than of the surface.
 bool is_of_image(const std::string& name);
 
-struct LabelledThing {
+struct TrainingSample {
   std::string label;
   FeatureSet features;
   LocalFeatureSet local{};
@@ -58,7 +78,7 @@ struct ExpertSpec {
 ExpertSpec parse_expert(const std::string& text, const ClassifierOptions& options = {});
 std::string name_of(const ExpertSpec& expert);
 
-/// What an ensemble thinks of one thing.
+/// What an ensemble thinks of one object.
 struct Classification {
   std::vector<double> probabilities;  ///< by class
   size_t best = 0;                    ///< class with the largest
@@ -66,20 +86,20 @@ struct Classification {
 
 /// Several experts that decide together (stacking, Wolpert 1992): a logistic regression over the logarithms
 /// of all their scores, with one weight per expert and one offset per class, fitted to what each said about
-/// things that it had not learned (cross-validation), gives calibrated probabilities. With one expert it
+/// objects that it had not learned (cross-validation), gives calibrated probabilities. With one expert it
 /// calibrates that one.
 class Ensemble {
  public:
-  /// Things without all the descriptors are passed over. Error when fewer than two classes or fewer things
+  /// Objects without all the descriptors are passed over. Error when fewer than two classes or fewer objects
   /// than `folds` of a class remain. Same seed, same ensemble on any number of threads.
-  static Ensemble train(std::vector<LabelledThing> things, const std::vector<ExpertSpec>& experts, int folds,
-                        const Random& random, int threads, Progress& progress);
+  static Ensemble train(std::vector<TrainingSample> objects, const std::vector<ExpertSpec>& experts,
+                        int folds, const Random& random, int threads, Progress& progress);
 
   const std::vector<std::string>& classes() const { return classes_; }
   const std::vector<ExpertSpec>& experts() const { return specs_; }
   /// Names of the descriptors that classify() needs.
   std::vector<std::string> features() const;
-  /// Share of each class's things that was recognised in cross-validation.
+  /// Share of each class's objects that was recognised in cross-validation.
   const std::vector<double>& accuracies() const { return accuracies_; }
 
   /// Error when a descriptor is missing.

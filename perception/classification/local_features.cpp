@@ -14,7 +14,7 @@
 namespace loci::perception {
 namespace {
 
-constexpr int kSide = 320;  // Images of things are scaled to it: SIFT then sees like scales.
+constexpr int kSide = 320;  // Images of objects are scaled to it: SIFT then sees like scales.
 constexpr int kMaxKeypoints = 500;
 
 cv::Mat grey_of(const cv::Mat& image) {
@@ -23,7 +23,7 @@ cv::Mat grey_of(const cv::Mat& image) {
   return grey;
 }
 
-LocalFeatures of_image(cv::Feature2D& detector, const ThingView& view) {
+LocalFeatures of_image(cv::Feature2D& detector, const ObjectView& view) {
   LocalFeatures features;
   if (view.image.empty()) return features;
   const double scale = static_cast<double>(kSide) / std::max(view.image.cols, view.image.rows);
@@ -59,7 +59,7 @@ std::vector<std::string> local_feature_names() {
   return {"SIFT", "ORB", "SHOT", "FPFH"};
 }
 
-LocalFeatures local_features(const std::string& name, const ThingView& view) {
+LocalFeatures local_features(const std::string& name, const ObjectView& view) {
   if (name == "SIFT") return of_image(*cv::SIFT::create(kMaxKeypoints, 3, 0.02, 12), view);
   if (name == "ORB")
     return of_image(*cv::ORB::create(kMaxKeypoints, 1.2f, 6, 15, 0, 2, cv::ORB::HARRIS_SCORE, 31, 10), view);

@@ -12,11 +12,11 @@
 
 namespace loci::perception {
 
-/// What is seen of a thing. Either part may be empty.
-struct ThingView {
+/// What is seen of an object. Either part may be empty.
+struct ObjectView {
   SurfacePoints surface;
   cv::Mat image;  ///< CV_8UC3 (BGR) or CV_8UC1
-  cv::Mat mask;   ///< CV_8U, 255 = the thing; empty: all of the image
+  cv::Mat mask;   ///< CV_8U, 255 = the object; empty: all of the image
 };
 
 /// Descriptors of key points, each of `length` values.
@@ -33,9 +33,9 @@ struct LocalFeatures {
 /// than 20 of these.
 std::vector<std::string> local_feature_names();
 /// Those of a view; none when it shows too little. Error for other names. The same for the same view.
-LocalFeatures local_features(const std::string& name, const ThingView& view);
+LocalFeatures local_features(const std::string& name, const ObjectView& view);
 
-/// "HOG": histograms of oriented gradients (Dalal and Triggs, CVPR 2005) of the image of a thing without
+/// "HOG": histograms of oriented gradients (Dalal and Triggs, CVPR 2005) of the image of an object without
 /// its surroundings, scaled to 64 × 64 pixels. Empty when there is no image.
 FeatureVector hog_of(const cv::Mat& image, const cv::Mat& mask);
 /// Length of what hog_of() gives.

@@ -29,7 +29,7 @@ struct PrimitiveShape {
 /// "box", "cylinder", "cone", "sphere".
 std::string name_of(PrimitiveShape::Kind kind);
 
-/// What a thing stands on, in the frame of the points: up·x = ground on it.
+/// What an object stands on, in the frame of the points: up·x = ground on it.
 struct Ground {
   Vector3d up = Vector3d::UnitZ();
   double height = 0;
@@ -45,9 +45,9 @@ struct PrimitiveOptions {
 };
 
 /// The box, cylinder, cone or sphere that explains a surface best: each is fitted to points and normals
-/// (robust least squares; standing and lying things, boxes with one pair of faces level), and the
+/// (robust least squares; standing and lying objects, boxes with one pair of faces level), and the
 /// likelihood of distances and angles decides, with a price for each number that a shape needs. What nobody
-/// sees follows from symmetry (round things) or is taken to end where the points do (boxes). Points in the
+/// sees follows from symmetry (round objects) or is taken to end where the points do (boxes). Points in the
 /// camera's frame (origin = camera). None when fewer than 30 points have a normal.
 std::optional<PrimitiveShape> fit_primitive(const SurfacePoints& surface, const Ground& ground,
                                             const PrimitiveOptions& options = {});

@@ -7,7 +7,7 @@
 
 namespace loci::perception {
 
-/// What is seen of a thing's surface: points (metres, camera frame) and as many unit normals towards the
+/// What is seen of an object's surface: points (metres, camera frame) and as many unit normals towards the
 /// camera.
 struct SurfacePoints {
   std::vector<Eigen::Vector3f> points;

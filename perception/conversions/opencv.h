@@ -2,7 +2,8 @@
 
 #include <opencv2/core.hpp>
 
-#include "perception/types/conversion.h"
+#include "mapping/sensor/camera.h"
+#include "perception/types/geometry.h"
 #include "perception/types/scene_cas.h"
 
 namespace loci::perception::types {
@@ -47,5 +48,18 @@ inline cv::Mat view_image(const SceneCas& cas, std::string_view view) {
 inline void set_view_image(const SceneCas& cas, std::string_view view, const cv::Mat& image) {
   cas.set_image(view, to(cas.cas(), image));
 }
+
+template <>
+struct Conversion<mapping::PinholeCamera> {
+  using Proxy = CameraInfo;
+  static CameraInfo to(cas::Cas& cas, const mapping::PinholeCamera& camera);
+  static mapping::PinholeCamera from(const CameraInfo& proxy);
+};
+
+/// Both cameras of a sensor become the scene's cameras "depth" and "color".
+void set_cameras(const SceneCas& cas, const mapping::RgbdCamera& camera);
+
+/// Throws Error when the scene has no such cameras.
+mapping::RgbdCamera cameras(const SceneCas& cas);
 
 }  // namespace loci::perception::types

@@ -4,7 +4,7 @@
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
-#include "perception/types/conversion.h"
+#include "perception/types/geometry.h"
 
 namespace loci::perception::types {
 

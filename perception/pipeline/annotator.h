@@ -1,32 +1,78 @@
 #pragma once
 
+#include <map>
+#include <memory>
 #include <string>
+#include <typeindex>
 #include <vector>
 
+#include "mapping/base/error.h"
 #include "mapping/base/json.h"
 #include "mapping/base/options.h"
 #include "mapping/base/time.h"
 #include "perception/cas/cas.h"
-#include "perception/pipeline/resources.h"
 
 namespace loci::perception {
 
-/// What an annotator says about itself. Needs, makes and so on are views ("view:depth") and types by their
-/// short names ("Cluster", "GeometryAnnotation"), or features of theirs ("Cluster.place"). Annotators of
-/// which none reads or changes what another one writes may run at the same time, each on a copy of the CAS:
-/// what is not declared is not seen.
+/// Objects that annotators share: a recording, a map, a memory. At most one per C++ type, with shared
+/// ownership.
+class Resources {
+ public:
+  template <class T>
+  void put(std::shared_ptr<T> resource) {
+    resources_[typeid(T)] = {std::move(resource), false};
+  }
+  /// A resource that must not outlive the run (a file). Annotators with a time limit do not get it, because
+  /// they may still be running when the run ends.
+  template <class T>
+  void put_for_run(std::shared_ptr<T> resource) {
+    resources_[typeid(T)] = {std::move(resource), true};
+  }
+  /// All that may outlive the run.
+  Resources lasting() const {
+    Resources copy;
+    for (const auto& [type, entry] : resources_)
+      if (!entry.for_run) copy.resources_.emplace(type, entry);
+    return copy;
+  }
+  /// nullptr when there is none.
+  template <class T>
+  T* find() const {
+    const auto it = resources_.find(typeid(T));
+    return it == resources_.end() ? nullptr : static_cast<T*>(it->second.resource.get());
+  }
+  /// Error with the hint when there is none.
+  template <class T>
+  T& get(const std::string& what, const std::string& hint = {}) const {
+    if (T* found = find<T>()) return *found;
+    throw Error("there is no " + what, {}, hint);
+  }
+
+ private:
+  struct Entry {
+    std::shared_ptr<void> resource;
+    bool for_run = false;
+  };
+  std::map<std::type_index, Entry> resources_;
+};
+
+/// The capabilities of an annotator (as UIMA's descriptors). Inputs, outputs and so on are views
+/// ("view:depth"), types by their short names ("Cluster", "GeometryAnnotation"), or features of types
+/// ("Cluster.place"). Annotators that do not read or modify what another one outputs may run at the same
+/// time, each on a copy of the CAS: what is not declared is not visible.
 struct AnnotatorDescriptor {
   std::string name;
-  std::string sentence;
-  std::vector<std::string> needs;         ///< cannot do without
-  std::vector<std::string> makes;         ///< adds
-  std::vector<std::string> uses = {};     ///< reads when it is there; "*" = everything
-  std::vector<std::string> changes = {};  ///< writes to, although others made it
-  /// Whether it cannot start without options: a model, an index, a server. --goal takes it when it is given.
+  std::string description;
+  std::vector<std::string> inputs;                ///< required
+  std::vector<std::string> outputs;               ///< added
+  std::vector<std::string> optional_inputs = {};  ///< read when present; "*" = everything
+  std::vector<std::string> modifies = {};         ///< written to, although output by others
+  /// Whether it cannot start without options: a model, an index, a server. --goal takes it only when they are
+  /// given.
   bool needs_options = false;
 };
 
-/// What an annotator has at hand besides the CAS.
+/// What an annotator gets besides the CAS.
 struct Context {
   Resources& resources;
   Warnings& warnings;
@@ -42,20 +88,20 @@ class Annotator {
   virtual AnnotatorDescriptor descriptor() const = 0;
   /// Declares the options, once; the values live in the annotator.
   virtual void declare(OptionTable& /*table*/) {}
-  /// Before the first frame: looks for resources, refuses to start with an Error.
+  /// Before the first frame: looks up resources; throws Error when it cannot start.
   virtual void start(Context& /*context*/) {}
   virtual void process(cas::Cas& cas, Context& context) = 0;
   /// After the last frame, also when the run was interrupted.
   virtual void finish(Context& /*context*/) {}
 };
 
-/// Which frame of a recording.
+/// A frame of a recording.
 struct FrameId {
   int64_t index = 0;  ///< as in the recording
   TimeNs time_ns = 0;
 };
 
-/// Where scenes come from: each goes into a fresh CAS.
+/// The source of scenes: each goes into a fresh CAS.
 class Reader {
  public:
   virtual ~Reader() = default;
@@ -69,6 +115,19 @@ class Reader {
   virtual FrameId upcoming() const = 0;
   virtual void read_next(cas::Cas& cas, Context& context) = 0;
   virtual void skip(size_t frames) = 0;
+};
+
+/// Splits a scene into further CASes (a CAS multiplier, §2.1). A flow runs over each of them, and its
+/// annotations are copied back. Made for one run; scenes come one after the other. Its descriptor declares
+/// the inputs from the scene and the outputs in the new CASes.
+class CasMultiplier {
+ public:
+  virtual ~CasMultiplier() = default;
+  virtual AnnotatorDescriptor descriptor() const = 0;
+  virtual void declare(OptionTable& /*table*/) {}
+  virtual std::vector<std::unique_ptr<cas::Cas>> split(cas::Cas& scene, Context& context) = 0;
+  /// Copies the annotations of a part of the last split() back.
+  virtual void join(size_t part, cas::Cas& done, cas::Cas& scene) = 0;
 };
 
 }  // namespace loci::perception

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-
 #include <algorithm>
 
 #include "mapping/base/json.h"
@@ -17,9 +16,9 @@ FileLocation place_of(const Config& config, const YAML::Node& node, const std::s
   return place;
 }
 
-bool intersects(const std::set<std::string>& products, const std::set<std::string>& needs) {
+bool intersects(const std::set<std::string>& products, const std::set<std::string>& inputs) {
   return std::any_of(products.begin(), products.end(), [&](const std::string& product) {
-    return std::any_of(needs.begin(), needs.end(),
+    return std::any_of(inputs.begin(), inputs.end(),
                        [&](const std::string& need) { return meets(product, need); });
   });
 }
@@ -52,7 +51,7 @@ class FlowReader {
     for (const Option& option : table.options()) policy_names_.push_back(option.name);
   }
 
-  /// Engines that nobody uses must be right, too.
+  /// Unused engines are checked as well.
   void check_engines() {
     for (const std::string& name : engine_names_) read_list(engines_.node(name), "engines." + name);
   }
@@ -130,7 +129,7 @@ class FlowReader {
           throw Error(fmt::format("there is no annotator or engine '{}'", name), place, hint);
     }
     node.step = std::make_unique<Step>(name, options, policy, place, registry_);
-    node.footprint.add(node.step->descriptor());
+    node.access.add(node.step->descriptor());
     flow.nodes.push_back(std::move(node));
   }
 
@@ -143,8 +142,8 @@ class FlowReader {
     config.finish();
     if (made.branches[0].nodes.empty() && made.branches[1].nodes.empty())
       throw Error("'if' without 'then' or 'else'", made.place);
-    for (const std::string& type : made.condition->types()) made.footprint.reads.insert(type);
-    made.footprint.reads.insert("Cluster");
+    for (const std::string& type : made.condition->types()) made.access.reads.insert(type);
+    made.access.reads.insert("Cluster");
     flow.nodes.push_back(std::move(made));
   }
 
@@ -157,7 +156,7 @@ class FlowReader {
       add_branch(made, read_list(regions.node(pattern), path + ".regions." + pattern));
     }
     config.finish();
-    made.footprint.reads.insert({"Cluster", "PlanarSupport", "Cluster.place"});
+    made.access.reads.insert({"Cluster", "PlanarSupport", "Cluster.place"});
     flow.nodes.push_back(std::move(made));
   }
 
@@ -174,11 +173,11 @@ class FlowReader {
       else
         read_item(list[i], item_path, branch);
       plan(branch);
-      const Footprint footprint = footprint_of(branch);
+      const DataAccess access = access_of(branch);
       for (size_t j = 0; j < made.branches.size(); ++j)
-        if (depends(footprint, footprint_of(made.branches[j])))
+        if (depends(access, access_of(made.branches[j])))
           throw Error(
-              fmt::format("branch {} of 'parallel' needs what branch {} makes or changes", i + 1, j + 1),
+              fmt::format("branch {} of 'parallel' reads what branch {} outputs or modifies", i + 1, j + 1),
               made.place, "put one after the other");
       add_branch(made, std::move(branch));
     }
@@ -189,10 +188,10 @@ class FlowReader {
   void read_unless_alike(const YAML::Node& node, const std::string& path, Flow& flow) {
     const Config config = pipeline_.over(node, path);
     FlowNode made = branching(FlowNode::Kind::kUnlessAlike, node, path);
-    AlikeOptions options;
+    ChangeOptions options;
     made.options = read_declared(options, config.map("unless_alike"));
-    made.known = std::make_unique<Lookalikes>(options);
-    made.footprint.reads = {"Cluster", "StandaloneImageROI", "StandaloneImageROI.phash"};
+    made.changes = std::make_unique<ChangeDetector>(options);
+    made.access.reads = {"Cluster", "StandaloneImageROI", "StandaloneImageROI.phash"};
     read_do(made, config, path, "unless_alike");
     flow.nodes.push_back(std::move(made));
   }
@@ -204,25 +203,25 @@ class FlowReader {
     made.multiplier = registry_.make_multiplier(name, made.place);
     made.options = read_declared(*made.multiplier, config.over(options, path + "." + name));
     const AnnotatorDescriptor descriptor = made.multiplier->descriptor();
-    made.footprint.reads = set_of(descriptor.needs);
-    made.footprint.reads.insert(descriptor.uses.begin(), descriptor.uses.end());
+    made.access.reads = set_of(descriptor.inputs);
+    made.access.reads.insert(descriptor.optional_inputs.begin(), descriptor.optional_inputs.end());
     read_do(made, config, path, "multiply");
     flow.nodes.push_back(std::move(made));
   }
 
-  /// The flow whose annotations are brought back to clusters; more cannot be.
+  /// Reads `do`. Only annotations of clusters are copied back from it.
   void read_do(FlowNode& node, const Config& config, const std::string& path, const std::string& keyword) {
     add_branch(node, config.has("do") ? read_list(config.node("do"), path + ".do") : Flow());
     config.finish();
     if (node.branches[0].nodes.empty()) throw Error("'" + keyword + "' without 'do'", node.place);
     const auto refuse = [&](const std::string& what) {
-      throw Error(fmt::format("what '{}' does {}, and only annotations are brought back", keyword, what),
+      throw Error(fmt::format("the steps of '{}' {}, but only annotations are copied back", keyword, what),
                   node.place, "put that before or after it");
     };
-    for (const std::string& change : node.footprint.changes)
-      if (!node.footprint.reads.contains(change)) refuse("changes " + change);
-    for (const std::string& product : node.footprint.makes)
-      if (!is_annotation(product)) refuse("makes " + product);
+    for (const std::string& change : node.access.modifies)
+      if (!node.access.reads.contains(change)) refuse("modify " + change);
+    for (const std::string& product : node.access.outputs)
+      if (!is_annotation(product)) refuse("output " + product);
   }
 
   FlowNode branching(FlowNode::Kind kind, const YAML::Node& node, const std::string& path) const {
@@ -232,14 +231,14 @@ class FlowReader {
     return made;
   }
 
-  static Footprint footprint_of(const Flow& flow) {
-    Footprint all;
-    for (const FlowNode& node : flow.nodes) all.add(node.footprint);
+  static DataAccess access_of(const Flow& flow) {
+    DataAccess all;
+    for (const FlowNode& node : flow.nodes) all.add(node.access);
     return all;
   }
 
   static void add_branch(FlowNode& node, Flow branch) {
-    node.footprint.add(footprint_of(branch));
+    node.access.add(access_of(branch));
     node.branches.push_back(std::move(branch));
   }
 
@@ -253,7 +252,7 @@ class FlowReader {
       while (!nodes[begin].asynchronous() && end < nodes.size() && !nodes[end].asynchronous() &&
              std::none_of(nodes.begin() + static_cast<std::ptrdiff_t>(begin),
                           nodes.begin() + static_cast<std::ptrdiff_t>(end), [&](const FlowNode& earlier) {
-                            return depends(nodes[end].footprint, earlier.footprint);
+                            return depends(nodes[end].access, earlier.access);
                           }))
         ++end;
       flow.batches.emplace_back(begin, end);
@@ -269,23 +268,70 @@ class FlowReader {
   std::vector<std::string> within_;  ///< engines that are being read
 };
 
+void check_need(const std::string& who, const std::string& need, const FileLocation& place,
+                const std::set<std::string>& made, const AnnotatorRegistry& registry) {
+  const bool met =
+      std::any_of(made.begin(), made.end(), [&](const std::string& product) { return meets(product, need); });
+  if (met) return;
+  const std::vector<std::string> makers = registry.producers_of(need);
+  throw Error(fmt::format("{} needs {}, which no earlier step outputs", who, need), place,
+              makers.empty() ? "no known annotator outputs it"
+                             : fmt::format("put {} before it", fmt::join(makers, " or ")));
+}
+
+Json steps_json(const std::vector<FlowNode>& nodes);
+
+Json node_json(const FlowNode& node) {
+  switch (node.kind) {
+    case FlowNode::Kind::kStep:
+      return node.step->to_json();
+    case FlowNode::Kind::kCondition: {
+      Json json = {{"if", node.condition->text()}, {"then", steps_json(node.branches[0].nodes)}};
+      if (!node.branches[1].nodes.empty()) json["else"] = steps_json(node.branches[1].nodes);
+      return json;
+    }
+    case FlowNode::Kind::kRegions: {
+      Json regions = Json::object();
+      for (size_t i = 0; i < node.patterns.size(); ++i)
+        regions[node.patterns[i]] = steps_json(node.branches[i].nodes);
+      return {{"regions", regions}};
+    }
+    case FlowNode::Kind::kUnlessAlike:
+      return {{"unless_alike", node.options}, {"do", steps_json(node.branches[0].nodes)}};
+    case FlowNode::Kind::kMultiply:
+      return {{"multiply", {{node.multiplier->descriptor().name, node.options}}},
+              {"do", steps_json(node.branches[0].nodes)}};
+    case FlowNode::Kind::kParallel:
+      break;
+  }
+  Json branches = Json::array();
+  for (const Flow& branch : node.branches) branches.push_back(steps_json(branch.nodes));
+  return {{"parallel", branches}};
+}
+
+Json steps_json(const std::vector<FlowNode>& nodes) {
+  Json json = Json::array();
+  for (const FlowNode& node : nodes) json.push_back(node_json(node));
+  return json;
+}
+
 }  // namespace
 
-bool depends(const Footprint& later, const Footprint& earlier) {
-  return later.reads.contains("*") || intersects(earlier.makes, later.reads) ||
-         intersects(earlier.changes, later.reads) || intersects(earlier.makes, later.changes) ||
-         intersects(earlier.changes, later.changes);
+bool depends(const DataAccess& later, const DataAccess& earlier) {
+  return later.reads.contains("*") || intersects(earlier.outputs, later.reads) ||
+         intersects(earlier.modifies, later.reads) || intersects(earlier.outputs, later.modifies) ||
+         intersects(earlier.modifies, later.modifies);
 }
 
-void Footprint::add(const Footprint& more) {
+void DataAccess::add(const DataAccess& more) {
   reads.insert(more.reads.begin(), more.reads.end());
-  makes.insert(more.makes.begin(), more.makes.end());
-  changes.insert(more.changes.begin(), more.changes.end());
+  outputs.insert(more.outputs.begin(), more.outputs.end());
+  modifies.insert(more.modifies.begin(), more.modifies.end());
 }
 
-void Footprint::add(const AnnotatorDescriptor& descriptor) {
-  Footprint own{set_of(descriptor.needs), set_of(descriptor.makes), set_of(descriptor.changes)};
-  own.reads.insert(descriptor.uses.begin(), descriptor.uses.end());
+void DataAccess::add(const AnnotatorDescriptor& descriptor) {
+  DataAccess own{set_of(descriptor.inputs), set_of(descriptor.outputs), set_of(descriptor.modifies)};
+  own.reads.insert(descriptor.optional_inputs.begin(), descriptor.optional_inputs.end());
   add(own);
 }
 
@@ -320,6 +366,60 @@ void append_step(Flow& flow, const std::string& name, const AnnotatorRegistry& r
   Flow one = read_flow(list, "flow", registry);
   std::move(one.nodes.begin(), one.nodes.end(), std::back_inserter(flow.nodes));
   FlowReader::plan(flow);
+}
+
+void check_flow(const Flow& flow, std::set<std::string>& made, const AnnotatorRegistry& registry) {
+  for (const FlowNode& node : flow.nodes) {
+    if (node.step)
+      for (const std::string& need : node.step->descriptor().inputs)
+        check_need(node.step->descriptor().name, need, node.place, made, registry);
+    if (node.condition)
+      for (const std::string& type : node.condition->types())
+        check_need("the condition '" + node.condition->text() + "'", type, node.place, made, registry);
+    if (node.kind == FlowNode::Kind::kRegions)
+      check_need("'regions'", "PlanarSupport", node.place, made, registry);
+    if (node.kind == FlowNode::Kind::kUnlessAlike)
+      check_need("'unless_alike'", "StandaloneImageROI.phash", node.place, made, registry);
+    std::set<std::string> seen = made;
+    if (node.multiplier) {
+      const AnnotatorDescriptor descriptor = node.multiplier->descriptor();
+      for (const std::string& need : descriptor.inputs)
+        check_need(descriptor.name, need, node.place, made, registry);
+      seen = {descriptor.outputs.begin(), descriptor.outputs.end()};
+    }
+    // A branch does not see what the other ones make.
+    for (const Flow& branch : node.branches) {
+      std::set<std::string> inside = seen;
+      check_flow(branch, inside, registry);
+    }
+    made.insert(node.access.outputs.begin(), node.access.outputs.end());
+  }
+}
+
+void check_types(const Flow& flow, const cas::TypeSystem& types) {
+  for (const FlowNode& node : flow.nodes) {
+    if (node.condition) node.condition->check(types);
+    for (const Flow& branch : node.branches) check_types(branch, types);
+  }
+}
+
+void collect_steps(const Flow& flow, std::vector<Step*>& steps) {
+  for (const FlowNode& node : flow.nodes) {
+    if (node.step) steps.push_back(node.step.get());
+    for (const Flow& branch : node.branches) collect_steps(branch, steps);
+  }
+}
+
+bool has_step(const Flow& flow, const std::string& name) {
+  return std::any_of(flow.nodes.begin(), flow.nodes.end(), [&](const FlowNode& node) {
+    return (node.step && node.step->descriptor().name == name) ||
+           std::any_of(node.branches.begin(), node.branches.end(),
+                       [&](const Flow& branch) { return has_step(branch, name); });
+  });
+}
+
+Json to_json(const Flow& flow) {
+  return steps_json(flow.nodes);
 }
 
 }  // namespace loci::perception

@@ -61,8 +61,8 @@ void run_split(FlowNode& node, const Assignment& assignment, cas::Cas& cas, Cont
   std::vector<Task> tasks;
   for (size_t i = 0; i < node.branches.size(); ++i) {
     Task task = flow_task(node.branches[i]);
-    for (const auto& [thing, branch] : assignment)
-      if (branch != i) task.hidden.push_back(thing);
+    for (const auto& [object, branch] : assignment)
+      if (branch != i) task.hidden.push_back(object);
     const bool wanted = task.hidden.size() < assignment.size();
     if (wanted && !node.branches[i].nodes.empty()) tasks.push_back(std::move(task));
   }
@@ -117,21 +117,21 @@ void run_unless_alike(FlowNode& node, cas::Cas& cas, Context& context) {
   Flow& branch = node.branches[0];
   constexpr size_t kThrough = 0, kPast = 1;
   Assignment assignment;
-  std::vector<types::Cluster> asked;
+  std::vector<types::Cluster> changed;
   for (const types::Cluster& cluster : scene.clusters()) {
-    const bool as_before = node.known->take_over(cluster);
-    if (!as_before) asked.push_back(cluster);
+    const bool as_before = node.changes->reuse(cluster);
+    if (!as_before) changed.push_back(cluster);
     assignment.emplace_back(cluster, as_before ? kPast : kThrough);
   }
   std::vector<Step*> steps;
   collect_steps(branch, steps);
-  for (Step* step : steps) step->note_reused(assignment.size() - asked.size());
+  for (Step* step : steps) step->note_reused(assignment.size() - changed.size());
   const size_t known = cas.size();
   const int64_t failures = failures_of(branch);
   run_split(node, assignment, cas, context);
-  if (failures_of(branch) > failures) return;  // Who failed is asked again.
-  for (const types::Cluster& cluster : asked)
-    node.known->remember(cluster, known, scene.scene().frame_index.get());
+  if (failures_of(branch) > failures) return;  // Failed clusters are annotated again.
+  for (const types::Cluster& cluster : changed)
+    node.changes->store(cluster, known, scene.scene().frame_index.get());
 }
 
 void run_multiply(FlowNode& node, cas::Cas& cas, Context& context) {
@@ -178,7 +178,7 @@ class Outstanding {
     for (auto at = attempts_.begin(); at != attempts_.end();) {
       bool needed = begin == end;
       for (size_t i = begin; i < end; ++i)
-        needed = needed || depends(flow_.nodes[i].footprint, flow_.nodes[at->first].footprint);
+        needed = needed || depends(flow_.nodes[i].access, flow_.nodes[at->first].access);
       if (!needed) {
         ++at;
         continue;

@@ -47,18 +47,19 @@ double expected_seconds(const std::string& name, const StatisticsTable& statisti
                                                                 : known->second.seconds_per_scene();
 }
 
-/// What has to run, in order, before somebody's needs are met; nothing when that cannot be.
+/// The annotators that have to run first, in order, to provide the inputs of one; nothing when that is
+/// impossible.
 std::optional<std::vector<std::string>> prerequisites(const std::string& name, std::set<std::string> made,
                                                       const AnnotatorRegistry& registry, int depth = 0) {
   std::vector<std::string> before;
-  for (const std::string& need : registry.make(name)->descriptor().needs) {
+  for (const std::string& need : registry.make(name)->descriptor().inputs) {
     const auto met = [&] {
       return std::any_of(made.begin(), made.end(),
                          [&](const std::string& product) { return meets(product, need); });
     };
     if (met()) continue;
     bool found = false;
-    for (const std::string& maker : depth > 8 ? std::vector<std::string>() : registry.makers_of(need)) {
+    for (const std::string& maker : depth > 8 ? std::vector<std::string>() : registry.producers_of(need)) {
       const std::vector<std::string> annotators = registry.annotators();
       if (std::find(annotators.begin(), annotators.end(), maker) == annotators.end()) continue;
       const auto more = prerequisites(maker, made, registry, depth + 1);
@@ -66,7 +67,7 @@ std::optional<std::vector<std::string>> prerequisites(const std::string& name, s
       before.insert(before.end(), more->begin(), more->end());
       before.push_back(maker);
       for (const std::string& each : before)
-        for (const std::string& product : registry.make(each)->descriptor().makes) made.insert(product);
+        for (const std::string& product : registry.make(each)->descriptor().outputs) made.insert(product);
       found = true;
       break;
     }
@@ -106,7 +107,7 @@ std::vector<GoalTerm> parse_goal(const std::string& text) {
     const auto meaning = meanings().find(key);
     if (equals == std::string::npos || equals + 1 == word.size() || meaning == meanings().end()) {
       const std::string hint = did_you_mean(key, keys);
-      throw Error(fmt::format("'{}' is nothing that can be asked for", word), {"", 0, "--goal"},
+      throw Error(fmt::format("'{}' is not a term of a goal", word), {"", 0, "--goal"},
                   hint.empty() ? fmt::format("KEY=VALUE with {}", fmt::join(keys, ", ")) : hint);
     }
     const std::string value = word.substr(equals + 1);
@@ -114,7 +115,7 @@ std::vector<GoalTerm> parse_goal(const std::string& text) {
     goal.push_back(
         {key, value, meaning->second.products, fmt::format(fmt::runtime(meaning->second.condition), value)});
   }
-  if (goal.empty()) throw Error("nothing is asked for", {"", 0, "--goal"}, "e.g. \"color=red on=table_1\"");
+  if (goal.empty()) throw Error("the goal is empty", {"", 0, "--goal"}, "e.g. \"color=red on=table_1\"");
   return goal;
 }
 
@@ -125,7 +126,7 @@ GoalPlan plan_goal(const std::vector<GoalTerm>& goal, const Json& base, const Js
   std::set<std::string> made = {"Scene", "view:depth", "view:color", "CameraInfo", "JointState"};
   for (const Json& step : base) {
     const std::string name = step_name(step);
-    for (const std::string& product : registry.make(name)->descriptor().makes) made.insert(product);
+    for (const std::string& product : registry.make(name)->descriptor().outputs) made.insert(product);
     plan.seconds += expected_seconds(name, statistics);
   }
   std::vector<std::pair<GoalChoice, const GoalTerm*>> best;
@@ -133,10 +134,11 @@ GoalPlan plan_goal(const std::vector<GoalTerm>& goal, const Json& base, const Js
     std::vector<GoalChoice> options;
     for (const std::string& name : registry.annotators()) {
       const AnnotatorDescriptor descriptor = registry.make(name)->descriptor();
-      // Who finds things says something of what it found itself, and not of what is asked about.
-      if (std::ranges::find(descriptor.makes, "Cluster") != descriptor.makes.end()) continue;
+      // An extractor describes the clusters that it adds, not the given ones.
+      if (std::ranges::find(descriptor.outputs, "Cluster") != descriptor.outputs.end()) continue;
       const bool answers = std::any_of(term.products.begin(), term.products.end(), [&](const auto& product) {
-        return std::find(descriptor.makes.begin(), descriptor.makes.end(), product) != descriptor.makes.end();
+        return std::find(descriptor.outputs.begin(), descriptor.outputs.end(), product) !=
+               descriptor.outputs.end();
       });
       if (!answers) continue;
       if (const auto before = prerequisites(name, made, registry))
@@ -164,7 +166,7 @@ GoalPlan plan_goal(const std::vector<GoalTerm>& goal, const Json& base, const Js
   std::stable_sort(best.begin(), best.end(), [](const auto& one, const auto& two) {
     return one.first.gain / one.first.seconds > two.first.gain / two.first.seconds;
   });
-  // From the inside out: whoever comes later is asked about the clusters that fit so far.
+  // From the inside out: later annotators see only the clusters that fit so far.
   std::vector<std::pair<Json, std::string>> taken;
   for (auto& [choice, term] : best) {
     choice.taken = !budget_s || plan.seconds + choice.seconds <= *budget_s;
@@ -220,7 +222,7 @@ std::string plan_text(const GoalPlan& plan) {
     if (!choice.with.empty()) text += fmt::format(", with {}", fmt::join(choice.with, ", "));
     text += "\n";
   }
-  for (const std::string& term : plan.unanswered) text += fmt::format("nobody is asked about {}\n", term);
+  for (const std::string& term : plan.unanswered) text += fmt::format("no annotator is taken for {}\n", term);
   return text + fmt::format("expected {:.0f} ms per scene\n", plan.seconds * 1e3);
 }
 

@@ -10,7 +10,7 @@
 
 namespace loci::perception {
 
-/// One thing that is asked for: "color=red".
+/// One term of a goal: "color=red".
 struct GoalTerm {
   std::string key;
   std::string value;
@@ -27,7 +27,7 @@ std::vector<GoalTerm> parse_goal(const std::string& text);
 struct GoalChoice {
   std::string term;
   std::string annotator;
-  std::vector<std::string> with;  ///< annotators that have to run before it and nobody asked for yet
+  std::vector<std::string> with;  ///< prerequisites that the flow does not have yet
   double gain = 0;                ///< expected share of clusters that it answers for, times its confidence
   double seconds = 0;             ///< expected, per scene, with those that have to run before it
   bool known = false;             ///< from statistics, not assumed
@@ -36,11 +36,12 @@ struct GoalChoice {
 };
 
 struct GoalPlan {
-  Json pipeline;  ///< as YAML: cheap experts first, each asked about what the ones before it left
+  Json
+      pipeline;  ///< as YAML: cheap annotators first, each applied to the clusters that the earlier ones left
   std::vector<GoalChoice> choices;
   double seconds = 0;                   ///< expected, per scene
-  std::string condition;                ///< that a cluster fits everything that could be asked
-  std::vector<std::string> unanswered;  ///< terms that nobody was taken for
+  std::string condition;                ///< holds for clusters that fit all terms that were taken
+  std::vector<std::string> unanswered;  ///< terms without an annotator
 };
 
 /// Chooses annotators for a goal: per term the one with the best expected gain per time, in that order, as

@@ -64,7 +64,7 @@ void Pipeline::add_writer(const std::string& name, const AnnotatorRegistry& regi
 
 void Pipeline::check(const AnnotatorRegistry& registry) const {
   const AnnotatorDescriptor source = reader_->descriptor();
-  std::set<std::string> made(source.makes.begin(), source.makes.end());
+  std::set<std::string> made(source.outputs.begin(), source.outputs.end());
   check_flow(flow_, made, registry);
   check_flow(writers_, made, registry);
 }
@@ -78,8 +78,8 @@ Json Pipeline::to_json() const {
 std::set<std::string> Pipeline::annotating() const {
   std::set<std::string> names;
   for (const Step* step : steps()) {
-    const std::vector<std::string>& makes = step->descriptor().makes;
-    if (std::any_of(makes.begin(), makes.end(), is_annotation)) names.insert(step->descriptor().name);
+    const std::vector<std::string>& outputs = step->descriptor().outputs;
+    if (std::any_of(outputs.begin(), outputs.end(), is_annotation)) names.insert(step->descriptor().name);
   }
   return names;
 }

@@ -20,7 +20,7 @@ struct PipelineResult {
   size_t left_out = 0;  ///< further frames, because of an annotator that failed
   /// Seconds by annotator (and reader), in order of the flow.
   std::vector<std::pair<std::string, double>> seconds;
-  /// The same in processor time of all threads; of those that run beside others, of their own thread.
+  /// The same in CPU time of all threads; of asynchronous steps, of their own thread.
   std::vector<std::pair<std::string, double>> cpu_seconds;
   StatisticsTable statistics;  ///< of this run, by annotator
 };
@@ -51,7 +51,8 @@ class Pipeline {
   std::set<std::string> annotating() const;
   Reader& reader() { return *reader_; }
 
-  /// Throws Error for the first annotator whose needs nobody before it meets, naming who could.
+  /// Throws Error for the first annotator with an input that no earlier annotator outputs; the message names
+  /// the annotators that do.
   void check(const AnnotatorRegistry& registry) const;
   /// The effective configuration, in the form of the YAML.
   Json to_json() const;

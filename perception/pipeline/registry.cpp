@@ -1,12 +1,14 @@
 #include "perception/pipeline/registry.h"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "mapping/base/json.h"
+#include "perception/pipeline/plugin.h"
+#include "perception/types/scene_cas.h"
 
 namespace loci::perception {
 namespace {
@@ -85,23 +87,26 @@ std::unique_ptr<Reader> AnnotatorRegistry::make_reader(const std::string& name,
   return maker_from(readers_, name, place, "reader")();
 }
 
-std::vector<std::string> AnnotatorRegistry::makers_of(const std::string& product) const {
+std::vector<std::string> AnnotatorRegistry::producers_of(const std::string& product) const {
   std::vector<std::string> makers;
-  const auto look = [&](const std::string& name, const AnnotatorDescriptor& descriptor) {
+  const auto check = [&](const std::string& name, const AnnotatorDescriptor& descriptor) {
     const auto has = [&](const std::vector<std::string>& list) {
       return std::find(list.begin(), list.end(), product) != list.end();
     };
-    if (has(descriptor.makes) && !has(descriptor.needs)) makers.push_back(name);
+    if (has(descriptor.outputs) && !has(descriptor.inputs)) makers.push_back(name);
   };
-  for (const auto& [name, make] : annotators_) look(name, make()->descriptor());
-  for (const auto& [name, make] : readers_) look(name, make()->descriptor());
+  for (const auto& [name, make] : annotators_) check(name, make()->descriptor());
+  for (const auto& [name, make] : readers_) check(name, make()->descriptor());
   return makers;
 }
 
 Json describe(const AnnotatorDescriptor& descriptor, const OptionTable& options) {
-  Json json = {{"name", descriptor.name},   {"description", descriptor.sentence},
-               {"needs", descriptor.needs}, {"makes", descriptor.makes},
-               {"uses", descriptor.uses},   {"changes", descriptor.changes},
+  Json json = {{"name", descriptor.name},
+               {"description", descriptor.description},
+               {"inputs", descriptor.inputs},
+               {"outputs", descriptor.outputs},
+               {"optional_inputs", descriptor.optional_inputs},
+               {"modifies", descriptor.modifies},
                {"options", Json::array()}};
   const Json defaults = options.to_json();
   for (const Option& option : options.options()) {
@@ -118,15 +123,15 @@ Json describe(const AnnotatorDescriptor& descriptor, const OptionTable& options)
 
 std::string description_text(const AnnotatorDescriptor& descriptor, const OptionTable& options) {
   const auto list = [](const std::vector<std::string>& items) {
-    return items.empty() ? std::string("nothing") : fmt::format("{}", fmt::join(items, ", "));
+    return items.empty() ? std::string("none") : fmt::format("{}", fmt::join(items, ", "));
   };
-  std::string text = fmt::format("{}\n  {}\n  needs {}\n  makes {}\n", descriptor.name, descriptor.sentence,
-                                 list(descriptor.needs), list(descriptor.makes));
-  if (descriptor.uses == std::vector<std::string>{"*"})
-    text += "  also reads everything that is there\n";
-  else if (!descriptor.uses.empty())
-    text += fmt::format("  also reads {}\n", list(descriptor.uses));
-  if (!descriptor.changes.empty()) text += fmt::format("  changes {}\n", list(descriptor.changes));
+  std::string text = fmt::format("{}\n  {}\n  inputs: {}\n  outputs: {}\n", descriptor.name,
+                                 descriptor.description, list(descriptor.inputs), list(descriptor.outputs));
+  if (descriptor.optional_inputs == std::vector<std::string>{"*"})
+    text += "  optional inputs: everything\n";
+  else if (!descriptor.optional_inputs.empty())
+    text += fmt::format("  optional inputs: {}\n", list(descriptor.optional_inputs));
+  if (!descriptor.modifies.empty()) text += fmt::format("  modifies: {}\n", list(descriptor.modifies));
   for (const Option& option : options.options()) {
     const std::string unit = option.unit.empty() ? "" : " " + option.unit;
     const std::string bounds = bounds_of(option);
@@ -134,6 +139,40 @@ std::string description_text(const AnnotatorDescriptor& descriptor, const Option
                         option.description, bounds.empty() ? "" : " (" + bounds + ")");
   }
   return text;
+}
+
+LoadedPlugin load_plugin(const std::filesystem::path& path, AnnotatorRegistry& registry) {
+  const FileLocation place{path.string(), 0, {}};
+  if (!std::filesystem::exists(path)) throw Error("there is no such plugin", place);
+  // An absolute path, or the loader would look elsewhere first.
+  void* library = dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) throw Error(fmt::format("this plugin cannot be loaded ({})", dlerror()), place);
+  using Entry = const PluginInfo* (*)();
+  const auto entry = reinterpret_cast<Entry>(dlsym(library, "loci_plugin"));
+  if (entry == nullptr)
+    throw Error("this library is no plugin of loci", place,
+                "it needs LOCI_PLUGIN(…), see docs/annotators.md");
+  const PluginInfo& info = *entry();
+  const PluginInfo ours;
+  const std::string theirs = fmt::format("loci {} (compiler {})", info.version, info.compiler);
+  const std::string mine = fmt::format("loci {} (compiler {})", ours.version, ours.compiler);
+  if (info.format != ours.format || theirs != mine)
+    throw Error(fmt::format("this plugin was built against {}, and this is {}", theirs, mine), place,
+                "build it against the installed package of this version");
+  AnnotatorRegistry own;
+  info.add(own);
+  registry.merge(own, place);
+  LoadedPlugin loaded{path, info.name, {}};
+  if (info.types != nullptr) loaded.types = info.types();
+  return loaded;
+}
+
+std::shared_ptr<const cas::TypeSystem> type_system_with_plugins(const std::vector<LoadedPlugin>& plugins) {
+  if (plugins.empty()) return types::type_system();
+  std::vector<cas::TypeSource> sources = types::type_sources();
+  for (const LoadedPlugin& plugin : plugins)
+    sources.insert(sources.end(), plugin.types.begin(), plugin.types.end());
+  return cas::TypeSystem::load(sources, {}, {});
 }
 
 }  // namespace loci::perception

@@ -5,12 +5,10 @@
 #include <memory>
 
 #include "perception/pipeline/annotator.h"
-#include "perception/pipeline/multiplier.h"
 
 namespace loci::perception {
 
-/// Which annotators, readers and CAS multipliers there are, by name. Built explicitly by who starts a
-/// pipeline.
+/// Annotators, readers and CAS multipliers by name. The program that runs a pipeline builds it explicitly.
 class AnnotatorRegistry {
  public:
   template <class T>
@@ -31,7 +29,7 @@ class AnnotatorRegistry {
     multipliers_[T().descriptor().name] = [] { return std::make_unique<T>(); };
   }
 
-  /// Takes over what another one has. Error, with `place`, when a name is taken.
+  /// Adds all entries of another registry. Error, with `place`, when a name exists already.
   void merge(const AnnotatorRegistry& more, const FileLocation& place);
 
   std::vector<std::string> annotators() const;   ///< sorted
@@ -46,8 +44,8 @@ class AnnotatorRegistry {
   std::unique_ptr<Reader> make_reader(const std::string& name, const FileLocation& place = {}) const;
   std::unique_ptr<CasMultiplier> make_multiplier(const std::string& name,
                                                  const FileLocation& place = {}) const;
-  /// The annotators and readers that make something without needing it themselves.
-  std::vector<std::string> makers_of(const std::string& product) const;
+  /// The annotators and readers that output a type or view without having it as an input.
+  std::vector<std::string> producers_of(const std::string& product) const;
 
  private:
   std::map<std::string, std::function<std::unique_ptr<Annotator>()>> annotators_;
@@ -55,7 +53,7 @@ class AnnotatorRegistry {
   std::map<std::string, std::function<std::unique_ptr<CasMultiplier>()>> multipliers_;
 };
 
-/// An annotator's or reader's declaration: name, sentence, needs, makes, options with unit, default, bounds.
+/// The descriptor of an annotator or reader as JSON, with its options (unit, default, bounds).
 Json describe(const AnnotatorDescriptor& descriptor, const OptionTable& options);
 /// The same for people.
 std::string description_text(const AnnotatorDescriptor& descriptor, const OptionTable& options);

@@ -1,4 +1,4 @@
-#include "perception/pipeline/step.h"
+#include "perception/pipeline/flow.h"
 
 #include <fmt/format.h>
 

@@ -114,9 +114,10 @@ struct TemplateDetector::View {
 };
 
 void TemplateOptions::declare(OptionTable& table) {
-  table.number("min_similarity", min_similarity, "", "Share of a template's features that must be there.",
-               0.1, 1);
-  table.number("overlap", overlap, "", "Of matches that overlap by more the surest counts.", 0, 1);
+  table.number("min_similarity", min_similarity, "", "Minimum share of matching features of a template.", 0.1,
+               1);
+  table.number("overlap", overlap, "",
+               "Maximum overlap of detections; of more overlapping ones the most similar is taken.", 0, 1);
 }
 
 TemplateDetector::TemplateDetector() = default;

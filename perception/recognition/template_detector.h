@@ -23,7 +23,7 @@ struct TemplateMatch {
   cv::Rect region;        ///< of the image
 };
 
-/// Looks for things in whole images, without clusters, by templates of quantised gradients of colour and
+/// Looks for objects in whole images, without clusters, by templates of quantised gradients of colour and
 /// normals of depth (in the manner of LINEMOD, Hinterstoisser et al. 2012). A template matches its own size
 /// and turn only, so each view is kept in several (add()).
 class TemplateDetector {
@@ -33,7 +33,7 @@ class TemplateDetector {
   TemplateDetector(TemplateDetector&&) noexcept;
   TemplateDetector& operator=(TemplateDetector&&) noexcept;
 
-  /// A view of a thing: colour (CV_8UC3), depth (CV_32F, m, NaN = none) of the same size and its mask
+  /// A view of an object: colour (CV_8UC3), depth (CV_32F, m, NaN = none) of the same size and its mask
   /// (CV_8U). Kept as it is, nearer and farther, and turned to either side. Views that show too little are
   /// passed over; how many templates were kept is returned.
   int add(const std::string& name, const cv::Mat& color, const cv::Mat& depth, const cv::Mat& mask);

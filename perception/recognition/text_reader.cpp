@@ -47,7 +47,7 @@ std::vector<std::string> letter_runs(const std::string& text) {
   return runs;
 }
 
-/// What says nothing about a thing: common to many texts.
+/// What says nothing about an object: common to many texts.
 bool is_common(const std::string& word) {
   static const std::set<std::string> common = {"www",  "http", "https", "com",  "the",  "and", "for",
                                                "with", "from", "this",  "that", "are",  "you", "your",

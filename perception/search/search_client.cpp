@@ -2,20 +2,71 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-
+#include <httplib.h>
 #include <algorithm>
+#include <chrono>
+#include <condition_variable>
 #include <opencv2/imgproc.hpp>
+#include <regex>
 #include <thread>
 
 #include "mapping/base/files.h"
 #include "mapping/base/hash.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/image/image_io.h"
-#include "perception/recognition/perceptual_hash.h"
+#include "perception/recognition/image_features.h"
 #include "perception/search/protocol.h"
 
 namespace loci::perception {
 namespace {
+
+using Seconds = std::chrono::duration<double>;
+using Clock = std::chrono::steady_clock;
+
+/// Breaks a connection off when its time is up: the library's own limits are for single reads.
+class Deadline {
+ public:
+  Deadline(httplib::Client& client, Seconds limit)
+      : end_(Clock::now() + std::chrono::duration_cast<Clock::duration>(limit)),
+        thread_([this, &client] { watch(client); }) {}
+  ~Deadline() {
+    {
+      const std::lock_guard lock(mutex_);
+      done_ = true;
+    }
+    wake_.notify_one();
+    thread_.join();
+  }
+  bool is_over() const { return Clock::now() >= end_; }
+
+ private:
+  void watch(httplib::Client& client) {
+    std::unique_lock lock(mutex_);
+    if (wake_.wait_until(lock, end_, [this] { return done_; })) return;
+    // Again and again: a connection that is still being made cannot be stopped.
+    while (!wake_.wait_for(lock, std::chrono::milliseconds(20), [this] { return done_; })) client.stop();
+  }
+
+  Clock::time_point end_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool done_ = false;
+  std::thread thread_;
+};
+
+std::string reason_of(httplib::Error error) {
+  switch (error) {
+    case httplib::Error::Connection:
+    case httplib::Error::ConnectionTimeout:
+      return "cannot be reached";
+    case httplib::Error::SSLConnection:
+    case httplib::Error::SSLLoadingCerts:
+    case httplib::Error::SSLServerVerification:
+      return "cannot be trusted: its certificate is not accepted";
+    default:
+      return "broke off, or what it answered is no HTTP";
+  }
+}
 
 constexpr double kBytesPerMegabyte = 1e6;
 
@@ -51,25 +102,62 @@ void scale_regions(SearchAnswer& answer, double scale_x, double scale_y, const c
 
 }  // namespace
 
+HttpAddress HttpAddress::parse(const std::string& url) {
+  static const std::regex form(R"((https?://(?:\[[0-9a-fA-F:.]+\]|[^/?#:\s]+)(?::[0-9]{1,5})?)(/[^#\s]*)?)");
+  std::smatch found;
+  if (!std::regex_match(url, found, form))
+    throw Error("'" + url + "' is no address of a server", {}, "give one like http://127.0.0.1:8600");
+  return {found[1], found[2].length() > 0 ? found.str(2) : "/"};
+}
+
+HttpAnswer http_post(const HttpAddress& address, const std::string& body, double timeout_s,
+                     size_t max_bytes) {
+  httplib::Client client(address.server);
+  const Seconds limit(timeout_s);
+  client.set_connection_timeout(limit);
+  client.set_read_timeout(limit);
+  client.set_write_timeout(limit);
+  std::string received;
+  bool too_large = false;
+  httplib::Request request;
+  request.method = "POST";
+  request.path = address.path;
+  request.headers = {{"Content-Type", "application/x-protobuf"}, {"Accept", "application/x-protobuf"}};
+  request.body = body;
+  request.content_receiver = [&](const char* data, size_t length, uint64_t, uint64_t) {
+    too_large = length > max_bytes - received.size();
+    if (!too_large) received.append(data, length);
+    return !too_large;
+  };
+  Deadline deadline(client, limit);
+  const httplib::Result result = client.send(request);
+  if (too_large) throw Error(fmt::format("{} answered with more than {} bytes", address.server, max_bytes));
+  if (result) return {result->status, std::move(received)};
+  if (deadline.is_over())
+    throw ServerAway(fmt::format("{} did not answer within {} s", address.server, timeout_s));
+  throw ServerAway(address.server + " " + reason_of(result.error()));
+}
+
 void SearchOptions::declare(OptionTable& table) {
-  table.text("server", server, "Address of the server (`loci-perceive serve` answers there).");
-  table.number("timeout_s", timeout_s, "s", "Longest wait for an answer.", 0.01, 3600);
-  table.integer("retry", retry, "", "How often a server that is away, busy or confused is asked again.", 0,
-                100);
-  table.number("pause_s", pause_s, "s", "Wait before it is asked again; doubles each time.", 0, 60);
-  table.integer("side_px", side_px, "px", "Images whose longer side is longer are sent smaller.", 32, 10000);
-  table.text("language", language, "Of the answers.");
-  table.text("country", country, "For the answers.");
-  table.integer(
-      "alike_bits", alike_bits, "",
-      "Images whose perceptual hashes differ in so many bits of 64 are not sent again; -1 = each is sent.",
-      -1, 64);
-  table.number("alike_color", alike_color, "", "Unless their colours differ by more (CIE Lab, on average).",
-               0, 200);
-  table.integer("remembered", remembered, "", "Answers that are remembered for that.", 1, 1000000);
-  table.number("max_mb", max_mb, "MB", "Larger answers are refused.", 0.001, 1000);
+  table.text("server", server, "Address of the server, e.g. of `loci-perceive serve`.");
+  table.number("timeout_s", timeout_s, "s", "Time limit of a request.", 0.01, 3600);
+  table.integer("retry", retry, "",
+                "Number of retries when the server is unreachable, busy or answers invalid data.", 0, 100);
+  table.number("pause_s", pause_s, "s", "Wait before the first retry; doubles with each further one.", 0, 60);
+  table.integer("side_px", side_px, "px", "Maximum length of the longer side of an image that is sent.", 32,
+                10000);
+  table.text("language", language, "Language of the results.");
+  table.text("country", country, "Country of the results.");
+  table.integer("alike_bits", alike_bits, "",
+                "Maximum number of different bits (of 64) of the perceptual hashes for a cached result to be "
+                "used; -1 = no cache.",
+                -1, 64);
+  table.number("alike_color", alike_color, "",
+               "Maximum mean colour distance for a cached result to be used (CIE Lab).", 0, 200);
+  table.integer("remembered", remembered, "", "Number of cached results.", 1, 1000000);
+  table.number("max_mb", max_mb, "MB", "Maximum size of an answer.", 0.001, 1000);
   table.text("unknown", unknown,
-             "Folder for answers with fields that the protocol does not name, and a list of these.");
+             "Folder in which answers with unknown fields are stored, with a list of the fields.");
 }
 
 SearchCache::SearchCache(int alike_bits, double alike_color, size_t most)

@@ -6,7 +6,7 @@
 namespace loci::perception {
 namespace {
 
-/// Keys whose values are no words about the thing.
+/// Keys whose values are no words about the object.
 bool is_address(const std::string& key) {
   return key.ends_with("_url") || key.ends_with("_site") || key == "confidence" || key == "uploader_image" ||
          key == "product_id";

@@ -2,9 +2,34 @@
 
 #include "mapping/base/pose.h"
 #include "mapping/base/time.h"
-#include "perception/types/conversion.h"
+#include "perception/types/scene_cas.h"
 
 namespace loci::perception::types {
+
+/// How a native C++ type is kept in a CAS. Specialised per native type (geometry.h here;
+/// perception/conversions for OpenCV, PCL and cameras; anybody for types of their own) with
+///
+///     using Proxy = ...;                                      what it is kept as
+///     static Proxy to(cas::Cas& cas, const Native& value);
+///     static Native from(const Proxy& proxy);                 throws Error when the proxy is null or does
+///     not fit
+///
+/// so that the meaning of what is stored is written down in one place.
+template <typename Native>
+struct Conversion;
+
+/// Keeps a native value in a CAS: `types::Mat mat = types::to(cas, image)`.
+template <typename Native>
+typename Conversion<Native>::Proxy to(cas::Cas& cas, const Native& value) {
+  return Conversion<Native>::to(cas, value);
+}
+
+/// Brings it back: `cv::Mat image = types::from<cv::Mat>(mat)`. Throws Error when `proxy` is null.
+template <typename Native>
+Native from(const typename Conversion<Native>::Proxy& proxy) {
+  if (!proxy) throw Error("no " + std::string(Conversion<Native>::Proxy::kTypeName) + " to convert");
+  return Conversion<Native>::from(proxy);
+}
 
 // Vectors, rotations and poses of Eigen. Metres; from<Isometry3d> takes quaternions of length one within
 // 1e-2.

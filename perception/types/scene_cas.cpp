@@ -12,6 +12,16 @@ std::vector<P> shown(const cas::Cas& cas, std::vector<P> all) {
 
 }  // namespace
 
+const std::shared_ptr<const cas::TypeSystem>& type_system() {
+  static const std::shared_ptr<const cas::TypeSystem> system = type_system_with({});
+  return system;
+}
+
+std::shared_ptr<const cas::TypeSystem> type_system_with(const std::vector<std::filesystem::path>& files,
+                                                        const std::vector<std::filesystem::path>& path_dirs) {
+  return cas::TypeSystem::load(type_sources(), files, path_dirs);
+}
+
 bool SceneCas::has_scene() const {
   return !cas_->select(Scene::kTypeName).empty();
 }

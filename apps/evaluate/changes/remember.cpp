@@ -5,8 +5,8 @@
 #include "memory/annotators/memory_annotators.h"
 #include "memory/annotators/memory_session.h"
 #include "perception/annotators/annotators.h"
-#include "perception/annotators/hypotheses/known_map.h"
-#include "perception/types/types.h"
+#include "perception/annotators/structure/known_map.h"
+#include "perception/types/scene_cas.h"
 
 namespace loci::apps::changes {
 

@@ -18,16 +18,16 @@ namespace {
 
 constexpr int kFolds = 2;
 
-std::vector<perception::LabelledThing> described(const std::filesystem::path& folder,
-                                                 const std::vector<std::string>& features, int threads) {
+std::vector<perception::TrainingSample> described(const std::filesystem::path& folder,
+                                                  const std::vector<std::string>& features, int threads) {
   const CsvTable table = CsvTable::read(folder / "labels.csv");
   const size_t file = table.require_column("file"), name = table.require_column("class_name");
-  std::vector<perception::LabelledThing> samples(table.rows());
+  std::vector<perception::TrainingSample> samples(table.rows());
   parallel_for(samples.size(), threads, [&](size_t begin, size_t end) {
     for (size_t row = begin; row < end; ++row) {
-      perception::ThingView view;
+      perception::ObjectView view;
       view.image = mapping::read_color(folder / table.cell(row, file));
-      perception::ThingFeatures of = thing_features(features, view);
+      perception::ObjectFeatures of = object_features(features, view);
       samples[row] = {table.cell(row, name), std::move(of.features), std::move(of.local)};
     }
   });
@@ -35,18 +35,19 @@ std::vector<perception::LabelledThing> described(const std::filesystem::path& fo
 }
 
 /// Which part each object belongs to: each class spread evenly; classes of too few objects are left out.
-std::vector<int> parts_of(std::vector<perception::LabelledThing>& samples, int parts) {
+std::vector<int> parts_of(std::vector<perception::TrainingSample>& samples, int parts) {
   std::map<std::string, int> count;
-  for (const perception::LabelledThing& sample : samples) ++count[sample.label];
-  std::erase_if(
-      samples, [&](const perception::LabelledThing& sample) { return count[sample.label] < kFolds * parts; });
+  for (const perception::TrainingSample& sample : samples) ++count[sample.label];
+  std::erase_if(samples, [&](const perception::TrainingSample& sample) {
+    return count[sample.label] < kFolds * parts;
+  });
   std::map<std::string, int> seen;
   std::vector<int> part;
-  for (const perception::LabelledThing& sample : samples) part.push_back(seen[sample.label]++ % parts);
+  for (const perception::TrainingSample& sample : samples) part.push_back(seen[sample.label]++ % parts);
   return part;
 }
 
-void test(const perception::Ensemble& model, const perception::LabelledThing& sample,
+void test(const perception::Ensemble& model, const perception::TrainingSample& sample,
           ImagesResult::Row& row) {
   ++row.samples;
   const auto truth = std::find(model.classes().begin(), model.classes().end(), sample.label);
@@ -77,11 +78,11 @@ ImagesResult evaluate_images(const std::filesystem::path& folder, const ImagesOp
   }
   groups.push_back(all);
   progress.check(0, "features");
-  std::vector<perception::LabelledThing> samples = described(folder, features, threads);
+  std::vector<perception::TrainingSample> samples = described(folder, features, threads);
   const std::vector<int> part = parts_of(samples, options.parts);
   ImagesResult result;
   std::set<std::string> classes;
-  for (const perception::LabelledThing& sample : samples) classes.insert(sample.label);
+  for (const perception::TrainingSample& sample : samples) classes.insert(sample.label);
   result.classes = classes.size();
   const Random random(static_cast<uint64_t>(options.seed));
   for (size_t g = 0; g < groups.size(); ++g) {
@@ -89,7 +90,7 @@ ImagesResult evaluate_images(const std::filesystem::path& folder, const ImagesOp
     row.name = g < all.size() ? name_of(all[g]) : "fused";
     for (int tested = 0; tested < options.parts; ++tested) {
       progress.check(0.2 + 0.8 * static_cast<double>(g) / static_cast<double>(groups.size()), row.name);
-      std::vector<perception::LabelledThing> examples;
+      std::vector<perception::TrainingSample> examples;
       for (size_t i = 0; i < samples.size(); ++i)
         if (part[i] != tested) examples.push_back(samples[i]);
       NoProgress none;

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 struct TestSet {
   std::string name;
-  std::vector<perception::LabelledThing> samples;
+  std::vector<perception::TrainingSample> samples;
   std::vector<std::string> frames;  ///< of each object
   int missed = 0;
 };
@@ -56,13 +56,13 @@ TestSet described(const std::string& name, const perception::LabelledRecording& 
                   Warnings& warnings) {
   const perception::LabelledSurfaces surfaces = labelled_surfaces(labelled, progress, warnings);
   TestSet set{name,
-              std::vector<perception::LabelledThing>(surfaces.found.size()),
+              std::vector<perception::TrainingSample>(surfaces.found.size()),
               {},
               static_cast<int>(surfaces.objects - surfaces.found.size())};
   for (const perception::LabelledSurface& each : surfaces.found) set.frames.push_back(each.frame);
   parallel_for(surfaces.found.size(), threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      perception::ThingFeatures of = thing_features(features, surfaces.found[i].view);
+      perception::ObjectFeatures of = object_features(features, surfaces.found[i].view);
       set.samples[i] = {surfaces.found[i].label, std::move(of.features), std::move(of.local)};
     }
   });
@@ -75,7 +75,7 @@ Confusion confusion_of(const perception::Ensemble& model, const TestSet& set) {
   confusion.counts.assign(classes, std::vector<int>(classes, 0));
   int count = 0;
   for (size_t i = 0; i < set.samples.size(); ++i) {
-    const perception::LabelledThing& sample = set.samples[i];
+    const perception::TrainingSample& sample = set.samples[i];
     const bool complete = model.knows_enough(sample.features, sample.local);
     const auto truth = std::find(confusion.classes.begin(), confusion.classes.end(), sample.label);
     if (!complete || truth == confusion.classes.end()) {

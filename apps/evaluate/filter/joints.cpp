@@ -7,8 +7,8 @@
 
 #include "mapping/base/json.h"
 #include "mapping/recording/recording.h"
-#include "perception/annotators/hypotheses/articulated_fronts.h"
-#include "perception/annotators/hypotheses/depth_normals.h"
+#include "perception/annotators/structure/articulated_fronts.h"
+#include "perception/annotators/structure/normals.h"
 
 namespace loci::apps::filter_evaluation {
 namespace {

@@ -11,7 +11,7 @@
 #include "perception/annotators/annotators.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/pipeline/pipeline.h"
-#include "perception/types/types.h"
+#include "perception/types/scene_cas.h"
 
 namespace loci::apps::filter_evaluation {
 namespace {

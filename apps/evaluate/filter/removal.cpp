@@ -6,7 +6,7 @@
 
 #include "mapping/base/json.h"
 #include "mapping/recording/recording.h"
-#include "perception/annotators/hypotheses/depth_normals.h"
+#include "perception/annotators/structure/normals.h"
 
 namespace loci::apps::filter_evaluation {
 namespace {

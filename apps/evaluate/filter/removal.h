@@ -6,7 +6,7 @@
 
 #include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
-#include "perception/annotators/hypotheses/known_structure.h"
+#include "perception/annotators/structure/known_structure.h"
 
 namespace loci::apps::filter_evaluation {
 

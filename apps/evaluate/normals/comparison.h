@@ -9,7 +9,7 @@
 #include "mapping/base/json_fwd.h"
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
-#include "perception/annotators/hypotheses/depth_normals.h"
+#include "perception/annotators/structure/normals.h"
 
 namespace loci::apps::normals_evaluation {
 

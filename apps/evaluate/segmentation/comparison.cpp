@@ -14,7 +14,6 @@
 #include "mapping/image/image_io.h"
 #include "mapping/recording/recording.h"
 #include "perception/annotators/annotators.h"
-#include "perception/annotators/io/images.h"
 #include "perception/annotators/io/labelled_recording.h"
 #include "perception/pipeline/pipeline.h"
 

@@ -291,7 +291,7 @@ cv::Mat two_stages(const FlatImage& image, const mapping::RgbdCamera& camera,
 /// Connected pixels that are higher than the middle between table and object.
 cv::Mat threshold(const FlatImage& image, const mapping::RgbdCamera& camera,
                   const perception::FlatSurface& surface, const perception::FlatOptions& options) {
-  const cv::Mat heights = heights_over_surface(image.depth, camera.depth, surface, options);
+  const cv::Mat heights = measure_heights(image.depth, camera.depth, surface, options).uneven;
   const cv::Mat in_color = seen_by_color(heights, camera, surface, std::numeric_limits<double>::quiet_NaN());
   const double middle = (options.table_m + options.object_m) / 2;
   cv::Mat mask = in_color > middle;

@@ -7,7 +7,7 @@
 #include "apps/evaluate/segmentation/scores.h"
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
-#include "perception/annotators/hypotheses/flat_objects.h"
+#include "perception/annotators/segmentation/flat_objects.h"
 
 namespace loci::apps::segmentation_evaluation {
 

@@ -6,7 +6,7 @@
 
 #include "apps/evaluate/system/scene_counts.h"
 #include "mapping/simulation/scenario.h"
-#include "perception/annotators/hypotheses/known_map.h"
+#include "perception/annotators/structure/known_map.h"
 
 namespace loci::apps::system_evaluation {
 

@@ -6,7 +6,7 @@
 
 #include "mapping/base/json.h"
 #include "perception/annotators/annotators.h"
-#include "perception/types/types.h"
+#include "perception/types/scene_cas.h"
 
 namespace loci::apps::system_evaluation {
 namespace {

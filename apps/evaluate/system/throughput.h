@@ -6,7 +6,7 @@
 
 #include "mapping/base/progress.h"
 #include "mapping/recording/recording.h"
-#include "perception/annotators/hypotheses/known_map.h"
+#include "perception/annotators/structure/known_map.h"
 #include "perception/pipeline/pipeline.h"
 
 namespace loci::apps::system_evaluation {

@@ -6,16 +6,12 @@
 
 #include "mapping/base/math.h"
 #include "perception/annotators/scene_data.h"
-#include "perception/cas/copy.h"
+#include "perception/cas/graph.h"
 
 namespace loci::perception {
 namespace {
 
-Eigen::Vector3f vector(const cv::Vec3f& value) {
-  return {value[0], value[1], value[2]};
-}
-
-cv::Vec3f vector(const Eigen::Vector3f& value) {
+cv::Vec3f to_pixel(const Eigen::Vector3f& value) {
   return {value.x(), value.y(), value.z()};
 }
 
@@ -39,7 +35,8 @@ cas::Copier copier(const types::SceneCas& scene, cas::Cas& to) {
 
 AnnotatorDescriptor ObjectViews::descriptor() const {
   return {"ObjectViews",
-          "Makes a CAS of each object: its views over time, as one whole or one by one.",
+          "Creates a CAS for each object from its views over time: merged into one cluster, or one cluster "
+          "per view.",
           {"Scene", "CameraInfo", "Cluster", "ReferenceClusterPoints", "view:cloud", "view:normals"},
           {"Scene", "CameraInfo", "Cluster", "ReferenceClusterPoints", "StandaloneImageROI", "PlanarSupport",
            "view:cloud", "view:normals"},
@@ -48,15 +45,16 @@ AnnotatorDescriptor ObjectViews::descriptor() const {
 
 void ObjectViews::declare(OptionTable& table) {
   table.text("as", as_, "One cluster of all points, or one cluster per view.", {"whole", "views"});
-  table.integer("last", last_, "", "So many views are kept of each object.", 1, 1000);
-  table.number("apart_deg", apart_deg_, "deg", "A view from nearer by than this replaces the older one.", 0,
-               180);
+  table.integer("last", last_, "", "Number of views stored per object.", 1, 1000);
+  table.number("apart_deg", apart_deg_, "deg",
+               "A view replaces older views from directions closer than this angle.", 0, 180);
   table.number("place_m", place_m_, "m",
-               "Untracked things are the same when the one's centre lies this near to the other's box.", 0,
-               1);
-  table.integer("max_points", max_points_, "", "So many points are kept of each view.", 10, 1000000);
-  table.integer("forget", forget_, "", "Objects that were not seen for so many scenes are forgotten.", 1,
-                1000000);
+               "Maximum distance between the centre of an object and the box of another for both to be the "
+               "same untracked object.",
+               0, 1);
+  table.integer("max_points", max_points_, "", "Maximum number of points stored per view.", 10, 1000000);
+  table.integer("forget", forget_, "", "Number of scenes after which an object that is not seen is dropped.",
+                1, 1000000);
 }
 
 ObjectViews::View ObjectViews::view_of(const types::SceneCas& scene, const types::Cluster& cluster) const {
@@ -68,8 +66,8 @@ ObjectViews::View ObjectViews::view_of(const types::SceneCas& scene, const types
   const cas::Buffer<int32_t> indices = cluster_indices(cluster);
   const size_t step = 1 + indices.size() / static_cast<size_t>(max_points_);
   for (size_t i = 0; i < indices.size(); i += step) {
-    const Eigen::Vector3f point = vector(points.ptr<cv::Vec3f>()[indices[i]]);
-    const Eigen::Vector3f normal = vector(normals.ptr<cv::Vec3f>()[indices[i]]);
+    const Eigen::Vector3f point = to_vector3f(points.ptr<cv::Vec3f>()[indices[i]]);
+    const Eigen::Vector3f normal = to_vector3f(normals.ptr<cv::Vec3f>()[indices[i]]);
     if (!point.allFinite()) continue;
     view.points.push_back(map_from_points * point);
     view.normals.push_back(map_from_points.linear() * normal);
@@ -207,8 +205,8 @@ std::unique_ptr<cas::Cas> ObjectViews::make_part(const types::SceneCas& scene, c
     for (size_t i = 0; i < view.points.size(); ++i) {
       indices.back().push_back(static_cast<int32_t>(points.size()));
       sums.back() += view.points[i].cast<double>();
-      points.push_back(vector(Eigen::Vector3f(camera_from_map * view.points[i])));
-      normals.push_back(vector(Eigen::Vector3f(camera_from_map.linear() * view.normals[i])));
+      points.push_back(to_pixel(Eigen::Vector3f(camera_from_map * view.points[i])));
+      normals.push_back(to_pixel(Eigen::Vector3f(camera_from_map.linear() * view.normals[i])));
     }
   }
   set_cloud_points(part, cv::Mat(points, true).reshape(3, 1));

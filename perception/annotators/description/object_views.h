@@ -5,13 +5,13 @@
 #include <set>
 
 #include "mapping/base/pose.h"
-#include "perception/pipeline/multiplier.h"
+#include "perception/pipeline/annotator.h"
 #include "perception/types/scene_cas.h"
 
 namespace loci::perception {
 
 /// Collects the views of each object over time, and makes a CAS of the object alone (§2.1): annotators that
-/// run on it see what no single image shows. Which clusters are the same thing says a TrackingAnnotation,
+/// run on it see what no single image shows. Which clusters are the same object says a TrackingAnnotation,
 /// or where they are.
 ///
 /// `as: whole`: one cluster that holds the points of all views, in the camera of the newest, with its

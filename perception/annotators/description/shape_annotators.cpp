@@ -9,7 +9,6 @@
 
 #include "mapping/base/quantile.h"
 #include "perception/annotators/scene_data.h"
-#include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
 #include "perception/conversions/pcl.h"
 
@@ -17,8 +16,8 @@ namespace loci::perception {
 namespace {
 
 /// Descriptors that a cluster has already.
-ThingFeatures annotated_features(const types::Cluster& cluster) {
-  ThingFeatures all;
+ObjectFeatures annotated_features(const types::Cluster& cluster) {
+  ObjectFeatures all;
   const auto values_of = [](const auto& annotation) {
     const auto values = annotation.feature.get();
     return FeatureVector(values.begin(), values.end());
@@ -96,8 +95,8 @@ SurfacePoints cluster_surface(const types::SceneCas& scene, const types::Cluster
   return surface;
 }
 
-ThingView cluster_view(const types::SceneCas& scene, const types::Cluster& cluster) {
-  ThingView view;
+ObjectView cluster_view(const types::SceneCas& scene, const types::Cluster& cluster) {
+  ObjectView view;
   if (scene.has(types::SceneCas::kCloud) && scene.has(types::SceneCas::kNormals))
     view.surface = cluster_surface(scene, cluster);
   if (const auto roi = cluster.hypotheses.first<types::StandaloneImageROI>()) {
@@ -129,7 +128,7 @@ Ground cluster_ground(const types::SceneCas& scene, const types::Cluster& cluste
 
 AnnotatorDescriptor PclFeatureAnnotator::descriptor() const {
   return {"PclFeature",
-          "Describes each object's shape with descriptors of PCL.",
+          "Computes PCL shape descriptors of each object.",
           {"Cluster", "ReferenceClusterPoints", "view:cloud", "view:normals"},
           {"PclFeatureAnnotation", "LocalFeaturesAnnotation"},
           {"CameraInfo", "view:color"}};
@@ -154,7 +153,7 @@ void PclFeatureAnnotator::start(Context& /*context*/) {
 void PclFeatureAnnotator::process(cas::Cas& cas, Context& /*context*/) {
   const types::SceneCas scene(cas);
   for (const types::Cluster& cluster : scene.clusters()) {
-    const ThingView view{cluster_surface(scene, cluster), {}, {}};
+    const ObjectView view{cluster_surface(scene, cluster), {}, {}};
     for (const std::string& name : keypoints_)
       annotate_local(cas, cluster, descriptor().name, name, local_features(name, view));
     for (const auto& [name, vector] : feature_set(features_, view.surface)) {
@@ -169,7 +168,7 @@ void PclFeatureAnnotator::process(cas::Cas& cas, Context& /*context*/) {
 
 AnnotatorDescriptor ImageFeatureAnnotator::descriptor() const {
   return {"ImageFeature",
-          "Describes each object's image: oriented gradients, SIFT and ORB key points.",
+          "Computes descriptors of each object's image: HOG, SIFT and ORB.",
           {"Cluster", "StandaloneImageROI"},
           {"ImageFeatureAnnotation", "LocalFeaturesAnnotation"}};
 }
@@ -187,7 +186,7 @@ void ImageFeatureAnnotator::start(Context& /*context*/) {
 void ImageFeatureAnnotator::process(cas::Cas& cas, Context& /*context*/) {
   const types::SceneCas scene(cas);
   for (const types::Cluster& cluster : scene.clusters()) {
-    ThingView view = cluster_view(scene, cluster);
+    ObjectView view = cluster_view(scene, cluster);
     view.surface = {};
     for (const std::string& name : features_) {
       if (name != "HOG") {
@@ -208,29 +207,29 @@ void ImageFeatureAnnotator::process(cas::Cas& cas, Context& /*context*/) {
 AnnotatorDescriptor FeatureClassifier::descriptor() const {
   AnnotatorDescriptor descriptor;
   descriptor.name = images_only_ ? "ImageClassifier" : "FeatureClassifier";
-  descriptor.sentence = images_only_
-                            ? "Classifies objects by descriptors of their images with a trained model."
-                            : "Classifies objects by descriptors of shape and image with a trained model.";
-  descriptor.needs = {"Cluster", "StandaloneImageROI"};
-  if (!images_only_) descriptor.needs = {"Cluster", "ReferenceClusterPoints", "view:cloud", "view:normals"};
-  descriptor.makes = {"ClassificationAnnotation"};
-  descriptor.uses = {"ImageFeatureAnnotation", "LocalFeaturesAnnotation"};
+  descriptor.description = images_only_
+                               ? "Classifies objects by descriptors of their images with a trained model."
+                               : "Classifies objects by descriptors of shape and image with a trained model.";
+  descriptor.inputs = {"Cluster", "StandaloneImageROI"};
+  if (!images_only_) descriptor.inputs = {"Cluster", "ReferenceClusterPoints", "view:cloud", "view:normals"};
+  descriptor.outputs = {"ClassificationAnnotation"};
+  descriptor.optional_inputs = {"ImageFeatureAnnotation", "LocalFeaturesAnnotation"};
   if (!images_only_)
-    descriptor.uses = {"PclFeatureAnnotation",
-                       "ImageFeatureAnnotation",
-                       "LocalFeaturesAnnotation",
-                       "StandaloneImageROI",
-                       "CameraInfo",
-                       "view:color"};
+    descriptor.optional_inputs = {"PclFeatureAnnotation",
+                                  "ImageFeatureAnnotation",
+                                  "LocalFeaturesAnnotation",
+                                  "StandaloneImageROI",
+                                  "CameraInfo",
+                                  "view:color"};
   descriptor.needs_options = true;
   return descriptor;
 }
 
 void FeatureClassifier::declare(OptionTable& table) {
-  table.text("model", path_, "Made by `loci-perceive train`.");
-  table.text("kind", kind_, "What the classes are: shape, object, ...");
-  table.number("min_confidence", min_confidence_, "", "Objects whose best class is less probable get none.",
-               0, 1);
+  table.text("model", path_, "Model file, written by `loci-perceive train`.");
+  table.text("kind", kind_, "Kind of the classes: shape, object, ...");
+  table.number("min_confidence", min_confidence_, "",
+               "Minimum probability of the best class; less certain objects are not annotated.", 0, 1);
 }
 
 void FeatureClassifier::start(Context& /*context*/) {
@@ -246,13 +245,13 @@ void FeatureClassifier::start(Context& /*context*/) {
 void FeatureClassifier::process(cas::Cas& cas, Context& /*context*/) {
   const types::SceneCas scene(cas);
   for (const types::Cluster& cluster : scene.clusters()) {
-    ThingFeatures known = annotated_features(cluster);
+    ObjectFeatures known = annotated_features(cluster);
     std::vector<std::string> missing = model_->features();
     std::erase_if(missing, [&](const std::string& name) {
       return known.features.contains(name) || known.local.contains(local_name_of(name));
     });
     if (!missing.empty()) {
-      ThingFeatures found = thing_features(missing, cluster_view(scene, cluster));
+      ObjectFeatures found = object_features(missing, cluster_view(scene, cluster));
       known.features.merge(found.features);
       known.local.merge(found.local);
     }
@@ -278,6 +277,76 @@ void FeatureClassifier::process(cas::Cas& cas, Context& /*context*/) {
       confidence.accuracy.set(model_->accuracies()[c]);
       annotation.confidences.push_back(confidence);
     }
+    cluster.annotations.push_back(annotation);
+  }
+}
+
+AnnotatorDescriptor PrimitiveShapeAnnotator::descriptor() const {
+  return {"PrimitiveShape",
+          "Fits a box, cylinder, cone or sphere to each object.",
+          {"Scene", "Cluster", "ReferenceClusterPoints", "PlanarSupport", "view:cloud", "view:normals"},
+          {"PrimitiveShapeAnnotation"}};
+}
+
+void PrimitiveShapeAnnotator::declare(OptionTable& table) {
+  options_.declare(table);
+  table.number("min_explained", min_explained_, "",
+               "Minimum share of the points on the best shape; other objects are not annotated.", 0, 1);
+}
+
+void PrimitiveShapeAnnotator::process(cas::Cas& cas, Context& /*context*/) {
+  const types::SceneCas scene(cas);
+  for (const types::Cluster& cluster : scene.clusters()) {
+    const std::optional<PrimitiveShape> shape =
+        fit_primitive(cluster_surface(scene, cluster), cluster_ground(scene, cluster), options_);
+    if (!shape || shape->explained < min_explained_) continue;
+    const auto annotation = types::PrimitiveShapeAnnotation::create(cas);
+    annotation.source.set(descriptor().name);
+    annotation.confidence.set(shape->probability * shape->explained);
+    annotation.kind.set(name_of(shape->kind));
+    annotation.map_from_shape.set(
+        types::to(cas, Isometry3d(map_from_camera(scene.scene()) * shape->frame_from_shape)));
+    annotation.size.set(types::to(cas, shape->size));
+    const bool box = shape->kind == PrimitiveShape::Kind::box,
+               sphere = shape->kind == PrimitiveShape::Kind::sphere;
+    if (!box) annotation.radius.set(shape->radius());
+    if (!sphere) annotation.height.set(shape->size.z());
+    if (!box && !sphere) {
+      annotation.radius_low.set(shape->radius_low);
+      annotation.radius_high.set(shape->radius_high);
+    }
+    annotation.explained.set(shape->explained);
+    annotation.error.set(shape->error);
+    cluster.annotations.push_back(annotation);
+  }
+}
+
+AnnotatorDescriptor SizeAnnotator::descriptor() const {
+  return {"Size",
+          "Classifies each object as small, medium or large.",
+          {"Cluster", "GeometryAnnotation"},
+          {"SizeAnnotation"}};
+}
+
+void SizeAnnotator::declare(OptionTable& table) {
+  table.number("medium_m", medium_m_, "m", "Minimum extent of medium objects.", 0.01, 10);
+  table.number("large_m", large_m_, "m", "Minimum extent of large objects.", 0.01, 10);
+}
+
+void SizeAnnotator::process(cas::Cas& cas, Context& /*context*/) {
+  const types::SceneCas scene(cas);
+  for (const types::Cluster& cluster : scene.clusters()) {
+    const auto geometry = cluster.annotations.first<types::GeometryAnnotation>();
+    if (!geometry) continue;
+    const double extent = types::from<Vector3d>(geometry.size.get()).maxCoeff();
+    // An extent is good to about a centimetre (half of it: two ends): so sure is the word near a limit.
+    constexpr double kScatter = 0.01;
+    const double off = std::min(std::abs(extent - medium_m_), std::abs(extent - large_m_));
+    const auto annotation = types::SizeAnnotation::create(cas);
+    annotation.source.set(descriptor().name);
+    annotation.confidence.set(0.5 * (1 + std::erf(off / (kScatter * std::sqrt(2.0)))));
+    annotation.extent.set(extent);
+    annotation.size.set(extent < medium_m_ ? "small" : extent < large_m_ ? "medium" : "large");
     cluster.annotations.push_back(annotation);
   }
 }

@@ -14,7 +14,7 @@ namespace loci::perception {
 SurfacePoints cluster_surface(const types::SceneCas& scene, const types::Cluster& cluster);
 
 /// What it shows: its surface where the scene has a cloud, its image where it has one.
-ThingView cluster_view(const types::SceneCas& scene, const types::Cluster& cluster);
+ObjectView cluster_view(const types::SceneCas& scene, const types::Cluster& cluster);
 
 /// What a cluster's support is in the frame of these points; without one the map's horizontal through its
 /// lowest point.
@@ -63,6 +63,30 @@ class FeatureClassifier : public Annotator {
   std::string kind_ = "shape";
   double min_confidence_ = 0;
   std::optional<Ensemble> model_;
+};
+
+/// The box, cylinder, cone or sphere that explains a cluster best, with its numbers.
+class PrimitiveShapeAnnotator : public Annotator {
+ public:
+  AnnotatorDescriptor descriptor() const override;
+  void declare(OptionTable& table) override;
+  void process(cas::Cas& cas, Context& context) override;
+
+ private:
+  PrimitiveOptions options_;
+  double min_explained_ = 0.6;
+};
+
+/// Size in words by the largest extent: what a hand closes around, what one hand holds, what takes two.
+class SizeAnnotator : public Annotator {
+ public:
+  AnnotatorDescriptor descriptor() const override;
+  void declare(OptionTable& table) override;
+  void process(cas::Cas& cas, Context& context) override;
+
+ private:
+  double medium_m_ = 0.1;
+  double large_m_ = 0.25;
 };
 
 }  // namespace loci::perception

@@ -8,7 +8,7 @@
 
 #include "mapping/base/parallel.h"
 #include "perception/conversions/opencv.h"
-#include "perception/recognition/perceptual_hash.h"
+#include "perception/recognition/image_features.h"
 #include "perception/types/scene_cas.h"
 
 namespace loci::perception {
@@ -195,20 +195,20 @@ class Writer {
 AnnotatorDescriptor VisualSearch::descriptor() const {
   AnnotatorDescriptor descriptor{
       "VisualSearch",
-      "Asks a visual-search server about each object's image.",
+      "Sends each object's image to a visual-search server and annotates the results.",
       {"Cluster", "StandaloneImageROI"},
       {"VisualSearchAnnotation", "ProductAnnotation", "BookAnnotation", "TextAnnotation", "LogoAnnotation",
        "LandmarkAnnotation", "SimilarImageAnnotation", "BarcodeAnnotation", "UserSubmittedAnnotation",
        "TermsAnnotation"}};
-  descriptor.changes = {"StandaloneImageROI.phash"};
+  descriptor.modifies = {"StandaloneImageROI.phash"};
   descriptor.needs_options = true;
   return descriptor;
 }
 
 void VisualSearch::declare(OptionTable& table) {
   options_.declare(table);
-  table.integer("at_once", at_once_, "", "So many images are asked about at the same time.", 1, 64);
-  table.integer("max_terms", max_terms_, "", "So many words that describe each object.", 1, 1000);
+  table.integer("at_once", at_once_, "", "Number of concurrent requests.", 1, 64);
+  table.integer("max_terms", max_terms_, "", "Maximum number of descriptive words per object.", 1, 1000);
 }
 
 void VisualSearch::start(Context& /*context*/) {

@@ -3,10 +3,9 @@
 #include <filesystem>
 #include <map>
 
-#include "perception/annotators/hypotheses/depth_normals.h"
-#include "perception/annotators/hypotheses/support_planes.h"
 #include "perception/annotators/scene_data.h"
-#include "perception/conversions/camera.h"
+#include "perception/annotators/structure/normals.h"
+#include "perception/annotators/structure/supports.h"
 #include "perception/conversions/opencv.h"
 
 namespace loci::perception {

@@ -4,7 +4,7 @@
 
 namespace loci::perception::feature_delegates {
 
-// One translation unit each: PCL is slow to compile. Points are thinned and have normals.
+// PCL is slow to compile, so that only these functions include it. Points are thinned and have normals.
 std::vector<float> vfh(const SurfacePoints& surface);
 std::vector<float> cvfh(const SurfacePoints& surface);
 std::vector<float> our_cvfh(const SurfacePoints& surface);

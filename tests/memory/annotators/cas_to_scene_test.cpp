@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "memory/store/scene_images.h"
-#include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
 #include "perception/types/geometry.h"
 

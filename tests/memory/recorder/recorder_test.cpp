@@ -7,7 +7,7 @@
 #include "mapping/base/json.h"
 #include "memory/store/feature_structures.h"
 #include "perception/cas/json.h"
-#include "perception/types/types.h"
+#include "perception/types/scene_cas.h"
 #include "tests/memory/belief/synthetic_scene.h"
 #include "tests/memory/recorder/memory_dump.h"
 

@@ -4,7 +4,7 @@
 
 #include "mapping/base/json.h"
 #include "perception/cas/json.h"
-#include "perception/types/types.h"
+#include "perception/types/scene_cas.h"
 #include "tests/memory/store/temporary_folder.h"
 
 namespace loci::memory {

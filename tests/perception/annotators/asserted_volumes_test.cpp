@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "mapping/base/config.h"
-#include "perception/annotators/hypotheses/asserted_volumes.h"
 #include "perception/annotators/scene_data.h"
+#include "perception/annotators/segmentation/asserted_volumes.h"
 #include "perception/conversions/opencv.h"
 
 namespace loci::perception {

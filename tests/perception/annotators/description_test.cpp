@@ -5,15 +5,11 @@
 #include "mapping/base/math.h"
 #include "mapping/image/hsv.h"
 #include "perception/annotators/annotators.h"
-#include "perception/annotators/description/color_histogram.h"
-#include "perception/annotators/description/color_name.h"
-#include "perception/annotators/description/geometry_annotator.h"
-#include "perception/annotators/description/location_annotator.h"
-#include "perception/annotators/description/primitive_annotator.h"
-#include "perception/annotators/description/relations_annotator.h"
+#include "perception/annotators/description/color_annotators.h"
+#include "perception/annotators/description/geometry_annotators.h"
+#include "perception/annotators/description/shape_annotators.h"
 #include "perception/types/geometry.h"
 #include "perception/types/scene_cas.h"
-#include "perception/types/types.h"
 
 namespace loci::perception {
 namespace {
@@ -128,9 +124,9 @@ TEST(Annotators, EveryTypeThatTheyNameExists) {
   add_annotators(registry);
   for (const std::string& name : registry.annotators()) {
     const AnnotatorDescriptor descriptor = registry.make(name)->descriptor();
-    EXPECT_FALSE(descriptor.sentence.empty());
-    std::vector<std::string> products = descriptor.makes;
-    products.insert(products.end(), descriptor.needs.begin(), descriptor.needs.end());
+    EXPECT_FALSE(descriptor.description.empty());
+    std::vector<std::string> products = descriptor.outputs;
+    products.insert(products.end(), descriptor.inputs.begin(), descriptor.inputs.end());
     for (const std::string& product : products) {
       if (product.starts_with("view:")) continue;
       const size_t dot = product.find('.');  // Of a type, or of a feature of it.

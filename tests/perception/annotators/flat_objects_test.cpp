@@ -4,9 +4,9 @@
 #include <limits>
 
 #include "mapping/base/random.h"
-#include "perception/annotators/hypotheses/flat_object_extractor.h"
-#include "perception/annotators/hypotheses/support_pixels.h"
-#include "perception/annotators/hypotheses/thin_objects.h"
+#include "perception/annotators/segmentation/flat_objects.h"
+#include "perception/annotators/segmentation/flat_surface.h"
+#include "perception/annotators/structure/supports.h"
 
 namespace loci::perception {
 namespace {

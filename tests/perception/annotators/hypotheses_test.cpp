@@ -6,9 +6,9 @@
 #include "mapping/base/files.h"
 #include "mapping/base/math.h"
 #include "mapping/image/image_io.h"
-#include "perception/annotators/hypotheses/depth_normals.h"
-#include "perception/annotators/hypotheses/known_structure.h"
-#include "perception/annotators/hypotheses/object_clusters.h"
+#include "perception/annotators/segmentation/object_clusters.h"
+#include "perception/annotators/structure/known_structure.h"
+#include "perception/annotators/structure/normals.h"
 #include "tests/perception/annotators/synthetic_table.h"
 
 namespace loci::perception {

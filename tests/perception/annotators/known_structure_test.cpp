@@ -1,4 +1,4 @@
-#include "perception/annotators/hypotheses/known_structure.h"
+#include "perception/annotators/structure/known_structure.h"
 #include "mapping/base/math.h"
 
 #include <gtest/gtest.h>
@@ -8,9 +8,9 @@
 #include <fstream>
 
 #include "mapping/world/urdf.h"
-#include "perception/annotators/hypotheses/articulated_fronts.h"
-#include "perception/annotators/hypotheses/depth_normals.h"
-#include "perception/annotators/hypotheses/pose_refinement.h"
+#include "perception/annotators/structure/articulated_fronts.h"
+#include "perception/annotators/structure/normals.h"
+#include "perception/annotators/structure/pose_refinement.h"
 
 namespace loci::perception {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "mapping/base/math.h"
 #include "mapping/base/random.h"
-#include "perception/annotators/hypotheses/depth_normals.h"
+#include "perception/annotators/structure/normals.h"
 
 namespace loci::perception {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <gmock/gmock.h>
 
-#include "perception/annotators/description/geometry_annotator.h"
+#include "perception/annotators/description/geometry_annotators.h"
 #include "perception/annotators/scene_data.h"
-#include "perception/conversions/camera.h"
+#include "perception/conversions/opencv.h"
 #include "perception/pipeline/pipeline.h"
 
 namespace loci::perception {

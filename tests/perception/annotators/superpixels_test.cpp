@@ -1,4 +1,4 @@
-#include "perception/annotators/hypotheses/superpixels.h"
+#include "perception/annotators/segmentation/superpixels.h"
 #include "mapping/base/math.h"
 
 #include <gtest/gtest.h>
@@ -12,10 +12,8 @@
 #include "mapping/base/config.h"
 #include "mapping/base/files.h"
 #include "mapping/image/image_io.h"
-#include "perception/annotators/hypotheses/depth_normals.h"
-#include "perception/annotators/hypotheses/superpixel_annotators.h"
 #include "perception/annotators/scene_data.h"
-#include "perception/conversions/camera.h"
+#include "perception/annotators/structure/normals.h"
 #include "perception/conversions/opencv.h"
 
 namespace loci::perception {

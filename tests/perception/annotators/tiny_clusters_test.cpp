@@ -2,7 +2,6 @@
 
 #include "perception/annotators/annotators.h"
 #include "perception/annotators/scene_data.h"
-#include "perception/conversions/camera.h"
 #include "perception/conversions/opencv.h"
 #include "perception/pipeline/pipeline.h"
 

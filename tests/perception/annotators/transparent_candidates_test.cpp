@@ -4,7 +4,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "perception/annotators/hypotheses/transparent_candidates.h"
+#include "perception/annotators/segmentation/transparent_objects.h"
 
 namespace loci::perception {
 namespace {

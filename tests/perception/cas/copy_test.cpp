@@ -1,4 +1,4 @@
-#include "perception/cas/copy.h"
+#include "perception/cas/graph.h"
 
 #include <gmock/gmock.h>
 

@@ -42,9 +42,9 @@ SurfacePoints seen(bool round, double size, double turn, Random random) {
   return surface;
 }
 
-std::vector<LabelledThing> things(const std::vector<std::string>& features, size_t count, uint64_t seed) {
+std::vector<TrainingSample> things(const std::vector<std::string>& features, size_t count, uint64_t seed) {
   const Random random(seed);
-  std::vector<LabelledThing> all;
+  std::vector<TrainingSample> all;
   for (size_t i = 0; i < count; ++i) {
     Random draw = random.fork(i);
     const bool round = i % 2 == 0;
@@ -54,14 +54,14 @@ std::vector<LabelledThing> things(const std::vector<std::string>& features, size
   return all;
 }
 
-double share_right(const Ensemble& model, const std::vector<LabelledThing>& tests) {
+double share_right(const Ensemble& model, const std::vector<TrainingSample>& tests) {
   int right = 0;
-  for (const LabelledThing& thing : tests)
+  for (const TrainingSample& thing : tests)
     right += model.classes()[model.classify(thing.features).best] == thing.label;
   return static_cast<double>(right) / static_cast<double>(tests.size());
 }
 
-Ensemble trained(const std::vector<LabelledThing>& examples, const std::vector<std::string>& experts) {
+Ensemble trained(const std::vector<TrainingSample>& examples, const std::vector<std::string>& experts) {
   std::vector<ExpertSpec> specs;
   for (const std::string& each : experts) specs.push_back(parse_expert(each));
   NoProgress progress;
@@ -233,7 +233,7 @@ TEST(Ensemble, answers_the_same_after_saving_and_on_any_number_of_threads) {
   const Ensemble loaded = Ensemble::load(path);
   std::filesystem::remove(path);
   EXPECT_EQ(loaded.classes(), (std::vector<std::string>{"box", "cylinder"}));
-  for (const LabelledThing& thing : examples)
+  for (const TrainingSample& thing : examples)
     EXPECT_EQ(loaded.classify(thing.features).probabilities, one.classify(thing.features).probabilities);
 }
 

@@ -28,18 +28,18 @@ cv::Mat drawn(bool rings, uint64_t seed) {
   return image;
 }
 
-ThingView shown(const cv::Mat& image, const cv::Mat& mask = {}) {
-  ThingView view;
+ObjectView shown(const cv::Mat& image, const cv::Mat& mask = {}) {
+  ObjectView view;
   view.image = image;
   view.mask = mask;
   return view;
 }
 
-std::vector<LabelledThing> images(const std::vector<std::string>& features, size_t count, uint64_t seed) {
-  std::vector<LabelledThing> things;
+std::vector<TrainingSample> images(const std::vector<std::string>& features, size_t count, uint64_t seed) {
+  std::vector<TrainingSample> things;
   for (size_t i = 0; i < count; ++i) {
     const bool rings = i % 2 == 0;
-    ThingFeatures of = thing_features(features, shown(drawn(rings, seed + i)));
+    ObjectFeatures of = object_features(features, shown(drawn(rings, seed + i)));
     things.push_back({rings ? "rings" : "stripes", of.features, of.local});
   }
   return things;
@@ -67,7 +67,7 @@ TEST(LocalFeatures, of_a_surface_lie_on_it) {
       surface.normals.emplace_back(Eigen::Vector3f(x < 0 ? -0.3f : 0.3f, 0, -1).normalized());
     }
   for (const auto& [name, length] : {std::pair{"SHOT", 352u}, {"FPFH", 33u}}) {
-    ThingView view;
+    ObjectView view;
     view.surface = surface;
     const LocalFeatures features = local_features(name, view);
     ASSERT_GT(features.count(), 5u) << name;
@@ -113,7 +113,7 @@ TEST(Ensemble, learns_words_of_key_points_and_keeps_them) {
   const Ensemble loaded = Ensemble::load(path);
   std::filesystem::remove(path);
   int right = 0;
-  for (const LabelledThing& thing : tests) {
+  for (const TrainingSample& thing : tests) {
     const Classification result = model.classify(thing.features, thing.local);
     right += model.classes()[result.best] == thing.label;
     EXPECT_EQ(loaded.classify(thing.features, thing.local).probabilities, result.probabilities);

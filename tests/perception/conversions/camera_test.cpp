@@ -1,4 +1,4 @@
-#include "perception/conversions/camera.h"
+#include "perception/conversions/opencv.h"
 
 #include <gtest/gtest.h>
 

@@ -118,7 +118,7 @@ TEST(Flow, WhatDependsOnAnotherWaitsForIt) {
   EXPECT_EQ(refusal_of("flow: [{Speaker: {word: a}}, Listener]", registry), "accepted");
   EXPECT_EQ(refusal_of("flow: [{Speaker: {word: a}, asynchronous: true}, Listener]", registry), "accepted");
   EXPECT_THAT(refusal_of("flow: [{parallel: [Speaker, Listener]}]", registry),
-              HasSubstr("branch 2 of 'parallel' needs what branch 1 makes"));
+              HasSubstr("branch 2 of 'parallel' reads what branch 1 outputs"));
 }
 
 TEST(Flow, MakesTheSameBytesOnAnyNumberOfThreads) {
@@ -159,7 +159,7 @@ TEST(Flow, AsynchronousAnnotatorsRunBesideOthersAndAreJoinedAtTheEnd) {
 TEST(Flow, RefusesWhatCannotBeMetInsideOfBranches) {
   const AnnotatorRegistry registry = test_registry();
   EXPECT_THAT(refusal_of("flow: [{if: 'TextAnnotation', then: [Speaker]}]", registry),
-              HasSubstr("the condition 'TextAnnotation' needs TextAnnotation, which nothing before it makes; "
+              HasSubstr("the condition 'TextAnnotation' needs TextAnnotation, which no earlier step outputs; "
                         "put Speaker before it"));
   EXPECT_THAT(refusal_of("flow:\n  - if: 'Geometry.hight > 1'\n    then: [Speaker]", registry),
               HasSubstr("height"));

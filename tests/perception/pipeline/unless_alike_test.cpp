@@ -129,11 +129,11 @@ TEST_F(UnlessAlike, RefusesWhatCannotBeTakenOver) {
   add_scripted(registry, {"Placer", "", {"Cluster"}, {}, {}, {"Cluster.place"}});
   add_scripted(registry, {"Finder", "", {"Cluster"}, {"Cluster"}});
   EXPECT_THAT(refusal_of("flow: [Looker, {unless_alike: {}, do: [Placer]}]", registry),
-              HasSubstr("changes Cluster.place, and only annotations are brought back"));
+              HasSubstr("modify Cluster.place, but only annotations are copied back"));
   EXPECT_THAT(refusal_of("flow: [Looker, {unless_alike: {}, do: [Finder]}]", registry),
-              HasSubstr("makes Cluster, and only annotations are brought back"));
+              HasSubstr("output Cluster, but only annotations are copied back"));
   EXPECT_THAT(refusal_of("flow: [{unless_alike: {}, do: [Counter]}]", registry),
-              HasSubstr("'unless_alike' needs StandaloneImageROI.phash, which nothing before it makes; "
+              HasSubstr("'unless_alike' needs StandaloneImageROI.phash, which no earlier step outputs; "
                         "put Looker before it"));
   EXPECT_THAT(refusal_of("flow: [Looker, {unless_alike: {bit: 3}, do: [Counter]}]", registry),
               HasSubstr("bits"));

@@ -7,9 +7,8 @@
 #include "mapping/base/files.h"
 #include "mapping/base/random.h"
 #include "mapping/image/image_io.h"
-#include "perception/recognition/color_agreement.h"
+#include "perception/recognition/image_features.h"
 #include "perception/recognition/product_index.h"
-#include "perception/recognition/similarity_fit.h"
 
 namespace loci::perception {
 namespace {

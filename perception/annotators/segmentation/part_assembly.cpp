@@ -1,0 +1,564 @@
+#include "perception/annotators/segmentation/part_assembly.h"
+
+#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <opencv2/imgproc.hpp>
+#include <tuple>
+
+#include "mapping/base/math.h"
+#include "mapping/base/quantile.h"
+#include "perception/annotators/segmentation/convex_parts.h"
+
+namespace loci::perception {
+namespace {
+
+using Eigen::Vector2f;
+using Eigen::Vector3f;
+
+/// What a camera sees of an upright object between two heights, from left to right.
+struct OutlineBand {
+  int points = 0;      ///< that it was measured on
+  float width = 0;     ///< between the outermost points to the left and to the right, metres
+  float distance = 0;  ///< of the mean from the viewpoint, in the plane, metres
+  Eigen::Vector2f middle = Eigen::Vector2f::Zero();  ///< between those two points, in the plane
+  Eigen::Vector2f across = Eigen::Vector2f::Zero();  ///< unit vector to the left in the image
+};
+
+/// The band between the heights `low` and `high` of the points `members` of a cloud over a support (z =
+/// height, metres), as seen from `viewpoint`. Of the outermost points 2 % on either side are left out.
+OutlineBand outline_band(const std::vector<Eigen::Vector3f>& cloud, const std::vector<int>& members,
+                         const Eigen::Vector2f& viewpoint, float low, float high) {
+  using Eigen::Vector2f;
+  OutlineBand band;
+  std::vector<std::pair<float, Vector2f>> seen;
+  Vector2f mean = Vector2f::Zero();
+  for (const int i : members) {
+    const Eigen::Vector3f& p = cloud[static_cast<size_t>(i)];
+    if (p.z() < low || p.z() > high) continue;
+    seen.emplace_back(0.0f, p.head<2>());
+    mean += p.head<2>();
+  }
+  band.points = static_cast<int>(seen.size());
+  if (seen.empty()) return band;
+  mean /= static_cast<float>(seen.size());
+  band.distance = (mean - viewpoint).norm();
+  const Vector2f ahead = (mean - viewpoint).normalized();
+  band.across = Vector2f(-ahead.y(), ahead.x());
+  for (auto& [angle, p] : seen) angle = std::atan2(band.across.dot(p - viewpoint), ahead.dot(p - viewpoint));
+  std::sort(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  const size_t tail = seen.size() / 50;
+  const auto& right = seen[tail];
+  const auto& left = seen[seen.size() - 1 - tail];
+  band.width = band.distance * (left.first - right.first);
+  band.middle = viewpoint + Eigen::Rotation2Df(0.5f * (left.first + right.first)) * (band.distance * ahead);
+  return band;
+}
+
+/// One or several parts that are taken for one object so far.
+struct Piece {
+  std::vector<int> points;
+  double area = 0;   ///< m², as seen
+  double noise = 1;  ///< of the depth relative to that at 1 m
+  float bottom = 0;
+  float top = 0;
+  std::vector<cv::Point2f> footprint;  ///< convex, completed by reflection
+  float distance = 0;                  ///< of the mean from the viewpoint, in the plane
+  float bearing = 0;                   ///< of the mean as seen from there, radians
+  float left = 0, right = 0;           ///< angles between which it is seen, from the bearing
+  float facing_out = 0;                ///< whether its walls face its middle (-1) or away from it (1)
+};
+
+/// Whether the walls of a piece face its middle (-1) or away from it (1).
+void set_hollowness(Piece& piece, const Vector2f& mean, const PlaneCloud& cloud) {
+  float facing = 0;
+  float all = 0;
+  for (const int i : piece.points) {
+    const Vector2f normal = cloud.normals[static_cast<size_t>(i)].head<2>();
+    const Vector2f out = cloud.points[static_cast<size_t>(i)].head<2>() - mean;
+    if (!normal.allFinite()) continue;
+    facing += normal.dot(out);
+    all += normal.norm() * out.norm();
+  }
+  piece.facing_out = all > 0 ? facing / all : 0;
+}
+
+/// Convex hull of the points and of their reflection about the middle of the line between the outermost
+/// points to the left and to the right as the camera sees them.
+void set_footprint(Piece& piece, const PlaneCloud& cloud) {
+  const size_t stride = std::max<size_t>(1, piece.points.size() / 2000);
+  std::vector<std::pair<float, Vector2f>> seen;
+  Vector2f mean = Vector2f::Zero();
+  for (size_t k = 0; k < piece.points.size(); k += stride) {
+    const Vector2f p = cloud.points[static_cast<size_t>(piece.points[k])].head<2>();
+    seen.emplace_back(0.0f, p);
+    mean += p;
+  }
+  mean /= static_cast<float>(seen.size());
+  piece.distance = (mean - cloud.viewpoint).norm();
+  const Vector2f ahead = (mean - cloud.viewpoint).normalized();
+  for (auto& [angle, p] : seen) {
+    const Vector2f to = p - cloud.viewpoint;
+    angle = std::atan2(ahead.x() * to.y() - ahead.y() * to.x(), ahead.dot(to));
+  }
+  std::sort(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  const size_t tail = seen.size() / 50;
+  const Vector2f middle = 0.5f * (seen[tail].second + seen[seen.size() - 1 - tail].second);
+  std::vector<cv::Point2f> both;
+  for (size_t k = tail; k < seen.size() - tail; ++k) {
+    const Vector2f p = seen[k].second;
+    const Vector2f q = 2.0f * middle - p;
+    both.emplace_back(p.x(), p.y());
+    both.emplace_back(q.x(), q.y());
+  }
+  cv::convexHull(both, piece.footprint);
+  piece.left = seen[tail].first;
+  piece.right = seen[seen.size() - 1 - tail].first;
+  piece.bearing = std::atan2(ahead.y(), ahead.x());
+  set_hollowness(piece, mean, cloud);
+}
+
+/// Area and noise, which joining splinters goes by.
+void set_area(Piece& piece, const PlaneCloud& cloud) {
+  piece.area = 0;
+  for (const int i : piece.points) piece.area += static_cast<double>(cloud.areas[static_cast<size_t>(i)]);
+  // What a pixel covers grows with the square of the distance, and so does the noise.
+  const double focal_squared = cloud.camera.fx * cloud.camera.fy;
+  piece.noise = std::max(1.0, piece.area / static_cast<double>(piece.points.size()) * focal_squared);
+}
+
+/// All but those: heights, footprint, where it is seen, where its walls face.
+void measure(Piece& piece, const PlaneCloud& cloud) {
+  std::vector<float> heights;
+  heights.reserve(piece.points.size());
+  for (const int i : piece.points) heights.push_back(cloud.points[static_cast<size_t>(i)].z());
+  std::tie(piece.bottom, piece.top) = quantiles(heights, 0.02, 0.98);
+  set_footprint(piece, cloud);
+}
+
+constexpr float kPi = std::numbers::pi_v<float>;
+
+class Assembly {
+ public:
+  Assembly(const ConvexParts& parts, const PlaneCloud& cloud, const AssemblyOptions& options)
+      : cloud_(cloud), options_(options), sets_(static_cast<size_t>(parts.count)) {
+    pieces_.resize(static_cast<size_t>(parts.count));
+    for (size_t i = 0; i < parts.part_of_point.size(); ++i)
+      pieces_[static_cast<size_t>(parts.part_of_point[i])].points.push_back(static_cast<int>(i));
+    for (const auto& [pair, count] : parts.contacts) contacts_[pair] = count;
+    for (Piece& piece : pieces_) set_area(piece, cloud_);
+  }
+
+  void run() {
+    while (join_splinter()) {
+    }
+    for (size_t i = 0; i < pieces_.size(); ++i)
+      if (alive(i)) measure(pieces_[i], cloud_);
+    while (join_hollow() || join_cavity() || join_contained() || join_appendage() || join_neck() ||
+           join_lid() || join_hidden()) {
+    }
+  }
+
+  int piece_of(int part) { return static_cast<int>(sets_.find(static_cast<size_t>(part))); }
+
+ private:
+  bool alive(size_t i) { return sets_.find(i) == i; }
+
+  /// Which share of a piece's points lies within an outline.
+  double share_within(const Piece& inner, const std::vector<cv::Point2f>& outline, double slack) const {
+    if (outline.size() < 3) return 0;
+    const size_t stride = std::max<size_t>(1, inner.points.size() / 300);
+    int within = 0;
+    int count = 0;
+    for (size_t k = 0; k < inner.points.size(); k += stride, ++count) {
+      const Vector3f& p = cloud_.points[static_cast<size_t>(inner.points[k])];
+      within += cv::pointPolygonTest(outline, {p.x(), p.y()}, true) > -slack ? 1 : 0;
+    }
+    return static_cast<double>(within) / count;
+  }
+
+  /// Makes two pieces one, of which only the area is known then.
+  void merge(size_t a, size_t b) {
+    const size_t keep = std::min(a, b);
+    const size_t gone = std::max(a, b);
+    sets_.join(keep, gone);
+    pieces_[keep].points.insert(pieces_[keep].points.end(), pieces_[gone].points.begin(),
+                                pieces_[gone].points.end());
+    pieces_[gone].points.clear();
+    set_area(pieces_[keep], cloud_);
+    std::map<std::array<int, 2>, int> contacts;
+    for (const auto& [pair, count] : contacts_) {
+      const int first = piece_of(pair[0]);
+      const int second = piece_of(pair[1]);
+      if (first != second) contacts[{std::min(first, second), std::max(first, second)}] += count;
+    }
+    contacts_ = std::move(contacts);
+  }
+
+  void join(size_t a, size_t b) {
+    merge(a, b);
+    measure(pieces_[std::min(a, b)], cloud_);
+  }
+
+  int contact(size_t a, size_t b) const {
+    const auto it = contacts_.find({static_cast<int>(std::min(a, b)), static_cast<int>(std::max(a, b))});
+    return it == contacts_.end() ? 0 : it->second;
+  }
+
+  /// The piece that `a` touches most; pieces_.size() = none.
+  size_t most_touched(size_t a) const {
+    size_t best = pieces_.size();
+    int most = 0;
+    for (const auto& [pair, count] : contacts_) {
+      const auto first = static_cast<size_t>(pair[0]);
+      const auto second = static_cast<size_t>(pair[1]);
+      if ((first != a && second != a) || count <= most) continue;
+      most = count;
+      best = first == a ? second : first;
+    }
+    return best;
+  }
+
+  bool join_splinter() {
+    size_t smallest = pieces_.size();
+    for (size_t i = 0; i < pieces_.size(); ++i) {
+      if (!alive(i) || pieces_[i].area >= options_.splinter_m2 * pieces_[i].noise) continue;
+      if (most_touched(i) == pieces_.size()) continue;
+      if (smallest == pieces_.size() || pieces_[i].area < pieces_[smallest].area) smallest = i;
+    }
+    if (smallest == pieces_.size()) return false;
+    merge(smallest, most_touched(smallest));
+    return true;
+  }
+
+  bool join_contained() {
+    for (size_t inner = 0; inner < pieces_.size(); ++inner) {
+      if (!alive(inner)) continue;
+      for (size_t outer = 0; outer < pieces_.size(); ++outer) {
+        if (outer == inner || !alive(outer) || pieces_[outer].area < pieces_[inner].area) continue;
+        const Piece& a = pieces_[inner];
+        const Piece& b = pieces_[outer];
+        const auto slack = static_cast<float>(options_.slack_m);
+        if (a.top > b.top + slack || a.bottom < b.bottom - 0.03f) continue;
+        if (share_within(a, b.footprint, options_.slack_m) < options_.within) continue;
+        join(inner, outer);
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// Share of `inner`'s bearings that lie between those of `outer`.
+  double share_between(const Piece& inner, const Piece& outer) const {
+    float turn = inner.bearing - outer.bearing;
+    if (turn > kPi) turn -= 2 * kPi;
+    if (turn < -kPi) turn += 2 * kPi;
+    const float slack = static_cast<float>(options_.slack_m) / std::max(0.1f, outer.distance);
+    const float low = std::max(inner.left + turn, outer.left - slack);
+    const float high = std::min(inner.right + turn, outer.right + slack);
+    return static_cast<double>((high - low) / std::max(1e-6f, inner.right - inner.left));
+  }
+
+  /// Pieces of the inside of a round vessel, which concave edges part where it is narrow.
+  bool join_hollow() {
+    for (const auto& [pair, count] : contacts_) {
+      const auto first = static_cast<size_t>(pair[0]);
+      const auto second = static_cast<size_t>(pair[1]);
+      const Piece& a = pieces_[first];
+      const Piece& b = pieces_[second];
+      if (a.area < options_.splinter_m2 || b.area < options_.splinter_m2) continue;
+      if (std::abs(a.top - b.top) > static_cast<float>(options_.slack_m)) continue;
+      if (!around_one_axis(a, b, true)) continue;
+      join(first, second);
+      return true;
+    }
+    return false;
+  }
+
+  /// Whether the walls of two pieces stand around one upright axis, as a bowl's do: those of `a` face it,
+  /// those of `b`, too, or away from it. Walls of boxes that meet in a corner are flat and face past each
+  /// other.
+  bool around_one_axis(const Piece& a, const Piece& b, bool b_faces_it) const {
+    constexpr float kMinSlope = 0.2f;  // What lies level faces nowhere.
+    constexpr float kMinSpread = 0.05f;
+    std::vector<Vector2f> places;
+    std::vector<Vector2f> facing;
+    Eigen::Matrix2f across = Eigen::Matrix2f::Zero();
+    Vector2f sum = Vector2f::Zero();
+    for (const Piece* piece : {&a, &b})
+      for (const int i : piece->points) {
+        const Vector2f normal = cloud_.normals[static_cast<size_t>(i)].head<2>();
+        if (!(normal.norm() > kMinSlope)) continue;
+        facing.push_back((piece == &b && !b_faces_it ? -1 : 1) * normal.normalized());
+        places.push_back(cloud_.points[static_cast<size_t>(i)].head<2>());
+        const Eigen::Matrix2f beside =
+            Eigen::Matrix2f::Identity() - facing.back() * facing.back().transpose();
+        across += beside;
+        sum += beside * places.back();
+      }
+    if (2 * places.size() < a.points.size() + b.points.size()) return false;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2f> solver(across);
+    if (solver.eigenvalues()[0] < kMinSpread * solver.eigenvalues()[1]) return false;
+    const Vector2f axis = across.ldlt().solve(sum);
+    std::vector<float> past;
+    std::vector<float> ahead;
+    for (size_t i = 0; i < places.size(); ++i) {
+      const Vector2f to = axis - places[i];
+      ahead.push_back(facing[i].dot(to));
+      past.push_back(std::abs(facing[i].x() * to.y() - facing[i].y() * to.x()));
+    }
+    const float radius = median(ahead);
+    return quantile(ahead, 0.1) > 0 &&
+           median(past) < std::min(0.25f * radius, static_cast<float>(options_.slack_m));
+  }
+
+  /// The inside of a vessel with the wall before it.
+  bool join_cavity() {
+    const auto slack = static_cast<float>(options_.slack_m);
+    for (size_t inner = 0; inner < pieces_.size(); ++inner) {
+      const Piece& a = pieces_[inner];
+      if (!alive(inner) || a.facing_out > -0.1f || a.area < options_.splinter_m2) continue;
+      size_t best = pieces_.size();
+      for (size_t outer = 0; outer < pieces_.size(); ++outer) {
+        const Piece& b = pieces_[outer];
+        if (outer == inner || !alive(outer) || b.facing_out < 0 || b.area < options_.splinter_m2) continue;
+        const float width = std::max(0.1f, (b.right - b.left) * b.distance);
+        if (std::abs(a.top - b.top) > slack || a.distance < b.distance) continue;
+        if (a.distance > b.distance + width && !around_one_axis(a, b, false)) continue;
+        if (share_between(a, b) < options_.within) continue;
+        if (best == pieces_.size() || b.distance > pieces_[best].distance) best = outer;
+      }
+      if (best == pieces_.size()) continue;
+      join(inner, best);
+      return true;
+    }
+    return false;
+  }
+
+  /// Whether `a` stands on top of `b`.
+  bool on_top(const Piece& a, const Piece& b) const {
+    return a.bottom > b.bottom + 0.02f && a.top > b.top + 0.02f &&
+           share_within(a, b.footprint, options_.slack_m) > 0.6;
+  }
+
+  /// The nearest piece that is larger than `a`; pieces_.size() = none within `reach`.
+  size_t nearest_host(size_t a, double reach) {
+    size_t best = pieces_.size();
+    for (size_t i = 0; i < pieces_.size(); ++i) {
+      if (i == a || !alive(i) || pieces_[a].area > options_.appendage * pieces_[i].area) continue;
+      const double distance = gap(pieces_[a], pieces_[i]);
+      if (distance > reach) continue;
+      reach = distance;
+      best = i;
+    }
+    return best;
+  }
+
+  /// Whether a piece ends above the support and empty space is seen below it.
+  bool hovers(const Piece& piece) const {
+    if (static_cast<double>(piece.bottom) <= options_.hovering_m) return false;
+    int free = 0;
+    int known = 0;
+    const size_t stride = std::max<size_t>(1, piece.points.size() / 400);
+    for (size_t k = 0; k < piece.points.size(); k += stride) {
+      Vector3f p = cloud_.points[static_cast<size_t>(piece.points[k])];
+      if (p.z() > piece.bottom + 0.3f * (piece.top - piece.bottom)) continue;
+      p.z() = 0.5f * piece.bottom;
+      const Space space = space_at(p);
+      known += space == Space::unknown ? 0 : 1;
+      free += space == Space::free ? 1 : 0;
+    }
+    return free > 0.5 * known;
+  }
+
+  /// Handles and other small parts that do not stand by themselves.
+  bool join_appendage() {
+    for (size_t i = 0; i < pieces_.size(); ++i) {
+      if (!alive(i) || pieces_[i].points.size() < 20) continue;
+      const Piece& a = pieces_[i];
+      const bool hovering = hovers(a);
+      const bool small = a.area < (hovering ? 0.003 : 0.0015) * a.noise;
+      size_t host = most_touched(i);
+      if (host == pieces_.size() && small) host = nearest_host(i, options_.slack_m * 1.5);
+      if (host == pieces_.size()) continue;
+      const Piece& b = pieces_[host];
+      // What runs along an object of the same height is its other side, and may be larger.
+      const bool alongside = std::abs(a.top - b.top) < static_cast<float>(options_.slack_m) &&
+                             contact(i, host) > 0.25 * static_cast<double>(a.points.size());
+      if (a.area > (alongside ? 2 : 1) * options_.appendage * b.area || on_top(a, b)) continue;
+      const bool tiny = a.area < 0.12 * b.area || a.area < 0.0014 * a.noise;
+      if (!hovering && !tiny) continue;
+      if (contact(i, host) == 0 && a.top > b.top + static_cast<float>(options_.slack_m)) continue;
+      join(i, host);
+      return true;
+    }
+    return false;
+  }
+
+  /// A neck or a cap: narrow, in the middle above what tapers towards it. What merely stands on something
+  /// stands on a top that is as wide as the rest.
+  bool join_neck() {
+    for (const auto& [pair, count] : contacts_) {
+      auto upper = static_cast<size_t>(pair[0]);
+      auto lower = static_cast<size_t>(pair[1]);
+      if (pieces_[upper].top < pieces_[lower].top) std::swap(upper, lower);
+      const Piece& a = pieces_[upper];
+      const Piece& b = pieces_[lower];
+      if (!on_top(a, b) || a.bottom < 0.5f * (b.bottom + b.top) || a.area > b.area) continue;
+      if (!is_neck(a, b)) continue;
+      join(upper, lower);
+      return true;
+    }
+    return false;
+  }
+
+  bool is_neck(const Piece& neck, const Piece& body) const {
+    const auto band = [&](const Piece& piece, float low) {
+      return outline_band(cloud_.points, piece.points, cloud_.viewpoint, low, piece.top + 0.05f);
+    };
+    const OutlineBand a = band(neck, neck.bottom - 0.05f);
+    const OutlineBand b = band(body, body.bottom - 0.05f);
+    const OutlineBand shoulder = band(body, body.top - static_cast<float>(options_.slack_m));
+    if (a.width > static_cast<float>(options_.neck_m) || shoulder.points < 5) return false;
+    if (shoulder.width > 0.8f * b.width || shoulder.width > 1.75f * a.width) return false;
+    const Vector2f apart = a.middle - b.middle;
+    const auto slack = static_cast<float>(options_.slack_m);
+    if (std::abs(b.across.dot(apart)) > 0.8f * slack) return false;
+    // Only the fronts are seen, and that of a neck lies as far back as the body is thicker.
+    const float back = b.across.x() * apart.y() - b.across.y() * apart.x();
+    return std::abs(back) < 0.5f * (b.width - a.width) + slack;
+  }
+
+  /// A lid reaches over the body below it: what hovers must stand on something, and a small strip right under
+  /// it that does not reach out from under it is no object of its own.
+  bool join_lid() {
+    for (size_t lid = 0; lid < pieces_.size(); ++lid) {
+      if (!alive(lid) || static_cast<double>(pieces_[lid].bottom) <= options_.hovering_m) continue;
+      for (size_t body = 0; body < pieces_.size(); ++body) {
+        const Piece& a = pieces_[body];
+        const Piece& b = pieces_[lid];
+        if (body == lid || !alive(body) || contact(body, lid) == 0) continue;
+        if (a.area > 0.35 * b.area || a.top > b.bottom + 0.03f || a.bottom > b.bottom) continue;
+        if (share_within(a, b.footprint, options_.slack_m) < options_.within) continue;
+        if (share_between(b, a) < 0.6) continue;
+        join(body, lid);
+        return true;
+      }
+    }
+    return false;
+  }
+
+  enum class Space { free, taken, hidden, unknown };
+
+  /// What the image says about a position in the plane's frame.
+  Space space_at(const Vector3f& position) const {
+    const Vector3d p = cloud_.camera_from_plane * position.cast<double>();
+    if (p.z() <= 0.1) return Space::unknown;
+    const Vector2d pixel = cloud_.camera.project(p);
+    if (!cloud_.camera.contains(pixel)) return Space::unknown;
+    const float z = cloud_.image_points.at<cv::Vec3f>(static_cast<int>(std::lround(pixel.y())),
+                                                      static_cast<int>(std::lround(pixel.x())))[2];
+    if (std::isnan(z)) return Space::unknown;
+    const double behind = p.z() - static_cast<double>(z);
+    return behind < -0.012 ? Space::free : behind > 0.03 ? Space::hidden : Space::taken;
+  }
+
+  /// Whether the convex completion of two pieces is nowhere seen to be empty, and hidden in between.
+  bool one_behind_something(const Piece& a, const Piece& b) const {
+    std::vector<cv::Point2f> both = a.footprint;
+    both.insert(both.end(), b.footprint.begin(), b.footprint.end());
+    std::vector<cv::Point2f> hull;
+    cv::convexHull(both, hull);
+    const double own = cv::contourArea(a.footprint) + cv::contourArea(b.footprint);
+    if (cv::contourArea(hull) > 3 * own) return false;
+    Vector2f low = Vector2f::Constant(1e9f);
+    Vector2f high = Vector2f::Constant(-1e9f);
+    for (const cv::Point2f& p : hull) {
+      low = low.cwiseMin(Vector2f(p.x, p.y));
+      high = high.cwiseMax(Vector2f(p.x, p.y));
+    }
+    int free = 0;
+    int hidden = 0;
+    int known = 0;
+    for (float x = low.x(); x <= high.x(); x += 0.008f)
+      for (float y = low.y(); y <= high.y(); y += 0.008f) {
+        if (cv::pointPolygonTest(hull, {x, y}, true) < 0.008) continue;
+        if (cv::pointPolygonTest(a.footprint, {x, y}, false) > 0) continue;
+        if (cv::pointPolygonTest(b.footprint, {x, y}, false) > 0) continue;
+        for (const float part : {0.5f, 0.85f}) {
+          const Space space = space_at({x, y, part * std::min(a.top, b.top)});
+          known += space == Space::unknown ? 0 : 1;
+          free += space == Space::free ? 1 : 0;
+          hidden += space == Space::hidden ? 1 : 0;
+        }
+      }
+    return hidden > 0.3 * known && free < 0.2 * known;
+  }
+
+  double gap(const Piece& a, const Piece& b) const {
+    double least = 1e9;
+    for (const cv::Point2f& p : a.footprint)
+      least = std::min(least, -cv::pointPolygonTest(b.footprint, p, true));
+    for (const cv::Point2f& p : b.footprint)
+      least = std::min(least, -cv::pointPolygonTest(a.footprint, p, true));
+    return least;
+  }
+
+  bool join_hidden() {
+    for (size_t i = 0; i < pieces_.size(); ++i) {
+      if (!alive(i) || pieces_[i].area < options_.splinter_m2) continue;
+      for (size_t k = i + 1; k < pieces_.size(); ++k) {
+        if (!alive(k) || pieces_[k].area < options_.splinter_m2 || contact(i, k) > 0) continue;
+        if (std::abs(pieces_[i].top - pieces_[k].top) > static_cast<float>(options_.slack_m)) continue;
+        if (gap(pieces_[i], pieces_[k]) > options_.hidden_gap_m) continue;
+        if (!one_behind_something(pieces_[i], pieces_[k])) continue;
+        join(i, k);
+        return true;
+      }
+    }
+    return false;
+  }
+
+  const PlaneCloud& cloud_;
+  const AssemblyOptions& options_;
+  DisjointSets sets_;
+  std::vector<Piece> pieces_;
+  std::map<std::array<int, 2>, int> contacts_;
+};
+
+}  // namespace
+
+void AssemblyOptions::declare(OptionTable& table) {
+  table.number("splinter_m2", splinter_m2, "m2",
+               "Maximum area of splinters, which are merged into the neighbour with the longest contact.", 0,
+               0.1);
+  table.number("within", within, "",
+               "Minimum share of a part inside the footprint of another part for both to be one object.", 0,
+               1);
+  table.number("slack_m", slack_m, "m", "Tolerance of that footprint.", 0, 0.2);
+  table.number("appendage", appendage, "", "Maximum size of a handle relative to its object.", 0, 1);
+  table.number("hovering_m", hovering_m, "m",
+               "Parts whose lowest point is higher do not stand on the support.", 0, 0.5);
+  table.number("hidden_gap_m", hidden_gap_m, "m",
+               "Maximum hidden gap between two parts of the same height of one object.", 0, 1);
+  table.number("neck_m", neck_m, "m", "Maximum width of a neck or cap above a tapering body.", 0, 0.3);
+}
+
+std::vector<int> assemble_parts(const ConvexParts& parts, const PlaneCloud& cloud,
+                                const AssemblyOptions& options, int& count) {
+  Assembly assembly(parts, cloud, options);
+  assembly.run();
+  std::vector<int> number(static_cast<size_t>(parts.count), -1);
+  std::vector<int> object_of_part(static_cast<size_t>(parts.count));
+  count = 0;
+  for (int part = 0; part < parts.count; ++part) {
+    int& n = number[static_cast<size_t>(assembly.piece_of(part))];
+    if (n < 0) n = count++;
+    object_of_part[static_cast<size_t>(part)] = n;
+  }
+  return object_of_part;
+}
+
+}  // namespace loci::perception

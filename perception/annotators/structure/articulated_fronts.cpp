@@ -1,0 +1,194 @@
+#include "perception/annotators/structure/articulated_fronts.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+#include "mapping/base/parallel.h"
+#include "perception/annotators/scene_data.h"
+#include "perception/annotators/structure/supports.h"
+
+namespace loci::perception {
+namespace {
+
+constexpr double kSpacing = 0.025;    ///< metres between points of a front
+constexpr double kTolerance = 0.015;  ///< metres, plus twice the noise
+constexpr double kThrough = 3;        ///< cost of a point in free space; one off by the tolerance costs 1
+constexpr double kMinOn = 0.25;       ///< share of a front that must be seen for it to be determined
+constexpr double kMaxThrough = 0.1;   ///< of those seen, that may lie in free space
+constexpr double kMinCostGain = 0.1;  ///< of cost, for the given position to be given up
+constexpr double kMinMotion = 0.03;   ///< metres of its farthest point; less may be the map's or pose's error
+constexpr int kFewPoints = 25;
+constexpr int kPositions = 60;   ///< of a joint, tried first
+constexpr double kReach = 0.5;   ///< metres before a front: what is further away is in nobody's way
+constexpr double kFacing = 0.2;  ///< cosine
+
+/// The pixel that a point falls into; -1 outside.
+int pixel_of(const Vector3d& point, const mapping::PinholeCamera& camera) {
+  if (!(point.z() > 0.1)) return -1;
+  const Vector2d at = camera.project(point);
+  if (!(at.x() > -0.5 && at.y() > -0.5 && at.x() < camera.width - 0.5 && at.y() < camera.height - 0.5))
+    return -1;
+  return static_cast<int>(at.y() + 0.5) * camera.width + static_cast<int>(at.x() + 0.5);
+}
+
+}  // namespace
+
+/// A front at a position against an image.
+struct ArticulatedFronts::Match {
+  int in_view = 0, on = 0, through = 0;
+  double cost = 0;  ///< mean over those in view
+
+  bool sure() const { return in_view >= kFewPoints && on >= kMinOn * in_view && through <= kMaxThrough * on; }
+};
+
+ArticulatedFronts::ArticulatedFronts(const mapping::World& world, const mapping::MeshSearch& meshes)
+    : world_(world) {
+  Warnings ignored;  // Missing meshes were warned about when the map was loaded.
+  for (const mapping::Joint& joint : world.joints) {
+    const bool slides = joint.type == mapping::JointType::prismatic,
+               turns = joint.type == mapping::JointType::revolute;
+    if (!(slides || turns) || !joint.limits || joint.mimic) continue;
+    if (!(joint.limits->upper > joint.limits->lower)) continue;
+    Front front;
+    front.joint = joint;
+    front.link = world.link_index(joint.child);
+    for (const mapping::Visual& visual : world.links[front.link].visuals) {
+      const mapping::TriangleMesh mesh = triangulate(visual.geometry, meshes, ignored);
+      for (const auto& [a, b, c] : mesh.triangles) {
+        const Vector3d origin = visual.link_from_visual * mesh.vertices[a].cast<double>();
+        const Vector3d ab = visual.link_from_visual * mesh.vertices[b].cast<double>() - origin;
+        const Vector3d ac = visual.link_from_visual * mesh.vertices[c].cast<double>() - origin;
+        const Vector3d normal = ab.cross(ac);
+        // A grid in the triangle's own coordinates: as dense as the area asks for.
+        const int n = static_cast<int>(std::ceil(ab.norm() / kSpacing));
+        const int m = static_cast<int>(std::ceil(ac.norm() / kSpacing));
+        if (!(normal.norm() > 1e-8) || n > 1000 || m > 1000) continue;
+        for (int i = 0; i < n; ++i)
+          for (int j = 0; j < m; ++j) {
+            const double s = (i + 0.5) / n, t = (j + 0.5) / m;
+            if (s + t < 1) front.samples.push_back({origin + s * ab + t * ac, normal.normalized()});
+          }
+      }
+    }
+    if (front.samples.size() < static_cast<size_t>(kFewPoints)) continue;
+    Eigen::AlignedBox3d box;
+    for (const Sample& sample : front.samples) {
+      box.extend(sample.point);
+      front.reach = std::max(front.reach, sample.point.cross(joint.axis.normalized()).norm());
+    }
+    front.middle = box.center();
+    front.radius = box.diagonal().norm() / 2;
+    fronts_.push_back(std::move(front));
+  }
+}
+
+ArticulatedFronts::Match ArticulatedFronts::match(const Front& front, const Isometry3d& camera_from_link,
+                                                  const cv::Mat& points, const mapping::PinholeCamera& camera,
+                                                  bool only_if_sure) const {
+  Match match;
+  if (out_of_view(camera_from_link * front.middle, front.radius, camera)) return match;
+  const auto* measured = points.ptr<cv::Vec3f>();
+  auto left = static_cast<int>(front.samples.size());
+  for (const Sample& sample : front.samples) {
+    // What stands open in the image's free space is soon found out.
+    if (only_if_sure && match.through > kMaxThrough * (match.on + left)) return {};
+    --left;
+    const Vector3d point = camera_from_link * sample.point;
+    const int pixel = pixel_of(point, camera);
+    if (pixel < 0) continue;
+    const auto depth = static_cast<double>(measured[pixel][2]);
+    if (std::isnan(depth)) continue;
+    if ((camera_from_link.linear() * sample.normal).dot(-point) < kFacing * point.norm()) continue;
+    const double off = (depth - point.z()) / (kTolerance + 2 * depth_noise(point.z()));
+    ++match.in_view;
+    if (std::abs(off) <= 1) ++match.on;
+    if (off > 1) ++match.through;
+    match.cost += off > 1 ? kThrough : std::min(1.0, off * off);
+  }
+  if (match.in_view > 0) match.cost /= match.in_view;
+  return match;
+}
+
+std::vector<FrontState> ArticulatedFronts::estimate(const cv::Mat& points,
+                                                    const mapping::PinholeCamera& camera,
+                                                    const Isometry3d& map_from_camera,
+                                                    const JointState& joints, int threads) const {
+  const std::vector<Isometry3d> map_from_links = root_from_links(world_, joints);
+  const Isometry3d camera_from_map = map_from_camera.inverse();
+  std::vector<FrontState> states(fronts_.size());
+  const auto estimate_one = [&](size_t number) {
+    const Front& front = fronts_[number];
+    FrontState& state = states[number];
+    state.joint = front.joint.name;
+    if (front.joint.type == mapping::JointType::revolute) state.reach = front.reach;
+    if (const auto given = joints.find(state.joint); given != joints.end()) state.given = given->second;
+    state.position = state.given;
+    const Isometry3d camera_from_joint =
+        camera_from_map * map_from_links[front.link] * joint_motion(front.joint, state.given).inverse();
+    const auto at = [&](double position, bool only_if_sure) {
+      return match(front, camera_from_joint * joint_motion(front.joint, position), points, camera,
+                   only_if_sure);
+    };
+    const Match given = at(state.given, false);
+    const double low = front.joint.limits->lower, high = front.joint.limits->upper;
+    Match best = given;
+    const auto consider = [&](double position) {
+      const Match tried = at(std::clamp(position, low, high), true);
+      if (!tried.sure() || (best.sure() && tried.cost >= best.cost)) return;
+      best = tried;
+      state.position = std::clamp(position, low, high);
+    };
+    const double step = (high - low) / kPositions;
+    for (int i = 0; i <= kPositions; ++i) consider(low + i * step);
+    for (double fine = step / 2; best.sure() && fine > step / 40; fine /= 2) {
+      const double around = state.position;
+      consider(around - fine);
+      consider(around + fine);
+    }
+    state.determined = best.sure();
+    state.moved = best.sure() && (!given.sure() || best.cost < given.cost - kMinCostGain) &&
+                  state.reach * std::abs(state.position - state.given) >= kMinMotion;
+    if (!state.moved) state.position = state.given;
+    const Match& kept = state.moved ? best : given;
+    state.in_view = kept.in_view;
+    state.on = kept.on;
+  };
+  parallel_for(fronts_.size(), threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) estimate_one(i);
+  });
+  return states;
+}
+
+std::vector<Obstacle> ArticulatedFronts::obstacles(const cv::Mat& points, const cv::Mat& unknown,
+                                                   const mapping::PinholeCamera& camera,
+                                                   const Isometry3d& map_from_camera,
+                                                   const JointState& joints) const {
+  const std::vector<Isometry3d> map_from_links = root_from_links(world_, joints);
+  std::vector<Obstacle> found;
+  for (const Front& front : fronts_) {
+    const Isometry3d camera_from_link = map_from_camera.inverse() * map_from_links[front.link];
+    if (out_of_view(camera_from_link * front.middle, front.radius, camera)) continue;
+    int in_view = 0, hidden = 0;
+    Obstacle obstacle{front.joint.name, std::numeric_limits<double>::infinity(), 0};
+    for (const Sample& sample : front.samples) {
+      const Vector3d point = camera_from_link * sample.point;
+      const Vector3d normal = camera_from_link.linear() * sample.normal;
+      const int pixel = pixel_of(point, camera);
+      if (pixel < 0 || normal.dot(-point) < kFacing * point.norm()) continue;
+      ++in_view;
+      const Vector3d seen = to_vector(points.ptr<cv::Vec3f>()[pixel]);
+      if (std::isnan(seen.z()) || unknown.ptr<uint8_t>()[pixel] == 0) continue;
+      const double before = normal.dot(seen - point);
+      if (before < kTolerance + 2 * depth_noise(seen.z()) || before > kReach) continue;
+      ++hidden;
+      obstacle.distance_m = std::min(obstacle.distance_m, before);
+    }
+    if (in_view < kFewPoints || hidden < kFewPoints / 5 || hidden < 0.03 * in_view) continue;
+    obstacle.share = static_cast<double>(hidden) / in_view;
+    found.push_back(obstacle);
+  }
+  return found;
+}
+
+}  // namespace loci::perception
