@@ -220,9 +220,10 @@ std::vector<SentenceForm> contents_sentences(const std::string& preposition) {
                  {{"(is|was) <place> (empty|free|clear|full|occupied|in use|tidy)", "Is the table free?"},
                   {"what did <place> look like"}});
   else
-    forms.insert(forms.end(),
-                 {{"what (does|did) <place> contain"},
-                  {"(list|show|show me|tell me|name) [all|everything] [$things|contents] of <place>"}});
+    forms.insert(
+        forms.end(),
+        {{"what (does|did) <place> contain"},
+         {"(list|show|show me|tell me|name) [all|everything|what is] [$things|contents] of <place>"}});
   return forms;
 }
 
