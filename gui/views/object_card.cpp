@@ -15,6 +15,7 @@
 
 #include "gui/core/text.h"
 #include "gui/core/theme.h"
+#include "gui/core/widgets.h"
 #include "gui/models/question_text.h"
 #include "gui/models/table_models.h"
 

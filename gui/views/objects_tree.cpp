@@ -39,12 +39,47 @@ ObjectsTree::ObjectsTree(Browser& browser, QWidget* parent)
       count_(new QLabel(this)),
       view_(new QTreeView(this)) {
   filtered_->setSourceModel(model_);
+  build_search();
+  build_view();
+  auto* layout = new QVBoxLayout(this);
+  layout->setContentsMargins(6, 6, 6, 6);
+  layout->setSpacing(6);
+  layout->addWidget(search_);
+  auto* filters = new QGridLayout;
+  filters->setSpacing(4);
+  add_filter(ObjectsFilter::class_field, "Any class", "Only objects of this class", *filters);
+  add_filter(ObjectsFilter::color_field, "Any colour", "Only objects of this colour", *filters);
+  add_filter(ObjectsFilter::state_field, "Any state",
+             "Only objects that are seen, out of view, hidden, missed or gone", *filters);
+  add_filter(ObjectsFilter::hour_field, "Any hour", "Only objects seen last in this hour of the day",
+             *filters);
+  layout->addLayout(filters);
+  layout->addWidget(view_);
+  layout->addWidget(count_);
+  connect(filtered_, &QAbstractItemModel::modelReset, this, [this] {
+    restore_open_groups();
+    follow_selection();
+    count();
+  });
+  connect(&browser_, &Browser::selected, this, &ObjectsTree::follow_selection);
+  restore_open_groups();
+}
+
+void ObjectsTree::build_search() {
   search_->setPlaceholderText("Search name, colour, place, state");
   search_->setClearButtonEnabled(true);
   search_->setToolTip(
-      "Shows only what contains this text (Ctrl+F). Enter chooses what the words mean, also by what is "
-      "written on "
-      "it: milk, red cup, Ada's");
+      "Shows only rows that contain this text (Ctrl+F). Enter selects what a description refers to, also by "
+      "text on the object: milk, red cup, Ada's");
+  connect(search_, &QLineEdit::returnPressed, this, &ObjectsTree::find);
+  connect(search_, &QLineEdit::textChanged, this, [this](const QString& text) {
+    following_ = true;  // The view moves on to a row that stays: no selection by a person.
+    filtered_->search(text);
+    show_filtered();
+  });
+}
+
+void ObjectsTree::build_view() {
   view_->setModel(filtered_);
   view_->setUniformRowHeights(true);
   view_->setIndentation(12);
@@ -55,60 +90,33 @@ ObjectsTree::ObjectsTree(Browser& browser, QWidget* parent)
   view_->header()->setSectionResizeMode(ObjectsModel::name_column, QHeaderView::Stretch);
   view_->header()->setSectionResizeMode(ObjectsModel::state_column, QHeaderView::ResizeToContents);
   view_->header()->setSectionResizeMode(ObjectsModel::probability_column, QHeaderView::ResizeToContents);
-  auto* layout = new QVBoxLayout(this);
-  layout->setContentsMargins(6, 6, 6, 6);
-  layout->setSpacing(6);
-  layout->addWidget(search_);
-  auto* filters = new QGridLayout;
-  filters->setSpacing(4);
-  add_filter(ObjectsFilter::class_field, "Any class", "Only objects of this class", filters);
-  add_filter(ObjectsFilter::color_field, "Any colour", "Only objects of this colour", filters);
-  add_filter(ObjectsFilter::state_field, "Any state",
-             "Only objects that are seen, out of view, hidden, missed or gone", filters);
-  add_filter(ObjectsFilter::hour_field, "Any hour", "Only what was seen last in this hour of the day",
-             filters);
-  layout->addLayout(filters);
-  layout->addWidget(view_);
-  layout->addWidget(count_);
-
-  connect(search_, &QLineEdit::returnPressed, this, [this] {
-    browser_.reader().read<SearchResult>(
-        this, "find", Urgency::moment,
-        [words = search_->text().trimmed().toStdString(),
-         time = browser_.selection().time()](const OpenMemory& memory) { return memory.find(words, time); },
-        [this](const SearchResult& found) {
-          if (!found.objects.empty()) {
-            show_all();
-            browser_.selection().select_object(found.objects.front());
-          } else if (!found.place.empty()) {
-            show_all();
-            browser_.selection().select_place(found.place);
-          }
-        });
-  });
-  connect(search_, &QLineEdit::textChanged, this, [this](const QString& text) {
-    following_ = true;  // The view moves on to a row that stays: no selection by a person.
-    filtered_->search(text);
-    show_filtered();
-  });
   connect(view_, &QTreeView::collapsed, this, [this](const QModelIndex& index) {
     closed_.insert(index.data(ObjectsModel::group_role).toString());
   });
   connect(view_, &QTreeView::expanded, this, [this](const QModelIndex& index) {
     closed_.erase(index.data(ObjectsModel::group_role).toString());
   });
-  connect(filtered_, &QAbstractItemModel::modelReset, this, [this] {
-    restore_open_groups();
-    follow_selection();
-    count();
-  });
   connect(view_->selectionModel(), &QItemSelectionModel::selectionChanged, this,
           &ObjectsTree::take_selection);
-  connect(&browser_, &Browser::selected, this, &ObjectsTree::follow_selection);
-  restore_open_groups();
 }
 
-void ObjectsTree::add_filter(int field, const QString& all, const QString& tip, QLayout* layout) {
+/// Selects what the search text refers to.
+void ObjectsTree::find() {
+  browser_.reader().read<SearchResult>(
+      this, "find", Urgency::moment,
+      [text = search_->text().trimmed().toStdString(),
+       time = browser_.selection().time()](const OpenMemory& memory) { return memory.find(text, time); },
+      [this](const SearchResult& found) {
+        if (found.objects.empty() && found.place.empty()) return;
+        show_all();
+        if (!found.objects.empty())
+          browser_.selection().select_object(found.objects.front());
+        else
+          browser_.selection().select_place(found.place);
+      });
+}
+
+void ObjectsTree::add_filter(int field, const QString& all, const QString& tip, QGridLayout& layout) {
   auto* box = new FilterBox([this, field] { fill_filter(field); }, this);
   box->addItem(all);
   box->setToolTip(tip);
@@ -116,7 +124,7 @@ void ObjectsTree::add_filter(int field, const QString& all, const QString& tip, 
   box->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
   box->setMinimumContentsLength(8);
   filters_[field] = box;
-  static_cast<QGridLayout*>(layout)->addWidget(box, field / 2, field % 2);
+  layout.addWidget(box, field / 2, field % 2);
   connect(box, QOverload<int>::of(&QComboBox::activated), this, [this, box, field](int index) {
     following_ = true;
     filtered_->want(static_cast<ObjectsFilter::Field>(field), index == 0 ? QString() : box->currentText());

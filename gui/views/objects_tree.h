@@ -9,7 +9,7 @@
 class QLineEdit;
 class QComboBox;
 class QLabel;
-class QLayout;
+class QGridLayout;
 class QTreeView;
 
 namespace loci::gui {
@@ -35,11 +35,14 @@ class ObjectsTree : public QWidget {
   QModelIndex shown_index_of_object(int64_t object) const;
 
  private:
+  void build_search();
+  void build_view();
+  void find();
   void follow_selection();
   void take_selection();
   void restore_open_groups();
   void show_filtered();
-  void add_filter(int field, const QString& all, const QString& tip, QLayout* layout);
+  void add_filter(int field, const QString& all, const QString& tip, QGridLayout& layout);
   void fill_filter(int field);
   void count();
 

@@ -81,8 +81,35 @@ TimeBar::TimeBar(Browser& browser, QWidget* parent)
       happened_(new QLabel(this)),
       legend_(new QLabel(this)),
       known_(new QComboBox(this)) {
-  auto* buttons = new QHBoxLayout;
-  buttons->setSpacing(4);
+  auto* line = new QHBoxLayout;
+  line->setSpacing(4);
+  add_buttons(*line);
+  line->addSpacing(6);
+  add_stamp(*line);
+  line->addSpacing(6);
+  add_known(*line);
+  line->addSpacing(12);
+  line->addWidget(scene_);
+  line->addSpacing(12);
+  happened_->setTextInteractionFlags(Qt::TextSelectableByMouse);
+  happened_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
+  line->addWidget(happened_, 1);
+  line->addWidget(legend_);
+  auto* layout = new QVBoxLayout(this);
+  layout->setContentsMargins(8, 6, 8, 2);
+  layout->setSpacing(2);
+  layout->addLayout(line);
+  layout->addWidget(track_);
+  layout->addWidget(lanes_, 1);
+  paint_buttons();
+  timer_.setInterval(kPlayStepMs);
+  connect(&timer_, &QTimer::timeout, this, &TimeBar::play_step);
+  connect(&browser_, &Browser::opened, this, &TimeBar::take_memory);
+  connect(&browser_, &Browser::time_changed, this, &TimeBar::refresh);
+  refresh();
+}
+
+void TimeBar::add_buttons(QHBoxLayout& line) {
   const auto add = [&](Transport sign, const QString& tip, auto action) {
     auto* button = new QToolButton(this);
     buttons_.emplace_back(sign, button);
@@ -90,18 +117,25 @@ TimeBar::TimeBar(Browser& browser, QWidget* parent)
     button->setToolTip(tip);
     button->setFocusPolicy(Qt::NoFocus);
     connect(button, &QToolButton::clicked, this, action);
-    buttons->addWidget(button);
+    line.addWidget(button);
   };
   add(Transport::first, "First scene (Home)", [this] { browser_.to_first(); });
   add(Transport::previous, "Previous scene (Left)", [this] { browser_.step(-1); });
   add(Transport::play, "Play (Space)", [this] { toggle_play(); });
   add(Transport::next, "Next scene (Right)", [this] { browser_.step(1); });
   add(Transport::last, "Last scene (End)", [this] { browser_.to_last(); });
+}
+
+void TimeBar::add_stamp(QHBoxLayout& line) {
   stamp_->setToolTip("The selected time; type another: 2026-05-01 08:30, 08:30, yesterday 9:00 (Ctrl+T)");
   stamp_->setFixedWidth(fontMetrics().horizontalAdvance("2026-05-01 00:00:00.000000") + 24);
-  buttons->addSpacing(6);
-  buttons->addWidget(stamp_);
-  buttons->addWidget(zone_);
+  line.addWidget(stamp_);
+  line.addWidget(zone_);
+  connect(stamp_, &QLineEdit::returnPressed, this, &TimeBar::take_stamp);
+  connect(stamp_, &QLineEdit::editingFinished, this, &TimeBar::refresh);
+}
+
+void TimeBar::add_known(QHBoxLayout& line) {
   known_->setToolTip(
       "Transaction time: what the memory knew of the selected time, now or before something was added or "
       "corrected");
@@ -109,45 +143,24 @@ TimeBar::TimeBar(Browser& browser, QWidget* parent)
   known_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
   known_->setMinimumContentsLength(14);
   known_->setMinimumWidth(fontMetrics().horizontalAdvance("As known") + 24);  // narrow windows cut it off
-  buttons->addSpacing(6);
-  buttons->addWidget(known_);
-  buttons->addSpacing(12);
-  buttons->addWidget(scene_);
-  buttons->addSpacing(12);
-  happened_->setTextInteractionFlags(Qt::TextSelectableByMouse);
-  happened_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
-  buttons->addWidget(happened_, 1);
-  buttons->addWidget(legend_);
-  auto* layout = new QVBoxLayout(this);
-  layout->setContentsMargins(8, 6, 8, 2);
-  layout->setSpacing(2);
-  layout->addLayout(buttons);
-  layout->addWidget(track_);
-  layout->addWidget(lanes_, 1);
-
-  paint_buttons();
-  timer_.setInterval(kPlayStepMs);
-  connect(&timer_, &QTimer::timeout, this, &TimeBar::play_step);
-  connect(stamp_, &QLineEdit::returnPressed, this, &TimeBar::take_stamp);
+  line.addWidget(known_);
   connect(known_, QOverload<int>::of(&QComboBox::activated), this, [this](int index) {
     const QVariant at = known_->itemData(index);
     browser_.selection().set_known_at(at.isValid() ? std::optional<TimeNs>(at.toLongLong()) : std::nullopt);
   });
-  connect(stamp_, &QLineEdit::editingFinished, this, &TimeBar::refresh);
-  connect(&browser_, &Browser::opened, this, [this] {
-    const OpenMemory* memory = browser_.data();
-    if (memory != nullptr && !memory->scenes().empty()) {
-      const TimeNs first = memory->scenes().front().time, last = memory->scenes().back().time;
-      if (memory->info().path == memory_)
-        axis_.grow(first, last);
-      else
-        axis_.set_whole(first, last);
-    }
-    memory_ = memory == nullptr ? "" : memory->info().path;
-    fill_known();
-    refresh();
-  });
-  connect(&browser_, &Browser::time_changed, this, &TimeBar::refresh);
+}
+
+void TimeBar::take_memory() {
+  const OpenMemory* memory = browser_.data();
+  if (memory != nullptr && !memory->scenes().empty()) {
+    const TimeNs first = memory->scenes().front().time, last = memory->scenes().back().time;
+    if (memory->info().path == memory_)
+      axis_.grow(first, last);
+    else
+      axis_.set_whole(first, last);
+  }
+  memory_ = memory == nullptr ? "" : memory->info().path;
+  fill_known();
   refresh();
 }
 

@@ -11,6 +11,7 @@
 #include "gui/views/timeline/time_track.h"
 
 class QComboBox;
+class QHBoxLayout;
 class QLabel;
 class QLineEdit;
 class QToolButton;
@@ -49,6 +50,10 @@ class TimeBar : public QWidget {
   void resizeEvent(QResizeEvent* event) override;
 
  private:
+  void add_buttons(QHBoxLayout& line);
+  void add_stamp(QHBoxLayout& line);
+  void add_known(QHBoxLayout& line);
+  void take_memory();
   void refresh();
   void take_stamp();
   void fill_known();
