@@ -57,7 +57,7 @@ std::function<void(loci::apps::Session&)> declare(loci::apps::ArgumentTable& tab
 }  // namespace
 
 int main(int argc, char** argv) {
-  loci::apps::Program program(kProgram, "Shows an object memory in a window, or writes an image of it");
+  loci::apps::Program program(kProgram, "Show an object memory in a window, or write an image of it");
   program.add({"",
                "Show an object memory in a window, or write an image of it",
                {"loci-browse demo-output/memory.loci",

@@ -1,7 +1,7 @@
 #include "apps/evaluate/commands.h"
 
 int main(int argc, char** argv) {
-  loci::apps::Program program("loci-evaluate", "Measures every claim against its peers.");
+  loci::apps::Program program("loci-evaluate", "Measure loci against ground truth and other methods");
   program.add(loci::apps::articulation_command());
   program.add(loci::apps::changes_command());
   program.add(loci::apps::days_command());

@@ -1,7 +1,7 @@
 #include "apps/map/commands.h"
 
 int main(int argc, char** argv) {
-  loci::apps::Program program("loci-map", "Builds and checks semantic URDF maps.");
+  loci::apps::Program program("loci-map", "Build and check semantic URDF maps");
   program.add(loci::apps::check_command());
   program.add(loci::apps::fuse_command());
   program.add(loci::apps::interpret_command());

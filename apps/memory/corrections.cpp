@@ -1,7 +1,6 @@
 // Corrections: edit, fact, taxonomy.
 
 #include <fmt/format.h>
-#include <set>
 
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
@@ -17,15 +16,14 @@ namespace loci::apps {
 namespace {
 
 constexpr const char* kForms =
-    "merge X Y, split X TIME, label SCENE NUMBER CLASS, joint NAME TYPE, part X [NAME], "
-    "say X KEY [VALUE], undo, redo or list";
+    "merge X Y, split X TIME, label SCENE NUMBER CLASS, joint NAME TYPE, part X [NAME], undo, redo or list";
 
 struct EditArguments {
   std::string memory, action;
   std::vector<std::string> words;
 };
 
-size_t words_needed(const std::string& action) {
+size_t min_words(const std::string& action) {
   if (action == "label") return 3;
   if (action == "part") return 1;
   if (action == "undo" || action == "redo" || action == "list") return 0;
@@ -37,9 +35,9 @@ memory::Id number_of(const std::string& word, const char* what) {
     size_t end = 0;
     const memory::Id number = std::stoll(word, &end);
     if (end == word.size()) return number;
-  } catch (const std::exception&) {  // told below
+  } catch (const std::exception&) {  // reported below
   }
-  throw Error(fmt::format("'{}' is no number of {}", word, what), {}, "loci-memory scenes lists them");
+  throw Error(fmt::format("'{}' is not the number of {}", word, what), {}, "loci-memory scenes lists them");
 }
 
 /// The one object that words mean.
@@ -60,7 +58,6 @@ memory::Edit make_edit(memory::Store& store, const EditArguments& arguments) {
                              words[2]);
   if (action == "joint") return set_joint_type(store, words[0], words[1]);
   if (action == "part") return name_part(store, words[0], words.size() > 1 ? words[1] : "");
-  if (action == "say") return say(store, words[0], words[1], words.size() > 2 ? words[2] : "");
   return action == "undo" ? undo(store) : redo(store);
 }
 
@@ -71,7 +68,7 @@ Json json_of(const std::vector<memory::Edit>& list) {
   return json;
 }
 
-void tell_list(Session& session, const memory::EditList& list) {
+void answer_list(Session& session, const memory::EditList& list) {
   std::string text = list.done.empty() && list.undone.empty() ? "Nothing was edited.\n" : "";
   for (const memory::Edit& edit : list.done) text += edit.text + "\n";
   for (auto edit = list.undone.rbegin(); edit != list.undone.rend(); ++edit)
@@ -82,38 +79,37 @@ void tell_list(Session& session, const memory::EditList& list) {
 }  // namespace
 
 Command edit_command() {
-  return {"edit",
-          "Corrections by people, with undo: merge, split, label, joint, part, say, undo, redo, list",
-          {"loci-memory edit say object_1 class cup -m demo-output/memory.loci",
-           "loci-memory edit list -m demo-output/memory.loci --json"},
-          [](ArgumentTable& table) {
-            auto arguments = std::make_shared<EditArguments>();
-            table.memory(arguments->memory);
-            table.positional(
-                "ACTION", &arguments->action, kForms,
-                {.choices = {"merge", "split", "label", "joint", "part", "say", "undo", "redo", "list"}});
-            table.positional(
-                "[WORD...]", &arguments->words,
-                "X, Y: objects (say: or a place; part: a place, link or joint); TIME as people write it");
-            return [arguments](Session& session) {
-              const size_t least = words_needed(arguments->action), given = arguments->words.size();
-              static const std::set<std::string> may_take_back = {"say", "part"};
-              if (given < least || given > least + may_take_back.count(arguments->action))
-                throw Error("edit " + arguments->action + " takes other words", {}, kForms);
-              const memory::Store before =
-                  memory::Store::open_read(arguments->memory);  // a mistyped name must not make a memory
-              if (arguments->action == "list") return tell_list(session, edits(before));
-              memory::Store store = memory::Store::open_write(arguments->memory);
-              const memory::Edit edit = make_edit(store, *arguments);
-              const std::string done = arguments->action == "undo" ? "Undone: " : "Done: ";
-              session.answer(done + edit.text + "\n", json_of({edit}).front());
-            };
-          }};
+  return {
+      "edit",
+      "Correct object identities, labels and parts of the map, with undo",
+      {"loci-memory edit label 3 1 cup -m demo-output/memory.loci",
+       "loci-memory edit list -m demo-output/memory.loci --json"},
+      [](ArgumentTable& table) {
+        auto arguments = std::make_shared<EditArguments>();
+        table.positional("ACTION", &arguments->action, kForms,
+                         {.choices = {"merge", "split", "label", "joint", "part", "undo", "redo", "list"}});
+        table.positional("[WORD...]", &arguments->words,
+                         "X, Y: objects; part: a place, link or joint; TIME: \"08:30\", \"yesterday 9:00\"");
+        table.memory(arguments->memory);
+        return [arguments](Session& session) {
+          const size_t least = min_words(arguments->action), given = arguments->words.size();
+          const size_t optional = arguments->action == "part" ? 1 : 0;
+          if (given < least || given > least + optional)
+            throw UsageError(std::string("the actions are ") + kForms);
+          const memory::Store before =
+              memory::Store::open_read(arguments->memory);  // a mistyped name must not create a memory
+          if (arguments->action == "list") return answer_list(session, edits(before));
+          memory::Store store = memory::Store::open_write(arguments->memory);
+          const memory::Edit edit = make_edit(store, *arguments);
+          const std::string done = arguments->action == "undo" ? "Undone: " : "Done: ";
+          session.answer(done + edit.text + "\n", json_of({edit}).front());
+        };
+      }};
 }
 
 Command fact_command() {
   return {"fact",
-          "What people say about objects and places: set, list, remove",
+          "Set, list or remove facts about objects and places: names, class, owner",
           {"loci-memory fact set table_1 alias \"couch table\" -m demo-output/memory.loci",
            "loci-memory fact list -m demo-output/memory.loci --json"},
           [](ArgumentTable& table) {
@@ -122,24 +118,23 @@ Command fact_command() {
               std::vector<std::string> words;
             };
             auto arguments = std::make_shared<Arguments>();
-            table.memory(arguments->memory);
             table.positional("ACTION", &arguments->action,
                              "set X KEY VALUE, list [X [KEY]], or remove X KEY [VALUE]",
                              {.choices = {"set", "list", "remove"}});
             table.positional("[WORD...]", &arguments->words,
-                             "X: an object or a place; KEY: alias, owner, class, state, ...");
+                             "X: an object or a place; KEY: alias, owner, class, state, …");
+            table.memory(arguments->memory);
             return [arguments](Session& session) {
               const auto& [memory, action, words] = *arguments;
-              const size_t least = action == "set" ? 3 : action == "remove" ? 2 : 0;
-              if (words.size() < least || words.size() > 3)
-                throw Error("fact " + action + " takes other words", {},
-                            "fact set X KEY VALUE, fact list [X [KEY]], fact remove X KEY [VALUE]");
+              const size_t min = action == "set" ? 3 : action == "remove" ? 2 : 0;
+              if (words.size() < min || words.size() > 3)
+                throw UsageError("the actions are set X KEY VALUE, list [X [KEY]], remove X KEY [VALUE]");
               const auto word = [&w = words](size_t i) { return i < w.size() ? w[i] : std::string(); };
               memory::FactsAnswer answer;
               if (action == "list") {
                 answer = ask(memory::Store::open_read(memory), memory::FactsQuestion{word(0), word(1), {}});
               } else {
-                memory::Store::open_read(memory);  // a mistyped name must not make a new memory
+                memory::Store::open_read(memory);  // a mistyped name must not create a memory
                 memory::Store store = memory::Store::open_write(memory);
                 answer = action == "set" ? set_fact(store, word(0), word(1), word(2))
                                          : remove_fact(store, word(0), word(1), word(2));
@@ -152,7 +147,7 @@ Command fact_command() {
 Command taxonomy_command() {
   return {
       "taxonomy",
-      "Kinds of things, their other words and properties: load, list",
+      "Load or list the taxonomy of object classes",
       {"loci-memory taxonomy load apps/samples/household.yaml -m demo-output/memory.loci",
        "loci-memory taxonomy list -m demo-output/memory.loci --json"},
       [](ArgumentTable& table) {
@@ -160,15 +155,15 @@ Command taxonomy_command() {
           std::string memory, action, file;
         };
         auto arguments = std::make_shared<Arguments>();
-        table.memory(arguments->memory);
         table.positional("ACTION", &arguments->action, "load FILE, or list", {.choices = {"load", "list"}});
-        table.positional("[FILE]", &arguments->file, "load: the taxonomy, YAML");
+        table.positional("[FILE]", &arguments->file, "Taxonomy to load, YAML");
+        table.memory(arguments->memory);
         return [arguments](Session& session) {
           memory::Taxonomy taxonomy;
           if (arguments->action == "load") {
-            if (arguments->file.empty()) throw Error("no file to load", {}, "taxonomy load FILE.yaml");
+            if (arguments->file.empty()) throw UsageError("FILE is required");
             taxonomy = memory::Taxonomy::read(arguments->file);
-            memory::Store::open_read(arguments->memory);  // a mistyped name must not make a new memory
+            memory::Store::open_read(arguments->memory);  // a mistyped name must not create a memory
             memory::Store store = memory::Store::open_write(arguments->memory);
             taxonomy.save(store);
           } else {

@@ -29,7 +29,7 @@ namespace loci::apps {
 
 Command ingest_command() {
   return {"ingest",
-          "Takes in detections of other systems",
+          "Import detections of other systems",
           {"loci-memory ingest apps/samples/detections.jsonl -m demo-output/detections.loci --resume",
            "loci-memory ingest apps/samples/detections.jsonl -m demo-output/detections_map.loci --map "
            "apps/samples/kitchen.urdf --strict --resume --json"},
@@ -41,10 +41,11 @@ Command ingest_command() {
             auto arguments = std::make_shared<Arguments>();
             table.positional("FILE", &arguments->file, "Detections, one scene per line (JSON Lines)");
             table.memory(arguments->memory);
-            table.option("--map", &arguments->map, "URDF of the kitchen, for the places");
-            table.option("--now", &arguments->now, "When the memory learns it, ISO 8601",
+            table.option("--map MAP", &arguments->map,
+                         "URDF of the map, for the places; the sidecar is found beside it");
+            table.option("--now TIME", &arguments->now, "Transaction time of the rows, ISO 8601",
                          {.default_text = "the clock"});
-            table.options(table_of(arguments->options));
+            table.options(table_of(arguments->options), "Import");
             return [arguments](Session& session) {
               memory::WriteOptions write;
               if (!arguments->now.empty()) write.now = parse_time(arguments->now);
@@ -98,7 +99,7 @@ int64_t export_labels(const memory::Store& store, const fs::path& folder, Progre
   return written;
 }
 
-/// An 8-bit PNG per scene, what each pixel of its depth thumbnail is; how many.
+/// An 8-bit PNG per scene with the kind of each pixel of its depth thumbnail; how many.
 int64_t export_kinds(const memory::Store& store, const fs::path& folder, Progress& progress) {
   make_folder(folder);
   const std::vector<memory::SceneRow> scenes = store.scenes();
@@ -116,16 +117,16 @@ int64_t export_kinds(const memory::Store& store, const fs::path& folder, Progres
   return written;
 }
 
-/// A PLY per sighting whose surface is kept, map frame; how many.
+/// A PLY in the map frame per observation with stored depth; how many.
 int64_t export_clouds(const memory::Store& store, const fs::path& folder, Progress& progress) {
   make_folder(folder);
   const std::vector<memory::ObjectRow> objects = store.objects();
   int64_t written = 0;
   for (size_t i = 0; i < objects.size(); ++i) {
     progress.check(double(i) / double(objects.size()), "clouds");
-    for (const memory::ObjectObservation& sighting : store.observations_of(objects[i].id)) {
-      const memory::SceneRow scene = store.scene(sighting.observation.scene);
-      std::optional<mapping::Scan> cloud = cloud_of(store, scene, sighting.observation);
+    for (const memory::ObjectObservation& observed : store.observations_of(objects[i].id)) {
+      const memory::SceneRow scene = store.scene(observed.observation.scene);
+      std::optional<mapping::Scan> cloud = cloud_of(store, scene, observed.observation);
       if (!cloud) continue;
       mapping::ScanSet set;
       set.scans.push_back(std::move(*cloud));
@@ -164,7 +165,7 @@ std::function<std::optional<mapping::RgbdFrame>(const memory::SceneRow&)> frames
   const std::optional<memory::RecordingRow> known = store.recording(memory::fingerprint_of(*recording));
   if (!known)
     throw Error("the memory was not made from this recording", {path, 0, {}},
-                "loci-memory stat lists what it was made from");
+                "give the recording whose name the table recording holds");
   std::map<int64_t, size_t> position;
   for (size_t i = 0; i < recording->size(); ++i) position[recording->index_of(i)] = i;
   return [recording, position,
@@ -177,9 +178,13 @@ std::function<std::optional<mapping::RgbdFrame>(const memory::SceneRow&)> frames
 
 struct ExportArguments {
   std::string memory, folder;
-  bool labels = false, kinds = false, clouds = false, owl = false, beliefs = false, map = false;
+  std::vector<std::string> include;
   std::string dataset, recording;
   bool by_object = false;
+
+  bool includes(std::string_view what) const {
+    return std::find(include.begin(), include.end(), what) != include.end();
+  }
 };
 
 void write_dataset(const ExportArguments& arguments, const memory::Store& store, Session& session) {
@@ -197,18 +202,22 @@ void export_memory(const ExportArguments& arguments, Session& session) {
   make_folder(folder);
   Json rows = Json::object();
   std::string text = "Written to " + arguments.folder + ":";
-  const auto tell = [&](const std::string& what, int64_t count) {
+  const auto report = [&](const std::string& what, int64_t count) {
     rows[what] = count;
     text += fmt::format(" {} {},", count, what);
   };
   for (const char* view : {"objects", "observations", "events", "scenes", "place_visibility", "log", "facts"})
-    tell(view, export_view(store, view, folder));
-  if (arguments.kinds) tell("kinds", export_kinds(store, folder / "kinds", session.progress()));
-  if (arguments.labels) tell("labels", export_labels(store, folder / "labels", session.progress()));
-  if (arguments.map) tell("maps", export_map(store, folder / "map.urdf"));
-  if (arguments.clouds) tell("clouds", export_clouds(store, folder / "clouds", session.progress()));
-  if (arguments.beliefs) tell("beliefs", export_beliefs(store, folder / "beliefs.jsonl", session.progress()));
-  if (arguments.owl) {
+    report(view, export_view(store, view, folder));
+  if (arguments.includes("pixel-kinds"))
+    report("kinds", export_kinds(store, folder / "kinds", session.progress()));
+  if (arguments.includes("labels"))
+    report("labels", export_labels(store, folder / "labels", session.progress()));
+  if (arguments.includes("map")) report("maps", export_map(store, folder / "map.urdf"));
+  if (arguments.includes("clouds"))
+    report("clouds", export_clouds(store, folder / "clouds", session.progress()));
+  if (arguments.includes("beliefs"))
+    report("beliefs", export_beliefs(store, folder / "beliefs.jsonl", session.progress()));
+  if (arguments.includes("owl")) {
     write_file_atomically(folder / "individuals.owl",
                           owl_individuals(store, fs::path(arguments.memory).stem().string()));
     text += " individuals.owl,";
@@ -220,50 +229,43 @@ void export_memory(const ExportArguments& arguments, Session& session) {
 }  // namespace
 
 Command export_command() {
-  return {
-      "export",
-      "Objects, sightings, events, looks, facts, scenes and logs as JSON Lines and CSV; label images, "
-      "clouds, map, OWL",
-      {"loci-memory export -m demo-output/memory.loci -o demo-output/memory-export",
-       "loci-memory export -m demo-output/memory.loci -o demo-output/memory-export --labels --kinds --clouds "
-       "--map "
-       "--owl "
-       "--beliefs "
-       "--json",
-       "loci-memory export -m demo-output/memory.loci --dataset demo-output/dataset --by-object "
-       "--recording demo-output/day"},
-      [](ArgumentTable& table) {
-        auto arguments = std::make_shared<ExportArguments>();
-        table.memory(arguments->memory);
-        table.option("-o,--output", &arguments->folder, "Folder for the files");
-        table.flag("--labels", arguments->labels,
-                   "labels/scene_N.png: the number of the object per pixel of the depth image, 16 bits");
-        table.flag("--kinds", arguments->kinds,
-                   "kinds/scene_N.png: what each pixel of the depth thumbnail is: 0 not measured, 1 known "
-                   "from the map, 2 background, 3 region of interest");
-        table.flag("--clouds", arguments->clouds,
-                   "clouds/object_N_scene_M.ply: the surface of each sighting, as far as depth is kept");
-        table.flag("--map", arguments->map, "map.urdf: the map with what people corrected in it");
-        table.flag("--owl", arguments->owl,
-                   "individuals.owl: objects and their stays with time, as KnowRob names them");
-        table.flag("--beliefs", arguments->beliefs,
-                   "beliefs.jsonl: per scene what was believed: clusters now and before, known and "
-                   "persisting objects, relations, identities, tracking");
-        table.option("--dataset", &arguments->dataset,
-                     "Instead: a folder to train from (loci-perceive train), with what each thing is: by "
-                     "labels of people first",
-                     {.excludes = {"--output"}});
-        table.option("--recording", &arguments->recording,
-                     "Of the dataset: the recording that the memory was made from, for its full depth",
-                     {.needs = {"--dataset"}});
-        table.flag("--by-object", arguments->by_object, "Of the dataset: each object is a class of its own",
-                   {.needs = {"--dataset"}});
-        return [arguments](Session& session) {
-          if (arguments->folder.empty() && arguments->dataset.empty())
-            throw UsageError("--output or --dataset is required");
-          export_memory(*arguments, session);
-        };
-      }};
+  return {"export",
+          "Export a memory as JSON Lines and CSV, images, clouds, map, OWL, or as a training set",
+          {"loci-memory export -m demo-output/memory.loci -o demo-output/memory-export",
+           "loci-memory export -m demo-output/memory.loci -o demo-output/memory-export --include labels "
+           "pixel-kinds "
+           "clouds map owl beliefs --json",
+           "loci-memory export -m demo-output/memory.loci --dataset demo-output/dataset --by-object "
+           "--recording demo-output/day"},
+          [](ArgumentTable& table) {
+            auto arguments = std::make_shared<ExportArguments>();
+            table.memory(arguments->memory);
+            table.option("-o,--output FOLDER", &arguments->folder,
+                         "Folder for the tables as JSON Lines and CSV");
+            table.option(
+                "--include WHAT...", &arguments->include,
+                "Export more: labels/scene_N.png with the number of the object per pixel; kinds/scene_N.png "
+                "with the kind of each pixel (0 not measured, 1 map-explained, 2 background, 3 region of "
+                "interest); clouds/object_N_scene_M.ply; map.urdf with corrections; individuals.owl for "
+                "KnowRob; beliefs.jsonl with the belief after each scene",
+                {.choices = {"labels", "pixel-kinds", "clouds", "map", "owl", "beliefs"},
+                 .open_end = true,
+                 .needs = {"--output"}});
+            table.begin_group("Training set");
+            table.option("--dataset FOLDER", &arguments->dataset,
+                         "Write a training set for loci-perceive train instead; labels by people come first",
+                         {.excludes = {"--output"}});
+            table.option("--recording RECORDING", &arguments->recording,
+                         "The recording that the memory was made from, for its full depth",
+                         {.needs = {"--dataset"}});
+            table.flag("--by-object", arguments->by_object, "Make each object a class of its own",
+                       {.needs = {"--dataset"}});
+            return [arguments](Session& session) {
+              if (arguments->folder.empty() && arguments->dataset.empty())
+                throw UsageError("--output or --dataset is required");
+              export_memory(*arguments, session);
+            };
+          }};
 }
 
 namespace {
@@ -277,10 +279,10 @@ void export_to(const CatalogueArguments& arguments, Session& session) {
   write_file_atomically(arguments.file, to_json(catalogue).dump(1) + "\n");
   std::map<std::string, size_t> classes;
   for (const memory::CatalogueEntry& entry : catalogue.entries) ++classes[entry.class_name];
-  std::string text = fmt::format("{} things in {}", catalogue.entries.size(), arguments.file);
+  std::string text = fmt::format("{} objects in {}", catalogue.entries.size(), arguments.file);
   Json named = Json::object();
   for (const auto& [name, count] : classes) {
-    text += fmt::format("\n  {:20} {:4}", name.empty() ? "(nobody says what)" : name, count);
+    text += fmt::format("\n  {:20} {:4}", name.empty() ? "(unknown class)" : name, count);
     if (!name.empty()) named[name] = count;
   }
   session.answer(text, {{"things", catalogue.entries.size()}, {"classes", named}, {"file", arguments.file}});
@@ -288,7 +290,7 @@ void export_to(const CatalogueArguments& arguments, Session& session) {
 
 void import_from(const CatalogueArguments& arguments, Session& session) {
   const memory::Catalogue catalogue = memory::read_home_catalogue(arguments.file);
-  memory::Store::open_read(arguments.memory);  // a mistyped name must not make a new memory
+  memory::Store::open_read(arguments.memory);  // a mistyped name must not create a memory
   memory::Store store = memory::Store::open_write(arguments.memory);
   const memory::CatalogueResult result = import_catalogue(store, catalogue);
   session.answer(result.summary(), result.report());
@@ -298,7 +300,7 @@ void import_from(const CatalogueArguments& arguments, Session& session) {
 
 Command catalogue_command() {
   return {"catalogue",
-          "Object knowledge to and from another home: what there is, its names, looks and habits",
+          "Export or import object knowledge for another home: names, classes, appearance, habits",
           {"loci-memory catalogue export demo-output/catalogue.json -m demo-output/memory.loci",
            "loci-memory catalogue import demo-output/catalogue.json -m demo-output/detections.loci --json"},
           [](ArgumentTable& table) {
@@ -330,7 +332,7 @@ memory::Id one_object(const memory::Store& store, const std::string& words, cons
 Command model_command() {
   return {
       "model",
-      "What the observations of an object add up to: cloud, best images, evidence",
+      "Merge the observations of an object: cloud, best images, evidence",
       {"loci-memory model object_1 -m demo-output/memory.loci -o demo-output/object_1.ply",
        "loci-memory model object_1 -m demo-output/memory.loci -o demo-output/object_1.ply --views 4 --json"},
       [](ArgumentTable& table) {
@@ -341,11 +343,11 @@ Command model_command() {
           memory::ObjectModelOptions options;
         };
         auto arguments = std::make_shared<Arguments>();
-        arguments->memory.declare(table);
         table.positional("OBJECT...", &arguments->subject, "object_12, or words that mean one object");
-        table.option("-o,--output", &arguments->output,
-                     "PLY for the cloud; the best image per side is written beside it", {.required = true});
-        table.options(table_of(arguments->options));
+        arguments->memory.declare(table);
+        table.output("FILE", &arguments->output,
+                     "PLY for the cloud; the best image per side is written beside it");
+        table.options(table_of(arguments->options), "Model");
         return [arguments](Session& session) {
           table_of(arguments->options).validate();
           const memory::Store store = memory::Store::open_read(arguments->memory.memory);
@@ -372,35 +374,36 @@ Command model_command() {
 }
 
 Command report_command() {
-  return {"report",
-          "Writes a self-contained HTML page about a memory",
-          {"loci-memory report -m demo-output/memory.loci -o demo-output/memory.html",
-           "loci-memory report -m demo-output/memory.loci --append-to demo-output/report.html"},
-          [](ArgumentTable& table) {
-            struct Arguments {
-              std::string memory, output, append_to;
-              memory::ReportOptions options;
-            };
-            auto arguments = std::make_shared<Arguments>();
-            table.memory(arguments->memory);
-            table.option("-o,--output", &arguments->output, "The page to write");
-            table.option("--append-to", &arguments->append_to,
-                         "A page of loci-map's report, to which the memory's sections are added",
-                         {.excludes = {"--output"}});
-            table.option("--objects", &arguments->options.objects, "So many objects at most get a card");
-            table.option("--scenes", &arguments->options.scenes,
-                         "So many scenes at most, the last ones, in timeline, decisions and log", {.min = 1});
-            return [arguments](Session& session) {
-              const bool append_to_page = !arguments->append_to.empty();
-              const std::string target = append_to_page ? arguments->append_to : arguments->output;
-              if (target.empty()) throw Error("nowhere to write to", {}, "give -o FILE or --append-to PAGE");
-              std::optional<std::string> page;
-              if (append_to_page) page = read_file(target);
-              write_file_atomically(target, memory_report(memory::Store::open_read(arguments->memory), page,
-                                                          arguments->options, session.progress()));
-              session.answer("report " + target, Json{{"report", target}});
-            };
-          }};
+  return {
+      "report",
+      "Write a self-contained HTML page about a memory",
+      {"loci-memory report -m demo-output/memory.loci -o demo-output/memory.html",
+       "loci-memory report -m demo-output/memory.loci --append-to demo-output/report.html"},
+      [](ArgumentTable& table) {
+        struct Arguments {
+          std::string memory, output, append_to;
+          memory::ReportOptions options;
+        };
+        auto arguments = std::make_shared<Arguments>();
+        table.memory(arguments->memory);
+        table.option("-o,--output FILE", &arguments->output, "The page to write");
+        table.option("--append-to FILE", &arguments->append_to,
+                     "Report of loci-map to which the sections of the memory are added",
+                     {.excludes = {"--output"}});
+        table.option("--max-objects N", &arguments->options.objects, "Maximum number of objects with a card");
+        table.option("--max-scenes N", &arguments->options.scenes,
+                     "Maximum number of scenes in time line, decisions and log; the last ones", {.min = 1});
+        return [arguments](Session& session) {
+          const bool append_to_page = !arguments->append_to.empty();
+          const std::string target = append_to_page ? arguments->append_to : arguments->output;
+          if (target.empty()) throw UsageError("--output or --append-to is required");
+          std::optional<std::string> page;
+          if (append_to_page) page = read_file(target);
+          write_file_atomically(target, memory_report(memory::Store::open_read(arguments->memory), page,
+                                                      arguments->options, session.progress()));
+          session.answer("report " + target, Json{{"report", target}});
+        };
+      }};
 }
 
 }  // namespace loci::apps

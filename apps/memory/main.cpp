@@ -1,22 +1,19 @@
 #include "apps/memory/commands.h"
 
 int main(int argc, char** argv) {
-  loci::apps::Program program("loci-memory", "Asks and keeps the spatio-temporal memory.");
-  program.add(loci::apps::resolve_command());
-  loci::apps::add_question_commands(program);
-  program.add(loci::apps::fact_command());
-  program.add(loci::apps::taxonomy_command());
-  program.add(loci::apps::edit_command());
-  program.add(loci::apps::verify_command());
-  program.add(loci::apps::stat_command());
-  program.add(loci::apps::export_command());
-  program.add(loci::apps::model_command());
-  program.add(loci::apps::forget_command());
-  program.add(loci::apps::merge_command());
-  program.add(loci::apps::retain_command());
-  program.add(loci::apps::ingest_command());
-  program.add(loci::apps::report_command());
-  program.add(loci::apps::reason_command());
-  program.add(loci::apps::catalogue_command());
+  using namespace loci::apps;
+  Program program("loci-memory", "Query and maintain a spatio-temporal object memory");
+  const auto add = [&](const char* group, std::vector<Command> commands) {
+    for (Command& command : commands) {
+      command.group = group;
+      program.add(std::move(command));
+    }
+  };
+  add_question_commands(program);
+  add("Inspect", {stat_command(), report_command()});
+  add("Correct", {edit_command(), fact_command(), taxonomy_command()});
+  add("Maintain", {reason_command(), resolve_command(), verify_command(), retain_command(), forget_command(),
+                   merge_command()});
+  add("Exchange", {ingest_command(), export_command(), catalogue_command(), model_command()});
   return program.run(argc, argv);
 }

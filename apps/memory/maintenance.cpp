@@ -22,40 +22,43 @@ namespace loci::apps {
 Command reason_command() {
   return {
       "reason",
-      "Runs the reasoning again over the whole past, with other parameters",
+      "Repeat the reasoning over all scenes, with other parameters",
       {"loci-memory reason -m demo-output/memory.loci -o demo-output/other.loci --move-time-s 7200 --compare",
-       "loci-memory reason -m demo-output/memory.loci -o demo-output/other.loci --only-compare --json"},
+       "loci-memory reason -m demo-output/memory.loci --compare-with demo-output/other.loci --json"},
       [](ArgumentTable& table) {
         struct Arguments {
-          std::string memory, other, now;
-          bool compare = false, only_compare = false;
+          std::string memory, output, compare_with, now;
+          bool compare = false;
           memory::belief::BeliefOptions options;
         };
         auto arguments = std::make_shared<Arguments>();
         table.memory(arguments->memory);
-        table.option("-o,--output", &arguments->other, "New memory for the other history",
-                     {.required = true});
-        table.flag("--compare", arguments->compare, "Then say what the two histories tell differently");
-        table.flag("--only-compare", arguments->only_compare,
-                   "Reason nothing: compare with a history made before");
-        table.option("--now", &arguments->now, "When the memory learns it, ISO 8601",
+        table.option("-o,--output MEMORY", &arguments->output, "Memory for the new history");
+        table.flag("--compare", arguments->compare, "Compare the two histories afterwards",
+                   {.needs = {"--output"}});
+        table.option("--compare-with MEMORY", &arguments->compare_with,
+                     "Only compare with this earlier result of `reason`", {.excludes = {"--output"}});
+        table.option("--now TIME", &arguments->now, "Transaction time of the rows, ISO 8601",
                      {.default_text = "the clock"});
-        table.options(table_of(arguments->options));
+        table.options(table_of(arguments->options), "Reasoning");
         return [arguments](Session& session) {
           const memory::Store store = memory::Store::open_read(arguments->memory);
           memory::WriteOptions write;
           if (!arguments->now.empty()) write.now = parse_time(arguments->now);
           std::string text;
           Json json = Json::object();
-          if (!arguments->only_compare) {
+          if (arguments->output.empty() && arguments->compare_with.empty())
+            throw UsageError("--output or --compare-with is required");
+          if (!arguments->output.empty()) {
             const memory::ReasonResult result =
-                reason(store, arguments->other, arguments->options, write, session.progress());
+                reason(store, arguments->output, arguments->options, write, session.progress());
             text = result.summary() + "\n";
             json = result.report();
           }
-          if (arguments->compare || arguments->only_compare) {
+          const std::string& other = arguments->compare ? arguments->output : arguments->compare_with;
+          if (!other.empty()) {
             const memory::HistoryDifference difference =
-                compare_histories(store, memory::Store::open_read(arguments->other));
+                compare_histories(store, memory::Store::open_read(other));
             text += difference.text();
             json["difference"] = difference.to_json();
           }
@@ -66,7 +69,7 @@ Command reason_command() {
 
 Command resolve_command() {
   return {"resolve",
-          "Solves one identity problem exactly",
+          "Solve one data-association problem exactly",
           {"loci-memory resolve tests/data/identity/two_by_two.json",
            "loci-memory resolve tests/data/identity/two_by_two.json --best 3"},
           [](ArgumentTable& table) {
@@ -75,8 +78,9 @@ Command resolve_command() {
               int best = 5;
             };
             auto arguments = std::make_shared<Arguments>();
-            table.positional("FILE", &arguments->file, "Problem, JSON");
-            table.option("--best", &arguments->best, "Ranked matchings to list", {.min = 0, .max = 10000});
+            table.positional("FILE", &arguments->file, "The problem, JSON");
+            table.option("--best N", &arguments->best, "Number of ranked assignments to list",
+                         {.min = 0, .max = 10000});
             return [arguments](Session& session) {
               memory::IdentityVector vector =
                   memory::identity_vector_from_json(read_json(arguments->file), arguments->file);
@@ -119,7 +123,7 @@ std::string report_text(const memory::VerifyReport& report) {
 
 Command verify_command() {
   return {"verify",
-          "Checks a memory file, and makes anew what follows from other rows",
+          "Check a memory file and repair derived rows",
           {"loci-memory verify -m demo-output/memory.loci",
            "loci-memory verify --repair -m demo-output/memory.loci --json"},
           [](ArgumentTable& table) {
@@ -130,7 +134,7 @@ Command verify_command() {
             auto arguments = std::make_shared<Arguments>();
             table.memory(arguments->memory);
             table.flag("--repair", arguments->repair,
-                       "Where stays, words or marks of objects are not what the rows say, make them anew");
+                       "Rebuild the derived rows (stays, words, marks of objects) where they are wrong");
             return [arguments](Session& session) {
               memory::VerifyReport report =
                   memory::Store::open_read(arguments->memory).verify(session.progress());
@@ -153,7 +157,7 @@ Command verify_command() {
                 throw Error(fmt::format("{} problems found", report.problems.size()),
                             {arguments->memory, 0, {}},
                             report.derived_problems.size() == report.problems.size()
-                                ? "loci-memory verify --repair makes them good"
+                                ? "loci-memory verify --repair rebuilds them"
                                 : "restore it from a copy");
             };
           }};
@@ -162,7 +166,7 @@ Command verify_command() {
 Command stat_command() {
   return {
       "stat",
-      "Rows and bytes of the file by table",
+      "Show rows and bytes of the file by table",
       {"loci-memory stat -m demo-output/memory.loci", "loci-memory stat -m demo-output/memory.loci --json"},
       [](ArgumentTable& table) {
         auto memory = std::make_shared<std::string>();
@@ -185,7 +189,7 @@ Command stat_command() {
 Command forget_command() {
   return {
       "forget",
-      "Removes an object, or everything of a time, from the file for good",
+      "Erase an object, or everything between two times",
       {"loci-memory forget object_1 -m demo-output/memory.loci -o demo-output/remaining.loci",
        "loci-memory forget --between 08:00 08:30 -m demo-output/memory.loci -o demo-output/remaining.loci "
        "--json"},
@@ -195,9 +199,9 @@ Command forget_command() {
           SpanArguments span;
         };
         auto arguments = std::make_shared<Arguments>();
+        table.positional("[OBJECT]", &arguments->object, "The object, as object_12");
         table.memory(arguments->memory);
-        table.positional("[OBJECT]", &arguments->object, "object_12");
-        table.option("-o,--output", &arguments->output, "Forget in a copy and leave the memory as it is");
+        table.option("-o,--output MEMORY", &arguments->output, "Erase in a copy; the memory stays as it is");
         arguments->span.declare(table);
         return [arguments](Session& session) {
           memory::ForgetRequest request;
@@ -209,8 +213,7 @@ Command forget_command() {
           const bool interval = request.from && request.to;
           if (!arguments->object.empty()) request.object = memory::object_id(arguments->object);
           if (request.object.has_value() == interval || (!request.object && !arguments->object.empty()))
-            throw Error("either one object or two times are forgotten", {},
-                        "loci-memory forget object_12, or --between A B");
+            throw UsageError("either OBJECT (object_12) or --between is required");
           if (!arguments->output.empty()) memory::copy_memory(arguments->memory, arguments->output);
           memory::Store store =
               memory::Store::open_write(arguments->output.empty() ? arguments->memory : arguments->output);
@@ -240,7 +243,8 @@ memory::FrameChange frame_from(const std::string& text) {
     at = read.ptr + 1;
   }
   if (values.size() != 4 || at <= end)
-    throw Error("'" + text + "' is no transform", {}, "write --transform x,y,z,yaw_deg, for example 0,0,0,0");
+    throw Error("'" + text + "' is not a transform", {},
+                "write --transform x,y,z,yaw_deg, for example 0,0,0,0");
   return {Vector3d(values[0], values[1], values[2]), values[3] / 180 * kPi};
 }
 
@@ -254,7 +258,7 @@ std::optional<double> age_from(const std::string& text) {
   for (const auto& [name, seconds] :
        {std::pair{"s", 1.0}, {"h", 3600.0}, {"d", 86400.0}, {"y", 365 * 86400.0}})
     if (read.ec == std::errc() && unit == name && number >= 0 && number < 1e6) return number * seconds;
-  throw Error("'" + text + "' is no age", {}, "write 90s, 12h, 30d or 2y");
+  throw Error("'" + text + "' is not a duration", {}, "write 90s, 12h, 30d or 2y");
 }
 
 }  // namespace
@@ -262,7 +266,7 @@ std::optional<double> age_from(const std::string& text) {
 Command merge_command() {
   return {
       "merge",
-      "Joins two memories of one home, of several robots or runs, without loss",
+      "Merge two memories of one home without loss",
       {"loci-memory merge demo-output/memory.loci demo-output/memory.loci -o demo-output/merged.loci",
        "loci-memory merge demo-output/memory.loci demo-output/memory.loci --transform 0,0,0,0 -o "
        "demo-output/merged_same_frame.loci --json"},
@@ -271,14 +275,13 @@ Command merge_command() {
           std::string first, second, output, transform, reason;
         };
         auto arguments = std::make_shared<Arguments>();
-        table.positional("MEMORY", &arguments->first, "The memory whose map frame is that of the result");
-        table.positional("OTHER", &arguments->second, "The memory that is added");
-        table.option("-o,--output", &arguments->output, "The new memory", {.required = true});
-        table.option(
-            "--transform", &arguments->transform,
-            "Where the second map frame lies in the first: x,y,z,yaw_deg; 0,0,0,0 = it is the same one");
-        table.option("--reason", &arguments->reason,
-                     "Then reason over both together, into this new memory: what both have seen becomes one");
+        table.positional("MEMORY", &arguments->first, "The memory whose map frame the result has");
+        table.positional("OTHER", &arguments->second, "The memory to add");
+        table.output("MEMORY", &arguments->output, "The merged memory");
+        table.option("--transform POSE", &arguments->transform,
+                     "Pose of the second map frame in the first: x,y,z,yaw_deg; 0,0,0,0 for the same frame");
+        table.option("--reason MEMORY", &arguments->reason,
+                     "Reason over the merged memory, into this one: objects seen in both become one");
         return [arguments](Session& session) {
           std::optional<memory::FrameChange> frame;
           if (!arguments->transform.empty()) frame = frame_from(arguments->transform);
@@ -319,45 +322,47 @@ Command merge_command() {
 }
 
 Command retain_command() {
-  return {"retain",
-          "Lets images that are old go, then crops, and reasons: numbers stay",
-          {"loci-memory retain --images 1h -m demo-output/memory.loci -o demo-output/smaller.loci",
-           "loci-memory retain --images 1h --crops 2h -m demo-output/memory.loci -o "
-           "demo-output/smaller.loci --json"},
-          [](ArgumentTable& table) {
-            struct Arguments {
-              std::string memory, output, images, crops, reasoning;
-            };
-            auto arguments = std::make_shared<Arguments>();
-            table.memory(arguments->memory);
-            table.option(
-                "--images", &arguments->images,
-                "Whole images, depth and clouds are kept so long (90s, 12h, 30d, 2y before the last scene)");
-            table.option("--crops", &arguments->crops, "Crops, masks and large arrays are kept so long");
-            table.option("--reasoning", &arguments->reasoning,
-                         "What `why` and `reason` rest on is kept so long");
-            table.option("-o,--output", &arguments->output, "Do so in a copy and leave the memory as it is");
-            return [arguments](Session& session) {
-              const memory::RetentionRules rules{age_from(arguments->images), age_from(arguments->crops),
-                                                 age_from(arguments->reasoning)};
-              if (!arguments->output.empty()) memory::copy_memory(arguments->memory, arguments->output);
-              const memory::RetentionResult result =
-                  retain(arguments->output.empty() ? arguments->memory : arguments->output, rules);
-              session.answer(
-                  fmt::format("{} scenes without images now, {} observations without clouds, {} without "
-                              "crops, {} arrays gone, {} scenes without reasons; {} bytes of {} remain.",
-                              result.scenes_without_images, result.observations_without_points,
-                              result.observations_without_crops, result.arrays,
-                              result.scenes_without_reasoning, result.bytes_after, result.bytes_before),
-                  {{"scenes_without_images", result.scenes_without_images},
-                   {"observations_without_points", result.observations_without_points},
-                   {"observations_without_crops", result.observations_without_crops},
-                   {"arrays", result.arrays},
-                   {"scenes_without_reasoning", result.scenes_without_reasoning},
-                   {"bytes_before", result.bytes_before},
-                   {"bytes_after", result.bytes_after}});
-            };
-          }};
+  return {
+      "retain",
+      "Erase old images, then crops, then the data of the reasoning",
+      {"loci-memory retain --keep-images 1h -m demo-output/memory.loci -o demo-output/smaller.loci",
+       "loci-memory retain --keep-images 1h --keep-crops 2h -m demo-output/memory.loci -o "
+       "demo-output/smaller.loci --json"},
+      [](ArgumentTable& table) {
+        struct Arguments {
+          std::string memory, output, images, crops, reasoning;
+        };
+        auto arguments = std::make_shared<Arguments>();
+        table.memory(arguments->memory);
+        table.option(
+            "--keep-images DURATION", &arguments->images,
+            "Keep whole images, depth and clouds for this long: 90s, 12h, 30d or 2y before the last scene");
+        table.option("--keep-crops DURATION", &arguments->crops,
+                     "Keep crops, masks and large arrays for this long");
+        table.option("--keep-reasoning DURATION", &arguments->reasoning,
+                     "Keep the inputs of `why` and `reason` for this long");
+        table.option("-o,--output MEMORY", &arguments->output, "Erase in a copy; the memory stays as it is");
+        return [arguments](Session& session) {
+          const memory::RetentionRules rules{age_from(arguments->images), age_from(arguments->crops),
+                                             age_from(arguments->reasoning)};
+          if (!arguments->output.empty()) memory::copy_memory(arguments->memory, arguments->output);
+          const memory::RetentionResult result =
+              retain(arguments->output.empty() ? arguments->memory : arguments->output, rules);
+          session.answer(
+              fmt::format("{} scenes without images now, {} observations without clouds, {} without "
+                          "crops, {} arrays gone, {} scenes without reasons; {} bytes of {} remain.",
+                          result.scenes_without_images, result.observations_without_points,
+                          result.observations_without_crops, result.arrays, result.scenes_without_reasoning,
+                          result.bytes_after, result.bytes_before),
+              {{"scenes_without_images", result.scenes_without_images},
+               {"observations_without_points", result.observations_without_points},
+               {"observations_without_crops", result.observations_without_crops},
+               {"arrays", result.arrays},
+               {"scenes_without_reasoning", result.scenes_without_reasoning},
+               {"bytes_before", result.bytes_before},
+               {"bytes_after", result.bytes_after}});
+        };
+      }};
 }
 
 }  // namespace loci::apps

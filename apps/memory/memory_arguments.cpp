@@ -7,9 +7,8 @@ namespace loci::apps {
 
 void MemoryArguments::declare(ArgumentTable& table) {
   table.memory(memory);
-  table.option("--at", &at, "What held at this time, e.g. \"08:30\", \"yesterday 9:00\"",
-               {.default_text = "the end"});
-  table.option("--known-at", &known_at, "As the memory knew it at this time, ISO 8601",
+  table.option("--at TIME", &at, "Valid time: \"08:30\", \"yesterday 9:00\"", {.default_text = "the end"});
+  table.option("--known-at TIME", &known_at, "Transaction time: what the memory contained then, ISO 8601",
                {.default_text = "now"});
 }
 
@@ -18,9 +17,9 @@ memory::AsOf MemoryArguments::as_of(const memory::Store& store) const {
 }
 
 void SpanArguments::declare(ArgumentTable& table) {
-  table.option("--between", &between, "Two times", {.values = 2});
-  table.option("--from", &from, "From this time on", {.excludes = {"--between"}});
-  table.option("--to", &to, "Up to this time", {.excludes = {"--between"}});
+  table.option("--between TIME TIME", &between, "Between two times", {.values = 2});
+  table.option("--from TIME", &from, "From this time on", {.excludes = {"--between"}});
+  table.option("--to TIME", &to, "Until this time", {.excludes = {"--between"}});
 }
 
 std::optional<TimeNs> SpanArguments::first(const memory::Store& store) const {

@@ -1,7 +1,7 @@
 #include "apps/perceive/commands.h"
 
 int main(int argc, char** argv) {
-  loci::apps::Program program("loci-perceive", "Runs perception experts over recordings.");
+  loci::apps::Program program("loci-perceive", "Run perception pipelines over recordings");
   program.add(loci::apps::annotate_command());
   program.add(loci::apps::info_command());
   program.add(loci::apps::types_command());

@@ -116,10 +116,11 @@ void Menus::build_export_menu(QMenu* file) {
   add_export(
       "Measured &points…",
       "The points of the selected scene as PLY in the map frame, or of the selected object at its last "
-      "observation, as fine as they are stored: loci-memory export -o FOLDER --clouds, loci-memory "
+      "observation, as fine as they are stored: loci-memory export -o FOLDER --include clouds, loci-memory "
       "model OBJECT",
       &Exporter::points);
-  add_export("&Map…", "The map as URDF, with corrections by people: loci-memory export -o FOLDER --map",
+  add_export("&Map…",
+             "The map as URDF, with corrections by people: loci-memory export -o FOLDER --include map",
              &Exporter::map);
   add_export("&Report…", "A page about the whole memory: loci-memory report -o FILE", &Exporter::report);
 }

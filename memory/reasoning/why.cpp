@@ -161,7 +161,7 @@ std::string heading(const SceneRow& scene) {
 [[noreturn]] void nothing_kept(const Store& store, Id scene) {
   if (store.reasoning_discarded(scene))
     throw Error(fmt::format("what was thought of scene {} was let go", scene), {store.path().string(), 0, {}},
-                "loci-memory retain --reasoning was told how long it is kept; what was concluded is there");
+                "loci-memory retain --keep-reasoning erased it; the conclusions are stored");
   throw Error(fmt::format("scene {} has no reasoning", scene), {store.path().string(), 0, {}},
               "it was written by an earlier version or forgotten; loci-memory reason makes it anew");
 }

@@ -84,18 +84,18 @@ TEST_F(MemoryFileCli, MergeReasonsOverWhatTwoHalvesSaw) {
 TEST_F(MemoryFileCli, RetainLetsOldImagesGoAndKeepsTheAnswers) {
   const std::string smaller = folder_ + "/smaller.loci";
   const Json before = answer("objects -m " + file_);
-  const Json result = answer("retain --images 1h -m " + file_ + " -o " + smaller);
+  const Json result = answer("retain --keep-images 1h -m " + file_ + " -o " + smaller);
   EXPECT_EQ(result["scenes_without_images"], 3);  // the last scene is at 10:30; at 09:30 it is an hour
   EXPECT_EQ(answer("objects -m " + smaller), before);
   EXPECT_EQ(run("loci-memory verify -m " + smaller).exit_code, 0);
-  EXPECT_EQ(run("loci-memory retain --images soon -m " + smaller).exit_code, 1);
+  EXPECT_EQ(run("loci-memory retain --keep-images soon -m " + smaller).exit_code, 1);
 }
 
 TEST_F(MemoryFileCli, RetainLetsReasonsGoAndWhyAndReasonSaySo) {
   const std::string memory = folder_ + "/detections.loci", smaller = folder_ + "/smaller.loci";
   ASSERT_EQ(run("loci-memory ingest apps/samples/detections.jsonl -m " + memory).exit_code, 0);
   EXPECT_EQ(run("loci-memory why scene_2 -m " + memory).exit_code, 0);
-  const Json result = answer("retain --reasoning 2h -m " + memory + " -o " + smaller);
+  const Json result = answer("retain --keep-reasoning 2h -m " + memory + " -o " + smaller);
   ASSERT_GT(result["scenes_without_reasoning"], 1);
   EXPECT_LT(result["bytes_after"], result["bytes_before"]);
   EXPECT_EQ(answer("objects -m " + smaller), answer("objects -m " + memory));
@@ -107,7 +107,7 @@ TEST_F(MemoryFileCli, RetainLetsReasonsGoAndWhyAndReasonSaySo) {
   EXPECT_EQ(anew["let_go"], result["scenes_without_reasoning"]);
   EXPECT_EQ(anew["scenes"], 12 - anew["let_go"].get<int>());
   EXPECT_TRUE(anew["from"].is_string());
-  EXPECT_EQ(run("loci-memory retain --reasoning 0s -m " + smaller).exit_code, 0);
+  EXPECT_EQ(run("loci-memory retain --keep-reasoning 0s -m " + smaller).exit_code, 0);
   EXPECT_EQ(run("loci-memory verify -m " + smaller).exit_code, 0);
 }
 
@@ -138,8 +138,8 @@ TEST_F(FullDisk, WhatMakesAMemoryLeavesNothingBehind) {
   expect_one_line(run_limited(limit, "loci-memory reason -m " + file_ + " -o " + folder_ + "/anew.loci"));
   expect_one_line(
       run_limited(limit, "loci-memory merge " + file_ + " " + file_ + " -o " + folder_ + "/both.loci"));
-  expect_one_line(
-      run_limited(limit, "loci-memory retain --images 1h -m " + file_ + " -o " + folder_ + "/less.loci"));
+  expect_one_line(run_limited(
+      limit, "loci-memory retain --keep-images 1h -m " + file_ + " -o " + folder_ + "/less.loci"));
   EXPECT_EQ(files(), before);
 }
 
@@ -177,7 +177,7 @@ TEST_F(MemoryFileCli, VerifyRepairsWhatFollowsFromOtherRows) {
 }
 
 TEST_F(MemoryFileCli, ExportsOwlIndividualsWithTime) {
-  const Json result = answer("export --owl --labels --clouds -m " + file_ + " -o " + folder_ + "/out");
+  const Json result = answer("export --include owl labels clouds -m " + file_ + " -o " + folder_ + "/out");
   EXPECT_EQ(result["rows"]["objects"], 4);
   const std::string owl = read_file(folder_ + "/out/individuals.owl");
   for (const char* expected : {"#object_1\"", "knowrob.owl#HumanScaleObject", "knowrob:startTime",
