@@ -22,8 +22,8 @@ constexpr int kVersion = 2;
 constexpr double kReinsertShift = 0.5;
 /// The last scans are planned by even when they are not tied to the first one yet.
 constexpr size_t kUntied = 3;
-/// Longer ways are gone in stages with a scan at each: odometry alone would lose the robot.
-constexpr double kLongestWay = 5, kStage = 3.5;
+/// Longer paths are driven in stages with a scan at each: odometry alone would lose the robot. Metres.
+constexpr double kMaxPath = 5, kStage = 3.5;
 
 Json to_json(const mapping::PlanarPose& pose) {
   return {pose.x, pose.y, pose.yaw * 180 / kPi};
@@ -67,7 +67,7 @@ ExplorationStep step_from(const Json& json) {
   return step;
 }
 
-/// The place after a length of a way, looking ahead; its end if it is shorter.
+/// The pose at a length along a path, heading along it; its end if it is shorter.
 mapping::PlanarPose along(const std::vector<mapping::PlanarPose>& corners, double length) {
   for (size_t i = 1; i < corners.size(); ++i) {
     const double dx = corners[i].x - corners[i - 1].x, dy = corners[i].y - corners[i - 1].y;
@@ -112,7 +112,7 @@ struct Exploration::Impl {
     set.range_max = options.laser.range_max_m;
   }
 
-  /// Everything that follows from a scan: its pose and those of the others, and what is known of space.
+  /// Processes a scan: registers all scans anew and updates the occupancy.
   void take_in(mapping::Scan scan, ExplorationStep& step) {
     Stopwatch watch;
     step.map_from_scan_odometry = scan.map_from_scan;
@@ -163,10 +163,10 @@ struct Exploration::Impl {
     return placed;
   }
 
-  /// Where the robot believes to be.
+  /// Believed pose of the robot.
   mapping::PlanarPose robot_pose() const { return mapping::planar(set.scans.back().map_from_scan); }
 
-  /// Goes to the goal and scans; false when the robot could not get there.
+  /// Drives to the goal and scans; false when the robot did not reach it.
   bool scan_at(const mapping::PlanarPose& goal, ExplorationStep step) {
     Stopwatch watch;
     std::optional<mapping::Scan> scan;
@@ -249,18 +249,18 @@ struct Exploration::Impl {
     stop_reason = json.at("stop_reason");
   }
 
-  /// A pose on a way that is too long to be gone at once, looking ahead.
-  std::optional<mapping::PlanarPose> stage_of(const std::vector<mapping::PlanarPose>& way) const {
+  /// A pose on a path that is too long to drive at once, heading along it.
+  std::optional<mapping::PlanarPose> stage_of(const std::vector<mapping::PlanarPose>& path) const {
     double length = 0;
     std::vector<mapping::PlanarPose> corners = {robot_pose()};
-    for (const mapping::PlanarPose& corner : way) {
+    for (const mapping::PlanarPose& corner : path) {
       length += std::hypot(corner.x - corners.back().x, corner.y - corners.back().y);
       corners.push_back(corner);
     }
-    if (length <= kLongestWay) return std::nullopt;
+    if (length <= kMaxPath) return std::nullopt;
     PlannerOptions planner = options.planner;
     planner.avoid = avoid;
-    // Where the robot could not stand before, it tries the next place on the way.
+    // Positions that the robot failed to reach are skipped.
     for (double at = std::min(kStage, length / 2); at < length; at += planner.robot_radius_m) {
       const mapping::PlanarPose stage = along(corners, at);
       if (!avoided({stage.x, stage.y}, planner)) return stage;
@@ -305,7 +305,7 @@ struct Exploration::Impl {
       step.expected_overlap = view.expected_overlap;
       step.expected_gain = view.expected_gain;
       const std::optional<mapping::PlanarPose> stage = stage_of(view.path);
-      if (stage) step.reason = "on the way: " + step.reason;
+      if (stage) step.reason = "stage: " + step.reason;
       if (scan_at(stage.value_or(*view.pose), std::move(step))) return;
     }
     stop_reason = fmt::format("{} goals in a row could not be reached", options.max_failures);
@@ -323,7 +323,7 @@ struct Exploration::Impl {
       progress.check(std::min(0.99, static_cast<double>(steps.size()) / most),
                      fmt::format("{} scans; the last one: {}", steps.size(), steps.back().reason));
       if (steps.size() >= static_cast<size_t>(options.max_scans))
-        stop_reason = fmt::format("the most scans that are allowed ({})", options.max_scans);
+        stop_reason = fmt::format("the maximum number of scans ({})", options.max_scans);
       else
         plan_and_scan();
     }

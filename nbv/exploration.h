@@ -36,7 +36,7 @@ struct ExplorationOptions {
   void forward_threads();
 };
 
-/// One scan of an exploration: why it was taken there and what came of it.
+/// One scan of an exploration: its reason and its result.
 struct ExplorationStep {
   mapping::PlanarPose goal;
   Isometry3d map_from_scan_odometry = Isometry3d::Identity();  ///< as the robot believed before registration

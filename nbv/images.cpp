@@ -43,7 +43,7 @@ class Sheet {
     const Vector2d to = from + 0.35 * Vector2d(std::cos(pose.yaw), std::sin(pose.yaw));
     cv::arrowedLine(image_, at(from), at(to), color, width, cv::LINE_AA, 0, 0.35);
   }
-  void way(const std::vector<mapping::PlanarPose>& corners) {
+  void path(const std::vector<mapping::PlanarPose>& corners) {
     for (size_t i = 0; i + 1 < corners.size(); ++i)
       cv::line(image_, at({corners[i].x, corners[i].y}), at({corners[i + 1].x, corners[i + 1].y}), kRobot, 1,
                cv::LINE_AA);
@@ -147,7 +147,7 @@ cv::Mat samples_image(const ViewPlan& plan, const mapping::PlanarPose& robot) {
       if (most == nullptr || sample->counts.frontier > most->counts.frontier) most = &*sample;
   }
   if (most != nullptr) sheet.arrow(most->pose, kGreen, 3);
-  sheet.way(plan.view.path);
+  sheet.path(plan.view.path);
   if (plan.view.pose) sheet.arrow(*plan.view.pose, kRed, 3);
   sheet.robot(robot);
   return sheet.image();

@@ -11,15 +11,15 @@ namespace loci::nbv {
 
 struct InspectionOptions {
   double points_per_cm2 = 1.0;    ///< wanted on furniture; 0 = no inspection
-  double max_incidence_deg = 50;  ///< more oblique views show no handles
-  double max_distance_m = 2.5;    ///< from where faces are looked at
+  double max_incidence_deg = 50;  ///< handles are not visible in more oblique views
+  double max_distance_m = 2.5;    ///< of the scanner from faces
   double max_height_m = 2.2;      ///< of furniture
-  double min_gain_m2 = 0.5;       ///< of faces that are not seen well; less is not worth a scan
+  double min_gain_m2 = 0.5;       ///< area of faces seen too coarsely that is worth a scan
 
   void declare(OptionTable& table);
 };
 
-/// The scans that are known to be at their place.
+/// Registered scans.
 using ScanRefs = std::vector<std::reference_wrapper<const mapping::Scan>>;
 
 /// A piece of a vertical surface.

@@ -15,9 +15,9 @@ namespace {
 
 constexpr double kAreaPerSample = 0.1;  ///< m²: poses nearer to each other see nearly the same
 constexpr int kMinSamples = 8;
-constexpr int kSamplesToStop = 4;    ///< before it stops, so many times as many places are looked at
-constexpr double kCoarseSteps = 3;   ///< the first look at a place has a ninth of the rays
-constexpr size_t kPlacesAtOnce = 2;  ///< looked at with all rays before the best is asked for again
+constexpr int kSamplesToStop = 4;    ///< factor on the number of positions that are cast before it stops
+constexpr double kCoarseSteps = 3;   ///< the coarse panorama has a ninth of the rays
+constexpr size_t kPlacesAtOnce = 2;  ///< cast with all rays per iteration
 
 /// Voxels of a kind over each cell of the floor.
 std::vector<int> projected(const mapping::Voxels& voxels, const ViewVoxels& view,
@@ -33,7 +33,7 @@ std::vector<int> projected(const mapping::Voxels& voxels, const ViewVoxels& view
   return counts;
 }
 
-/// C = min(C_F, C_O), less for far ways, zero where the robot cannot stand.
+/// C = min(C_F, C_O), less for long paths, zero where the robot cannot stand.
 CostmapStack combined(const ViewPlan& plan, const PlannerOptions& options) {
   CostmapStack costs = plan.frontier_costs;
   for (size_t layer = 0; layer < costs.layers.size(); ++layer)
@@ -85,16 +85,16 @@ bool eligible(const ViewSample& sample, const PlannerOptions& options) {
   return sample.counts.frontier >= options.min_gain && !avoided({sample.pose.x, sample.pose.y}, options);
 }
 
-/// A place that is validated: a sample per orientation of the costmaps, by one round of rays.
+/// A position that is validated: one sample per orientation of the costmaps from one panorama.
 struct ViewPlace {
   size_t cell = 0;
   bool fine = false;  ///< cast with all rays, not only coarsely
   std::vector<ViewSample> samples;
 };
 
-/// Casts the rays of some places.
-void look(const ViewPlan& plan, const ViewCaster& caster, const PlannerOptions& options,
-          const std::vector<ViewPlace*>& places) {
+/// Casts the rays of some positions.
+void cast_panoramas(const ViewPlan& plan, const ViewCaster& caster, const PlannerOptions& options,
+                    const std::vector<ViewPlace*>& places) {
   const auto width = static_cast<size_t>(plan.floor.width);
   parallel_for(places.size(), options.threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
@@ -123,7 +123,7 @@ double best_score(const ViewPlace& place, const PlannerOptions& options) {
   return best;
 }
 
-/// All places with few rays, then those that look best with all rays, until the best one was looked at so.
+/// Casts all positions coarsely, then the best ones with all rays until the best one is a fine one.
 std::vector<ViewSample> validate(const ViewPlan& plan, const std::vector<size_t>& cells,
                                  const mapping::LaserModel& laser, const PlannerOptions& options) {
   const auto caster = [&](double step_deg) {
@@ -136,7 +136,7 @@ std::vector<ViewSample> validate(const ViewPlan& plan, const std::vector<size_t>
     places[i].cell = cells[i];
     order.push_back(&places[i]);
   }
-  look(plan, coarse, options, order);
+  cast_panoramas(plan, coarse, options, order);
   while (true) {
     std::stable_sort(order.begin(), order.end(), [&](const ViewPlace* a, const ViewPlace* b) {
       return best_score(*a, options) > best_score(*b, options);
@@ -147,7 +147,7 @@ std::vector<ViewSample> validate(const ViewPlan& plan, const std::vector<size_t>
       if (next.size() < kPlacesAtOnce && !place->fine && best_score(*place, options) > 0)
         next.push_back(place);
     if (next.empty()) break;
-    look(plan, fine, options, next);
+    cast_panoramas(plan, fine, options, next);
     for (ViewPlace* place : next) place->fine = true;
   }
   std::vector<ViewSample> samples;
@@ -228,11 +228,12 @@ void PlannerOptions::declare(OptionTable& table) {
   table.integer("orientations", orientations, "", "Orientations of the costmaps.", 1, 72);
   table.number("min_distance_m", min_distance_m, "m",
                "Of the visibility kernel: nearest floor that the scanner sees.", 0, 10);
-  table.number("max_distance_m", max_distance_m, "m", "Of the visibility kernel: farther is too coarse.", 0.5,
-               30);
-  table.number("opening_deg", opening_deg, "deg", "Of the visibility kernel.", 10, 360);
-  table.number("robot_radius_m", robot_radius_m, "m", "Obstacles are dilated by it.", 0.05, 2);
-  table.number("overlap_wanted", overlap_wanted, "", "Less overlap with what is known is reported.", 0, 1);
+  table.number("max_distance_m", max_distance_m, "m", "Of the visibility kernel: farthest useful distance.",
+               0.5, 30);
+  table.number("opening_deg", opening_deg, "deg", "Opening angle of the visibility kernel.", 10, 360);
+  table.number("robot_radius_m", robot_radius_m, "m", "Radius by which obstacles are dilated.", 0.05, 2);
+  table.number("overlap_wanted", overlap_wanted, "", "Views with less overlap with known space are reported.",
+               0, 1);
   table.number("gain_weight", gain_weight, "",
                "0 looks for overlap only, 0.5 for as much gain as overlap, 1 for gain only.", 0, 1);
   table.integer("samples", samples, "",
@@ -241,10 +242,11 @@ void PlannerOptions::declare(OptionTable& table) {
                 "stops, four times as many.",
                 1, 10000);
   table.number("ray_step_deg", ray_step_deg, "deg", "Between rays of the validation.", 0.25, 10);
-  table.number("travel_cost_per_m", travel_cost_per_m, "1/m", "A place counts e^(-cost · way).", 0, 10);
-  table.number("min_gain", min_gain, "m²", "Stops when no view gains more, see expected_gain.", 0, 100);
+  table.number("travel_cost_per_m", travel_cost_per_m, "1/m",
+               "Weight of a position: e^(-cost · path length).", 0, 10);
+  table.number("min_gain", min_gain, "m²", "Stops when no view gains more (expected_gain).", 0, 100);
   table.text("within", within,
-             "Rectangle on the floor that is explored, x0,y0,x1,y1 in m; the robot stays in it. Empty: all.");
+             "Rectangle on the floor to explore and to stay in, x0,y0,x1,y1 in m; empty: everywhere.");
 }
 
 bool avoided(const Vector2d& place, const PlannerOptions& options) {
@@ -292,7 +294,7 @@ ViewPlan plan_view(const mapping::OccupancyMap& map, const mapping::PlanarPose& 
   size_t standing = 0;
   for (size_t cell = 0; cell < plan.floor.cells(); ++cell)
     standing += plan.reach.stands(plan.floor, cell) ? 1 : 0;
-  times["ways"] = watch.lap();
+  times["paths"] = watch.lap();
   add_costmaps(plan, options);
   plan.costs = combined(plan, options);
   times["costmaps"] = watch.lap();

@@ -31,21 +31,21 @@ struct PlannerOptions {
   double travel_cost_per_m = 0;
   double min_gain = 0.2;
   std::string within = "";  ///< mapping::FloorRegion that is explored and driven in
-  /// Places where the robot has failed to get to: nothing within its radius of them is chosen.
+  /// Positions that the robot failed to reach: nothing within its radius of them is chosen.
   std::vector<Vector2d> avoid = {};
   int threads = 0;  ///< 0 = all cores; not declared as an option: the result is the same on any number
 
   void declare(OptionTable& table);
 };
 
-/// Where to scan next, and why.
+/// The next view and the reason for it.
 struct NextView {
   std::optional<mapping::PlanarPose> pose;  ///< unset: stop
   std::string reason;                       ///< of the stop, or of the choice
   double expected_overlap = 0;              ///< n_o / (n_o + n_f) of the validated view
   double expected_gain = 0;                 ///< what may be seen anew behind the frontier, m²
   size_t frontier_voxels = 0;               ///< in the whole map
-  std::vector<mapping::PlanarPose> path;    ///< way there on the floor, its corners, the pose last
+  std::vector<mapping::PlanarPose> path;    ///< corners of the path on the floor, the pose last
   Json details;                             ///< samples with scores, times, stopping measures
 };
 
@@ -57,7 +57,7 @@ struct ViewSample {
   double score = 0;
 };
 
-/// All that a decision was made from, for images and reports.
+/// Inputs and intermediate results of a decision, for images and reports.
 struct ViewPlan {
   NextView view;
   mapping::Voxels voxels;
@@ -70,10 +70,10 @@ struct ViewPlan {
   std::vector<ViewSample> samples;
 };
 
-/// Whether a place is one that the robot has failed to get to, or too near to one.
+/// Whether a position is within the robot's radius of one that it failed to reach.
 bool avoided(const Vector2d& place, const PlannerOptions& options);
 
-/// How high the robot is that carries a scanner: what hangs lower is in its way, metres.
+/// Height of the robot that carries the scanner, metres; lower obstacles block it.
 double body_height(const mapping::LaserModel& laser);
 
 /// The floor as the planner sees it: that of the voxels, and that on which the robot stands now; without what
@@ -97,13 +97,13 @@ ViewPlan plan_view(const mapping::OccupancyMap& map, const mapping::PlanarPose& 
 NextView next_view(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
                    const mapping::LaserModel& laser, const PlannerOptions& options, const Random& random);
 
-/// A choice among recorded scans.
+/// The choice among recorded scans.
 struct PoolChoice {
   NextView view;
   std::optional<size_t> index;  ///< of the chosen pose; unset: stop
 };
 
-/// Which of the given poses to take next: a pool of recorded scans, where ways do not matter. Each pose is
+/// Which of the given poses to take next: a pool of recorded scans, where paths do not matter. Each pose is
 /// validated and scored like a sample of plan_view().
 PoolChoice choose_view(const mapping::OccupancyMap& map, const std::vector<mapping::PlanarPose>& poses,
                        const mapping::LaserModel& laser, const PlannerOptions& options);
