@@ -6,7 +6,7 @@ namespace loci::apps {
 
 Command articulation_command() {
   return {"articulation",
-          "Joint types of recorded tracks against their labels, and against the least rms",
+          "Joint types of recorded tracks against labels and a least-squares baseline",
           {"loci-evaluate articulation apps/samples/tracks",
            "loci-evaluate articulation apps/samples/tracks --json"},
           [](ArgumentTable& table) {
@@ -15,8 +15,8 @@ Command articulation_command() {
               mapping::TrackOptions options;
             };
             auto arguments = std::make_shared<Arguments>();
-            table.positional("[DIR]", &arguments->folder, "Folder of tracks with index.csv");
-            table.options(table_of(arguments->options));
+            table.positional("[FOLDER]", &arguments->folder, "Folder of tracks with index.csv");
+            table.options(table_of(arguments->options), "Tracks");
             return [arguments](Session& session) {
               const articulation::TrackEvaluation evaluation = articulation::evaluate_tracks(
                   articulation::read_known_tracks(arguments->folder), arguments->options);

@@ -34,16 +34,17 @@ void run(const Arguments& arguments, Session& session) {
 
 Command changes_command() {
   return {"changes",
-          "What the memory says happened, beside the truth and simpler ways of telling",
+          "Events of the memory against ground truth and baselines",
           {"loci-evaluate changes demo-output/day --map apps/samples/kitchen.urdf",
            "loci-evaluate changes demo-output/day --map apps/samples/kitchen.urdf --json"},
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
-            table.positional("DIR", &arguments->folder,
+            table.positional("RECORDING", &arguments->folder,
                              "Recording with objects.csv and transitions.csv, or truth.jsonl");
-            table.option("-m,--memory", &arguments->memory, "Keep the memory in this file");
-            table.option("--map", &arguments->map, "URDF of the kitchen");
-            table.option("--pipeline", &arguments->pipeline, "Pipeline as YAML instead of the default one");
+            table.option("-o,--output MEMORY", &arguments->memory, "Keep the memory in this file");
+            table.option("--map MAP", &arguments->map, "URDF of the map; the sidecar is found beside it");
+            table.option("--pipeline FILE", &arguments->pipeline,
+                         "Pipeline as YAML instead of the default one");
             return [arguments](Session& session) { run(*arguments, session); };
           }};
 }

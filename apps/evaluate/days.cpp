@@ -20,7 +20,7 @@ struct Arguments {
   std::string samples = "apps/samples", keep;
 };
 
-/// One day in one of the kitchens, told by us and by the simpler ways.
+/// One day in one of the kitchens, by the memory and by the baselines.
 std::vector<changes::Comparison> one_day(const Arguments& arguments, int run, const fs::path& folder,
                                          Progress& progress, Session& session) {
   const std::string kitchen = run % 2 == 0 ? "kitchen" : "kitchen_l";
@@ -73,17 +73,17 @@ void run(const Arguments& arguments, Session& session) {
 Command days_command() {
   return {
       "days",
-      "Random simulated days: what the memory says happened and who is who, beside simpler ways",
+      "Events and identities on random simulated days against baselines",
       {"loci-evaluate days --runs 1 --scenes 4", "loci-evaluate days --runs 1 --scenes 3 --seed 4 --json"},
       [](ArgumentTable& table) {
         auto arguments = std::make_shared<Arguments>();
-        table.option("--runs", &arguments->runs, "How many days, in the two sample kitchens by turns",
-                     {.min = 1, .max = 1000});
-        table.option("--scenes", &arguments->scenes, "Of each day; the middle cup is back after 12",
-                     {.min = 1, .max = 100});
-        table.option("--seed", &arguments->seed, "Of the first day; the others have the following ones");
-        table.option("--samples", &arguments->samples, "Folder of kitchen.urdf and kitchen_l.urdf");
-        table.option("-o,--output", &arguments->keep,
+        table.option("--runs N", &arguments->runs,
+                     "Number of days, alternating between the two sample kitchens", {.min = 1, .max = 1000});
+        table.option("--scenes N", &arguments->scenes,
+                     "Number of scenes per day; the middle cup is back after 12", {.min = 1, .max = 100});
+        table.option("--seed N", &arguments->seed, "Seed of the first day; later days count on");
+        table.option("--samples FOLDER", &arguments->samples, "Folder of kitchen.urdf and kitchen_l.urdf");
+        table.option("-o,--output FOLDER", &arguments->keep,
                      "Keep scenarios, recordings and memories in this folder");
         return [arguments](Session& session) { run(*arguments, session); };
       }};

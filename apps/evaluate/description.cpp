@@ -34,7 +34,7 @@ void run(Arguments& given, Session& session) {
   table_of(given.shape_options).validate();
   if (given.catalogue.empty() && given.codes.empty() && !given.shapes && !given.primitives &&
       given.images.empty() && given.templates.empty())
-    throw Error("there is nothing to measure", {},
+    throw Error("nothing was chosen to measure", {},
                 "give --catalogue DIR, --codes DIR, --shapes, --images DIR, --templates DIR or --primitives");
   if (given.service && given.catalogue.empty())
     throw Error("--service needs a catalogue", {}, "give --catalogue DIR");
@@ -92,34 +92,35 @@ void run(Arguments& given, Session& session) {
 
 Command description_command() {
   return {"description",
-          "Classes of shape, products beside brute-force SIFT, codes and words, and our visual search",
+          "Shape classes, products against brute-force SIFT, codes, words and visual search",
           {"loci-evaluate description --catalogue tests/data/products",
            "loci-evaluate description --catalogue tests/data/products --service",
            "loci-evaluate description --primitives --test-scenes 4",
            "loci-evaluate description --shapes --train-scenes 10 --test-scenes 3 --folds 2 --json"},
           [](ArgumentTable& table) {
             auto given = std::make_shared<Arguments>();
-            table.option("--catalogue", &given->catalogue,
+            table.option("--catalogue FOLDER", &given->catalogue,
                          "Catalogue of products with labels.csv: images and what they show");
             table.option(
-                "--codes", &given->codes,
+                "--codes FOLDER", &given->codes,
                 "Folder with images and expected.csv (file, symbology, text): codes and printed numbers");
             table.flag("--service", given->service,
-                       "Asks a visual-search server over the catalogue about its images (and the codes)");
-            table.flag("--shapes", given->shapes, "Measures classes of shape, trained on simulated clusters");
-            table.option("--images", &given->images,
-                         "Folder with labels.csv: experts of images learn some and are tested on the others");
-            table.option("--templates", &given->templates,
-                         "Labelled recording: templates of every other image are looked for in the others");
+                       "Send the images of the catalogue (and the codes) to a visual-search server");
+            table.flag("--shapes", given->shapes, "Measure shape classes, trained on simulated clusters");
+            table.option(
+                "--images FOLDER", &given->images,
+                "Folder with labels.csv: image experts are trained on some images and tested on the others");
+            table.option("--templates RECORDING", &given->templates,
+                         "Labelled recording: templates of every other image are detected in the others");
             table.flag("--primitives", given->primitives,
-                       "Measures primitive shapes and their numbers in the simulated scenes for tests");
-            table.positional("[FOLDER...]", &given->folders,
+                       "Measure primitive shapes in the simulated test scenes");
+            table.positional("[RECORDING...]", &given->folders,
                              "Recordings with FRAME_label.png and scenes.csv (category: boxes, cylindric "
                              "objects) for the classes of shape, too");
-            table.options(table_of(given->products));
-            table.options(table_of(given->shape_options));
-            table.options(table_of(given->image_options));
-            table.options(table_of(given->recognition));
+            table.options(table_of(given->products), "Products");
+            table.options(table_of(given->shape_options), "Shapes");
+            table.options(table_of(given->image_options), "Images");
+            table.options(table_of(given->recognition), "Recognition");
             return [given](Session& session) { run(*given, session); };
           }};
 }

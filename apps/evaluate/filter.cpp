@@ -70,22 +70,22 @@ void run(Arguments& arguments, Session& session) {
 
 Command filter_command() {
   return {"filter",
-          "Known structure: time to draw thousands of meshes, or what is left of recordings",
+          "Known structure: time to render thousands of meshes, or points left in recordings",
           {"loci-evaluate filter --meshes 200 --robots 2 --steps 1 --repeats 1",
            "loci-evaluate filter demo-output/day --map demo-output/explored/map.urdf --json"},
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
             table.positional("[RECORDING...]", &arguments->recordings,
-                             "Recordings to be filtered; without any, time is measured");
-            table.option("--map", &arguments->map, "URDF of the kitchen (its sidecar is found beside it)");
-            table.option("--package-path", &arguments->package_paths, "Folder that holds packages");
+                             "Recordings to filter; without any, time is measured");
+            table.option("--map MAP", &arguments->map, "URDF of the map; the sidecar is found beside it");
+            table.package_path(&arguments->package_paths);
             table.flag("--pose-errors", arguments->pose_errors,
-                       "What errors of localisation do to the objects found, refinement off and on");
+                       "Effect of localisation errors on the objects found, with and without refinement");
             table.flag("--joints", arguments->joints,
-                       "How well drawers and doors are told from the depth images alone");
-            table.option("-o,--output", &arguments->output, "Folder for the figure as SVG");
-            table.options(table_of(arguments->speed));
-            table.options(table_of(arguments->filter));
+                       "Accuracy of the states of drawers and doors estimated from depth images");
+            table.option("-o,--output FOLDER", &arguments->output, "Folder for the figure as SVG");
+            table.options(table_of(arguments->speed), "Time");
+            table.options(table_of(arguments->filter), "Filter");
             return [arguments](Session& session) { run(*arguments, session); };
           }};
 }

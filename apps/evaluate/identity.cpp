@@ -33,15 +33,15 @@ void run(Arguments& arguments, Session& session) {
 
 Command identity_command() {
   return {"identity",
-          "The identity experiment: data association by the paper's model, ours and simpler ones",
+          "Data association by the model of the paper, by loci's and by simpler ones",
           {"loci-evaluate identity --runs 1 -o demo-output/identity",
            "loci-evaluate identity --runs 1 --noise estimated --tables 8 --json"},
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
-            table.options(table_of(arguments->experiment));
-            table.options(table_of(arguments->world));
-            table.option("-o,--output", &arguments->figures, "Folder for figures 6.5 and 6.8 as SVG");
-            table.flag("--speed", arguments->speed, "Measure how fast problems are solved instead");
+            table.options(table_of(arguments->experiment), "Experiment");
+            table.options(table_of(arguments->world), "Simulated world");
+            table.option("-o,--output FOLDER", &arguments->figures, "Folder for figures 6.5 and 6.8 as SVG");
+            table.flag("--speed", arguments->speed, "Measure the time of the solver instead");
             return [arguments](Session& session) { run(*arguments, session); };
           }};
 }

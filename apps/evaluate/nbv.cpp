@@ -38,20 +38,20 @@ void run(Arguments& arguments, Session& session) {
 
 Command nbv_command() {
   return {"nbv",
-          "Next best view against its peers: coverage against number of scans, and time",
+          "Next best view against other planners: coverage per number of scans, and time",
           {"loci-evaluate nbv apps/samples/kitchen.urdf --starts 1 --max-scans 2 --ray-step-deg 4",
            "loci-evaluate nbv apps/samples/kitchen.urdf --starts 1 --max-scans 2 --ray-step-deg 4 --json"},
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
             table.positional("[WORLD...]", &arguments->worlds, "Worlds (URDF)");
-            table.option("--package-path", &arguments->package_paths,
-                         "Folder that holds packages (package://NAME/…); can be given several times");
-            table.option("--ceiling", &arguments->options.ceiling, "Height of a ceiling to add",
+            table.package_path(&arguments->package_paths);
+            table.option("--ceiling HEIGHT", &arguments->options.ceiling, "Add a ceiling at this height",
                          {.unit = "m"});
-            table.option("--planners", &arguments->options.planners, "Those that are to be run",
-                         {.choices = nbv_evaluation::planner_names()});
-            table.option("-o,--output", &arguments->out, "Write the results as JSON, after each world");
-            table.option("--image", &arguments->image, "Write coverage over scans as SVG, after each world");
+            table.option("--planners NAME...", &arguments->options.planners, "Planners to run",
+                         {.choices = nbv_evaluation::planner_names(), .open_end = true});
+            table.option("-o,--output FILE", &arguments->out, "Write the results as JSON, after each world");
+            table.option("--figure FILE", &arguments->image,
+                         "Write coverage over scans as SVG, after each world");
             table.options(table_of(arguments->options));
             return [arguments](Session& session) { run(*arguments, session); };
           }};

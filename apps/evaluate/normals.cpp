@@ -28,16 +28,16 @@ void run(Arguments& arguments, Session& session) {
 
 Command normals_command() {
   return {"normals",
-          "Normal estimation against its peers",
+          "Normal estimation against other methods",
           {"loci-evaluate normals --frames 2 --reference-frames 0 -o demo-output/normals",
            "loci-evaluate normals demo-output/day --frames 1 --reference-frames 0 --min-holes 0 --json"},
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
             table.positional("[RECORDING...]", &arguments->recordings,
                              "Recordings whose frames are judged by their flat areas");
-            table.option("-o,--output", &arguments->figures, "Folder for figures 4.2 to 4.6 as SVG");
-            table.options(table_of(arguments->comparison));
-            table.options(table_of(arguments->normals));
+            table.option("-o,--output FOLDER", &arguments->figures, "Folder for figures 4.2 to 4.6 as SVG");
+            table.options(table_of(arguments->comparison), "Comparison");
+            table.options(table_of(arguments->normals), "Estimator");
             return [arguments](Session& session) { run(*arguments, session); };
           }};
 }

@@ -29,7 +29,7 @@ void run(Arguments& arguments, Session& session) {
 
 Command occupancy_command() {
   return {"occupancy",
-          "Insertion of scans beside OctoMap's insertPointCloud: time, and whether the trees are the same",
+          "Insertion of scans against OctoMap's insertPointCloud: time and equality of the trees",
           {"loci-evaluate occupancy demo-output/explored/scans --repeats 1",
            "loci-evaluate occupancy demo-output/explored/scans --repeats 1 --resolution-m 0.1 --json"},
           [](ArgumentTable& table) {

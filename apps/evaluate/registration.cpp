@@ -118,18 +118,17 @@ void run(Arguments& arguments, Session& session) {
 
 Command registration_command() {
   return {"registration",
-          "Registration against its peers, and whether its verdicts are true",
+          "Registration against other methods, and correctness of its verdicts",
           {"loci-evaluate registration apps/samples/kitchen.urdf --scans 3 --compared 1 --verdicts 2",
            "loci-evaluate registration apps/samples/kitchen.urdf --scans 3 --compared 1 --verdicts 2 --json"},
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
             table.positional("[WORLD...]", &arguments->worlds, "Worlds (URDF) that are scanned");
-            table.option("--package-path", &arguments->package_paths,
-                         "Folder that holds packages (package://NAME/…); can be given several times");
-            table.option("--recording", &arguments->recording, "Depth frames with poses");
-            table.option("--pairs", &arguments->pairs,
+            table.package_path(&arguments->package_paths);
+            table.option("--recording RECORDING", &arguments->recording, "Depth frames with poses");
+            table.option("--pairs CSV", &arguments->pairs,
                          "CSV of pairs of clouds: target, source, x_m, y_m, z_m, rx_deg, ry_deg, rz_deg");
-            table.option("--clouds", &arguments->clouds, "Folder of these clouds, if not that of the CSV");
+            table.option("--clouds FOLDER", &arguments->clouds, "Folder of the clouds");
             table.options(table_of(*arguments));
             return [arguments](Session& session) { run(*arguments, session); };
           }};

@@ -22,7 +22,7 @@ void run(Arguments& given, Session& session) {
   table_of(given.comparison).validate();
   table_of(given.flat_comparison).validate();
   if (given.folder.empty() && !given.flat)
-    throw Error("there is nothing to measure", {}, "give DIR or --flat");
+    throw Error("nothing was chosen to measure", {}, "give RECORDING or --flat");
   std::string text;
   Json json = Json::object();
   if (!given.folder.empty()) {
@@ -44,20 +44,20 @@ void run(Arguments& given, Session& session) {
 
 Command segmentation_command() {
   return {"segmentation",
-          "Object hypotheses against labelled scenes, beside PCL",
+          "Object hypotheses against labelled scenes and PCL",
           {"loci-evaluate segmentation tests/data/blocks",
            "loci-evaluate segmentation --flat --flat-workspaces 1 --flat-images 2 --flat-empty 10 --json"},
           [](ArgumentTable& table) {
             auto given = std::make_shared<Arguments>();
-            table.positional("[DIR]", &given->folder,
+            table.positional("[RECORDING]", &given->folder,
                              "Recording with FRAME_label.png for its depth images: 0 not judged, 1 to 19 "
                              "table, from 20 on tens are objects");
-            table.flag("--flat", given->flat, "Measures flat objects (10 mm) in simulated workspaces, too");
-            table.option("--pipeline", &given->pipeline, "Pipeline as YAML instead of the tabletop one");
-            table.option("-o,--output", &given->images,
+            table.flag("--flat", given->flat, "Measure flat objects (10 mm) in simulated workspaces, too");
+            table.option("--pipeline FILE", &given->pipeline, "Pipeline as YAML instead of the tabletop one");
+            table.option("-o,--output FOLDER", &given->images,
                          "Folder for images: colour, truth, and what each method found");
-            table.options(table_of(given->comparison));
-            table.options(table_of(given->flat_comparison));
+            table.options(table_of(given->comparison), "Comparison");
+            table.options(table_of(given->flat_comparison), "Flat objects");
             return [given](Session& session) { run(*given, session); };
           }};
 }

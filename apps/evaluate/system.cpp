@@ -33,14 +33,14 @@ void run(Arguments& arguments, Session& session) {
 
 Command system_command() {
   return {"system",
-          "Household scenes on two counters through everything: what is found, annotated, and how fast",
+          "Household scenes on two counters through the whole system: objects, annotations, time",
           {"loci-evaluate system --scenes 4", "loci-evaluate system --scenes 4 --json -o demo-output/system"},
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
-            table.option("--map", &arguments->options.map, "URDF of a kitchen with counters");
-            table.option("--pipeline", &arguments->options.pipeline,
+            table.option("--map MAP", &arguments->options.map, "URDF of a kitchen with counters");
+            table.option("--pipeline FILE", &arguments->options.pipeline,
                          "Pipeline as YAML instead of the evaluation's own");
-            table.option("-o,--output", &arguments->output,
+            table.option("-o,--output FOLDER", &arguments->output,
                          "Keep recording, memory, figures (JSON) and figure 8.1 (SVG) in this folder");
             table.options(table_of(arguments->options));
             return [arguments](Session& session) { run(*arguments, session); };

@@ -285,7 +285,7 @@ void export_to(const CatalogueArguments& arguments, Session& session) {
     text += fmt::format("\n  {:20} {:4}", name.empty() ? "(unknown class)" : name, count);
     if (!name.empty()) named[name] = count;
   }
-  session.answer(text, {{"things", catalogue.entries.size()}, {"classes", named}, {"file", arguments.file}});
+  session.answer(text, {{"objects", catalogue.entries.size()}, {"classes", named}, {"file", arguments.file}});
 }
 
 void import_from(const CatalogueArguments& arguments, Session& session) {

@@ -329,6 +329,15 @@ void write_images(const RunArguments& arguments, const perception::types::SceneC
   if (!arguments.images.empty()) perception::write_overlay(scene, arguments.images);
 }
 
+/// The last line of the answer; `memory` is empty when nothing was stored.
+std::string summary(const memory::MemoryRunResult& result, size_t clusters, const std::string& memory) {
+  std::string text = fmt::format("{} frames, {} objects seen", result.pipeline.frames, clusters);
+  if (result.pipeline.left_out > 0)
+    text += fmt::format("; {} frames were left out because an annotator failed", result.pipeline.left_out);
+  if (result.skipped > 0) text += fmt::format("; {} frames were in the memory already", result.skipped);
+  return text + (memory.empty() ? "\n" : fmt::format("; stored in {}\n", memory));
+}
+
 void run(const RunArguments& arguments, Session& session) {
   const Experts experts = arguments.plugins.load();
   const perception::AnnotatorRegistry& registry = experts.registry;
@@ -345,11 +354,11 @@ void run(const RunArguments& arguments, Session& session) {
       plan && !plan->condition.empty() ? std::optional(perception::Condition::parse(plan->condition, {}))
                                        : std::nullopt;
   Json found = Json::array();
-  size_t things = 0;
+  size_t clusters = 0;
   Json scenes = Json::array();
   const auto done = [&](perception::cas::Cas& cas) {
     const perception::types::SceneCas scene(cas);
-    things += scene.scene().clusters.size();
+    clusters += scene.scene().clusters.size();
     if (wanted) {
       int number = 0;
       for (const perception::types::Cluster& cluster : scene.clusters()) {
@@ -360,7 +369,7 @@ void run(const RunArguments& arguments, Session& session) {
       }
       return write_images(arguments, scene, remembers);
     }
-    // With a memory the questions are the way to look; without one this is the answer.
+    // With a memory, questions give the answer; without one this is it.
     if (!remembers || session.flags().verbose) text += scene_text(scene);
     if (session.flags().json) scenes.push_back(scene_json(scene));
     write_images(arguments, scene, resources.find<memory::MemorySession>() != nullptr);
@@ -373,11 +382,7 @@ void run(const RunArguments& arguments, Session& session) {
   for (const auto& [name, seconds] : result.pipeline.seconds) session.timing(name, seconds);
   if (const auto path = arguments.statistics.path(arguments.memory.memory); !path.empty())
     add_to_statistics(path, result.pipeline.statistics);
-  text += fmt::format("{} frames, {} things seen", result.pipeline.frames, things);
-  if (result.pipeline.left_out > 0)
-    text += fmt::format("; {} frames were left out because an annotator failed", result.pipeline.left_out);
-  if (result.skipped > 0) text += fmt::format("; {} frames were in the memory already", result.skipped);
-  text += remembers ? fmt::format("; remembered in {}\n", arguments.memory.memory) : "\n";
+  text += summary(result, clusters, remembers ? arguments.memory.memory : "");
   Json json = {{"frames", result.pipeline.frames},
                {"skipped", result.skipped},
                {"left_out", result.pipeline.left_out},

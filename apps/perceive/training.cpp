@@ -23,13 +23,14 @@ struct TrainArguments {
   perception::ClassifierOptions options;
 };
 
-/// Leaves out classes of which too few things were found for each fold to judge one; how many of each.
-std::map<std::string, size_t> leave_out_small_classes(std::vector<perception::TrainingSample>& things,
+/// Leaves out classes with fewer samples than folds; returns how many samples each of them has.
+std::map<std::string, size_t> leave_out_small_classes(std::vector<perception::TrainingSample>& samples,
                                                       int folds) {
   std::map<std::string, size_t> count;
-  for (const perception::TrainingSample& thing : things) ++count[thing.label];
+  for (const perception::TrainingSample& sample : samples) ++count[sample.label];
   std::erase_if(count, [&](const auto& of) { return of.second >= size_t(folds); });
-  std::erase_if(things, [&](const perception::TrainingSample& thing) { return count.contains(thing.label); });
+  std::erase_if(samples,
+                [&](const perception::TrainingSample& sample) { return count.contains(sample.label); });
   return count;
 }
 
@@ -61,16 +62,16 @@ void train(TrainArguments& given, Session& session) {
       labelled_surfaces(perception::open_labelled_recording(given.dataset), finding, session.warnings());
   std::vector<std::string> features;
   for (const perception::ExpertSpec& expert : experts) features.push_back(expert.feature);
-  std::vector<perception::TrainingSample> things;
+  std::vector<perception::TrainingSample> samples;
   for (const perception::LabelledSurface& each : surfaces.found) {
     perception::ObjectFeatures of = object_features(features, each.view);
-    things.push_back({each.label, std::move(of.features), std::move(of.local)});
+    samples.push_back({each.label, std::move(of.features), std::move(of.local)});
   }
-  for (const auto& [name, count] : leave_out_small_classes(things, given.folds))
+  for (const auto& [name, count] : leave_out_small_classes(samples, given.folds))
     session.warnings().add(fmt::format("'{}' is left out: too few were found ({})", name, count));
   PartialProgress learning(session.progress(), 0.7, 1);
   const perception::Ensemble model = perception::Ensemble::train(
-      things, experts, given.folds, Random(given.seed), session.flags().threads, learning);
+      samples, experts, given.folds, Random(given.seed), session.flags().threads, learning);
   model.save(given.out);
   std::string text =
       fmt::format("{} of {} objects found; cross-validated:\n", surfaces.found.size(), surfaces.objects);
