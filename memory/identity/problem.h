@@ -16,7 +16,7 @@ using PairTable = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::R
 /// Weight zero in the log domain.
 inline constexpr double kNever = -std::numeric_limits<double>::infinity();
 
-/// Evidence about pairs as the dissertation states it (section 6.2): closeness in [0,1], one row per old
+/// Evidence about pairs as the dissertation states it (section 6.2): similarity in [0,1], one row per old
 /// object, one entry per new observation; unset = this pair was not compared.
 struct IdentityProblem {
   size_t old_count = 0;

@@ -43,7 +43,7 @@ Moments read_moments(const memory::Store& store);
 /// What the memory itself says.
 Story memory_story(const memory::Store& store, const Moments& moments);
 
-/// RoboSherlock's way: who is each other's best in half likeness, half closeness is the same, if alike
+/// RoboSherlock's matcher: the mutual best of half similarity, half proximity is the same, if alike
 /// enough. What stays alone is gone when the place of its centre is in the image.
 Story greedy_story(const Moments& moments);
 

@@ -94,13 +94,13 @@ Json Speed::to_json() const {
 }
 
 std::string speed_svg(const Speed& speed) {
-  Line update{"joints to poses", "#2166ac", {}}, sum{"and drawn, two threads, processor time", "#b2182b", {}};
+  Line update{"joints to poses", "#2166ac", {}}, sum{"and drawn, two threads, CPU time", "#b2182b", {}};
   for (const RobotTimes& t : speed.robots) {
     update.points.emplace_back(t.robots, t.update.processor_ms);
     sum.points.emplace_back(t.robots, t.update.processor_ms + t.draw.processor_ms);
   }
-  Line clock{"two threads, clock", "#b2182b", {}}, processor{"two threads, processor time", "#e08214", {}},
-      rays{"Embree's rays, one thread, processor time", "#2166ac", {}};
+  Line clock{"two threads, wall time", "#b2182b", {}}, processor{"two threads, CPU time", "#e08214", {}},
+      rays{"Embree's rays, one thread, CPU time", "#2166ac", {}};
   for (const CrowdTimes& t : speed.crowds) {
     clock.points.emplace_back(t.meshes, t.two.clock_ms);
     processor.points.emplace_back(t.meshes, t.two.processor_ms);

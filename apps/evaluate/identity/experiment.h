@@ -146,7 +146,7 @@ Score run_model(Model& model, Condition condition, const std::vector<Sequence>& 
 /// How long one problem takes to solve exactly on one core.
 struct SpeedRow {
   std::string problem;
-  double milliseconds = 0;  ///< processor time, best of the repetitions
+  double milliseconds = 0;  ///< CPU time, best of the repetitions
   double aim_milliseconds = 0;
   double gate_bound = 0;  ///< largest error of a probability
 };

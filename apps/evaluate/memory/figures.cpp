@@ -383,7 +383,7 @@ MemoryFigures measure(const MemoryOptions& options, const fs::path& folder, Prog
 std::string text_of(const MemoryFigures& f) {
   std::string text = fmt::format(
       "{} scenes, {} observations, {} objects\n"
-      "  taken in: {:.0f} observations per second of processor time ({:.0f} in the first tenth, {:.0f} in "
+      "  taken in: {:.0f} observations per second of CPU time ({:.0f} in the first tenth, {:.0f} in "
       "the last), "
       "{:.0f} per second of the clock\n"
       "  plain tables without reasoning: {:.0f} per second of the clock\n"

@@ -31,9 +31,9 @@ struct QuestionFigures {
 
 struct MemoryFigures {
   size_t scenes = 0, observations = 0, objects = 0;
-  double processor_rate = 0;  ///< observations per second of processor time, reasoning and writing
+  double processor_rate = 0;  ///< observations per second of CPU time, reasoning and writing
   double wall_rate = 0;       ///< per second of the clock
-  double first_tenth_rate = 0, last_tenth_rate = 0;  ///< of processor time
+  double first_tenth_rate = 0, last_tenth_rate = 0;  ///< of CPU time
   double plain_rate = 0;  ///< plain indexed tables written scene by scene, without reasoning
   double megabytes_first_tenth = 0, megabytes_at_end = 0;  ///< resident memory of the writer
   double bytes_per_observation = 0;

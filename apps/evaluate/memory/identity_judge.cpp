@@ -69,7 +69,8 @@ IdentityFigures IdentityJudge::figures() const {
 
 std::string text_of(const IdentityFigures& f) {
   std::string text = fmt::format(
-      "  who is who: {} things, {} objects, {} of them of several things; identity F1 {:.3f}\n"
+      "  identity: {} true objects, {} remembered objects, {} of them of several true objects; identity F1 "
+      "{:.3f}\n"
       "  {:22} {:>7} {:>10} {:>10} {:>13} {:>10}\n",
       f.things, f.objects, f.merged, f.f1(), "since it was seen last", "all", "same", "new object",
       "another's", "\"moved\"");

@@ -22,7 +22,7 @@ struct JudgedSighting {
   bool appeared = false, moved = false;  ///< as what it is explained
 };
 
-/// How well it is known who is who, over a whole history.
+/// Accuracy of the data association over a whole history.
 struct IdentityFigures {
   /// By TrueEvent: how many there were, and what was said.
   struct Event {

@@ -7,8 +7,8 @@
 
 namespace loci::apps::memory_experiment {
 
-/// The same rows in plain tables with ordinary indexes, without R*Tree, full text and reasoning: who is who
-/// is copied from the memory.
+/// The same rows in plain tables with ordinary indexes, without R*Tree, full text and reasoning: object
+/// identities is copied from the memory.
 class PlainTables {
  public:
   PlainTables(const std::filesystem::path& file, const std::filesystem::path& memory);

@@ -11,7 +11,7 @@
 namespace loci::apps::nbv_evaluation {
 namespace {
 
-/// Seconds since it was made, on the clock and of the processor.
+/// Seconds since it was made, wall time and CPU time.
 class DecisionWatch {
  public:
   double seconds() const { return watch_.seconds(); }

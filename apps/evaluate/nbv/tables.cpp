@@ -71,7 +71,7 @@ Row row_of(const std::vector<const Run*>& runs, double goal) {
 std::string table_of_results(const std::vector<WorldResult>& results, double goal) {
   std::string text = fmt::format(
       "| world | planner | coverage at its stop (lowest) | scans made | scans to {:.0f} % (runs that got "
-      "there) | decision, mean (max) | its processor time, all threads | times ours |\n"
+      "there) | decision, mean (max) | its CPU time, all threads | times ours |\n"
       "|---|---|---|---|---|---|---|---|\n",
       100 * goal);
   for (const WorldResult& result : results) {

@@ -51,7 +51,7 @@ class Contest {
     entries_.emplace_back(kAfter, std::make_unique<Ours>(normals, true));
     if (!options.peers) return;
     entries_.emplace_back(kIntegralImage, pcl_integral_image());
-    entries_.emplace_back(kLeastSquares, pcl_linear_least_squares());
+    entries_.emplace_back(kLinearLeastSquares, pcl_linear_least_squares());
     reference_ = pcl_normal_estimation();
   }
 

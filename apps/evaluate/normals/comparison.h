@@ -40,7 +40,7 @@ inline constexpr const char* kBefore = "ours, before correction";
 inline constexpr const char* kAfter = "ours, corrected";
 inline constexpr const char* kReference = "PCL NormalEstimation";
 inline constexpr const char* kIntegralImage = "PCL IntegralImage";
-inline constexpr const char* kLeastSquares = "PCL LinearLeastSquares";
+inline constexpr const char* kLinearLeastSquares = "PCL LinearLeastSquares";
 
 struct Comparison {
   std::vector<SetResult> sets;

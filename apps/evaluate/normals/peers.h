@@ -12,7 +12,7 @@ namespace loci::apps::normals_evaluation {
 /// Normals of one image and what they cost.
 struct Estimate {
   cv::Mat normals;     ///< CV_32FC3, NaN where there is none
-  double seconds = 0;  ///< of this thread's processor time, without copies from and to cv::Mat
+  double seconds = 0;  ///< of this thread's CPU time, without copies from and to cv::Mat
 };
 
 /// A way to estimate normals from a depth image (CV_32F, metres), on one thread.

@@ -103,7 +103,7 @@ SetResult measure(const std::string& name, const mapping::ScanSet& scans, const 
 
 std::string table_text(const std::vector<SetResult>& results) {
   std::string text =
-      "| scans | by | threads | a scan | its processor time | times as fast | same tree |\n"
+      "| scans | by | threads | a scan | its CPU time | times as fast | same tree |\n"
       "|---|---|---|---|---|---|---|\n";
   for (const SetResult& result : results)
     for (const Insertion& way : result.ways)

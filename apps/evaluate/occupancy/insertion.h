@@ -22,7 +22,7 @@ struct InsertionOptions {
 struct Insertion {
   std::string name;
   int threads = 1;
-  double seconds = 0;      ///< of a scan on the clock, the best repeat
+  double seconds = 0;      ///< of a scan, wall time, the best repeat
   double cpu_seconds = 0;  ///< likewise, of all threads
   size_t nodes = 0;        ///< of the tree in the end
   bool identical = false;  ///< the tree, as OctoMap's .ot stream, is OctoMap's own byte for byte
