@@ -23,7 +23,7 @@ class MemoryFileCli : public testing::Test {
   void SetUp() override {
     folder_ = fresh_folder();
     file_ = folder_ + "/memory.loci";
-    const testing_support::SyntheticDay day(file_);
+    const memory::testing_support::SyntheticDay day(file_);
   }
   static Json answer(const std::string& command) {
     const Outcome outcome = run("loci-memory " + command + " --json");

@@ -17,7 +17,7 @@ class MemoryCli : public testing::Test {
   void SetUp() override {
     folder_ = fresh_folder();
     file_ = folder_ + "/day.loci";
-    const testing_support::SyntheticDay day(file_);
+    const memory::testing_support::SyntheticDay day(file_);
   }
   Outcome ask(const std::string& arguments) const { return run("loci-memory " + arguments + " -m " + file_); }
   std::string folder_, file_;
