@@ -135,6 +135,7 @@ function(loci_test_precompile target)
     # An executable, as the tests are: the header is valid for targets that compile with the same flags.
     file(WRITE ${CMAKE_BINARY_DIR}/loci_test_headers.cpp "int main() {}\n")
     add_executable(loci_test_headers EXCLUDE_FROM_ALL ${CMAKE_BINARY_DIR}/loci_test_headers.cpp)
+    set_target_properties(loci_test_headers PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
     target_link_libraries(loci_test_headers PRIVATE loci_mapping_base GTest::gmock)
     target_precompile_headers(loci_test_headers PRIVATE <gmock/gmock.h> <gtest/gtest.h> <Eigen/Geometry>
       <fmt/format.h> <nlohmann/json.hpp> <filesystem> <map> <optional> <random> <sstream> <string> <vector>)
