@@ -8,6 +8,7 @@
 
 #include "mapping/articulation/parameters.h"
 #include "mapping/base/math.h"
+#include "mapping/base/quantile.h"
 
 namespace loci::mapping {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "mapping/articulation/parameters.h"
 #include "mapping/base/math.h"
+#include "mapping/base/quantile.h"
 #include "mapping/base/random.h"
 
 namespace loci::mapping {

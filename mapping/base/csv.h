@@ -30,15 +30,16 @@ class CsvTable {
   FileLocation location(size_t row, const std::string& key = {}) const;
   FileLocation place(size_t row, const std::string& key = {}) const {
     return location(row, key);
+  }  ///< deprecated
 
-   private:
-    std::string file_;
-    std::vector<std::string> header_;
-    std::vector<std::vector<std::string>> cells_;
-    std::vector<int> lines_;
-  };
+ private:
+  std::string file_;
+  std::vector<std::string> header_;
+  std::vector<std::vector<std::string>> cells_;
+  std::vector<int> lines_;
+};
 
-  /// A cell, quoted if it needs to be.
-  std::string csv_cell(std::string_view text);
+/// A cell, quoted if it needs to be.
+std::string csv_cell(std::string_view text);
 
 }  // namespace loci

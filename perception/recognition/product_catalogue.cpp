@@ -8,7 +8,6 @@
 #include "mapping/base/csv.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
-#include "mapping/base/text.h"
 #include "perception/recognition/product_pages.h"
 
 namespace loci::perception {
@@ -42,6 +41,12 @@ const std::map<std::string, std::string>& known_keys() {
   return names;
 }
 
+std::string lowered(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
 std::string trimmed(const std::string& text) {
   const size_t first = text.find_first_not_of(" \t\r\n.;");
   if (first == std::string::npos) return {};
@@ -63,15 +68,15 @@ void add_amounts(const std::string& text, Properties& properties) {
                                  std::regex::icase);
   std::smatch found;
   if (std::regex_search(text, found, volume))
-    add_property(properties, "volume", found.str(1) + " " + lower_case(found.str(2)));
+    add_property(properties, "volume", found.str(1) + " " + lowered(found[2]));
   if (std::regex_search(text, found, weight))
-    add_property(properties, "weight", found.str(1) + " " + lower_case(found.str(2)));
+    add_property(properties, "weight", found.str(1) + " " + lowered(found[2]));
 }
 
 void add_storage(const std::string& text, Properties& properties) {
   static const std::regex warm(R"(room temperature|long shelf life|pantry)"), frozen(R"(freezer|frozen|-18)"),
       cold(R"(refrigerat|fridge|chilled|keep cool|keep cold|\+?\d ?°c)");
-  const std::string words = lower_case(text);
+  const std::string words = lowered(text);
   const auto put = [&](const char* storage, const char* perishable) {
     add_property(properties, "storage", storage);
     add_property(properties, "perishable", perishable);
@@ -121,7 +126,7 @@ std::vector<Product> read_table(const fs::path& file) {
 }
 
 bool is_image(const fs::path& path) {
-  const std::string ending = lower_case(path.extension().string());
+  const std::string ending = lowered(path.extension().string());
   return ending == ".jpg" || ending == ".jpeg" || ending == ".png";
 }
 
@@ -164,7 +169,7 @@ std::vector<Product> read_images(const fs::path& folder) {
 
 std::string normalised_key(const std::string& key) {
   std::string name;
-  for (const char c : lower_case(key)) {
+  for (const char c : lowered(key)) {
     const bool letter =
         (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || static_cast<unsigned char>(c) >= 0x80;
     if (letter)

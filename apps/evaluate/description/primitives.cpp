@@ -9,6 +9,7 @@
 #include "apps/evaluate/description/primitive_scenes.h"
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
+#include "mapping/base/quantile.h"
 
 namespace loci::apps::description_evaluation {
 namespace {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "mapping/base/math.h"
+#include "mapping/base/quantile.h"
 #include "perception/annotators/scene_data.h"
 
 namespace loci::perception {

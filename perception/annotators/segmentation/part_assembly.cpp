@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "mapping/base/math.h"
+#include "mapping/base/quantile.h"
 #include "perception/annotators/segmentation/convex_parts.h"
 
 namespace loci::perception {

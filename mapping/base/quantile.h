@@ -1,0 +1,3 @@
+#pragma once
+
+#include "mapping/base/math.h"  // deprecated: include that
