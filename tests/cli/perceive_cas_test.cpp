@@ -49,10 +49,11 @@ TEST(PerceiveCas, RefusesInOneLine) {
 
 TEST(PerceiveCas, MessagesOfABagAreFeatureStructures) {
   const std::string folder = fresh_folder();
-  write_bag(folder + "/small.bag",
-            {{"/say",
-              kSecond,
-              {"std_msgs/String", "string data\n", mapping::test::MessageBytes().text("hello").bytes()}}});
+  mapping::test::write_bag(
+      folder + "/small.bag",
+      {{"/say",
+        kSecond,
+        {"std_msgs/String", "string data\n", mapping::test::MessageBytes().text("hello").bytes()}}});
   const Outcome outcome = run("loci-perceive cas " + folder + "/small.bag -o " + folder + "/a.json");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
   EXPECT_THAT(read_file(folder + "/a.json"), HasSubstr("ros.std_msgs.String"));

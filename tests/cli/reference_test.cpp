@@ -9,7 +9,7 @@
 #include "mapping/base/json.h"
 #include "tests/cli/command.h"
 
-namespace loci::test {
+namespace loci::apps::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -65,4 +65,4 @@ TEST(ManualPages, AreThereForEveryCommandAndAreWellFormed) {
 }
 
 }  // namespace
-}  // namespace loci::test
+}  // namespace loci::apps::test
