@@ -128,7 +128,8 @@ std::string program_page(const Json& program) {
   std::string text = page_head(program, name, description) +
                      ".I COMMAND\n.RI [ ARGUMENTS ]\n.RI [ OPTIONS ]\n.SH DESCRIPTION\n" +
                      troff(description) + ".\n.SH COMMANDS\n";
-  Texts references = {"loci"};
+  Texts references;
+  if (name != "loci") references.push_back("loci");
   for (const Json& command : program.at("commands")) {
     const std::string own = text_of(command, "name");
     text += fmt::format(".TP\n.B {}\n{}\n", troff(own), troff(text_of(command, "description")));
