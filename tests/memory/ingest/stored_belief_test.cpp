@@ -65,7 +65,9 @@ TEST_F(StoredBelief, IsForgottenForGood) {
   }
   for (const char* end : {"", "-wal", "-shm"}) {
     const fs::path part = file_.string() + end;
-    if (fs::exists(part)) EXPECT_EQ(read_file(part).find("cereal"), std::string::npos) << part;
+    if (fs::exists(part)) {
+      EXPECT_EQ(read_file(part).find("cereal"), std::string::npos) << part;
+    }
   }
   expect_sound();
   const Store store = Store::open_read(file_);

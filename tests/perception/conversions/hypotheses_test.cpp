@@ -94,8 +94,8 @@ TEST_F(Hypotheses, AreTheSameInAColourCameraOfAnotherSizeAndPlace) {
   const mapping::PinholeCamera color{1280, 960, 1100, 1080, 650, 470};
   Isometry3d color_from_depth(Eigen::AngleAxisd(4 * kPi / 180, Vector3d::UnitY()));
   color_from_depth.translation() = Vector3d(0.05, -0.01, 0.003);
-  const Mat image = to(cas, cv::Mat(color.height, color.width, CV_8UC3, cv::Scalar(4, 5, 6)));
-  const auto roi = image_roi(cluster, image, color, color_from_depth, 4);
+  const Mat color_image = to(cas, cv::Mat(color.height, color.width, CV_8UC3, cv::Scalar(4, 5, 6)));
+  const auto roi = image_roi(cluster, color_image, color, color_from_depth, 4);
   ASSERT_TRUE(roi);
   const cv::Rect region = from<cv::Rect>(roi->roi.get());
   for (const Vector3d& point : positions_of(cluster)) {
