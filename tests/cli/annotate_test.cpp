@@ -60,7 +60,7 @@ TEST_F(Annotate, CloudsAreMadeOfThePointsThatWereKept) {
 }
 
 TEST_F(Annotate, ThingsThatStoodStillAreAskedAboutOnce) {
-  const std::string alike = "PerceptualHash --with \"{unless_alike: {}, do: [ColorHistogram]}\"";
+  const std::string alike = "PerceptualHash --annotator \"{unless_alike: {}, do: [ColorHistogram]}\"";
   const Json first = annotate(alike);
   EXPECT_EQ(first["annotations"], first["clusters"]);
   const Outcome told = run("loci-perceive describe ColorHistogram -m " + memory_);
