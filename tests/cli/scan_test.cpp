@@ -68,7 +68,6 @@ TEST(ScanCommand, RefusesWhatItCannotDo) {
       {"--poses '2,1.2,0' --joints drawer_1_front_jont=0.2", "drawer_1_front_joint"},
       {"--poses '2,1.2,0' --joints drawer_1_front_joint=2", "0.42"},
       {"--poses '2,1.2,0' --joints drawer_1_front_joint", "joint=value"},
-      {"--poses '2,1.2,0' --floor low", "no number"},
       {"--poses '2,1.2,0' --tilt-step-deg 0", "tilt_step_deg"}};
   for (const auto& [arguments, says] : cases) {
     const Outcome outcome = run(kScan + arguments + out);
@@ -77,6 +76,9 @@ TEST(ScanCommand, RefusesWhatItCannotDo) {
     EXPECT_THAT(outcome.error, HasSubstr(says)) << arguments;
   }
   EXPECT_EQ(run("loci-simulate scan none.urdf --poses '0,0,0'" + out).exit_code, 1);
+  const Outcome usage = run(kScan + "--poses '2,1.2,0' --floor low" + out);
+  EXPECT_EQ(usage.exit_code, 2);
+  EXPECT_THAT(usage.error, HasSubstr("'low' is not a number"));
 }
 
 }  // namespace
