@@ -9,6 +9,7 @@
 #include "gui/data/object_details.h"
 #include "memory/exchange/observation_image.h"
 #include "memory/questions/location.h"
+#include "memory/questions/natural_language.h"
 #include "memory/questions/snapshot.h"
 #include "memory/questions/time_parser.h"
 
@@ -246,11 +247,11 @@ TypedAnswer OpenMemory::answer(const TypedQuestion& question) const {
 }
 
 std::vector<std::string> OpenMemory::example_questions() const {
-  return gui::example_questions(memory::Store::open_read(path_));
+  return memory::suggested_questions(memory::Store::open_read(path_));
 }
 
 std::vector<std::string> OpenMemory::known_words() const {
-  return gui::known_words(memory::Store::open_read(path_));
+  return memory::known_names(memory::Store::open_read(path_));
 }
 
 }  // namespace loci::gui

@@ -114,9 +114,10 @@ class OpenMemory {
   /// nearest names when it refers to nothing.
   SearchResult find(const std::string& text, TimeNs time) const;
 
-  /// Natural-language questions.
   TypedAnswer answer(const TypedQuestion& question) const;
+  /// Questions that this memory can answer: first about what is in it, then one of each form.
   std::vector<std::string> example_questions() const;
+  /// Names that a question may be about: objects, their aliases, places, parts of the map.
   std::vector<std::string> known_words() const;
 
  private:

@@ -33,19 +33,10 @@ TypedAnswer answer_question(const memory::Store& store, const TypedQuestion& que
   }
   const memory::NaturalLanguageAnswer answer =
       ask(store, memory::NaturalLanguageQuestion{{question.text}, as_of, question.about}).front();
-  typed.understood = answer.query.has_value();
   if (answer.query) typed.command = answer.query->text();
   typed.nearest = answer.nearest;
   typed.text = text_of(answer, times);
   return typed;
-}
-
-std::vector<std::string> example_questions(const memory::Store& store) {
-  return memory::suggested_questions(store);
-}
-
-std::vector<std::string> known_words(const memory::Store& store) {
-  return memory::known_names(store);
 }
 
 }  // namespace loci::gui

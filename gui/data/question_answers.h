@@ -24,19 +24,12 @@ struct TypedQuestion {
 /// What is shown of an answer.
 struct TypedAnswer {
   std::string question = {};
-  bool understood = true;
-  std::string command = {};               ///< what it became, as it is typed after "loci-memory"
-  std::string text = {};                  ///< in words, line by line
+  std::string command = {};  ///< its query, as it is typed after "loci-memory"; empty = not understood
+  std::string text = {};     ///< for people, line by line
   std::vector<std::string> nearest = {};  ///< questions that are understood, when this one is not
 };
 
 /// The answer of loci-memory. What is not understood is an answer; Error when the file cannot be read.
 TypedAnswer answer_question(const memory::Store& store, const TypedQuestion& question);
-
-/// Questions that this memory can answer, for people who do not know what to ask: first about what is in it,
-/// then one of each form.
-std::vector<std::string> example_questions(const memory::Store& store);
-/// Objects, what people call them, and places: words that a question may be about.
-std::vector<std::string> known_words(const memory::Store& store);
 
 }  // namespace loci::gui

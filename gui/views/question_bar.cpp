@@ -255,7 +255,6 @@ void QuestionBar::show_answer(const TypedAnswer& answer) {
   answers_->verticalScrollBar()->setValue(0);
   const auto objects = objects_named(text);
   if (objects.size() == 1) browser_.selection().select_object(objects.front());
-  Q_EMIT answered();
 }
 
 void QuestionBar::follow(const QUrl& link) {

@@ -46,7 +46,6 @@ class QuestionBar : public QFrame {
   QTextBrowser* answers() const { return answers_; }
 
  Q_SIGNALS:
-  void answered();
   void asked_changed();
 
  protected:

@@ -20,7 +20,6 @@ class SceneImage : public QWidget {
  public:
   explicit SceneImage(Browser& browser, QWidget* parent = nullptr);
 
-  bool shows_depth() const { return depth_; }
   void show_depth(bool depth);
   /// Outlines of the objects.
   void show_masks(bool masks);

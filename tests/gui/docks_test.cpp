@@ -40,7 +40,7 @@ TEST_F(DocksInWindow, StatisticsCountWhatTheMemoryHolds) {
   EXPECT_EQ(value_of("Objects by hour", "08"), 1);
   EXPECT_EQ(value_of("Objects by place", "counter_1"), 3);
   EXPECT_EQ(value_of("Objects by place", "table_1"), 1);
-  EXPECT_EQ(value_of("How sure", "90–100 %"), 4);
+  EXPECT_EQ(value_of("Probabilities of associations", "90–100 %"), 4);
 }
 
 TEST_F(DocksInWindow, StatisticsAreSavedAsTableAndImage) {

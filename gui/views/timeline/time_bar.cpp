@@ -214,7 +214,6 @@ void TimeBar::toggle_play() {
     timer_.start();
   }
   paint_buttons();
-  Q_EMIT play_changed(timer_.isActive());
 }
 
 void TimeBar::play_step() {

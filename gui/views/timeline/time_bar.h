@@ -42,9 +42,6 @@ class TimeBar : public QWidget {
   /// Starts at the beginning when the end is reached; stops there.
   void toggle_play();
 
- Q_SIGNALS:
-  void play_changed(bool plays);
-
  protected:
   void changeEvent(QEvent* event) override;
   void resizeEvent(QResizeEvent* event) override;
