@@ -42,10 +42,8 @@ struct SearchParameters {
   double turn_step = 12 * kPi / 180;        ///< radians, in six dimensions
   size_t samples_planar = 400;              ///< surfels that are compared per start
   size_t samples = 160;                     ///< in six dimensions
-  std::array<std::pair<size_t, float>, 3> early_exits{
-      {{8, 0.15F},
-       {16, 0.35F},
-       {40, 0.5F}}};              ///< after so many samples a start with less of the best score is dropped
+  /// {samples, share}: a start with less of the best score after so many samples is dropped.
+  std::array<std::pair<size_t, float>, 3> early_exits = {{{8, 0.15F}, {16, 0.35F}, {40, 0.5F}}};
   float min_score = 0.5F;         ///< of the best score, of a start
   float max_plane_m = 0.15F;      ///< from its plane, of a sample that counts
   float same_side_cosine = 0.7F;  ///< normals agree within 45 degrees
@@ -61,14 +59,13 @@ struct PairParameters {
   size_t samples_middle = 3000;       ///< surfels on the levels between
   double same_position_m = 0.1;       ///< poses that are nearer to one another are the same …
   double same_angle = 3 * kPi / 180;  ///< … and less turned, radians
-  double correlated = 10;      ///< errors of neighbouring surfels (calibration, beams): so many count as one
-  double accuracy = 5e-5;      ///< of the last iteration, metres and radians
-  double max_loss = 0.03;      ///< part of the surface that a finer level may lose
-  double min_sigma_m = 0.002;  ///< no surfel is known better
-  double systematic_m =
-      0.001;  ///< of the best held direction, however many surfels agree: mixed returns, wide beams
-  double good_rmse_m = 0.0015;     ///< beyond it the systematic error grows with the square of the fit
-  double thickness = 1e-2;         ///< of a surfel across over along (generalised ICP, Segal et al. 2009)
+  double correlated = 10;       ///< errors of neighbouring surfels (calibration, beams): so many count as one
+  double accuracy = 5e-5;       ///< of the last iteration, metres and radians
+  double max_loss = 0.03;       ///< part of the surface that a finer level may lose
+  double min_sigma_m = 0.002;   ///< no surfel is known better
+  double systematic_m = 0.001;  ///< of the best constrained direction: mixed returns, wide beams
+  double good_rmse_m = 0.0015;  ///< beyond it the systematic error grows with the square of the fit
+  double thickness = 1e-2;      ///< of a surfel across over along (generalised ICP, Segal et al. 2009)
   float horizontal_cosine = 0.8F;  ///< floors always agree in planar registration
   float max_offset_cells = 0.6F;   ///< beyond it is another surface
 };
@@ -76,7 +73,7 @@ inline constexpr PairParameters kPairs;
 
 /// Which pairs are tried, and the pose graph.
 struct GraphParameters {
-  double promising = 0.5;           ///< of the overlap wanted, that the guess must promise
+  double promising = 0.5;           ///< of the minimum overlap, expected at the guess
   size_t max_searches = 6;          ///< per scan, before it counts as unconnected
   SearchWindow refine{0.05, 0.02};  ///< metres, radians: left to find when both scans are connected
   double between_parts = 1.5;       ///< times the window: both parts of the graph are placed by odometry

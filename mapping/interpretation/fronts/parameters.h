@@ -27,7 +27,7 @@ struct FaceParameters {
   double min_height_m = 0.03;              ///< above the floor: skirting and noise
   size_t min_piece_points = 2;             ///< single points have no reliable normal
   double align_reach_m = 6 * kRangeSigma;  ///< points used to compare scans; more is relief
-  double floor_gap_m = 6 * kRangeSigma;    ///< what is lower is floor
+  double floor_gap_m = 6 * kRangeSigma;    ///< points below belong to the floor
   double min_scan_points = 100;            ///< of a scan that saw the face
   double min_slope_m2 = 0.04;              ///< variance along the face below which no slope is estimated
   double max_slope = 0.01;                 ///< radians by which registration is off at most
@@ -37,7 +37,7 @@ struct FaceParameters {
   float min_cosine = 0.15F;                ///< of incidence; intensity divided by less is noise
   double cell_m = 0.004;                   ///< of all rasters over faces: about the width of a seam
   double margin_m = 0.12;                  ///< around a face
-  double relief_m = 0.035;                 ///< what lies nearer to the plane belongs to the face
+  double relief_m = 0.035;                 ///< nearer points belong to the face
   double fixture_reach_m = 0.09;           ///< handles do not protrude farther
   double before_m = 0.30;                  ///< rays that end farther before a face do not concern it
   double ground_rank = 0.7;                ///< of the depths around: bars cover less than the rest
@@ -62,9 +62,8 @@ struct FixtureParameters {
   double min_knob_m = 0.008;                  ///< two raster cells
   double bar_elongation = 2.2;                ///< length over width that makes a bar
   double max_tilt = 0.35;                     ///< radians; handles are level or upright
-  std::array<float, 3> min_shares{
-      0.3F, 0.45F,
-      0.65F};  ///< of a cell's points before the face, pass by pass: finer objects separate later
+  /// Of a cell's points before the face, pass by pass: connected objects separate later.
+  std::array<float, 3> min_shares = {0.3F, 0.45F, 0.65F};
   double min_shown_at_ends = 0.25;  ///< of the cells beyond a bar's ends that are face
   double min_hit_depth = 0.6;       ///< of its distance from the face; nearer, a ray passed by it
   double core = 0.38;               ///< of length and width to each side that rays certainly meet
@@ -94,18 +93,18 @@ struct SeamParameters {
   double max_z = 4;         ///< influence of one chunk
   double shown_z = 1;       ///< a chunk with more shows the line
   float min_weight = 1.5F;  ///< rays in a line's part of a chunk
-  std::array<double, 6> trivial{0.001, 0.02, 0.008, 0.006,
-                                0.006, 0.006};  ///< differences that are no evidence (shading, registration):
-                                                ///< metres, share, intensity, colour
-  std::array<double, 6> min_sd{0.002, 0.05, 0.01, 0.008,
-                               0.008, 0.008};  ///< noise of a ray at least: metres, share, intensity, colour
-  double beam_m = 0.018;                       ///< radius of a beam that may touch a fixture
-  double end_margin_m = 0.01;                  ///< at both ends of a line that is not used
-  int core_cells = 3;                          ///< in which the line is
-  double blur_m = 0.008;                       ///< by which beam and registration widen a thin line
-  int chunk_cells = 10;                        ///< along a line: 4 cm
-  std::array<int, 3> half_widths{0, 1, 3};     ///< cells; of the seams that are tested
-  int profile_cells = 8;                       ///< across a line, to each side
+  /// By channel (metres, share, intensity, colours): differences that are no evidence, by shading and
+  /// registration.
+  std::array<double, 6> trivial = {0.001, 0.02, 0.008, 0.006, 0.006, 0.006};
+  /// By channel: minimum noise of a ray.
+  std::array<double, 6> min_sd = {0.002, 0.05, 0.01, 0.008, 0.008, 0.008};
+  double beam_m = 0.018;                    ///< radius of a beam that may touch a fixture
+  double end_margin_m = 0.01;               ///< at both ends of a line that is not used
+  int core_cells = 3;                       ///< in which the line is
+  double blur_m = 0.008;                    ///< by which beam and registration widen a thin line
+  int chunk_cells = 10;                     ///< along a line: 4 cm
+  std::array<int, 3> half_widths{0, 1, 3};  ///< cells; of the seams that are tested
+  int profile_cells = 8;                    ///< across a line, to each side
 };
 inline constexpr SeamParameters kSeams;
 
@@ -156,9 +155,9 @@ struct FrontParameters {
   double min_bare_side_m = 0.12;              ///< narrower ones without fixture are filler strips
   double max_sigma_m = 3 * kRangeSigma;       ///< more are corners and clutter, in which handles disappear
   double min_fixture_confidence = 0.4;        ///< on furniture
-  double min_wall_fixture_confidence = 0.75;  ///< on what was taken for a wall
-  size_t min_wall_fronts = 2;                 ///< on what was taken for a wall
-  int min_wall_edges = 3;                     ///< resolved, on what was taken for a wall
+  double min_wall_fixture_confidence = 0.75;  ///< on a possible wall
+  size_t min_wall_fronts = 2;                 ///< on a possible wall
+  int min_wall_edges = 3;                     ///< resolved, on a possible wall
   double depth_inset_m = -0.01;               ///< edges and seams are left out
   size_t min_rays = 50;                       ///< of a front and of the rest of its face
   double dark = 0.4;                          ///< an oven's pane returns less of the others' intensity

@@ -34,7 +34,7 @@ Side side_of(const Vector2d& outward) {
 struct Rank {
   int side = 0;
   double along = 0;
-  double depth = 0;  ///< distance from the side: breaks ties between what stands one behind the other
+  double depth = 0;  ///< distance from the side: breaks ties
 
   auto operator<=>(const Rank&) const = default;
 };

@@ -2,7 +2,7 @@
 
 namespace loci::mapping {
 
-/// Sizes of what scans do not show, and the order of names.
+/// Sizes that scans do not show, and the order of names.
 struct FurnitureParameters {
   double panel_m = 0.02;               ///< thickness of fronts
   double board_m = 0.012;              ///< of a drawer's sides and bottom

@@ -19,7 +19,7 @@ struct SupportParameters {
   double cell_m = 0.02;          ///< a depth camera's point distance at 4 m
   double coarse_cell_m = 0.04;   ///< for the search of the yaw
   double reach_m = 0.4;          ///< objects part pieces of one surface by this much
-  double lookout_m = 0.9;        ///< evidence around the pieces: a slab may go on behind an object
+  double lookout_m = 0.9;        ///< around the pieces: a slab may continue behind an object
   double margin_m = 0.1;         ///< around the pieces, of the raster
   double through_m = 0.05;       ///< a ray that ends this far below passed through
   double rim_depth_m = 0.03;     ///< thickness of usual slabs: their vertical edge
@@ -107,7 +107,7 @@ struct OcclusionParameters {
   double min_surface = 0.4;    ///< of a row, to be support
   double min_hidden = 0.8;     ///< of the rows between, that show an object and the slab's edge
   double min_beyond_m = 0.04;  ///< surface on the other side: two rows
-  double face_depth_m = 0.4;   ///< below the slab, to which a front goes at least
+  double face_depth_m = 0.4;   ///< minimum extent of a front below the slab
   double in_line_m = 0.015;    ///< between a slab's edge on one row and on the others: noise
   double step_m = 0.008;       ///< between a slab's edge and what is below or above it
   size_t min_points = 3;       ///< that determine a median
@@ -141,7 +141,7 @@ struct ClassParameters {
   double min_shelf_m = 0.5;       ///< shorter boards above a counter are objects on it
   double table_top_m = 0.80;      ///< tables are lower, counters higher
   double max_counter_m = 1.05;    ///< a counter is not higher
-  double min_counter_m = 0.65;    ///< what is lower over cabinets is a shelf
+  double min_counter_m = 0.65;    ///< lower boards over cabinets are shelves
   double max_bar_m = 1.2;         ///< of high tables
   double leg_openness = 0.4;      ///< of the footprint, seen from below: only legs leave so much free
   double min_table_m = 0.6;       ///< smaller ones are stools

@@ -7,8 +7,8 @@ namespace loci::mapping {
 
 /// Normals of measured points.
 struct NormalParameters {
-  std::array<double, 3> cell_sizes_m{
-      0.02, 0.04, 0.08};       ///< a laser's noise, and a depth camera's below 1.8 m, 3 m and beyond
+  /// For ranges below 1.8 m, below 3 m and beyond: wide compared with a depth camera's noise.
+  std::array<double, 3> cell_sizes_m = {0.02, 0.04, 0.08};
   double min_neighbours = 12;  ///< a plane fit over fewer points follows their noise
 };
 inline constexpr NormalParameters kNormals;
