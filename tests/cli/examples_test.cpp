@@ -33,12 +33,12 @@ std::vector<std::string> lines(const std::string& text) {
   return result;
 }
 
-/// The examples of a program's commands, by command.
-std::map<std::string, std::vector<std::string>> help_examples(const std::string& program) {
-  std::map<std::string, std::vector<std::string>> examples;
+/// The examples of a program's commands, in the order of its help: later ones use what earlier ones make.
+std::vector<std::pair<std::string, std::vector<std::string>>> help_examples(const std::string& program) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> examples;
   const Json json = parse_json(run(program + " --describe-cli").out, program);
   for (const Json& command : json.at("commands"))
-    examples[command.at("name")] = command.at("examples").get<std::vector<std::string>>();
+    examples.emplace_back(command.at("name"), command.at("examples").get<std::vector<std::string>>());
   return examples;
 }
 
