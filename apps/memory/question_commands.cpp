@@ -45,7 +45,7 @@ void QuestionArguments::declare(const memory::Question& question, ArgumentTable&
     table.option(fmt::format("--{} {}", parameter.name, upper_case(to_text(parameter.type))),
                  &options[parameter.name], parameter.help, details);
   }
-  if (question.period) table.option("--between TIME", &between, "Two times", {.values = 2});
+  if (question.period) table.option("--between TIME TIME", &between, "Two times", {.values = 2});
 }
 
 memory::Query QuestionArguments::query(const memory::Question& question) const {
