@@ -38,7 +38,8 @@ TEST(TypeGenerator, LeavesAnEqualHeaderAlone) {
       "proxies some::space some/room " + folder.string() + " " + LOCI_SOURCE_DIR + "/tests/data/climate.xml";
   ASSERT_EQ(generate(arguments), 0);
   const fs::path header = folder / "some" / "room" / "generated.h";
-  EXPECT_THAT(read_file(header), testing::HasSubstr("class Temperature : public loci::perception::types::Annotation"));
+  EXPECT_THAT(read_file(header),
+              testing::HasSubstr("class Temperature : public loci::perception::types::Annotation"));
   const auto written = fs::last_write_time(header);
   ASSERT_EQ(generate(arguments), 0);
   EXPECT_EQ(fs::last_write_time(header), written);
