@@ -11,9 +11,27 @@
 namespace loci::perception {
 namespace {
 
-/// libgumbo recurses over the depth of a page, which its tags bound.
+/// libgumbo recurses over the depth of a page and scans its open elements at each tag.
 constexpr size_t kMaxBytes = size_t{8} << 20;
-constexpr std::ptrdiff_t kMaxTags = 100'000;
+constexpr int kMaxTags = 50'000;
+constexpr int kMaxDepth = 2'000;  ///< elements whose closing tag is left out count as open
+
+/// What often has no closing tag, by how it begins: empty elements, comments.
+constexpr const char* kEmptyElements[] = {"br", "img", "meta", "link", "input", "hr", "sourc", "!"};
+
+bool exceeds_limits(std::string_view page) {
+  if (page.size() > kMaxBytes) return true;
+  int tags = 0, depth = 0, max_depth = 0;
+  for (size_t at = page.find('<'); at != std::string_view::npos; at = page.find('<', at + 1)) {
+    ++tags;
+    const std::string name = lower_case(page.substr(at + 1, 5));
+    const auto begins = [&](const char* word) { return name.starts_with(word); };
+    if (std::any_of(std::begin(kEmptyElements), std::end(kEmptyElements), begins)) continue;
+    depth = std::max(0, depth + (name.starts_with('/') ? -1 : 1));
+    max_depth = std::max(max_depth, depth);
+  }
+  return tags > kMaxTags || max_depth > kMaxDepth;
+}
 
 struct Destroy {
   void operator()(GumboOutput* output) const { gumbo_destroy_output(&kGumboDefaultOptions, output); }
@@ -120,7 +138,7 @@ std::string html_text(std::string_view html) {
 
 void read_html(std::string_view page, const std::function<void(const HtmlTag&)>& tag,
                const std::function<void(const std::string&)>& text) {
-  if (page.size() > kMaxBytes || std::count(page.begin(), page.end(), '<') > kMaxTags) return;
+  if (exceeds_limits(page)) return;
   std::string converted;
   if (declares_latin1(page)) page = converted = utf8_from_latin1(page);
   const ParsedPage parsed(gumbo_parse_with_options(&kGumboDefaultOptions, page.data(), page.size()));

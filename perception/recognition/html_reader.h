@@ -21,7 +21,8 @@ struct HtmlTag {
 /// Parses a page as browsers do (libgumbo) and reports its tags and texts in document order. Texts have their
 /// entities replaced; scripts and styles are one text each. Missing closing tags are reported where the
 /// parser closes the element; elements without content (img, meta, br, …) are not closed. Pages in Latin-1
-/// become UTF-8. A page of more than 8 MB or 100,000 tags has no content.
+/// become UTF-8. A page of more than 8 MB, 50,000 tags or 2,000 open
+/// elements counts as empty.
 void read_html(std::string_view page, const std::function<void(const HtmlTag&)>& tag,
                const std::function<void(const std::string&)>& text);
 

@@ -122,5 +122,20 @@ TEST(HtmlReader, EntitiesBecomeText) {
   EXPECT_EQ(html_text("a &amp;&#228;&#xE4;&auml; b&nbsp; c &zzz; &"), "a &äää b c &zzz; &");
 }
 
+TEST(HtmlReader, DeeplyNestedPagesAreNotParsed) {
+  std::string page;
+  for (int i = 0; i < 1'000'000; ++i) page += "<b>";
+  size_t tags = 0;
+  const auto read = [&] {
+    read_html(
+        page, [&](const HtmlTag&) { ++tags; }, [](const std::string&) {});
+  };
+  read();
+  EXPECT_EQ(tags, 0U);
+  page.resize(3000);
+  read();
+  EXPECT_GT(tags, 1000U);
+}
+
 }  // namespace
 }  // namespace loci::perception
