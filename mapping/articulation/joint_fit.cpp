@@ -8,7 +8,6 @@
 
 #include "mapping/articulation/parameters.h"
 #include "mapping/base/math.h"
-#include "mapping/base/quantile.h"
 
 namespace loci::mapping {
 namespace {

@@ -6,7 +6,6 @@
 
 #include "mapping/articulation/parameters.h"
 #include "mapping/base/math.h"
-#include "mapping/base/quantile.h"
 #include "mapping/base/random.h"
 
 namespace loci::mapping {

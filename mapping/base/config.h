@@ -61,7 +61,6 @@ class Config {
 
   /// Where this map begins; with a key, where that key's value is.
   FileLocation location(const std::string& key = {}) const;
-  FileLocation place(const std::string& key = {}) const { return location(key); }  ///< deprecated
 
   /// A Config over a node of this file, for lists and variants. `path` is the key path for messages.
   Config over(const YAML::Node& node, const std::string& path) const { return {node, file_, path}; }

@@ -28,9 +28,6 @@ class CsvTable {
   int64_t integer(size_t row, size_t column) const;
   /// Location of a row in the file.
   FileLocation location(size_t row, const std::string& key = {}) const;
-  FileLocation place(size_t row, const std::string& key = {}) const {
-    return location(row, key);
-  }  ///< deprecated
 
  private:
   std::string file_;

@@ -16,7 +16,6 @@ struct FileLocation {
   /// "kitchen.yaml:12: scenes.time", leaving out what is unknown.
   std::string text() const;
 };
-using Place = FileLocation;  ///< deprecated
 
 /// The exception of the project: what happened, where, and what to do about it. Its text is one line.
 class Error : public std::exception {
@@ -26,7 +25,6 @@ class Error : public std::exception {
   const char* what() const noexcept override { return text_.c_str(); }
   const std::string& message() const { return message_; }
   const FileLocation& location() const { return location_; }
-  const FileLocation& place() const { return location_; }  ///< deprecated
   const std::string& hint() const { return hint_; }
 
  private:

@@ -8,7 +8,7 @@
 
 #include "mapping/base/cell_index.h"
 #include "mapping/base/json.h"
-#include "mapping/base/quantile.h"
+#include "mapping/base/math.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/interpretation/fronts/fronts.h"
 #include "mapping/interpretation/furniture/map_links.h"

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "mapping/base/quantile.h"
+#include "mapping/base/math.h"
 #include "mapping/image/hsv.h"
 #include "mapping/image/image_io.h"
 #include "mapping/world/kinematics.h"

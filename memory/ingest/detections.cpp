@@ -9,7 +9,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/json.h"
-#include "mapping/base/quantile.h"
+#include "mapping/base/math.h"
 
 namespace loci::memory {
 namespace {

@@ -7,7 +7,7 @@
 #include <set>
 #include <sstream>
 
-#include "mapping/base/quantile.h"
+#include "mapping/base/math.h"
 #include "memory/questions/answer_format.h"
 #include "memory/questions/question.h"
 #include "memory/questions/snapshot.h"

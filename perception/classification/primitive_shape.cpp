@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "mapping/base/math.h"
-#include "mapping/base/quantile.h"
 
 namespace loci::perception {
 namespace {

@@ -11,6 +11,8 @@
 #include <sstream>
 #include <variant>
 
+#include "mapping/base/text.h"
+
 namespace loci::perception {
 
 /// `and`, `or`, `not` over tests.
@@ -39,14 +41,9 @@ bool compares(const T& value, const std::string& comparison, const T& literal) {
   return value >= literal;
 }
 
-std::string lowered(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 /// As other values, and `~`: whether the literal is a part of the text, in any case.
 bool text_compares(const std::string& text, const std::string& comparison, const std::string& literal) {
-  if (comparison == "~") return lowered(text).find(lowered(literal)) != std::string::npos;
+  if (comparison == "~") return lower_case(text).find(lower_case(literal)) != std::string::npos;
   return compares(text, comparison, literal);
 }
 

@@ -8,6 +8,7 @@
 #include "mapping/base/csv.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/base/text.h"
 #include "perception/recognition/product_pages.h"
 
 namespace loci::perception {
@@ -41,12 +42,6 @@ const std::map<std::string, std::string>& known_keys() {
   return names;
 }
 
-std::string lowered(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
-
 std::string trimmed(const std::string& text) {
   const size_t first = text.find_first_not_of(" \t\r\n.;");
   if (first == std::string::npos) return {};
@@ -68,15 +63,15 @@ void add_amounts(const std::string& text, Properties& properties) {
                                  std::regex::icase);
   std::smatch found;
   if (std::regex_search(text, found, volume))
-    add_property(properties, "volume", found.str(1) + " " + lowered(found[2]));
+    add_property(properties, "volume", found.str(1) + " " + lower_case(found.str(2)));
   if (std::regex_search(text, found, weight))
-    add_property(properties, "weight", found.str(1) + " " + lowered(found[2]));
+    add_property(properties, "weight", found.str(1) + " " + lower_case(found.str(2)));
 }
 
 void add_storage(const std::string& text, Properties& properties) {
   static const std::regex warm(R"(room temperature|long shelf life|pantry)"), frozen(R"(freezer|frozen|-18)"),
       cold(R"(refrigerat|fridge|chilled|keep cool|keep cold|\+?\d ?°c)");
-  const std::string words = lowered(text);
+  const std::string words = lower_case(text);
   const auto put = [&](const char* storage, const char* perishable) {
     add_property(properties, "storage", storage);
     add_property(properties, "perishable", perishable);
@@ -126,7 +121,7 @@ std::vector<Product> read_table(const fs::path& file) {
 }
 
 bool is_image(const fs::path& path) {
-  const std::string ending = lowered(path.extension().string());
+  const std::string ending = lower_case(path.extension().string());
   return ending == ".jpg" || ending == ".jpeg" || ending == ".png";
 }
 
@@ -169,7 +164,7 @@ std::vector<Product> read_images(const fs::path& folder) {
 
 std::string normalised_key(const std::string& key) {
   std::string name;
-  for (const char c : lowered(key)) {
+  for (const char c : lower_case(key)) {
     const bool letter =
         (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || static_cast<unsigned char>(c) >= 0x80;
     if (letter)

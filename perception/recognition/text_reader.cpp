@@ -9,6 +9,7 @@
 #include <set>
 
 #include "mapping/base/error.h"
+#include "mapping/base/text.h"
 
 namespace loci::perception {
 namespace {
@@ -20,12 +21,6 @@ constexpr size_t kMinLetters = 3;
 
 bool is_letter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || static_cast<unsigned char>(c) >= 0x80;
-}
-
-std::string lower(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
 }
 
 /// Letters, without bytes that only continue one.
@@ -110,7 +105,7 @@ std::vector<RankedWord> rank_words(const std::vector<TextWord>& words, size_t mo
   std::map<std::string, RankedWord> counts;
   for (const TextWord& word : words)
     for (const std::string& run : letter_runs(word.text)) {
-      const std::string key = lower(run);
+      const std::string key = lower_case(run);
       if (letters(run) < kMinLetters || is_common(key)) continue;
       RankedWord& ranked = counts[key];
       if (ranked.count++ == 0) ranked.word = run;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mapping/base/json.h"
+#include "mapping/base/text.h"
 #include "perception/search/goggles.pb.h"
 
 namespace loci::perception {
@@ -126,12 +127,6 @@ std::string mended(const std::string& text) {
   return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
 }
 
-std::string lower(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
-
 void add_property(SearchResult& result, const std::string& key, const std::string& value) {
   if (!key.empty() && !value.empty() && result.property(key).empty())
     result.properties.emplace_back(key, mended(value));
@@ -186,7 +181,7 @@ void write_rect(const cv::Rect& rect, goggles::Coords& coords) {
 }
 
 SearchCategory category_of(const std::string& text, const goggles::UIInfo& ui) {
-  const std::string name = lower(text);
+  const std::string name = lower_case(text);
   for (const char* code : {"barcode", "qr code", "ean-", "upc-"})
     if (name.find(code) != std::string::npos) return SearchCategory::kBarcode;
   const std::array<std::pair<const char*, SearchCategory>, 7> beginnings = {

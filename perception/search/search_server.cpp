@@ -9,6 +9,7 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text.h"
 #include "mapping/image/image_io.h"
 #include "perception/recognition/barcode_reader.h"
 #include "perception/search/protocol.h"
@@ -24,14 +25,8 @@ std::string property_of(const Product& product, const std::string& key) {
   return {};
 }
 
-std::string lowered(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
-
 SearchCategory category_of(const Product& product) {
-  const std::string kind = lowered(property_of(product, "kind"));
+  const std::string kind = lower_case(property_of(product, "kind"));
   if (kind == "logo") return SearchCategory::kLogo;
   if (kind == "landmark") return SearchCategory::kLandmark;
   if (kind == "user submitted" || !property_of(product, "uploader").empty())

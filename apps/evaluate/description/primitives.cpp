@@ -9,7 +9,6 @@
 #include "apps/evaluate/description/primitive_scenes.h"
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
-#include "mapping/base/quantile.h"
 
 namespace loci::apps::description_evaluation {
 namespace {

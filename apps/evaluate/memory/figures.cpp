@@ -13,7 +13,7 @@
 
 #include "apps/evaluate/memory/plain.h"
 #include "mapping/base/json.h"
-#include "mapping/base/quantile.h"
+#include "mapping/base/math.h"
 #include "mapping/base/stopwatch.h"
 #include "memory/ingest/detection_scene.h"
 #include "memory/questions/contents.h"

@@ -17,7 +17,6 @@
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
-#include "mapping/base/quantile.h"
 #include "mapping/sensor/scan.h"
 
 namespace loci::apps::registration_evaluation {

@@ -10,7 +10,7 @@
 #include "mapping/base/csv.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
-#include "mapping/base/quantile.h"
+#include "mapping/base/math.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/recording.h"
 #include "perception/annotators/annotators.h"

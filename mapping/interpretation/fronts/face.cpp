@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "mapping/base/cell_index.h"
-#include "mapping/base/quantile.h"
+#include "mapping/base/math.h"
 #include "mapping/interpretation/fronts/parameters.h"
 #include "mapping/interpretation/surfaces/vertical_planes.h"
 

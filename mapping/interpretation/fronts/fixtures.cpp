@@ -13,7 +13,6 @@
 
 #include "mapping/base/math.h"
 #include "mapping/base/pose.h"
-#include "mapping/base/quantile.h"
 #include "mapping/base/random.h"
 #include "mapping/interpretation/fronts/face.h"
 #include "mapping/interpretation/fronts/parameters.h"

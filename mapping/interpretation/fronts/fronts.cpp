@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
-#include "mapping/base/quantile.h"
 #include "mapping/interpretation/fronts/face.h"
 #include "mapping/interpretation/fronts/front_layout.h"
 #include "mapping/interpretation/fronts/parameters.h"

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <map>
 
-#include "mapping/base/quantile.h"
+#include "mapping/base/math.h"
 #include "mapping/interpretation/supports/parameters.h"
 #include "mapping/interpretation/supports/refinement.h"
 

@@ -13,7 +13,6 @@
 
 #include "mapping/base/cell_index.h"
 #include "mapping/base/math.h"
-#include "mapping/base/quantile.h"
 #include "mapping/interpretation/supports/parameters.h"
 #include "mapping/interpretation/supports/plane_raster.h"
 #include "mapping/interpretation/supports/refinement.h"

@@ -7,7 +7,6 @@
 #include "mapping/base/cell_index.h"
 #include "mapping/base/math.h"
 #include "mapping/base/moments.h"
-#include "mapping/base/quantile.h"
 #include "mapping/interpretation/surfaces/parameters.h"
 
 namespace loci::mapping {

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "mapping/base/math.h"
-#include "mapping/base/quantile.h"
 #include "perception/annotators/scene_data.h"
 
 namespace loci::perception {

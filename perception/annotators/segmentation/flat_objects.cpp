@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "mapping/base/error.h"
-#include "mapping/base/quantile.h"
+#include "mapping/base/math.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/annotators/segmentation/flat_surface.h"
 #include "perception/annotators/segmentation/object_clusters.h"

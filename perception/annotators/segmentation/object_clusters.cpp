@@ -6,8 +6,8 @@
 #include <optional>
 #include <tuple>
 
+#include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
-#include "mapping/base/quantile.h"
 #include "perception/annotators/scene_data.h"
 
 namespace loci::perception {

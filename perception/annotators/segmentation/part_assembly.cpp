@@ -9,7 +9,6 @@
 #include <tuple>
 
 #include "mapping/base/math.h"
-#include "mapping/base/quantile.h"
 #include "perception/annotators/segmentation/convex_parts.h"
 
 namespace loci::perception {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/quantile.h"
+#include "mapping/base/math.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/opencv.h"
 

@@ -1,3 +1,0 @@
-#pragma once
-
-#include "mapping/base/math.h"  // deprecated: include that
