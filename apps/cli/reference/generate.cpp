@@ -1,6 +1,7 @@
-// Generates completions and manual pages from what a program prints with --describe-cli:
+// Generates completions, manual pages and the reference in docs/ from what a program prints with
+// --describe-cli:
 //   loci_cli_reference FOLDER PROGRAM...
-// writes FOLDER/{bash-completion/completions, zsh/site-functions, man/man1}.
+// writes FOLDER/{bash-completion/completions, zsh/site-functions, man/man1, doc/loci}.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -136,6 +137,47 @@ std::string program_page(const Json& program) {
     references.push_back(name + "-" + own);
   }
   return text + page_tail(references);
+}
+
+// Markdown
+
+/// Text in a cell of a table.
+std::string cell(const std::string& text) {
+  return replaced(replaced(text, "|", "\\|"), "<", "&lt;");
+}
+
+/// The arguments of a command under one heading, as a table; nothing without any.
+std::string argument_table(const Json& command, const std::string& heading) {
+  std::string rows;
+  for (const Json& argument : command.at("arguments")) {
+    if (text_of(argument, "heading") != heading) continue;
+    rows += fmt::format("| `{}` | {} | {} |\n", replaced(text_of(argument, "spelling"), "|", "\\|"),
+                        cell(text_of(argument, "description")), cell(text_of(argument, "default")));
+  }
+  return rows.empty() ? rows : fmt::format("| {} | | |\n|---|---|---|\n{}\n", heading, rows);
+}
+
+/// The reference of a program: its commands with arguments, options, defaults and examples. Options that
+/// every command has stand once, at the end.
+std::string reference_page(const Json& program) {
+  const std::string name = text_of(program, "program"), common = "Common options";
+  std::string text = fmt::format("# {}\n\n{}. Generated from the declarations behind `{} --help`.\n\n", name,
+                                 text_of(program, "description"), name);
+  for (const Json& command : program.at("commands")) {
+    const std::string own = text_of(command, "name");
+    if (!own.empty()) text += fmt::format("## {} {}\n\n", name, own);
+    text += text_of(command, "description") + ".\n\n";
+    Texts headings;
+    for (const Json& argument : command.at("arguments"))
+      if (const std::string heading = text_of(argument, "heading");
+          heading != common && std::find(headings.begin(), headings.end(), heading) == headings.end())
+        headings.push_back(heading);
+    for (const std::string& heading : headings) text += argument_table(command, heading);
+    for (const Json& example : command.at("examples"))
+      text += fmt::format("    {}\n", example.get<std::string>());
+    text += '\n';
+  }
+  return text + "## " + common + "\n\n" + argument_table(program.at("commands").front(), common);
 }
 
 // Completions
@@ -281,13 +323,14 @@ void generate(const fs::path& program, const fs::path& folder) {
   const std::string name = text_of(json, "program");
   const bool dispatcher = json.contains("dispatcher");
   const fs::path bash = folder / "bash-completion/completions", zsh = folder / "zsh/site-functions",
-                 man = folder / "man/man1";
-  for (const fs::path& each : {bash, zsh, man}) make_folder(each);
+                 man = folder / "man/man1", doc = folder / "doc/loci";
+  for (const fs::path& each : {bash, zsh, man, doc}) make_folder(each);
   write_file_atomically(bash / name, dispatcher ? bash_dispatcher(json) : bash_completion(json));
   write_file_atomically(zsh / ("_" + name), zsh_completion(json));
   const bool alone = text_of(json.at("commands")[0], "name").empty();
   write_file_atomically(man / (name + ".1"),
                         alone ? command_page(json, json.at("commands")[0]) : program_page(json));
+  if (!dispatcher) write_file_atomically(doc / (name + ".md"), reference_page(json));
   if (dispatcher || alone) return;
   for (const Json& command : json.at("commands"))
     write_file_atomically(man / (name + "-" + text_of(command, "name") + ".1"), command_page(json, command));
