@@ -8,6 +8,7 @@
 #include "mapping/base/csv.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/base/output_file.h"
 #include "mapping/exchange/ply.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/recording.h"
@@ -64,7 +65,8 @@ namespace fs = std::filesystem;
 
 /// All rows of a view, as JSON Lines and CSV; the number of rows.
 int64_t export_view(const memory::Store& store, const std::string& view, const fs::path& folder) {
-  AtomicFile lines(folder / (view + ".jsonl")), table(folder / (view + ".csv"));
+  const OutputOptions anything{.replace = Replace::anything};
+  OutputFile lines(folder / (view + ".jsonl"), anything), table(folder / (view + ".csv"), anything);
   int64_t rows = 0;
   store.read_view("v_" + view, [&](const Json& row) {
     std::string names, cells;
@@ -141,7 +143,7 @@ int64_t export_clouds(const memory::Store& store, const fs::path& folder, Progre
 
 /// The state of the world as it was believed to be after each scene; how many.
 int64_t export_beliefs(const memory::Store& store, const fs::path& file, Progress& progress) {
-  AtomicFile lines(file);
+  OutputFile lines(file, {.replace = Replace::anything});
   int64_t written = 0;
   for_each_belief_state(store, progress, [&](const Json& state) {
     lines.write(state.dump() + "\n");

@@ -10,6 +10,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
+#include "mapping/base/output_file.h"
 
 namespace loci::mapping {
 namespace {
@@ -270,7 +271,7 @@ void write_pcd(const PcdCloud& cloud, const std::filesystem::path& path) {
     types += fmt::format(" {}", field.type);
     counts += fmt::format(" {}", field.count);
   }
-  AtomicFile file(path);
+  OutputFile file(path, {.replace = Replace::anything});
   file.write(
       fmt::format("# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS{}\nSIZE{}\nTYPE{}\n"
                   "COUNT{}\nWIDTH {}\nHEIGHT {}\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",

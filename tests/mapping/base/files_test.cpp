@@ -1,7 +1,6 @@
 #include "mapping/base/files.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "mapping/base/error.h"
 
@@ -28,27 +27,6 @@ TEST_F(Files, WritesAndReadsBack) {
   write_file_atomically(folder_ / "x", bytes);
   EXPECT_EQ(read_file(folder_ / "x"), bytes);
   EXPECT_EQ(count(), 1U);
-}
-
-TEST_F(Files, KeepsTheOldFileUntilCommit) {
-  write_file_atomically(folder_ / "x", "old");
-  {
-    AtomicFile file(folder_ / "x");
-    file.write("new");
-    EXPECT_EQ(read_file(folder_ / "x"), "old");
-  }
-  EXPECT_EQ(read_file(folder_ / "x"), "old");
-  EXPECT_EQ(count(), 1U);
-}
-
-TEST_F(Files, KeepsTheOldFileWhenTheDiskIsFull) {
-  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
-  write_file_atomically(folder_ / "x", "old");
-  // The temporary neighbour is a link to the full device, so that every write to it fails.
-  const auto temporary = folder_ / ("x.tmp" + std::to_string(::getpid()));
-  std::filesystem::create_symlink("/dev/full", temporary);
-  EXPECT_THROW(write_file_atomically(folder_ / "x", std::string(1 << 20, 'n')), Error);
-  EXPECT_EQ(read_file(folder_ / "x"), "old");
 }
 
 TEST_F(Files, SaysWhatIsMissing) {

@@ -1,0 +1,146 @@
+#include "mapping/base/output_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include "mapping/base/error.h"
+
+namespace loci {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kUnchanged = "the old file, if there was one, is unchanged";
+
+Error error_of(const fs::path& path, const std::string& what, const std::string& hint = {}) {
+  return Error(what, {path.string(), 0, {}}, hint);
+}
+
+fs::path resolved(const fs::path& path) {
+  std::error_code code;
+  const fs::path result = fs::weakly_canonical(path, code);
+  return code || result.empty() ? path : result;
+}
+
+bool contains(const fs::path& folder, const fs::path& path) {
+  const fs::path relative = resolved(path).lexically_relative(resolved(folder));
+  return !relative.empty() && *relative.begin() != "..";
+}
+
+/// Opens a new file NAME.tmpN. Nothing that exists is opened, a link neither.
+std::FILE* create_beside(const fs::path& target, unsigned mode, fs::path& temporary) {
+  constexpr int kMaxAttempts = 1000;
+  for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
+    temporary = target.string() + ".tmp" + std::to_string(::getpid()) + "_" + std::to_string(attempt);
+    const int descriptor = ::open(temporary.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+    if (descriptor >= 0) return ::fdopen(descriptor, "w+b");
+    if (errno != EEXIST) break;
+  }
+  return nullptr;
+}
+
+/// Renames; with `replace` unset only to a name that is free.
+bool rename_to(const fs::path& from, const fs::path& to, bool replace) {
+  if (replace) return ::rename(from.c_str(), to.c_str()) == 0;
+  if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return true;
+  if (errno != EINVAL && errno != ENOSYS) return false;
+  // The file system does not know this. A link never replaces a name.
+  return ::link(from.c_str(), to.c_str()) == 0 && ::unlink(from.c_str()) == 0;
+}
+
+void sync_folder(const fs::path& file) {
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;  // The rename stands; only its durability is not confirmed.
+  ::fsync(descriptor);
+  ::close(descriptor);
+}
+
+}  // namespace
+
+bool written_by_loci(const fs::path& file) {
+  std::array<char, 4096> head;
+  std::FILE* const stream = std::fopen(file.c_str(), "rb");
+  if (stream == nullptr) return false;
+  const size_t count = std::fread(head.data(), 1, head.size(), stream);
+  std::fclose(stream);
+  return std::string_view(head.data(), count).find("loci") != std::string_view::npos;
+}
+
+void refuse_inputs(const fs::path& output, const std::vector<fs::path>& inputs) {
+  std::error_code none;
+  if (!fs::exists(output, none)) return;
+  for (const fs::path& input : inputs) {
+    if (!fs::exists(input, none)) continue;
+    if (fs::equivalent(output, input, none))
+      throw error_of(output, "is an input of this command, it is not replaced", "write to another path");
+    if (fs::is_directory(output, none) && contains(output, input))
+      throw error_of(output, "contains an input of this command (" + input.string() + "), it is not replaced",
+                     "write to another folder");
+  }
+}
+
+void check_output(const fs::path& path, const OutputOptions& options) {
+  std::error_code none;
+  const fs::file_status status = fs::status(path, none);
+  if (path.empty()) throw Error("an output without a name", {}, "give a path");
+  if (!fs::exists(status)) return;
+  if (fs::is_directory(status)) throw error_of(path, "is a folder, a file was expected");
+  if (!fs::is_regular_file(status)) throw error_of(path, "is not a regular file", "write to another path");
+  refuse_inputs(path, options.inputs);
+  if (options.replace == Replace::nothing)
+    throw error_of(path, "exists already", "move it away, or write to another path");
+  if (options.replace == Replace::own && !written_by_loci(path))
+    throw error_of(path, "exists already, and loci did not write it",
+                   "move it away, write to another path, or give --force");
+}
+
+OutputFile::OutputFile(fs::path path, OutputOptions options)
+    : path_(std::move(path)), target_(resolved(path_)), options_(std::move(options)) {
+  check_output(path_, options_);
+  file_ = create_beside(target_, options_.mode, temporary_);
+  if (file_ == nullptr) throw error_of(path_, std::string("cannot be written: ") + std::strerror(errno));
+  struct stat replaced {};
+  if (::stat(target_.c_str(), &replaced) == 0) ::fchmod(::fileno(file_), replaced.st_mode & 0777);
+}
+
+OutputFile::~OutputFile() {
+  if (file_ != nullptr) discard();
+}
+
+void OutputFile::discard() {
+  std::fclose(file_);
+  file_ = nullptr;
+  ::unlink(temporary_.c_str());
+}
+
+void OutputFile::write(std::string_view bytes) {
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size())
+    throw error_of(path_, std::string("writing failed: ") + std::strerror(errno), kUnchanged);
+}
+
+void OutputFile::commit() {
+  const bool replace = options_.replace != Replace::nothing;
+  if (std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0 || !rename_to(temporary_, target_, replace)) {
+    const int reason = errno;
+    discard();
+    throw error_of(path_, std::string("writing failed: ") + std::strerror(reason), kUnchanged);
+  }
+  std::fclose(file_);  // It is on the disk already: nothing is left that could fail.
+  file_ = nullptr;
+  sync_folder(target_);
+}
+
+void write_output(const fs::path& path, std::string_view bytes, const OutputOptions& options) {
+  OutputFile file(path, options);
+  file.write(bytes);
+  file.commit();
+}
+
+}  // namespace loci

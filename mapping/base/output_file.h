@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+namespace loci {
+
+/// What may happen to a file that is at the path of an output.
+enum class Replace {
+  nothing,   ///< the path must be free
+  own,       ///< it may be replaced if loci wrote it (written_by_loci)
+  anything,  ///< it may be replaced: the user said --force, or it lies in a folder that loci made
+};
+
+struct OutputOptions {
+  Replace replace = Replace::own;
+  /// Files and folders that the same command reads. They are never replaced, under whatever name.
+  std::vector<std::filesystem::path> inputs = {};
+  unsigned mode = 0666;  ///< permissions of a new file, less the umask; 0600 for memories
+};
+
+/// Whether the first 4 KiB of a file name loci. Formats with comments name the program that wrote them.
+bool written_by_loci(const std::filesystem::path& file);
+
+/// Throws Error when `output` is one of `inputs`, or a folder that contains one of them. Paths are compared
+/// after resolving symbolic links, and by device and inode.
+void refuse_inputs(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs);
+
+/// Throws Error when OutputFile would refuse to write `path`. For commands that find out late what they
+/// write.
+void check_output(const std::filesystem::path& path, const OutputOptions& options);
+
+/// A file that a program writes. It is written under a temporary name in the same folder, and takes its name
+/// at commit(), synchronised with the disk. Without commit() the temporary file is removed, and what was
+/// there before stays. A symbolic link stays, and the file that it points to is replaced.
+class OutputFile {
+ public:
+  explicit OutputFile(std::filesystem::path path, OutputOptions options = {});
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  /// The temporary file, empty at first, for libraries that write by name.
+  const std::filesystem::path& temporary() const { return temporary_; }
+  void write(std::string_view bytes);
+  void commit();
+
+ private:
+  void discard();
+
+  std::filesystem::path path_;    ///< as given, for messages
+  std::filesystem::path target_;  ///< links resolved
+  std::filesystem::path temporary_;
+  OutputOptions options_;
+  std::FILE* file_ = nullptr;
+};
+
+/// Writes a whole file through OutputFile.
+void write_output(const std::filesystem::path& path, std::string_view bytes,
+                  const OutputOptions& options = {});
+
+}  // namespace loci

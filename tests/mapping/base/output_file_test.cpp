@@ -1,0 +1,145 @@
+#include "mapping/base/output_file.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include <csignal>
+
+#include "mapping/base/error.h"
+#include "mapping/base/files.h"
+
+namespace loci {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr OutputOptions kAnything{.replace = Replace::anything};
+
+class OutputFileTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() /
+              ("loci_output_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder_);
+    make_folder(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  size_t count() const { return static_cast<size_t>(std::distance(fs::directory_iterator(folder_), {})); }
+  static unsigned mode_of(const fs::path& path) {
+    return static_cast<unsigned>(fs::status(path).permissions()) & 0777U;
+  }
+  std::string refusal(const fs::path& path, const OutputOptions& options) {
+    try {
+      write_output(path, "new", options);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return {};
+  }
+  fs::path folder_;
+};
+
+TEST_F(OutputFileTest, HasItsNameOnlyAfterCommit) {
+  {
+    OutputFile file(folder_ / "x");
+    file.write("new");
+    EXPECT_FALSE(fs::exists(folder_ / "x"));
+    EXPECT_EQ(file.temporary().parent_path(), fs::canonical(folder_));
+  }
+  EXPECT_EQ(count(), 0U) << "without commit nothing is left";
+  write_output(folder_ / "x", "new");
+  EXPECT_EQ(read_file(folder_ / "x"), "new");
+  EXPECT_EQ(count(), 1U);
+}
+
+TEST_F(OutputFileTest, ReplacesOnlyWhatLociWroteUnlessForced) {
+  write_output(folder_ / "own", "<!-- written by loci-map 0.1 -->");
+  write_output(folder_ / "foreign", "a letter");
+  EXPECT_EQ(refusal(folder_ / "own", {}), "");
+  EXPECT_NE(refusal(folder_ / "foreign", {}).find("loci did not write it"), std::string::npos);
+  EXPECT_EQ(read_file(folder_ / "foreign"), "a letter");
+  EXPECT_EQ(refusal(folder_ / "foreign", kAnything), "");
+  EXPECT_EQ(read_file(folder_ / "foreign"), "new");
+  EXPECT_NE(refusal(folder_ / "foreign", {.replace = Replace::nothing}).find("exists already"),
+            std::string::npos);
+  EXPECT_EQ(count(), 2U);
+}
+
+TEST_F(OutputFileTest, NeverReplacesAnInputUnderAnyName) {
+  const fs::path input = folder_ / "input";
+  write_output(input, "loci");
+  fs::create_symlink("input", folder_ / "symbolic");
+  fs::create_hard_link(input, folder_ / "hard");
+  fs::create_directory_symlink(".", folder_ / "here");
+  for (const fs::path& output : {input, folder_ / "." / "input", folder_ / "symbolic", folder_ / "hard",
+                                 folder_ / "here" / "input", folder_ / "here" / "symbolic"}) {
+    EXPECT_NE(refusal(output, {.replace = Replace::anything, .inputs = {folder_ / "none", input}})
+                  .find("is an input of this command"),
+              std::string::npos)
+        << output;
+    EXPECT_EQ(read_file(input), "loci");
+  }
+  EXPECT_THROW(refuse_inputs(folder_, {input}), Error) << "a folder with an input in it";
+  EXPECT_NO_THROW(refuse_inputs(folder_ / "new", {input}));
+}
+
+TEST_F(OutputFileTest, ReplacesTheTargetOfALinkAndKeepsTheLink) {
+  write_output(folder_ / "target", "loci");
+  fs::create_symlink("target", folder_ / "link");
+  write_output(folder_ / "link", "new");
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link"));
+  EXPECT_EQ(read_file(folder_ / "target"), "new");
+}
+
+TEST_F(OutputFileTest, HasThePermissionsAskedForOrThoseOfTheOldFile) {
+  write_output(folder_ / "private", "loci", {.mode = 0600});
+  EXPECT_EQ(mode_of(folder_ / "private"), 0600U);
+  write_output(folder_ / "private", "new");
+  EXPECT_EQ(mode_of(folder_ / "private"), 0600U);
+  OutputFile open(folder_ / "secret", {.mode = 0600});
+  EXPECT_EQ(mode_of(open.temporary()), 0600U) << "from the first byte on";
+}
+
+TEST_F(OutputFileTest, DoesNotWriteThroughWhatLiesAtTheTemporaryName) {
+  const fs::path name = OutputFile(folder_ / "x").temporary();
+  write_output(folder_ / "precious", "loci");
+  fs::create_symlink("precious", name);
+  write_output(folder_ / "x", "new");
+  EXPECT_EQ(read_file(folder_ / "precious"), "loci");
+  EXPECT_TRUE(fs::is_symlink(name));
+}
+
+TEST_F(OutputFileTest, AFileThatAppearedMeanwhileIsNotReplaced) {
+  OutputFile file(folder_ / "x", {.replace = Replace::nothing});
+  file.write("new");
+  write_output(folder_ / "x", "other");
+  EXPECT_THROW(file.commit(), Error);
+  EXPECT_EQ(read_file(folder_ / "x"), "other");
+  EXPECT_EQ(count(), 1U);
+}
+
+TEST_F(OutputFileTest, RefusesWhatIsNoFile) {
+  EXPECT_THROW(write_output(folder_, "bytes", kAnything), Error);
+  EXPECT_THROW(write_output("/dev/null", "bytes", kAnything), Error);
+  EXPECT_THROW(write_output(folder_ / "none" / "x", "bytes", kAnything), Error);
+  EXPECT_THROW(write_output({}, "bytes", kAnything), Error);
+}
+
+TEST_F(OutputFileTest, KeepsTheOldFileWhenThereIsNoRoom) {
+  write_output(folder_ / "x", "loci, the old one");
+  rlimit old{};
+  getrlimit(RLIMIT_FSIZE, &old);
+  rlimit small = old;
+  small.rlim_cur = 1000;
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  setrlimit(RLIMIT_FSIZE, &small);
+  EXPECT_THROW(write_output(folder_ / "x", std::string(1 << 20, 'n')), Error);
+  setrlimit(RLIMIT_FSIZE, &old);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(read_file(folder_ / "x"), "loci, the old one");
+  EXPECT_EQ(count(), 1U);
+}
+
+}  // namespace
+}  // namespace loci
