@@ -10,6 +10,7 @@
 
 #include "apps/cli/help.h"
 #include "mapping/base/json.h"
+#include "mapping/base/terminal.h"
 
 namespace loci::apps {
 namespace {
@@ -61,7 +62,7 @@ void use_memory(const Argument& argument, bool quiet) {
   if (!file.empty()) return;
   const auto [found, source] = find_memory();
   file = found;
-  if (!quiet) fmt::print(stderr, "memory: {} ({})\n", found, source);
+  if (!quiet) fmt::print(stderr, "memory: {} ({})\n", terminal_text(found), source);
 }
 
 void install_interrupt_handler() {
@@ -168,10 +169,10 @@ int run_guarded(const std::string& name, const std::function<int()>& main) {
     fmt::print(stderr, "{}: interrupted\n", name);
     return 130;
   } catch (const UsageError& error) {
-    fmt::print(stderr, "{}: {}; see {} --help\n", name, error.what(), name);
+    fmt::print(stderr, "{}: {}; see {} --help\n", name, terminal_text(error.what()), name);
     return 2;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: {}\n", name, error.what());
+    fmt::print(stderr, "{}: {}\n", name, terminal_text(error.what()));
     return 1;
   }
 }

@@ -35,6 +35,8 @@ class Session {
   Warnings& warnings() { return warnings_; }
   /// Prints the answer: `text`, or `json` with --json. stdout carries nothing else.
   void answer(const std::string& text, const Json& json);
+  /// Prints a line on stderr, not with --quiet.
+  void log(const std::string& line);
   /// Prints the time of a stage on stderr with --timing.
   void timing(const std::string& stage, double seconds);
   void show_warnings();

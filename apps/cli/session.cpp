@@ -6,6 +6,7 @@
 
 #include "apps/cli/program.h"
 #include "mapping/base/json.h"
+#include "mapping/base/terminal.h"
 
 namespace loci::apps {
 namespace {
@@ -46,9 +47,9 @@ class TerminalProgress : public Progress {
     if (terminal_) {
       const auto filled = static_cast<size_t>(fraction * 30);
       fmt::print(stderr, "\r\033[K[{}{}] {:3.0f} %  {}{}", std::string(filled, '='),
-                 std::string(30 - filled, ' '), 100 * fraction, text, left);
+                 std::string(30 - filled, ' '), 100 * fraction, terminal_text(text), left);
     } else {
-      fmt::print(stderr, "{:3.0f} %  {}{}\n", 100 * fraction, text, left);
+      fmt::print(stderr, "{:3.0f} %  {}{}\n", 100 * fraction, terminal_text(text), left);
     }
   }
 
@@ -68,14 +69,18 @@ Session::~Session() = default;
 
 void Session::answer(const std::string& text, const Json& json) {
   progress_ = std::make_unique<TerminalProgress>(true);  // Clears the bar before the answer is printed.
-  if (flags_.json)
-    fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));  // e.g. names of files
+  if (flags_.json)                                       // Names of files, for example, need not be UTF-8.
+    fmt::print("{}\n", terminal_text(json.dump(2, ' ', false, Json::error_handler_t::replace)));
   else
-    fmt::print("{}{}", text, text.ends_with('\n') || text.empty() ? "" : "\n");
+    fmt::print("{}{}", terminal_text(text), text.ends_with('\n') || text.empty() ? "" : "\n");
+}
+
+void Session::log(const std::string& line) {
+  if (!flags_.quiet) fmt::print(stderr, "{}\n", terminal_text(line));
 }
 
 void Session::timing(const std::string& stage, double seconds) {
-  if (flags_.timing) fmt::print(stderr, "{:>10.3f} s  {}\n", seconds, stage);
+  if (flags_.timing) fmt::print(stderr, "{:>10.3f} s  {}\n", seconds, terminal_text(stage));
 }
 
 void Session::show_warnings() {
@@ -83,7 +88,7 @@ void Session::show_warnings() {
   if (flags_.quiet) return;
   const auto& texts = warnings_.texts();
   const size_t shown = flags_.verbose ? texts.size() : std::min<size_t>(texts.size(), 5);
-  for (size_t i = 0; i < shown; ++i) fmt::print(stderr, "warning: {}\n", texts[i]);
+  for (size_t i = 0; i < shown; ++i) fmt::print(stderr, "warning: {}\n", terminal_text(texts[i]));
   if (shown < texts.size())
     fmt::print(stderr, "warning: {} more (--verbose shows all)\n", texts.size() - shown);
 }

@@ -204,16 +204,20 @@ struct SearchArguments {
   perception::SearchOptions options;
 };
 
+/// The images of a catalogue lie in its folder, those of an index below the folder that it lies in.
+std::string images_folder(const std::filesystem::path& index) {
+  if (std::filesystem::is_directory(index)) return index.string();
+  return index.has_parent_path() ? index.parent_path().string() : ".";
+}
+
 void serve(ServeArguments& given, Session& session) {
   table_of(given.service).validate();
   table_of(given.server).validate();
   const perception::SearchService service(open_index(given.index, session), given.service);
   session.show_warnings();
-  const bool quiet = session.flags().quiet;
+  if (given.server.images.empty()) given.server.images = images_folder(given.index);
   const perception::SearchServer server(service, given.server, session.flags().threads,
-                                        [&](const std::string& line) {
-                                          if (!quiet) fmt::print(stderr, "{}\n", line);
-                                        });
+                                        [&](const std::string& line) { session.log(line); });
   session.answer(fmt::format("{} images, answering at {} (Ctrl-C stops)\n", service.images(), server.url()),
                  {{"images", service.images()}, {"url", server.url()}, {"port", server.port()}});
   std::fflush(stdout);

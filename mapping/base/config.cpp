@@ -1,8 +1,32 @@
 #include "mapping/base/config.h"
 
+#include <fmt/format.h>
+
 #include "mapping/base/files.h"
 
 namespace loci {
+namespace {
+
+// Far beyond what people write; aliases that expand to more are an attack.
+constexpr int kMaxDepth = 64;
+constexpr size_t kMaxNodes = 2'000'000;
+
+/// Refuses a document that is too deep or, with its aliases expanded, too large, or whose keys are no names.
+void check_size(const YAML::Node& node, const std::string& file, int depth, size_t& nodes) {
+  const FileLocation place{file, node.Mark().is_null() ? 0 : node.Mark().line + 1, {}};
+  if (depth > kMaxDepth) throw Error(fmt::format("more than {} levels deep", kMaxDepth), place);
+  if (++nodes > kMaxNodes)
+    throw Error(fmt::format("more than {} values, aliases expanded", kMaxNodes), place);
+  if (node.IsSequence())
+    for (const auto& item : node) check_size(item, file, depth + 1, nodes);
+  if (!node.IsMap()) return;
+  for (const auto& entry : node) {
+    if (!entry.first.IsScalar()) throw Error("a key is no name", place);
+    check_size(entry.second, file, depth + 1, nodes);
+  }
+}
+
+}  // namespace
 
 Config Config::read(const std::filesystem::path& path) {
   return parse(read_file(path), path.string());
@@ -12,6 +36,8 @@ Config Config::parse(const std::string& text, const std::string& file) {
   try {
     YAML::Node node = YAML::Load(text);
     if (!node || node.IsNull()) node = YAML::Node(YAML::NodeType::Map);
+    size_t nodes = 0;
+    check_size(node, file, 0, nodes);
     return {node, file, {}};
   } catch (const YAML::Exception& error) {
     throw Error("not valid YAML: " + error.msg, {file, error.mark.is_null() ? 0 : error.mark.line + 1, {}});

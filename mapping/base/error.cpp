@@ -10,6 +10,9 @@
 namespace loci {
 namespace {
 
+constexpr size_t kMaxText = 4000;  ///< bytes of an error's line: it may quote a hostile file
+constexpr size_t kMaxName = 200;   ///< bytes of a name that a near one is looked for
+
 size_t edit_distance(std::string_view first, std::string_view second) {
   const std::string a = lower_case(first), b = lower_case(second);
   std::vector<size_t> row(b.size() + 1);
@@ -41,7 +44,9 @@ Error::Error(std::string what, FileLocation location, std::string hint)
   const std::string where = location_.text();
   text_ = where.empty() ? message_ : where + ": " + message_;
   if (!hint_.empty()) text_ += "; " + hint_;
-  std::replace(text_.begin(), text_.end(), '\n', ' ');
+  if (text_.size() > kMaxText) text_.replace(kMaxText / 2, text_.size() - kMaxText, " … ");
+  std::replace_if(
+      text_.begin(), text_.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
 }
 
 void Warnings::add(std::string text, const FileLocation& location) {
@@ -51,8 +56,10 @@ void Warnings::add(std::string text, const FileLocation& location) {
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates) {
   std::string best;
+  if (name.size() > kMaxName) return best;
   size_t best_distance = std::max<size_t>(2, name.size() / 3) + 1;
   for (const std::string& candidate : candidates) {
+    if (candidate.size() >= name.size() + best_distance) continue;
     const size_t distance = edit_distance(name, candidate);
     if (distance < best_distance) {
       best_distance = distance;

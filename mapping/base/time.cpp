@@ -68,7 +68,7 @@ TimeNs parse_time(std::string_view text) {
   cursor.expect(':');
   const int64_t minute = cursor.number(2);
   const int64_t second = cursor.accept(':') ? cursor.number(2) : 0;
-  if (hour > 24 || minute > 59 || second > 60) cursor.fail();
+  if (hour > 24 || minute > 59 || second > 60 || (hour == 24 && minute + second > 0)) cursor.fail();
   const int64_t nanoseconds = cursor.accept('.') ? cursor.fraction_ns() : 0;
   seconds += 3600 * hour + 60 * minute + second;
   if (!cursor.accept('Z')) {
@@ -76,7 +76,9 @@ TimeNs parse_time(std::string_view text) {
     if (sign > 0) cursor.expect('+');
     const int64_t zone_hour = cursor.number(2);
     cursor.accept(':');
-    seconds -= sign * (3600 * zone_hour + 60 * cursor.number(2));
+    const int64_t zone_minute = cursor.number(2);
+    if (zone_hour > 15 || zone_minute > 59) cursor.fail();
+    seconds -= sign * (3600 * zone_hour + 60 * zone_minute);
   }
   if (!cursor.at_end()) cursor.fail();
   return seconds * kSecond + nanoseconds;
@@ -90,14 +92,17 @@ std::string format_time(TimeNs time) {
 
 std::string format_time(TimeNs time, int zone_minutes) {
   using namespace std::chrono;
-  const sys_time<nanoseconds> point{nanoseconds(time) + minutes(zone_minutes)};
+  // In seconds: the zone, or the midnight before, may lie outside what nanoseconds can hold.
+  const auto whole = floor<seconds>(nanoseconds(time));
+  const sys_seconds point{whole + minutes(zone_minutes)};
   const auto midnight = floor<days>(point);
   const year_month_day date(midnight);
   const hh_mm_ss clock(point - midnight);
   std::string text = fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}", static_cast<int>(date.year()),
                                  static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
                                  clock.hours().count(), clock.minutes().count(), clock.seconds().count());
-  if (const auto fraction = clock.subseconds().count(); fraction != 0) {
+  const TimeNs past_second = time % kSecond;
+  if (const TimeNs fraction = past_second < 0 ? past_second + kSecond : past_second; fraction != 0) {
     text += fmt::format(".{:09}", fraction);
     text.erase(text.find_last_not_of('0') + 1);
   }

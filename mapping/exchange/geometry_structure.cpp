@@ -5,6 +5,7 @@
 #include "mapping/exchange/furniture_structure.h"
 #include "mapping/exchange/map_structure.h"
 #include "mapping/exchange/world_triangles.h"
+#include "mapping/world/kinematics.h"
 
 namespace loci::mapping {
 namespace {
@@ -16,14 +17,6 @@ constexpr double kMinSupportHeight = 0.2;  // m; lower surfaces are the floor or
 constexpr double kMaxSupportHeight = 2.0;
 constexpr double kFreeAbove = 0.25;  // m; less room above and nothing can be put there or seen
 constexpr double kSameHeight = 0.01;
-
-/// Whether a movable joint lies between a link and the root.
-bool moves(const World& world, size_t link) {
-  for (const Joint* joint = world.parent_joint(world.links[link].name); joint != nullptr;
-       joint = world.parent_joint(joint->parent))
-    if (joint->type != JointType::fixed) return true;
-  return false;
-}
 
 bool over(const WorldTriangle& triangle, const Vector3d& point) {
   const Vector2d p = point.head<2>();
@@ -56,6 +49,7 @@ double open_fraction(const std::vector<const WorldTriangle*>& patch, const std::
 }
 
 void add_supports(const World& world, const std::vector<WorldTriangle>& triangles, MapStructure& structure) {
+  const std::vector<bool> moving = moving_links(world);
   std::map<std::pair<size_t, long>, std::vector<const WorldTriangle*>> patches;
   for (const WorldTriangle& triangle : triangles) {
     const double z = triangle.corners[0].z();
@@ -75,7 +69,7 @@ void add_supports(const World& world, const std::vector<WorldTriangle>& triangle
     if (area < kMinSurface) continue;
     surface.height /= area;
     surface.name = world.links[key.first].name;
-    surface.main = !moves(world, key.first) && open_fraction(patch, triangles) > 0.5;
+    surface.main = !moving[key.first] && open_fraction(patch, triangles) > 0.5;
     structure.supports.push_back(std::move(surface));
   }
 }

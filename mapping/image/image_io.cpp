@@ -73,9 +73,10 @@ bool has_image_end(std::string_view head, std::string_view tail) {
   return tail.find(end) != std::string_view::npos;
 }
 
-cv::Mat decode(std::string_view bytes, const std::string& name, PixelFormat format) {
-  if (bytes.starts_with(kPngSignature)) return decode_png(bytes, format, name);
-  if (bytes.starts_with(kJpegStart)) return decode_jpeg(bytes, format, name);
+cv::Mat decode(std::string_view bytes, const std::string& name, PixelFormat format,
+               uint64_t max_pixels = kMaxImagePixels) {
+  if (bytes.starts_with(kPngSignature)) return decode_png(bytes, format, name, max_pixels);
+  if (bytes.starts_with(kJpegStart)) return decode_jpeg(bytes, format, name, max_pixels);
   throw not_an_image(bytes, name);
 }
 
@@ -129,6 +130,10 @@ std::vector<unsigned char> encode_image(const cv::Mat& image, const std::string&
 
 cv::Mat decode_image(const std::vector<unsigned char>& bytes, const std::string& name) {
   return decode({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, name, PixelFormat::stored);
+}
+
+cv::Mat decode_color(std::string_view bytes, const std::string& name, uint64_t max_pixels) {
+  return decode(bytes, name, PixelFormat::bgr, max_pixels);
 }
 
 }  // namespace loci::mapping

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <string>
@@ -7,6 +8,9 @@
 #include <vector>
 
 namespace loci::mapping {
+
+/// No camera takes more; larger images are refused before memory is taken.
+inline constexpr uint64_t kMaxImagePixels = uint64_t{1} << 27;
 
 /// A colour image (CV_8UC3, BGR) from PNG or JPEG. Error when it is missing, truncated or not an image.
 cv::Mat read_color(const std::filesystem::path& path);
@@ -38,5 +42,7 @@ std::vector<unsigned char> encode_image(const cv::Mat& image, const std::string&
 /// Depth and channels as stored. Error when the bytes are not a whole PNG or JPEG image; `name` is for the
 /// message.
 cv::Mat decode_image(const std::vector<unsigned char>& bytes, const std::string& name);
+/// A colour image (CV_8UC3, BGR) of at most `max_pixels`, which is checked before memory is taken.
+cv::Mat decode_color(std::string_view bytes, const std::string& name, uint64_t max_pixels = kMaxImagePixels);
 
 }  // namespace loci::mapping

@@ -16,6 +16,12 @@ namespace {
 constexpr int kQuality = 95;
 /// Progressive files repeat the whole image per scan; real ones have about ten.
 constexpr int kMaxScans = 100;
+/// A Huffman code has at least one bit for each block of 8 x 8 pixels: an image that claims more is not in
+/// the file.
+constexpr uint64_t kMaxPixelsPerByte = 512;
+/// What the decoder of a progressive image may take: 16-bit coefficients of four channels at full resolution.
+constexpr uint64_t kBytesPerPixel = 8;
+constexpr uint64_t kFixedBytes = uint64_t{16} << 20;
 
 /// libjpeg reports errors by longjmp: functions that call it hold nothing that has a destructor.
 struct JpegErrors {
@@ -65,6 +71,8 @@ class JpegReader {
   uint32_t height() const { return codec_.image_height; }
   bool is_cmyk() const { return codec_.num_components == 4; }
   bool is_grey() const { return codec_.num_components == 1; }
+  bool is_arithmetic() const { return codec_.arith_code != 0; }
+  void limit_memory(uint64_t bytes) { codec_.mem->max_memory_to_use = static_cast<long>(bytes); }
 
   bool read_header(std::string_view bytes) {
     if (setjmp(errors_.jump) != 0) return false;
@@ -150,7 +158,8 @@ cv::Mat bgr_from_cmyk(const cv::Mat& cmyk) {
 
 }  // namespace
 
-cv::Mat decode_jpeg(std::string_view bytes, PixelFormat format, const std::string& name) {
+cv::Mat decode_jpeg(std::string_view bytes, PixelFormat format, const std::string& name,
+                    uint64_t max_pixels) {
   JpegReader reader;
   const auto failed = [&] {
     const char* hint = "copy or record the file again";
@@ -158,7 +167,14 @@ cv::Mat decode_jpeg(std::string_view bytes, PixelFormat format, const std::strin
     return Error(fmt::format("the image is damaged ({})", reader.errors().message), {name, 0, {}}, hint);
   };
   if (!reader.read_header(bytes)) throw failed();
-  require_decodable_size(reader.width(), reader.height(), name);
+  require_decodable_size(reader.width(), reader.height(), max_pixels, name);
+  if (reader.is_arithmetic())
+    throw Error("the JPEG image is coded arithmetically, which is not read", {name, 0, {}},
+                "save it as an ordinary JPEG or as PNG");
+  const uint64_t pixels = uint64_t{reader.width()} * reader.height();
+  if (pixels > kMaxPixelsPerByte * bytes.size())
+    throw Error("the image is damaged (more pixels than data)", {name, 0, {}});
+  reader.limit_memory(kFixedBytes + kBytesPerPixel * pixels);
   const bool grey = reader.is_grey() && format == PixelFormat::stored;
   const J_COLOR_SPACE space = reader.is_cmyk() ? JCS_CMYK : grey ? JCS_GRAYSCALE : JCS_EXT_BGR;
   cv::Mat image(static_cast<int>(reader.height()), static_cast<int>(reader.width()),

@@ -157,7 +157,7 @@ std::vector<png_bytep> rows_of(const cv::Mat& image) {
 
 }  // namespace
 
-cv::Mat decode_png(std::string_view bytes, PixelFormat format, const std::string& name) {
+cv::Mat decode_png(std::string_view bytes, PixelFormat format, const std::string& name, uint64_t max_pixels) {
   PngReader reader(bytes);
   const auto failed = [&] {
     const char* hint = "copy or record the file again";
@@ -165,7 +165,7 @@ cv::Mat decode_png(std::string_view bytes, PixelFormat format, const std::string
     return Error(fmt::format("the image is damaged ({})", reader.stream().message), {name, 0, {}}, hint);
   };
   if (!reader.read_header()) throw failed();
-  require_decodable_size(reader.width(), reader.height(), name);
+  require_decodable_size(reader.width(), reader.height(), max_pixels, name);
   if (reader.raw_bytes() > kMaxDeflateRatio * bytes.size())
     throw Error("the image is damaged (more pixels than data)", {name, 0, {}});
   cv::Mat image(static_cast<int>(reader.height()), static_cast<int>(reader.width()), reader.type(format));

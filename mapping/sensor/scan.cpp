@@ -5,6 +5,7 @@
 
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "mapping/base/config.h"
 #include "mapping/base/files.h"
@@ -60,7 +61,12 @@ std::vector<ScanPoint> points_from_cloud(const PcdCloud& cloud, const fs::path& 
       point.g = static_cast<uint8_t>(color >> 8);
       point.b = static_cast<uint8_t>(color);
     }
-    if (origin != nullptr) point.origin_index = static_cast<uint16_t>(cloud.number(i, *origin));
+    if (origin != nullptr) {
+      const double index = cloud.number(i, *origin);
+      if (!(index >= 0 && index <= std::numeric_limits<uint16_t>::max()))
+        throw Error(fmt::format("the origin_index of point {} is {}", i, index), {path.string(), 0, {}});
+      point.origin_index = static_cast<uint16_t>(index);
+    }
     if (returned != nullptr) point.returned = cloud.number(i, *returned) != 0;
     points.push_back(point);
   }

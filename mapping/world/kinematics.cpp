@@ -42,6 +42,34 @@ double joint_position(const World& world, const Index& joints, const JointState&
   throw Error("joint '" + world.joints[joint].name + "' mimics itself");
 }
 
+Index index_of_links(const World& world) {
+  Index links;
+  for (size_t i = 0; i < world.links.size(); ++i) links.emplace(world.links[i].name, i);
+  return links;
+}
+
+/// The tree from the root down, in linear time: going up from each link is quadratic in a long chain.
+template <class Visit>
+void for_each_joint_downwards(const World& world, const Index& links, Visit visit) {
+  std::vector<std::vector<size_t>> joints_below(world.links.size());
+  for (size_t i = 0; i < world.joints.size(); ++i) {
+    const auto parent = links.find(world.joints[i].parent);
+    if (parent == links.end() || !links.contains(world.joints[i].child))
+      throw Error("joint '" + world.joints[i].name + "' joins links that the world does not have");
+    joints_below[parent->second].push_back(i);
+  }
+  std::vector<size_t> open;
+  if (const auto root = links.find(world.root); root != links.end()) open.push_back(root->second);
+  for (size_t done = 0; done < open.size() && done < world.links.size(); ++done) {
+    const size_t parent = open[done];
+    for (const size_t joint : joints_below[parent]) {
+      const size_t child = links.at(world.joints[joint].child);
+      visit(parent, joint, child);
+      open.push_back(child);
+    }
+  }
+}
+
 }  // namespace
 
 Isometry3d joint_motion(const Joint& joint, double position) {
@@ -63,31 +91,24 @@ Isometry3d joint_motion(const Joint& joint, double position) {
 }
 
 std::vector<Isometry3d> root_from_links(const World& world, const JointState& state) {
-  Index links, joints;
-  for (size_t i = 0; i < world.links.size(); ++i) links.emplace(world.links[i].name, i);
+  Index joints;
   for (size_t i = 0; i < world.joints.size(); ++i) joints.emplace(world.joints[i].name, i);
   check_state(world, joints, state);
 
-  std::vector<std::vector<size_t>> joints_below(world.links.size());
-  for (size_t i = 0; i < world.joints.size(); ++i) {
-    const auto parent = links.find(world.joints[i].parent);
-    if (parent == links.end() || !links.contains(world.joints[i].child))
-      throw Error("joint '" + world.joints[i].name + "' joins links that the world does not have");
-    joints_below[parent->second].push_back(i);
-  }
   std::vector<Isometry3d> root_from(world.links.size(), Isometry3d::Identity());
-  std::vector<size_t> open;
-  if (const auto root = links.find(world.root); root != links.end()) open.push_back(root->second);
-  for (size_t done = 0; done < open.size() && done < world.links.size(); ++done) {
-    const size_t parent = open[done];
-    for (const size_t joint : joints_below[parent]) {
-      const size_t child = links.at(world.joints[joint].child);
-      root_from[child] = root_from[parent] * world.joints[joint].parent_from_joint *
-                         joint_motion(world.joints[joint], joint_position(world, joints, state, joint));
-      open.push_back(child);
-    }
-  }
+  for_each_joint_downwards(world, index_of_links(world), [&](size_t parent, size_t joint, size_t child) {
+    root_from[child] = root_from[parent] * world.joints[joint].parent_from_joint *
+                       joint_motion(world.joints[joint], joint_position(world, joints, state, joint));
+  });
   return root_from;
+}
+
+std::vector<bool> moving_links(const World& world) {
+  std::vector<bool> moving(world.links.size(), false);
+  for_each_joint_downwards(world, index_of_links(world), [&](size_t parent, size_t joint, size_t child) {
+    moving[child] = moving[parent] || world.joints[joint].type != JointType::fixed;
+  });
+  return moving;
 }
 
 }  // namespace loci::mapping

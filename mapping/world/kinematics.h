@@ -15,4 +15,7 @@ std::vector<Isometry3d> root_from_links(const World& world, const JointState& st
 /// joints do not move; floating and planar joints have no single position and stay at their origin.
 Isometry3d joint_motion(const Joint& joint, double position);
 
+/// Whether a movable joint lies between each link and the root, by index into world.links.
+std::vector<bool> moving_links(const World& world);
+
 }  // namespace loci::mapping

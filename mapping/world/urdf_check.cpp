@@ -239,9 +239,10 @@ class Checker {
   }
 
   void check_mimics() {
+    std::map<std::string, std::string> followed_from;  // Each joint is followed once.
     for (const auto& [name, joint] : joints_) {
       std::string at = name;
-      for (size_t steps = 0; !joints_.at(at).mimics.empty(); ++steps) {
+      while (!joints_.at(at).mimics.empty() && followed_from.emplace(at, name).second) {
         const std::string& next = joints_.at(at).mimics;
         if (!joints_.contains(next)) {
           std::vector<std::string> names;
@@ -249,18 +250,19 @@ class Checker {
           fail(*joints_.at(at).element, "joint '" + at + "' mimics '" + next + "', which does not exist",
                did_you_mean(next, names));
         }
-        if (steps > joints_.size()) fail(*joint.element, "joint '" + name + "' mimics itself");
         at = next;
       }
+      if (!joints_.at(at).mimics.empty() && followed_from.at(at) == name)
+        fail(*joints_.at(at).element, "joint '" + at + "' mimics itself");
     }
   }
 
-  /// The links of the cycle that is met when going up from `link`; empty when a root is met.
+  /// The links of the cycle that is met when going up from `link`; empty when a root is met, or a link that
+  /// an earlier call met.
   std::vector<std::string> cycle_above(const std::string& link) {
     std::vector<std::string> path;
-    std::set<std::string> seen;
     std::string at = link;
-    while (seen.insert(at).second) {
+    while (met_.insert(at).second) {
       path.push_back(at);
       const auto joint = parent_joint_.find(at);
       if (joint == parent_joint_.end()) return {};
@@ -299,6 +301,7 @@ class Checker {
   std::map<std::string, const XMLElement*> links_;
   std::map<std::string, JointEnds> joints_;
   std::map<std::string, std::string> parent_joint_;  ///< joint by the name of its child link
+  std::set<std::string> met_;                        ///< links on whose way to the root no cycle was found
 };
 
 }  // namespace

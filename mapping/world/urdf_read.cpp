@@ -90,6 +90,22 @@ std::string xml_text(const XMLElement& element) {
   return printer.CStr();
 }
 
+/// An element for urdfdom, whose XML reader is another one: without comments, declarations and whatever else
+/// the two could understand differently, so that what was checked is what is read.
+std::string elements_text(const XMLElement& element) {
+  class ElementPrinter : public tinyxml2::XMLPrinter {
+   public:
+    ElementPrinter() : XMLPrinter(nullptr, true) {}
+    bool Visit(const tinyxml2::XMLText& text) override { return XMLPrinter::Visit(text); }
+    bool Visit(const tinyxml2::XMLComment&) override { return true; }
+    bool Visit(const tinyxml2::XMLDeclaration&) override { return true; }
+    bool Visit(const tinyxml2::XMLUnknown&) override { return true; }
+  };
+  ElementPrinter printer;
+  element.Accept(&printer);
+  return printer.CStr();
+}
+
 /// Child elements that URDF does not define, as text.
 std::vector<std::string> unknown_children(const XMLElement& element,
                                           const std::set<std::string_view>& known) {
@@ -255,7 +271,7 @@ World parse_urdf(const std::string& text, const std::string& file) {
   tinyxml2::XMLDocument document;
   urdf_detail::parse_xml(document, text, file);
   const XMLElement& robot = urdf_detail::check_urdf(document, file);
-  const urdf::ModelInterfaceSharedPtr model = parse_with_urdfdom(text, file);
+  const urdf::ModelInterfaceSharedPtr model = parse_with_urdfdom(elements_text(robot), file);
   const Materials materials(robot);
 
   World world;

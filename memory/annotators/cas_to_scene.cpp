@@ -53,13 +53,9 @@ void describe_place(const perception::types::PlanarSupport& support, const mappi
 /// Poses of movable links: objects on them move along.
 void add_place_poses(const mapping::World& world, SceneRecord& record) {
   const std::vector<Isometry3d> poses = root_from_links(world, record.row.joints);
-  for (size_t i = 0; i < world.links.size(); ++i) {
-    bool moves = false;
-    for (const mapping::Joint* joint = world.parent_joint(world.links[i].name); joint != nullptr && !moves;
-         joint = world.parent_joint(joint->parent))
-      moves = joint->type != mapping::JointType::fixed;
-    if (moves) record.place_poses.push_back({world.links[i].name, poses[i]});
-  }
+  const std::vector<bool> moving = mapping::moving_links(world);
+  for (size_t i = 0; i < world.links.size(); ++i)
+    if (moving[i]) record.place_poses.push_back({world.links[i].name, poses[i]});
 }
 
 void read_camera(const perception::types::SceneCas& cas, const perception::types::Scene& scene,

@@ -1,5 +1,6 @@
 #include "memory/catalogue/catalogue.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "mapping/base/files.h"
@@ -35,6 +36,8 @@ std::vector<belief::Descriptor> view_from(const Json& json) {
     if (one.contains("names")) d.names = one.at("names").get<std::vector<std::string>>();
     if (!d.names.empty() && d.names.size() != d.values.size())
       throw Error("a view has not as many names as values");
+    if (!std::ranges::all_of(d.values, [](float value) { return std::isfinite(value); }))
+      throw Error("a value of a view is not a finite number");
     view.push_back(std::move(d));
   }
   return view;
@@ -132,9 +135,9 @@ Json to_json(const Catalogue& catalogue) {
 }
 
 Catalogue catalogue_from(const Json& json, const std::string& file) {
-  if (!json.is_object() || json.value("format", "") != kFormat)
+  if (!json.is_object() || !json.contains("format") || json.at("format") != kFormat)
     throw Error("is not a catalogue", {file, 0, {}}, "loci-memory catalogue export writes one");
-  if (json.value("version", 0) != kVersion)
+  if (!json.contains("version") || json.at("version") != kVersion)
     throw Error("this catalogue was written by another version of loci", {file, 0, {}});
   try {
     Catalogue catalogue;

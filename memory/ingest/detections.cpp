@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "mapping/base/error.h"
@@ -130,7 +131,9 @@ Vector3d read_color(const Parsed& json, const std::string& where) {
 
 std::vector<float> read_feature(const Parsed& json, const std::string& where) {
   std::vector<float> values;
-  for (const Parsed& value : list(json, where)) values.push_back(static_cast<float>(number(value, where)));
+  constexpr double kMax = std::numeric_limits<float>::max();
+  for (const Parsed& value : list(json, where))
+    values.push_back(static_cast<float>(bounded(value, where, -kMax, kMax)));
   return values;
 }
 

@@ -17,6 +17,9 @@ namespace {
 constexpr TimeNs kMinute = 60 * kSecond;
 constexpr TimeNs kHour = 60 * kMinute;
 constexpr TimeNs kDay = 24 * kHour;
+// Times that can be read and written (parse_time), with room for zones and days on both sides.
+constexpr TimeNs kEarliest = -106'000 * kDay;
+constexpr TimeNs kLatest = 106'000 * kDay;
 
 std::optional<int> number_of(std::string_view text) {
   int value = 0;
@@ -37,6 +40,7 @@ std::optional<TimeSpan> clock_of(const std::string& text) {
       number_of(text.substr(first + 1, second == std::string::npos ? second : second - first - 1));
   const auto seconds = second == std::string::npos ? std::optional(0) : number_of(text.substr(second + 1));
   if (!hour || !minute || !seconds || *hour > 24 || *minute > 59 || *seconds > 59) return std::nullopt;
+  if (*hour == 24 && *minute + *seconds > 0) return std::nullopt;
   const TimeNs start = *hour * kHour + *minute * kMinute + *seconds * kSecond;
   return TimeSpan{start, start + (second == std::string::npos ? kMinute : kSecond) - 1};
 }
@@ -145,7 +149,7 @@ class TimePhrase {
     if (words.size() != 2) return std::nullopt;
     const auto count = count_of(words[0]);
     const auto unit = unit_of(words[1]);
-    if (!count || !unit || *count < 0 || *count > 100000) return std::nullopt;
+    if (!count || !unit || *count < 0 || *count > now_ / *unit - kEarliest / *unit) return std::nullopt;
     const TimeNs time = now_ - *count * *unit / (half ? 2 : 1);
     return TimeSpan{time, time};
   }
@@ -183,33 +187,41 @@ class TimePhrase {
     if (const auto part = part_of_day(word())) return ++next_, part;
     auto clock = read_clock();
     if (!clock) return std::nullopt;
-    bool late = word() == "pm";
-    if (late || word() == "am") {
-      ++next_;
-    } else if (word() == "in" && word(1) == "the" && part_of_day(word(2))) {
-      late = word(2) != "morning";
-      next_ += 3;
+    const auto moved = [&](TimeNs hours) {
+      return TimeSpan{clock->first + hours * kHour, clock->last + hours * kHour};
+    };
+    if (word() == "am" || word() == "pm") {
+      const bool late = words_[next_++] == "pm";
+      if (clock->first >= 13 * kHour) return std::nullopt;
+      const bool twelve = clock->first >= 12 * kHour;  // 12:30 am is half past midnight
+      return late == twelve ? *clock : moved(late ? 12 : -12);
     }
-    if (late && clock->first < 12 * kHour)
-      clock = TimeSpan{clock->first + 12 * kHour, clock->last + 12 * kHour};
+    if (word() == "in" && word(1) == "the" && part_of_day(word(2))) {
+      const bool late = word(2) != "morning" && (word(2) != "night" || clock->first >= 6 * kHour);
+      next_ += 3;
+      if (late && clock->first < 12 * kHour) return moved(12);
+    }
     return clock;
   }
 
+  /// "9am" is "9 am", "8:30am" is "8:30 am".
+  void split_half_of_day() {
+    const std::string text = word();
+    if (text.size() < 3 || !is_digit(text[0]) || !(text.ends_with("am") || text.ends_with("pm"))) return;
+    words_.insert(words_.begin() + static_cast<std::ptrdiff_t>(next_) + 1, text.substr(text.size() - 2));
+    words_[next_].resize(text.size() - 2);
+  }
+
   std::optional<TimeSpan> read_clock() {
+    split_half_of_day();
     if (const auto clock = clock_of(word())) return ++next_, clock;
     const auto at_minute = [](int hour, int minute) {
       const TimeNs start = hour * kHour + minute * kMinute;
       return TimeSpan{start, start + kMinute - 1};
     };
     const auto shift = is("half", "past") ? 30 : is("quarter", "past") ? 15 : is("quarter", "to") ? -15 : 0;
-    std::string text = word();
-    // "9am" is "9 am".
-    if (text.size() > 2 && (text.ends_with("am") || text.ends_with("pm")) &&
-        number_of(text.substr(0, text.size() - 2))) {
-      words_.insert(words_.begin() + static_cast<std::ptrdiff_t>(next_) + 1, text.substr(text.size() - 2));
-      words_[next_].resize(text.size() - 2);
-      text = words_[next_];
-    }
+    if (shift != 0) split_half_of_day();
+    const std::string text = word();
     const auto hour = text == "a" || text == "an" ? std::nullopt : count_of(text);
     if (!hour || *hour < 0 || *hour > 24 || text.size() > 6) return std::nullopt;
     ++next_;
@@ -241,7 +253,8 @@ TimeSpan TimeReader::read(std::string_view text) const {
 
 std::optional<TimeSpan> TimeReader::try_read(std::string_view text) const {
   const TimeNs zone = zone_minutes_ * kMinute;
-  if (const auto span = TimePhrase(words_of(lower_case(text)), last_scene_ + zone).read())
+  const TimeNs last_scene = std::clamp(last_scene_, kEarliest, kLatest);
+  if (const auto span = TimePhrase(words_of(lower_case(text)), last_scene + zone).read())
     return TimeSpan{span->first - zone, span->last - zone};
   const std::string whole(text);
   if (whole.size() < 11 || !is_date(whole.substr(0, 10))) return std::nullopt;

@@ -107,7 +107,8 @@ class TypeSystemBuilder {
     bool has_allowed_values = false;
     bool builtin = false;
     FileLocation place;
-    int state = 0;  ///< 0 new, 1 being built, 2 built
+    int state = 0;   ///< 0 new, 1 being built, 2 built
+    int levels = 0;  ///< of supertypes above it
     loci::perception::cas::detail::TypeData* data = nullptr;
   };
 
@@ -246,7 +247,12 @@ void TypeSystemBuilder::build_type(TypeSystem& system, TypeDeclaration& declarat
   if (!declaration.supertype.empty()) {
     super = &resolve(declaration.supertype, declaration.place, "supertype of " + declaration.name);
     build_type(system, *super, depth + 1);
+    declaration.levels = super->levels + 1;
   }
+  // The recursion here ends at types that are built already; others go through all levels.
+  if (declaration.levels > kMaxDepth)
+    throw Error("type " + declaration.name + " has more than " + std::to_string(kMaxDepth) + " supertypes",
+                declaration.place, "flatten the hierarchy");
   auto data = std::make_unique<TypeData>();
   data->name = declaration.name;
   data->description = declaration.description;

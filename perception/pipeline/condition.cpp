@@ -116,6 +116,9 @@ cas::Type named_type(const cas::TypeSystem& types, const std::string& name, cons
   throw Error(fmt::format("there is no type '{}'", name), place, did_you_mean(name, known));
 }
 
+/// Levels of parentheses and `not`: recursion follows them.
+constexpr int kMaxConditionDepth = 100;
+
 /// Recursive descent over: or := and {"or" and}; and := not {"and" not}; not := ["not"] (test | "(" or ")").
 class Condition::Parser {
  public:
@@ -151,7 +154,8 @@ class Condition::Parser {
   }
 
   NodePtr negation() {
-    if (token_ == "not") {
+    const Level level(*this);
+    if (token_ == "not" && !quoted_) {
       next();
       auto node = std::make_shared<Node>();
       node->kind = Node::Kind::kNot;
@@ -227,6 +231,22 @@ class Condition::Parser {
     token_ = text_.substr(begin_, at_ - begin_);
   }
 
+  /// One level of the recursion while it exists.
+  class Level {
+   public:
+    explicit Level(Parser& parser) : parser_(parser) {
+      if (++parser_.depth_ > kMaxConditionDepth)
+        throw Error(fmt::format("the condition is more than {} levels deep", kMaxConditionDepth),
+                    parser_.place_, "leave out parentheses that change nothing");
+    }
+    ~Level() { --parser_.depth_; }
+    Level(const Level&) = delete;
+    Level& operator=(const Level&) = delete;
+
+   private:
+    Parser& parser_;
+  };
+
   [[noreturn]] void fail(const std::string& expected) const {
     throw Error(fmt::format("'{}' is no condition: at '{}'", text_, text_.substr(begin_)), place_,
                 "expected " + expected);
@@ -238,6 +258,7 @@ class Condition::Parser {
   size_t begin_ = 0;
   std::string token_;
   bool quoted_ = false;
+  int depth_ = 0;
 };
 
 Condition Condition::parse(const std::string& text, const FileLocation& place) {

@@ -7,6 +7,7 @@
 #include <array>
 #include <vector>
 
+#include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "mapping/base/text.h"
 #include "perception/search/goggles.pb.h"
@@ -20,28 +21,32 @@ using google::protobuf::UnknownField;
 using google::protobuf::UnknownFieldSet;
 
 constexpr size_t kShownText = 60;
+constexpr size_t kMaxUnknown = 1000;  ///< lines about an answer
+constexpr int kMaxOpened = 16;        ///< levels of unnamed messages
 
 bool is_printable(const std::string& text) {
   return std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
 }
 
-void list(const UnknownFieldSet& fields, const std::string& path, std::vector<std::string>& lines);
+void list(const UnknownFieldSet& fields, const std::string& path, int depth, std::vector<std::string>& lines);
 
-void list_bytes(const std::string& bytes, const std::string& path, std::vector<std::string>& lines) {
+void list_bytes(const std::string& bytes, const std::string& path, int depth,
+                std::vector<std::string>& lines) {
   if (!bytes.empty() && is_printable(bytes)) {
     const std::string shown = bytes.size() <= kShownText ? bytes : bytes.substr(0, kShownText) + "…";
     lines.push_back(fmt::format("{}: text '{}'", path, shown));
     return;
   }
   UnknownFieldSet inner;
-  if (!bytes.empty() && inner.ParseFromString(bytes))
-    list(inner, path, lines);
+  if (!bytes.empty() && depth < kMaxOpened && inner.ParseFromString(bytes))
+    list(inner, path, depth + 1, lines);
   else
     lines.push_back(fmt::format("{}: {} bytes", path, bytes.size()));
 }
 
-void list(const UnknownFieldSet& fields, const std::string& path, std::vector<std::string>& lines) {
-  for (int i = 0; i < fields.field_count(); ++i) {
+void list(const UnknownFieldSet& fields, const std::string& path, int depth,
+          std::vector<std::string>& lines) {
+  for (int i = 0; i < fields.field_count() && lines.size() < kMaxUnknown; ++i) {
     const UnknownField& field = fields.field(i);
     const std::string name =
         path.empty() ? std::to_string(field.number()) : fmt::format("{}.{}", path, field.number());
@@ -56,10 +61,10 @@ void list(const UnknownFieldSet& fields, const std::string& path, std::vector<st
         lines.push_back(fmt::format("{}: fixed64 {}", name, field.fixed64()));
         break;
       case UnknownField::TYPE_LENGTH_DELIMITED:
-        list_bytes(field.length_delimited(), name, lines);
+        list_bytes(field.length_delimited(), name, depth, lines);
         break;
       case UnknownField::TYPE_GROUP:
-        list(field.group(), name, lines);
+        list(field.group(), name, depth + 1, lines);
         break;
     }
   }
@@ -67,7 +72,7 @@ void list(const UnknownFieldSet& fields, const std::string& path, std::vector<st
 
 void list(const Message& message, const std::string& path, std::vector<std::string>& lines) {
   const auto* reflection = message.GetReflection();
-  list(reflection->GetUnknownFields(message), path, lines);
+  list(reflection->GetUnknownFields(message), path, 0, lines);
   std::vector<const FieldDescriptor*> fields;
   reflection->ListFields(message, &fields);
   for (const FieldDescriptor* field : fields) {
@@ -354,6 +359,17 @@ SearchAnswer decode_response(std::string_view bytes) {
   for (const goggles::Info& info : message.alternatives().info()) answer.results.push_back(read_info(info));
   answer.unknown = structural_differences(message, bytes);
   return answer;
+}
+
+std::string read_token(const std::filesystem::path& file) {
+  constexpr size_t kMinToken = 16;
+  const std::string text = read_file(file);
+  const std::string token = trimmed(text.substr(0, text.find('\n')));
+  const bool printable = std::all_of(token.begin(), token.end(), [](char c) { return c > ' ' && c <= '~'; });
+  if (token.size() < kMinToken || !printable)
+    throw Error("the first line is no token", {file.string(), 1, {}},
+                fmt::format("write at least {} letters and digits there", kMinToken));
+  return token;
 }
 
 }  // namespace loci::perception

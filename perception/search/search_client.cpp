@@ -110,8 +110,8 @@ HttpAddress HttpAddress::parse(const std::string& url) {
   return {found[1], found[2].length() > 0 ? found.str(2) : "/"};
 }
 
-HttpAnswer http_post(const HttpAddress& address, const std::string& body, double timeout_s,
-                     size_t max_bytes) {
+HttpAnswer http_post(const HttpAddress& address, const std::string& body, double timeout_s, size_t max_bytes,
+                     const std::string& token) {
   httplib::Client client(address.server);
   const Seconds limit(timeout_s);
   client.set_connection_timeout(limit);
@@ -123,6 +123,7 @@ HttpAnswer http_post(const HttpAddress& address, const std::string& body, double
   request.method = "POST";
   request.path = address.path;
   request.headers = {{"Content-Type", "application/x-protobuf"}, {"Accept", "application/x-protobuf"}};
+  if (!token.empty()) request.headers.emplace("Authorization", "Bearer " + token);
   request.body = body;
   request.content_receiver = [&](const char* data, size_t length, uint64_t, uint64_t) {
     too_large = length > max_bytes - received.size();
@@ -158,6 +159,7 @@ void SearchOptions::declare(OptionTable& table) {
   table.number("max_mb", max_mb, "MB", "Maximum size of an answer.", 0.001, 1000);
   table.text("unknown", unknown,
              "Folder in which answers with unknown fields are stored, with a list of the fields.");
+  table.text("token_file", token_file, "File with the secret of the server.");
 }
 
 SearchCache::SearchCache(int alike_bits, double alike_color, size_t most)
@@ -192,6 +194,7 @@ void SearchCache::remember(const Look& look, const SearchAnswer& answer) {
 SearchClient::SearchClient(const SearchOptions& options)
     : options_(options),
       address_(HttpAddress::parse(options.server)),
+      token_(options.token_file.empty() ? "" : read_token(options.token_file)),
       cache_(options.alike_bits, options.alike_color, static_cast<size_t>(options.remembered)) {}
 
 SearchClient::Outcome SearchClient::search(const cv::Mat& image) {
@@ -246,7 +249,7 @@ SearchAnswer SearchClient::ask(const cv::Mat& image, int& attempts) const {
 
 SearchAnswer SearchClient::try_once(const std::string& request) const {
   const HttpAnswer reply = http_post(address_, request, options_.timeout_s,
-                                     static_cast<size_t>(options_.max_mb * kBytesPerMegabyte));
+                                     static_cast<size_t>(options_.max_mb * kBytesPerMegabyte), token_);
   const std::string says =
       fmt::format("{} answered {}{}", options_.server, reply.status, line_of(reply.body));
   if (reply.status >= 500 || reply.status == 429) throw TryAgain(says);

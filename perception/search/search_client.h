@@ -32,7 +32,9 @@ struct HttpAddress {
 
 /// Sends `body` and waits for the answer, at most `timeout_s` for all of it, however slowly it drips in.
 /// Throws ServerAway, or Error when the answer has more than `max_bytes`.
-HttpAnswer http_post(const HttpAddress& address, const std::string& body, double timeout_s, size_t max_bytes);
+/// `token` is the server's secret, if it asks for one.
+HttpAnswer http_post(const HttpAddress& address, const std::string& body, double timeout_s, size_t max_bytes,
+                     const std::string& token = {});
 
 struct SearchOptions {
   std::string server = "http://127.0.0.1:8600";
@@ -46,6 +48,7 @@ struct SearchOptions {
   int remembered = 500;
   double max_mb = 16;
   std::string unknown;
+  std::string token_file;
 
   void declare(OptionTable& table);
 };
@@ -96,6 +99,7 @@ class SearchClient {
 
   SearchOptions options_;
   HttpAddress address_;
+  std::string token_;
   SearchCache cache_;
 };
 

@@ -65,20 +65,26 @@ struct ServerOptions {
   int port = 8600;
   double max_mb = 16;
   double max_megapixels = 50;
+  double request_s = 30;
+  int connections = 64;
+  std::string token_file = {};
+  std::string images = {};
 
   void declare(OptionTable& table);
 };
 
 /// Answers the visual-search protocol over HTTP: requests are POSTed to "/", images of the index are at
-/// "/image/NUMBER". It answers 400 to what is no request with a JPEG, 404, 413 (too large), 500, each with
-/// a line of text that says why.
+/// "/image/NUMBER", if they lie below ServerOptions::images. It answers 400 to what is no request with a
+/// JPEG, 401 (no token), 403 (web pages), 404, 413 (too large), 415 (compressed), 500, 503 (too slow), each
+/// with a line of text that says why.
 class SearchServer {
  public:
   /// A line for each request.
   using Log = std::function<void(const std::string& line)>;
 
-  /// Listens, at any free port when it is 0, and answers on threads of its own. Error when the port is taken
-  /// or the address is not this machine's. `service` stays with the caller.
+  /// Listens, at any free port when it is 0, and answers on threads of its own. Error when the port is taken,
+  /// the address is not this machine's, or can be reached from other machines and there is no token.
+  /// `service` stays with the caller.
   SearchServer(const SearchService& service, const ServerOptions& options, int threads, Log log = {});
   /// Answers what was begun, then stops.
   ~SearchServer();

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <limits>
 
 namespace loci::memory::belief {
 namespace {
@@ -28,11 +28,15 @@ double gaussian_similarity(double distance, double sigma) {
 }
 
 double histogram_distance(const std::vector<float>& a, const std::vector<float>& b) {
-  const double sum_a = std::accumulate(a.begin(), a.end(), 0.0);
-  const double sum_b = std::accumulate(b.begin(), b.end(), 0.0);
+  double sum_a = 0, sum_b = 0, overlap = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    // std::max(0, NaN) is 0: a bin that is no number would make a perfect match.
+    if (!std::isfinite(a[i]) || !std::isfinite(b[i])) return std::numeric_limits<double>::quiet_NaN();
+    sum_a += double(a[i]);
+    sum_b += double(b[i]);
+    overlap += std::sqrt(std::max(0.0, double(a[i]) * double(b[i])));
+  }
   if (!(sum_a > 0) || !(sum_b > 0)) return 1.0;
-  double overlap = 0;
-  for (size_t i = 0; i < a.size(); ++i) overlap += std::sqrt(std::max(0.0, double(a[i]) * double(b[i])));
   return std::sqrt(std::max(0.0, 1.0 - overlap / std::sqrt(sum_a * sum_b)));
 }
 

@@ -1,5 +1,6 @@
 #include "mapping/base/config.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -64,6 +65,23 @@ TEST(Config, SaysWhereAValueCannotBeRead) {
 
 TEST(Config, RefusesWhatIsNotYaml) {
   EXPECT_THAT(message_of([] { Config::parse("a: [1, 2", "p.yaml"); }), HasSubstr("p.yaml:"));
+}
+
+TEST(Config, RefusesWhatIsTooDeepOrGrowsThroughAliases) {
+  EXPECT_THAT(
+      message_of([] { Config::parse("a: " + std::string(100, '[') + std::string(100, ']'), "p.yaml"); }),
+      HasSubstr("levels deep"));
+  EXPECT_THAT(message_of([] { Config::parse(std::string(100000, '['), "p.yaml"); }), HasSubstr("p.yaml:1"));
+  EXPECT_THAT(message_of([] { Config::parse("a: &a [*a, *a]", "p.yaml"); }), HasSubstr("levels deep"));
+  std::string bomb = "a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n";
+  for (int i = 1; i < 9; ++i) {
+    const std::string before = "*a" + std::to_string(i - 1);
+    bomb += fmt::format("a{0}: &a{0} [", i);
+    for (int k = 0; k < 10; ++k) bomb += (k > 0 ? ", " : "") + before;
+    bomb += "]\n";
+  }
+  EXPECT_THAT(message_of([&] { Config::parse(bomb, "p.yaml"); }), HasSubstr("aliases expanded"));
+  EXPECT_THAT(message_of([] { Config::parse("? [a, b]\n: c\n", "p.yaml"); }), HasSubstr("a key is no name"));
 }
 
 }  // namespace

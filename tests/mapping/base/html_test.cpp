@@ -10,5 +10,10 @@ TEST(Html, TextIsEscapedInTables) {
   EXPECT_NE(html_table({"h"}, {{"<b>"}}).find("&lt;b&gt;"), std::string::npos);
 }
 
+TEST(Html, TheKindOfAnImageIsEscaped) {
+  const std::string html = html_image({}, "image/png\"><script>alert(1)</script>", "x");
+  EXPECT_EQ(html.find("<script>"), std::string::npos) << html;
+}
+
 }  // namespace
 }  // namespace loci

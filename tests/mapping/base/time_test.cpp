@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "mapping/base/error.h"
 
 namespace loci {
@@ -26,6 +28,20 @@ TEST(Time, RefusesWhatIsNoTime) {
   for (const char* text :
        {"", "yesterday", "2026-13-01", "2026-02-30", "2026-05-01T07:10", "2026-05-01T07:10:00"})
     EXPECT_THROW(parse_time(text), Error) << text;
+}
+
+TEST(Time, RefusesClocksAndZonesThatDoNotExist) {
+  for (const char* text : {"2026-05-01T24:00:01Z", "2026-05-01T07:10:00+99:00", "2026-05-01T07:10:00+02:60",
+                           "2262-01-01T00:00:00Z", "0001-01-01"})
+    EXPECT_THROW(parse_time(text), Error) << text;
+  EXPECT_EQ(parse_time("2026-05-01T24:00:00Z"), parse_time("2026-05-02"));
+}
+
+TEST(Time, FormatsWhatEverFits) {
+  constexpr TimeNs kFirst = std::numeric_limits<TimeNs>::min(), kLast = std::numeric_limits<TimeNs>::max();
+  EXPECT_EQ(format_time(kFirst), "1677-09-21T00:12:43.145224192Z");
+  EXPECT_EQ(format_time(kLast), "2262-04-11T23:47:16.854775807Z");
+  EXPECT_EQ(format_time(kLast, 14 * 60), "2262-04-12T13:47:16.854775807+14:00");
 }
 
 }  // namespace

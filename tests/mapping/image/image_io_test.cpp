@@ -138,6 +138,33 @@ TEST(ImageBytes, SizesAreCheckedBeforeMemoryIsTaken) {
   }
 }
 
+TEST(ImageBytes, AJpegOfMorePixelsThanDataIsRefused) {
+  // Within the limit of pixels, but a progressive decoder would take 1.6 GB for it.
+  std::vector<unsigned char> jpeg = encode_image(gradient(CV_8UC3), ".jpg");
+  const std::vector<unsigned char> frame = {0xff, 0xc0};
+  const auto head = std::search(jpeg.begin(), jpeg.end(), frame.begin(), frame.end());
+  for (const int mode : {0xc0, 0xc2}) {
+    head[1] = static_cast<unsigned char>(mode);
+    for (int i = 0; i < 4; ++i) head[5 + i] = i % 2 == 0 ? 0x20 : 0;
+    try {
+      decode_color({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()}, "large.jpg");
+      FAIL();
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr("more pixels than data"));
+    }
+  }
+}
+
+TEST(ImageBytes, ACallerMayAllowFewerPixels) {
+  for (const char* ending : {".png", ".jpg"}) {
+    const std::vector<unsigned char> bytes = encode_image(gradient(CV_8UC3), ending);
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const cv::Mat image = decode_color(text, "image");
+    EXPECT_EQ(image.type(), CV_8UC3);
+    EXPECT_THROW(decode_color(text, "image", image.total() - 1), Error) << ending;
+  }
+}
+
 TEST(ImageBytes, OtherKindsAreNotEncoded) {
   EXPECT_THROW(encode_image(cv::Mat(4, 4, CV_32FC1, cv::Scalar(1)), ".png"), Error);
   EXPECT_THROW(encode_image(cv::Mat(4, 4, CV_16UC1, cv::Scalar(1)), ".jpg"), Error);

@@ -85,5 +85,13 @@ TEST(Kinematics, ApartmentJointsAreWhereTheTruthSays) {
   }
 }
 
+TEST(Kinematics, LinksBelowAMovableJointMove) {
+  const World world = arm();
+  const std::vector<bool> moving = moving_links(world);
+  EXPECT_TRUE(moving[world.link_index("tip")]);
+  EXPECT_TRUE(moving[world.link_index("upper")]);
+  EXPECT_FALSE(moving[world.link_index("base")]);
+}
+
 }  // namespace
 }  // namespace loci::mapping

@@ -1,6 +1,8 @@
 #include "mapping/world/urdf.h"
 #include "mapping/base/math.h"
+#include "mapping/base/stopwatch.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -225,6 +227,49 @@ TEST(Urdf, RejectedRobotsAreRefusedWithTheReason) {
       EXPECT_GT(error.location().line, 0);
     }
   }
+}
+
+/// Links one below the other, or all below the first.
+std::string tree(int links, bool chain) {
+  std::string text = "<link name=\"l0\"/>";
+  for (int i = 1; i < links; ++i)
+    text += fmt::format(
+        "<link name=\"l{0}\"/><joint name=\"j{0}\" type=\"continuous\"><parent link=\"l{1}\"/>"
+        "<child link=\"l{0}\"/>{2}</joint>",
+        i, chain ? i - 1 : 0, i > 1 ? fmt::format("<mimic joint=\"j{}\"/>", chain ? i - 1 : 1) : "");
+  return robot(text);
+}
+
+TEST(Urdf, ALongChainTakesNoLongerThanAFlatTree) {
+  constexpr int kLinks = 5000;
+  const auto seconds = [](bool chain) {
+    const std::string text = tree(kLinks, chain);
+    const Stopwatch watch;
+    EXPECT_EQ(parse_urdf(text, "tree.urdf").links.size(), static_cast<size_t>(kLinks));
+    return watch.seconds();
+  };
+  const double flat = seconds(false);
+  EXPECT_LT(seconds(true), 5 * flat + 0.2) << "walking to the root for each link takes minutes";
+}
+
+TEST(Urdf, MimickingInACircleIsRefused) {
+  std::string text = tree(4, true);
+  text.insert(text.find("<child link=\"l1\"/>"), "<mimic joint=\"j3\"/>");
+  EXPECT_THAT(message_of(text), HasSubstr("mimics itself"));
+}
+
+TEST(Urdf, DepthIsLimited) {
+  std::string deep, end;
+  for (int i = 0; i < 100000; ++i) deep += "<a>", end += "</a>";
+  EXPECT_THAT(message_of(robot("<link name=\"a\">" + deep + end + "</link>")), HasSubstr("depth"));
+}
+
+TEST(Urdf, UrdfdomReadsWhatWasChecked) {
+  // urdfdom's XML reader ends a declaration at the first '>' where the checker's goes on to "?>".
+  std::string hidden = "<?note > ";
+  for (int i = 0; i < 100000; ++i) hidden += "<a>";
+  const World world = parse_urdf(hidden + "?>" + robot("<link name=\"a\"/>"), "hidden.urdf");
+  EXPECT_EQ(world.links.size(), 1U);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace loci::memory::belief {
 namespace {
@@ -55,6 +56,19 @@ TEST(Similarity, BaselineIsTheGeometricMeanOfSimilarity) {
   const std::vector<Descriptor> a = {{"mean_color", {0, 0, 0}}, {"extents", {0.1F, 0.1F, 0.1F}}};
   const std::vector<Descriptor> b = {{"mean_color", {0.1F, 0.1F, 0.1F}}, {"extents", {0.1F, 0.1F, 0.1F}}};
   EXPECT_NEAR(*compare(a, b, false, 1).similarity(), std::sqrt(gaussian_similarity(0.1) * 1.0), 1e-6);
+}
+
+TEST(Similarity, WhatIsNoNumberIsNoMatch) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  const std::vector<float> good = {1, 2, 3};
+  for (const std::vector<float>& bad : {std::vector<float>{1, nan, 3}, {inf, 2, 3}, {nan, nan, nan}})
+    for (const Comparison& comparison : comparisons()) {
+      const auto of = [&](const std::vector<float>& values) {
+        return std::vector<Descriptor>{{comparison.kind, values, {}}};
+      };
+      EXPECT_EQ(compare(of(good), of(bad), false, 1).count, 0U) << comparison.kind;
+      EXPECT_EQ(compare(of(bad), of(bad), false, 1).count, 0U) << comparison.kind;
+    }
 }
 
 }  // namespace

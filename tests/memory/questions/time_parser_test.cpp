@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "mapping/base/error.h"
 
 namespace loci::memory {
@@ -68,6 +70,28 @@ TEST(PeopleTime, WritesTheDateOnlyWhenThereAreSeveral) {
   EXPECT_EQ(TimeWriter(0, true, 0, true).text(time), "2026-05-01 08:30:00");
   EXPECT_EQ(TimeWriter(0, false, 2, true).text(time + kSecond / 3), "08:30:00.33");
   EXPECT_EQ(TimeWriter(0, false, 0, false).span_text(time, time + 60 * kSecond), "from 08:30 to 08:31");
+}
+
+TEST(PeopleTime, TwelveIsWhereTheHalfOfTheDayBegins) {
+  expect_span("12:30 am", "2026-04-30T22:30:00Z", "2026-04-30T22:30:59.999999999Z");
+  expect_span("12:30 pm", "2026-05-01T10:30:00Z", "2026-05-01T10:30:59.999999999Z");
+  expect_span("12 am", "2026-04-30T22:00:00Z", "2026-04-30T22:00:59.999999999Z");
+  expect_span("12pm", "2026-05-01T10:00:00Z", "2026-05-01T10:00:59.999999999Z");
+  expect_span("8:30am", "2026-05-01T06:30:00Z", "2026-05-01T06:30:59.999999999Z");
+  expect_span("yesterday 8:30pm", "2026-04-30T18:30:00Z", "2026-04-30T18:30:59.999999999Z");
+  expect_span("two in the night", "2026-05-01T00:00:00Z", "2026-05-01T00:00:59.999999999Z");
+  for (const char* text : {"13:30 pm", "14am", "24:30", "24:00:01", "0x8am"})
+    EXPECT_FALSE(kReader.try_read(text)) << text;
+}
+
+TEST(PeopleTime, WhatDoesNotFitIsRefused) {
+  for (const char* text : {"100000 weeks ago", "2147483647 weeks ago", "99999999999 days ago",
+                           "2000000 days ago", "9999-12-31", "0000-00-00", "1677-01-01"})
+    EXPECT_FALSE(kReader.try_read(text)) << text;
+  expect_span("10000 weeks ago", "1834-09-05T08:30:00Z", "1834-09-05T08:30:00Z");
+  for (const TimeNs last : {std::numeric_limits<TimeNs>::min(), std::numeric_limits<TimeNs>::max()})
+    for (const char* text : {"now", "yesterday", "last week", "12:30 am", "300 days ago", "last night"})
+      TimeReader(last, 14 * 60).try_read(text);  // no overflow, which a sanitizer sees
 }
 
 }  // namespace

@@ -102,5 +102,18 @@ TEST_F(ConditionTest, TellsWhatItAsksFor) {
   EXPECT_TRUE(Condition::parse("Scene.x > 1 or Scene.y > 1", {}).about_scene());
 }
 
+TEST_F(ConditionTest, DepthIsLimited) {
+  const auto nested = [](size_t levels) {
+    std::string text(levels, '(');
+    text += "Cluster";
+    return text.append(levels, ')');
+  };
+  EXPECT_TRUE(holds(nested(50)));
+  EXPECT_THAT(refusal(nested(100000)), HasSubstr("levels deep"));
+  std::string nots;
+  for (int i = 0; i < 100000; ++i) nots += "not ";
+  EXPECT_THAT(refusal(nots + "Cluster"), HasSubstr("levels deep"));
+}
+
 }  // namespace
 }  // namespace loci::perception

@@ -247,5 +247,13 @@ TEST(SearchProtocol, DescriptiveTermsAreTheWordsThatAnAnswerRepeats) {
   EXPECT_EQ(terms[1].count, 2);
 }
 
+TEST(SearchProtocol, DeepAndManyUnknownFieldsAreListedUpToALimit) {
+  std::string nested = wire::number(1, 1);
+  for (int i = 0; i < 20000; ++i) nested = wire::text(3, nested);
+  EXPECT_LT(decode_response(wire::text(99, nested)).unknown.size(), 10U);
+  std::string many;
+  for (int i = 0; i < 20000; ++i) many += wire::number(99, 1);
+  EXPECT_LE(decode_response(many).unknown.size(), 1001U);
+}
 }  // namespace
 }  // namespace loci::perception

@@ -3,10 +3,18 @@
 #include <gmock/gmock.h>
 #include <httplib.h>
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <filesystem>
+#include <list>
 #include <opencv2/imgproc.hpp>
 #include <thread>
 
+#include "mapping/base/files.h"
+#include "mapping/base/stopwatch.h"
 #include "mapping/image/image_io.h"
 #include "perception/search/protocol.h"
 #include "perception/search/search_client.h"
@@ -43,6 +51,8 @@ class SearchServing : public testing::Test {
     options.port = 0;
     options.max_mb = 0.5;
     options.max_megapixels = 2;
+    options.request_s = 60;
+    options.images = (kData / "products").string();
     server_ = std::make_unique<SearchServer>(*service_, options, 2);
   }
   static void TearDownTestSuite() {
@@ -122,7 +132,7 @@ TEST_F(SearchServing, WhatIsNoRequestIsRefusedWithTheReason) {
   expect_refused(encode(SearchRequest{jpeg.substr(0, jpeg.size() / 2), "en", "US", true}), 400, "the image");
   expect_refused(
       encode(SearchRequest{jpeg_of(cv::Mat(1500, 1500, CV_8UC3, cv::Scalar(9, 9, 9))), "en", "US", true}),
-      400, "too many");
+      400, "too large");
   expect_refused(std::string(600000, 'x'), 413, "too large");
 }
 
@@ -154,6 +164,151 @@ TEST_F(SearchServing, APortThatIsTakenIsRefused) {
   options.port = 0;
   options.address = "192.0.2.1";  // of nobody
   EXPECT_THROW(SearchServer(*service_, options, 1), Error);
+}
+
+/// A connection by hand.
+class Wire {
+ public:
+  explicit Wire(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  }
+  ~Wire() { ::close(socket_); }
+  Wire(const Wire&) = delete;
+  Wire& operator=(const Wire&) = delete;
+
+  bool send(std::string_view text) const {
+    return ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(text.size());
+  }
+  /// What comes until the other side closes.
+  std::string rest() const {
+    std::string text;
+    char buffer[4096];
+    for (ssize_t count = 0; (count = ::recv(socket_, buffer, sizeof buffer, 0)) > 0;)
+      text.append(buffer, static_cast<size_t>(count));
+    return text;
+  }
+
+ private:
+  int socket_;
+};
+
+TEST_F(SearchServing, BodiesInPiecesAreLimited) {
+  const Wire wire(server_->port());
+  wire.send("POST / HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n");
+  const std::string chunk = "10000\r\n" + std::string(0x10000, 'x') + "\r\n";
+  for (int i = 0; i < 20 && wire.send(chunk); ++i) {
+  }
+  EXPECT_THAT(wire.rest(), HasSubstr("413 Payload Too Large"));
+}
+
+TEST_F(SearchServing, CompressedBodiesAreRefused) {
+  httplib::Client client(server_->url());
+  const auto result = client.Post("/", {{"Content-Encoding", "gzip"}}, "\x1f\x8b", "application/x-protobuf");
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, 415);
+}
+
+TEST_F(SearchServing, WebPagesAndForeignNamesAreRefused) {
+  httplib::Client client(server_->url());
+  EXPECT_EQ(client.Get("/", {{"Origin", "http://example.org"}})->status, 403);
+  EXPECT_EQ(client.Get("/", {{"Host", "example.org"}})->status, 403);
+  EXPECT_EQ(client.Get("/", {{"Host", "localhost:8600"}})->status, 200);
+  EXPECT_EQ(client.Get("/", {{"Host", "[::1]:8600"}})->status, 200);
+}
+
+TEST_F(SearchServing, WhatIsNoHttpIsRefused) {
+  const Wire wire(server_->port());
+  wire.send("\x16\x03\x01 nonsense\r\n\r\n");
+  EXPECT_THAT(wire.rest(), HasSubstr("400 Bad Request"));
+  const Wire header(server_->port());
+  header.send("GET / HTTP/1.1\r\nHost: " + std::string(100000, 'x') + "\r\n\r\n");
+  EXPECT_THAT(header.rest(), HasSubstr("431 "));
+}
+
+TEST_F(SearchServing, ImagesOutsideTheirFolderAreNotShown) {
+  const fs::path outside = kData / "images/ean13.png", inside = kData / "products/Golden-Delicious.jpg";
+  const fs::path folder = fs::path(testing::TempDir()) / "search_images", link = folder / "link.png";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  fs::create_symlink(fs::absolute(outside), link);
+  NoProgress progress;
+  Warnings warnings;
+  const SearchService service(
+      ProductIndex::build({{"inside", {}, inside}, {"outside", {}, outside}, {"link", {}, link}}, 2, progress,
+                          warnings),
+      ServiceOptions());
+  ServerOptions options;
+  options.port = 0;
+  const auto shown = [&](const fs::path& images) {
+    options.images = images.string();
+    const SearchServer server(service, options, 1);
+    httplib::Client client(server.url());
+    std::vector<int> statuses;
+    for (size_t i = 0; i < service.images(); ++i)
+      statuses.push_back(client.Get("/image/" + std::to_string(i))->status);
+    return statuses;
+  };
+  EXPECT_THAT(shown(kData / "products"), testing::ElementsAre(200, 404, 404));
+  EXPECT_THAT(shown(folder), testing::ElementsAre(404, 404, 404)) << "a link leads out of the folder";
+  EXPECT_THAT(shown({}), testing::ElementsAre(404, 404, 404));
+}
+
+TEST_F(SearchServing, SlowClientsDelayNobody) {
+  ServerOptions options;
+  options.port = 0;
+  options.connections = 8;
+  options.request_s = 30;
+  const SearchServer server(*service_, options, 1);
+  std::list<Wire> slow;
+  for (int i = 0; i < 40; ++i) slow.emplace_back(server.port()).send("POST / HTTP/1.1\r\nContent-Le");
+  const Stopwatch watch;
+  httplib::Client client(server.url());
+  EXPECT_EQ(client.Get("/")->status, 200);
+  EXPECT_LT(watch.seconds(), 10) << "far less than the time limit of the slow ones";
+}
+
+TEST_F(SearchServing, ARequestHasALimitedTime) {
+  ServerOptions options;
+  options.port = 0;
+  options.request_s = 0.3;
+  const SearchServer server(*service_, options, 1);
+  const Wire wire(server.port());
+  wire.send("POST / HTTP/1.1\r\n");
+  EXPECT_EQ(wire.rest(), "") << "closed, although nothing was wrong yet";
+}
+
+TEST_F(SearchServing, OtherMachinesNeedAToken) {
+  const fs::path file = fs::path(testing::TempDir()) / "token.txt";
+  ServerOptions options;
+  options.port = 0;
+  options.address = "0.0.0.0";
+  try {
+    SearchServer(*service_, options, 1);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("--token-file"));
+  }
+  write_file_atomically(file, "short\n");
+  EXPECT_THROW(read_token(file), Error);
+  write_file_atomically(file, "0123456789abcdef\n");
+  options.token_file = file.string();
+  const SearchServer server(*service_, options, 1);
+  const std::string url = "http://127.0.0.1:" + std::to_string(server.port());
+  httplib::Client web(url);
+  EXPECT_EQ(web.Get("/")->status, 401);
+  EXPECT_EQ(web.Get("/", {{"Authorization", "Bearer 0123456789abcdee"}})->status, 401);
+  EXPECT_EQ(web.Get("/", {{"Authorization", "Bearer 0123456789abcdef"}})->status, 200);
+  SearchOptions asking;
+  asking.server = url;
+  asking.timeout_s = 60;
+  const cv::Mat image(60, 60, CV_8UC3, cv::Scalar(9, 99, 200));
+  EXPECT_THROW(SearchClient(asking).search(image), Error);
+  asking.token_file = file.string();
+  EXPECT_NO_THROW(SearchClient(asking).search(image));
 }
 
 std::vector<SearchResult> looked(const std::vector<Product>& more, const cv::Mat& image) {

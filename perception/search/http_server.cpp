@@ -1,0 +1,330 @@
+#include "perception/search/http_server.h"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <chrono>
+#include <list>
+#include <optional>
+#include <thread>
+
+#include "mapping/base/error.h"
+#include "mapping/base/text.h"
+
+namespace loci::perception {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+using asio::ip::tcp;
+using Code = boost::system::error_code;
+
+constexpr uint32_t kMaxHeader = 8192;        // bytes
+constexpr size_t kMaxIgnored = 64'000'000;   // bytes of a refused request that are still taken from the line
+constexpr std::chrono::seconds kGoodbye{1};  // for what is left to send when the server stops
+
+std::chrono::milliseconds milliseconds(double seconds) {
+  return std::chrono::milliseconds(static_cast<int64_t>(1000 * seconds));
+}
+
+/// Takes as long for a wrong text as for the right one.
+bool same_secret(std::string_view given, std::string_view secret) {
+  unsigned difference = given.size() == secret.size() ? 0 : 1;
+  for (size_t i = 0; i < given.size(); ++i)
+    difference |=
+        static_cast<unsigned char>(given[i]) ^ static_cast<unsigned char>(i < secret.size() ? secret[i] : 0);
+  return difference == 0;
+}
+
+std::string text_of(beast::string_view text) {
+  return {text.data(), text.size()};
+}
+
+/// Whether a Host header names this machine: other names reach it through a hostile name server.
+bool is_local(const std::string& host) {
+  const size_t end = host.starts_with('[') ? host.find(']') : host.find(':');
+  const std::string name = lower_case(host.substr(0, end));
+  if (name == "localhost" || name.empty()) return true;
+  Code code;
+  const auto address = asio::ip::make_address(name.starts_with('[') ? name.substr(1) : name, code);
+  return !code && address.is_loopback();
+}
+
+tcp::endpoint endpoint_of(asio::io_context& context, const std::string& address, int port) {
+  Code code;
+  const auto found =
+      tcp::resolver(context).resolve(address, std::to_string(port), tcp::resolver::passive, code);
+  if (code || found.empty()) throw Error(fmt::format("'{}' is no address: {}", address, code.message()));
+  return found.begin()->endpoint();
+}
+
+}  // namespace
+
+class HttpServer::Loop {
+ public:
+  Loop(const std::string& address, int port, const HttpLimits& limits, Handler handler)
+      : limits_(limits), handler_(std::move(handler)), workers_(static_cast<size_t>(limits.workers)) {
+    listen(address, port);
+    accept();
+    thread_ = std::thread([this] { context_.run(); });
+  }
+
+  ~Loop() {
+    stopping_ = true;
+    asio::post(context_, [this] { stop(); });
+    workers_.join();
+    thread_.join();
+  }
+  Loop(const Loop&) = delete;
+  Loop& operator=(const Loop&) = delete;
+
+  int port() const { return port_; }
+
+ private:
+  class Connection;
+  friend class Connection;
+
+  void listen(const std::string& address, int port) {
+    const tcp::endpoint endpoint = endpoint_of(context_, address, port);
+    if (!endpoint.address().is_loopback() && limits_.token.empty())
+      throw Error(fmt::format("{} can be reached from other machines", address), {},
+                  "give a secret with --token-file, or listen at 127.0.0.1");
+    Code code;
+    acceptor_.open(endpoint.protocol(), code);
+    if (!code) acceptor_.set_option(asio::socket_base::reuse_address(true), code);
+    if (!code) acceptor_.bind(endpoint, code);
+    if (!code) acceptor_.listen(asio::socket_base::max_listen_connections, code);
+    if (code)
+      throw Error(
+          fmt::format("port {} of {} cannot be listened at: {}", port, address, code.message()), {},
+          "another program may have it, or the address is not this machine's; --port 0 takes a free one");
+    port_ = acceptor_.local_endpoint().port();
+  }
+
+  void accept();
+  bool make_room();
+  void stop();
+
+  HttpLimits limits_;
+  Handler handler_;
+  asio::io_context context_;
+  tcp::acceptor acceptor_{context_};
+  int port_ = 0;
+  std::list<Connection*> connections_;  ///< the oldest first; of the loop's thread alone
+  std::atomic<bool> stopping_ = false;
+  asio::thread_pool workers_;
+  std::thread thread_;
+};
+
+/// One request and its answer. It lives as long as an operation of its is under way. All members but the
+/// request belong to the loop's thread.
+class HttpServer::Loop::Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(Loop& loop, tcp::socket socket) : loop_(loop), stream_(std::move(socket)) {
+    place_ = loop_.connections_.insert(loop_.connections_.end(), this);
+  }
+  ~Connection() { loop_.connections_.erase(place_); }
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  enum class State { reading, working, writing, closed };
+  State state() const { return state_; }
+  void close() {
+    state_ = State::closed;
+    stream_.close();
+  }
+
+  void read_header() {
+    parser_.header_limit(kMaxHeader);
+    parser_.body_limit(loop_.limits_.max_body);
+    stream_.expires_after(milliseconds(loop_.limits_.seconds));  // of header and body together
+    http::async_read_header(stream_, buffer_, parser_, [self = shared_from_this()](Code code, size_t) {
+      if (code) return self->read_failed(code);
+      if (const auto refusal = self->refusal()) return self->reply(*refusal);
+      const auto& header = self->parser_.get();
+      if (beast::iequals(header[http::field::expect], "100-continue")) return self->invite();
+      self->read_body();
+    });
+  }
+
+  void stop() {
+    if (state_ == State::reading) close();
+    if (state_ == State::writing) stream_.expires_after(kGoodbye);
+  }
+
+ private:
+  std::optional<HttpReply> refusal() const {
+    const auto& header = parser_.get();
+    const HttpLimits& limits = loop_.limits_;
+    const std::string given = text_of(header[http::field::authorization]);
+    if (!limits.token.empty() && !same_secret(given, "Bearer " + limits.token))
+      return HttpReply{401, "this server asks for a token (--token-file)\n"};
+    if (limits.token.empty() &&
+        (header.count(http::field::origin) > 0 || !is_local(text_of(header[http::field::host]))))
+      return HttpReply{403, "this server is for programs of its own machine\n"};
+    const auto coding = header[http::field::content_encoding];
+    if (!coding.empty() && !beast::iequals(coding, "identity"))
+      return HttpReply{415, "compressed requests are not read\n"};
+    const auto length = parser_.content_length();
+    if (length && *length > limits.max_body) return HttpReply{413, "the request is too large\n"};
+    return std::nullopt;
+  }
+
+  /// Some clients send the body only when they are asked to.
+  void invite() {
+    response_.version(11);
+    response_.result(http::status::continue_);
+    http::async_write(stream_, response_, [self = shared_from_this()](Code code, size_t) {
+      if (!code) self->read_body();
+    });
+  }
+
+  void read_body() {
+    http::async_read(stream_, buffer_, parser_, [self = shared_from_this()](Code code, size_t) {
+      if (code) return self->read_failed(code);
+      self->work();
+    });
+  }
+
+  void read_failed(Code code) {
+    if (code == http::error::body_limit) return reply({413, "the request is too large\n"});
+    if (code == http::error::header_limit) return reply({431, "the header is too large\n"});
+    if (code == beast::error::timeout ||
+        code.category() != http::make_error_code(http::error::bad_method).category())
+      return close();
+    reply({400, "this is no HTTP request: " + code.message() + "\n"});
+  }
+
+  void work() {
+    state_ = State::working;
+    stream_.expires_never();
+    take_request();
+    deadline_.expires_after(milliseconds(loop_.limits_.seconds));
+    deadline_.async_wait([self = shared_from_this()](Code code) {
+      if (!code && self->state_ == State::working)
+        self->reply({503, "the answer takes too long, ask again later\n"});
+    });
+    const auto busy = asio::make_work_guard(loop_.context_);
+    asio::post(loop_.workers_, [self = shared_from_this(), busy]() mutable {
+      HttpReply reply{503, "the server stops\n"};
+      if (!self->given_up_ && !self->loop_.stopping_) reply = self->answer();
+      // The last owner of a connection is in the loop's thread, too.
+      asio::io_context& context = self->loop_.context_;
+      asio::post(context, [self = std::move(self), reply = std::move(reply), busy]() mutable {
+        if (self->state_ == State::working) self->reply(std::move(reply));
+      });
+    });
+  }
+
+  void take_request() {
+    auto& message = parser_.get();
+    request_.method = text_of(message.method_string());
+    const std::string target = text_of(message.target());
+    request_.path = target.substr(0, target.find('?'));
+    request_.host = text_of(message[http::field::host]);
+    Code code;
+    const auto peer = stream_.socket().remote_endpoint(code);
+    if (!code) request_.client = peer.address().to_string();
+    request_.body = std::move(message.body());
+  }
+
+  HttpReply answer() const {
+    try {
+      return loop_.handler_(request_);
+    } catch (const std::exception& error) {
+      return {500, std::string(error.what()) + "\n"};
+    }
+  }
+
+  void reply(HttpReply reply) {
+    state_ = State::writing;
+    given_up_ = true;
+    deadline_.cancel();
+    response_ = {};
+    response_.version(11);
+    response_.result(static_cast<unsigned>(reply.status));
+    response_.set(http::field::content_type, reply.content_type);
+    response_.set("X-Content-Type-Options", "nosniff");
+    if (reply.status == 401) response_.set(http::field::www_authenticate, "Bearer");
+    response_.keep_alive(false);
+    response_.body() = std::move(reply.body);
+    response_.prepare_payload();
+    if (loop_.stopping_)
+      stream_.expires_after(kGoodbye);
+    else
+      stream_.expires_after(milliseconds(loop_.limits_.seconds));
+    http::async_write(stream_, response_, [self = shared_from_this()](Code code, size_t) {
+      Code ignored;
+      self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+      if (!code) self->ignore_rest();
+    });
+  }
+
+  /// Closing while data are under way would make the client's system throw the reply away.
+  void ignore_rest() {
+    buffer_.clear();
+    stream_.async_read_some(buffer_.prepare(65536), [self = shared_from_this()](Code code, size_t count) {
+      self->ignored_ += count;
+      if (!code && self->ignored_ < kMaxIgnored) self->ignore_rest();
+    });
+  }
+
+  Loop& loop_;
+  std::list<Connection*>::iterator place_;
+  beast::tcp_stream stream_;
+  beast::flat_buffer buffer_{1 << 17};
+  http::request_parser<http::string_body> parser_;
+  http::response<http::string_body> response_;
+  asio::steady_timer deadline_{loop_.context_};
+  HttpRequest request_;
+  State state_ = State::reading;
+  std::atomic<bool> given_up_ = false;  ///< the answer is not waited for any more
+  size_t ignored_ = 0;
+};
+
+void HttpServer::Loop::accept() {
+  acceptor_.async_accept([this](Code code, tcp::socket socket) {
+    if (code == asio::error::operation_aborted || stopping_) return;
+    if (!code) {
+      if (make_room()) std::make_shared<Connection>(*this, std::move(socket))->read_header();
+    }
+    accept();
+  });
+}
+
+/// Closes the oldest connection that is slow, if there are too many. False when all are being answered.
+bool HttpServer::Loop::make_room() {
+  using State = Connection::State;
+  if (connections_.size() < static_cast<size_t>(limits_.connections)) return true;
+  for (const State slow : {State::closed, State::reading, State::writing})
+    for (Connection* connection : connections_)
+      if (connection->state() == slow) return connection->close(), true;
+  return false;
+}
+
+void HttpServer::Loop::stop() {
+  Code ignored;
+  acceptor_.close(ignored);
+  const auto connections = connections_;
+  for (Connection* connection : connections) connection->stop();
+}
+
+HttpServer::HttpServer(const std::string& address, int port, const HttpLimits& limits, Handler handler)
+    : loop_(std::make_unique<Loop>(address, port, limits, std::move(handler))) {}
+
+HttpServer::~HttpServer() = default;
+
+int HttpServer::port() const {
+  return loop_->port();
+}
+
+}  // namespace loci::perception
