@@ -108,6 +108,11 @@ double InteractionModel::moved_to(const std::string& from, const std::string& to
                     : leaves / all * (others > 0 ? std::min(1.0, places * there / others) : 1.0);
 }
 
+double InteractionModel::short_share() const {
+  return (statistics_.short_moves + kParameters.prior_put_down / 2) /
+         (statistics_.stayed_on_place + kParameters.prior_put_down);
+}
+
 void InteractionModel::learn_moved(const std::string& from, const std::string& to, double probability) {
   (from == to ? statistics_.stayed_on_place : statistics_.went_elsewhere) += probability;
   if (!to.empty()) statistics_.put_down[to] += probability;

@@ -40,6 +40,7 @@ class InteractionModel {
     std::array<RateFactor, kAges> by_age{};
     std::map<std::string, RateFactor> by_class, by_place;
     double stayed_on_place = 0, went_elsewhere = 0, carried_off = 0;  ///< of those that were handled
+    double short_moves = 0;                                           ///< of those that stayed on their place
     std::map<std::string, double> put_down;                           ///< on each known place
     std::array<RateFactor, kAges> returns{};
     RateFactor first_view, later_view;  ///< arrivals when a place is first observed, and later
@@ -60,6 +61,9 @@ class InteractionModel {
   /// Share of what is handled in `from` that is put down in `to`; the rest is carried off.
   double moved_to(const std::string& from, const std::string& to) const;
   void learn_moved(const std::string& from, const std::string& to, double probability);
+  /// Share of short moves among those on one place.
+  double short_share() const;
+  void learn_short_move(double probability) { statistics_.short_moves += probability; }
   void learn_carried_off(double probability) { statistics_.carried_off += probability; }
   /// An object that was believed to be carried off was found in another place.
   void learn_found_again(const std::string& from, const std::string& to, double probability);

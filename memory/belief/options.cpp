@@ -13,6 +13,9 @@ void BeliefOptions::declare(OptionTable& table) {
   table.number("view_bias", view_bias, "",
                "Shift of the visible part's centre, as a share of its size, when the view point changed.", 0,
                1);
+  table.number("noise_spread", noise_spread, "",
+               "How uncertain the noise between view points is: standard deviation of its logarithm.", 0.01,
+               3);
   table.number("area_m2", area_m2, "m^2", "Area over which an unrelated object could be anywhere.", 0.01,
                1000);
   table.number("move_time_s", move_time_s, "s",

@@ -13,6 +13,7 @@ struct BeliefOptions {
   double noise_per_size = 0.01;
   double pose_noise_m = 0.02;
   double view_bias = 0.1;
+  double noise_spread = 0.7;
   double area_m2 = 1.0;
 
   // Changes between views.

@@ -73,14 +73,14 @@ struct Parameters {
   double whole_view_bonus = 5;         ///< in views: whole ones are stored rather than partial ones
 
   // Learning
-  double certain = 0.9;             ///< associations this probable are training data
-  double similarity_weight = 0.5;   ///< of one comparison: views of one object repeat each other
-  double view_noise_weight = 0.25;  ///< of one observation …
-  double max_view_noise = 4;        ///< … whose error counts up to this multiple of the expected one
-  double min_view_noise = 0.1;      ///< factor on the view-point error: visible parts always differ
-  double view_point_ratio = 4;      ///< view-point variance over other noise from which a view teaches
-  double calibration_prior = 30;    ///< distances that the tables of comparisons() are worth
-  float calibration_max = 10000;    ///< counts beyond this fade by half
+  double similarity_weight = 0.5;  ///< of one comparison: views of one object repeat each other
+  double detection_prior = 20;     ///< views that the stated rate of detection is worth
+  double view_point_ratio = 4;     ///< variance to be learned over the known one from which a view teaches
+  double noise_prior = 10;         ///< offsets that the stated noise is worth
+  double noise_memory = 300;       ///< offsets after which evidence of the noise counts for 1/e
+  double calibration_prior = 10;   ///< distances that the tables of comparisons() are worth
+  double calibration_spread = 1;   ///< of the logarithm of the distances' scale
+  float calibration_max = 10000;   ///< counts beyond this fade by half
 
   // Interaction
   double prior_events = 2;       ///< events at the expected rate that the options are worth

@@ -171,6 +171,7 @@ struct Codec {
     write(statistics.by_class, *message.mutable_by_class());
     write(statistics.by_place, *message.mutable_by_place());
     message.set_stayed_on_place(statistics.stayed_on_place);
+    message.set_short_moves(statistics.short_moves);
     message.set_went_elsewhere(statistics.went_elsewhere);
     message.set_carried_off(statistics.carried_off);
     for (const auto& [place, count] : statistics.put_down) {
@@ -190,6 +191,7 @@ struct Codec {
     read(message.by_class(), statistics.by_class);
     read(message.by_place(), statistics.by_place);
     statistics.stayed_on_place = message.stayed_on_place();
+    statistics.short_moves = message.short_moves();
     statistics.went_elsewhere = message.went_elsewhere();
     statistics.carried_off = message.carried_off();
     for (const stored::NamedCount& named : message.put_down())
@@ -440,6 +442,7 @@ std::string to_bytes(const ProtoObject& object) {
   message.set_probability_here(object.probability_here);
   message.set_hidden_scenes(object.hidden_scenes);
   message.set_hidden_reported(object.hidden_reported);
+  message.set_missed_views(object.missed_views);
   message.set_place(object.place);
   Codec::write(object.box, *message.mutable_box());
   message.set_variance(object.variance);
@@ -473,6 +476,7 @@ ProtoObject object_from_bytes(std::string_view bytes) {
   object.probability_here = message.probability_here();
   object.hidden_scenes = message.hidden_scenes();
   object.hidden_reported = message.hidden_reported();
+  object.missed_views = message.missed_views();
   object.place = message.place();
   object.box = Codec::read(message.box());
   object.variance = message.variance();
@@ -503,7 +507,10 @@ std::string to_bytes(const BeliefState& state) {
     histograms.mutable_same()->Add(counts.same.begin(), counts.same.end());
     histograms.mutable_different()->Add(counts.different.begin(), counts.different.end());
   }
-  Codec::write(state.view_noise, *message.mutable_view_noise());
+  message.set_detected(state.detection.detected);
+  message.set_missed(state.detection.missed);
+  const NoiseScale::Levels& levels = state.view_noise.counts();
+  message.mutable_view_noise()->Add(levels.begin(), levels.end());
   return bytes_of(message);
 }
 
@@ -519,7 +526,11 @@ BeliefState state_from_bytes(std::string_view bytes) {
   for (const stored::DistanceCounts& histograms : message.calibration())
     counts[histograms.kind()] = {Codec::read(histograms.same()), Codec::read(histograms.different())};
   state.calibration = Calibration(std::move(counts));
-  state.view_noise = Codec::read(message.view_noise());
+  state.detection = {message.detected(), message.missed()};
+  check(message.view_noise_size() == int{NoiseScale::kLevels}, "noise");
+  NoiseScale::Levels levels{};
+  std::ranges::copy(message.view_noise(), levels.begin());
+  state.view_noise = NoiseScale(levels);
   return state;
 }
 

@@ -18,10 +18,6 @@ const ProtoObject* BeliefState::find(int64_t id) const {
   return nullptr;
 }
 
-double view_noise(const BeliefState& state) {
-  return std::max(kParameters.min_view_noise, state.view_noise.value());
-}
-
 InteractionKey interaction_key(const ProtoObject& object) {
   return {object.class_name, object.place, object.interaction};
 }

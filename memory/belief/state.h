@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "memory/belief/evidence/calibration.h"
+#include "memory/belief/evidence/noise_scale.h"
 #include "memory/belief/interaction_model.h"
 #include "memory/belief/options.h"
+#include "memory/belief/parameters.h"
 #include "memory/belief/scene.h"
 
 namespace loci::memory::belief {
@@ -52,6 +54,7 @@ struct ProtoObject {
   int observation_count = 0;
   double exists_log_odds = 0;    ///< of being an object and not clutter
   double probability_here = 1;   ///< of still being where it was observed last
+  double missed_views = 0;       ///< scenes since the last observation in which it should have been detected
   int hidden_scenes = 0;         ///< consecutive scenes in which it was occluded
   bool hidden_reported = false;  ///< by an event, and not observed since
 
@@ -79,6 +82,17 @@ struct ProtoObject {
   double probability_itself() const;
 };
 
+/// How often objects in full view are detected, learned from those that were found again where they had been
+/// missed.
+struct DetectionRate {
+  double detected = 0, missed = 0;
+
+  double value(const BeliefOptions& options) const {
+    constexpr double kPrior = kParameters.detection_prior;
+    return (detected + kPrior * options.detection) / (detected + missed + kPrior);
+  }
+};
+
 /// All that the belief carries from one scene to the next.
 struct BeliefState {
   std::vector<ProtoObject> objects;  ///< in order of first observation
@@ -88,13 +102,12 @@ struct BeliefState {
   int64_t next_id = 1;
   InteractionModel interaction;
   Calibration calibration;  ///< of similarity
-  RateFactor view_noise;    ///< variance of positions between view points, relative to the options
+  DetectionRate detection;
+  NoiseScale view_noise;  ///< of positions between view points, relative to the options
 
   const ProtoObject* find(int64_t id) const;
 };
 
-/// Learned factor on view_change_variance(): objects that stay show how accurate poses are.
-double view_noise(const BeliefState& state);
 /// Key of an object in the interaction model.
 InteractionKey interaction_key(const ProtoObject& object);
 /// Probability that an object was handled between its last update and a time (BeliefState::exposure_s).

@@ -167,7 +167,8 @@ ExperimentResult run_experiment(const WorldOptions& world, const ExperimentOptio
         for (const Condition condition : result.conditions)
           for (const std::string& name : result.models) {
             const std::unique_ptr<Model> model = make_model(name, world, noise);
-            scores[run].push_back(run_model(*model, condition, sequences));
+            const bool judges = condition == Condition::own || !model->own_belief_only();
+            scores[run].push_back(judges ? run_model(*model, condition, sequences) : Score());
           }
       }
     });

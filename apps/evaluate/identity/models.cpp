@@ -137,13 +137,14 @@ Entry Model::update(const Entry&, const Measurement& seen, int step, const Link&
 }
 
 const std::vector<std::string>& model_names() {
-  static const std::vector<std::string> names = {"paper",  "paper_printed", "ours",     "known_rates",
-                                                 "greedy", "nearest",       "hungarian"};
+  static const std::vector<std::string> names = {"paper",  "paper_printed", "ours",      "known_rates",
+                                                 "greedy", "nearest",       "hungarian", "shipped"};
   return names;
 }
 
 std::unique_ptr<Model> make_model(const std::string& name, const WorldOptions& world,
                                   const NoiseSetting& noise) {
+  if (name == "shipped") return make_shipped_model();
   if (name == "paper") return std::make_unique<PaperModel>(kEffectiveScale);
   if (name == "paper_printed") return std::make_unique<PaperModel>(kPrintedScale);
   if (name == "ours") return make_generative_model(world, noise, false);

@@ -40,6 +40,8 @@ class Model {
  public:
   virtual ~Model() = default;
 
+  /// Whether the model cannot be given another belief than its own (condition A).
+  virtual bool own_belief_only() const { return false; }
   /// Starts a world with an empty belief.
   virtual void begin(const Sequence&) {}
   /// `everything_seen_before`: all tables were observed completely just before the actions of this step. May
@@ -73,5 +75,8 @@ PairSimilarity compare(const Measurement& old, const Measurement& seen, double s
 /// `rates_known`: uses the rates of the simulator instead of learned ones.
 std::unique_ptr<Model> make_generative_model(const WorldOptions& world, const NoiseSetting& noise,
                                              bool rates_known);
+
+/// The belief as it ships. Condition A only: it goes on with its own objects.
+std::unique_ptr<Model> make_shipped_model();
 
 }  // namespace loci::apps::identity_experiment

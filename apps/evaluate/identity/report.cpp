@@ -15,6 +15,7 @@ std::string level_name(double level) {
 }
 
 std::string both(const Success& success) {
+  if (success.association.total == 0) return "-";
   return fmt::format("{:.1f} / {:.1f}", 100 * success.association.fraction(),
                      100 * success.explanation.fraction());
 }

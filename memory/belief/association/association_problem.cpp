@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/base/math.h"
+#include "memory/belief/evidence/proximity.h"
 #include "memory/belief/parameters.h"
 
 namespace loci::memory::belief {
@@ -26,13 +26,6 @@ struct ObservedPlaces {
   std::vector<size_t> of;  ///< index of each observation's
 };
 
-/// Log ratio of where a moved object is put down, against anywhere on the place: half of all moves are short.
-double log_short_move(const Vector3d& offset, const BeliefOptions& options) {
-  const double variance = options.nudge_m * options.nudge_m;
-  const double density = std::exp(-offset.head<2>().squaredNorm() / (2 * variance)) / (2 * kPi * variance);
-  return std::log(0.5 + 0.5 * options.area_m2 * density);
-}
-
 class ProblemBuilder {
  public:
   ProblemBuilder(const BeliefState& state, const std::vector<Prediction>& predicted, const Scene& scene,
@@ -43,6 +36,7 @@ class ProblemBuilder {
         evidence_(evidence),
         options_(options),
         timing_(state, scene, options),
+        detection_(state.detection.value(options)),
         places_(scene.observations) {}
 
   LogOddsProblem build() {
@@ -97,12 +91,12 @@ class ProblemBuilder {
                  (1 + std::exp(std::clamp(same, -30.0, 30.0)));
     }
     return absence_evidence(predicted_[o], empty_share(predicted_[o].seen, other),
-                            std::min(1e9, timing_.seconds), options_);
+                            std::min(1e9, timing_.seconds), detection_, options_);
   }
 
   void add_stay_priors(size_t o) {
     const Prediction& p = predicted_[o];
-    const double stays = std::max(1e-6, p.here) * options_.detection;
+    const double stays = std::max(1e-6, p.here) * detection_;
     problem_.stay_prior.row(index(o)).setConstant(std::log(stays * (1 - p.appearance_change)));
     const double turns = std::log(stays * p.appearance_change);
     for (size_t k = 0; k < scene_.observations.size(); ++k) {
@@ -118,8 +112,7 @@ class ProblemBuilder {
     const Prediction& p = predicted_[o];
     const ProtoObject& object = state_.objects[o];
     const bool gone = object.status == Status::gone;
-    const double left =
-        options_.detection * (p.undetectable + (1 - p.undetectable) * std::exp(absence.if_gone));
+    const double left = detection_ * (p.undetectable + (1 - p.undetectable) * std::exp(absence.if_gone));
     const double returns =
         gone ? state_.interaction.returns(timing_.exposure_s - object.last_seen_exposure_s, options_) : 0.0;
     const double before = object.probability_here;
@@ -130,13 +123,16 @@ class ProblemBuilder {
       const double moves = before * p.interaction * put_here + (1 - before) * back;
       moves_to.push_back(std::log(std::max(1e-9, moves * left)));
     }
+    const double shorts = state_.interaction.short_share();
     for (size_t k = 0; k < scene_.observations.size(); ++k) {
       const Observation& observation = scene_.observations[k];
       // A video would have shown the hand that nudges; gone objects may return anywhere.
       const bool anywhere = !timing_.snapshot || gone || object.place != observation.place;
       problem_.move_prior(index(o), index(k)) =
           moves_to[places_.of[k]] +
-          (anywhere ? 0.0 : log_short_move(p.box.centre - observation.box.centre, options_));
+          (anywhere ? 0.0
+                    : std::log(1 - shorts +
+                               shorts * short_move_ratio(p.box.centre - observation.box.centre, options_)));
     }
   }
 
@@ -163,6 +159,7 @@ class ProblemBuilder {
   const PairEvidence& evidence_;
   const BeliefOptions& options_;
   const SceneTiming timing_;
+  const double detection_;
   const ObservedPlaces places_;
   LogOddsProblem problem_;
 };

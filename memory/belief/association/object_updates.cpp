@@ -30,12 +30,12 @@ void SceneUpdate::update_observed(size_t o, size_t k) {
   const TimeNs seen_before = object.last_seen;
   const double seconds_unobserved = double(scene_.time - object.last_seen) / double(kSecond);
 
-  if (explanation != Explanation::move) learn_view_noise(o, k);
   if (timing_.independent) learn_from_observation(o, k);
   if (timing_.independent)
-    learn_clutter(object, options_.repeat_clutter, predicted_[o].here * options_.detection);
+    learn_clutter(object, options_.repeat_clutter, predicted_[o].here * state_.detection.value(options_));
   if (explanation == Explanation::move && status_before == Status::present) keep_alternative(o, k);
   update_box_and_views(o, observation, explanation, piece);
+  learn_detection(object, explanation);
   object.probability_here = 1;
   object.hidden_scenes = 0;
   object.hidden_reported = false;
@@ -43,7 +43,7 @@ void SceneUpdate::update_observed(size_t o, size_t k) {
   // Frames in quick succession repeat each other's errors.
   const double independence = 1 + std::clamp(seconds_unobserved, 0.0, 1.0);
   object.exists_log_odds += (observation.partial ? 0.5 : 1.0) * independence *
-                            std::log(options_.detection / options_.repeat_clutter);
+                            std::log(state_.detection.value(options_) / options_.repeat_clutter);
   object.exists_log_odds = std::min(object.exists_log_odds, kParameters.max_log_odds);
 
   if (object.status == Status::tentative) {
@@ -165,6 +165,7 @@ void SceneUpdate::update_unobserved(size_t o) {
   }
   const PresenceEvidence presence = presence_evidence(o);
   const double in_view = 1 - p.undetectable;
+  if (timing_.independent) object.missed_views += in_view;
   object.probability_here = presence.probability();
   if (timing_.independent && in_view >= kParameters.min_observed)
     learn_clutter(object, presence.empty * (1 - options_.repeat_clutter), presence.there + presence.away);
@@ -181,7 +182,7 @@ void SceneUpdate::update_unobserved(size_t o) {
   if (object.status == Status::tentative) {
     const double empty = posterior_empty_share(o);
     const double factor = empty > kParameters.seen_empty ? kParameters.seen_empty_factor : 1.0;
-    const double missed_if_object = 1 - options_.detection * in_view * factor;
+    const double missed_if_object = 1 - state_.detection.value(options_) * in_view * factor;
     object.exists_log_odds +=
         std::log(std::max(0.01, missed_if_object) / (1 - options_.repeat_clutter * in_view));
     return;
@@ -213,7 +214,8 @@ double SceneUpdate::PresenceEvidence::probability() const {
 
 SceneUpdate::PresenceEvidence SceneUpdate::presence_evidence(size_t o) const {
   const Prediction& p = predicted_[o];
-  const AbsenceEvidence evidence = absence_evidence(p, posterior_empty_share(o), timing_.seconds, options_);
+  const AbsenceEvidence evidence = absence_evidence(p, posterior_empty_share(o), timing_.seconds,
+                                                    state_.detection.value(options_), options_);
   const double in_view = 1 - p.undetectable;
   const double empty = p.undetectable + in_view * std::exp(evidence.if_gone);
   return {p.here * (p.undetectable + in_view * std::exp(evidence.if_there)), (1 - p.here) * empty, empty};

@@ -36,7 +36,9 @@ BeliefUpdate SceneUpdate::run() {
   reinstate_alternatives();
   report_observations();
   report_objects();
+  if (timing_.independent) learn_view_noise();
   if (timing_.independent) learn_similarity();
+  if (timing_.independent) learn_moves();
   const std::vector<std::vector<Alternative>> alternatives = propagated_alternatives();
   // 4. Update of the believed objects, observed and unobserved.
   const size_t believed = state_.objects.size();

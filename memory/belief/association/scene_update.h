@@ -32,6 +32,7 @@ class SceneUpdate {
   /// Alternative identities of each track after this scene.
   std::vector<std::vector<Alternative>> propagated_alternatives() const;
   double pair_probability(size_t o, size_t k) const;
+  double stay_probability(size_t o, size_t k) const;
   /// Fills in object numbers and posteriors once all objects are updated.
   void finish_outcomes();
 
@@ -72,9 +73,12 @@ class SceneUpdate {
 
   // Learning, from independent scenes only: video frames repeat each other (learning.cpp).
   void learn_from_observation(size_t o, size_t k);
+  /// An object that is found again where it was not detected had been missed.
+  void learn_detection(ProtoObject& object, Explanation explanation);
+  void learn_moves();
   void learn_from_absence(ProtoObject& object);
-  /// Objects that stayed and are whole in both views show how accurate poses are. Small moves count little.
-  void learn_view_noise(size_t o, size_t k);
+  /// Objects that stayed and are whole in both views show how accurate poses are.
+  void learn_view_noise();
   /// Distances between views of one object and of different ones.
   void learn_similarity();
   /// Whether a new object is observed again shows how often new objects are clutter.

@@ -68,6 +68,98 @@ PriorDistributions prior_distributions() {
   return all;
 }
 
+/// Factors by which distances between views of one object may exceed what the tables expect: noise and light
+/// differ between sensors and rooms.
+constexpr std::array<double, 9> kScales{0.35, 0.5, 0.7, 1, 1.4, 2, 2.8, 4, 5.6};
+
+using Scales = std::array<double, kScales.size()>;
+
+/// The factors before anything was seen.
+Scales prior_scales() {
+  Scales weights{};
+  double sum = 0;
+  for (size_t s = 0; s < kScales.size(); ++s) {
+    const double deviation = std::log(kScales[s]) / kParameters.calibration_spread;
+    sum += weights[s] = std::exp(-deviation * deviation / 2);
+  }
+  for (double& weight : weights) weight /= sum;
+  return weights;
+}
+
+/// A distribution of distances stretched by a factor; what exceeds the last bin falls into it.
+Shares stretched(const Shares& shares, double scale) {
+  constexpr size_t kSteps = 32;
+  Shares result{};
+  for (size_t i = 0; i < kBins; ++i) {
+    const double low = i == 0 ? 0.0 : kBorders[i - 1], high = i == kBorders.size() ? 1.0 : kBorders[i];
+    for (size_t step = 0; step < kSteps; ++step) {
+      const double distance = low + (high - low) * (double(step) + 0.5) / double(kSteps);
+      result[bin_of(scale * distance)] += shares[i] / double(kSteps);
+    }
+  }
+  return result;
+}
+
+/// Distances between views of one object: a mixture of the expected distribution over scales.
+class SameDistances {
+ public:
+  explicit SameDistances(const Shares& expected) : expected_(expected), prior_(prior_scales()) {
+    for (size_t s = 0; s < kScales.size(); ++s) of_scale_[s] = stretched(expected, kScales[s]);
+  }
+
+  /// Log ratio of the share in each bin, after `counts` were found, to the expected one.
+  Shares log_found_over_expected(const std::array<float, kBins>& counts) const {
+    const Shares before = mixture(prior_), now = mixture(fitted(counts));
+    Shares scaled{};
+    for (size_t i = 0; i < kBins; ++i) scaled[i] = expected_[i] * now[i] / before[i];
+    const double sum = std::accumulate(scaled.begin(), scaled.end(), 0.0);
+    constexpr double kPrior = kParameters.calibration_prior;
+    const double all = std::accumulate(counts.begin(), counts.end(), kPrior);
+    Shares result{};
+    for (size_t i = 0; i < kBins; ++i)
+      result[i] = std::log((counts[i] + kPrior * scaled[i] / sum) / (all * expected_[i]));
+    return result;
+  }
+
+ private:
+  Shares mixture(const Scales& weights) const {
+    Shares shares{};
+    for (size_t s = 0; s < kScales.size(); ++s)
+      for (size_t i = 0; i < kBins; ++i) shares[i] += weights[s] * (of_scale_[s][i] + 1e-6);
+    return shares;
+  }
+
+  /// Maximum a posteriori by expectation maximisation.
+  Scales fitted(const std::array<float, kBins>& counts) const {
+    constexpr double kPrior = kParameters.calibration_prior;
+    constexpr int kIterations = 8;
+    const double all = std::accumulate(counts.begin(), counts.end(), kPrior);
+    Scales weights = prior_;
+    for (int iteration = 0; iteration < kIterations; ++iteration) {
+      const Shares shares = mixture(weights);
+      Scales next{};
+      for (size_t s = 0; s < kScales.size(); ++s) {
+        next[s] = kPrior * prior_[s] / all;
+        for (size_t i = 0; i < kBins; ++i)
+          next[s] += counts[i] * weights[s] * (of_scale_[s][i] + 1e-6) / (shares[i] * all);
+      }
+      weights = next;
+    }
+    return weights;
+  }
+
+  Shares expected_;
+  Scales prior_;
+  std::array<Shares, kScales.size()> of_scale_{};
+};
+
+std::vector<SameDistances> same_distances(const PriorDistributions& prior) {
+  std::vector<SameDistances> all;
+  for (const auto& of_kind : prior)
+    for (const DistanceDistributions& distributions : of_kind) all.emplace_back(distributions.same);
+  return all;
+}
+
 /// Log ratio of the found to the expected share of distances in each bin.
 Shares log_found_over_expected(const std::array<float, kBins>& counts, const Shares& expected) {
   const double all = std::accumulate(counts.begin(), counts.end(), kParameters.calibration_prior);
@@ -115,12 +207,14 @@ Calibration::Counts& Calibration::of(size_t kind, bool achromatic) {
 
 Corrections Calibration::corrections() const {
   static const PriorDistributions prior = prior_distributions();
+  static const std::vector<SameDistances> same_of = same_distances(prior);
   Corrections all{};
   for (size_t kind = 0; kind < kComparisons; ++kind) {
     for (const bool achromatic : {false, true}) {
       const auto found = counts_.find(key_of(kind, achromatic));
       if (found == counts_.end()) continue;
-      const Shares same = log_found_over_expected(found->second.same, prior[kind][achromatic].same);
+      const Shares same =
+          same_of[2 * kind + (achromatic ? 1 : 0)].log_found_over_expected(found->second.same);
       const Shares different =
           log_found_over_expected(found->second.different, prior[kind][achromatic].different);
       for (size_t i = 0; i < kBins; ++i) all[kind][achromatic].values[i] = same[i] - different[i];

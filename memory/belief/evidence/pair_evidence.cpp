@@ -79,7 +79,8 @@ class PairComparer {
         scene_(scene),
         options_(options),
         snapshot_(SceneTiming(state, scene, options).snapshot),
-        corrections_(state.calibration.corrections()) {
+        corrections_(state.calibration.corrections()),
+        noise_weights_(state.view_noise.weights(options.noise_spread)) {
     for (const Observation& observation : scene.observations) {
       appearances_.emplace_back(observation.descriptors);
       shapes_.push_back(shape_of(observation));
@@ -144,11 +145,9 @@ class PairComparer {
       evidence_.distances[i].log_ratio(o, k) = similar.parts[i].log_ratio;
       if (comparisons()[i].whole_only) evidence_.log_size(o, k) += similar.parts[i].log_ratio;
     }
-    const double variance = p.variance + observation_variance(observation, options_);
-    const double extent_variance = variance + p.view_variance * (1 / view_noise(state_) - 1);
-    evidence_.log_proximity(o, k) =
-        std::clamp(log_proximity(believed, variance, extent_variance, object.partial, observation, options_),
-                   -kMaxEvidence, kMaxEvidence);
+    const PositionNoise noise = position_noise(object, p, observation, noise_weights_, options_);
+    evidence_.log_proximity(o, k) = std::clamp(
+        log_proximity(believed, noise, object.partial, observation, options_), -kMaxEvidence, kMaxEvidence);
   }
 
   /// Distances of a kind between observations and some objects, infinite where not comparable.
@@ -187,6 +186,7 @@ class PairComparer {
   const BeliefOptions& options_;
   const bool snapshot_;
   const Corrections corrections_;
+  const NoiseScale::Levels noise_weights_;
   std::vector<Appearance> appearances_;
   std::vector<Observation> shapes_;
   PairEvidence evidence_;

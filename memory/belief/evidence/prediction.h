@@ -3,6 +3,7 @@
 #include <limits>
 #include <vector>
 
+#include "memory/belief/evidence/proximity.h"
 #include "memory/belief/evidence/visibility.h"
 #include "memory/belief/state.h"
 
@@ -21,8 +22,9 @@ struct SceneTiming {
 /// A believed object as it is predicted for a scene.
 struct Prediction {
   AxisBox box;               ///< map frame
+  bool with_depth = true;    ///< of the sensor
   double variance = 0;       ///< of the centre, without the observation's own noise, m²
-  double view_variance = 0;  ///< its part that is due to another view point
+  double view_variance = 0;  ///< that another view point adds, as the options state it
   double interaction = 0;    ///< probability of having been handled since the last view
   double appearance_change =
       0;                    ///< probability of another appearance at the same spot: another side, or handled
@@ -33,15 +35,22 @@ struct Prediction {
 
 std::vector<Prediction> predict(const BeliefState& state, const Scene& scene, const BeliefOptions& options);
 
+/// Errors between a prediction and an observation. What a sensor with depth errs while it stands still is
+/// known; the error between two view points, and all of a detector without depth, is learned.
+PositionNoise position_noise(const ProtoObject& object, const Prediction& predicted,
+                             const Observation& observation, const NoiseScale::Levels& weights,
+                             const BeliefOptions& options);
+
 /// Log likelihoods of what was measured at a spot, of an object that is there and of one that is gone.
 struct AbsenceEvidence {
   double if_there = 0;
   double if_gone = 0;
 };
 /// Views in quick succession count for less. Flat objects are hardly distinguishable from the surface, and
-/// often missed. A detector without depth only tells that it found nothing.
+/// often missed. `detection` is the rate of others. A detector without depth only tells that it found
+/// nothing.
 AbsenceEvidence absence_evidence(const Prediction& predicted, double empty_share, double seconds,
-                                 const BeliefOptions& options);
+                                 double detection, const BeliefOptions& options);
 
 /// Share of an object's observed spot that speaks against the object: seen through, or occupied by another.
 /// `other[k]`: probability that observation k is another object.

@@ -24,10 +24,9 @@ Vector3d gap(const AxisBox& a, const AxisBox& b) {
 
 /// Horizontally against a uniform density. All objects stand on their place, so height is only evidence
 /// against.
-double gaussian_log_ratio(const Vector3d& offset, double variance, double spread, double area) {
-  const double horizontal = square(offset.x()) + square(offset.y());
-  const double vertical_variance = variance + square(kParameters.vertical_noise_m);
-  return std::log(area / (2 * kPi * (variance + spread))) - horizontal / (2 * variance) -
+double position_log_ratio(const Vector3d& offset, const PositionNoise& noise, double spread, double area) {
+  const double vertical_variance = (noise.known + noise.stated) + square(kParameters.vertical_noise_m);
+  return std::log(area) + noise.log_density(square(offset.x()) + square(offset.y()), spread) -
          square(offset.z()) / (2 * vertical_variance);
 }
 
@@ -44,6 +43,22 @@ double extent_penalty(const AxisBox& believed, const AxisBox& seen, double varia
 }
 
 }  // namespace
+
+NoiseScale::Levels PositionNoise::densities(double squared_offset, double spread) const {
+  NoiseScale::Levels result{};
+  for (size_t i = 0; i < NoiseScale::kLevels; ++i) {
+    const double variance = known + square(NoiseScale::kFactors[i]) * stated;
+    result[i] = std::exp(-squared_offset / (2 * variance)) / (2 * kPi * (variance + spread));
+  }
+  return result;
+}
+
+double PositionNoise::log_density(double squared_offset, double spread) const {
+  const NoiseScale::Levels density = densities(squared_offset, spread);
+  double sum = 0;
+  for (size_t i = 0; i < NoiseScale::kLevels; ++i) sum += weights[i] * density[i];
+  return std::log(std::max(1e-300, sum));
+}
 
 double observation_variance(const Observation& observation, const BeliefOptions& options) {
   if (observation.sigma_m) return square(*observation.sigma_m);
@@ -63,17 +78,22 @@ double view_change_variance(const Isometry3d& from, const Isometry3d& to, double
          square(options.view_bias * size * (1 - std::exp(-motion / kParameters.turn_motion)));
 }
 
-double log_proximity(const AxisBox& box, double variance, double extent_variance, bool box_partial,
+double short_move_ratio(const Vector3d& offset, const BeliefOptions& options) {
+  const double variance = square(options.nudge_m);
+  return options.area_m2 * std::exp(-offset.head<2>().squaredNorm() / (2 * variance)) / (2 * kPi * variance);
+}
+
+double log_proximity(const AxisBox& box, const PositionNoise& noise, bool box_partial,
                      const Observation& observation, const BeliefOptions& options) {
   const double size = std::max(box.size.maxCoeff(), observation.box.size.maxCoeff());
   const double spread = square(size / 3);  // the visible part may be anywhere within the other box
   if (box_partial && observation.partial)
-    return gaussian_log_ratio(gap(box, observation.box), variance, spread, options.area_m2);
+    return position_log_ratio(gap(box, observation.box), noise, spread, options.area_m2);
   if (observation.partial)
-    return gaussian_log_ratio(excess(observation.box, box), variance, spread, options.area_m2);
-  if (box_partial) return gaussian_log_ratio(excess(box, observation.box), variance, spread, options.area_m2);
-  return gaussian_log_ratio(observation.box.centre - box.centre, variance, 0, options.area_m2) +
-         extent_penalty(box, observation.box, extent_variance);
+    return position_log_ratio(excess(observation.box, box), noise, spread, options.area_m2);
+  if (box_partial) return position_log_ratio(excess(box, observation.box), noise, spread, options.area_m2);
+  return position_log_ratio(observation.box.centre - box.centre, noise, 0, options.area_m2) +
+         extent_penalty(box, observation.box, (noise.known + noise.stated));
 }
 
 }  // namespace loci::memory::belief

@@ -143,7 +143,7 @@ BoxVisibility box_visibility(const SceneView& view, const AxisBox& box, double s
   return result;
 }
 
-BoxVisibility box_visibility_without_depth(const SceneView& view, const AxisBox& box,
+BoxVisibility box_visibility_without_depth(const SceneView& view, const AxisBox& box, double sigma,
                                            const std::string& place, const std::vector<Observation>& found,
                                            const VisibilityOptions& options) {
   BoxVisibility result;
@@ -154,7 +154,9 @@ BoxVisibility box_visibility_without_depth(const SceneView& view, const AxisBox&
     return result;
   }
   const Isometry3d camera_from_map = view.map_from_camera.inverse();
-  const AxisBox core = core_of(box, options);
+  AxisBox core = core_of(box, options);
+  core.size.head<2>().array() +=
+      2 * std::sqrt(3.0) * sigma;  // as wide as the uniform distribution of that sigma
   const int n = options.steps;
   const double one = 1.0 / (double(n) * n * n);
   for (int i = 0; i < n * n * n; ++i) {

@@ -41,7 +41,7 @@ BoxVisibility box_visibility(const SceneView& view, const AxisBox& box, double s
                              const VisibilityOptions& options = {});
 
 /// The same for a view without depth, from where its detector searched and what it found.
-BoxVisibility box_visibility_without_depth(const SceneView& view, const AxisBox& box,
+BoxVisibility box_visibility_without_depth(const SceneView& view, const AxisBox& box, double sigma,
                                            const std::string& place, const std::vector<Observation>& found,
                                            const VisibilityOptions& options = {});
 

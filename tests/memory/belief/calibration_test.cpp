@@ -46,6 +46,13 @@ TEST(Calibration, LittleEvidenceChangesLittle) {
     EXPECT_NEAR(learned(calibration, kColor, distance), log_ratio(comparisons()[kColor], distance), 0.3);
 }
 
+TEST(Calibration, FewDistancesTellTheScale) {
+  Calibration calibration;
+  for (int i = 0; i < 10; ++i) calibration.of(kExtents, false).count(true, 0.2 + 0.01 * i, 1);
+  // By the histogram alone, nothing among as many distances as the prior is worth would halve the likelihood.
+  EXPECT_GT(learned(calibration, kExtents, 0.35), log_ratio(comparisons()[kExtents], 0.35) - 0.3);
+}
+
 TEST(Calibration, ThingsWithoutColourAreApart) {
   Calibration calibration;
   for (int i = 0; i < 500; ++i) calibration.of(kColor, true).count(false, 0.01, 1);
