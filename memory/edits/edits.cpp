@@ -93,11 +93,12 @@ void add_label(Store& store, Id run, Id scene, Id observation, const std::string
   rows.commit();
 }
 
-/// Adds a map like one of the memory with a remark in its text, so that it is the newest.
-Id add_corrected_map(Store& store, const MapRow& like, const std::string& urdf, const std::string& remark) {
+/// Adds a map like one of the memory, numbered in a comment so that it is the newest. What people typed stays out
+/// of its text.
+Id add_corrected_map(Store& store, const MapRow& like, const std::string& urdf) {
   const std::string sidecar = like.sidecar ? store.blob(*like.sidecar).bytes : std::string();
-  return store.add_map(
-      like.name, fmt::format("{}\n<!-- correction {}: {} -->\n", urdf, store.maps().size(), remark), sidecar);
+  return store.add_map(like.name, fmt::format("{}\n<!-- correction {} -->\n", urdf, store.maps().size()),
+                       sidecar);
 }
 
 /// Reverses what a run did, as a new run: rows that superseded others are superseded by them, others are
@@ -139,7 +140,7 @@ Id reverse_run(Store& store, const RunRow& row, const std::string& text, const J
     const Id like = configuration["map"]["after"].get<Id>();
     for (const MapRow& map : store.maps())
       if (map.id == like) {
-        add_corrected_map(store, map, store.blob(map.urdf).bytes, text);
+        add_corrected_map(store, map, store.blob(map.urdf).bytes);
         break;
       }
   }
@@ -463,13 +464,13 @@ Edit set_joint_type(Store& store, const std::string& joint, const std::string& t
   const bool needs_limits =
       *wanted == mapping::JointType::revolute || *wanted == mapping::JointType::prismatic;
   if (needs_limits && !found->limits) found->limits = mapping::JointLimits{};
-  const Id corrected = add_corrected_map(store, newest, urdf_text(world), text);
+  const Id corrected = add_corrected_map(store, newest, urdf_text(world));
   const EditRun run(store, {{"text", text}, {"map", {{"before", newest.id}, {"after", corrected}}}});
   return edit_of(store, run.id());
 }
 
 Edit name_part(Store& store, const std::string& part, const std::string& name) {
-  require_utf8(name);
+  if (!name.empty()) require_part_name(name);
   const std::vector<Named> all = all_named(store);
   const auto meant =
       std::find_if(all.begin(), all.end(), [&](const Named& named) { return named.is_called(part); });

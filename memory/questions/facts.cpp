@@ -7,6 +7,7 @@
 
 #include "mapping/base/text.h"
 #include "memory/questions/answer_format.h"
+#include "memory/questions/map_names.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci::memory {
@@ -79,6 +80,7 @@ FactsAnswer set_fact(Store& store, const std::string& about, const std::string& 
   if (key.empty() || value.empty()) throw Error("a fact needs a key and a value", {}, "fact set X owner Ada");
   require_utf8(key);
   require_utf8(value);
+  if (key == kPlaceNameKey) require_part_name(value);
   const Snapshot snapshot(store, {});
   const FactOwner one = find_one(snapshot, about);
   const FactsAnswer before = facts_of(snapshot, one, key);

@@ -1,6 +1,11 @@
 #include "memory/questions/map_names.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "mapping/base/json.h"
+#include "mapping/base/text.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::memory {
@@ -23,6 +28,21 @@ void rename_parts(mapping::World& world, const PartNames& names) {
 }
 
 }  // namespace
+
+void require_part_name(const std::string& name) {
+  constexpr size_t kMaxBytes = 100;
+  require_utf8(name);
+  const auto refuse = [&](const char* why) {
+    throw Error(fmt::format("'{}' cannot be a name: {}", name.substr(0, kMaxBytes), why), {},
+                "use letters, digits, blanks, '_' and single '-'");
+  };
+  if (std::ranges::any_of(name, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }))
+    throw Error("a name cannot have control characters", {}, "use letters, digits, blanks, '_' and single '-'");
+  if (name.empty() || trimmed(name) != name) refuse("it is empty, or begins or ends with a blank");
+  if (name.size() > kMaxBytes) refuse("it is longer than 100 bytes");
+  if (name.find_first_of("<>&\"") != std::string::npos) refuse("it has one of <, >, & and \"");
+  if (name.find("--") != std::string::npos) refuse("it has '--'");
+}
 
 const std::string& PartNames::link(const std::string& name) const {
   return name_in(links, name);

@@ -274,6 +274,30 @@ TEST_F(MapEdits, TwoPartsHaveTwoNames) {
               HasSubstr("drawer_2_front"));
 }
 
+TEST_F(MapEdits, NoNameMakesTheMapUnreadable) {
+  const std::vector<std::string> bad = {
+      "a --> b", "a--b",  "<b>",        "\"",          "Tom & Ada",  " blank",
+      "blank ",  "a\nb", "\033[31mred", "\xff\xfe", std::string(101, 'x')};
+  for (const std::string& name : bad) {
+    for (const char* part : {"drawer_2_front", "drawer_2_front_joint", "table_1"}) {
+      EXPECT_THAT(refusal([&](Store& store) { name_part(store, part, name); }),
+                  testing::Not(HasSubstr("not refused")))
+          << name;
+    }
+    EXPECT_THAT(refusal([&](Store& store) { set_fact(store, "table_1", kPlaceNameKey, name); }),
+                testing::Not(HasSubstr("not refused")))
+        << name;
+  }
+  for (const char* name : {"Ada's drawer - the 2nd (left)", "Schublade für Löffel"}) {
+    edit([&](Store& store) { return name_part(store, "drawer_2_front_joint", name); });
+    edit([&](Store& store) { return set_joint_type(store, name, "revolute"); });
+    EXPECT_EQ(named_map(*store_)->find_joint(name)->type, mapping::JointType::revolute);
+    edit([](Store& store) { return undo(store); });
+    EXPECT_EQ(named_map(*store_)->find_joint(name)->type, mapping::JointType::prismatic);
+  }
+  expect_sound();
+}
+
 TEST_F(Edits, ALabelledThingCanBeFoundByItsClass) {
   const Id observation = store_->observations(1).front().id;
   edit([](Store& store) { return label_observation(store, 1, 0, "mug"); });
