@@ -9,11 +9,14 @@
 #include "apps/memory/memory_arguments.h"
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
+#include "mapping/base/output_file.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text.h"
 #include "memory/identity/vector_file.h"
+#include "memory/questions/snapshot.h"
 #include "memory/reasoning/reason.h"
 #include "memory/recorder/checkpoint.h"
-#include "memory/store/memory_file.h"
+#include "memory/store/forgotten_tokens.h"
 #include "memory/store/merge.h"
 #include "memory/store/retention.h"
 
@@ -119,6 +122,22 @@ std::string report_text(const memory::VerifyReport& report) {
   return text;
 }
 
+void verify_forgotten(Session& session, const std::string& memory, const std::string& file) {
+  const Json json = read_json(file);
+  const memory::ForgottenTokens tokens =
+      memory::tokens_from_json(json.is_object() ? json.value("loci_forgotten", Json()) : Json(), file);
+  const std::vector<std::string> left = find_forgotten(memory, tokens, session.progress());
+  const size_t searched =
+      tokens.texts.size() + tokens.hashes.size() + tokens.numbers.size() + tokens.images.size();
+  std::string text = searched == 0  ? "There are no tokens: nothing can be proven."
+                     : left.empty() ? fmt::format("None of {} is left.", counted(searched, "token"))
+                                    : fmt::format("Of {}, this is left:", counted(searched, "token"));
+  for (const std::string& line : left) text += "\n  " + line;
+  session.answer(text, {{"ok", left.empty()}, {"tokens", searched}, {"left", left}});
+  if (!left.empty())
+    throw Error("not everything is forgotten", {memory, 0, {}}, "close other programs and forget it again");
+}
+
 }  // namespace
 
 Command verify_command() {
@@ -128,14 +147,19 @@ Command verify_command() {
            "loci-memory verify --repair -m demo-output/memory.loci --json"},
           [](ArgumentTable& table) {
             struct Arguments {
-              std::string memory;
+              std::string memory, forgotten;
               bool repair = false;
             };
             auto arguments = std::make_shared<Arguments>();
             table.memory(arguments->memory);
+            table.option("--forgotten FILE", &arguments->forgotten,
+                         "Search the bytes of the file for the tokens that `forget --tokens` wrote",
+                         {.excludes = {"--repair"}});
             table.flag("--repair", arguments->repair,
                        "Rebuild the derived rows (stays, words, marks of objects) where they are wrong");
             return [arguments](Session& session) {
+              if (!arguments->forgotten.empty())
+                return verify_forgotten(session, arguments->memory, arguments->forgotten);
               memory::VerifyReport report =
                   memory::Store::open_read(arguments->memory).verify(session.progress());
               const size_t repaired = arguments->repair ? report.derived_problems.size() : 0;
@@ -186,45 +210,74 @@ Command stat_command() {
       }};
 }
 
+namespace {
+
+/// What a request names: an object, a place, or two times.
+memory::ForgetRequest forget_request(const memory::Store& store, const std::string& name,
+                                     const SpanArguments& span) {
+  memory::ForgetRequest request{.from = span.first(store), .to = span.last(store)};
+  const bool interval = request.from && request.to;
+  if (name.empty() != interval || request.from.has_value() != request.to.has_value())
+    throw UsageError("either NAME (object_12, counter_1) or --between is required");
+  if (name.empty()) return request;
+  request.object = memory::object_id(name);
+  if (request.object) return request;
+  const std::vector<memory::PlaceRow> places = memory::Snapshot(store, {}).places_called(name);
+  if (places.size() != 1)
+    throw Error(fmt::format("'{}' is neither an object, as object_12, nor a place", name), {},
+                "loci-memory objects and loci-memory room list them");
+  request.place = places.front().id;
+  return request;
+}
+
+std::string forgotten_text(const memory::ForgetResult& result) {
+  std::string text = fmt::format("Forgotten: {}, {}; {} changed.", counted(size_t(result.objects), "object"),
+                                 counted(size_t(result.observations), "observation"),
+                                 counted(size_t(result.scenes), "scene"));
+  if (result.erased.empty()) return text + "\nErased: nothing.";
+  text += "\nErased:";
+  for (const auto& [kind, count] : result.erased) text += fmt::format(" {} {},", count, kind);
+  text.back() = '.';
+  return text;
+}
+
+}  // namespace
+
 Command forget_command() {
   return {
       "forget",
-      "Erase an object, or everything between two times",
+      "Erase an object, what is stated about a place, or everything between two times",
       {"loci-memory forget object_1 -m demo-output/memory.loci -o demo-output/remaining.loci",
-       "loci-memory forget --between 08:00 08:30 -m demo-output/memory.loci -o demo-output/remaining.loci "
+       "loci-memory forget --between 08:00 08:30 -m demo-output/memory.loci -o "
+       "demo-output/without_breakfast.loci "
        "--json"},
       [](ArgumentTable& table) {
         struct Arguments {
-          std::string memory, object, output;
+          std::string memory, name, output, tokens;
           SpanArguments span;
         };
         auto arguments = std::make_shared<Arguments>();
-        table.positional("[OBJECT]", &arguments->object, "The object, as object_12");
+        table.positional("[NAME]", &arguments->name, "The object, as object_12, or a place");
         table.memory(arguments->memory);
         table.option("-o,--output MEMORY", &arguments->output, "Erase in a copy; the memory stays as it is");
+        table.option("--tokens FILE", &arguments->tokens,
+                     "Write what must not be found any more, for verify --forgotten; delete it afterwards");
         arguments->span.declare(table);
         return [arguments](Session& session) {
-          memory::ForgetRequest request;
-          {
-            const memory::Store store = memory::Store::open_read(arguments->memory);
-            request.from = arguments->span.first(store);
-            request.to = arguments->span.last(store);
-          }
-          const bool interval = request.from && request.to;
-          if (!arguments->object.empty()) request.object = memory::object_id(arguments->object);
-          if (request.object.has_value() == interval || (!request.object && !arguments->object.empty()))
-            throw UsageError("either OBJECT (object_12) or --between is required");
-          if (!arguments->output.empty()) memory::copy_memory(arguments->memory, arguments->output);
-          memory::Store store =
-              memory::Store::open_write(arguments->output.empty() ? arguments->memory : arguments->output);
-          const memory::Id run = store.begin_run("loci-memory forget", "{}");
-          const memory::ForgetResult result = forget(store, request, run);
-          store.finish_run(run);
-          session.answer(fmt::format("Forgotten: {} objects, {} observations, the images of {} scenes.",
-                                     result.objects, result.observations, result.scenes),
-                         {{"objects", result.objects},
-                          {"observations", result.observations},
-                          {"scenes", result.scenes}});
+          const auto request = [&] {
+            return forget_request(memory::Store::open_read(arguments->memory), arguments->name,
+                                  arguments->span);
+          }();
+          const OutputOptions secret{.inputs = {arguments->memory}, .mode = 0600};
+          if (!arguments->tokens.empty()) check_output(arguments->tokens, secret);
+          const memory::ForgetResult result = memory::forget(arguments->memory, request, arguments->output);
+          if (!arguments->tokens.empty())
+            write_output(arguments->tokens, Json{{"loci_forgotten", to_json(result.tokens)}}.dump(1) + "\n",
+                         secret);
+          session.answer(forgotten_text(result), {{"objects", result.objects},
+                                                  {"observations", result.observations},
+                                                  {"scenes", result.scenes},
+                                                  {"erased", result.erased}});
         };
       }};
 }
@@ -290,6 +343,9 @@ Command merge_command() {
           std::string text = fmt::format(
               "{} scenes with {} observations of {} objects and {} facts came in; {} scenes were known.",
               result.scenes, result.observations, result.objects, result.facts, result.known_scenes);
+          if (result.forgotten > 0)
+            text += fmt::format("\n{} stay away: one of the memories has forgotten them.",
+                                counted(size_t(result.forgotten), "observation"));
           Json renamed = Json::object();
           for (const auto& [old, name] : result.renamed) {
             text += fmt::format("\n{} of the second memory lies elsewhere: it is called {} now.", old, name);
@@ -314,6 +370,7 @@ Command merge_command() {
                        {"facts", result.facts},
                        {"known_scenes", result.known_scenes},
                        {"reasoning_left", result.reasoning},
+                       {"forgotten", result.forgotten},
                        {"renamed", renamed}};
           if (!reasoned.is_null()) json["reason"] = reasoned;
           session.answer(text, json);
@@ -327,7 +384,7 @@ Command retain_command() {
       "Erase old images, then crops, then the data of the reasoning",
       {"loci-memory retain --keep-images 1h -m demo-output/memory.loci -o demo-output/smaller.loci",
        "loci-memory retain --keep-images 1h --keep-crops 2h -m demo-output/memory.loci -o "
-       "demo-output/smaller.loci --json"},
+       "demo-output/smallest.loci --json"},
       [](ArgumentTable& table) {
         struct Arguments {
           std::string memory, output, images, crops, reasoning;
@@ -345,9 +402,7 @@ Command retain_command() {
         return [arguments](Session& session) {
           const memory::RetentionRules rules{age_from(arguments->images), age_from(arguments->crops),
                                              age_from(arguments->reasoning)};
-          if (!arguments->output.empty()) memory::copy_memory(arguments->memory, arguments->output);
-          const memory::RetentionResult result =
-              retain(arguments->output.empty() ? arguments->memory : arguments->output, rules);
+          const memory::RetentionResult result = retain(arguments->memory, rules, arguments->output);
           session.answer(
               fmt::format("{} scenes without images now, {} observations without clouds, {} without "
                           "crops, {} arrays gone, {} scenes without reasons; {} bytes of {} remain.",

@@ -12,6 +12,7 @@
 #include "memory/questions/natural_language.h"
 #include "memory/questions/snapshot.h"
 #include "memory/questions/time_parser.h"
+#include "memory/store/scene_images.h"
 
 namespace loci::gui {
 namespace {

@@ -11,11 +11,8 @@
 #include "mapping/base/error.h"
 #include "mapping/base/json.h"
 #include "mapping/image/image_io.h"
-#include "memory/store/feature_structures.h"
 #include "memory/store/scene_images.h"
 #include "memory/store/store.h"
-#include "perception/types/geometry.h"
-#include "perception/types/scene_cas.h"
 
 namespace loci::gui {
 
@@ -97,24 +94,6 @@ std::vector<ImageBox> read_boxes(const memory::Store& store, const SceneContent&
 }
 
 }  // namespace
-
-mapping::RgbdCamera cameras_of(const memory::Store& store, const memory::SceneRow& row) {
-  mapping::RgbdCamera cameras;
-  const memory::SceneCamera& camera = *row.camera;
-  cameras.depth = {camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy};
-  cameras.color = cameras.depth;
-  for (const memory::FeatureStructureRow& stored :
-       store.feature_structures(row.id, std::string(perception::types::CameraInfo::kTypeName))) {
-    perception::cas::Cas cas(perception::types::type_system());
-    const perception::types::CameraInfo info(read_feature_structure(store, stored.id, cas));
-    if (info.name.get() != "color") continue;
-    cameras.color = {info.width.get(), info.height.get(), info.fx.get(),
-                     info.fy.get(),    info.cx.get(),     info.cy.get()};
-    if (const perception::types::Transform pose = info.depth_from_camera.get())
-      cameras.depth_from_color = perception::types::from<Isometry3d>(pose);
-  }
-  return cameras;
-}
 
 SceneContent read_scene_content(const memory::Store& store, const memory::SceneRow& row) {
   SceneContent content{.scene = row, .map_from_camera = row.map_from_camera};

@@ -41,9 +41,6 @@ struct SceneContent {
 
 /// Error when an image is broken.
 SceneContent read_scene_content(const memory::Store& store, const memory::SceneRow& row);
-/// The cameras of a scene that has one: the depth camera is in its row, the colour camera in a feature
-/// structure where a pipeline wrote it; otherwise the image is taken to be registered to the depth.
-mapping::RgbdCamera cameras_of(const memory::Store& store, const memory::SceneRow& row);
 
 /// An image of the memory as CV_8UC3, BGR. Error when it is broken.
 cv::Mat read_image(const memory::Store& store, memory::Id blob);

@@ -93,8 +93,8 @@ void add_label(Store& store, Id run, Id scene, Id observation, const std::string
   rows.commit();
 }
 
-/// Adds a map like one of the memory, numbered in a comment so that it is the newest. What people typed stays out
-/// of its text.
+/// Adds a map like one of the memory, numbered in a comment so that it is the newest. What people typed stays
+/// out of its text.
 Id add_corrected_map(Store& store, const MapRow& like, const std::string& urdf) {
   const std::string sidecar = like.sidecar ? store.blob(*like.sidecar).bytes : std::string();
   return store.add_map(like.name, fmt::format("{}\n<!-- correction {} -->\n", urdf, store.maps().size()),
@@ -278,6 +278,7 @@ EditList edits(const Store& store) {
   for (const RunRow& run : store.runs()) {
     if (!is_edit(run)) continue;
     const Json configuration = parse_json(run.configuration, "run.configuration");
+    if (configuration.contains("forgotten")) continue;  // it was about something that was forgotten
     const Edit edit = {run.id, run.started, text_of(store, run, configuration)};
     if (configuration.contains("undoes")) {
       move_to(list.done, list.undone, edit, configuration["undoes"].get<Id>());

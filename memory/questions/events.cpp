@@ -38,6 +38,7 @@ SceneSummary summary_of(const Snapshot& snapshot, const SceneRow& scene) {
   SceneSummary summary{.scene = snapshot.scene_ref(scene),
                        .observations = snapshot.store().observations(scene.id).size(),
                        .has_pose = scene.map_from_camera.has_value(),
+                       .forgotten = was_forgotten(snapshot.store().forgotten(), scene.time),
                        .known_from = scene.known_from};
   for (const VisibilityRow& row : snapshot.store().visibility(scene.id))
     if (row.place && row.fraction.value_or(0) > 0)
@@ -60,6 +61,7 @@ std::string change_line(const Change& change, const TimeWriter& times) {
 std::string summary_text(const SceneSummary& summary, const TimeWriter& times) {
   std::string line = fmt::format("{}  {}", times.text(summary.scene.time), scene_text(summary.scene));
   if (summary.scene.recording) line += " of " + *summary.scene.recording;
+  if (summary.forgotten) return line + ": forgotten on request";
   line += ": " + counted(summary.observations, "object") + " seen";
   std::vector<std::string> places;
   for (const auto& [place, fraction] : summary.seen_places)
@@ -73,6 +75,7 @@ Json summary_json(const SceneSummary& summary) {
   Json json = scene_json(summary.scene);
   json["observations"] = summary.observations;
   json["has_pose"] = summary.has_pose;
+  if (summary.forgotten) json["forgotten"] = true;
   json["looked_at"] = Json::object();
   for (const auto& [place, fraction] : summary.seen_places) json["looked_at"][place] = fraction;
   json["known_from"] = format_time(summary.known_from);

@@ -41,6 +41,7 @@ struct SceneSummary {
   SceneRef scene = {};
   size_t observations = 0;
   bool has_pose = false;
+  bool forgotten = false;                                        ///< what it saw was forgotten on request
   std::vector<std::pair<std::string, double>> seen_places = {};  ///< and the fraction of each that it saw
   TimeNs known_from = 0;
 };

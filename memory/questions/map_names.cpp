@@ -37,7 +37,8 @@ void require_part_name(const std::string& name) {
                 "use letters, digits, blanks, '_' and single '-'");
   };
   if (std::ranges::any_of(name, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }))
-    throw Error("a name cannot have control characters", {}, "use letters, digits, blanks, '_' and single '-'");
+    throw Error("a name cannot have control characters", {},
+                "use letters, digits, blanks, '_' and single '-'");
   if (name.empty() || trimmed(name) != name) refuse("it is empty, or begins or ends with a blank");
   if (name.size() > kMaxBytes) refuse("it is longer than 100 bytes");
   if (name.find_first_of("<>&\"") != std::string::npos) refuse("it has one of <, >, & and \"");

@@ -19,9 +19,9 @@ inline constexpr const char* kEditProgram = "loci-memory edit";
 /// The key of the fact that renames a place.
 inline constexpr const char* kPlaceNameKey = "name";
 
-/// Error unless a text can be the name of a place, link or joint: 1 to 100 bytes of UTF-8 that begin and end with
-/// no blank, without control characters, without `<`, `>`, `&`, `"` and without `--`, which would end or break an
-/// element, attribute or comment of a map.
+/// Error unless a text can be the name of a place, link or joint: 1 to 100 bytes of UTF-8 that begin and end
+/// with no blank, without control characters, without `<`, `>`, `&`, `"` and without `--`, which would end or
+/// break an element, attribute or comment of a map.
 void require_part_name(const std::string& name);
 
 /// Names of links and joints that are no places, by the map's name.

@@ -307,11 +307,12 @@ std::vector<Id> Snapshot::find_by_word(const std::string& word) const {
   std::vector<Id> found;
   if (const auto id = object_id(word)) {
     if (belief(*id) != nullptr) found.push_back(*id);
-    for (const ForgottenRow& row : store_.forgotten())
-      if (row.object == *id)
-        throw UnknownName(UnknownName::Kind::object,
-                          object_name(*id) + " was forgotten on request at " + format_time(row.known_from),
-                          file(), "");
+    // What a tombstone stands for is not known any more.
+    if (found.empty() && *id <= store_.max_object_id() && !store_.forgotten().empty())
+      throw UnknownName(
+          UnknownName::Kind::object,
+          fmt::format("there is no {}: it may be one that was forgotten on request", object_name(*id)),
+          file(), "");
     return found;
   }
   // The name of a place means what is there now, not what once was.

@@ -16,24 +16,6 @@ std::string object_checkpoint(int64_t key) {
   return fmt::format("{}{:019}", kObjects, key);
 }
 
-/// What is left of the belief without the objects and views of a request.
-void forget(const ForgetRequest& request, belief::BeliefState& state) {
-  const auto in_span = [&](TimeNs time) {
-    return request.from && request.to && time >= *request.from && time <= *request.to;
-  };
-  std::erase_if(state.objects, [&](const belief::ProtoObject& object) {
-    return (request.object && object.id == *request.object) ||
-           (in_span(object.first_seen) && in_span(object.last_seen));
-  });
-  std::set<std::string> class_names;
-  for (belief::ProtoObject& object : state.objects) {
-    std::erase_if(object.views, [&](const belief::StoredView& view) { return in_span(view.time); });
-    class_names.insert(object.class_name);
-  }
-  state.interaction.retain_classes(
-      class_names);  // else the class of a forgotten object would stay in the file
-}
-
 }  // namespace
 
 void BeliefCheckpoint::save(SceneTransaction& transaction, Id scene, const belief::BeliefState& state) {
@@ -80,19 +62,6 @@ belief::BeliefState load_belief(const Store& store) {
   } catch (const Error& error) {
     throw Error(error.message(), {store.path().string(), 0, {}});
   }
-}
-
-ForgetResult forget(Store& store, const ForgetRequest& request, Id run) {
-  if (request.object && !store.belief(*request.object))
-    throw Error("there is no " + object_name(*request.object), {store.path().string(), 0, {}});
-  if (const std::optional<SceneRow> last = store.last_scene()) {
-    belief::BeliefState state = load_belief(store);
-    forget(request, state);
-    SceneTransaction transaction(store, run);
-    BeliefCheckpoint().save(transaction, last->id, state);
-    transaction.commit();
-  }
-  return store.forget(request, run);
 }
 
 }  // namespace loci::memory

@@ -28,7 +28,9 @@ class BeliefCheckpoint {
   bool all_ = true;
 };
 
-/// Deletes what `request` names from the memory and from the checkpoint. Error for an unknown object.
-ForgetResult forget(Store& store, const ForgetRequest& request, Id run);
+/// Erases what a request names from a memory, its belief and its reasoning, by rewrite_memory(): in its
+/// place, or at `output` where one is given. Error for an unknown object.
+ForgetResult forget(const std::filesystem::path& memory, const ForgetRequest& request,
+                    const std::filesystem::path& output = {});
 
 }  // namespace loci::memory

@@ -75,6 +75,18 @@ void bind_values(SQLite::Statement& statement, const SqlValues& values) {
   for (const SqlValue& value : values) std::visit(Binder{statement, ++index}, value);
 }
 
+int64_t run_statements(SQLite::Database& database, const std::string& text, const SqlValues& values) {
+  int64_t changed = 0;
+  for (size_t begin = 0, end = 0; (end = text.find(';', begin)) != std::string::npos; begin = end + 1) {
+    SQLite::Statement statement(database, text.substr(begin, end - begin + 1));
+    const auto count = static_cast<std::ptrdiff_t>(
+        std::min(static_cast<size_t>(statement.getBindParameterCount()), values.size()));
+    bind_values(statement, {values.begin(), values.begin() + count});
+    changed += statement.exec();
+  }
+  return changed;
+}
+
 int64_t query_integer(SQLite::Database& database, const std::string& text) {
   return database.execAndGet(text).getInt64();
 }
@@ -148,6 +160,10 @@ bool Store::Connection::needs_known(const AsOf& as_of) {
 
 void Store::Connection::require_writable() const {
   if (!writable) throw error("the memory is open for reading only");
+}
+
+Id Store::Connection::next_object_id() {
+  return *value<Id>(kNextObject);
 }
 
 Id Store::Connection::add_blob(std::string_view bytes, const std::string& media) {

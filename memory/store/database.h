@@ -136,6 +136,12 @@ Encoded encode_bytes(std::string_view bytes);
 std::string decode_bytes(std::string bytes, int64_t encoding, int64_t size,
                          const std::filesystem::path& path);
 
+/// Query for the id of the next new object. Ids of forgotten objects are not given again.
+inline constexpr const char* kNextObject =
+    "SELECT max((SELECT coalesce(max(id), 0) + 1 FROM main.object), coalesce((SELECT CAST(value AS INTEGER) "
+    "FROM "
+    "main.meta WHERE key = 'next_object'), 1))";
+
 /// An open memory: the database, its prepared statements, and the writer's lock.
 struct Store::Connection {
   ~Connection();
@@ -199,6 +205,8 @@ struct Store::Connection {
     return Error(what, {path.string(), 0, {}}, hint);
   }
 
+  /// Of the next new object: higher than that of any object ever, forgotten ones included.
+  Id next_object_id();
   Id add_blob(std::string_view bytes, const std::string& media);
   Id add_place(const PlaceRow& row, Id run, TimeNs known);
   Id add_fact(const FactRow& row, Id run, TimeNs known);
@@ -219,8 +227,15 @@ struct Store::Connection {
   void clear_caches();
 };
 
+/// Removes blobs that no column refers to.
+void drop_unused_blobs(SQLite::Database& database);
+/// Overwrites what was deleted, in the file and in its log.
+void overwrite_deleted(SQLite::Database& database);
 [[noreturn]] void throw_database_error(const SQLite::Exception& error, const std::filesystem::path& path);
 void bind_values(SQLite::Statement& statement, const SqlValues& values);
+/// Runs several statements; each is bound to as many of the values as it has parameters. Returns the rows
+/// changed.
+int64_t run_statements(SQLite::Database& database, const std::string& text, const SqlValues& values = {});
 int64_t query_integer(SQLite::Database& database, const std::string& text);
 
 template <class Visitor>

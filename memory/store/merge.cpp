@@ -39,7 +39,6 @@ const std::vector<MergedTable>& merged_tables() {
       {"belief", {"object", "scene", "status", "probability", "valid_from", "known_from", "run"}},
       {"visibility", {"scene", "object", "place", "status"}},
       {"fact", {"object", "place", "key", "value", "valid_from", "known_from", "source"}},
-      {"forgotten", {"object", "valid_from", "valid_to", "known_from"}},
   };
   return tables;
 }
@@ -49,6 +48,12 @@ void copy_migrated(const fs::path& from, const fs::path& to) {
   { const Store check = Store::open_read(from); }
   copy_memory(from, to);
   { Store::open_write(to); }
+}
+
+/// What one of them has forgotten, the other forgets too. Returns how many observations went.
+int64_t forget_in_both(const fs::path& one, const fs::path& other) {
+  Store a = Store::open_write(one), b = Store::open_write(other);
+  return a.honour_tombstones(b).observations + b.honour_tombstones(a).observations;
 }
 
 class Merger {
@@ -77,6 +82,11 @@ class Merger {
     database_.exec(
         "INSERT OR IGNORE INTO main.scene_log SELECT s.new, o.number, o.annotator, o.level, o.text, "
         "o.milliseconds FROM other.scene_log o JOIN temp.of_scene s ON s.old = o.scene");
+    database_.exec(
+        "INSERT OR IGNORE INTO main.forgotten SELECT o.id, o.salt, o.valid_from, o.valid_to, o.known_from, "
+        "r.new "
+        "FROM other.forgotten o JOIN temp.of_run r ON r.old = o.run;"
+        "INSERT OR IGNORE INTO main.forgotten_signature SELECT * FROM other.forgotten_signature");
     // A checkpoint of one of them does not hold for both.
     if (result_.scenes > 0) database_.exec("DELETE FROM main.checkpoint");
     derive_tables(database_);
@@ -259,11 +269,12 @@ class Merger {
     else
       recognise_by_key(merged);
     const int64_t known = number("SELECT count(*) FROM " + ids);
-    database_.exec(
-        fmt::format("INSERT INTO {0} SELECT id, (SELECT coalesce(max(id), 0) FROM main.{1}) + row_number() "
-                    "OVER (ORDER BY "
-                    "id) FROM {2} WHERE id NOT IN (SELECT old FROM {0})",
-                    ids, table, rows));
+    database_.exec(fmt::format(
+        "INSERT INTO {0} SELECT id, ({1}) - 1 + row_number() OVER (ORDER BY id) FROM {2} WHERE id "
+        "NOT IN (SELECT old FROM {0})",
+        ids,
+        table == "object" ? kNextObject : fmt::format("SELECT coalesce(max(id), 0) + 1 FROM main.{}", table),
+        rows));
     // References to rows of the same table can only be translated now.
     for (const auto& [column, target] : columns)
       if (target == table)
@@ -306,13 +317,25 @@ class Merger {
         "r.id");
   }
 
-  /// By an observation of it; a forgotten object by its times.
+  /// By an association that both have; else by an observation that is associated now; without any, by its
+  /// times.
   void recognise_objects() {
     database_.exec(
         "INSERT INTO temp.of_object SELECT b.object, min(a.object) FROM other.association b JOIN "
-        "temp.of_observation o ON o.old = b.observation JOIN main.association a ON a.observation = o.new "
-        "WHERE "
-        "b.chosen = 1 AND a.chosen = 1 AND b.object IS NOT NULL AND a.object IS NOT NULL GROUP BY b.object");
+        "temp.of_observation o ON o.old = b.observation JOIN main.association a ON a.observation = o.new AND "
+        "a.known_from = b.known_from AND a.explanation = b.explanation WHERE b.chosen = 1 AND a.chosen = 1 "
+        "AND "
+        "b.object IS NOT NULL AND a.object IS NOT NULL GROUP BY b.object");
+    database_.exec("CREATE TEMP TABLE recognised AS SELECT old, new FROM temp.of_object");
+    database_.exec(
+        "INSERT INTO temp.of_object SELECT b.object, min(a.object) FROM other.association_known b JOIN "
+        "temp.of_observation o ON o.old = b.observation JOIN main.association_known a ON a.observation = "
+        "o.new "
+        "WHERE b.known_to IS NULL AND a.known_to IS NULL AND b.chosen = 1 AND a.chosen = 1 AND b.probability "
+        "> 0 "
+        "AND a.probability > 0 AND b.object IS NOT NULL AND a.object IS NOT NULL AND b.object NOT IN (SELECT "
+        "old "
+        "FROM temp.recognised) AND a.object NOT IN (SELECT new FROM temp.recognised) GROUP BY b.object");
     database_.exec(
         "INSERT INTO temp.of_object SELECT r.id, min(m.id) FROM temp.rows_of_object r JOIN main.object m ON "
         "m.valid_from = r.valid_from AND m.known_from = r.known_from AND m.source = r.source WHERE r.id NOT "
@@ -341,6 +364,7 @@ MergeResult merge(const fs::path& first, const fs::path& second, const fs::path&
   create_atomically(output, [&](const fs::path& result_file) {
     copy_migrated(first, result_file);
     copy_migrated(second, other.path());
+    const int64_t forgotten = forget_in_both(result_file, other.path());
     try {
       SQLite::Database database(result_file.string(), SQLite::OPEN_READWRITE);
       SQLite::Statement attach(database, "ATTACH ? AS other");
@@ -348,7 +372,11 @@ MergeResult merge(const fs::path& first, const fs::path& second, const fs::path&
       attach.exec();
       SQLite::Transaction all(database, SQLite::TransactionBehavior::IMMEDIATE);
       result = Merger(database, first, second, frame).run(progress);
+      result.forgotten = forgotten;
+      result.forgotten = forgotten;
       all.commit();
+      database.exec("DETACH other");
+      if (forgotten > 0) overwrite_deleted(database);
       database.exec("PRAGMA wal_checkpoint(TRUNCATE)");
     } catch (const SQLite::Exception& error) {
       throw_database_error(error, result_file);

@@ -17,14 +17,15 @@ struct MergeResult {
   int64_t scenes = 0, observations = 0, objects = 0, facts = 0;  ///< added from the second memory
   int64_t known_scenes = 0;  ///< of the second memory, which the first one had already
   int64_t reasoning = 0;     ///< scenes whose reasoning was left out because it is in another frame
+  int64_t forgotten = 0;     ///< observations of either that the other had forgotten
   std::vector<std::pair<std::string, std::string>> renamed = {};  ///< places of one name at two spots
 };
 
 /// Merges two memories of one home, of several robots or runs, into a new file with every row of both, each
 /// once. Scenes are recognised by recording and frame, else by their times, so that merging again adds
 /// nothing. Objects keep separate histories: reasoning again over the result finds which of them are the
-/// same. With `frame` unset both must be in one map frame (the same map, or a common recording); otherwise
-/// Error. Error also when `output` exists.
+/// same. What either has forgotten is not in the result. With `frame` unset both must be in one map frame
+/// (the same map, or a common recording); otherwise Error. Error also when `output` exists.
 MergeResult merge(const std::filesystem::path& first, const std::filesystem::path& second,
                   const std::filesystem::path& output, const std::optional<FrameChange>& frame,
                   Progress& progress);

@@ -20,8 +20,16 @@ struct RetentionResult {
   int64_t bytes_before = 0, bytes_after = 0;  ///< of the file
 };
 
-/// Discards what the rules name; its bytes are gone from the file and its log. What was observed, believed
-/// and decided remains. The run that did it stores rules and counts as its configuration.
-RetentionResult retain(const std::filesystem::path& memory, const RetentionRules& rules);
+/// Makes a copy of a memory without free pages, changes it, and puts it in the memory's place, or at `output`
+/// where one is given: nothing that `change` removed is in the file. The old file stays until the new one is
+/// complete. Error, and nothing changes, while another program has the memory open (with `output`: while one
+/// writes to it).
+void rewrite_memory(const std::filesystem::path& memory, const std::filesystem::path& output,
+                    const std::function<void(Store&)>& change);
+
+/// Discards what the rules name, by rewrite_memory(). What was observed, believed and decided remains. The
+/// run that did it stores rules and counts as its configuration.
+RetentionResult retain(const std::filesystem::path& memory, const RetentionRules& rules,
+                       const std::filesystem::path& output = {});
 
 }  // namespace loci::memory

@@ -7,6 +7,9 @@
 #include <cmath>
 
 #include "mapping/image/image_io.h"
+#include "memory/store/feature_structures.h"
+#include "perception/types/geometry.h"
+#include "perception/types/scene_cas.h"
 
 namespace loci::memory {
 namespace {
@@ -70,6 +73,24 @@ SpotStatus DepthThumbnail::spot_status(const Vector3d& point, double tolerance_m
   if (!measured) return SpotStatus::no_depth;
   if (there) return SpotStatus::seen;
   return behind ? SpotStatus::seen_empty : SpotStatus::hidden;
+}
+
+mapping::RgbdCamera cameras_of(const Store& store, const SceneRow& row) {
+  mapping::RgbdCamera cameras;
+  const SceneCamera& camera = *row.camera;
+  cameras.depth = {camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy};
+  cameras.color = cameras.depth;
+  for (const FeatureStructureRow& stored :
+       store.feature_structures(row.id, std::string(perception::types::CameraInfo::kTypeName))) {
+    perception::cas::Cas cas(perception::types::type_system());
+    const perception::types::CameraInfo info(read_feature_structure(store, stored.id, cas));
+    if (info.name.get() != "color") continue;
+    cameras.color = {info.width.get(), info.height.get(), info.fx.get(),
+                     info.fy.get(),    info.cx.get(),     info.cy.get()};
+    if (const perception::types::Transform pose = info.depth_from_camera.get())
+      cameras.depth_from_color = perception::types::from<Isometry3d>(pose);
+  }
+  return cameras;
 }
 
 std::string encode_depth_thumbnail(const std::vector<float>& depth) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "mapping/sensor/camera.h"
 #include "mapping/sensor/pixel_kind.h"
 #include "memory/store/store.h"
 
@@ -47,6 +48,10 @@ class DepthThumbnail {
   int width_, height_;
   std::vector<float> depth_;
 };
+
+/// The cameras of a scene that has one: the depth camera is in its row, the colour camera in a feature
+/// structure where a pipeline wrote it; otherwise the image is taken to be registered to the depth.
+mapping::RgbdCamera cameras_of(const Store& store, const SceneRow& row);
 
 /// The bytes of a thumbnail blob from z-depths in metres (0 or NaN = none): uint16, little endian, mm.
 std::string encode_depth_thumbnail(const std::vector<float>& depth);

@@ -132,7 +132,7 @@ Id SceneTransaction::add_feature_structure(const FeatureStructureRow& row) {
 }
 
 Id SceneTransaction::add_object(const ObjectRow& row) {
-  return db_.guarded([&] { return insert_row(db_, stamped(row)); });
+  return db_.guarded([&] { return insert_row(db_, stamped(row), {{"id", sql(db_.next_object_id())}}); });
 }
 
 Id SceneTransaction::add_association(const AssociationRow& row) {

@@ -14,7 +14,7 @@
 -- *_known compute that end as known_to). Probability 0, or a NULL value, retracts a row without replacing it.
 
 -- One value per key: format ("loci-memory"), created (ISO 8601), written_by ("loci 0.1.0"), time_zone_minutes
--- (minutes east of UTC of times without a zone).
+-- (minutes east of UTC of times without a zone), next_object (ids of objects below it are not given again).
 CREATE TABLE meta (
   key TEXT PRIMARY KEY,
   value TEXT NOT NULL
@@ -395,15 +395,24 @@ CREATE TABLE row_count (
   rows INTEGER NOT NULL
 ) STRICT, WITHOUT ROWID;
 
--- What was forgotten on request: an object, or everything between two times. Nothing else of it remains.
+-- A request to forget: an object, the facts about a place, or everything between two times (valid_from, valid_to).
+-- Nothing else of what it named remains. The id is random; the salt keys its signatures.
 CREATE TABLE forgotten (
   id INTEGER PRIMARY KEY,
-  object INTEGER REFERENCES object,
-  valid_from INTEGER, valid_to INTEGER,
+  salt TEXT NOT NULL,
+  valid_from INTEGER,
+  valid_to INTEGER,
   known_from INTEGER NOT NULL,
   run INTEGER NOT NULL REFERENCES run,
-  CHECK ((object IS NULL) <> (valid_from IS NULL))
+  CHECK ((valid_from IS NULL) = (valid_to IS NULL))
 ) STRICT;
+-- By which a merge recognises in an older copy what was forgotten: SHA-256, keyed with the salt, of the recording, frame
+-- and number of an observation, or of a row of fact.
+CREATE TABLE forgotten_signature (
+  forgotten INTEGER NOT NULL REFERENCES forgotten,
+  signature TEXT NOT NULL,
+  PRIMARY KEY (forgotten, signature)
+) STRICT, WITHOUT ROWID;
 
 -- Rows of bitemporal tables are only added.
 CREATE TRIGGER association_append_only BEFORE UPDATE ON association BEGIN SELECT RAISE(ABORT, 'rows are only added'); END;

@@ -13,6 +13,7 @@
 #include "mapping/base/hash.h"
 #include "memory/store/derived_rows.h"
 #include "memory/store/format.h"
+#include "memory/store/memory_file.h"
 #include "memory/store/row_columns.h"
 
 namespace loci::memory {
@@ -212,6 +213,8 @@ Store Store::open_write(const fs::path& path, const WriteOptions& options, const
   connection->now = options.now;
   connection->lock = take_lock(path);
   const bool existed = fs::exists(path, code);
+  // What a program that was killed while it rewrote the memory left: it may hold what was to be forgotten.
+  { const TemporaryMemory leftover(path.string() + ".partial"); }
   try {
     connection->guarded([&] {
       if (!existed) create_memory(path, connection->known_time(), format);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -16,6 +17,8 @@
 
 namespace loci::memory {
 
+struct RetentionRules;
+struct RetentionResult;
 struct MemoryFormat;
 extern const MemoryFormat kMemoryFormat;
 
@@ -37,20 +40,56 @@ struct VerifyReport {
   int major = 0, minor = 0;                                  ///< of the file
 };
 
-/// What to forget: an object, or everything between two times.
+/// What to forget: an object, what people stated about a place, or everything between two times.
 struct ForgetRequest {
   std::optional<Id> object = {};
+  std::optional<Id> place = {};
   std::optional<TimeNs> from = {}, to = {};
 };
+
+/// An image region by its content: mean colours of 8 x 8 fields, row by row, blue, green, red.
+struct ImageSignature {
+  int width = 0, height = 0;       ///< of the whole image, pixels
+  std::array<int, 4> region = {};  ///< x, y, width, height, pixels
+  std::array<uint8_t, 192> means = {};
+};
+
+/// What must not be found in a file from which something was forgotten.
+struct ForgottenTokens {
+  std::vector<std::string> texts = {};   ///< that nothing else in the memory says
+  std::vector<std::string> hashes = {};  ///< SHA-256 of the stored bytes
+  std::vector<double> numbers = {};      ///< coordinates of observations
+  std::vector<ImageSignature> images = {};
+};
+
 struct ForgetResult {
   int64_t objects = 0, observations = 0;
-  int64_t scenes = 0;  ///< whose images were removed
+  int64_t scenes = 0;                          ///< with regions or whole images removed
+  std::map<std::string, int64_t> erased = {};  ///< rows by table, and "image region"
+  ForgottenTokens tokens = {};
+  std::set<Id> object_ids = {};
+  std::set<Id> observation_ids = {};
 };
+
+/// What is erased from a scene whose reasoning stays.
+struct ErasedFromScene {
+  std::vector<Id> observations = {};  ///< that the scene had, by number; in all
+  std::set<Id> erased = {};           ///< of them
+  std::set<Id> objects = {};
+};
+/// Rewrites the stored reasoning of a scene without what is erased; unset = delete all of it.
+using ReasoningFilter =
+    std::function<std::optional<std::string>(const std::string& bytes, const ErasedFromScene& scene)>;
+
+/// A request to forget that was carried out. Of an object nothing else remains.
 struct ForgottenRow {
-  std::optional<Id> object = {};
-  std::optional<TimeNs> valid_from = {}, valid_to = {};
+  Id id = 0;                                             ///< random
+  std::optional<TimeNs> valid_from = {}, valid_to = {};  ///< of an interval
   TimeNs known_from = 0;
 };
+
+/// Whether a time lies in an interval that was forgotten.
+bool was_forgotten(const std::vector<ForgottenRow>& rows, TimeNs time);
 
 /// One memory file. Errors of the database become a one-line loci::Error with the name of the file. A Store
 /// is used by one thread at a time; several Stores may read a file while one writes.
@@ -100,9 +139,16 @@ class Store {
   /// The place with this name, added when it is new; an existing one keeps its geometry.
   Id add_place(const PlaceRow& row, Id run);
   Id add_fact(const FactRow& row, Id run);
-  /// Erases an object with all its observations, or everything between two times: rows, terms, crops, images
-  /// that show it, and its pixels in depth thumbnails. Only the fact that it was forgotten remains.
-  ForgetResult forget(const ForgetRequest& request, Id run);
+  /// Erases what a request names, and what superseded rows say about it: rows, terms, crops, labels, texts of
+  /// edits, its region of every image that shows it. An object takes along those that were merged into it.
+  /// Only a tombstone remains. Without `filter`, all reasoning since the object was first seen is deleted.
+  ForgetResult forget(const ForgetRequest& request, Id run, const ReasoningFilter& filter = {});
+  /// Erases what was forgotten in `other`, of which this may be an older copy: intervals by their times,
+  /// objects and facts by their signatures. An object is the forgotten one if most of its observations in
+  /// scenes that both memories have are; of another one only these observations go. Writes no tombstone.
+  ForgetResult honour_tombstones(const Store& other);
+  /// Discards images, crops and reasoning by age; what was observed, believed and decided remains.
+  RetentionResult retain(const RetentionRules& rules);
   std::vector<ForgottenRow> forgotten() const;
   /// Derives the tables again that follow from others: stays, visits, ranks, terms of objects, full text,
   /// counts.
@@ -134,7 +180,7 @@ class Store {
   std::vector<ObservationRow> observations(Id scene) const;
   ObservationRow observation(Id id) const;
   Id max_observation_id() const;  ///< 0 = there is none
-  Id max_object_id() const;       ///< likewise
+  Id max_object_id() const;       ///< likewise; forgotten ones count
   std::vector<AnnotationRow> annotations(Id scene) const;
   /// The log of a scene in the order of its lines.
   std::vector<LogRow> log(Id scene) const;
@@ -260,6 +306,8 @@ class Store {
 
  private:
   friend class SceneTransaction;
+  friend void rewrite_memory(const std::filesystem::path&, const std::filesystem::path&,
+                             const std::function<void(Store&)>&);
   explicit Store(std::unique_ptr<Connection> connection);
   std::unique_ptr<Connection> connection_;
 };

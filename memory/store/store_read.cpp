@@ -103,7 +103,7 @@ Id Store::max_observation_id() const {
 }
 
 Id Store::max_object_id() const {
-  return *connection_->value<Id>("SELECT coalesce(max(id), 0) FROM object");
+  return connection_->next_object_id() - 1;
 }
 
 std::vector<AnnotationRow> Store::annotations(Id scene) const {

@@ -38,9 +38,7 @@ constexpr Rule kRules[] = {
     {"belief {} has a last observation in the future",
      "SELECT b.id FROM belief b JOIN scene s ON s.id = b.last_scene WHERE s.time > b.valid_from"},
     {"object {} has no belief",
-     "SELECT o.id FROM object o WHERE NOT EXISTS (SELECT 1 FROM belief b WHERE b.object = o.id) AND NOT "
-     "EXISTS "
-     "(SELECT 1 FROM forgotten f WHERE f.object = o.id)"},
+     "SELECT o.id FROM object o WHERE NOT EXISTS (SELECT 1 FROM belief b WHERE b.object = o.id)"},
     {"scene {} has a depth thumbnail without its size",
      "SELECT id FROM scene WHERE depth IS NOT NULL AND (depth_width IS NULL OR depth_height IS NULL)"},
     {"scene {} has pixel kinds of another size than its depth thumbnail",

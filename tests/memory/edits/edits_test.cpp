@@ -276,7 +276,7 @@ TEST_F(MapEdits, TwoPartsHaveTwoNames) {
 
 TEST_F(MapEdits, NoNameMakesTheMapUnreadable) {
   const std::vector<std::string> bad = {
-      "a --> b", "a--b",  "<b>",        "\"",          "Tom & Ada",  " blank",
+      "a --> b", "a--b", "<b>",         "\"",       "Tom & Ada",          " blank",
       "blank ",  "a\nb", "\033[31mred", "\xff\xfe", std::string(101, 'x')};
   for (const std::string& name : bad) {
     for (const char* part : {"drawer_2_front", "drawer_2_front_joint", "table_1"}) {

@@ -1,0 +1,26 @@
+#pragma once
+
+// Private to this module: objects are cut out of all images in which they are visible.
+
+#include <opencv2/core.hpp>
+
+#include "memory/store/database.h"
+
+namespace loci::memory {
+
+struct ErasedImages {
+  int64_t scenes = 0, regions = 0, images = 0;  ///< images = removed as a whole
+  std::vector<ImageSignature> signatures = {};  ///< of the regions of colour images
+};
+
+/// Cuts the observations of table temp.gone_observation out of colour images, depth thumbnails, pixel kinds
+/// and the crops and masks of others: in the scenes that observed them, and in those between, before and
+/// after in which the depth shows something in their box. A scene of which nobody knows what it shows loses
+/// its images. Scenes that changed are added to temp.gone_image. Must run before the rows of the observations
+/// are deleted.
+ErasedImages erase_from_images(const Store& store, Store::Connection& db);
+
+/// Of a region of an image (CV_8UC1, CV_8UC3 or CV_8UC4).
+ImageSignature signature_of(const cv::Mat& image, const cv::Rect& region);
+
+}  // namespace loci::memory
