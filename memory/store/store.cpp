@@ -214,7 +214,7 @@ Store Store::open_write(const fs::path& path, const WriteOptions& options, const
   connection->lock = take_lock(path);
   const bool existed = fs::exists(path, code);
   // What a program that was killed while it rewrote the memory left: it may hold what was to be forgotten.
-  { const TemporaryMemory leftover(path.string() + ".partial"); }
+  { const TemporaryMemory unfinished(path.string() + ".partial"); }
   try {
     connection->guarded([&] {
       if (!existed) create_memory(path, connection->known_time(), format);
