@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
@@ -316,20 +317,22 @@ void memory_rows(std::string_view bytes) {
     for (int i = 0; i < 20 && !choices.done(); ++i)
       change_cell(database, columns[choices.below(columns.size())], choices);
   }
-  const memory::Store store = memory::Store::open_read(file);
+  std::optional<memory::Store> store;
   const auto attempt = [](const auto& action) {
     try {
       action();
-    } catch (const Error&) {  // One answer that is refused does not keep the others from being asked for.
+    } catch (const std::exception&) {  // What programs print in one line: crashes are looked for here.
     }
   };
+  attempt([&] { store.emplace(memory::Store::open_read(file)); });
+  if (!store) throw Error("the memory is refused");
   for (const char* query : {"objects", "where object_1", "on table_1", "was object_1 table_1", "changes",
                             "history object_2", "timeline", "scenes"})
     attempt([&] {
-      if (const auto parsed = memory::parse_query(query)) memory::ask(store, *parsed);
+      if (const auto parsed = memory::parse_query(query)) memory::ask(*store, *parsed);
     });
   NoProgress progress;
-  attempt([&] { memory::memory_report(store, {}, {}, progress); });
+  attempt([&] { memory::memory_report(*store, {}, {}, progress); });
 }
 
 }  // namespace
