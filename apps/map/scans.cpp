@@ -215,7 +215,9 @@ Command interpret_command() {
               mapping::InterpretedMap map = interpret(scans, arguments->options, session.progress());
               for (const std::string& note : map.notes) session.warnings().add(note);
               for (const mapping::StageTime& time : map.times) session.timing(time.stage, time.seconds);
-              if (!map.usable()) throw Error(map.summary(), {arguments->scans, 0, ""}, "nothing was written");
+              if (!map.usable())
+                throw Error(map.summary(), {arguments->scans, 0, ""},
+                            "nothing was written: scan more of the room, or lower --min-support-area-m2");
               if (!arguments->names_from.empty()) {
                 const mapping::NameTransfer names =
                     transfer_names(map.world, map.semantics,

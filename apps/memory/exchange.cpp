@@ -36,12 +36,15 @@ Command ingest_command() {
            "apps/samples/kitchen.urdf --strict --resume --json"},
           [](ArgumentTable& table) {
             struct Arguments {
-              std::string file, memory, map, now;
+              std::string file, memory, map, recording, now;
               memory::IngestOptions options;
             };
             auto arguments = std::make_shared<Arguments>();
-            table.positional("FILE", &arguments->file, "Detections, one scene per line (JSON Lines)");
+            table.positional("FILE", &arguments->file,
+                             "Detections: JSON Lines, a COCO file (*.json), or a folder of YOLO text files");
             table.memory(arguments->memory);
+            table.option("--recording RECORDING", &arguments->recording,
+                         "Recording that was detected in: its depth lifts boxes and masks to 3-D");
             table.option("--map MAP", &arguments->map,
                          "URDF of the map, for the places; the sidecar is found beside it");
             table.option("--now TIME", &arguments->now, "Transaction time of the rows, ISO 8601",
@@ -51,10 +54,13 @@ Command ingest_command() {
               memory::WriteOptions write;
               if (!arguments->now.empty()) write.now = parse_time(arguments->now);
               arguments->options.map = arguments->map;
+              arguments->options.recording = arguments->recording;
               const memory::IngestResult result =
                   ingest(arguments->file, arguments->memory, arguments->options, write, session.progress(),
                          session.warnings());
               session.answer(result.summary(), result.report());
+              if (result.detections == 0)
+                result.used.explain("object", {arguments->file, 0, {}}, session.warnings());
             };
           }};
 }

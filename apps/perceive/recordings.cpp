@@ -10,11 +10,13 @@
 #include "mapping/base/config.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/base/tally.h"
 #include "mapping/base/time.h"
 #include "mapping/recording/recording.h"
 #include "memory/annotators/memory_annotators.h"
 #include "memory/annotators/memory_session.h"
 #include "perception/annotators/annotators.h"
+#include "perception/annotators/frame_outcome.h"
 #include "perception/annotators/io/labelled_recording.h"
 #include "perception/annotators/structure/known_map.h"
 #include "perception/pipeline/goal.h"
@@ -355,10 +357,15 @@ void run(const RunArguments& arguments, Session& session) {
                                        : std::nullopt;
   Json found = Json::array();
   size_t clusters = 0;
+  Tally frames;
   Json scenes = Json::array();
   const auto done = [&](perception::cas::Cas& cas) {
     const perception::types::SceneCas scene(cas);
     clusters += scene.scene().clusters.size();
+    if (const auto reason = perception::no_object_because(scene, remembers))
+      frames.add(*reason);
+    else
+      frames.add_used();
     if (wanted) {
       int number = 0;
       for (const perception::types::Cluster& cluster : scene.clusters()) {
@@ -383,13 +390,16 @@ void run(const RunArguments& arguments, Session& session) {
   if (const auto path = arguments.statistics.path(arguments.memory.memory); !path.empty())
     add_to_statistics(path, result.pipeline.statistics);
   text += summary(result, clusters, remembers ? arguments.memory.memory : "");
+  frames.add(Reason::annotator_failed, result.pipeline.left_out);
   Json json = {{"frames", result.pipeline.frames},
+               {"frames_used", frames.report()},
                {"skipped", result.skipped},
                {"left_out", result.pipeline.left_out},
                {"scenes", scenes},
                {"pipeline", context.configuration}};
   if (plan) json.update({{"found", found}, {"plan", to_json(*plan)}});
   session.answer(text, json);
+  if (frames.used() == 0) frames.explain("object", {arguments.recording, 0, {}}, session.warnings());
 }
 
 }  // namespace

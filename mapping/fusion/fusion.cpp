@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 #include <mutex>
+#include <opencv2/core.hpp>
 
 #include "mapping/base/cell_index.h"
 #include "mapping/base/json.h"
@@ -127,24 +128,32 @@ class ScanBuilder {
 /// One scan and its counts.
 struct Part {
   Scan scan;
-  size_t used = 0, without_pose = 0, at_edges = 0, seldom = 0;
+  Tally frames;
+  size_t at_edges = 0, seldom = 0;
 };
+
+/// Why a frame cannot be fused.
+std::optional<Reason> unusable_because(const RgbdFrame& frame) {
+  if (!frame.map_from_camera) return Reason::no_pose;
+  if (cv::countNonZero(frame.depth > 0) == 0) return Reason::no_depth;
+  return std::nullopt;
+}
 
 FusionResult collect(std::vector<Part>& parts, const RecordingInfo& info, const FusionOptions& options) {
   FusionResult result;
   for (Part& part : parts) {
-    result.frames_used += part.used;
-    result.frames_without_pose += part.without_pose;
+    result.frames.add(part.frames);
     result.pixels_at_edges += part.at_edges;
     result.voxels_seldom_seen += part.seldom;
     if (!part.scan.points.empty()) result.scans.scans.push_back(std::move(part.scan));
   }
-  if (result.frames_used == 0)
-    throw Error("no frame of the recording has a pose", {info.path, 0, ""},
-                "add camera poses, or register the scans first");
-  if (result.scans.scans.empty())
-    throw Error("the recording has no depth within the range that was seen often enough", {info.path, 0, ""},
-                "check --range-max-m and --min-observations");
+  if (result.frames.used() == 0)
+    throw Error("no frame can be fused: " + result.frames.reasons(), {info.path, 0, ""},
+                result.frames.hint());
+  if (result.points() == 0)
+    throw Error(fmt::format("nothing within {} m was seen by {} frames of a scan", options.range_max_m,
+                            options.min_observations),
+                {info.path, 0, ""}, "check --range-max-m, --min-observations, and the poses");
   result.scans.sensor = "kinect";
   result.scans.levelled = info.map_frame == "map";
   result.scans.range_max = options.range_max_m;
@@ -219,19 +228,19 @@ FusionResult fuse(const Recording& recording, const FusionOptions& options, Prog
     ScanBuilder builder(options);
     for (size_t i = number * per_scan; i < std::min(taken, (number + 1) * per_scan); ++i) {
       RgbdFrame frame = recording.frame(i * static_cast<size_t>(options.every));
-      if (frame.map_from_camera) {
+      if (const auto reason = unusable_because(frame)) {
+        part.frames.add(*reason);
+      } else {
         if (options.edge_filter) part.at_edges += drop_flying_pixels(frame.depth);
         builder.add(frame);
-        ++part.used;
-      } else {
-        ++part.without_pose;
+        part.frames.add_used();
       }
       const size_t now_done = ++done;
       const std::lock_guard lock(mutex);
       progress.check(static_cast<double>(now_done) / static_cast<double>(taken),
                      fmt::format("fused {} of {} frames", now_done, taken));
     }
-    if (part.used > 0) part.scan = builder.finish(number, part.seldom);
+    if (part.frames.used() > 0) part.scan = builder.finish(number, part.seldom);
   };
   parallel_for(count, options.threads, [&](size_t begin, size_t end) {
     for (size_t number = begin; number < end; ++number) build(number);
@@ -251,16 +260,19 @@ size_t FusionResult::points() const {
 
 std::string FusionResult::summary() const {
   std::string text =
-      fmt::format("{} frames became {} scans with {} points", frames_used, scans.scans.size(), points());
-  if (frames_without_pose > 0) text += fmt::format("; {} frames without pose left out", frames_without_pose);
+      fmt::format("{} frames became {} scans with {} points", frames.used(), scans.scans.size(), points());
+  if (const std::string reasons = frames.reasons(); !reasons.empty()) text += "; left out: " + reasons;
   return text;
 }
 
 Json FusionResult::report() const {
-  return {{"frames_used", frames_used},         {"frames_without_pose", frames_without_pose},
-          {"scans", scans.scans.size()},        {"points", points()},
-          {"pixels_at_edges", pixels_at_edges}, {"voxels_seldom_seen", voxels_seldom_seen},
-          {"levelled", scans.levelled},         {"seconds", seconds}};
+  return {{"frames", frames.report()},
+          {"scans", scans.scans.size()},
+          {"points", points()},
+          {"pixels_at_edges", pixels_at_edges},
+          {"voxels_seldom_seen", voxels_seldom_seen},
+          {"levelled", scans.levelled},
+          {"seconds", seconds}};
 }
 
 }  // namespace loci::mapping

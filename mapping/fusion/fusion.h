@@ -2,6 +2,7 @@
 
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/tally.h"
 #include "mapping/recording/recording.h"
 #include "mapping/sensor/scan.h"
 
@@ -21,10 +22,9 @@ struct FusionOptions {
 
 struct FusionResult {
   ScanSet scans;
-  size_t frames_used = 0;
-  size_t frames_without_pose = 0;  ///< left out
-  size_t pixels_at_edges = 0;      ///< left out: between foreground and background, or alone
-  size_t voxels_seldom_seen = 0;   ///< left out: fewer frames than min_observations
+  Tally frames;                   ///< used, and why others were left out
+  size_t pixels_at_edges = 0;     ///< left out: between foreground and background, or alone
+  size_t voxels_seldom_seen = 0;  ///< left out: fewer frames than min_observations
   double seconds = 0;
 
   size_t points() const;
@@ -34,9 +34,9 @@ struct FusionResult {
 
 /// Fuses depth frames with poses into a scan set: consecutive frames become one scan of voxels. A voxel has
 /// the mean position of its points, weighted by range, their colour, and the nearest origin; measurements
-/// beyond range_max are stored as rays without return. Frames without pose are skipped and counted. The
-/// scan's frame is the camera's of its middle frame. Same result on any number of threads. Error when no
-/// frame has a pose or nothing was measured.
+/// beyond range_max are stored as rays without return. Frames without pose or depth are skipped and counted.
+/// The scan's frame is the camera's of its middle frame. Same result on any number of threads. Error with the
+/// reasons when no frame could be used.
 FusionResult fuse(const Recording& recording, const FusionOptions& options, Progress& progress);
 
 /// Sets pixels to NaN that stand between a nearer and a farther neighbour, or with fewer than three of the

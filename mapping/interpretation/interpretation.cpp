@@ -139,6 +139,8 @@ InterpretedMap interpret(const ScanSet& scans, const InterpretationOptions& opti
   room.walls = std::move(vertical.walls);
   room.supports = std::move(horizontal.supports);
   if (room.walls.empty()) map.notes.push_back("no walls were recognised");
+  if (room.supports.empty())
+    map.notes.push_back("no supports were recognised: scan counters and tables from above");
   map.notes.insert(map.notes.end(), vertical.notes.begin(), vertical.notes.end());
   map.notes.insert(map.notes.end(), horizontal.notes.begin(), horizontal.notes.end());
   map.notes.insert(map.notes.end(), furniture.notes.begin(), furniture.notes.end());

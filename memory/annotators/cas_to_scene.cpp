@@ -4,10 +4,9 @@
 #include <array>
 #include <cmath>
 
-#include "mapping/base/math.h"
 #include "mapping/image/hsv.h"
-#include "mapping/image/image_io.h"
 #include "mapping/world/kinematics.h"
+#include "memory/recorder/observation_pixels.h"
 #include "memory/store/scene_images.h"
 #include "perception/conversions/opencv.h"
 #include "perception/types/geometry.h"
@@ -16,11 +15,6 @@ namespace loci::memory {
 namespace {
 
 constexpr std::string_view kMapDepth = "map_depth";  ///< view with the depth of the map alone
-
-std::string encoded(const cv::Mat& image, const std::string& ending) {
-  const std::vector<unsigned char> bytes = mapping::encode_image(image, ending);
-  return {bytes.begin(), bytes.end()};
-}
 
 perception::cas::Buffer<int32_t> indices_of(const perception::types::Cluster& cluster) {
   const auto reference = cluster.hypotheses.first<perception::types::ReferenceClusterPoints>();
@@ -77,37 +71,11 @@ void read_camera(const perception::types::SceneCas& cas, const perception::types
   record.row.camera = row;
   record.row.map_from_camera = record.view.map_from_camera;
   if (cas.has(perception::types::SceneCas::kColor))
-    record.image = {encoded(perception::types::view_image(cas, perception::types::SceneCas::kColor), ".jpg"),
-                    "image/jpeg"};
+    record.image = {
+        encoded_image(perception::types::view_image(cas, perception::types::SceneCas::kColor), ".jpg"),
+        "image/jpeg"};
   // The columns of the scene describe the depth camera; drawing on the image needs the colour camera.
   if (cas.has_camera("color")) record.structures.push_back(cas.camera("color"));
-}
-
-/// Points, pixels and mask of a cluster.
-void read_points(const perception::types::Cluster& cluster, SceneRecord& record,
-                 ObservationRecord& observation) {
-  const cv::Mat& depth = record.view.depth;
-  const auto label = static_cast<int>(record.observations.size());
-  std::vector<Vector3d> points;
-  cv::Rect roi;
-  for (const int32_t index : indices_of(cluster)) {
-    const int v = index / depth.cols, u = index % depth.cols;
-    record.view.labels.at<int>(v, u) = label;
-    roi = roi.empty() ? cv::Rect(u, v, 1, 1) : (roi | cv::Rect(u, v, 1, 1));
-    const float z = depth.at<float>(v, u);
-    if (std::isfinite(z))
-      points.push_back(record.view.map_from_camera * record.view.camera.unproject(u, v, z));
-  }
-  observation.evidence.points = static_cast<int>(points.size());
-  observation.row.points = static_cast<int64_t>(points.size());
-  observation.evidence.box = robust_box(points);
-  observation.evidence.range = (record.view.map_from_camera.inverse() * observation.evidence.box.centre).z();
-  if (roi.empty()) return;
-  observation.row.roi = {roi.x, roi.y, roi.width, roi.height};
-  cv::Mat mask = cv::Mat::zeros(roi.size(), CV_8U);
-  for (const int32_t index : indices_of(cluster))
-    mask.at<uint8_t>(index / depth.cols - roi.y, index % depth.cols - roi.x) = 255;
-  observation.mask = {encoded(mask, ".png"), "image/png"};
 }
 
 /// Searchable value of an unknown type: its first text.
@@ -179,14 +147,15 @@ std::string place_of(const perception::types::Cluster& cluster) {
 
 ObservationRecord read_cluster(const perception::types::Cluster& cluster, SceneRecord& record) {
   ObservationRecord observation;
-  read_points(cluster, record, observation);
+  set_pixels(indices_of(cluster).span(), record, observation);
   observation.evidence.partial = cluster.at_image_border.get() || cluster.partly_hidden.get();
   observation.evidence.place = place_of(cluster);
   observation.evidence.descriptors = descriptors_of(cluster);
   observation.row.position = observation.evidence.box.centre;
   read_annotations(cluster, observation);
   if (const auto roi = cluster.hypotheses.first<perception::types::StandaloneImageROI>())
-    observation.crop = {encoded(perception::types::from<cv::Mat>(roi.image.get()), ".jpg"), "image/jpeg"};
+    observation.crop = {encoded_image(perception::types::from<cv::Mat>(roi.image.get()), ".jpg"),
+                        "image/jpeg"};
   return observation;
 }
 
@@ -231,18 +200,6 @@ AnnotationRecord annotation_record(const perception::types::Annotation& annotati
   if (annotation.confidence.is_set()) record.confidence = annotation.confidence.get();
   record.structure = annotation;
   return record;
-}
-
-belief::AxisBox robust_box(const std::vector<Vector3d>& points) {
-  if (points.empty()) return {};
-  Vector3d low, high;
-  std::vector<double> values(points.size());
-  for (int axis = 0; axis < 3; ++axis) {
-    for (size_t i = 0; i < points.size(); ++i) values[i] = points[i][axis];
-    low[axis] = quantile(values, 0.01);
-    high[axis] = quantile(values, 0.99);
-  }
-  return {(low + high) / 2, high - low};
 }
 
 std::vector<belief::Descriptor> descriptors_of(const perception::types::Cluster& cluster) {

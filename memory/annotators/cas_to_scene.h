@@ -16,9 +16,6 @@ AnnotationRecord annotation_record(const perception::types::Annotation& annotati
 /// Descriptors of a cluster that the belief can compare.
 std::vector<belief::Descriptor> descriptors_of(const perception::types::Cluster& cluster);
 
-/// Box of points along the axes of the map: 1st to 99th percentile, since outliers are common.
-belief::AxisBox robust_box(const std::vector<Vector3d>& points);
-
 /// Adds to a scene_record() of this CAS what the memory stores and the belief does not use: pixel kinds, logs
 /// of the annotators with their times, and with `clouds` the points of each cluster.
 void add_stored_data(const perception::types::SceneCas& scene, bool clouds, SceneRecord& record);

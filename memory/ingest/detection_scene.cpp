@@ -1,11 +1,15 @@
 #include "memory/ingest/detection_scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <opencv2/core.hpp>
 
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "mapping/image/hsv.h"
 #include "mapping/world/semantic_map.h"
+#include "memory/recorder/observation_pixels.h"
 
 namespace loci::memory {
 namespace {
@@ -93,13 +97,20 @@ void annotate(const Detection& detection, ObservationRecord& observation) {
     add("loci.annotation.ClassificationAnnotation", name, probability);
   for (const std::string& text : detection.texts) add("loci.annotation.TextAnnotation", text, std::nullopt);
   if (detection.score) add("loci.hypothesis.ObjectHypothesis", "score", detection.score);
+  for (const perception::KeyPoint3D& point : detection.lifted_points)
+    add("loci.hypothesis.KeyPoint",
+        fmt::format("{} {:.3f} {:.3f} {:.3f}", point.name, point.position.x(), point.position.y(),
+                    point.position.z()),
+        std::nullopt);
 }
 
 ObservationRecord observation_of(const Detection& detection, double sigma_m,
-                                 const std::vector<PlaceRow>& places,
-                                 const std::optional<Isometry3d>& map_from_camera) {
+                                 const std::vector<PlaceRow>& places, SceneRecord& record) {
+  const std::optional<Isometry3d>& map_from_camera = record.row.map_from_camera;
   ObservationRecord observation;
+  if (!detection.pixels.empty()) set_pixels(detection.pixels, record, observation);
   belief::Observation& evidence = observation.evidence;
+  evidence.partial = detection.at_image_border;
   evidence.box = {detection.position, detection.size.value_or(Vector3d::Constant(kAssumedSize_m))};
   evidence.has_size = detection.size.has_value();
   evidence.sigma_m = detection.position_sigma.value_or(sigma_m);
@@ -133,6 +144,16 @@ void read_camera(const DetectedScene& scene, SceneRecord& record) {
                                   view.camera.cx,    view.camera.cy,     camera.near_m,  camera.far_m};
 }
 
+/// What the camera of the recording measured: it decides what was seen empty, and what was hidden.
+void read_frame(const DetectedScene& scene, SceneRecord& record) {
+  if (!scene.frame) return;
+  record.view.depth = scene.frame->depth;
+  record.view.map_depth = scene.map_depth;
+  record.view.labels = cv::Mat(scene.frame->depth.size(), CV_32S, cv::Scalar(-1));
+  record.row.joints = scene.frame->joints;
+  if (!scene.frame->color.empty()) record.image = {encoded_image(scene.frame->color, ".jpg"), "image/jpeg"};
+}
+
 void add_place(const std::string& name, const std::vector<PlaceRow>& map_places, SceneRecord& record) {
   const auto same = [&](const PlaceRow& place) { return place.name == name; };
   if (name.empty() || std::ranges::any_of(record.places, same)) return;
@@ -151,6 +172,7 @@ SceneRecord detections_to_scene(const DetectedScene& scene, double sigma_m,
   record.source = "ingest";
   record.row.time = scene.time;
   read_camera(scene, record);
+  read_frame(scene, record);
   if (scene.observed) {
     record.view.observed.emplace();
     for (const auto& [place, fraction] : *scene.observed) {
@@ -159,7 +181,7 @@ SceneRecord detections_to_scene(const DetectedScene& scene, double sigma_m,
     }
   }
   for (const Detection& detection : scene.detections) {
-    record.observations.push_back(observation_of(detection, sigma_m, map_places, record.row.map_from_camera));
+    record.observations.push_back(observation_of(detection, sigma_m, map_places, record));
     add_place(record.observations.back().evidence.place, map_places, record);
   }
   return record;

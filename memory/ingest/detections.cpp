@@ -137,14 +137,23 @@ std::vector<float> read_feature(const Parsed& json, const std::string& where) {
   return values;
 }
 
-Detection read_detection(const Parsed& json, const std::string& where, std::vector<std::string>& unknown) {
+std::vector<perception::KeyPoint2D> read_key_points(const Parsed& json, const std::string& where) {
+  std::vector<perception::KeyPoint2D> points;
+  for (const auto& [key, value] : object(json, where).items()) {
+    const auto at = numbers<2>(value, where + "." + key);
+    points.push_back({key, at[0], at[1]});
+  }
+  return points;
+}
+
+Detection read_detection(const Parsed& json, const std::string& where, const std::filesystem::path& folder,
+                         std::vector<std::string>& unknown) {
   Detection detection;
-  bool has_position = false;
+  detection.has_position = json.contains("position");
   for (const auto& [key, value] : object(json, where).items()) {
     const std::string here = where + "." + key;
     if (key == "position") {
       detection.position = vector(value, here);
-      has_position = true;
       if (detection.position.cwiseAbs().maxCoeff() > kFarthest_m)
         refuse(here, "lies more than 100 km away", "positions are in metres");
     } else if (value.is_null()) {
@@ -173,11 +182,17 @@ Detection read_detection(const Parsed& json, const std::string& where, std::vect
       detection.score = bounded(value, here, 0, 1);
     } else if (key == "place") {
       detection.place = name(value, here);
+    } else if (key == "bbox") {
+      if (!detection.region) detection.region = perception::region_from_box(value, here);
+    } else if (key == "mask") {  // after bbox, which it makes more precise
+      detection.region = perception::region_from_mask(value, here, folder);
+    } else if (key == "key_points") {
+      detection.key_points = read_key_points(value, here);
     } else {
       unknown.push_back("detections." + key);
     }
   }
-  if (!has_position) refuse(where, "has no position");
+  if (!detection.has_position && !detection.region) refuse(where, "has no position, bbox or mask");
   return detection;
 }
 
@@ -191,6 +206,15 @@ std::vector<std::pair<std::string, double>> read_observed(const Parsed& json) {
     observed.emplace_back(name(one["place"], "observed.place"), fraction);
   }
   return observed;
+}
+
+void check_masks(const DetectedScene& scene) {
+  size_t pixels = 0;
+  for (const Detection& detection : scene.detections)
+    if (detection.region) pixels += detection.region->mask.total();
+  if (pixels > perception::kMaxMaskPixelsPerImage)
+    refuse("detections", fmt::format("have masks of more than {} million pixels",
+                                     perception::kMaxMaskPixelsPerImage / 1'000'000));
 }
 
 /// Deep nesting takes a hundred times its size in memory.
@@ -213,7 +237,7 @@ void refuse_deep(std::string_view line) {
 
 }  // namespace
 
-DetectedScene parse_detections(std::string_view line) {
+DetectedScene parse_detections(std::string_view line, const std::filesystem::path& folder) {
   refuse_deep(line);
   Parsed json;
   try {
@@ -244,7 +268,8 @@ DetectedScene parse_detections(std::string_view line) {
       size_t index = 0;
       for (const Parsed& detection : value)
         scene.detections.push_back(
-            read_detection(detection, fmt::format("detections[{}]", index++), scene.unknown_keys));
+            read_detection(detection, fmt::format("detections[{}]", index++), folder, scene.unknown_keys));
+      check_masks(scene);
     } else {
       scene.unknown_keys.push_back(key);
     }
@@ -317,13 +342,15 @@ size_t nearest(const Vector3d& position, const std::vector<Detection>& among) {
 void PositionNoise::add(const DetectedScene& scene) {
   if (!before_.empty() && !scene.detections.empty() && differences_.size() < kMaxDifferences) {
     for (size_t i = 0; i < scene.detections.size(); ++i) {
+      if (!scene.detections[i].has_position) continue;
       const Vector3d& position = scene.detections[i].position;
       const Vector3d& earlier = before_[nearest(position, before_)].position;
       if ((position - earlier).norm() > kNear_m || nearest(earlier, scene.detections) != i) continue;
       for (int axis = 0; axis < 3; ++axis) differences_.push_back(std::abs(position[axis] - earlier[axis]));
     }
   }
-  before_ = scene.detections;
+  before_.clear();
+  std::ranges::copy_if(scene.detections, std::back_inserter(before_), &Detection::has_position);
 }
 
 std::optional<double> PositionNoise::sigma_m() const {

@@ -11,21 +11,28 @@
 
 #include "mapping/base/pose.h"
 #include "mapping/base/time.h"
-#include "mapping/sensor/camera.h"
+#include "mapping/sensor/frame.h"
+#include "perception/detection/lift.h"
 
 namespace loci::memory {
 
 /// An object that another system detected. What is not given is unset.
 struct Detection {
   Vector3d position = Vector3d::Zero();                 ///< centre, map frame
+  bool has_position = true;                             ///< otherwise it has a region
   std::optional<double> position_sigma;                 ///< metres per axis
   std::optional<Vector3d> size;                         ///< along the axes of the map, metres
   std::vector<std::pair<std::string, double>> classes;  ///< with probabilities, most probable first
   std::optional<Vector3d> color;                        ///< hue 0 to 360, saturation and value 0 to 1
   std::vector<std::string> texts;
   std::vector<std::pair<std::string, std::vector<float>>> features;
-  std::optional<double> score;  ///< uncalibrated, 0 to 1
-  std::string place;            ///< empty = not given
+  std::optional<double> score;                     ///< uncalibrated, 0 to 1
+  std::string place;                               ///< empty = not given
+  std::optional<perception::ImageRegion> region;   ///< in the colour image
+  std::vector<perception::KeyPoint2D> key_points;  ///< likewise
+  std::vector<int32_t> pixels;                     ///< of the depth image, once lifted: row · width + column
+  std::vector<perception::KeyPoint3D> lifted_points;  ///< in the map frame
+  bool at_image_border = false;
 };
 
 /// One line of a file of detections: one scene.
@@ -39,12 +46,14 @@ struct DetectedScene {
   std::optional<Camera> camera;
   std::optional<std::vector<std::pair<std::string, double>>> observed;  ///< places and seen fractions
   std::vector<Detection> detections;
-  std::vector<std::string> unknown_keys;  ///< that are not part of the format: "detections.colour"
+  std::optional<mapping::RgbdFrame> frame;  ///< of the recording, once lifted
+  cv::Mat map_depth;                        ///< of the map alone in that frame; empty without a map
+  std::vector<std::string> unknown_keys;    ///< that are not part of the format: "detections.colour"
 };
 
-/// Reads one line (docs/file-formats.md). Error has the key as its place; the caller adds file and
-/// line.
-DetectedScene parse_detections(std::string_view line);
+/// Reads one line (docs/file-formats.md); images of masks lie below `folder`. Error has the key as its place;
+/// the caller adds file and line.
+DetectedScene parse_detections(std::string_view line, const std::filesystem::path& folder = {});
 
 /// Reads a file line by line with bounded memory: lines that are too long are skipped.
 class LineReader {

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
+#include <set>
 
 #include "mapping/base/files.h"
 #include "mapping/base/hash.h"
@@ -10,8 +12,10 @@
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
 #include "memory/catalogue/catalogue.h"
+#include "memory/ingest/detection_lifter.h"
 #include "memory/ingest/detection_scene.h"
 #include "memory/recorder/recorder.h"
+#include "perception/detection/detection_set.h"
 
 namespace loci::memory {
 namespace {
@@ -28,16 +32,37 @@ struct NumberedScene {
   std::string hash;  ///< of its text
 };
 
-/// Reads the valid lines of a file in order of time.
-class SceneReader {
+/// Scenes in order of time.
+class SceneSource {
  public:
-  SceneReader(const fs::path& file, std::optional<TimeNs> not_before, Warnings& warnings)
-      : file_(file), reader_(file), not_before_(not_before), warnings_(warnings) {}
+  virtual ~SceneSource() = default;
+  virtual std::optional<NumberedScene> next() = 0;
+  virtual double fraction() const = 0;
+  /// Those for which the recording has no frame, once all were read.
+  virtual size_t unmatched() const { return 0; }
 
-  /// Lines to skip because they are in the memory.
+  /// Those to skip because they are in the memory.
   void skip(std::set<int64_t> lines) { skip_ = std::move(lines); }
 
-  std::optional<NumberedScene> next() {
+  size_t bad() const { return bad_; }
+  size_t repeated() const { return repeated_; }
+  size_t skipped() const { return skipped_; }
+  const std::optional<Error>& first_error() const { return first_error_; }
+
+ protected:
+  std::set<int64_t> skip_;
+  std::optional<Error> first_error_;
+  size_t bad_ = 0, repeated_ = 0, skipped_ = 0;
+};
+
+/// Reads the valid lines of a file in order of time.
+class LineSource : public SceneSource {
+ public:
+  /// With `lifting` detections may have a region instead of a position.
+  LineSource(const fs::path& file, bool lifting, std::optional<TimeNs> not_before, Warnings& warnings)
+      : file_(file), reader_(file), lifting_(lifting), not_before_(not_before), warnings_(warnings) {}
+
+  std::optional<NumberedScene> next() override {
     for (;;) {
       const LineReader::Status status = reader_.next(text_);
       if (status == LineReader::Status::end) return std::nullopt;
@@ -55,17 +80,15 @@ class SceneReader {
     }
   }
 
-  size_t bad() const { return bad_; }
-  size_t repeated() const { return repeated_; }
-  size_t skipped() const { return skipped_; }
-  double fraction() const { return reader_.fraction(); }
-  const std::optional<Error>& first_error() const { return first_error_; }
+  double fraction() const override { return reader_.fraction(); }
 
  private:
   std::optional<NumberedScene> parse(LineReader::Status status, int64_t line) {
     if (status == LineReader::Status::too_long)
       throw Error(fmt::format("is longer than {} MB", LineReader::kDefaultLimit >> 20));
-    NumberedScene read{line, parse_detections(text_), content_hash(text_)};
+    NumberedScene read{line, parse_detections(text_, file_.parent_path()), content_hash(text_)};
+    if (!lifting_ && !std::ranges::all_of(read.scene.detections, &Detection::has_position))
+      throw Error("has a bbox or mask without a position", {}, "--recording FOLDER lifts it to 3-D");
     if (read.hash == last_hash_) {
       ++repeated_;
       return std::nullopt;
@@ -92,14 +115,64 @@ class SceneReader {
 
   fs::path file_;
   LineReader reader_;
+  bool lifting_;
   std::optional<TimeNs> not_before_;
   Warnings& warnings_;
   std::string text_, last_hash_;
-  std::set<int64_t> skip_;
   std::set<std::string> unknown_;
-  std::optional<Error> first_error_;
-  size_t bad_ = 0, repeated_ = 0, skipped_ = 0;
 };
+
+/// The frames of a recording that a detector looked at, with what it found.
+class FrameSource : public SceneSource {
+ public:
+  FrameSource(const perception::DetectionSet& set, const mapping::Recording& recording)
+      : set_(set), recording_(recording) {}
+
+  std::optional<NumberedScene> next() override {
+    while (position_ < recording_.size()) {
+      const int64_t number = recording_.index_of(position_);
+      if (skip_.contains(number)) {
+        ++skipped_;
+        ++position_;
+        continue;
+      }
+      mapping::RgbdFrame frame = recording_.frame(position_++);
+      const perception::ImageDetections* found = set_.find(frame.name, frame.index, frame.time_ns);
+      if (found == nullptr) continue;
+      ++matched_;
+      NumberedScene read{number, {}, {}};
+      read.scene.time = frame.time_ns;
+      for (const perception::Detection2D& each : found->detections) {
+        Detection& detection = read.scene.detections.emplace_back();
+        detection.has_position = false;
+        detection.region = each.region;
+        detection.key_points = each.key_points;
+        detection.classes = each.classes;
+        detection.score = each.score;
+      }
+      read.scene.frame = std::move(frame);
+      return read;
+    }
+    return std::nullopt;
+  }
+  double fraction() const override {
+    return static_cast<double>(position_) / static_cast<double>(std::max<size_t>(1, recording_.size()));
+  }
+  size_t unmatched() const override {
+    const size_t known = matched_ + skipped_;
+    return set_.images().size() > known ? set_.images().size() - known : 0;
+  }
+
+ private:
+  const perception::DetectionSet& set_;
+  const mapping::Recording& recording_;
+  size_t position_ = 0, matched_ = 0;
+};
+
+/// COCO and YOLO; what else there is is JSON Lines.
+bool is_detection_set(const fs::path& file) {
+  return fs::is_directory(file) || file.extension() == ".json";
+}
 
 /// What is read of the file before anything is written.
 struct Preview {
@@ -107,10 +180,20 @@ struct Preview {
   std::optional<double> sigma_m;
 };
 
+/// What a set of detections is, wherever it lies: its first image.
+Preview preview(const perception::DetectionSet& set) {
+  const perception::ImageDetections& first = set.images().front();
+  std::string text = "detections " + first.image;
+  for (const perception::Detection2D& each : first.detections)
+    text += fmt::format("\n{} {} {} {} {}", each.classes.front().first, each.region.box.x, each.region.box.y,
+                        each.region.box.width, each.region.box.height);
+  return {content_hash(text), std::nullopt};
+}
+
 /// Error without a valid line, and with `whole` for the first bad one.
-Preview preview(const fs::path& file, bool whole, Progress& progress) {
+Preview preview(const fs::path& file, bool lifting, bool whole, Progress& progress) {
   Warnings ignored;  // they come again when the lines are ingested
-  SceneReader reader(file, std::nullopt, ignored);
+  LineSource reader(file, lifting, std::nullopt, ignored);
   PositionNoise noise;
   Preview result;
   size_t count = 0;
@@ -135,6 +218,51 @@ Id add_map(Store& store, const fs::path& urdf) {
                        fs::exists(sidecar) ? read_file(sidecar) : std::string());
 }
 
+/// Places the detections of a scene and counts. Whether the scene says anything.
+bool place(DetectionLifter* lifter, DetectedScene& scene, Tally& used) {
+  const bool in_image = scene.frame || !std::ranges::all_of(scene.detections, &Detection::has_position);
+  std::optional<Reason> reason;
+  if (lifter != nullptr && in_image) {
+    if (!scene.frame)
+      if (const auto number = lifter->frame_at(scene.time)) scene.frame = lifter->recording().frame(*number);
+    reason = lifter->lift(scene);
+  } else if (scene.detections.empty()) {
+    reason = Reason::nothing_new;
+  }
+  if (reason)
+    used.add(*reason);
+  else
+    used.add_used();
+  return !in_image || scene.frame || !scene.detections.empty();
+}
+
+/// What is read; only with a recording all of it.
+struct Input {
+  std::unique_ptr<mapping::Recording> recording;
+  std::unique_ptr<DetectionLifter> lifter;
+  std::optional<perception::DetectionSet> set;  ///< unset for JSON Lines
+};
+
+Input open_input(const fs::path& file, const IngestOptions& options, Warnings& warnings) {
+  Input input;
+  if (!options.recording.empty()) {
+    input.recording = mapping::open_recording(options.recording);
+    input.lifter = std::make_unique<DetectionLifter>(*input.recording, options.map, warnings);
+  }
+  if (!is_detection_set(file)) return input;
+  if (!input.recording)
+    throw Error("COCO and YOLO detections have no positions", {file.string(), 0, {}},
+                "--recording FOLDER lifts them to 3-D");
+  input.set = perception::DetectionSet::read(file, warnings);
+  return input;
+}
+
+std::unique_ptr<SceneSource> source_of(const fs::path& file, const Input& input,
+                                       std::optional<TimeNs> not_before, Warnings& warnings) {
+  if (input.set) return std::make_unique<FrameSource>(*input.set, *input.recording);
+  return std::make_unique<LineSource>(file, input.lifter != nullptr, not_before, warnings);
+}
+
 }  // namespace
 
 void IngestOptions::declare(OptionTable& table) {
@@ -149,23 +277,23 @@ std::string IngestResult::summary() const {
   if (present > 0) text += fmt::format("; {} lines were in the memory already", present);
   if (repeated > 0) text += fmt::format("; {} lines repeat the line before", repeated);
   if (bad > 0) text += fmt::format("; {} bad lines skipped", bad);
+  if (lifted.total() > 0) text += fmt::format("; {} of {} lifted to 3-D", lifted.used(), lifted.total());
+  if (const std::string reasons = lifted.reasons(); !reasons.empty()) text += ", the others not: " + reasons;
   return text + fmt::format("; noise of positions {:.1f} mm ({})", 1000 * noise_m,
                             noise_estimated ? "estimated" : "given or assumed");
 }
 
 Json IngestResult::report() const {
-  return {{"scenes", scenes},
-          {"detections", detections},
-          {"present", present},
-          {"repeated", repeated},
-          {"bad_lines", bad},
-          {"noise_m", noise_m},
-          {"noise_estimated", noise_estimated}};
+  return {{"scenes", scenes},          {"detections", detections}, {"present", present},
+          {"repeated", repeated},      {"bad_lines", bad},         {"scenes_used", used.report()},
+          {"lifted", lifted.report()}, {"noise_m", noise_m},       {"noise_estimated", noise_estimated}};
 }
 
 IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOptions& options,
                     const WriteOptions& write, Progress& progress, Warnings& warnings) {
-  const Preview ahead = preview(file, options.strict, progress);
+  const Input input = open_input(file, options, warnings);
+  const Preview ahead =
+      input.set ? preview(*input.set) : preview(file, input.lifter != nullptr, options.strict, progress);
   std::vector<PlaceRow> places;
   if (!options.map.empty()) {
     mapping::read_urdf(options.map);  // Error when it is not a URDF
@@ -183,11 +311,16 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
     throw Error(fmt::format("this file is in the memory already ({} scenes)", present.size()),
                 {file.string(), 0, {}}, "--resume adds the lines that are missing");
 
-  SceneReader reader(file, store.last_scene_time(), warnings);
+  const std::unique_ptr<SceneSource> source = source_of(file, input, store.last_scene_time(), warnings);
+  SceneSource& reader = *source;
   reader.skip(std::move(present));
   std::optional<NumberedScene> current = reader.next();
   // Within the file the order was checked: if its first scene comes after the memory's last, all do.
   if (options.strict && reader.first_error()) throw *reader.first_error();
+  if (const auto last = store.last_scene_time(); current && last && current->scene.time < *last)
+    throw Error(fmt::format("begins at {}, before the last scene of the memory at {}",
+                            format_time(current->scene.time), format_time(*last)),
+                {options.recording.string(), 0, {}}, "give recordings in order of time");
 
   std::optional<Id> map;
   if (!options.map.empty()) map = add_map(store, options.map);
@@ -199,6 +332,10 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
   while (current) {
     progress.check(reader.fraction(), "ingesting detections");
     std::optional<NumberedScene> after = reader.next();
+    if (!place(input.lifter.get(), current->scene, result.used)) {
+      current = std::move(after);
+      continue;
+    }
     SceneRecord record = detections_to_scene(current->scene, result.noise_m, places);
     record.row.recording = recording;
     record.row.frame_index = current->line;
@@ -210,6 +347,8 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
     result.detections += current->scene.detections.size();
     current = std::move(after);
   }
+  if (input.lifter) result.lifted = input.lifter->detections();
+  result.used.add(Reason::no_matching_frame, reader.unmatched());
   result.present = reader.skipped();
   result.repeated = reader.repeated();
   result.bad = reader.bad();

@@ -6,16 +6,18 @@
 #include "mapping/base/json_fwd.h"
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/tally.h"
 #include "memory/belief/options.h"
 #include "memory/store/store.h"
 
 namespace loci::memory {
 
 struct IngestOptions {
-  bool strict = false;        ///< refuse the whole file for one bad line
-  bool resume = false;        ///< continue a file that the memory has in part
-  double noise_m = 0;         ///< of positions; 0 = estimate it from the file
-  std::filesystem::path map;  ///< URDF; empty = none
+  bool strict = false;              ///< refuse the whole file for one bad line
+  bool resume = false;              ///< continue a file that the memory has in part
+  double noise_m = 0;               ///< of positions; 0 = estimate it from the file
+  std::filesystem::path map;        ///< URDF; empty = none
+  std::filesystem::path recording;  ///< that was detected in; empty = none, all detections have positions
   belief::BeliefOptions belief;
   std::string program = "loci-memory ingest";
 
@@ -27,6 +29,8 @@ struct IngestResult {
   size_t present = 0;                 ///< lines that the memory had already
   size_t repeated = 0;                ///< lines that equal the line before
   size_t bad = 0;                     ///< skipped lines; the warnings name the first ones
+  Tally used{"scene"};                ///< scenes with a detection, and why others have none
+  Tally lifted{"detection"};          ///< detections in images, and why some have no place
   double noise_m = 0;
   bool noise_estimated = false;
 
@@ -34,8 +38,9 @@ struct IngestResult {
   Json report() const;
 };
 
-/// Adds the detections of another system (JSON Lines, docs/file-formats.md) to a memory, with the same
-/// reasoning as for perceived scenes. One scene is one transaction: after an interruption `resume` continues
+/// Adds the detections of another system (docs/file-formats.md: JSON Lines; with a recording also COCO and
+/// YOLO) to a memory, with the same reasoning as for perceived scenes. Detections in images are lifted by the
+/// depth of the recording. One scene is one transaction: after an interruption `resume` continues
 /// with the first missing line. Error when the file has no valid line, when it is in the memory already and
 /// `resume` is not set, and with `strict` for the first bad line before anything is added.
 IngestResult ingest(const std::filesystem::path& file, const std::filesystem::path& memory,

@@ -8,6 +8,7 @@
 #include "perception/annotators/description/visual_search.h"
 #include "perception/annotators/io/recording_reader.h"
 #include "perception/annotators/segmentation/asserted_volumes.h"
+#include "perception/annotators/segmentation/detections2d.h"
 #include "perception/annotators/segmentation/flat_objects.h"
 #include "perception/annotators/segmentation/plane_cluster_extractor.h"
 #include "perception/annotators/segmentation/superpixels.h"
@@ -24,6 +25,7 @@ void add_annotators(AnnotatorRegistry& registry) {
   registry.add<PlaneClusterExtractor>();
   registry.add<FlatObjectExtractor>();
   registry.add<TransparentExtractor>();
+  registry.add<Detections2D>();
   registry.add<AssertedVolumes>();
   registry.add<SuperpixelExtractor>();
   registry.add<SaliencyDetector>();

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 
+#include "perception/annotators/frame_outcome.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/annotators/structure/normals.h"
 #include "perception/annotators/structure/supports.h"
@@ -11,19 +12,22 @@
 namespace loci::perception {
 namespace {
 
-/// The pose of a camera that stands still, from the first frame that shows a supporting plane.
-std::optional<Isometry3d> pose_over_first_support(const mapping::Recording& recording) {
+/// The pose of a camera that stands still, from the first frame that shows a supporting plane. Error when
+/// none of the first ones does.
+Isometry3d pose_over_first_support(const mapping::Recording& recording) {
   constexpr size_t kTries = 10;
+  Tally tries;
   for (size_t i = 0; i < std::min(recording.size(), kTries); ++i) {
     const mapping::RgbdFrame frame = recording.frame(i);
     const cv::Mat depth = smooth_depth(frame.depth, frame.camera.depth, NormalOptions::for_objects());
     const cv::Mat points = points_from_depth(depth, frame.camera.depth);
-    const auto supports =
-        find_supports(points, normals_from_depth(depth, frame.camera.depth, NormalOptions::for_objects()),
-                      std::nullopt, SupportOptions());
+    const cv::Mat normals = normals_from_depth(depth, frame.camera.depth, NormalOptions::for_objects());
+    const auto supports = find_supports(points, normals, std::nullopt, SupportOptions());
     if (!supports.empty()) return supports.front().camera_from_plane.inverse();
+    tries.add(no_support_because(frame.depth, points, normals, std::nullopt));
   }
-  return std::nullopt;
+  throw Error("the recording has no poses and shows no support: " + tries.reasons(),
+              {recording.info().path, 0, {}}, tries.hint());
 }
 
 void set_joints(const types::Scene& scene, const JointState& joints) {
@@ -61,9 +65,6 @@ void RecordingReader::start(Context& context) {
   const mapping::RecordingInfo& info = recording_->info();
   if (info.frames_with_pose > 0) return;
   assumed_pose_ = pose_over_first_support(*recording_);
-  if (!assumed_pose_)
-    throw Error("the recording has no poses and shows no supporting plane", {info.path, 0, {}},
-                "give it poses (frames.csv)");
   context.warnings.add(
       "the recording has no poses: the camera is taken as fixed, and the map frame is the first supporting "
       "plane");

@@ -81,15 +81,26 @@ TEST(Fusion, FramesWithoutPoseAreLeftOutAndCounted) {
   SmallRecording recording(10);
   recording.without_pose_ = 4;
   const FusionResult result = fused(recording);
-  EXPECT_EQ(result.frames_used, 6U);
-  EXPECT_EQ(result.frames_without_pose, 4U);
-  EXPECT_THAT(result.summary(), testing::HasSubstr("4 frames without pose left out"));
+  EXPECT_EQ(result.frames.used(), 6U);
+  EXPECT_EQ(result.frames.count(Reason::no_pose), 4U);
+  EXPECT_THAT(result.summary(), testing::HasSubstr("left out: no pose of the camera in 4"));
 }
 
-TEST(Fusion, RefusesARecordingWithoutAnyPose) {
+TEST(Fusion, RefusesARecordingWithoutAnyPoseWithTheReason) {
   SmallRecording recording(3);
   recording.without_pose_ = 3;
-  EXPECT_THROW(fused(recording), Error);
+  try {
+    fused(recording);
+    FAIL() << "fused";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("no pose of the camera in 3; give the recording poses"));
+  }
+}
+
+TEST(Fusion, RefusesFreeSpaceAlone) {
+  FusionOptions options;
+  options.range_max_m = 0.6;
+  EXPECT_THROW(fused(SmallRecording(5), options), Error);
 }
 
 TEST(Fusion, ConsecutiveFramesBecomeScansWithTheirOrigins) {

@@ -1,5 +1,7 @@
 #include "memory/annotators/cas_to_scene.h"
 
+#include "memory/recorder/observation_pixels.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,0 +1,163 @@
+#include "perception/annotators/segmentation/detections2d.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "mapping/base/text.h"
+#include "perception/annotators/scene_data.h"
+#include "perception/annotators/segmentation/plane_cluster_extractor.h"
+#include "perception/annotators/structure/supports.h"
+#include "perception/conversions/opencv.h"
+#include "perception/detection/lift.h"
+
+namespace loci::perception {
+namespace {
+
+constexpr double kSurface_m = 0.008;  ///< thickness of what counts as the surface of a support, beside noise
+constexpr double kSame = 0.5;         ///< shared part of all pixels from which on two clusters are one
+
+/// A support and where it is in the image.
+struct VisibleSupport {
+  types::PlanarSupport support;
+  cv::Mat inside;  ///< CV_8U, 255 = over its outline
+};
+
+std::vector<VisibleSupport> visible_supports(const types::SceneCas& scene, const Isometry3d& pose,
+                                             const mapping::PinholeCamera& camera) {
+  std::vector<VisibleSupport> visible;
+  for (const types::PlanarSupport& support : scene.supports())
+    visible.push_back({support, pixels_over(support, pose.inverse(), camera)});
+  return visible;
+}
+
+/// The surfaces of the supports themselves, CV_8U, 255.
+cv::Mat surfaces_of(const std::vector<VisibleSupport>& supports, const cv::Mat& points,
+                    const Isometry3d& pose) {
+  cv::Mat surfaces = cv::Mat::zeros(points.size(), CV_8U);
+  for (const VisibleSupport& visible : supports) {
+    const auto [normal, offset] = plane_in_camera(visible.support, pose);
+    for (int i = 0; i < static_cast<int>(points.total()); ++i) {
+      const Vector3d point = to_vector(points.ptr<cv::Vec3f>()[i]);
+      if (visible.inside.data[i] != 0 &&
+          std::abs(normal.dot(point) - offset) < kSurface_m + 3 * depth_noise(point.z()))
+        surfaces.data[i] = 255;
+    }
+  }
+  return surfaces;
+}
+
+/// The support that most of the pixels are over; null without any.
+types::PlanarSupport support_of(const std::vector<int>& pixels, const std::vector<VisibleSupport>& supports) {
+  types::PlanarSupport best;
+  std::ptrdiff_t most = 0;
+  for (const VisibleSupport& visible : supports) {
+    const auto count =
+        std::ranges::count_if(pixels, [&](int pixel) { return visible.inside.data[pixel] != 0; });
+    if (count <= most) continue;
+    most = count;
+    best = visible.support;
+  }
+  return best;
+}
+
+/// The cluster that shows the same object.
+std::optional<types::Cluster> cluster_with(const std::vector<int>& pixels, const types::SceneCas& scene) {
+  for (const types::Cluster& cluster : scene.clusters()) {
+    const cas::Buffer<int32_t> buffer = cluster_indices(cluster);
+    std::vector<int32_t> indices(buffer.begin(), buffer.end());
+    std::ranges::sort(indices);
+    std::vector<int32_t> common;
+    std::ranges::set_intersection(indices, pixels, std::back_inserter(common));
+    const size_t all = indices.size() + pixels.size() - common.size();
+    if (static_cast<double>(common.size()) >= kSame * static_cast<double>(all)) return cluster;
+  }
+  return std::nullopt;
+}
+
+types::Cluster make_cluster(const LiftedRegion& lifted, const std::vector<VisibleSupport>& supports,
+                            const types::SceneCas& scene, const Isometry3d& pose) {
+  const auto cluster = types::Cluster::create(scene.cas());
+  set_points(cluster, Detections2D::kName, lifted.pixels, scene, pose);
+  cluster.at_image_border.set(lifted.at_image_border);
+  if (const types::PlanarSupport support = support_of(lifted.pixels, supports)) cluster.support.set(support);
+  if (scene.has(types::SceneCas::kColor)) {
+    const cv::Mat color = types::view_image(scene, types::SceneCas::kColor);
+    add_image(cluster, Detections2D::kName,
+              color_region(cloud_points(scene), lifted.pixels, types::cameras(scene), color.size()), scene);
+  }
+  scene.add_cluster(cluster);
+  return cluster;
+}
+
+void classify(const types::Cluster& cluster, const Detection2D& detection) {
+  const auto annotation = types::ClassificationAnnotation::create(cluster.cas());
+  annotation.source.set(Detections2D::kName);
+  annotation.kind.set("object");
+  annotation.label.set(detection.classes.front().first);
+  annotation.confidence.set(detection.classes.front().second);
+  cluster.annotations.push_back(annotation);
+}
+
+}  // namespace
+
+AnnotatorDescriptor Detections2D::descriptor() const {
+  AnnotatorDescriptor descriptor{
+      kName,
+      "Makes clusters with classes of what another detector found in the colour images (COCO, YOLO).",
+      {"Scene", "CameraInfo", "view:cloud"},
+      {"Cluster", "ReferenceClusterPoints", "StandaloneImageROI", "ClassificationAnnotation"},
+      {"view:color", "PlanarSupport", "Cluster"}};
+  descriptor.needs_options = true;
+  return descriptor;
+}
+
+void Detections2D::declare(OptionTable& table) {
+  table.text("detections", path_, "COCO file (*.json), or folder with a YOLO text file per image.");
+}
+
+void Detections2D::start(Context& context) {
+  if (path_.empty())
+    throw Error("Detections2D has no detections", {},
+                "give `detections: FILE`, a COCO file or a YOLO folder");
+  set_ = DetectionSet::read(path_, context.warnings);
+}
+
+void Detections2D::process(cas::Cas& cas, Context& /*context*/) {
+  const types::SceneCas facade(cas);
+  const types::Scene scene = facade.scene();
+  const ImageDetections* found =
+      set_->find(scene.frame_name.get(), scene.frame_index.get(), scene.timestamp.get());
+  if (found == nullptr || found->detections.empty()) return;
+  if (!scene.map_from_camera.is_set()) return lifted_.add(Reason::no_pose, found->detections.size());
+  const Isometry3d pose = map_from_camera(scene);
+  const mapping::RgbdCamera camera = types::cameras(facade);
+  const cv::Mat points = cloud_points(facade);
+  const std::vector<VisibleSupport> supports = visible_supports(facade, pose, camera.depth);
+  const Vector3d up = pose.linear().transpose() * Vector3d::UnitZ();
+  const LiftFrame frame = lift_frame_of_points(points, camera, surfaces_of(supports, points, pose), up);
+  for (const Detection2D& detection : found->detections) {
+    const LiftResult lifted = lift_region(frame, detection.region);
+    if (!lifted.region) {
+      lifted_.add(lifted.reason);
+      continue;
+    }
+    lifted_.add_used();
+    const std::optional<types::Cluster> known = cluster_with(lifted.region->pixels, facade);
+    classify(known ? *known : make_cluster(*lifted.region, supports, facade, pose), detection);
+  }
+}
+
+void Detections2D::finish(Context& context) {
+  if (lifted_.total() == 0)
+    context.warnings.add("no frame has detections: their images are matched to frames by name",
+                         {path_, 0, {}});
+  else if (const std::string reasons = lifted_.reasons(); !reasons.empty())
+    context.warnings.add(fmt::format("{} of {} were not lifted to 3-D: {}", lifted_.total() - lifted_.used(),
+                                     counted(lifted_.total(), "detection"), reasons),
+                         {path_, 0, {}});
+}
+
+}  // namespace loci::perception

@@ -1,0 +1,119 @@
+#include "perception/detection/detection_set.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "mapping/base/files.h"
+
+namespace loci::perception {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Detections : public testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(folder_ / "yolo"); }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  DetectionSet coco(const std::string& text) {
+    write_file_atomically(folder_ / "coco.json", text);
+    return DetectionSet::read(folder_ / "coco.json", warnings_);
+  }
+  DetectionSet yolo(const std::string& text, const std::string& name = "frame-000003.color.txt") {
+    write_file_atomically(folder_ / "yolo" / name, text);
+    return DetectionSet::read(folder_ / "yolo", warnings_);
+  }
+  std::string refusal(const std::string& line) {
+    try {
+      yolo(line);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return {};
+  }
+
+  fs::path folder_ = fs::temp_directory_path() / ("loci_detections_" + std::to_string(::getpid()));
+  Warnings warnings_;
+};
+
+TEST_F(Detections, CocoDataSet) {
+  const DetectionSet set = coco(R"({
+    "images": [{"id": 7, "file_name": "rgb/frame-000012.color.png", "width": 640, "height": 480},
+               {"id": 8, "file_name": "rgb/frame-000013.color.png"}],
+    "categories": [{"id": 41, "name": "mug", "keypoints": ["handle", "rim"]}],
+    "annotations": [
+      {"image_id": 7, "category_id": 41, "bbox": [10, 20, 30, 40], "score": 0.75,
+       "keypoints": [12, 22, 2, 0, 0, 0]},
+      {"image_id": 7, "category_id": 41, "segmentation": [[10, 20, 30, 20, 30, 40]], "bbox": [10, 20, 20, 20]}]})");
+  const ImageDetections* image = set.find("frame-000012", 12, 0);
+  ASSERT_NE(image, nullptr);
+  ASSERT_EQ(image->detections.size(), 2U);
+  const Detection2D& first = image->detections[0];
+  EXPECT_EQ(first.classes, (std::vector<std::pair<std::string, double>>{{"mug", 0.75}}));
+  EXPECT_EQ(first.region.box, cv::Rect2d(10, 20, 30, 40));
+  EXPECT_EQ(first.region.image, cv::Size(640, 480));
+  ASSERT_EQ(first.key_points.size(), 1U);
+  EXPECT_EQ(first.key_points[0].name, "handle");
+  EXPECT_FALSE(image->detections[1].region.mask.empty());
+  ASSERT_NE(set.find("frame-000013", 13, 0), nullptr);
+  EXPECT_TRUE(set.find("frame-000013", 13, 0)->detections.empty());
+  EXPECT_EQ(set.find("frame-000014", 14, 0), nullptr);
+}
+
+TEST_F(Detections, CocoResultsAreMatchedByNumber) {
+  const DetectionSet set = coco(R"([{"image_id": 3, "category_id": 1, "bbox": [1, 2, 3, 4], "score": 0.5}])");
+  ASSERT_NE(set.find("000003", 3, 0), nullptr);
+  EXPECT_EQ(set.find("000003", 3, 0)->detections[0].classes[0].first, "class_1");
+  EXPECT_EQ(warnings_.texts().size(), 1U);
+}
+
+TEST_F(Detections, DamagedCocoIsRefused) {
+  for (const char* text :
+       {"", "{", "7", "{}", R"({"images": [], "categories": [], "annotations": []})",
+        R"([{"image_id": 3, "category_id": 1}])",
+        R"([{"image_id": 3.5, "category_id": 1, "bbox": [1,2,3,4]}])",
+        R"([{"image_id": 3, "category_id": 1, "bbox": [1, 2, 3, 4], "score": 7}])",
+        R"({"images": [{"id": 1, "file_name": "a.png", "width": -1, "height": 1}], "categories": [],
+            "annotations": []})",
+        R"({"images": [{"id": 1, "file_name": "a.png"}], "categories": [],
+            "annotations": [{"image_id": 2, "category_id": 1, "bbox": [1, 2, 3, 4]}]})"})
+    EXPECT_THROW(coco(text), Error) << text;
+  EXPECT_THROW(coco(std::string(100'000, '[')), Error);
+}
+
+TEST_F(Detections, YoloFolder) {
+  write_file_atomically(folder_ / "yolo" / "classes.txt", "bowl\nmug\n");
+  const DetectionSet set = yolo("1 0.5 0.25 0.1 0.2 0.9\n0 0.1 0.1 0.3 0.1 0.3 0.3 0.1 0.3\n\n");
+  const ImageDetections* image = set.find("frame-000003", 3, 0);
+  ASSERT_NE(image, nullptr);
+  ASSERT_EQ(image->detections.size(), 2U);
+  EXPECT_EQ(image->detections[0].classes[0], (std::pair<std::string, double>("mug", 0.9)));
+  EXPECT_NEAR(image->detections[0].region.box.x, 0.45, 1e-9);
+  EXPECT_NEAR(image->detections[0].region.box.y, 0.15, 1e-9);
+  EXPECT_EQ(image->detections[1].classes[0].first, "bowl");
+  EXPECT_FALSE(image->detections[1].region.mask.empty());
+}
+
+TEST_F(Detections, ClassNamesComeFromDataYaml) {
+  write_file_atomically(folder_ / "data.yaml", "train: images\nnames:\n  0: cup\n  1: plate\n");
+  EXPECT_EQ(yolo("1 0.5 0.5 0.1 0.1").images()[0].detections[0].classes[0].first, "plate");
+}
+
+TEST_F(Detections, DamagedYoloNamesFileAndLine) {
+  for (const char* line :
+       {"1 0.5 0.5 0.1", "1 0.5 nan 0.1 0.1", "1 0.5 x 0.1 0.1", "-1 0.5 0.5 0.1 0.1", "1.5 0.5 0.5 0.1 0.1",
+        "1 0.5 0.5 0 0.1", "1 0.5 7 0.1 0.1", "1 0.5 0.5 0.1 0.1 3"}) {
+    const std::string text = refusal(std::string("0 0.5 0.5 0.1 0.1\n") + line);
+    EXPECT_NE(text.find("frame-000003.color.txt:2"), std::string::npos) << line << " -> " << text;
+  }
+}
+
+TEST_F(Detections, ImagesNamedAfterSecondsAreMatchedByTime) {
+  const DetectionSet set = yolo("0 0.5 0.5 0.1 0.1", "1305031102.175304.txt");
+  const TimeNs time = 1305031102 * kSecond + 160407000;
+  EXPECT_NE(set.find("1305031102.160407", 0, time), nullptr);
+  EXPECT_EQ(set.find("1305031102.260407", 1, time + kSecond / 10), nullptr);
+}
+
+}  // namespace
+}  // namespace loci::perception
