@@ -6,6 +6,7 @@
 #include "mapping/sensor/pixel_kind.h"
 #include "perception/annotators/io/labelled_recording.h"
 #include "perception/annotators/scene_data.h"
+#include "perception/annotators/segmentation/plane_cluster_extractor.h"
 #include "perception/annotators/structure/known_structure.h"
 #include "perception/annotators/structure/supports.h"
 #include "perception/conversions/opencv.h"
@@ -42,6 +43,14 @@ std::optional<Reason> no_depth_because(const cv::Mat& depth) {
   if (cv::countNonZero(depth > 0) == 0) return Reason::no_depth;
   if (share((depth > 0.2) & (depth < 5.0)) < kMinShare) return Reason::no_depth_in_range;
   return std::nullopt;
+}
+
+/// Whether an annotator of the pipeline looked for supports: it logs what it found.
+bool looked_for_supports(const types::SceneCas& scene) {
+  if (!scene.scene().log.is_set()) return false;
+  for (const types::LogEntry& entry : scene.scene().log.get().entries)
+    if (entry.annotator.get() == PlaneClusterExtractor::kName) return true;
+  return false;
 }
 
 Reason no_object_in_map_because(const types::SceneCas& scene) {
@@ -81,10 +90,9 @@ std::optional<Reason> no_object_because(const types::SceneCas& scene, bool remem
   if (!scene.scene().map_from_camera.is_set()) return Reason::no_pose;
   const cv::Mat depth = types::view_image(scene, types::SceneCas::kDepth);
   if (const auto reason = no_depth_because(depth)) return reason;
+  if (!looked_for_supports(scene)) return Reason::nothing_new;
   if (scene.has(kMapDepthView)) return no_object_in_map_because(scene);
   if (!scene.supports().empty()) return Reason::support_empty;
-  if (!scene.has(types::SceneCas::kCloud) || !scene.has(types::SceneCas::kNormals))
-    return Reason::nothing_new;
   std::optional<Vector3d> up;
   if (has_measured_pose(scene.scene()))
     up = map_from_camera(scene.scene()).linear().transpose() * Vector3d::UnitZ();

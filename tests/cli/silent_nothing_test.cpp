@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "tests/cli/command.h"
 #include "tests/support/box_table.h"
@@ -45,6 +46,16 @@ TEST_F(SilentNothing, WallAloneNamesThePlane) {
   EXPECT_NE(outcome.error.find("no object found in 3 frames: no supporting plane in 3; show a table"),
             std::string::npos)
       << outcome.error;
+}
+
+TEST_F(SilentNothing, PipelineThatLooksForNothingIsNoFailure) {
+  const auto view = [](int64_t) { return BoxTable{table_camera(0, 0, 0), -1}; };
+  const auto pose = [&](int64_t i) { return std::optional(view(i).map_from_camera); };
+  write_file_atomically(folder_ + "/pipeline.yaml", "flow: [NormalEstimator]\n");
+  const Outcome outcome =
+      run("loci-perceive run " + record(view, pose) + " --pipeline " + folder_ + "/pipeline.yaml");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_NE(outcome.error.find("nothing detected in 3"), std::string::npos) << outcome.error;
 }
 
 TEST_F(SilentNothing, EmptyTableIsNoFailure) {
