@@ -19,7 +19,8 @@ using nlohmann::json;  // sorted keys: a file of millions of them must not take 
 
 constexpr uintmax_t kMaxFileBytes = uintmax_t{512} << 20;
 
-[[noreturn]] void refuse(const FileLocation& where, const std::string& what, const std::string& hint = {}) {
+[[noreturn]] void refuse_at(const FileLocation& where, const std::string& what,
+                            const std::string& hint = {}) {
   throw Error(what, where, hint);
 }
 
@@ -71,20 +72,21 @@ std::optional<TimeNs> time_of(const std::string& name) {
 // COCO.
 
 const json& member(const json& object, const char* key, const std::string& where) {
-  if (!object.is_object() || !object.contains(key)) refuse({{}, 0, where}, fmt::format("has no '{}'", key));
+  if (!object.is_object() || !object.contains(key))
+    refuse_at({{}, 0, where}, fmt::format("has no '{}'", key));
   return object[key];
 }
 
 const json& list(const json& object, const char* key) {
   const json& value = member(object, key, "the file");
-  if (!value.is_array()) refuse({{}, 0, key}, "must be a list [...]");
+  if (!value.is_array()) refuse_at({{}, 0, key}, "must be a list [...]");
   return value;
 }
 
 /// A number or a text that identifies something.
 std::string id_of(const json& value, const std::string& where) {
   if (value.is_string()) return value.get<std::string>();
-  if (!value.is_number_integer()) refuse({{}, 0, where}, "must be an integer or a text");
+  if (!value.is_number_integer()) refuse_at({{}, 0, where}, "must be an integer or a text");
   return value.dump();
 }
 
@@ -99,7 +101,7 @@ std::map<std::string, Category> read_categories(const json& file) {
     const std::string id = id_of(member(entry, "id", "categories"), "categories.id");
     const json& name = member(entry, "name", "categories");
     if (!name.is_string() || name.get<std::string>().empty())
-      refuse({{}, 0, "categories.name"}, "must be a text");
+      refuse_at({{}, 0, "categories.name"}, "must be a text");
     Category& category = categories[id];
     category.name = name.get<std::string>();
     if (!entry.contains("keypoints") || !entry["keypoints"].is_array()) continue;
@@ -114,13 +116,13 @@ std::map<std::string, ImageDetections> read_images(const json& file, std::map<st
   for (const json& entry : list(file, "images")) {
     const std::string id = id_of(member(entry, "id", "images"), "images.id");
     const json& name = member(entry, "file_name", "images");
-    if (!name.is_string()) refuse({{}, 0, "images.file_name"}, "must be a text");
+    if (!name.is_string()) refuse_at({{}, 0, "images.file_name"}, "must be a text");
     images[id].image = image_name(name.get<std::string>());
     if (!entry.contains("width") || !entry.contains("height")) continue;
     const auto side = [&](const char* key) {
       if (!entry[key].is_number_integer() || entry[key].get<int64_t>() < 1 ||
           entry[key].get<int64_t>() > kMaxImageSide)
-        refuse({{}, 0, std::string("images.") + key}, fmt::format("must be from 1 to {}", kMaxImageSide));
+        refuse_at({{}, 0, std::string("images.") + key}, fmt::format("must be from 1 to {}", kMaxImageSide));
       return entry[key].get<int>();
     };
     sizes[id] = {side("width"), side("height")};
@@ -132,11 +134,11 @@ std::vector<KeyPoint2D> read_key_points(const json& values, const Category& cate
                                         const std::string& where) {
   std::vector<KeyPoint2D> points;
   if (!values.is_array() || values.size() % 3 != 0 || values.size() > 3000)
-    refuse({{}, 0, where}, "must be x, y, visibility for each point");
+    refuse_at({{}, 0, where}, "must be x, y, visibility for each point");
   for (size_t i = 0; i < values.size(); i += 3) {
     for (size_t k = i; k < i + 3; ++k)
       if (!values[k].is_number() || !(std::abs(values[k].get<double>()) <= kMaxImageSide))
-        refuse({{}, 0, where}, "must be pixels of the image");
+        refuse_at({{}, 0, where}, "must be pixels of the image");
     if (!(values[i + 2].get<double>() > 0)) continue;  // not in the image
     const size_t number = i / 3;
     const bool named = number < category.key_points.size() && !category.key_points[number].empty();
@@ -156,7 +158,7 @@ ImageRegion region_of(const std::vector<KeyPoint2D>& points, const std::string& 
     top = std::min(top, point.y);
     bottom = std::max(bottom, point.y);
   }
-  if (right - left < 1 || bottom - top < 1) refuse({{}, 0, where}, "lie in a line, and there is no box");
+  if (right - left < 1 || bottom - top < 1) refuse_at({{}, 0, where}, "lie in a line, and there is no box");
   region.box = {left, top, right - left, bottom - top};
   return region;
 }
@@ -170,7 +172,7 @@ Detection2D read_annotation(const json& entry, const std::map<std::string, Categ
   if (entry.contains("score") && !entry["score"].is_null()) {
     const json& score = entry["score"];
     if (!score.is_number() || !(score.get<double>() >= 0 && score.get<double>() <= 1))
-      refuse({{}, 0, where + ".score"}, "must be from 0 to 1");
+      refuse_at({{}, 0, where + ".score"}, "must be from 0 to 1");
     detection.score = score.get<double>();
   }
   detection.classes = {{category.name, detection.score.value_or(1.0)}};
@@ -186,10 +188,10 @@ Detection2D read_annotation(const json& entry, const std::map<std::string, Categ
   else if (!detection.key_points.empty())
     detection.region = region_of(detection.key_points, where + ".keypoints");
   else
-    refuse({{}, 0, where}, "has neither segmentation, bbox nor keypoints");
+    refuse_at({{}, 0, where}, "has neither segmentation, bbox nor keypoints");
   if (detection.region.image.empty()) detection.region.image = image;
   if (!image.empty() && detection.region.image != image)
-    refuse({{}, 0, where + ".segmentation"}, "has another size than its image");
+    refuse_at({{}, 0, where + ".segmentation"}, "has another size than its image");
   return detection;
 }
 
@@ -202,12 +204,12 @@ bool nested_deeply(int depth, json::parse_event_t /*event*/, json& /*value*/) {
 
 std::vector<ImageDetections> read_coco(const fs::path& path, Warnings& warnings) {
   if (fs::file_size(path) > kMaxFileBytes)
-    refuse({path.string(), 0, {}}, fmt::format("is larger than {} MB", kMaxFileBytes >> 20));
+    refuse_at({path.string(), 0, {}}, fmt::format("is larger than {} MB", kMaxFileBytes >> 20));
   json file;
   try {
     file = json::parse(read_file(path), nested_deeply);
   } catch (const json::exception&) {
-    refuse({path.string(), 0, {}}, "is not valid JSON");
+    refuse_at({path.string(), 0, {}}, "is not valid JSON");
   }
   std::map<std::string, ImageDetections> images;
   std::map<std::string, cv::Size> sizes;
@@ -225,13 +227,14 @@ std::vector<ImageDetections> read_coco(const fs::path& path, Warnings& warnings)
   for (const json& entry : results ? file : list(file, "annotations")) {
     const std::string where = fmt::format("annotations[{}]", number++);
     const std::string id = id_of(member(entry, "image_id", where), where + ".image_id");
-    if (!results && !images.contains(id)) refuse({{}, 0, where + ".image_id"}, "names no image of the file");
+    if (!results && !images.contains(id))
+      refuse_at({{}, 0, where + ".image_id"}, "names no image of the file");
     ImageDetections& image = images[id];
     if (results) image.image = image_name(id + ".png");
     image.detections.push_back(read_annotation(entry, categories, sizes[id], where, path.parent_path()));
     mask_pixels[id] += image.detections.back().region.mask.total();
     if (image.detections.size() > kMaxDetectionsPerImage || mask_pixels[id] > kMaxMaskPixelsPerImage)
-      refuse({{}, 0, where}, "is one of too many detections of one image");
+      refuse_at({{}, 0, where}, "is one of too many detections of one image");
   }
   std::vector<ImageDetections> all;
   for (auto& [id, image] : images) all.push_back(std::move(image));
@@ -256,7 +259,7 @@ std::vector<std::string> read_class_names(const fs::path& folder) {
     for (size_t i = 0; list && i < list.size(); ++i) {
       const YAML::Node name = list[i];
       if (!name || !name.IsScalar())
-        refuse({(place / "data.yaml").string(), 0, "names"}, "must name the classes from 0 on");
+        refuse_at({(place / "data.yaml").string(), 0, "names"}, "must name the classes from 0 on");
       names.push_back(name.as<std::string>());
     }
     return names;
@@ -317,7 +320,8 @@ std::vector<ImageDetections> read_yolo(const fs::path& folder, Warnings& warning
   std::ranges::sort(files);
   std::vector<ImageDetections> images;
   for (const fs::path& file : files) {
-    if (fs::file_size(file) > (uintmax_t{16} << 20)) refuse({file.string(), 0, {}}, "is larger than 16 MB");
+    if (fs::file_size(file) > (uintmax_t{16} << 20))
+      refuse_at({file.string(), 0, {}}, "is larger than 16 MB");
     ImageDetections& image = images.emplace_back();
     image.image = image_name(file.filename().string());
     int number = 0;
@@ -328,11 +332,11 @@ std::vector<ImageDetections> read_yolo(const fs::path& folder, Warnings& warning
       try {
         image.detections.push_back(read_line(line, names));
       } catch (const Error& error) {
-        refuse({file.string(), number, {}}, error.message(), error.hint());
+        refuse_at({file.string(), number, {}}, error.message(), error.hint());
       }
       mask_pixels += image.detections.back().region.mask.total();
       if (image.detections.size() > kMaxDetectionsPerImage || mask_pixels > kMaxMaskPixelsPerImage)
-        refuse({file.string(), number, {}}, "has too many detections");
+        refuse_at({file.string(), number, {}}, "has too many detections");
     }
   }
   return images;
