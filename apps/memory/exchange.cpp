@@ -198,7 +198,11 @@ struct ExportArguments {
 void write_dataset(const ExportArguments& arguments, const memory::Store& store, Session& session) {
   memory::DatasetOptions options;
   options.by_object = arguments.by_object;
-  if (!arguments.recording.empty()) options.frame_of = frames_of(store, arguments.recording);
+  options.inputs.emplace_back(arguments.memory);
+  if (!arguments.recording.empty()) {
+    options.frame_of = frames_of(store, arguments.recording);
+    options.inputs.emplace_back(arguments.recording);
+  }
   const memory::DatasetResult result = export_dataset(store, arguments.dataset, options, session.progress());
   session.answer("Dataset " + arguments.dataset + ": " + result.summary(), result.report());
 }

@@ -6,7 +6,7 @@
 #include "apps/perceive/commands.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
-#include "mapping/recording/ros_bag.h"
+#include "mapping/recording/ros/bag.h"
 #include "perception/cas/cas.h"
 #include "perception/cas/json.h"
 #include "perception/cas/type_system.h"
@@ -24,6 +24,9 @@ perception::RosTypes ros_types_of(const mapping::RosBag& bag) {
 }
 
 perception::RosTypes ros_types_of(const std::filesystem::path& path) {
+  if (mapping::is_ros2_bag(path))
+    throw Error("messages of ROS 2 are not converted to a CAS", {path.string(), 0, {}},
+                "give a bag of ROS 1, or read the recording with run");
   if (!std::filesystem::is_directory(path)) return ros_types_of(mapping::RosBag(path));
   perception::RosTypes types;
   types.add_folder(path);
@@ -86,7 +89,7 @@ void read_cas(const CasArguments& given, perception::cas::Cas& cas, Session& ses
 
 /// The CAS of a file; that of a bag brings its types along.
 std::unique_ptr<perception::cas::Cas> load(const CasArguments& given, Session& session) {
-  if (mapping::is_ros_bag(given.in)) {
+  if (mapping::is_ros1_bag(given.in)) {
     const mapping::RosBag bag(given.in);
     const perception::RosTypes types = ros_types_of(bag);
     auto cas = std::make_unique<perception::cas::Cas>(

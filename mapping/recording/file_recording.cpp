@@ -9,7 +9,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/text.h"
 #include "mapping/image/image_io.h"
-#include "mapping/recording/layouts.h"
+#include "mapping/recording/formats/layouts.h"
 
 namespace loci::mapping {
 
@@ -35,8 +35,10 @@ FileRecording::FileRecording(FileRecordingContent content)
     metres_from_raw_[raw] = static_cast<float>(static_cast<double>(raw) * content_.depth_scale);
   for (const int raw : content_.invalid_depth)
     metres_from_raw_.at(static_cast<size_t>(raw)) = std::numeric_limits<float>::quiet_NaN();
+  content_.info.depth_unit_m = content_.depth_scale;
   check_images();
   complete_info(content_.info, content_.frames);
+  set_correction();
 }
 
 const FrameFiles& FileRecording::files(size_t i) const {
@@ -100,17 +102,49 @@ RgbdFrame FileRecording::frame(size_t i) const {
   frame.camera = content_.info.camera;
   frame.map_from_camera = from.map_from_camera;
   frame.joints = from.joints;
-  const cv::Mat raw = read_uint16(from.depth);
-  check_size(raw.cols, raw.rows, frame.camera.depth, "depth", from.depth);
-  frame.depth.create(raw.rows, raw.cols, CV_32F);
-  for (int v = 0; v < raw.rows; ++v)
-    std::transform(raw.ptr<uint16_t>(v), raw.ptr<uint16_t>(v) + raw.cols, frame.depth.ptr<float>(v),
-                   [&](uint16_t value) { return metres_from_raw_[value]; });
+  frame.depth = depth_of(from);
   if (!from.color.empty()) {
     frame.color = read_color(from.color);
     check_size(frame.color.cols, frame.color.rows, frame.camera.color, "colour", from.color);
   }
+  correction_.apply(frame);
   return frame;
+}
+
+cv::Mat FileRecording::depth_of(const FrameFiles& from) const {
+  const cv::Mat raw = read_uint16(from.depth);
+  check_size(raw.cols, raw.rows, content_.info.camera.depth, "depth", from.depth);
+  cv::Mat depth(raw.rows, raw.cols, CV_32F);
+  for (int v = 0; v < raw.rows; ++v)
+    std::transform(raw.ptr<uint16_t>(v), raw.ptr<uint16_t>(v) + raw.cols, depth.ptr<float>(v),
+                   [&](uint16_t value) { return metres_from_raw_[value]; });
+  if (from.confidence.empty()) return depth;
+  const std::string bytes = read_file(from.confidence);
+  const cv::Mat confidence = decode_image({bytes.begin(), bytes.end()}, from.confidence.string());
+  if (confidence.type() != CV_8UC1 || confidence.size() != depth.size())
+    throw Error("a confidence image has 8 bits and the size of the depth image",
+                {from.confidence.string(), 0, {}});
+  depth.setTo(std::numeric_limits<float>::quiet_NaN(), confidence < content_.min_confidence);
+  return depth;
+}
+
+void FileRecording::set_correction() {
+  const auto set = [&](const PinholeCamera& camera, const Distortion& distortion, Rectifier& rectifier,
+                       const char* kind) {
+    if (distortion.model == Distortion::Model::none) return;
+    rectifier = Rectifier(camera, distortion);
+    content_.info.guesses.push_back(fmt::format("{} images are undistorted on reading", kind));
+  };
+  set(content_.info.camera.depth, content_.depth_distortion, correction_.depth, "depth");
+  set(content_.info.camera.color, content_.color_distortion, correction_.color, "colour");
+  if (content_.info.camera.depth != content_.info.camera.color) return;
+  // Depth in the colour camera was warped there. What is broken is told when a frame is asked for.
+  try {
+    correction_.close_grid_holes = has_grid_holes(depth_of(content_.frames.front()));
+  } catch (const Error&) {
+  }
+  if (correction_.close_grid_holes)
+    content_.info.guesses.emplace_back("depth was warped to the colour camera: the grid of holes is closed");
 }
 
 std::optional<int64_t> number_in_name(const std::filesystem::path& path) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mapping/recording/recording.h"
+#include "mapping/recording/rectification.h"
 
 namespace loci::mapping {
 
@@ -16,7 +17,8 @@ struct FrameFiles {
   int64_t index = 0;
   TimeNs time_ns = 0;
   std::filesystem::path depth;
-  std::filesystem::path color;  ///< empty = none
+  std::filesystem::path color;       ///< empty = none
+  std::filesystem::path confidence;  ///< 8-bit image of depth's size; empty = none
   std::optional<Isometry3d> map_from_camera;
   JointState joints;
   FileLocation location;  ///< row that names the frame, for messages
@@ -27,8 +29,13 @@ struct FileRecordingContent {
   RecordingInfo info;                    ///< format, path, map_frame, camera, time_assumed, guesses, problems
   double depth_scale = 0.001;            ///< metres per unit
   std::vector<int> invalid_depth = {0};  ///< raw values that are no measurement
+  int min_confidence = 0;                ///< depth of less is no measurement
+  Distortion depth_distortion, color_distortion;
   std::vector<FrameFiles> frames;
 };
+
+/// "frame-000012" from "frame-000012.depth.png", "learn33" from "learn33_depth.png".
+std::string frame_name(const std::filesystem::path& depth_file);
 
 /// Sorts frames by time and fills in what can be told from them: counts, times, what is odd.
 void complete_info(RecordingInfo& info, std::vector<FrameFiles>& frames);
@@ -44,13 +51,17 @@ class FileRecording : public Recording {
   RgbdFrame frame(size_t i) const override;
   TimeNs time_of(size_t i) const override { return files(i).time_ns; }
   int64_t index_of(size_t i) const override { return files(i).index; }
+  std::string name_of(size_t i) const override { return frame_name(files(i).depth); }
 
  private:
   const FrameFiles& files(size_t i) const;
   void check_images() const;
+  cv::Mat depth_of(const FrameFiles& from) const;
+  void set_correction();
 
   FileRecordingContent content_;
   std::vector<float> metres_from_raw_;  ///< by raw value, NaN = no measurement
+  ImageCorrection correction_;
 };
 
 /// The last number in a file's name, without its ending: "frame-000012.depth.png" → 12.
@@ -58,8 +69,5 @@ std::optional<int64_t> number_in_name(const std::filesystem::path& path);
 
 /// The stamp of frame `number` where there are none: from 2000-01-01T00:00:00Z at 30 Hz.
 TimeNs assumed_time(int64_t number);
-
-/// "frame-000012" from "frame-000012.depth.png", "learn33" from "learn33_depth.png".
-std::string frame_name(const std::filesystem::path& depth_file);
 
 }  // namespace loci::mapping

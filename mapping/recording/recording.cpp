@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include "mapping/base/json.h"
-#include "mapping/recording/bag_recording.h"
-#include "mapping/recording/layouts.h"
+#include "mapping/recording/formats/layouts.h"
+#include "mapping/recording/gravity.h"
+#include "mapping/recording/posed_recording.h"
+#include "mapping/recording/ros/ros_recording.h"
 
 namespace loci::mapping {
 namespace {
@@ -21,8 +23,8 @@ std::string recording_below(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder)) {
     const fs::path& path = entry.path();
     const bool fits = entry.is_directory() ? fs::exists(path / "recording.yaml") || is_seven_scenes(path) ||
-                                                 is_tum(path) || is_pcd_series(path)
-                                           : path.extension() == ".bag" && is_ros_bag(path);
+                                                 is_tum(path) || is_pcd_series(path) || is_ros2_bag(path)
+                                           : is_ros1_bag(path) || is_ros2_bag(path);
     if (fits) return path.string();
   }
   return {};
@@ -35,6 +37,56 @@ Error nothing_fits(const fs::path& folder) {
                below.empty() ? "a recording has recording.yaml and frames.csv, *.depth.png as in 7-Scenes, "
                                "depth.txt and rgb.txt as TUM's, or *.pcd"
                              : fmt::format("did you mean '{}'?", below));
+}
+
+/// The reader of the format.
+std::unique_ptr<Recording> open_format(const fs::path& path, const RecordingOptions& options) {
+  const fs::path folder = path.filename() == "recording.yaml"
+                              ? (path.has_parent_path() ? path.parent_path() : fs::path("."))
+                              : path;
+  if (!fs::is_directory(folder)) {
+    if (is_ros1_bag(folder) || folder.extension() == ".bag" || is_ros2_bag(folder))
+      return std::make_unique<RosRecording>(folder, options);
+    if (is_pcd_series(folder)) return std::make_unique<PcdSeries>(folder);
+    refuse_foreign_format(folder);
+    throw Error("this file is no recording", {path.string(), 0, {}},
+                "a recording is a folder, a bag of ROS, a .sens file or an organised PCD");
+  }
+  if (fs::exists(folder / "recording.yaml")) return std::make_unique<FileRecording>(read_loci_layout(folder));
+  if (is_seven_scenes(folder)) return std::make_unique<FileRecording>(read_seven_scenes(folder));
+  if (is_tum(folder)) return std::make_unique<FileRecording>(read_tum(folder, options.color_delay_s));
+  if (is_ros2_bag(folder)) return std::make_unique<RosRecording>(folder, options);
+  if (is_pcd_series(folder)) return std::make_unique<PcdSeries>(folder);
+  throw nothing_fits(folder);
+}
+
+/// A recording whose poses have z up as far as that is known: by world_to_map.txt, by --up, or by what is
+/// seen.
+std::unique_ptr<Recording> levelled(std::unique_ptr<Recording> recording, const fs::path& path,
+                                    const RecordingOptions& options) {
+  constexpr double kLevelEnough = 0.94;  // 20 degrees: the rest is left to the floor of the map.
+  const bool automatic = options.up == "auto", keep = options.up == "keep";
+  const Vector3d given = automatic || keep ? Vector3d::UnitZ() : parse_direction(options.up);
+  if (recording->info().frames_with_pose == 0) {
+    if (!automatic && !keep) return with_up(std::move(recording), given);
+    return recording;
+  }
+  const fs::path transform =
+      beside_or_above(fs::is_directory(path) ? path : path.parent_path(), "world_to_map.txt");
+  if (recording->info().map_frame != "map" && options.poses.empty() && !transform.empty())
+    return in_frame(std::move(recording), read_pose_file(transform), "map",
+                    fmt::format("poses were moved to the map by {}", transform.string()));
+  if (keep || (automatic && recording->info().levelled)) return recording;
+  const std::optional<Vector3d> up = automatic ? find_up(*recording) : std::optional(given);
+  const std::string frame = recording->info().map_frame;
+  if (!up)
+    return in_frame(std::move(recording), Isometry3d::Identity(), frame,
+                    "which way is up is not known: z of the poses is taken (choose with --up)");
+  if (automatic && up->z() > kLevelEnough) return recording;
+  const Isometry3d level(Eigen::Quaterniond::FromTwoVectors(*up, Vector3d::UnitZ()));
+  return in_frame(
+      std::move(recording), level, frame,
+      fmt::format("the poses were turned upright: up was {:.2f} {:.2f} {:.2f}", up->x(), up->y(), up->z()));
 }
 
 }  // namespace
@@ -57,22 +109,26 @@ Json to_json(const RecordingInfo& info) {
   return json;
 }
 
-std::unique_ptr<Recording> open_recording(const fs::path& path) {
+void RecordingOptions::declare(OptionTable& table) {
+  table.text("topics", topics,
+             "Of a bag: the topic of depth images, and with a comma that of colour images; empty chooses.");
+  table.text("poses", poses,
+             "File with the poses of the frames: TUM, KITTI, g2o, COLMAP's images.txt, trajectory.log.");
+  table.text(
+      "up", up,
+      "What is up in the frame of the poses, or without poses in the first image: x, y, z, -x, -y, -z or "
+      "three numbers; auto finds out where the format does not say, keep takes z.");
+  table.number("color_delay_s", color_delay_s, "s", "How much later colour is stamped than depth.", -10, 10);
+}
+
+std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingOptions& options) {
   if (!fs::exists(path)) throw Error("no such recording", {path.string(), 0, {}});
-  const fs::path folder = path.filename() == "recording.yaml"
-                              ? (path.has_parent_path() ? path.parent_path() : fs::path("."))
-                              : path;
-  if (!fs::is_directory(folder)) {
-    if (is_ros_bag(folder) || folder.extension() == ".bag") return std::make_unique<BagRecording>(folder);
-    if (is_pcd_series(folder)) return std::make_unique<PcdSeries>(folder);
-    throw Error("this file is no recording", {path.string(), 0, {}},
-                "a recording is a folder, a ROS 1 bag or an organised PCD");
+  std::unique_ptr<Recording> recording = open_format(path, options);
+  if (!options.poses.empty()) {
+    auto poses = read_poses_for(*recording, options.poses);
+    recording = with_poses(std::move(recording), std::move(poses), "world", false);
   }
-  if (fs::exists(folder / "recording.yaml")) return std::make_unique<FileRecording>(read_loci_layout(folder));
-  if (is_seven_scenes(folder)) return std::make_unique<FileRecording>(read_seven_scenes(folder));
-  if (is_tum(folder)) return std::make_unique<FileRecording>(read_tum(folder));
-  if (is_pcd_series(folder)) return std::make_unique<PcdSeries>(folder);
-  throw nothing_fits(folder);
+  return levelled(std::move(recording), path, options);
 }
 
 }  // namespace loci::mapping

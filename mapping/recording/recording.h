@@ -2,23 +2,28 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "mapping/base/json_fwd.h"
+#include "mapping/base/options.h"
 #include "mapping/sensor/frame.h"
 
 namespace loci::mapping {
 
 /// What a reader found and what it had to guess.
 struct RecordingInfo {
-  std::string format;  ///< "loci", "7-scenes", "tum", "rosbag", "pcd"
+  std::string format;  ///< "loci", "7-scenes", "tum", "rosbag", "rosbag2", "pcd"
   std::string path;
   std::string map_frame;  ///< frame of the poses; "" when there are none
   RgbdCamera camera;
+  bool levelled = true;                  ///< z of the map frame is known to be up
+  std::optional<Vector3d> up_in_camera;  ///< unit, in the first frame's camera, measured by an IMU
   size_t frames = 0;
   size_t frames_with_pose = 0;
+  double depth_unit_m = 0.001;  ///< resolution of depth as it is stored
   TimeNs first_time = 0;
   TimeNs last_time = 0;
   bool time_assumed = false;          ///< the stamps were made up
@@ -27,6 +32,16 @@ struct RecordingInfo {
 };
 
 Json to_json(const RecordingInfo& info);
+
+/// What a recording does not say about itself. The defaults suit most.
+struct RecordingOptions {
+  std::string topics;
+  std::string poses;
+  std::string up = "auto";
+  double color_delay_s = 0;
+
+  void declare(OptionTable& table);
+};
 
 /// Posed RGB-D frames in order of time, whatever the files look like. Opening checks what can be checked
 /// without reading images; a frame is read when it is asked for.
@@ -41,39 +56,48 @@ class Recording {
   /// Time and index without reading images.
   virtual TimeNs time_of(size_t i) const = 0;
   virtual int64_t index_of(size_t i) const = 0;
+  /// RgbdFrame::name, where possible without reading images.
+  virtual std::string name_of(size_t i) const { return frame(i).name; }
 };
 
 /// Opens a folder or file of any known layout, guessed from what is there. Error that says what was looked
-/// for when nothing fits. Layouts: loci (recording.yaml), 7-Scenes (*.depth.png), TUM RGB-D
-/// (depth.txt), ROS 1 bag, organised point clouds (*.pcd).
-std::unique_ptr<Recording> open_recording(const std::filesystem::path& path);
+/// for when nothing fits.
+std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
+                                          const RecordingOptions& options = {});
 
-/// Writes our own layout. Everything goes to a neighbour FOLDER.partial, which takes the folder's name at
-/// finish(): until then, and when finish() is never reached, what was there before stays.
+struct RecordingWriterOptions {
+  bool time_assumed = false;  ///< the stamps were made up
+  double depth_unit_m = 0.001;
+  std::vector<std::filesystem::path> inputs = {};  ///< what the same command reads; never replaced
+};
+
+/// Writes our own layout. Everything goes to a private neighbour of the folder, which takes the folder's name
+/// at finish(): until then, and when finish() is never reached, what was there before stays.
 class RecordingWriter {
  public:
-  /// Error when the folder exists, is not empty and holds no recording (an older recording is replaced).
-  RecordingWriter(std::filesystem::path folder, const RgbdCamera& camera, std::string map_frame,
-                  bool time_assumed = false);
+  /// Error when the folder is or contains an input, or holds anything but what a RecordingWriter wrote (an
+  /// older recording is replaced).
+  RecordingWriter(const std::filesystem::path& folder, const RgbdCamera& camera, std::string map_frame,
+                  RecordingWriterOptions options = {});
   ~RecordingWriter();
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
 
-  /// Depth is stored in millimetres as 16-bit PNG; colour, if there is any, as PNG. Frames come in order of
-  /// time.
+  /// Depth is stored as 16-bit PNG; colour, if there is any, as PNG. Frames come in order of time.
   void add(const RgbdFrame& frame);
   /// A further file of the recording, e.g. truth.jsonl; folders in its name are made.
   void add_file(const std::string& name, std::string_view bytes);
   void finish();
 
  private:
-  void replace_folder() const;
+  void replace_folder();
 
   std::filesystem::path folder_;
   std::filesystem::path partial_;
   RgbdCamera camera_;
   std::string map_frame_;
-  bool time_assumed_;
+  RecordingWriterOptions options_;
+  std::vector<std::string> files_;  ///< written so far, relative to the folder
   std::string frames_csv_;
   std::string joints_csv_;
   JointState joints_;

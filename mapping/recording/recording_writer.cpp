@@ -1,9 +1,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <set>
 
 #include "mapping/base/files.h"
+#include "mapping/base/output_file.h"
+#include "mapping/base/text.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/recording.h"
 
@@ -12,13 +16,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDepthScale = 0.001;
+constexpr const char* kManifest = ".loci-recording";  ///< names the files of the recording, a line each
 
-cv::Mat raw_from_depth(const cv::Mat& depth) {
+cv::Mat raw_from_depth(const cv::Mat& depth, double unit_m) {
   cv::Mat raw(depth.rows, depth.cols, CV_16UC1, cv::Scalar(0));
   for (int v = 0; v < depth.rows; ++v) {
     for (int u = 0; u < depth.cols; ++u) {
-      const double units = std::round(static_cast<double>(depth.at<float>(v, u)) / kDepthScale);
+      const double units = std::round(static_cast<double>(depth.at<float>(v, u)) / unit_m);
       if (units > 0 && units < 65535) raw.at<uint16_t>(v, u) = static_cast<uint16_t>(units);  // NaN stays 0.
     }
   }
@@ -30,40 +34,71 @@ std::string camera_text(const PinholeCamera& camera) {
                      camera.fx, camera.fy, camera.cx, camera.cy);
 }
 
+/// Refuses a folder that is there and holds anything but what a RecordingWriter wrote.
+void require_own_or_empty(const fs::path& folder) {
+  if (!fs::exists(fs::symlink_status(folder))) return;
+  if (!fs::is_directory(folder))
+    throw Error("a file is in the way of the recording's folder", {folder.string(), 0, {}});
+  if (fs::is_empty(folder)) return;
+  if (!fs::exists(folder / kManifest))
+    throw Error("the folder is not empty, and loci did not write it", {folder.string(), 0, {}},
+                "choose another folder, or empty this one");
+  std::set<std::string> own = {kManifest};
+  for (const std::string& name : split(read_file(folder / kManifest), '\n')) own.insert(name);
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_directory() && !entry.is_symlink()) continue;
+    if (!own.contains(entry.path().lexically_relative(folder).string()))
+      throw Error("this file is not part of the recording that would be replaced",
+                  {entry.path().string(), 0, {}}, "move it, or choose another folder");
+  }
+}
+
+/// A new folder beside `folder` that nobody else uses.
+fs::path private_neighbour(const fs::path& folder) {
+  constexpr int kMaxAttempts = 1000;
+  if (folder.has_parent_path()) make_folder(folder.parent_path());
+  std::error_code code;
+  for (int attempt = 0; attempt < kMaxAttempts && !code; ++attempt) {
+    fs::path name = folder;
+    name += fmt::format(".tmp{}_{}", ::getpid(), attempt);
+    if (fs::create_directory(name, code)) return name;
+  }
+  throw Error("cannot create a folder here: " + code.message(), {folder.string(), 0, {}});
+}
+
+fs::path without_trailing_slash(const fs::path& folder) {
+  const fs::path normal = folder.lexically_normal();  // "REC/" and "REC" are the same folder.
+  return normal.has_filename() ? normal : normal.parent_path();
+}
+
 }  // namespace
 
-RecordingWriter::RecordingWriter(fs::path folder, const RgbdCamera& camera, std::string map_frame,
-                                 bool time_assumed)
-    : folder_(std::move(folder)),
-      partial_(folder_.lexically_normal()),
+RecordingWriter::RecordingWriter(const fs::path& folder, const RgbdCamera& camera, std::string map_frame,
+                                 RecordingWriterOptions options)
+    : folder_(without_trailing_slash(folder)),
       camera_(camera),
       map_frame_(std::move(map_frame)),
-      time_assumed_(time_assumed) {
-  if (!partial_.has_filename()) partial_ = partial_.parent_path();  // "REC/" and "REC" are the same folder.
-  folder_ = partial_;
-  partial_ += ".partial";
-  if (fs::exists(folder_) && !fs::is_directory(folder_))
-    throw Error("a file is in the way of the recording's folder", {folder_.string(), 0, {}});
-  if (fs::exists(folder_) && !fs::is_empty(folder_) && !fs::exists(folder_ / "recording.yaml"))
-    throw Error("the folder is not empty and holds no recording", {folder_.string(), 0, {}},
-                "choose another folder, or empty this one");
-  std::error_code ignored;
-  fs::remove_all(partial_, ignored);
+      options_(std::move(options)) {
+  refuse_inputs(folder_, options_.inputs);
+  require_own_or_empty(folder_);
+  partial_ = private_neighbour(folder_);
   make_folder(partial_ / "frames");
 }
 
 RecordingWriter::~RecordingWriter() {
   std::error_code ignored;
-  fs::remove_all(partial_, ignored);
+  if (!partial_.empty()) fs::remove_all(partial_, ignored);
 }
 
 void RecordingWriter::add(const RgbdFrame& frame) {
   const std::string depth = fmt::format("frames/{:06}_depth.png", frame.index);
-  write_image(partial_ / depth, raw_from_depth(frame.depth));
+  write_image(partial_ / depth, raw_from_depth(frame.depth, options_.depth_unit_m));
+  files_.push_back(depth);
   std::string color;
   if (!frame.color.empty()) {
     color = fmt::format("frames/{:06}_color.png", frame.index);
     write_image(partial_ / color, frame.color);
+    files_.push_back(color);
   }
   frames_csv_ += fmt::format("{},{},{},{}", frame.index, frame.time_ns, color, depth);
   if (frame.map_from_camera) {
@@ -87,11 +122,13 @@ void RecordingWriter::add_file(const std::string& name, std::string_view bytes) 
   const fs::path file = partial_ / name;
   make_folder(file.parent_path());
   write_file_atomically(file, bytes);
+  files_.push_back(fs::path(name).lexically_normal().string());
 }
 
 void RecordingWriter::finish() {
-  std::string yaml = fmt::format("version: 1\ndepth_scale: {}\ninvalid_depth: [0, 65535]\n", kDepthScale);
-  if (time_assumed_) yaml += "time_assumed: true\n";
+  std::string yaml =
+      fmt::format("version: 1\ndepth_scale: {}\ninvalid_depth: [0, 65535]\n", options_.depth_unit_m);
+  if (options_.time_assumed) yaml += "time_assumed: true\n";
   if (!map_frame_.empty()) yaml += fmt::format("map_frame: {}\n", map_frame_);
   yaml += fmt::format("cameras:\n  depth: {{{}}}\n  color: {{{}, depth_from_color: [{}]}}\n",
                       camera_text(camera_.depth), camera_text(camera_.color),
@@ -99,25 +136,28 @@ void RecordingWriter::finish() {
   add_file("recording.yaml", yaml);
   add_file("frames.csv", "index,time_ns,color,depth,x,y,z,qx,qy,qz,qw\n" + frames_csv_);
   if (!joints_csv_.empty()) add_file("joints.csv", "time_ns,joint,position\n" + joints_csv_);
+  add_file(kManifest, joined(files_, "\n") + "\n");
   replace_folder();
 }
 
-void RecordingWriter::replace_folder() const {
-  fs::path old = folder_;
-  old += ".old";
+void RecordingWriter::replace_folder() {
+  require_own_or_empty(folder_);  // Again: writing took its time.
   std::error_code code;
-  fs::remove_all(old, code);
-  const bool replaces = fs::exists(folder_);
-  if (replaces) fs::rename(folder_, old, code);
+  fs::path old;
+  if (fs::exists(folder_)) {
+    old = private_neighbour(folder_);
+    fs::rename(folder_, old, code);  // Onto an empty folder.
+  }
   if (!code) {
     fs::rename(partial_, folder_, code);
     std::error_code ignored;
-    if (code && replaces) fs::rename(old, folder_, ignored);
+    if (code && !old.empty()) fs::rename(old, folder_, ignored);
   }
   if (code)
     throw Error("the recording cannot be put in its place: " + code.message(), {folder_.string(), 0, {}},
                 "what was there before is unchanged");
-  fs::remove_all(old, code);
+  partial_.clear();
+  if (!old.empty()) fs::remove_all(old, code);
 }
 
 }  // namespace loci::mapping

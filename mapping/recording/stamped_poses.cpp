@@ -89,6 +89,12 @@ std::string TransformTree::root_of(const std::string& frame) const {
   return chain(frame).back();
 }
 
+bool TransformTree::moves(const std::string& frame) const {
+  for (const std::string& each : chain(frame))
+    if (const auto edge = edges_.find(each); edge != edges_.end() && !edge->second.is_static) return true;
+  return false;
+}
+
 std::optional<Isometry3d> TransformTree::root_from(const std::string& frame, TimeNs time_ns) const {
   return up_to(root_of(frame), frame, time_ns);
 }

@@ -41,6 +41,8 @@ class TransformTree {
 
   /// The frame above all others that `frame` hangs on; itself when it hangs on nothing.
   std::string root_of(const std::string& frame) const;
+  /// Whether a transform between the frame and its root is not static.
+  bool moves(const std::string& frame) const;
   /// Unset where an edge of the chain has no pose near the time.
   std::optional<Isometry3d> root_from(const std::string& frame, TimeNs time_ns) const;
   /// target_from_source, independent of motion above their common parent. Unset for frames of different

@@ -81,8 +81,9 @@ class Dataset {
     }
     if (!writer_) {
       camera_ = frame->camera;
-      writer_ =
-          std::make_unique<mapping::RecordingWriter>(folder_, frame->camera, scene.map ? "map" : "world");
+      writer_ = std::make_unique<mapping::RecordingWriter>(
+          folder_, frame->camera, scene.map ? "map" : "world",
+          mapping::RecordingWriterOptions{.inputs = options_.inputs});
     }
     frame->index = scene.id;
     frame->time_ns = scene.time;

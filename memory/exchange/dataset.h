@@ -18,6 +18,7 @@ struct DatasetOptions {
   bool by_object = false;  ///< each object is a class of its own: to recognise it again
   /// The frame that a scene was made from, for its full depth and colour; unset = what the memory has.
   std::function<std::optional<mapping::RgbdFrame>(const SceneRow&)> frame_of = {};
+  std::vector<std::filesystem::path> inputs = {};  ///< what frame_of reads; never replaced
 };
 
 struct DatasetResult {

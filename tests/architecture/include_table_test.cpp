@@ -45,6 +45,8 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {{"fmt/", "f
                                                                      {"SQLiteCpp/", "SQLiteCpp"},
                                                                      {"sqlite3.h", "SQLiteCpp"},
                                                                      {"zstd.h", "zstd"},
+                                                                     {"lz4frame.h", "lz4"},
+                                                                     {"zlib.h", "zlib"},
                                                                      {"zbar.h", "ZBar"},
                                                                      {"tesseract/", "Tesseract"},
                                                                      {"google/protobuf/", "protobuf"},

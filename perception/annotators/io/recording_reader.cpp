@@ -1,10 +1,13 @@
 #include "perception/annotators/io/recording_reader.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 
+#include "mapping/recording/gravity.h"
 #include "perception/annotators/frame_outcome.h"
 #include "perception/annotators/scene_data.h"
+#include "perception/annotators/structure/known_map.h"
 #include "perception/annotators/structure/normals.h"
 #include "perception/annotators/structure/supports.h"
 #include "perception/conversions/opencv.h"
@@ -12,19 +15,31 @@
 namespace loci::perception {
 namespace {
 
+/// What is up in the camera, where the recording or its images say that it was not held upright.
+std::optional<Vector3d> known_up(const mapping::Recording& recording) {
+  if (recording.info().up_in_camera) return recording.info().up_in_camera;
+  const std::optional<Vector3d> up = mapping::find_up(recording);
+  constexpr double kUpright = 0.7;  // Within 45 degrees the supports themselves say it more exactly.
+  return up && -up->y() < kUpright ? up : std::nullopt;
+}
+
 /// The pose of a camera that stands still, from the first frame that shows a supporting plane. Error when
 /// none of the first ones does.
 Isometry3d pose_over_first_support(const mapping::Recording& recording) {
   constexpr size_t kTries = 10;
   Tally tries;
+  const std::optional<Vector3d> up = known_up(recording);
   for (size_t i = 0; i < std::min(recording.size(), kTries); ++i) {
     const mapping::RgbdFrame frame = recording.frame(i);
     const cv::Mat depth = smooth_depth(frame.depth, frame.camera.depth, NormalOptions::for_objects());
     const cv::Mat points = points_from_depth(depth, frame.camera.depth);
     const cv::Mat normals = normals_from_depth(depth, frame.camera.depth, NormalOptions::for_objects());
-    const auto supports = find_supports(points, normals, std::nullopt, SupportOptions());
-    if (!supports.empty()) return supports.front().camera_from_plane.inverse();
-    tries.add(no_support_because(frame.depth, points, normals, std::nullopt));
+    const auto supports = find_supports(points, normals, up, SupportOptions());
+    const auto largest =
+        std::max_element(supports.begin(), supports.end(),
+                         [](const SupportPlane& a, const SupportPlane& b) { return a.inliers < b.inliers; });
+    if (largest != supports.end()) return largest->camera_from_plane.inverse();
+    tries.add(no_support_because(frame.depth, points, normals, up));
   }
   throw Error("the recording has no poses and shows no support: " + tries.reasons(),
               {recording.info().path, 0, {}}, tries.hint());
@@ -63,7 +78,16 @@ void RecordingReader::declare(OptionTable& table) {
 void RecordingReader::start(Context& context) {
   recording_ = &context.resources.get<mapping::Recording>("recording to read", "give its folder");
   const mapping::RecordingInfo& info = recording_->info();
-  if (info.frames_with_pose > 0) return;
+  if (info.frames_with_pose > 0) {
+    // A map that was made of poses which were not level says how they are moved; poses in the frame of the
+    // map stay.
+    const auto map = context.resources.find<KnownMap>();
+    if (map && map->semantics.map_from_input && info.map_frame != map->semantics.frame) {
+      map_from_poses_ = *map->semantics.map_from_input;
+      map_frame_ = map->semantics.frame;
+    }
+    return;
+  }
   assumed_pose_ = pose_over_first_support(*recording_);
   context.warnings.add(
       "the recording has no poses: the camera is taken as fixed, and the map frame is the first supporting "
@@ -98,9 +122,12 @@ void RecordingReader::read_next(cas::Cas& cas, Context& context) {
   types::set_cameras(facade, frame.camera);
   types::set_view_image(facade, types::SceneCas::kDepth, frame.depth);
   if (!frame.color.empty()) types::set_view_image(facade, types::SceneCas::kColor, frame.color);
-  const std::optional<Isometry3d>& pose = assumed_pose_ ? assumed_pose_ : frame.map_from_camera;
+  std::optional<Isometry3d> pose = assumed_pose_;
+  if (!pose && frame.map_from_camera) pose = map_from_poses_ * *frame.map_from_camera;
   if (pose) {
-    const std::string map_frame = assumed_pose_ ? kAssumedFrame : info.map_frame;
+    const std::string map_frame = assumed_pose_        ? kAssumedFrame
+                                  : map_frame_.empty() ? info.map_frame
+                                                       : map_frame_;
     scene.map_from_camera.set(types::to_stamped(cas, *pose, map_frame, "depth_camera", frame.time_ns));
   } else {
     facade.log("RecordingReader", "warning", "the pose of the camera is not known");

@@ -26,6 +26,8 @@ class RecordingReader : public Reader {
   const mapping::Recording* recording_ = nullptr;
   size_t position_ = 0;
   std::optional<Isometry3d> assumed_pose_;
+  Isometry3d map_from_poses_ = Isometry3d::Identity();  ///< for poses that are not in the frame of the map
+  std::string map_frame_;                               ///< empty = the recording's
 };
 
 }  // namespace loci::perception

@@ -115,6 +115,36 @@ TEST_F(RecordingFiles, WriterRefusesFolderWithOtherThings) {
   EXPECT_THROW(RecordingWriter(rec_, small_camera(), "map"), Error);
 }
 
+TEST_F(RecordingFiles, WriterLeavesOtherPeoplesFilesAlone) {
+  write_small();
+  // Neighbours that only look as if they were ours.
+  for (const char* name : {"REC.old", "REC.partial"}) {
+    make_folder(root_ / name);
+    write_file_atomically(root_ / name / "thesis.txt", "precious");
+  }
+  write_small(2);
+  EXPECT_EQ(read_file(root_ / "REC.old/thesis.txt"), "precious");
+  EXPECT_EQ(read_file(root_ / "REC.partial/thesis.txt"), "precious");
+  // A file among ours.
+  write_file_atomically(rec_ / "frames/notes.txt", "precious");
+  EXPECT_THROW(write_small(), Error);
+  EXPECT_EQ(read_file(rec_ / "frames/notes.txt"), "precious");
+  fs::remove(rec_ / "frames/notes.txt");
+  // What the command reads, under another name.
+  fs::create_directory_symlink(rec_, root_ / "link");
+  EXPECT_THROW(RecordingWriter(rec_, small_camera(), "map", {.inputs = {root_ / "link"}}), Error);
+  EXPECT_EQ(open_recording(rec_)->size(), 2U);
+  for (const auto& entry : fs::directory_iterator(root_))
+    EXPECT_EQ(entry.path().string().find(".tmp"), std::string::npos) << entry.path();
+}
+
+TEST_F(RecordingFiles, ARecordingThatLociDidNotWriteIsNotReplaced) {
+  write_small();
+  fs::remove(rec_ / ".loci-recording");
+  EXPECT_THROW(write_small(), Error);
+  EXPECT_EQ(open_recording(rec_)->size(), 3U);
+}
+
 TEST_F(RecordingFiles, JointsAreTheLatestAtTheTimeOfTheFrame) {
   RecordingWriter writer(rec_, small_camera(), "map");
   for (int i = 0; i < 4; ++i) {

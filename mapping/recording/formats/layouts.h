@@ -5,6 +5,7 @@
 
 #include "mapping/base/config.h"
 #include "mapping/recording/file_recording.h"
+#include "mapping/recording/stamped_poses.h"
 
 // One reader per layout of recordings, and what several layouts share.
 
@@ -29,7 +30,13 @@ bool is_tum(const std::filesystem::path& folder);
 /// Reads the TUM RGB-D layout: `depth.txt` and `rgb.txt` (stamp, file), `groundtruth.txt` (stamp, x y z qx qy
 /// qz qw of the colour camera, with which depth is registered). Each depth image takes the nearest colour
 /// image and the pose at its time.
-FileRecordingContent read_tum(const std::filesystem::path& folder);
+FileRecordingContent read_tum(const std::filesystem::path& folder, double color_delay_s = 0);
+
+/// Lines of stamp, x y z qx qy qz qw, ascending in time.
+std::vector<StampedPose> read_tum_poses(const std::filesystem::path& path);
+
+/// Poses of a trajectory.log as Redwood and Open3D write it, camera to world.
+std::vector<Isometry3d> read_trajectory_log(const std::filesystem::path& path);
 
 /// Whether a path is a point cloud, or a folder with clouds and no scan set.
 bool is_pcd_series(const std::filesystem::path& path);

@@ -1,4 +1,4 @@
-#include "mapping/recording/ros_bag.h"
+#include "mapping/recording/ros/bag.h"
 
 #include <console_bridge/console.h>
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-#include "mapping/recording/layouts.h"
+#include "mapping/recording/formats/layouts.h"
 
 #include <fmt/format.h>
 
@@ -16,20 +16,34 @@ namespace fs = std::filesystem;
 
 constexpr std::array<const char*, 7> kPoseColumns = {"x", "y", "z", "qx", "qy", "qz", "qw"};
 
-void read_cameras(const Config& cameras, RecordingInfo& info) {
+/// `distortion: {model: plumb_bob, coefficients: [...]}` of a camera.
+Distortion read_distortion(const Config& camera) {
+  if (!camera.has("distortion")) return {};
+  const Config distortion = camera.map("distortion");
+  distortion.refuse_other_keys({"model", "coefficients"});
+  return distortion_from(distortion.require<std::string>("model"),
+                         distortion.require<std::vector<double>>("coefficients"),
+                         camera.location("distortion"));
+}
+
+void read_cameras(const Config& cameras, FileRecordingContent& content) {
+  RecordingInfo& info = content.info;
   const Config depth = cameras.map("depth");
   if (!cameras.has("depth")) throw Error("the depth camera is missing", cameras.location());
-  depth.refuse_other_keys({"width", "height", "fx", "fy", "cx", "cy"});
+  depth.refuse_other_keys({"width", "height", "fx", "fy", "cx", "cy", "distortion"});
   info.camera.depth = read_pinhole(depth);
+  content.depth_distortion = read_distortion(depth);
   if (cameras.has("color")) {
     const Config color = cameras.map("color");
-    color.refuse_other_keys({"width", "height", "fx", "fy", "cx", "cy", "depth_from_color"});
+    color.refuse_other_keys({"width", "height", "fx", "fy", "cx", "cy", "depth_from_color", "distortion"});
     info.camera.color = read_pinhole(color);
+    content.color_distortion = read_distortion(color);
     if (color.has("depth_from_color"))
       info.camera.depth_from_color = pose_from_values(
           color.require<std::array<double, 7>>("depth_from_color"), color.location("depth_from_color"));
   } else {
     info.camera.color = info.camera.depth;
+    content.color_distortion = content.depth_distortion;
     info.guesses.emplace_back("no colour camera described: colour is taken as registered with depth");
   }
   for (const std::string& key : cameras.keys())  // Further images per frame are listed, not read.
@@ -55,7 +69,7 @@ void read_description(const fs::path& path, FileRecordingContent& content) {
   content.info.time_assumed = config.get<bool>("time_assumed", false);
   content.info.map_frame = config.get<std::string>("map_frame", "map");
   if (!config.has("cameras")) throw Error("the key 'cameras' is missing", config.location());
-  read_cameras(config.map("cameras"), content.info);
+  read_cameras(config.map("cameras"), content);
 }
 
 /// The pose in a row; unset when all its cells are empty.

@@ -1,4 +1,4 @@
-#include "mapping/recording/layouts.h"
+#include "mapping/recording/formats/layouts.h"
 
 #include <fmt/format.h>
 
@@ -104,6 +104,7 @@ PcdSeries::PcdSeries(const fs::path& path) {
   info_.format = "pcd";
   info_.path = path.string();
   info_.map_frame = "world";
+  info_.levelled = false;
   find_frames(path);
   fit_camera();
   complete_info(info_, frames_);

@@ -1,4 +1,4 @@
-#include "mapping/recording/layouts.h"
+#include "mapping/recording/formats/layouts.h"
 
 #include <fmt/format.h>
 
@@ -62,7 +62,7 @@ std::vector<Row> read_list(const fs::path& path, size_t words) {
   return rows;
 }
 
-std::vector<StampedPose> read_poses(const fs::path& path) {
+std::vector<StampedPose> poses_in(const fs::path& path) {
   std::vector<StampedPose> poses;
   for (const Row& row : read_list(path, 7)) {
     std::array<double, 7> values{};
@@ -77,9 +77,10 @@ std::vector<StampedPose> read_poses(const fs::path& path) {
   return poses;
 }
 
-std::vector<TimeNs> times_of(const std::vector<Row>& rows) {
+std::vector<TimeNs> times_of(const std::vector<Row>& rows, double delay_s = 0) {
+  const auto delay = static_cast<TimeNs>(delay_s * static_cast<double>(kSecond));
   std::vector<TimeNs> times;
-  for (const Row& row : rows) times.push_back(row.time_ns);
+  for (const Row& row : rows) times.push_back(row.time_ns - delay);
   return times;
 }
 
@@ -95,24 +96,29 @@ void set_cameras(const fs::path& folder, FileRecordingContent& content) {
 
 }  // namespace
 
+std::vector<StampedPose> read_tum_poses(const fs::path& path) {
+  return poses_in(path);
+}
+
 bool is_tum(const fs::path& folder) {
   return fs::is_regular_file(folder / "depth.txt") &&
          (fs::is_regular_file(folder / "rgb.txt") || fs::is_regular_file(folder / "groundtruth.txt"));
 }
 
-FileRecordingContent read_tum(const fs::path& folder) {
+FileRecordingContent read_tum(const fs::path& folder, double color_delay_s) {
   FileRecordingContent content;
   content.info.format = "tum";
   content.info.path = folder.string();
   content.info.map_frame = "world";
+  content.info.levelled = false;
   set_cameras(folder, content);
   const std::vector<Row> depths = read_list(folder / "depth.txt", 1);
   const bool has_color = fs::is_regular_file(folder / "rgb.txt");
   const std::vector<Row> colors = has_color ? read_list(folder / "rgb.txt", 1) : std::vector<Row>();
   const std::vector<StampedPose> poses = fs::is_regular_file(folder / "groundtruth.txt")
-                                             ? read_poses(folder / "groundtruth.txt")
+                                             ? poses_in(folder / "groundtruth.txt")
                                              : std::vector<StampedPose>();
-  const auto matches = nearest_in_time(times_of(depths), times_of(colors));
+  const auto matches = nearest_in_time(times_of(depths), times_of(colors, color_delay_s));
   for (size_t i = 0; i < depths.size(); ++i) {
     FrameFiles frame;
     frame.index = static_cast<int64_t>(i);

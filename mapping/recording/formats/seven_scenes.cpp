@@ -1,4 +1,4 @@
-#include "mapping/recording/layouts.h"
+#include "mapping/recording/formats/layouts.h"
 
 #include <fmt/format.h>
 
@@ -77,14 +77,8 @@ FileRecordingContent read_seven_scenes(const fs::path& folder) {
     content.info.camera = kinect_camera();
     content.info.guesses.emplace_back("no cameras.yaml: the cameras of a Kinect v1 are assumed");
   }
-  Isometry3d map_from_world = Isometry3d::Identity();
   content.info.map_frame = "world";
-  if (const fs::path transform = beside_or_above(folder, "world_to_map.txt"); !transform.empty()) {
-    map_from_world = read_pose_file(transform);
-    content.info.map_frame = "map";
-  } else {
-    content.info.guesses.emplace_back("no world_to_map.txt: the map frame is the world frame of the poses");
-  }
+  content.info.levelled = false;
   for (const auto& [name, parts] : frames) {
     FrameFiles frame;
     frame.index = static_cast<int64_t>(content.frames.size());
@@ -92,7 +86,7 @@ FileRecordingContent read_seven_scenes(const fs::path& folder) {
     frame.color = parts.color;
     frame.location = {parts.depth.string(), 0, {}};
     frame.time_ns = assumed_time(number_in_name(parts.depth).value_or(frame.index));
-    if (!parts.pose.empty()) frame.map_from_camera = map_from_world * read_pose_file(parts.pose);
+    if (!parts.pose.empty()) frame.map_from_camera = read_pose_file(parts.pose);
     content.frames.push_back(std::move(frame));
   }
   return content;

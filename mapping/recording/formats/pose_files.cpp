@@ -1,0 +1,183 @@
+// Poses of cameras in files of other programs.
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <map>
+#include <sstream>
+
+#include "mapping/base/files.h"
+#include "mapping/base/text.h"
+#include "mapping/recording/formats/layouts.h"
+#include "mapping/recording/posed_recording.h"
+
+namespace loci::mapping {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct PoseLine {
+  std::vector<std::string> words;
+  FileLocation location;
+
+  double number(size_t i) const {
+    double value = 0;
+    const std::string& word = words.at(i);
+    const char* end = word.data() + word.size();
+    if (const auto read = std::from_chars(word.data(), end, value); read.ec != std::errc() || read.ptr != end)
+      throw Error(fmt::format("'{}' is no number", word), location);
+    return value;
+  }
+  template <size_t count>
+  std::array<double, count> numbers(size_t from) const {
+    std::array<double, count> values{};
+    for (size_t i = 0; i < count; ++i) values[i] = number(from + i);
+    return values;
+  }
+  int64_t integer(size_t i) const { return static_cast<int64_t>(number(i)); }
+};
+
+std::vector<PoseLine> lines_of(const fs::path& file, bool& colmap) {
+  std::vector<PoseLine> lines;
+  std::istringstream text(read_file(file));
+  int number = 0;
+  for (std::string line; std::getline(text, line);) {
+    ++number;
+    if (line.find("IMAGE_ID") != std::string::npos) colmap = true;
+    if (!line.starts_with('#')) lines.push_back({words_of(line), {file.string(), number, {}}});
+  }
+  while (!lines.empty() && lines.back().words.empty()) lines.pop_back();
+  return lines;
+}
+
+std::vector<PoseLine> without_empty(std::vector<PoseLine> lines) {
+  std::erase_if(lines, [](const PoseLine& line) { return line.words.empty(); });
+  return lines;
+}
+
+using Poses = std::vector<std::optional<Isometry3d>>;
+
+Error wrong_count(size_t poses, const Recording& recording, const fs::path& file) {
+  return Error(fmt::format("{} poses for {} frames", poses, recording.size()), {file.string(), 0, {}},
+               "this format has one for each frame, in their order");
+}
+
+Poses from_kitti(const std::vector<PoseLine>& lines, const Recording& recording, const fs::path& file) {
+  if (lines.size() != recording.size()) throw wrong_count(lines.size(), recording, file);
+  Poses poses;
+  for (const PoseLine& line : lines) {
+    const auto values = line.numbers<12>(0);
+    Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+    for (int i = 0; i < 12; ++i) matrix(i / 4, i % 4) = values[static_cast<size_t>(i)];
+    poses.emplace_back(pose_from_matrix(matrix, line.location));
+  }
+  return poses;
+}
+
+Poses from_g2o(const std::vector<PoseLine>& lines, const Recording& recording) {
+  std::map<int64_t, Isometry3d> by_index;
+  for (const PoseLine& line : lines)
+    if (line.words[0] == "VERTEX_SE3:QUAT") {
+      if (line.words.size() < 9) throw Error("a vertex has an index and 7 numbers", line.location);
+      by_index[line.integer(1)] = pose_from_values(line.numbers<7>(2), line.location);
+    }
+  Poses poses(recording.size());
+  for (size_t i = 0; i < recording.size(); ++i)
+    if (const auto found = by_index.find(recording.index_of(i)); found != by_index.end())
+      poses[i] = found->second;
+  return poses;
+}
+
+/// "frame-000012" from "rgb/frame-000012.color.jpg".
+std::string image_name(const std::string& file) {
+  std::string name = fs::path(file).stem().string();
+  for (const char* suffix : {".color", "_color", "-color", ".rgb", "_rgb"})
+    if (name.ends_with(suffix)) name.resize(name.size() - std::string_view(suffix).size());
+  return name;
+}
+
+Poses from_colmap(const std::vector<PoseLine>& lines, const Recording& recording) {
+  std::map<std::string, Isometry3d> by_name;
+  std::map<int64_t, Isometry3d> by_number;
+  // A line of the image and one of its points, which may be empty.
+  for (size_t i = 0; i < lines.size(); i += 2) {
+    const PoseLine& line = lines[i];
+    if (line.words.size() < 10)
+      throw Error("an image has id, quaternion, position, camera and name", line.location);
+    const auto v = line.numbers<7>(1);
+    const Isometry3d camera_from_world =
+        pose_from_values({v[4], v[5], v[6], v[1], v[2], v[3], v[0]}, line.location);
+    by_name[image_name(line.words[9])] = camera_from_world.inverse();
+    if (const auto number = number_in_name(image_name(line.words[9]) + ".x"))
+      by_number[*number] = camera_from_world.inverse();
+  }
+  const Isometry3d color_from_depth = recording.info().camera.depth_from_color.inverse();
+  Poses poses(recording.size());
+  for (size_t i = 0; i < recording.size(); ++i) {
+    const std::string name = recording.name_of(i);
+    const auto named = by_name.find(name);
+    const auto number = number_in_name(name + ".x");
+    const auto numbered = number ? by_number.find(*number) : by_number.end();
+    if (named != by_name.end())
+      poses[i] = named->second * color_from_depth;
+    else if (numbered != by_number.end())
+      poses[i] = numbered->second * color_from_depth;
+  }
+  return poses;
+}
+
+}  // namespace
+
+std::vector<Isometry3d> read_trajectory_log(const fs::path& file) {
+  bool ignored = false;
+  const std::vector<PoseLine> lines = without_empty(lines_of(file, ignored));
+  std::vector<Isometry3d> poses;
+  for (size_t i = 0; i + 4 < lines.size(); i += 5) {
+    Eigen::Matrix4d matrix;
+    for (int row = 0; row < 4; ++row) {
+      const PoseLine& line = lines[i + 1 + static_cast<size_t>(row)];
+      if (line.words.size() != 4) throw Error("a row of a pose has 4 numbers", line.location);
+      const auto values = line.numbers<4>(0);
+      for (int column = 0; column < 4; ++column) matrix(row, column) = values[static_cast<size_t>(column)];
+    }
+    poses.push_back(pose_from_matrix(matrix, lines[i].location));
+  }
+  if (lines.size() % 5 != 0)
+    throw Error("a pose is a line of numbers and four rows of a matrix; the last one is not complete",
+                {file.string(), 0, {}});
+  return poses;
+}
+
+std::vector<std::optional<Isometry3d>> read_poses_for(const Recording& recording, const fs::path& file) {
+  bool colmap = false;
+  std::vector<PoseLine> lines = lines_of(file, colmap);
+  if (lines.empty()) throw Error("the file has no poses", {file.string(), 0, {}});
+  const size_t words = lines[0].words.size();
+  Poses poses;
+  if (colmap || words == 10) {
+    poses = from_colmap(lines, recording);
+  } else if (lines = without_empty(std::move(lines));
+             lines[0].words[0].starts_with("VERTEX_") || lines[0].words[0].starts_with("EDGE_")) {
+    poses = from_g2o(lines, recording);
+  } else if (words == 12) {
+    poses = from_kitti(lines, recording, file);
+  } else if (words == 8) {
+    const std::vector<StampedPose> stamped = read_tum_poses(file);
+    for (size_t i = 0; i < recording.size(); ++i) poses.push_back(pose_at(stamped, recording.time_of(i)));
+  } else if (words == 3) {
+    const std::vector<Isometry3d> log = read_trajectory_log(file);
+    if (log.size() != recording.size()) throw wrong_count(log.size(), recording, file);
+    poses.assign(log.begin(), log.end());
+  } else {
+    throw Error("no poses of a known format", lines[0].location,
+                "TUM has 8 numbers in a line, KITTI 12, g2o VERTEX_SE3:QUAT, COLMAP is images.txt");
+  }
+  if (std::none_of(poses.begin(), poses.end(), [](const auto& pose) { return pose.has_value(); }))
+    throw Error(
+        "no frame of the recording has a pose here", {file.string(), 0, {}},
+        fmt::format("the frames go from {} to {}, the first is {}", format_time(recording.info().first_time),
+                    format_time(recording.info().last_time), recording.name_of(0)));
+  return poses;
+}
+
+}  // namespace loci::mapping

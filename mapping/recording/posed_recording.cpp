@@ -1,0 +1,81 @@
+#include "mapping/recording/posed_recording.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace loci::mapping {
+namespace {
+
+using Poses = std::vector<std::optional<Isometry3d>>;
+
+/// Another recording with changed poses and info.
+class ChangedRecording : public Recording {
+ public:
+  ChangedRecording(std::unique_ptr<Recording> recording, RecordingInfo info, Poses poses,
+                   const Isometry3d& frame_from_map)
+      : recording_(std::move(recording)),
+        info_(std::move(info)),
+        poses_(std::move(poses)),
+        frame_from_map_(frame_from_map) {}
+
+  const RecordingInfo& info() const override { return info_; }
+  size_t size() const override { return recording_->size(); }
+  TimeNs time_of(size_t i) const override { return recording_->time_of(i); }
+  int64_t index_of(size_t i) const override { return recording_->index_of(i); }
+  std::string name_of(size_t i) const override { return recording_->name_of(i); }
+  RgbdFrame frame(size_t i) const override {
+    RgbdFrame frame = recording_->frame(i);
+    if (!poses_.empty()) frame.map_from_camera = poses_.at(i);
+    if (frame.map_from_camera) frame.map_from_camera = frame_from_map_ * *frame.map_from_camera;
+    return frame;
+  }
+
+ private:
+  std::unique_ptr<Recording> recording_;
+  RecordingInfo info_;
+  Poses poses_;  ///< empty = those of the recording
+  Isometry3d frame_from_map_;
+};
+
+}  // namespace
+
+std::unique_ptr<Recording> with_poses(std::unique_ptr<Recording> recording, Poses map_from_camera,
+                                      std::string map_frame, bool is_levelled) {
+  RecordingInfo info = recording->info();
+  if (map_from_camera.size() != recording->size())
+    throw Error(fmt::format("{} poses for {} frames", map_from_camera.size(), recording->size()),
+                {info.path, 0, {}});
+  info.frames_with_pose = static_cast<size_t>(std::count_if(
+      map_from_camera.begin(), map_from_camera.end(), [](const auto& pose) { return pose.has_value(); }));
+  info.map_frame = std::move(map_frame);
+  info.levelled = is_levelled;
+  const auto about_poses = [](const std::string& text) {
+    return text.starts_with("no poses") || text.ends_with("have no pose");
+  };
+  std::erase_if(info.guesses, about_poses);
+  std::erase_if(info.problems, about_poses);
+  if (info.frames_with_pose < info.frames)
+    info.problems.push_back(
+        fmt::format("{} of {} frames have no pose", info.frames - info.frames_with_pose, info.frames));
+  return std::make_unique<ChangedRecording>(std::move(recording), std::move(info), std::move(map_from_camera),
+                                            Isometry3d::Identity());
+}
+
+std::unique_ptr<Recording> in_frame(std::unique_ptr<Recording> recording, const Isometry3d& frame_from_map,
+                                    std::string frame, const std::string& guess) {
+  RecordingInfo info = recording->info();
+  info.levelled = true;
+  if (info.frames_with_pose > 0) info.map_frame = std::move(frame);
+  if (!guess.empty()) info.guesses.push_back(guess);
+  return std::make_unique<ChangedRecording>(std::move(recording), std::move(info), Poses(), frame_from_map);
+}
+
+std::unique_ptr<Recording> with_up(std::unique_ptr<Recording> recording, const Vector3d& up_in_camera) {
+  RecordingInfo info = recording->info();
+  info.up_in_camera = up_in_camera;
+  return std::make_unique<ChangedRecording>(std::move(recording), std::move(info), Poses(),
+                                            Isometry3d::Identity());
+}
+
+}  // namespace loci::mapping

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mapping/recording/recording.h"
+
+namespace loci::mapping {
+
+/// A recording with other poses than it brings along, one per frame (unset = unknown).
+std::unique_ptr<Recording> with_poses(std::unique_ptr<Recording> recording,
+                                      std::vector<std::optional<Isometry3d>> map_from_camera,
+                                      std::string map_frame, bool is_levelled);
+
+/// A recording whose poses, if it has any, are moved to another frame; `guess` is added to its info.
+std::unique_ptr<Recording> in_frame(std::unique_ptr<Recording> recording, const Isometry3d& frame_from_map,
+                                    std::string frame, const std::string& guess = {});
+
+/// A recording without poses of which is known what is up in its first frame's camera.
+std::unique_ptr<Recording> with_up(std::unique_ptr<Recording> recording, const Vector3d& up_in_camera);
+
+/// Poses of a recording's frames from a file, recognised by its content; of the depth camera but for COLMAP:
+///   TUM        stamp (s) x y z qx qy qz qw, taken at the time of a frame
+///   KITTI      12 numbers (3 x 4, row by row) per frame
+///   g2o        VERTEX_SE3:QUAT index x y z qx qy qz qw
+///   COLMAP     images.txt, by name or number of the image; poses of the colour camera, without known scale
+///   Redwood    trajectory.log: a line of numbers and a 4 x 4 matrix per frame
+/// Error when the file is of another kind, a line is malformed, or no frame gets a pose.
+std::vector<std::optional<Isometry3d>> read_poses_for(const Recording& recording,
+                                                      const std::filesystem::path& file);
+
+}  // namespace loci::mapping

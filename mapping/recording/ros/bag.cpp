@@ -1,0 +1,205 @@
+#include "mapping/recording/ros/bag.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+
+#include "mapping/base/config.h"
+#include "mapping/base/error.h"
+#include "mapping/recording/ros/compression.h"
+
+namespace loci::mapping {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kRos1Magic = "#ROSBAG V";
+constexpr const char* kMcapMagic = "\x89MCAP";
+constexpr const char* kSqliteMagic = "SQLite format 3";
+constexpr const char* kModule = "loci_rosbag.so";  ///< found through the program's RUNPATH
+
+bool begins_with(const fs::path& path, std::string_view magic) {
+  std::ifstream file(path, std::ios::binary);
+  std::string head(magic.size(), '\0');
+  return file.read(head.data(), static_cast<std::streamsize>(head.size())) && head == magic;
+}
+
+bool is_mcap(const fs::path& path) {
+  return fs::is_regular_file(path) && begins_with(path, kMcapMagic);
+}
+
+bool is_sqlite(const fs::path& path) {
+  return path.extension() == ".db3" && fs::is_regular_file(path) && begins_with(path, kSqliteMagic);
+}
+
+/// The files of a recording of rosbag2 in their order.
+std::vector<fs::path> storage_files(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (is_mcap(entry.path()) || is_sqlite(entry.path())) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+using OpenBag = BagReader* (*)(const fs::path& path);
+
+OpenBag load_module() {
+  void* module = dlopen(kModule, RTLD_NOW | RTLD_LOCAL);
+  void* symbol = module != nullptr ? dlsym(module, "loci_open_bag") : nullptr;
+  if (symbol == nullptr)
+    throw Error(std::string("ROS 1 bags cannot be read: ") + dlerror(), {},
+                "install loci_rosbag.so and librosbag-storage");
+  return reinterpret_cast<OpenBag>(symbol);
+}
+
+/// Several files as one bag; with compression per message, as metadata.yaml says.
+class BagFolder : public BagReader {
+ public:
+  explicit BagFolder(const fs::path& folder) : folder_(folder) {
+    read_metadata();
+    for (const fs::path& file : storage_files(folder)) {
+      try {
+        readers_.push_back(is_mcap(file) ? open_mcap(file) : open_sqlite_bag(file));
+      } catch (const Error& error) {
+        problems_.emplace_back(error.what());
+      }
+    }
+    if (readers_.empty() && !problems_.empty())
+      throw Error("no file of this recording can be read: " + problems_.front(), {folder.string(), 0, {}});
+    merge_topics();
+  }
+
+  const std::vector<BagTopic>& topics() const override { return topics_; }
+
+  std::vector<TimeNs> times(const std::string& topic) const override {
+    std::vector<TimeNs> times;
+    const auto found = messages_.find(topic);
+    if (found == messages_.end()) return times;
+    for (const Message& message : found->second) times.push_back(message.time);
+    return times;
+  }
+
+  std::string message(const std::string& topic, size_t i) const override {
+    const Message& message = messages_.at(topic).at(i);
+    std::string bytes = readers_[message.reader]->message(topic, message.number);
+    return per_message_ ? decompress("zstd", bytes, kMaxMessage) : bytes;
+  }
+
+  void visit(const std::function<bool(const BagTopic&)>& wanted, const Visitor& visitor) const override {
+    if (per_message_) return BagReader::visit(wanted, visitor);
+    std::map<std::pair<std::string, std::pair<size_t, size_t>>, size_t> number;
+    for (const auto& [topic, messages] : messages_)
+      for (size_t i = 0; i < messages.size(); ++i)
+        number[{topic, {messages[i].reader, messages[i].number}}] = i;
+    for (size_t r = 0; r < readers_.size(); ++r)
+      readers_[r]->visit(wanted, [&](const BagTopic& topic, size_t i, TimeNs time, std::string_view bytes) {
+        const auto found = number.find({topic.name, {r, i}});
+        if (found != number.end()) visitor(topic, found->second, time, bytes);
+      });
+  }
+
+  std::vector<std::string> problems() const override {
+    std::vector<std::string> all = problems_;
+    for (const auto& reader : readers_)
+      for (std::string& text : reader->problems()) all.push_back(std::move(text));
+    return all;
+  }
+
+ private:
+  struct Message {
+    TimeNs time = 0;
+    size_t reader = 0, number = 0;
+  };
+  static constexpr size_t kMaxMessage = size_t{1} << 30;
+
+  void read_metadata() {
+    const fs::path file = folder_ / "metadata.yaml";
+    if (!fs::exists(file)) return;
+    try {
+      const Config info = Config::read(file).map("rosbag2_bagfile_information");
+      const std::string mode = info.get<std::string>("compression_mode", "");
+      per_message_ = mode == "MESSAGE" || mode == "message";
+      for (const std::string& name : info.get<std::vector<std::string>>("relative_file_paths", {}))
+        check_listed(name);
+    } catch (const Error& error) {
+      problems_.push_back(fmt::format("metadata.yaml is not used: {}", error.what()));
+    }
+  }
+
+  void check_listed(const std::string& name) {
+    const fs::path file = folder_ / fs::path(name).filename();
+    const fs::path plain = fs::path(file).replace_extension();
+    if (file.extension() == ".zstd" && fs::exists(file) && !fs::exists(plain))
+      problems_.push_back(fmt::format("{} is compressed as a file and not read: unpack it with 'zstd -d {}'",
+                                      file.string(), file.string()));
+    else if (!fs::exists(file) && !fs::exists(plain))
+      problems_.push_back(fmt::format("{}, which metadata.yaml names, is missing", file.string()));
+  }
+
+  void merge_topics() {
+    std::map<std::string, BagTopic> topics;
+    for (size_t r = 0; r < readers_.size(); ++r) {
+      for (const BagTopic& topic : readers_[r]->topics()) {
+        BagTopic& merged = topics.try_emplace(topic.name, topic).first->second;
+        if (merged.type != topic.type) {
+          problems_.push_back(fmt::format("{} is {} in one file and {} in another, which is not read",
+                                          topic.name, merged.type, topic.type));
+          continue;
+        }
+        const std::vector<TimeNs> times = readers_[r]->times(topic.name);
+        for (size_t i = 0; i < times.size(); ++i) messages_[topic.name].push_back({times[i], r, i});
+      }
+    }
+    for (auto& [name, topic] : topics) {
+      std::vector<Message>& messages = messages_[name];
+      std::stable_sort(messages.begin(), messages.end(),
+                       [](const Message& a, const Message& b) { return a.time < b.time; });
+      topic.messages = messages.size();
+      topics_.push_back(topic);
+    }
+  }
+
+  fs::path folder_;
+  bool per_message_ = false;
+  std::vector<std::unique_ptr<BagReader>> readers_;
+  std::vector<BagTopic> topics_;
+  std::map<std::string, std::vector<Message>> messages_;
+  std::vector<std::string> problems_;
+};
+
+}  // namespace
+
+bool is_ros1_bag(const fs::path& path) {
+  return begins_with(path, kRos1Magic);
+}
+
+bool is_ros2_bag(const fs::path& path) {
+  if (!fs::is_directory(path)) return is_mcap(path) || is_sqlite(path);
+  return !storage_files(path).empty();
+}
+
+RosBag::RosBag(const fs::path& path) : path_(path) {
+  if (fs::is_directory(path) && is_ros2_bag(path)) {
+    reader_ = std::make_unique<BagFolder>(path);
+  } else if (is_mcap(path)) {
+    reader_ = open_mcap(path);
+  } else if (is_sqlite(path)) {
+    reader_ = open_sqlite_bag(path);
+  } else {
+    if (!is_ros1_bag(path))
+      throw Error("this file is not a ROS 1 bag", {path.string(), 0, {}}, "a bag begins with '#ROSBAG V2.0'");
+    static const OpenBag open_bag = load_module();
+    reader_.reset(open_bag(path));
+  }
+}
+
+const BagTopic* RosBag::find(const std::string& topic) const {
+  for (const BagTopic& each : topics())
+    if (each.name == topic) return &each;
+  return nullptr;
+}
+
+}  // namespace loci::mapping

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mapping/base/time.h"
+
+namespace loci::mapping {
+
+/// How the bytes of messages are laid out.
+enum class Serialization { ros1, cdr, other };
+
+/// A topic of a bag.
+struct BagTopic {
+  std::string name;        ///< "/camera/depth/image_raw"
+  std::string type;        ///< "sensor_msgs/Image", in ROS 2 too
+  std::string definition;  ///< as `rosmsg show --raw`: the text with those of all types that it uses
+  size_t messages = 0;
+  Serialization serialization = Serialization::ros1;
+};
+
+/// A bag of one storage format. Messages of a topic are numbered in order of the time of recording.
+class BagReader {
+ public:
+  /// Topic, number of the message, and its bytes, which are valid during the call.
+  using Visitor =
+      std::function<void(const BagTopic& topic, size_t i, TimeNs recorded, std::string_view bytes)>;
+
+  virtual ~BagReader() = default;
+  /// Sorted by name.
+  virtual const std::vector<BagTopic>& topics() const = 0;
+  virtual std::vector<TimeNs> times(const std::string& topic) const = 0;
+  virtual std::string message(const std::string& topic, size_t i) const = 0;
+  /// All messages of the topics that `wanted` accepts, in the order that is fastest to read.
+  /// (Inline, so that the module of ROS 1 has all that it takes.)
+  virtual void visit(const std::function<bool(const BagTopic&)>& wanted, const Visitor& visitor) const {
+    for (const BagTopic& topic : topics()) {
+      if (!wanted(topic)) continue;
+      const std::vector<TimeNs> recorded = times(topic.name);
+      for (size_t i = 0; i < recorded.size(); ++i) visitor(topic, i, recorded[i], message(topic.name, i));
+    }
+  }
+  /// What could not be read, a line each.
+  virtual std::vector<std::string> problems() const { return {}; }
+};
+
+/// A bag of ROS 1 (format 2.0, chunks plain, bz2 or lz4) or ROS 2 (MCAP, SQLite, a folder of these), read
+/// only. One thread at a time. Damaged MCAP and SQLite files give what is whole. librosbag-storage is loaded
+/// with the first bag of ROS 1: it brings two dozen libraries that most commands do not need.
+class RosBag {
+ public:
+  /// Error when the path is missing or holds no bag; for ROS 1 also when it is truncated or was not closed.
+  explicit RosBag(const std::filesystem::path& path);
+
+  const std::filesystem::path& path() const { return path_; }
+  const std::vector<BagTopic>& topics() const { return reader_->topics(); }  ///< sorted by name
+  /// Topic of a name; nullptr when there is none.
+  const BagTopic* find(const std::string& topic) const;
+  /// When the messages of a topic were recorded, ascending. Empty for an unknown topic.
+  std::vector<TimeNs> times(const std::string& topic) const { return reader_->times(topic); }
+  /// Message number `i` of a topic as it was serialised. Error when the file is damaged there.
+  std::string message(const std::string& topic, size_t i) const { return reader_->message(topic, i); }
+  void visit(const std::function<bool(const BagTopic&)>& wanted, const BagReader::Visitor& visitor) const {
+    reader_->visit(wanted, visitor);
+  }
+  std::vector<std::string> problems() const { return reader_->problems(); }
+
+ private:
+  std::filesystem::path path_;
+  std::unique_ptr<BagReader> reader_;
+};
+
+/// Whether a file begins as a bag of ROS 1 does.
+bool is_ros1_bag(const std::filesystem::path& path);
+/// Whether a path is an MCAP file, a database of rosbag2, or a folder with such files.
+bool is_ros2_bag(const std::filesystem::path& path);
+
+/// Readers of single storage formats; Error when the file cannot be read at all.
+std::unique_ptr<BagReader> open_mcap(const std::filesystem::path& path);
+std::unique_ptr<BagReader> open_sqlite_bag(const std::filesystem::path& path);
+
+}  // namespace loci::mapping

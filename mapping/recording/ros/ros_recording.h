@@ -1,0 +1,78 @@
+#pragma once
+
+#include <map>
+#include <mutex>
+
+#include "mapping/recording/file_recording.h"
+#include "mapping/recording/rectification.h"
+#include "mapping/recording/ros/bag.h"
+#include "mapping/recording/ros/messages.h"
+#include "mapping/recording/stamped_poses.h"
+
+namespace loci::mapping {
+
+/// RGB-D frames of a bag of ROS 1 or ROS 2. A camera is a depth topic and the colour topic that shares most
+/// of its name; the one with the most images is read unless topics are given. Cameras come from the
+/// `camera_info` beside the images, poses from /tf and /tf_static, joints from JointState. Each depth image
+/// takes the nearest colour image; times are those of the headers. The map frame is what the depth camera's
+/// frame hangs on in the end.
+class RosRecording : public Recording {
+ public:
+  explicit RosRecording(const std::filesystem::path& path, const RecordingOptions& options = {});
+
+  const RecordingInfo& info() const override { return info_; }
+  size_t size() const override { return frames_.size(); }
+  RgbdFrame frame(size_t i) const override;
+  TimeNs time_of(size_t i) const override { return frames_.at(i).time_ns; }
+  int64_t index_of(size_t i) const override { return frames_.at(i).index; }
+
+ private:
+  /// A topic of images.
+  struct Stream {
+    std::string topic;
+    Serialization serialization = Serialization::ros1;
+    bool compressed = false;
+    std::string encoding;                         ///< of its first message
+    std::string frame;                            ///< of its first header
+    std::vector<std::pair<TimeNs, size_t>> when;  ///< stamp and number of each message, ascending
+
+    bool is_depth() const { return is_depth_encoding(encoding); }
+    bool has_colors() const;
+  };
+  /// What the first pass over the bag collects.
+  struct Content {
+    std::map<std::string, Stream> images;
+    std::map<std::string, RosCamera> cameras;
+    std::map<std::string, Isometry3d> extrinsics;  ///< of librealsense: stream_from_reference by topic
+    TransformTree transforms;
+    std::vector<RosJoints> joints;
+    std::vector<RosAcceleration> accelerations;
+    double depth_unit_m = 0.001;
+  };
+
+  void take(const BagTopic& topic, size_t i, TimeNs recorded, const RosMessage& message,
+            Content& content) const;
+  Content read_content();
+  const Stream* color_for(const Stream& depth, const Content& content) const;
+  void choose_streams(const Content& content, const std::string& topics);
+  const Stream& chosen(const std::string& topic, const Content& content, bool depth) const;
+  std::optional<RosCamera> camera_of(const Stream& stream, const Content& content) const;
+  void set_cameras(const Content& content);
+  void set_color_pose(const Content& content, TimeNs time);
+  void add_frames(const Content& content, double color_delay_s);
+  void set_joints(std::vector<RosJoints> joints);
+  void set_up(const Content& content);
+  std::string where(const std::string& topic, size_t message) const;
+  RosMessage message_of(const Stream& stream, size_t message, std::string& bytes) const;
+
+  RosBag bag_;
+  mutable std::mutex bag_lock_;
+  RecordingInfo info_;
+  Stream depth_, color_;
+  double depth_unit_m_ = 0.001;
+  ImageCorrection correction_;
+  std::vector<FrameFiles> frames_;               ///< index: number of the depth message
+  std::vector<std::optional<size_t>> color_of_;  ///< by number of the depth message
+};
+
+}  // namespace loci::mapping

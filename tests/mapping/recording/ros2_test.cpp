@@ -1,0 +1,250 @@
+// Bags of ROS 2 that other programs wrote (../shared/data/ros2), whole, cut off and damaged.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+
+#include "mapping/base/csv.h"
+#include "mapping/base/files.h"
+#include "mapping/recording/recording.h"
+#include "mapping/recording/ros/bag.h"
+#include "mapping/recording/ros/compression.h"
+#include "mapping/recording/ros/messages.h"
+
+namespace loci::mapping {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::Contains;
+using testing::HasSubstr;
+
+const fs::path kData = fs::path(LOCI_SHARED_DIR) / "data/ros2";
+
+class Ros2 : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!fs::exists(kData)) GTEST_SKIP() << "no shared data";
+    make_folder(root_);
+  }
+  ~Ros2() override { fs::remove_all(root_); }
+
+  /// A copy of the MCAP that a test may damage.
+  fs::path changed_copy(const std::function<void(std::string&)>& change) const {
+    std::string bytes = read_file(kData / "redkitchen_ros2/redkitchen_ros2_0.mcap");
+    change(bytes);
+    write_file_atomically(root_ / "copy.mcap", bytes);
+    return root_ / "copy.mcap";
+  }
+
+  fs::path root_ = fs::path(testing::TempDir()) /
+                   (std::string("ros2_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+};
+
+std::map<TimeNs, Isometry3d> true_poses() {
+  const CsvTable table = CsvTable::read(kData / "poses.csv");
+  std::map<TimeNs, Isometry3d> poses;
+  for (size_t row = 0; row < table.rows(); ++row) {
+    std::array<double, 7> values{};
+    for (size_t i = 0; i < 7; ++i) values[i] = table.number(row, i + 1);
+    poses[table.integer(row, 0)] = pose_from_values(values);
+  }
+  return poses;
+}
+
+void expect_true_poses(const Recording& recording) {
+  const auto poses = true_poses();
+  for (size_t i = 0; i < recording.size(); ++i) {
+    const RgbdFrame frame = recording.frame(i);
+    ASSERT_TRUE(poses.contains(frame.time_ns));
+    ASSERT_TRUE(frame.map_from_camera);
+    EXPECT_LT((frame.map_from_camera->matrix() - poses.at(frame.time_ns).matrix()).cwiseAbs().maxCoeff(),
+              1e-6);
+    EXPECT_FALSE(frame.color.empty());
+    EXPECT_TRUE(frame.joints.contains("kitchen_drawer_1_joint"));
+  }
+}
+
+TEST_F(Ros2, PosesOfMcapAndSqliteAreThoseOfTheSource) {
+  const auto mcap = open_recording(kData / "redkitchen_ros2");
+  EXPECT_EQ(mcap->info().format, "rosbag2");
+  EXPECT_EQ(mcap->size(), 24U);
+  EXPECT_EQ(mcap->info().map_frame, "map");
+  EXPECT_THAT(mcap->info().guesses, Contains(HasSubstr("depth from /camera/depth/image_rect_raw")));
+  EXPECT_THAT(mcap->info().guesses, Contains(HasSubstr("not read: depth from /camera/aligned_depth")));
+  EXPECT_NEAR(mcap->info().camera.depth_from_color.translation().x(), 0.022, 1e-9);
+  EXPECT_DOUBLE_EQ(mcap->info().camera.color.fx, 528);
+  EXPECT_TRUE(mcap->info().problems.empty());
+  expect_true_poses(*mcap);
+  const auto sqlite = open_recording(kData / "redkitchen_ros2_db3");
+  EXPECT_EQ(sqlite->size(), 6U);
+  expect_true_poses(*sqlite);
+}
+
+TEST_F(Ros2, SingleFilesReadLikeTheirFolders) {
+  EXPECT_EQ(open_recording(kData / "redkitchen_ros2/redkitchen_ros2_0.mcap")->size(), 24U);
+  EXPECT_EQ(open_recording(kData / "redkitchen_ros2_db3/redkitchen_ros2_db3_0.db3")->size(), 6U);
+}
+
+TEST_F(Ros2, TopicsCanBeChosen) {
+  RecordingOptions options;
+  options.topics = "/camera/aligned_depth_to_color/image_raw,/camera/color/image_raw";
+  const auto recording = open_recording(kData / "redkitchen_ros2", options);
+  EXPECT_DOUBLE_EQ(recording->info().camera.depth.fx, 528);
+  EXPECT_TRUE(recording->info().camera.depth_from_color.isApprox(Isometry3d::Identity()));
+  options.topics = "/camera/depth/none";
+  EXPECT_THROW(open_recording(kData / "redkitchen_ros2", options), Error);
+}
+
+/// CRC-32 of the pixels as images.csv has it.
+uint32_t pixel_crc(const cv::Mat& image) {
+  return crc32_of({reinterpret_cast<const char*>(image.data), image.total() * image.elemSize()});
+}
+
+/// The raw values of depth in metres.
+cv::Mat millimetres(const cv::Mat& depth) {
+  cv::Mat raw(depth.size(), CV_16U, cv::Scalar(0));
+  for (int v = 0; v < depth.rows; ++v)
+    for (int u = 0; u < depth.cols; ++u)
+      if (const float z = depth.at<float>(v, u); z > 0)
+        raw.at<uint16_t>(v, u) = static_cast<uint16_t>(std::lround(z * 1000));
+  return raw;
+}
+
+TEST_F(Ros2, PixelsAreThoseThatWereRecorded) {
+  const CsvTable table = CsvTable::read(kData / "images.csv");
+  std::map<std::string, std::unique_ptr<RosBag>> bags;
+  std::map<std::string, std::map<std::string, std::map<TimeNs, std::string>>> messages;
+  for (const char* name : {"redkitchen_ros2", "redkitchen_ros2_db3"}) {
+    RosBag bag(kData / name);
+    bag.visit([](const BagTopic& topic) { return topic.type.ends_with("Image"); },
+              [&](const BagTopic& topic, size_t, TimeNs, std::string_view bytes) {
+                const RosHeader header = read_ros_header({bytes, topic.serialization, topic.name});
+                messages[name][topic.name][header.stamp_ns] = bytes;
+              });
+  }
+  size_t different = 0;
+  for (size_t row = 0; row < table.rows(); ++row) {
+    const std::string& topic = table.cell(row, 2);
+    const bool compressed = topic.ends_with("compressedDepth") || topic.ends_with("compressed");
+    const std::string& bytes = messages.at(table.cell(row, 0)).at(topic).at(table.integer(row, 3));
+    const RosMessage message{bytes, Serialization::cdr, topic};
+    cv::Mat pixels;
+    if (table.cell(row, 4).starts_with("16UC1")) {
+      // 65535 is no measurement either: put it back where the stored image has it.
+      pixels = millimetres(read_ros_depth(message, compressed));
+    } else if (!compressed) {
+      const cv::Mat bgr = read_ros_color(message, false);
+      pixels.create(bgr.size(), CV_8UC3);
+      const int from_to[] = {0, 2, 1, 1, 2, 0};
+      cv::mixChannels(&bgr, 1, &pixels, 1, from_to, 3);
+    } else {
+      continue;
+    }
+    const auto expected = static_cast<uint32_t>(std::stoul(table.cell(row, 5), nullptr, 16));
+    different += pixel_crc(pixels) == expected ? 0 : 1;
+  }
+  EXPECT_EQ(different, 0U) << "of " << table.rows();
+}
+
+TEST_F(Ros2, TestBagsOfRosbag2AreListedAsTheirOwnToolsDo) {
+  const fs::path folder = kData / "rosbag2_resources";
+  const CsvTable table = CsvTable::read(folder / "expected.csv");
+  for (size_t row = 0; row < table.rows(); ++row) {
+    SCOPED_TRACE(table.cell(row, 0) + " " + table.cell(row, 1));
+    const RosBag bag(folder / table.cell(row, 0));
+    const BagTopic* topic = bag.find(table.cell(row, 1));
+    ASSERT_NE(topic, nullptr);
+    std::string type = table.cell(row, 2);
+    if (const size_t msg = type.find("/msg/"); msg != std::string::npos) type.erase(msg, 4);
+    EXPECT_EQ(topic->type, type);
+    EXPECT_EQ(topic->messages, static_cast<size_t>(table.integer(row, 4)));
+    if (topic->messages == 0) continue;
+    EXPECT_EQ(bag.times(topic->name).front(), table.integer(row, 5));
+    EXPECT_EQ(bag.times(topic->name).back(), table.integer(row, 6));
+    EXPECT_FALSE(bag.message(topic->name, topic->messages - 1).empty());
+  }
+}
+
+TEST_F(Ros2, SeveralFilesAreOneRecording) {
+  const RosBag bag(kData / "rosbag2_resources/rosbag2_py/mcap/wbag");
+  for (const BagTopic& topic : bag.topics()) {
+    const std::vector<TimeNs> times = bag.times(topic.name);
+    EXPECT_TRUE(std::is_sorted(times.begin(), times.end()));
+    EXPECT_GT(times.size(), 1U);
+    EXPECT_FALSE(bag.message(topic.name, times.size() - 1).empty());
+  }
+}
+
+TEST_F(Ros2, BagsWithoutDepthSayWhatTheyHave) {
+  try {
+    open_recording(kData / "rosbag2_resources/rosbag2_py/mcap/talker");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("no depth images"));
+    EXPECT_THAT(error.what(), HasSubstr("std_msgs/String"));
+  }
+}
+
+TEST_F(Ros2, ATruncatedFileGivesWhatIsWhole) {
+  const auto recording =
+      open_recording(changed_copy([](std::string& bytes) { bytes.resize(bytes.size() / 2); }));
+  EXPECT_GT(recording->size(), 5U);
+  EXPECT_LT(recording->size(), 24U);
+  ASSERT_EQ(recording->info().problems.size(), 1U);
+  EXPECT_THAT(recording->info().problems[0], HasSubstr("truncated or damaged at byte"));
+  EXPECT_TRUE(recording->frame(0).map_from_camera);
+}
+
+TEST_F(Ros2, ADamagedChunkIsLeftOut) {
+  const auto recording =
+      open_recording(changed_copy([](std::string& bytes) { bytes[bytes.size() / 2] ^= 0x55; }));
+  EXPECT_GE(recording->size(), 22U);
+  ASSERT_FALSE(recording->info().problems.empty());
+  EXPECT_THAT(recording->info().problems[0], HasSubstr("1 of 47 chunks are damaged"));
+}
+
+TEST_F(Ros2, WithoutItsIndexAFileReadsTheSame) {
+  // The summary and footer are gone, as after a crash of the recorder.
+  const auto recording = open_recording(changed_copy([](std::string& bytes) {
+    const size_t data_end = bytes.rfind(std::string("\x0f\x04\0\0\0\0\0\0\0", 9));
+    bytes.resize(data_end);
+  }));
+  EXPECT_EQ(recording->size(), 24U);
+}
+
+TEST_F(Ros2, DamagedBytesAreOneLineEach) {
+  const std::string whole = read_file(kData / "redkitchen_ros2_db3/redkitchen_ros2_db3_0.db3");
+  const fs::path file = root_ / "copy.db3";
+  for (const double part : {0.9, 0.5, 0.1, 0.01}) {
+    write_file_atomically(file, whole.substr(0, static_cast<size_t>(part * double(whole.size()))));
+    try {
+      const auto recording = open_recording(file);
+      EXPECT_FALSE(recording->info().problems.empty()) << part;
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(Compression, LiesAboutSizesAndDamageAreRefused) {
+  EXPECT_THROW(decompress("zstd", "hello", 1000), Error);
+  EXPECT_THROW(decompress("lz4", "hello", 1000), Error);
+  EXPECT_THROW(decompress("brotli", "hello", 1000), Error);
+  EXPECT_EQ(decompress("", "hello", 1000), "hello");
+}
+
+TEST(Cdr, AMessageThatClaimsMoreThanItHasIsRefused) {
+  // Header, then a joint state with 4 billion names.
+  std::string bytes("\0\1\0\0\1\0\0\0\2\0\0\0\2\0\0\0a\0\0\0\xff\xff\xff\xff", 24);
+  EXPECT_THROW(read_ros_joints({bytes, Serialization::cdr, "joints"}), Error);
+  // Big endian: a header of 1 s 2 ns in frame "a".
+  bytes = std::string("\0\0\0\0\0\0\0\1\0\0\0\2\0\0\0\2a\0", 18);
+  const RosHeader header = read_ros_header({bytes, Serialization::cdr, "header"});
+  EXPECT_EQ(header.stamp_ns, kSecond + 2);
+  EXPECT_EQ(header.frame, "a");
+}
+
+}  // namespace
+}  // namespace loci::mapping
