@@ -26,15 +26,17 @@ Command fuse_command() {
           [](ArgumentTable& table) {
             struct Arguments {
               std::string recording, out;
+              mapping::RecordingOptions reading;
               mapping::FusionOptions options;
             };
             auto arguments = std::make_shared<Arguments>();
             table.positional("RECORDING", &arguments->recording, "Folder of the recording");
             table.output("FOLDER", &arguments->out, "Folder of the scan set");
+            table.options(table_of(arguments->reading), "Recording");
             table.options(table_of(arguments->options), "Fusion");
             return [arguments](Session& session) {
               arguments->options.threads = session.flags().threads;
-              const auto recording = mapping::open_recording(arguments->recording);
+              const auto recording = mapping::open_recording(arguments->recording, arguments->reading);
               for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
               const mapping::FusionResult result = fuse(*recording, arguments->options, session.progress());
               write_scan_set(result.scans, arguments->out);

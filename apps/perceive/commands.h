@@ -6,6 +6,7 @@ namespace loci::apps {
 
 Command annotate_command();
 Command cas_command();
+Command convert_command();
 Command describe_command();
 Command index_command();
 Command info_command();

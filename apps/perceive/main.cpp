@@ -4,6 +4,7 @@ int main(int argc, char** argv) {
   loci::apps::Program program("loci-perceive", "Run perception pipelines over recordings");
   program.add(loci::apps::annotate_command());
   program.add(loci::apps::info_command());
+  program.add(loci::apps::convert_command());
   program.add(loci::apps::types_command());
   program.add(loci::apps::cas_command());
   program.add(loci::apps::run_command());

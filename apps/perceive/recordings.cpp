@@ -1,9 +1,10 @@
-// Recordings: info, run.
+// Recordings: info, convert, run.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "apps/perceive/annotators.h"
 #include "apps/perceive/commands.h"
@@ -11,7 +12,9 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "mapping/base/tally.h"
+#include "mapping/base/text.h"
 #include "mapping/base/time.h"
+#include "mapping/recording/convert.h"
 #include "mapping/recording/recording.h"
 #include "memory/annotators/memory_annotators.h"
 #include "memory/annotators/memory_session.h"
@@ -26,6 +29,18 @@
 namespace loci::apps {
 
 namespace {
+
+/// A recording on the command line, with what it does not say about itself.
+struct RecordingArguments {
+  std::string path;
+  mapping::RecordingOptions options;
+
+  void declare(ArgumentTable& table) {
+    table.positional("RECORDING", &path, "Folder or file of the recording");
+    table.options(table_of(options), "Recording");
+  }
+  std::unique_ptr<mapping::Recording> open() const { return mapping::open_recording(path, options); }
+};
 
 std::string camera_text(const mapping::PinholeCamera& camera) {
   return fmt::format("{} x {} pixels, f {} {}, centre {} {}", camera.width, camera.height, camera.fx,
@@ -54,12 +69,55 @@ Command info_command() {
           "Describe a recording and what was guessed about it",
           {"loci-perceive info demo-output/day", "loci-perceive info demo-output/tour --json"},
           [](ArgumentTable& table) {
-            auto path = std::make_shared<std::string>();
-            table.positional("RECORDING", path.get(), "Folder of the recording");
-            return [path](Session& session) {
-              const auto recording = mapping::open_recording(*path);
+            auto arguments = std::make_shared<RecordingArguments>();
+            arguments->declare(table);
+            return [arguments](Session& session) {
+              const auto recording = arguments->open();
               session.answer(info_text(recording->info()), to_json(recording->info()));
             };
+          }};
+}
+
+namespace {
+
+struct ConvertArguments {
+  RecordingArguments recording;
+  std::string out, format;
+  int every = 1;
+};
+
+void convert(const ConvertArguments& arguments, Session& session) {
+  static const std::map<std::string, mapping::RecordingFormat> kFormats = {
+      {"loci", mapping::RecordingFormat::loci},
+      {"mcap", mapping::RecordingFormat::mcap},
+      {"tum", mapping::RecordingFormat::tum}};
+  const bool is_mcap = std::filesystem::path(arguments.out).extension() == ".mcap";
+  const std::string format = !arguments.format.empty() ? arguments.format : is_mcap ? "mcap" : "loci";
+  mapping::ConvertOptions options{kFormats.at(format), arguments.every, {arguments.recording.path}};
+  if (!arguments.recording.options.poses.empty())
+    options.inputs.emplace_back(arguments.recording.options.poses);
+  const auto recording = arguments.recording.open();
+  for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
+  const size_t frames = convert_recording(*recording, arguments.out, options, session.progress());
+  session.answer(fmt::format("{} written to {} as {}\n", counted(frames, "frame"), arguments.out, format),
+                 {{"frames", frames}, {"out", arguments.out}, {"format", format}});
+}
+
+}  // namespace
+
+Command convert_command() {
+  return {"convert",
+          "Write a recording in another layout: loci, MCAP for ROS 2 and Foxglove, or TUM RGB-D",
+          {"loci-perceive convert demo-output/tour -o demo-output/tour.mcap",
+           "loci-perceive convert demo-output/day -o demo-output/day-tum --format tum --every 4"},
+          [](ArgumentTable& table) {
+            auto arguments = std::make_shared<ConvertArguments>();
+            arguments->recording.declare(table);
+            table.output("OUT", &arguments->out, "Folder or file to write");
+            table.option("--format FORMAT", &arguments->format, "Layout of the output",
+                         {.default_text = "by the ending of OUT", .choices = {"loci", "mcap", "tum"}});
+            table.option("--every N", &arguments->every, "Take every n-th frame", {.min = 1});
+            return [arguments](Session& session) { convert(*arguments, session); };
           }};
 }
 
@@ -213,7 +271,7 @@ void MemoryTarget::prepare(const std::string& map, perception::Pipeline& pipelin
 }
 
 struct RunArguments {
-  std::string recording;
+  RecordingArguments recording;
   std::string map;
   std::vector<std::string> package_paths;
   std::vector<std::string> robots;
@@ -230,7 +288,8 @@ struct RunArguments {
 };
 
 void declare(ArgumentTable& table, RunArguments& arguments) {
-  table.positional("RECORDING", &arguments.recording, "Folder of the recording");
+  arguments.recording.declare(table);
+  table.begin_group("");
   table.option("--map MAP", &arguments.map, "URDF of the map; the sidecar is found beside it");
   table.package_path(&arguments.package_paths);
   table.option("--robot URDF", &arguments.robots,
@@ -306,7 +365,7 @@ perception::Pipeline read_pipeline(const RunArguments& arguments,
 /// What annotators share. Rooms that bring annotators with resources of their own put them here.
 perception::Resources make_resources(const RunArguments& arguments, Session& session) {
   perception::Resources resources;
-  resources.put(std::shared_ptr<mapping::Recording>(mapping::open_recording(arguments.recording)));
+  resources.put(std::shared_ptr<mapping::Recording>(arguments.recording.open()));
   if (!arguments.map.empty() || !arguments.robots.empty()) {
     const std::vector<std::filesystem::path> packages(arguments.package_paths.begin(),
                                                       arguments.package_paths.end());

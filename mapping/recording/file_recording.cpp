@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "mapping/base/config.h"
@@ -57,6 +58,7 @@ void FileRecording::check_images() const {
                   {frame.depth.string(), 0, {}});
     check_size(depth.width, depth.height, content_.info.camera.depth, "depth", frame.depth);
     if (frame.color.empty()) continue;
+    if (frame.video_frame) continue;  // Of one size, which the reader took from the video.
     const ImageHeader color = read_image_header(frame.color);
     check_size(color.width, color.height, content_.info.camera.color, "colour", frame.color);
   }
@@ -104,7 +106,7 @@ RgbdFrame FileRecording::frame(size_t i) const {
   frame.joints = from.joints;
   frame.depth = depth_of(from);
   if (!from.color.empty()) {
-    frame.color = read_color(from.color);
+    frame.color = from.video_frame ? content_.video->frame(*from.video_frame) : read_color(from.color);
     check_size(frame.color.cols, frame.color.rows, frame.camera.color, "colour", from.color);
   }
   correction_.apply(frame);
@@ -170,16 +172,49 @@ std::string frame_name(const std::filesystem::path& depth_file) {
 
 Isometry3d read_pose_file(const fs::path& path) {
   const std::string text = read_file(path);
-  Eigen::Matrix4d matrix;
-  const char* at = text.c_str();
-  for (int i = 0; i < 16; ++i) {
+  std::vector<double> values;
+  for (const char* at = text.c_str(); values.size() < 16;) {
     char* end = nullptr;
-    matrix(i / 4, i % 4) = std::strtod(at, &end);  // Reads "nan" too, which the pose check then names.
+    values.push_back(std::strtod(at, &end));  // Reads "nan" too, which the pose check then names.
     if (end == at)
-      throw Error(fmt::format("a pose is 16 numbers, this file has {}", i), {path.string(), 0, {}});
+      throw Error(fmt::format("a pose is 16 numbers, this file has {}", values.size() - 1),
+                  {path.string(), 0, {}});
     at = end;
   }
-  return pose_from_matrix(matrix, {path.string(), 0, {}});
+  return pose_from_rows(values, {path.string(), 0, {}});
+}
+
+Isometry3d pose_from_rows(const std::vector<double>& rows, const FileLocation& location) {
+  if (rows.size() != 16) throw Error("a pose is 16 numbers", location);
+  Eigen::Matrix4d matrix;
+  for (int i = 0; i < 16; ++i) matrix(i / 4, i % 4) = rows[static_cast<size_t>(i)];
+  return pose_from_matrix(matrix, location);
+}
+
+PinholeCamera checked_camera(const PinholeCamera& camera, const FileLocation& location) {
+  constexpr int kMaxSide = 1 << 15;
+  const bool finite = std::isfinite(camera.fx + camera.fy + camera.cx + camera.cy);
+  if (camera.width < 1 || camera.height < 1 || camera.width > kMaxSide || camera.height > kMaxSide ||
+      !finite || camera.fx <= 0 || camera.fy <= 0)
+    throw Error("a camera has positive sizes and focal lengths (pixels)", location);
+  return camera;
+}
+
+double number_of(const Json& json) {
+  return json.is_number() ? json.get<double>() : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::vector<double> numbers_in(const fs::path& path, size_t min_count) {
+  std::vector<double> numbers;
+  for (const std::string& word : words_of(read_file(path), " ,;\t\r\n")) {
+    char* end = nullptr;
+    numbers.push_back(std::strtod(word.c_str(), &end));  // "-inf" marks frames without pose.
+    if (*end != '\0') throw Error(fmt::format("'{}' is no number", word), {path.string(), 0, {}});
+  }
+  if (numbers.size() < min_count)
+    throw Error(fmt::format("{} numbers are needed, there are {}", min_count, numbers.size()),
+                {path.string(), 0, {}});
+  return numbers;
 }
 
 fs::path beside_or_above(const fs::path& folder, const char* name) {

@@ -9,6 +9,7 @@
 
 #include "mapping/recording/recording.h"
 #include "mapping/recording/rectification.h"
+#include "mapping/recording/video.h"
 
 namespace loci::mapping {
 
@@ -17,8 +18,9 @@ struct FrameFiles {
   int64_t index = 0;
   TimeNs time_ns = 0;
   std::filesystem::path depth;
-  std::filesystem::path color;       ///< empty = none
-  std::filesystem::path confidence;  ///< 8-bit image of depth's size; empty = none
+  std::filesystem::path color;        ///< empty = none
+  std::optional<size_t> video_frame;  ///< `color` is a video, this its frame
+  std::filesystem::path confidence;   ///< 8-bit image of depth's size; empty = none
   std::optional<Isometry3d> map_from_camera;
   JointState joints;
   FileLocation location;  ///< row that names the frame, for messages
@@ -29,6 +31,7 @@ struct FileRecordingContent {
   RecordingInfo info;                    ///< format, path, map_frame, camera, time_assumed, guesses, problems
   double depth_scale = 0.001;            ///< metres per unit
   std::vector<int> invalid_depth = {0};  ///< raw values that are no measurement
+  std::shared_ptr<const Video> video;    ///< of frames with video_frame
   int min_confidence = 0;                ///< depth of less is no measurement
   Distortion depth_distortion, color_distortion;
   std::vector<FrameFiles> frames;
@@ -63,6 +66,9 @@ class FileRecording : public Recording {
   std::vector<float> metres_from_raw_;  ///< by raw value, NaN = no measurement
   ImageCorrection correction_;
 };
+
+/// Depth in metres as 16-bit values of `unit_m`; 0 where there is none, or more than 16 bits hold.
+cv::Mat raw_from_depth(const cv::Mat& depth, double unit_m);
 
 /// The last number in a file's name, without its ending: "frame-000012.depth.png" → 12.
 std::optional<int64_t> number_in_name(const std::filesystem::path& path);

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
+
 #include "mapping/base/json.h"
 #include "mapping/recording/formats/layouts.h"
+#include "mapping/recording/formats/scannet.h"
 #include "mapping/recording/gravity.h"
 #include "mapping/recording/posed_recording.h"
 #include "mapping/recording/ros/ros_recording.h"
@@ -18,15 +21,18 @@ Json to_json(const PinholeCamera& camera) {
           {"fy", camera.fy},       {"cx", camera.cx},         {"cy", camera.cy}};
 }
 
-/// A folder or bag below that could have been meant, for the hint.
+/// Whether a path looks like a recording, for the hint.
+bool is_recording(const fs::path& path) {
+  if (!fs::is_directory(path)) return is_ros1_bag(path) || is_ros2_bag(path) || is_sens(path);
+  return fs::exists(path / "recording.yaml") || is_seven_scenes(path) || is_tum(path) ||
+         is_pcd_series(path) || is_ros2_bag(path) || is_nerfstudio(path) || is_stray_scanner(path) ||
+         is_replica(path) || is_redwood(path);
+}
+
+/// A folder or file below that could have been meant, for the hint.
 std::string recording_below(const fs::path& folder) {
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    const fs::path& path = entry.path();
-    const bool fits = entry.is_directory() ? fs::exists(path / "recording.yaml") || is_seven_scenes(path) ||
-                                                 is_tum(path) || is_pcd_series(path) || is_ros2_bag(path)
-                                           : is_ros1_bag(path) || is_ros2_bag(path);
-    if (fits) return path.string();
-  }
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (is_recording(entry.path())) return entry.path().string();
   return {};
 }
 
@@ -34,9 +40,31 @@ Error nothing_fits(const fs::path& folder) {
   const std::string below = recording_below(folder);
   return Error(fs::is_empty(folder) ? "the folder is empty" : "the folder holds no recording",
                {folder.string(), 0, {}},
-               below.empty() ? "a recording has recording.yaml and frames.csv, *.depth.png as in 7-Scenes, "
-                               "depth.txt and rgb.txt as TUM's, or *.pcd"
+               below.empty() ? "a recording has recording.yaml, *.depth.png as in 7-Scenes, depth.txt as "
+                               "TUM's, *.mcap or *.db3, color/ "
+                               "and depth/, transforms.json, or *.pcd"
                              : fmt::format("did you mean '{}'?", below));
+}
+
+/// Formats that are known and not read: Error with the command that converts them.
+void refuse_foreign_format(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string head(4, '\0');
+  stream.read(head.data(), 4);
+  const FileLocation location{file.string(), 0, {}};
+  const std::string name = file.string();
+  if (head == "\x1a\x45\xdf\xa3")
+    throw Error(
+        "a recording of an Azure Kinect (Matroska) is not read as it is", location,
+        fmt::format("convert it with Open3D: python azure_kinect_mkv_reader.py --input {} --output FOLDER",
+                    name));
+  if (head.starts_with("PK") && file.extension() == ".r3d")
+    throw Error(
+        "a recording of Record3D is not read as it is", location,
+        "export it from the app as 'EXR + RGB' and convert it with nerfstudio: ns-process-data record3d "
+        "--data FOLDER --output-dir OUT");
+  if (head.starts_with("PK"))
+    throw Error("this is an archive", location, fmt::format("unpack it: unzip {} -d FOLDER", name));
 }
 
 /// The reader of the format.
@@ -48,6 +76,7 @@ std::unique_ptr<Recording> open_format(const fs::path& path, const RecordingOpti
     if (is_ros1_bag(folder) || folder.extension() == ".bag" || is_ros2_bag(folder))
       return std::make_unique<RosRecording>(folder, options);
     if (is_pcd_series(folder)) return std::make_unique<PcdSeries>(folder);
+    if (is_sens(folder)) return std::make_unique<SensRecording>(folder);
     refuse_foreign_format(folder);
     throw Error("this file is no recording", {path.string(), 0, {}},
                 "a recording is a folder, a bag of ROS, a .sens file or an organised PCD");
@@ -57,6 +86,10 @@ std::unique_ptr<Recording> open_format(const fs::path& path, const RecordingOpti
   if (is_tum(folder)) return std::make_unique<FileRecording>(read_tum(folder, options.color_delay_s));
   if (is_ros2_bag(folder)) return std::make_unique<RosRecording>(folder, options);
   if (is_pcd_series(folder)) return std::make_unique<PcdSeries>(folder);
+  if (is_nerfstudio(folder)) return std::make_unique<FileRecording>(read_nerfstudio(folder));
+  if (is_stray_scanner(folder)) return std::make_unique<FileRecording>(read_stray_scanner(folder));
+  if (is_replica(folder)) return std::make_unique<FileRecording>(read_replica(folder));
+  if (is_redwood(folder)) return std::make_unique<FileRecording>(read_redwood(folder));
   throw nothing_fits(folder);
 }
 
@@ -98,6 +131,10 @@ Json to_json(const RecordingInfo& info) {
   json["frames"] = info.frames;
   json["frames_with_pose"] = info.frames_with_pose;
   json["map_frame"] = info.map_frame.empty() ? Json(nullptr) : Json(info.map_frame);
+  json["levelled"] = info.levelled;
+  json["depth_unit_m"] = info.depth_unit_m;
+  if (info.up_in_camera)
+    json["up_in_camera"] = {info.up_in_camera->x(), info.up_in_camera->y(), info.up_in_camera->z()};
   json["first_time"] = format_time(info.first_time);
   json["last_time"] = format_time(info.last_time);
   json["time_assumed"] = info.time_assumed;

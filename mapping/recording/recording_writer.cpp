@@ -9,7 +9,7 @@
 #include "mapping/base/output_file.h"
 #include "mapping/base/text.h"
 #include "mapping/image/image_io.h"
-#include "mapping/recording/recording.h"
+#include "mapping/recording/file_recording.h"
 
 namespace loci::mapping {
 namespace {
@@ -17,17 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kManifest = ".loci-recording";  ///< names the files of the recording, a line each
-
-cv::Mat raw_from_depth(const cv::Mat& depth, double unit_m) {
-  cv::Mat raw(depth.rows, depth.cols, CV_16UC1, cv::Scalar(0));
-  for (int v = 0; v < depth.rows; ++v) {
-    for (int u = 0; u < depth.cols; ++u) {
-      const double units = std::round(static_cast<double>(depth.at<float>(v, u)) / unit_m);
-      if (units > 0 && units < 65535) raw.at<uint16_t>(v, u) = static_cast<uint16_t>(units);  // NaN stays 0.
-    }
-  }
-  return raw;
-}
 
 std::string camera_text(const PinholeCamera& camera) {
   return fmt::format("width: {}, height: {}, fx: {}, fy: {}, cx: {}, cy: {}", camera.width, camera.height,
@@ -72,6 +61,17 @@ fs::path without_trailing_slash(const fs::path& folder) {
 }
 
 }  // namespace
+
+cv::Mat raw_from_depth(const cv::Mat& depth, double unit_m) {
+  cv::Mat raw(depth.rows, depth.cols, CV_16UC1, cv::Scalar(0));
+  for (int v = 0; v < depth.rows; ++v) {
+    for (int u = 0; u < depth.cols; ++u) {
+      const double units = std::round(static_cast<double>(depth.at<float>(v, u)) / unit_m);
+      if (units > 0 && units < 65535) raw.at<uint16_t>(v, u) = static_cast<uint16_t>(units);  // NaN stays 0.
+    }
+  }
+  return raw;
+}
 
 RecordingWriter::RecordingWriter(const fs::path& folder, const RgbdCamera& camera, std::string map_frame,
                                  RecordingWriterOptions options)

@@ -86,6 +86,7 @@ class Dataset {
           mapping::RecordingWriterOptions{.inputs = options_.inputs});
     }
     frame->index = scene.id;
+    if (scene.map_from_camera) frame->map_from_camera = scene.map_from_camera;
     frame->time_ns = scene.time;
     const cv::Size color(camera_.color.width, camera_.color.height);  // one for all images of a recording
     if (!frame->color.empty() && frame->color.size() != color) cv::resize(frame->color, frame->color, color);

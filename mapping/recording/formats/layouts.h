@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "mapping/base/config.h"
+#include "mapping/base/json.h"
 #include "mapping/recording/file_recording.h"
 #include "mapping/recording/stamped_poses.h"
 
@@ -64,6 +65,37 @@ class PcdSeries : public Recording {
   std::vector<FrameFiles> frames_;
   bool backwards_ = false;  ///< z points backwards and y up
 };
+
+/// A folder with images in color/ (or image/, rgb/) and depth/: Open3D and Redwood (camera_intrinsic.json,
+/// trajectory.log), exports of ScanNet (intrinsic/, pose/). Depth is registered with colour, in millimetres.
+bool is_redwood(const std::filesystem::path& folder);
+FileRecordingContent read_redwood(const std::filesystem::path& folder);
+
+/// Replica as NICE-SLAM renders it: results/frame*.jpg, results/depth*.png, traj.txt, cam_params.json.
+bool is_replica(const std::filesystem::path& folder);
+FileRecordingContent read_replica(const std::filesystem::path& folder);
+
+/// transforms.json of nerfstudio, with depth_file_path: exports of Polycam and Record3D through
+/// ns-process-data. Depth may be smaller than colour.
+bool is_nerfstudio(const std::filesystem::path& folder);
+FileRecordingContent read_nerfstudio(const std::filesystem::path& folder);
+
+/// An export of Stray Scanner on an iPhone: rgb.mp4, depth/, confidence/, odometry.csv, camera_matrix.csv.
+bool is_stray_scanner(const std::filesystem::path& folder);
+FileRecordingContent read_stray_scanner(const std::filesystem::path& folder);
+
+/// The camera if its sizes and focal lengths are positive and finite and its sides at most 32768, else Error.
+PinholeCamera checked_camera(const PinholeCamera& camera, const FileLocation& location);
+
+/// A JSON number; NaN when it is none.
+double number_of(const Json& json);
+
+/// All numbers of a text file, between blanks or commas. Error when there are other words, or fewer than
+/// `min_count` numbers.
+std::vector<double> numbers_in(const std::filesystem::path& path, size_t min_count);
+
+/// A pose from the 16 numbers of a 4 x 4 matrix, row by row.
+Isometry3d pose_from_rows(const std::vector<double>& rows, const FileLocation& location);
 
 /// A file beside the images or one folder above; empty when there is none.
 std::filesystem::path beside_or_above(const std::filesystem::path& folder, const char* name);

@@ -167,11 +167,7 @@ PinholeCamera read_pinhole(const Config& config) {
   camera.fy = config.require<double>("fy");
   camera.cx = config.require<double>("cx");
   camera.cy = config.require<double>("cy");
-  const bool finite = std::isfinite(camera.fx) && std::isfinite(camera.fy) && std::isfinite(camera.cx) &&
-                      std::isfinite(camera.cy);
-  if (camera.width < 1 || camera.height < 1 || !finite || camera.fx <= 0 || camera.fy <= 0)
-    throw Error("a camera has positive sizes and focal lengths (pixels)", config.location());
-  return camera;
+  return checked_camera(camera, config.location());
 }
 
 FileRecordingContent read_loci_layout(const fs::path& folder) {

@@ -1,6 +1,5 @@
 #include "mapping/recording/ros/bag.h"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +8,8 @@
 
 #include "mapping/base/config.h"
 #include "mapping/base/error.h"
-#include "mapping/recording/ros/compression.h"
+#include "mapping/recording/compression.h"
+#include "mapping/recording/video.h"
 
 namespace loci::mapping {
 namespace {
@@ -19,7 +19,6 @@ namespace fs = std::filesystem;
 constexpr const char* kRos1Magic = "#ROSBAG V";
 constexpr const char* kMcapMagic = "\x89MCAP";
 constexpr const char* kSqliteMagic = "SQLite format 3";
-constexpr const char* kModule = "loci_rosbag.so";  ///< found through the program's RUNPATH
 
 bool begins_with(const fs::path& path, std::string_view magic) {
   std::ifstream file(path, std::ios::binary);
@@ -45,15 +44,6 @@ std::vector<fs::path> storage_files(const fs::path& folder) {
 }
 
 using OpenBag = BagReader* (*)(const fs::path& path);
-
-OpenBag load_module() {
-  void* module = dlopen(kModule, RTLD_NOW | RTLD_LOCAL);
-  void* symbol = module != nullptr ? dlsym(module, "loci_open_bag") : nullptr;
-  if (symbol == nullptr)
-    throw Error(std::string("ROS 1 bags cannot be read: ") + dlerror(), {},
-                "install loci_rosbag.so and librosbag-storage");
-  return reinterpret_cast<OpenBag>(symbol);
-}
 
 /// Several files as one bag; with compression per message, as metadata.yaml says.
 class BagFolder : public BagReader {
@@ -191,7 +181,8 @@ RosBag::RosBag(const fs::path& path) : path_(path) {
   } else {
     if (!is_ros1_bag(path))
       throw Error("this file is not a ROS 1 bag", {path.string(), 0, {}}, "a bag begins with '#ROSBAG V2.0'");
-    static const OpenBag open_bag = load_module();
+    static const auto open_bag = reinterpret_cast<OpenBag>(load_symbol(
+        "loci_rosbag.so", "loci_open_bag", "ROS 1 bags", "install loci_rosbag.so and librosbag-storage"));
     reader_.reset(open_bag(path));
   }
 }

@@ -12,8 +12,8 @@
 #include <set>
 
 #include "mapping/base/error.h"
+#include "mapping/recording/compression.h"
 #include "mapping/recording/ros/bag.h"
-#include "mapping/recording/ros/compression.h"
 #include "mapping/recording/ros/mcap_format.h"
 
 namespace loci::mapping {

@@ -92,13 +92,16 @@ RosMessage RosRecording::message_of(const Stream& stream, size_t message, std::s
 void RosRecording::take(const BagTopic& topic, size_t i, TimeNs recorded, const RosMessage& message,
                         Content& content) const {
   if (topic.type == kImage || topic.type == kCompressed) {
-    Stream& stream = content.images[topic.name];
+    const bool compressed = topic.type == kCompressed;
     const RosHeader header = read_ros_header(message);
+    const std::string encoding =
+        read_ros_encoding(message, compressed);  // Finds messages that are cut off, too.
+    Stream& stream = content.images[topic.name];
     if (stream.when.empty()) {
       stream.topic = topic.name;
       stream.serialization = topic.serialization;
-      stream.compressed = topic.type == kCompressed;
-      stream.encoding = read_ros_encoding(message, stream.compressed);
+      stream.compressed = compressed;
+      stream.encoding = encoding;
       stream.frame = header.frame;
     }
     stream.when.emplace_back(header.stamp_ns != 0 ? header.stamp_ns : recorded, i);

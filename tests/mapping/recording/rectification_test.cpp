@@ -103,7 +103,7 @@ TEST(GridHoles, OfARealShelfAreClosedAndThoseOfAKinectAreLeft) {
   const cv::Mat raw = read_uint16(data / "shelf_bin/frame-000000.depth.png");
   const int before = cv::countNonZero(raw), after = cv::countNonZero(shelf->frame(0).depth > 0);
   EXPECT_GT(after, 1.5 * before);
-  for (const char* name : {"redkitchen_rgbd", "osd_tabletop", "groceries"}) {
+  for (const char* name : {"redkitchen_rgbd", "osd_tabletop", "osd_changes"}) {
     if (!fs::exists(data / name)) continue;
     EXPECT_THAT(open_recording(data / name)->info().guesses,
                 testing::Not(testing::Contains(testing::HasSubstr("grid of holes"))));

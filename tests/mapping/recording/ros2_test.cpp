@@ -8,9 +8,9 @@
 
 #include "mapping/base/csv.h"
 #include "mapping/base/files.h"
+#include "mapping/recording/compression.h"
 #include "mapping/recording/recording.h"
 #include "mapping/recording/ros/bag.h"
-#include "mapping/recording/ros/compression.h"
 #include "mapping/recording/ros/messages.h"
 
 namespace loci::mapping {

@@ -1,4 +1,4 @@
-#include "mapping/recording/ros/compression.h"
+#include "mapping/recording/compression.h"
 
 #include <fmt/format.h>
 #include <lz4frame.h>

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "mapping/base/progress.h"
+#include "mapping/recording/recording.h"
+
+namespace loci::mapping {
+
+/// Layouts that recordings are written in.
+enum class RecordingFormat { loci, mcap, tum };
+
+struct ConvertOptions {
+  RecordingFormat format = RecordingFormat::loci;
+  int every = 1;                              ///< takes every n-th frame
+  std::vector<std::filesystem::path> inputs;  ///< what the same command reads; never replaced
+};
+
+/// Writes a recording in another layout; the number of frames.
+///   loci  the folder that loci reads fastest
+///   mcap  one file for ROS 2, Foxglove and Rerun: depth and colour with their cameras, tf, joints
+///   tum   the folder of the TUM RGB-D benchmark; poses are those of the depth camera
+/// What was there before is replaced only if loci wrote it, and stays when this fails.
+size_t convert_recording(const Recording& recording, const std::filesystem::path& out,
+                         const ConvertOptions& options, Progress& progress);
+
+}  // namespace loci::mapping

@@ -1,0 +1,191 @@
+// What apps on phones with a depth sensor export: nerfstudio's transforms.json (Polycam, Record3D), Stray
+// Scanner.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "mapping/base/csv.h"
+#include "mapping/base/json.h"
+#include "mapping/base/math.h"
+#include "mapping/base/text.h"
+#include "mapping/image/image_io.h"
+#include "mapping/recording/formats/layouts.h"
+#include "mapping/recording/video.h"
+
+namespace loci::mapping {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// x right, y up, z backwards (OpenGL) → x right, y down, z forward.
+const Eigen::DiagonalMatrix<double, 4> kOpenGlFromOptical(1, -1, -1, 1);
+
+/// ARKit's world has y up.
+Isometry3d z_up_from_y_up() {
+  return Isometry3d(Eigen::AngleAxisd(kPi / 2, Vector3d::UnitX()));
+}
+
+PinholeCamera scaled_camera(const PinholeCamera& camera, int width, int height) {
+  const double x = double(width) / camera.width, y = double(height) / camera.height;
+  return {
+      width, height, camera.fx * x, camera.fy * y, (camera.cx + 0.5) * x - 0.5, (camera.cy + 0.5) * y - 0.5};
+}
+
+/// The file that a path of transforms.json means: relative to the folder, and not out of it.
+fs::path file_below(const fs::path& folder, const Json& frame, const char* key,
+                    const FileLocation& location) {
+  if (!frame.contains(key) || !frame[key].is_string()) return {};
+  const fs::path relative = fs::path(frame[key].get<std::string>()).lexically_normal();
+  if (relative.is_absolute() || (!relative.empty() && *relative.begin() == ".."))
+    throw Error("a file outside of the folder is not read: " + relative.string(), location);
+  return folder / relative;
+}
+
+Distortion nerfstudio_distortion(const Json& json, const FileLocation& location) {
+  const std::string model = json.value("camera_model", std::string("OPENCV"));
+  const auto k = [&](const char* key) { return json.contains(key) ? number_of(json[key]) : 0; };
+  if (model == "OPENCV_FISHEYE")
+    return distortion_from("equidistant", {k("k1"), k("k2"), k("k3"), k("k4")}, location);
+  return distortion_from("plumb_bob", {k("k1"), k("k2"), k("p1"), k("p2"), k("k3")}, location);
+}
+
+/// The value of a key in the frame, or else for all frames.
+double camera_value(const Json& json, const Json& frame, const char* key, const FileLocation& location) {
+  if (frame.contains(key)) return number_of(frame[key]);
+  if (json.contains(key)) return number_of(json[key]);
+  throw Error("the camera is not described", {location.file, 0, key},
+              "fl_x, fl_y, cx, cy, w and h are needed");
+}
+
+}  // namespace
+
+bool is_nerfstudio(const fs::path& folder) {
+  return fs::is_regular_file(folder / "transforms.json");
+}
+
+FileRecordingContent read_nerfstudio(const fs::path& folder) {
+  FileRecordingContent content;
+  content.info.format = "nerfstudio";
+  content.info.path = folder.string();
+  content.info.map_frame = "world";
+  content.info.levelled = false;
+  content.info.time_assumed = true;
+  const FileLocation location{(folder / "transforms.json").string(), 0, {}};
+  const Json json = read_json(location.file);
+  const Json frames = json.value("frames", Json::array());
+  if (!frames.is_array()) throw Error("'frames' is a list", location);
+  if (json.contains("depth_unit_scale_factor"))
+    content.depth_scale = number_of(json["depth_unit_scale_factor"]);
+  if (!(content.depth_scale > 0 && content.depth_scale < 1))
+    throw Error("depth_unit_scale_factor is metres per unit, e.g. 0.001", location);
+  for (const Json& each : frames) {
+    FrameFiles frame;
+    frame.depth = file_below(folder, each, "depth_file_path", location);
+    if (frame.depth.empty()) continue;
+    frame.color = file_below(folder, each, "file_path", location);
+    frame.index = static_cast<int64_t>(content.frames.size());
+    frame.time_ns = assumed_time(number_in_name(frame.depth).value_or(frame.index));
+    frame.location = {location.file, 0, frame.depth.filename().string()};
+    std::vector<double> m;
+    for (const Json& row : each.value("transform_matrix", Json::array()))
+      for (const Json& value : row.is_array() ? row : Json::array()) m.push_back(number_of(value));
+    if (m.size() != 12 && m.size() != 16) throw Error("transform_matrix has 4 x 4 numbers", frame.location);
+    if (m.size() == 12) m.insert(m.end(), {0, 0, 0, 1});
+    Isometry3d pose = pose_from_rows(m, frame.location);
+    pose.matrix() = pose.matrix() * kOpenGlFromOptical;
+    frame.map_from_camera = pose;
+    content.frames.push_back(std::move(frame));
+  }
+  if (content.frames.empty())
+    throw Error("transforms.json names no depth images", location,
+                "export with depth: frames need depth_file_path beside file_path");
+  // COLMAP's and ARKit's pixels have their centres at halves.
+  const Json& first = frames[0];
+  const auto value = [&](const char* key) { return camera_value(json, first, key, location); };
+  RgbdCamera& camera = content.info.camera;
+  camera.color = checked_camera(
+      {int(value("w")), int(value("h")), value("fl_x"), value("fl_y"), value("cx") - 0.5, value("cy") - 0.5},
+      location);
+  content.color_distortion = nerfstudio_distortion(json, location);
+  const ImageHeader depth = read_image_header(content.frames[0].depth);
+  camera.depth = scaled_camera(camera.color, depth.width, depth.height);
+  content.depth_distortion = content.color_distortion;
+  if (first.contains("fl_x"))
+    content.info.guesses.emplace_back("the camera of the first frame is taken for all of them");
+  content.info.guesses.emplace_back(
+      "no time stamps: 30 Hz from 2000-01-01T00:00:00Z by the number in the name");
+  return content;
+}
+
+bool is_stray_scanner(const fs::path& folder) {
+  return fs::exists(folder / "odometry.csv") && fs::exists(folder / "camera_matrix.csv") &&
+         fs::is_directory(folder / "depth");
+}
+
+FileRecordingContent read_stray_scanner(const fs::path& folder) {
+  FileRecordingContent content;
+  content.info.format = "stray-scanner";
+  content.info.path = folder.string();
+  content.info.map_frame = "world";
+  content.info.time_assumed = true;
+  const std::vector<double> k = numbers_in(folder / "camera_matrix.csv", 9);
+  const CsvTable table = CsvTable::read(folder / "odometry.csv");
+  const auto column = [&](const std::string& name) {
+    for (const std::string& spelling : {name, " " + name})
+      if (table.column(spelling) >= 0) return static_cast<size_t>(table.column(spelling));
+    return table.require_column(name);
+  };
+  const size_t stamp = column("timestamp"), number = column("frame");
+  std::array<size_t, 7> pose_columns{};
+  for (size_t i = 0; i < 7; ++i)
+    pose_columns[i] = column(std::array{"x", "y", "z", "qx", "qy", "qz", "qw"}[i]);
+  const auto cell = [&](size_t row, size_t at) { return std::stod(trimmed(table.cell(row, at))); };
+  const fs::path video = folder / "rgb.mp4";
+  for (size_t row = 0; row < table.rows(); ++row) {
+    FrameFiles frame;
+    frame.location = table.location(row);
+    try {
+      frame.index = std::stoll(trimmed(table.cell(row, number)));
+      const double seconds = cell(row, stamp);
+      if (!(seconds >= 0 && seconds < 1e9)) throw Error("this stamp is no time", frame.location);
+      frame.time_ns = assumed_time(0) + static_cast<TimeNs>(seconds * 1e9);
+      std::array<double, 7> values{};
+      for (size_t i = 0; i < 7; ++i) values[i] = cell(row, pose_columns[i]);
+      frame.map_from_camera = z_up_from_y_up() * pose_from_values(values, frame.location);
+    } catch (const std::logic_error&) {
+      throw Error("this row is not one of numbers", frame.location);
+    }
+    const std::string name = fmt::format("{:06}.png", frame.index);
+    frame.depth = folder / "depth" / name;
+    if (!fs::exists(frame.depth)) {
+      if (fs::exists(fs::path(frame.depth).replace_extension(".npy")))
+        throw Error("depth of old versions of Stray Scanner (.npy) is not read",
+                    {frame.depth.string(), 0, {}}, "export again with a newer version, which writes PNG");
+      content.info.problems.push_back(fmt::format("{}: no depth image {}", frame.location.text(), name));
+      break;
+    }
+    if (fs::exists(folder / "confidence" / name)) frame.confidence = folder / "confidence" / name;
+    if (fs::exists(video)) {
+      frame.color = video;
+      frame.video_frame = row;
+    }
+    content.frames.push_back(std::move(frame));
+  }
+  if (content.frames.empty()) throw Error("the recording has no frames", {folder.string(), 0, {}});
+  content.min_confidence = 1;  // ARKit: 0 low, 1 medium, 2 high.
+  cv::Size size(1920, 1440);
+  if (fs::exists(video)) {
+    content.video = std::make_shared<Video>(video);
+    size = content.video->frame(0).size();
+  }
+  content.info.camera.color =
+      checked_camera({size.width, size.height, k[0], k[4], k[2] - 0.5, k[5] - 0.5}, {folder.string(), 0, {}});
+  const ImageHeader depth = read_image_header(content.frames[0].depth);
+  content.info.camera.depth = scaled_camera(content.info.camera.color, depth.width, depth.height);
+  content.info.guesses.emplace_back("no date in the stamps: they begin at 2000-01-01T00:00:00Z");
+  content.info.guesses.emplace_back("depth of low confidence is left out");
+  return content;
+}
+
+}  // namespace loci::mapping

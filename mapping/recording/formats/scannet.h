@@ -1,0 +1,46 @@
+#pragma once
+
+#include <fstream>
+#include <mutex>
+
+#include "mapping/recording/file_recording.h"
+
+namespace loci::mapping {
+
+/// Whether a file is a ScanNet stream (.sens, version 4).
+bool is_sens(const std::filesystem::path& path);
+
+/// A ScanNet stream: one file with cameras, poses and compressed images. A truncated one gives the frames
+/// that are whole.
+class SensRecording : public Recording {
+ public:
+  explicit SensRecording(const std::filesystem::path& path);
+
+  const RecordingInfo& info() const override { return info_; }
+  size_t size() const override { return frames_.size(); }
+  RgbdFrame frame(size_t i) const override;
+  TimeNs time_of(size_t i) const override { return frames_.at(i).time_ns; }
+  int64_t index_of(size_t i) const override { return frames_.at(i).index; }
+
+ private:
+  struct Images {
+    uint64_t color_at = 0, color_size = 0, depth_at = 0, depth_size = 0;
+  };
+  template <typename T>
+  T take();
+  std::string read(uint64_t at, uint64_t count) const;
+  void read_header();
+  bool read_frame(int64_t index);
+
+  std::filesystem::path path_;
+  mutable std::mutex mutex_;
+  mutable std::ifstream file_;
+  uint64_t file_size_ = 0, at_ = 0, frames_claimed_ = 0;
+  RecordingInfo info_;
+  bool zlib_depth_ = false, has_color_ = false;
+  float depth_shift_ = 1000;
+  std::vector<FrameFiles> frames_;  ///< index: in images_
+  std::vector<Images> images_;
+};
+
+}  // namespace loci::mapping

@@ -1,0 +1,512 @@
+// Recordings as other programs lay them out, written here by the definition of each format.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <cmath>
+#include <cstring>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "mapping/base/files.h"
+#include "mapping/base/math.h"
+#include "mapping/image/image_io.h"
+#include "mapping/recording/convert.h"
+#include "mapping/recording/gravity.h"
+#include "mapping/recording/posed_recording.h"
+#include "mapping/recording/recording.h"
+#include "mapping/recording/ros/bag.h"
+
+namespace loci::mapping {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::Contains;
+using testing::HasSubstr;
+
+constexpr int kWidth = 64, kHeight = 48;
+
+class Formats : public testing::Test {
+ protected:
+  Formats() {
+    fs::remove_all(root_);
+    make_folder(root_);
+  }
+  ~Formats() override { fs::remove_all(root_); }
+
+  void write(const std::string& name, const std::string& text) const {
+    make_folder((root_ / name).parent_path());
+    write_file_atomically(root_ / name, text);
+  }
+  void write_depth(const std::string& name, uint16_t value, int width = kWidth, int height = kHeight) const {
+    make_folder((root_ / name).parent_path());
+    write_image(root_ / name, cv::Mat(height, width, CV_16UC1, cv::Scalar(value)));
+  }
+  void write_color(const std::string& name, int width = kWidth, int height = kHeight) const {
+    make_folder((root_ / name).parent_path());
+    write_image(root_ / name, cv::Mat(height, width, CV_8UC3, cv::Scalar(10, 20, 30)));
+  }
+  std::string refusal(const fs::path& path) const {
+    try {
+      open_recording(path);
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+      return error.what();
+    }
+    return "no error";
+  }
+  /// Poses of the formats below have no floor to be levelled by: z is kept.
+  static std::unique_ptr<Recording> open_as_is(const fs::path& path, const std::string& poses = {}) {
+    RecordingOptions options;
+    options.up = "keep";
+    options.poses = poses;
+    return open_recording(path, options);
+  }
+
+  fs::path root_ = fs::path(testing::TempDir()) /
+                   (std::string("formats_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+};
+
+// Open3D and Redwood
+// -----------------------------------------------------------------------------------------
+
+TEST_F(Formats, RedwoodFoldersHaveCameraTrajectoryAndMicroseconds) {
+  for (int i = 1; i <= 2; ++i) {
+    write_depth("depth/000000" + std::to_string(i) + "-00000003336" + std::to_string(i) + ".png", 2000);
+    write_color("image/000000" + std::to_string(i) + "-00000003336" + std::to_string(i) + ".jpg");
+  }
+  write("camera_intrinsic.json",
+        R"({"width": 64, "height": 48, "intrinsic_matrix": [52.5, 0, 0, 0, 52.6, 0, 31.9, 23.9, 1]})");
+  write("trajectory.log",
+        "0 0 1\n1 0 0 0.5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 1 2\n1 0 0 1.5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+  const auto recording = open_as_is(root_);
+  EXPECT_EQ(recording->info().format, "redwood");
+  EXPECT_DOUBLE_EQ(recording->info().camera.depth.fy, 52.6);
+  EXPECT_DOUBLE_EQ(recording->info().camera.color.cx, 31.9);
+  ASSERT_EQ(recording->size(), 2U);
+  EXPECT_EQ(recording->time_of(1) - recording->time_of(0), 1000);
+  EXPECT_FLOAT_EQ(recording->frame(0).depth.at<float>(5, 5), 2);
+  EXPECT_NEAR(recording->frame(1).map_from_camera->translation().x(), 1.5, 1e-12);
+  write("trajectory.log", "0 0 1\n1 0 0 0.5\n0 1 0 0\n");
+  EXPECT_THAT(refusal(root_), HasSubstr("trajectory.log"));
+  fs::remove(root_ / "trajectory.log");
+  fs::remove(root_ / "image/0000001-000000033361.jpg");
+  EXPECT_THAT(refusal(root_), HasSubstr("2 depth and 1 colour images"));
+}
+
+TEST_F(Formats, ExportsOfScanNetHaveIntrinsicsAndPosesInFolders) {
+  for (const char* name : {"0", "10", "2"}) {
+    write_depth(std::string("depth/") + name + ".png", 1000);
+    write_color(std::string("color/") + name + ".jpg", 2 * kWidth, 2 * kHeight);
+    write(std::string("pose/") + name + ".txt",
+          std::string("1 0 0 ") + name + "\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+  }
+  write("pose/2.txt", "-inf -inf -inf -inf\n-inf -inf -inf -inf\n-inf -inf -inf -inf\n-inf -inf -inf -inf\n");
+  write("intrinsic/intrinsic_depth.txt", "57 0 32 0\n0 58 24 0\n0 0 1 0\n0 0 0 1\n");
+  write("intrinsic/intrinsic_color.txt", "117 0 64 0\n0 118 48 0\n0 0 1 0\n0 0 0 1\n");
+  const auto recording = open_as_is(root_);
+  ASSERT_EQ(recording->size(), 3U);
+  EXPECT_DOUBLE_EQ(recording->info().camera.color.fx, 117);
+  EXPECT_EQ(recording->info().camera.color.width, 2 * kWidth);
+  EXPECT_FALSE(recording->frame(1).map_from_camera);  // 2, which was lost
+  EXPECT_DOUBLE_EQ(recording->frame(2).map_from_camera->translation().x(), 10);
+}
+
+// Replica
+// ----------------------------------------------------------------------------------------------------
+
+TEST_F(Formats, ReplicaHasAScaleOfItsOwn) {
+  write_depth("results/depth000000.png", 6554);
+  write_color("results/frame000000.jpg");
+  write("cam_params.json",
+        R"({"camera": {"w": 64, "h": 48, "fx": 60, "fy": 60, "cx": 31.5, "cy": 23.5, "scale": 6553.5}})");
+  write("traj.txt", "1 0 0 3 0 1 0 0 0 0 1 0 0 0 0 1\n");
+  const auto recording = open_as_is(root_);
+  EXPECT_EQ(recording->info().format, "replica");
+  EXPECT_NEAR(recording->frame(0).depth.at<float>(1, 1), 1.00008, 1e-5);
+  EXPECT_DOUBLE_EQ(recording->frame(0).map_from_camera->translation().x(), 3);
+  EXPECT_FALSE(recording->frame(0).color.empty());
+  write("traj.txt", "1 0 0 3\n");
+  EXPECT_THAT(refusal(root_), HasSubstr("traj.txt has 0 poses"));
+}
+
+// nerfstudio
+// -------------------------------------------------------------------------------------------------
+
+TEST_F(Formats, TransformsJsonIsTurnedFromOpenGlAndDepthMayBeSmaller) {
+  write_depth("depth/1.png", 1500, kWidth / 2, kHeight / 2);
+  write_color("images/1.jpg");
+  const std::string head =
+      R"({"fl_x": 60, "fl_y": 62, "cx": 32, "cy": 24, "w": 64, "h": 48, "camera_model": "OPENCV", "frames": [)";
+  write("transforms.json", head + R"({"file_path": "images/1.jpg", "depth_file_path": "./depth/1.png",
+      "transform_matrix": [[1,0,0,1],[0,1,0,2],[0,0,1,3],[0,0,0,1]]}]})");
+  const auto recording = open_as_is(root_);
+  EXPECT_EQ(recording->info().format, "nerfstudio");
+  EXPECT_DOUBLE_EQ(recording->info().camera.color.cx, 31.5);
+  EXPECT_DOUBLE_EQ(recording->info().camera.depth.fx, 30);
+  EXPECT_DOUBLE_EQ(recording->info().camera.depth.cx, 15.5);
+  const RgbdFrame frame = recording->frame(0);
+  EXPECT_TRUE((frame.map_from_camera->linear() * Vector3d::UnitZ()).isApprox(-Vector3d::UnitZ()));
+  EXPECT_TRUE((frame.map_from_camera->linear() * Vector3d::UnitY()).isApprox(-Vector3d::UnitY()));
+  EXPECT_DOUBLE_EQ(frame.map_from_camera->translation().z(), 3);
+  EXPECT_FLOAT_EQ(frame.depth.at<float>(1, 1), 1.5);
+  write("transforms.json", head + R"({"file_path": "images/1.jpg", "depth_file_path": "../../etc/1.png",
+      "transform_matrix": [[1,0,0,1],[0,1,0,2],[0,0,1,3],[0,0,0,1]]}]})");
+  EXPECT_THAT(refusal(root_), HasSubstr("outside of the folder"));
+  write("transforms.json", head + R"({"file_path": "images/1.jpg"}]})");
+  EXPECT_THAT(refusal(root_), HasSubstr("names no depth images"));
+}
+
+// Stray Scanner
+// ----------------------------------------------------------------------------------------------
+
+TEST_F(Formats, StrayScannerLeavesOutDepthOfLowConfidence) {
+  write_depth("depth/000000.png", 1200, 32, 24);
+  make_folder(root_ / "confidence");
+  cv::Mat confidence(24, 32, CV_8UC1, cv::Scalar(2));
+  confidence.at<uint8_t>(3, 4) = 0;
+  write_image(root_ / "confidence/000000.png", confidence);
+  write("camera_matrix.csv", "1600.0,0.0,960.0\n0.0,1600.0,720.0\n0.0,0.0,1.0\n");
+  write("odometry.csv",
+        "timestamp, frame, x, y, z, qx, qy, qz, qw\n 75.5, 000000, 0.1, 1.4, 0.3, 0, 0, 0, 1\n");
+  const auto recording = open_recording(root_);
+  EXPECT_EQ(recording->info().format, "stray-scanner");
+  EXPECT_NEAR(recording->info().camera.depth.fx, 1600.0 * 32 / 1920, 1e-9);
+  const RgbdFrame frame = recording->frame(0);
+  EXPECT_FLOAT_EQ(frame.depth.at<float>(1, 1), 1.2F);
+  EXPECT_TRUE(std::isnan(frame.depth.at<float>(3, 4)));
+  EXPECT_NEAR(frame.map_from_camera->translation().z(), 1.4, 1e-9);  // y was up
+  write("odometry.csv",
+        "timestamp, frame, x, y, z, qx, qy, qz, qw\n now, 000000, 0.1, 1.4, 0.3, 0, 0, 0, 1\n");
+  EXPECT_THAT(refusal(root_), HasSubstr("odometry.csv:2"));
+}
+
+// ScanNet
+// ----------------------------------------------------------------------------------------------------
+
+class Sens : public Formats {
+ protected:
+  template <typename T>
+  static void put(std::string& bytes, T value) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
+  }
+  static void put_matrix(std::string& bytes, float f, float x) {
+    for (int i = 0; i < 16; ++i)
+      put(bytes, i % 5 == 0 && i < 10 ? f
+                 : i == 3             ? x
+                 : i % 5 == 0         ? 1.0F
+                 : i == 2 || i == 6   ? 16.0F * (f > 1)
+                                      : 0.0F);
+  }
+  /// A stream of two frames of depth 2 m, the second one lost.
+  static std::string stream() {
+    std::string bytes;
+    put(bytes, uint32_t{4});
+    put(bytes, uint64_t{5});
+    bytes += "Kinec";
+    put_matrix(bytes, 30, 0);
+    put_matrix(bytes, 1, 0);
+    put_matrix(bytes, 31, 0);
+    put_matrix(bytes, 1, 0);
+    put(bytes, int32_t{1});
+    put(bytes, int32_t{1});
+    for (const uint32_t side : {32U, 24U, 32U, 24U}) put(bytes, side);
+    put(bytes, 1000.0F);
+    put(bytes, uint64_t{2});
+    const std::vector<unsigned char> png =
+        encode_image(cv::Mat(24, 32, CV_8UC3, cv::Scalar(1, 2, 3)), ".png");
+    const std::vector<uint16_t> raw(32 * 24, 2000);
+    std::vector<Bytef> packed(compressBound(2 * 32 * 24));
+    uLongf size = packed.size();
+    compress(packed.data(), &size, reinterpret_cast<const Bytef*>(raw.data()), 2 * 32 * 24);
+    for (int i = 0; i < 2; ++i) {
+      if (i == 0)
+        put_matrix(bytes, 1, 0.7F);
+      else
+        for (int k = 0; k < 16; ++k) put(bytes, -std::numeric_limits<float>::infinity());
+      put(bytes, uint64_t{33333});
+      put(bytes, static_cast<uint64_t>(33333 * (i + 1)));
+      put(bytes, uint64_t{png.size()});
+      put(bytes, uint64_t{size});
+      bytes.append(png.begin(), png.end());
+      bytes.append(packed.begin(), packed.begin() + static_cast<std::ptrdiff_t>(size));
+    }
+    return bytes;
+  }
+};
+
+TEST_F(Sens, GivesImagesPosesAndStamps) {
+  write("scene.sens", stream());
+  const auto recording = open_as_is(root_ / "scene.sens");
+  EXPECT_EQ(recording->info().format, "scannet");
+  EXPECT_DOUBLE_EQ(recording->info().camera.depth.fx, 31);
+  EXPECT_DOUBLE_EQ(recording->info().camera.color.cx, 16);
+  ASSERT_EQ(recording->size(), 2U);
+  const RgbdFrame frame = recording->frame(0);
+  EXPECT_FLOAT_EQ(frame.depth.at<float>(3, 3), 2);
+  EXPECT_EQ(frame.color.at<cv::Vec3b>(3, 3), cv::Vec3b(1, 2, 3));
+  EXPECT_NEAR(frame.map_from_camera->translation().x(), 0.7, 1e-6);
+  EXPECT_FALSE(recording->frame(1).map_from_camera);
+  EXPECT_EQ(recording->time_of(1) - recording->time_of(0), 33333000);
+}
+
+TEST_F(Sens, TruncatedGivesWhatIsWholeAndLiesAreRefused) {
+  const std::string whole = stream();
+  write("scene.sens", whole.substr(0, whole.size() - 10));
+  EXPECT_THAT(open_as_is(root_ / "scene.sens")->info().problems,
+              Contains(HasSubstr("1 of 2 frames are whole")));
+  for (size_t size = 4; size < whole.size() / 2; size += 97) {
+    write("scene.sens", whole.substr(0, size));
+    EXPECT_THAT(refusal(root_ / "scene.sens"), HasSubstr("scene.sens"));
+  }
+  std::string lie = whole;
+  std::memset(lie.data() + 4, 0xff, 8);
+  write("scene.sens", lie);
+  EXPECT_THAT(refusal(root_ / "scene.sens"), HasSubstr("too long"));
+}
+
+// What is known and not read
+// ---------------------------------------------------------------------------------
+
+TEST_F(Formats, ForeignFormatsAreRefusedWithTheCommandThatConvertsThem) {
+  write("a.mkv", "\x1a\x45\xdf\xa3 and so on");
+  EXPECT_THAT(refusal(root_ / "a.mkv"), HasSubstr("azure_kinect_mkv_reader.py --input"));
+  write("a.r3d", "PK\3\4");
+  EXPECT_THAT(refusal(root_ / "a.r3d"), HasSubstr("ns-process-data record3d"));
+  write("a.zip", "PK\3\4");
+  EXPECT_THAT(refusal(root_ / "a.zip"), HasSubstr("unzip"));
+}
+
+// Poses from elsewhere
+// ---------------------------------------------------------------------------------------
+
+class Poses : public Formats {
+ protected:
+  Poses() {
+    RgbdCamera camera;
+    camera.depth = camera.color = {kWidth, kHeight, 60, 60, 32, 24};
+    camera.depth_from_color.translation().x() = 0.1;
+    RecordingWriter writer(root_ / "rec", camera, "");
+    for (int i = 0; i < 3; ++i) {
+      RgbdFrame frame;
+      frame.index = 5 + i;
+      frame.time_ns = (100 + i) * kSecond;
+      frame.depth = cv::Mat(kHeight, kWidth, CV_32F, cv::Scalar(1));
+      writer.add(frame);
+    }
+    writer.finish();
+  }
+  Vector3d position(const Recording& recording, size_t i) const {
+    return recording.frame(i).map_from_camera->translation();
+  }
+  std::unique_ptr<Recording> with(const std::string& text) const {
+    write("poses.txt", text);
+    return open_as_is(root_ / "rec", (root_ / "poses.txt").string());
+  }
+  std::string refusal_of(const std::string& text) const {
+    try {
+      with(text);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+};
+
+TEST_F(Poses, OfTumAreTakenAtTheTimeOfTheFrame) {
+  const auto recording = with("# stamp\n99.9 1 0 0 0 0 0 1\n100.1 2 0 0 0 0 0 1\n101 5 0 0 0 0 0 1\n");
+  EXPECT_EQ(recording->info().frames_with_pose, 2U);
+  EXPECT_NEAR(position(*recording, 0).x(), 1.5, 1e-9);
+  EXPECT_NEAR(position(*recording, 1).x(), 5, 1e-9);
+  EXPECT_FALSE(recording->frame(2).map_from_camera);
+  EXPECT_THAT(recording->info().guesses, testing::Not(Contains(HasSubstr("no poses"))));
+  EXPECT_THAT(refusal_of("1 1 0 0 0 0 0 1\n"), HasSubstr("no frame of the recording has a pose"));
+}
+
+TEST_F(Poses, OfKittiBelongToTheFramesInOrder) {
+  const std::string row = "1 0 0 0.5 0 1 0 0 0 0 1 0\n";
+  EXPECT_NEAR(position(*with(row + row + "1 0 0 7 0 1 0 0 0 0 1 0\n"), 2).x(), 7, 1e-9);
+  EXPECT_THAT(refusal_of(row), HasSubstr("1 poses for 3 frames"));
+}
+
+TEST_F(Poses, OfG2oHaveTheIndexOfTheFrame) {
+  const auto recording = with("VERTEX_SE3:QUAT 6 3 0 0 0 0 0 1\nEDGE_SE3:QUAT 5 6 1 0 0 0 0 0 1\n");
+  EXPECT_FALSE(recording->frame(0).map_from_camera);
+  EXPECT_NEAR(position(*recording, 1).x(), 3, 1e-9);
+}
+
+TEST_F(Poses, OfColmapAreOfTheColourCameraAndWorldToCamera) {
+  const auto recording = with(
+      "# Image list with two lines of data per image:\n#   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, "
+      "NAME\n"
+      "1 1 0 0 0 -2 0 0 1 rgb/000006_color.png\n10.5 20.5 -1\n2 1 0 0 0 -4 0 0 1 rgb/000007_color.png\n\n");
+  EXPECT_FALSE(recording->frame(0).map_from_camera);
+  EXPECT_NEAR(position(*recording, 1).x(), 2 - 0.1, 1e-9);
+  EXPECT_NEAR(position(*recording, 2).x(), 4 - 0.1, 1e-9);
+}
+
+TEST_F(Poses, OfAnotherKindAreRefusedWithTheirLine) {
+  EXPECT_THAT(refusal_of("hello world\n"), HasSubstr("poses.txt:1: no poses of a known format"));
+  EXPECT_THAT(refusal_of("VERTEX_SE3:QUAT 6 3 0 0 0 0 x 1\n"), HasSubstr("'x' is no number"));
+  EXPECT_THAT(refusal_of(""), HasSubstr("has no poses"));
+}
+
+// What is up
+// -------------------------------------------------------------------------------------------------
+
+TEST(Up, OfAKitchenIsFoundHoweverItsWorldIsTurned) {
+  const fs::path folder = fs::path(LOCI_SHARED_DIR) / "data/redkitchen_rgbd/frames";
+  if (!fs::exists(folder)) GTEST_SKIP() << "no shared data";
+  const auto level = find_up(*open_recording(folder));
+  ASSERT_TRUE(level);
+  EXPECT_GT(level->z(), 0.98);
+  for (const Vector3d& axis : {Vector3d(1, 0, 0), Vector3d(0, 0.6, 0.8)}) {
+    const Isometry3d turned(Eigen::AngleAxisd(kPi / 2 + 0.2, axis));
+    const auto up = find_up(*in_frame(open_recording(folder), turned, "world"));
+    ASSERT_TRUE(up);
+    EXPECT_GT(up->dot(turned.linear() * Vector3d::UnitZ()), 0.98);
+  }
+}
+
+/// A recording whose camera is held turned by quarter turns.
+class Turned : public Recording {
+ public:
+  Turned(std::unique_ptr<Recording> recording, cv::RotateFlags turn)
+      : recording_(std::move(recording)), turn_(turn) {
+    info_ = recording_->info();
+    info_.frames_with_pose = 0;
+  }
+  const RecordingInfo& info() const override { return info_; }
+  size_t size() const override { return recording_->size(); }
+  TimeNs time_of(size_t i) const override { return recording_->time_of(i); }
+  int64_t index_of(size_t i) const override { return recording_->index_of(i); }
+  RgbdFrame frame(size_t i) const override {
+    RgbdFrame frame = recording_->frame(i);
+    frame.map_from_camera.reset();
+    cv::rotate(frame.depth, frame.depth, turn_);
+    PinholeCamera& camera = frame.camera.depth;
+    const PinholeCamera was = camera;
+    if (turn_ != cv::ROTATE_180) camera = {was.height, was.width, was.fy, was.fx, was.cy, was.cx};
+    if (turn_ == cv::ROTATE_180 || turn_ == cv::ROTATE_90_CLOCKWISE) camera.cx = camera.width - 1 - camera.cx;
+    if (turn_ == cv::ROTATE_180 || turn_ == cv::ROTATE_90_COUNTERCLOCKWISE)
+      camera.cy = camera.height - 1 - camera.cy;
+    return frame;
+  }
+
+ private:
+  std::unique_ptr<Recording> recording_;
+  cv::RotateFlags turn_;
+  RecordingInfo info_;
+};
+
+TEST(Up, OfACameraThatIsHeldSidewaysOrUpsideDownIsSeenByTheTable) {
+  const fs::path folder = fs::path(LOCI_SHARED_DIR) / "data/osd_tabletop";
+  if (!fs::exists(folder)) GTEST_SKIP() << "no shared data";
+  const std::vector<std::pair<cv::RotateFlags, Vector3d>> turns = {
+      {cv::ROTATE_90_CLOCKWISE, Vector3d::UnitX()},
+      {cv::ROTATE_90_COUNTERCLOCKWISE, -Vector3d::UnitX()},
+      {cv::ROTATE_180, Vector3d::UnitY()}};
+  for (const auto& [turn, up] : turns) {
+    const auto found = find_up(Turned(open_recording(folder), turn));
+    ASSERT_TRUE(found) << turn;
+    EXPECT_GT(found->dot(up), 0.5) << turn << ": " << found->transpose();
+  }
+}
+
+TEST_F(Formats, ATumFolderWhoseWorldHasYDownIsTurnedUpright) {
+  const fs::path source = fs::path(LOCI_SHARED_DIR) / "data/redkitchen_rgbd";
+  if (!fs::exists(source)) GTEST_SKIP() << "no shared data";
+  NoProgress progress;
+  const auto original = open_recording(source);
+  convert_recording(*original, root_ / "tum", {.format = RecordingFormat::tum, .every = 20, .inputs = {}},
+                    progress);
+  const Isometry3d y_down(Eigen::AngleAxisd(-kPi / 2, Vector3d::UnitX()));
+  std::string poses;
+  for (size_t i = 0; i < original->size(); i += 20) {
+    const TimeNs time = original->time_of(i);
+    poses += fmt::format("{}.{:09}", time / kSecond, time % kSecond);
+    for (const double value : values_from_pose(y_down * *original->frame(i).map_from_camera))
+      poses += fmt::format(" {}", value);
+    poses += "\n";
+  }
+  write("tum/groundtruth.txt", poses);
+  const auto turned = open_recording(root_ / "tum");
+  EXPECT_THAT(turned->info().guesses, Contains(HasSubstr("turned upright")));
+  for (size_t i = 0; i < turned->size(); ++i) {
+    const Isometry3d truth = *original->frame(20 * i).map_from_camera;
+    const Vector3d up_in_camera = truth.linear().transpose() * Vector3d::UnitZ();
+    EXPECT_GT((turned->frame(i).map_from_camera->linear() * up_in_camera).z(), 0.98);
+  }
+  RecordingOptions options;
+  options.up = "-y";
+  EXPECT_GT((open_recording(root_ / "tum", options)->frame(0).map_from_camera->linear() *
+             original->frame(0).map_from_camera->linear().transpose() * Vector3d::UnitZ())
+                .z(),
+            0.9999);
+  options.up = "keep";
+  EXPECT_THAT(open_recording(root_ / "tum", options)->info().guesses,
+              testing::Not(Contains(HasSubstr("turned upright"))));
+}
+
+TEST(Up, DirectionsAreReadStrictly) {
+  EXPECT_EQ(parse_direction("-y"), Vector3d(0, -1, 0));
+  EXPECT_TRUE(parse_direction("0, -2,0").isApprox(Vector3d(0, -1, 0)));
+  for (const char* text : {"", "up", "1,2", "0,0,0", "1,2,x", "nan,0,0"})
+    EXPECT_THROW(parse_direction(text), Error) << text;
+}
+
+// Convert
+// ----------------------------------------------------------------------------------------------------
+
+TEST_F(Formats, ConvertedRecordingsComeBackEqual) {
+  const fs::path source = fs::path(LOCI_SHARED_DIR) / "data/ros2/redkitchen_ros2_db3";
+  if (!fs::exists(source)) GTEST_SKIP() << "no shared data";
+  const auto original = open_recording(source);
+  NoProgress progress;
+  for (const auto format : {RecordingFormat::loci, RecordingFormat::mcap, RecordingFormat::tum}) {
+    const fs::path out =
+        root_ / (format == RecordingFormat::mcap ? "copy.mcap" : std::to_string(int(format)));
+    EXPECT_EQ(convert_recording(*original, out, {.format = format, .inputs = {source}}, progress), 6U);
+    const auto copy = open_recording(out);
+    ASSERT_EQ(copy->size(), 6U);
+    EXPECT_TRUE(
+        copy->info().camera.depth_from_color.isApprox(original->info().camera.depth_from_color, 1e-9));
+    for (const size_t i : {size_t{0}, size_t{5}}) {
+      const RgbdFrame a = original->frame(i), b = copy->frame(i);
+      EXPECT_EQ(a.time_ns, b.time_ns);
+      EXPECT_EQ(a.camera.color, b.camera.color);
+      EXPECT_LT((a.map_from_camera->matrix() - b.map_from_camera->matrix()).cwiseAbs().maxCoeff(), 1e-8);
+      EXPECT_EQ(cv::norm(a.color, b.color, cv::NORM_INF), 0);
+      EXPECT_EQ(cv::countNonZero((a.depth == a.depth) != (b.depth == b.depth)), 0);
+      cv::Mat difference = cv::abs(a.depth - b.depth);
+      cv::patchNaNs(difference, 0);
+      EXPECT_LT(cv::norm(difference, cv::NORM_INF), 1e-6);
+      const std::string joint = "kitchen_drawer_1_joint";
+      if (format != RecordingFormat::tum) {
+        EXPECT_EQ(a.joints.at(joint), b.joints.at(joint));
+      }
+    }
+  }
+}
+
+TEST_F(Formats, ConvertNeverReplacesItsInputOrOtherPeoplesFiles) {
+  write_depth("rec/depth/1.png", 1000, 640, 480);
+  write_color("rec/color/1.png", 640, 480);
+  write("precious.mcap", "a thesis");
+  const auto recording = open_recording(root_ / "rec");
+  NoProgress progress;
+  for (const auto format : {RecordingFormat::loci, RecordingFormat::tum})
+    EXPECT_THROW(
+        convert_recording(*recording, root_ / "rec", {.format = format, .inputs = {root_ / "rec"}}, progress),
+        Error);
+  EXPECT_THROW(convert_recording(*recording, root_ / "precious.mcap",
+                                 {.format = RecordingFormat::mcap, .inputs = {}}, progress),
+               Error);
+  EXPECT_EQ(read_file(root_ / "precious.mcap"), "a thesis");
+  EXPECT_EQ(open_recording(root_ / "rec")->size(), 1U);
+}
+
+}  // namespace
+}  // namespace loci::mapping
