@@ -105,7 +105,7 @@ std::unique_ptr<Recording> levelled(std::unique_ptr<Recording> recording, const 
     return recording;
   }
   const fs::path transform =
-      beside_or_above(fs::is_directory(path) ? path : path.parent_path(), "world_to_map.txt");
+      beside_or_above(fs::is_directory(path) ? path : fs::absolute(path).parent_path(), "world_to_map.txt");
   if (recording->info().map_frame != "map" && options.poses.empty() && !transform.empty())
     return in_frame(std::move(recording), read_pose_file(transform), "map",
                     fmt::format("poses were moved to the map by {}", transform.string()));

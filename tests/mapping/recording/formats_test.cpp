@@ -422,7 +422,7 @@ TEST_F(Formats, ATumFolderWhoseWorldHasYDownIsTurnedUpright) {
   const auto original = open_recording(source);
   convert_recording(*original, root_ / "tum", {.format = RecordingFormat::tum, .every = 20, .inputs = {}},
                     progress);
-  const Isometry3d y_down(Eigen::AngleAxisd(-kPi / 2, Vector3d::UnitX()));
+  const Isometry3d y_down(Eigen::AngleAxisd(kPi / 2, Vector3d::UnitX()));
   std::string poses;
   for (size_t i = 0; i < original->size(); i += 20) {
     const TimeNs time = original->time_of(i);

@@ -5,6 +5,7 @@
 
 #include <fstream>
 #include <map>
+#include <random>
 
 #include "mapping/base/csv.h"
 #include "mapping/base/files.h"
@@ -85,6 +86,13 @@ TEST_F(Ros2, PosesOfMcapAndSqliteAreThoseOfTheSource) {
 TEST_F(Ros2, SingleFilesReadLikeTheirFolders) {
   EXPECT_EQ(open_recording(kData / "redkitchen_ros2/redkitchen_ros2_0.mcap")->size(), 24U);
   EXPECT_EQ(open_recording(kData / "redkitchen_ros2_db3/redkitchen_ros2_db3_0.db3")->size(), 6U);
+}
+
+TEST_F(Ros2, AFileOfTheCurrentFolderIsReadByItsName) {
+  const fs::path before = fs::current_path();
+  fs::current_path(kData / "redkitchen_ros2_db3");
+  EXPECT_EQ(open_recording("redkitchen_ros2_db3_0.db3")->size(), 6U);
+  fs::current_path(before);
 }
 
 TEST_F(Ros2, TopicsCanBeChosen) {
@@ -224,6 +232,27 @@ TEST_F(Ros2, DamagedBytesAreOneLineEach) {
       EXPECT_FALSE(recording->info().problems.empty()) << part;
     } catch (const Error& error) {
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST_F(Ros2, FlippedBytesNeverDoMoreThanHideMessages) {
+  std::mt19937_64 random(7);
+  for (const char* name : {"rosbag2_py/mcap/convert_a/rewriter_a_0.mcap", "rosbag2_cpp/bags/only_topics.mcap",
+                           "rosbag2_py/sqlite3/talker/talker.db3"}) {
+    const std::string whole = read_file(kData / "rosbag2_resources" / name);
+    const fs::path file = root_ / fs::path(name).filename();
+    for (int round = 0; round < 60; ++round) {
+      std::string bytes = whole;
+      for (int flips = 0; flips < 4; ++flips) bytes[random() % bytes.size()] = static_cast<char>(random());
+      write_file_atomically(file, bytes);
+      try {
+        const RosBag bag(file);
+        bag.visit([](const BagTopic&) { return true; },
+                  [](const BagTopic&, size_t, TimeNs, std::string_view) {});
+      } catch (const Error& error) {
+        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+      }
     }
   }
 }
