@@ -458,7 +458,7 @@ void run(const RunArguments& arguments, Session& session) {
                {"pipeline", context.configuration}};
   if (plan) json.update({{"found", found}, {"plan", to_json(*plan)}});
   session.answer(text, json);
-  if (frames.used() == 0) frames.explain("object", {arguments.recording, 0, {}}, session.warnings());
+  if (frames.used() == 0) frames.explain("object", {arguments.recording.path, 0, {}}, session.warnings());
 }
 
 }  // namespace
