@@ -96,7 +96,7 @@ TEST(RecordAndInfo, BadScenarioLeavesTheOldRecording) {
 TEST(RecordAndInfo, RecordDoesNotWriteIntoAFolderOfOtherThings) {
   const std::string folder = scenario_folder();
   expect_one_line_refusal(run("loci-simulate record " + folder + "/s.yaml -o " + folder),
-                          "holds no recording");
+                          "loci did not write it");
   EXPECT_TRUE(fs::exists(folder + "/s.yaml"));
 }
 
