@@ -4,16 +4,21 @@
 #include <malloc.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
 #include "apps/cli/help.h"
 #include "mapping/base/json.h"
+#include "mapping/base/output_file.h"
 #include "mapping/base/terminal.h"
 
 namespace loci::apps {
 namespace {
+
+constexpr const char* kOutput = "--output";
 
 volatile std::sig_atomic_t interrupt_requested = 0;
 
@@ -41,6 +46,47 @@ void declare_common(ArgumentTable& arguments, CommonFlags& flags, bool alone) {
   arguments.flag("--timing", flags.timing, "Print the time of each stage");
   arguments.option("--threads N", &flags.threads, "Number of threads, 0 for all cores",
                    {.min = 0, .max = 1024});
+}
+
+/// What an argument names, if it is text.
+std::vector<std::filesystem::path> paths_of(const Argument& argument) {
+  if (const auto* text = std::get_if<std::string*>(&argument.variable)) return {**text};
+  if (const auto* path = std::get_if<std::filesystem::path*>(&argument.variable)) return {**path};
+  if (const auto* texts = std::get_if<std::vector<std::string>*>(&argument.variable))
+    return {(*texts)->begin(), (*texts)->end()};
+  if (const auto* paths = std::get_if<std::vector<std::filesystem::path>*>(&argument.variable))
+    return **paths;
+  return {};
+}
+
+/// Whether a file is in SQLite's format.
+bool is_memory(const std::filesystem::path& file) {
+  std::array<char, 16> head{};
+  std::ifstream(file, std::ios::binary).read(head.data(), head.size());
+  return std::string_view(head.data(), head.size()).starts_with("SQLite format 3");
+}
+
+/// Before the work begins: whatever else the command line names and exists is an input, and the output must
+/// not replace it. It replaces no memory either, unless it is one, which has rules of its own.
+void check_outputs(const ArgumentTable& arguments) {
+  std::error_code none;
+  std::vector<std::filesystem::path> inputs;
+  const auto exists = [&](const std::filesystem::path& path) {
+    return !path.empty() && std::filesystem::exists(path, none);
+  };
+  for (const Argument& argument : arguments.all())
+    if (argument.name != kOutput)
+      for (const std::filesystem::path& path : paths_of(argument))
+        if (exists(path)) inputs.push_back(path);
+  const Argument* const output = arguments.find(kOutput);
+  if (output == nullptr) return;
+  for (const std::filesystem::path& path : paths_of(*output)) {
+    if (!exists(path)) continue;
+    for (const std::filesystem::path& input : inputs)
+      if (std::filesystem::equivalent(path, input, none)) refuse_inputs(path, {input});
+    if (output->value_name != "MEMORY" && std::filesystem::is_regular_file(path, none) && is_memory(path))
+      throw Error("is a memory, it is not replaced", {path.string(), 0, {}}, "write to another path");
+  }
 }
 
 /// The memory to use when none was named, and where its name comes from.
@@ -119,6 +165,7 @@ int Program::run_command(const Command& command, const std::vector<std::string>&
       install_interrupt_handler();
       keep_freed_memory();
     }
+    check_outputs(arguments);
     Session session(flags);
     try {
       body(session);

@@ -284,11 +284,13 @@ namespace {
 
 struct CatalogueArguments {
   std::string action, file, memory;
+  bool force = false;
 };
 
 void export_to(const CatalogueArguments& arguments, Session& session) {
   const memory::Catalogue catalogue = catalogue_of(memory::Store::open_read(arguments.memory));
-  write_file_atomically(arguments.file, to_json(catalogue).dump(1) + "\n");
+  write_output(arguments.file, to_json(catalogue).dump(1) + "\n",
+               {.replace = arguments.force ? Replace::anything : Replace::own, .inputs = {arguments.memory}});
   std::map<std::string, size_t> classes;
   for (const memory::CatalogueEntry& entry : catalogue.entries) ++classes[entry.class_name];
   std::string text = fmt::format("{} objects in {}", catalogue.entries.size(), arguments.file);
@@ -321,6 +323,7 @@ Command catalogue_command() {
                              {.choices = {"export", "import"}});
             table.positional("FILE", &arguments->file, "The catalogue, JSON");
             table.memory(arguments->memory);
+            table.flag("--force", arguments->force, "Replace a file that loci did not write");
             return [arguments](Session& session) {
               arguments->action == "export" ? export_to(*arguments, session)
                                             : import_from(*arguments, session);
@@ -394,11 +397,13 @@ Command report_command() {
       [](ArgumentTable& table) {
         struct Arguments {
           std::string memory, output, append_to;
+          bool force = false;
           memory::ReportOptions options;
         };
         auto arguments = std::make_shared<Arguments>();
         table.memory(arguments->memory);
         table.option("-o,--output FILE", &arguments->output, "The page to write");
+        table.flag("--force", arguments->force, "Replace a file that loci did not write");
         table.option("--append-to FILE", &arguments->append_to,
                      "Report of loci-map to which the sections of the memory are added",
                      {.excludes = {"--output"}});
@@ -411,8 +416,13 @@ Command report_command() {
           if (target.empty()) throw UsageError("--output or --append-to is required");
           std::optional<std::string> page;
           if (append_to_page) page = read_file(target);
-          write_file_atomically(target, memory_report(memory::Store::open_read(arguments->memory), page,
-                                                      arguments->options, session.progress()));
+          const OutputOptions options{.replace = arguments->force ? Replace::anything : Replace::own,
+                                      .inputs = {arguments->memory}};
+          check_output(target, options);
+          write_output(target,
+                       memory_report(memory::Store::open_read(arguments->memory), page, arguments->options,
+                                     session.progress()),
+                       options);
           session.answer("report " + target, Json{{"report", target}});
         };
       }};

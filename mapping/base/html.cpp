@@ -115,7 +115,8 @@ std::string html_section(std::string_view id, std::string_view heading, std::str
 
 std::string html_page(std::string_view title, std::string_view sections) {
   return fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"generator\" "
+      "content=\"loci\">\n<meta name=\"viewport\" "
       "content=\"width=device-width, "
       "initial-scale=1\">\n<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n"
       "<main>\n<h1>{0}</h1>\n{2}{3}\n<script>{4}</script>\n</body>\n</html>\n",

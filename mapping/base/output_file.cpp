@@ -70,7 +70,9 @@ bool written_by_loci(const fs::path& file) {
   if (stream == nullptr) return false;
   const size_t count = std::fread(head.data(), 1, head.size(), stream);
   std::fclose(stream);
-  return std::string_view(head.data(), count).find("loci") != std::string_view::npos;
+  const std::string_view text(head.data(), count);
+  // A memory has a rule of its own: no other output replaces it.
+  return !text.starts_with("SQLite format 3") && text.find("loci") != std::string_view::npos;
 }
 
 void refuse_inputs(const fs::path& output, const std::vector<fs::path>& inputs) {
