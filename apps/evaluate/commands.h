@@ -18,5 +18,6 @@ Command normals_command();
 Command occupancy_command();
 Command memory_command();
 Command system_command();
+Command tracking_command();
 
 }  // namespace loci::apps

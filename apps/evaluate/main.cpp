@@ -16,5 +16,6 @@ int main(int argc, char** argv) {
   program.add(loci::apps::occupancy_command());
   program.add(loci::apps::memory_command());
   program.add(loci::apps::system_command());
+  program.add(loci::apps::tracking_command());
   return program.run(argc, argv);
 }

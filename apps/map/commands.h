@@ -13,5 +13,6 @@ Command fuse_command();
 Command interpret_command();
 Command register_command();
 Command next_view_command();
+Command track_command();
 
 }  // namespace loci::apps

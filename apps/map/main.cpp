@@ -3,6 +3,7 @@
 int main(int argc, char** argv) {
   loci::apps::Program program("loci-map", "Build and check semantic URDF maps");
   program.add(loci::apps::check_command());
+  program.add(loci::apps::track_command());
   program.add(loci::apps::fuse_command());
   program.add(loci::apps::interpret_command());
   program.add(loci::apps::compare_command());

@@ -1,0 +1,290 @@
+#include "mapping/tracking/alignment.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+
+namespace loci::mapping::tracking {
+namespace {
+
+using Vector8f = Eigen::Matrix<float, 8, 1>;
+using Matrix8f = Eigen::Matrix<float, 8, 8>;
+
+/// Sums over residuals: of rows (Jacobian, residual, 0), weighted. Blocks are summed in float, the whole in
+/// double.
+class NormalEquations {
+ public:
+  void add(const Vector8f& row, float weight) {
+    const Vector8f weighted = weight * row;
+    block_.noalias() += weighted * row.transpose();
+    if (++in_block_ == 512) close_block();
+  }
+  void close_block() {
+    total_ += block_.cast<double>();
+    block_.setZero();
+    in_block_ = 0;
+  }
+  Matrix6d hessian() const { return total_.topLeftCorner<6, 6>(); }
+  Vector6d gradient() const { return total_.block<6, 1>(0, 6); }
+
+ private:
+  Matrix8f block_ = Matrix8f::Zero();
+  Eigen::Matrix<double, 8, 8> total_ = Eigen::Matrix<double, 8, 8>::Zero();
+  int in_block_ = 0;
+};
+
+Vector8f row_of(const Eigen::Vector3f& shift, const Eigen::Vector3f& turn, float residual) {
+  Vector8f row;
+  row << shift.x(), shift.y(), shift.z(), turn.x(), turn.y(), turn.z(), residual, 0;
+  return row;
+}
+
+/// What errors of the normals add to the information: a plane seems to hold a motion along itself.
+class NormalNoise {
+ public:
+  void add(const Eigen::Vector3f& point, float weight) {
+    weight_ += static_cast<double>(weight);
+    first_ += (weight * point).cast<double>();
+    second_ += (weight * point * point.transpose()).cast<double>();
+  }
+  Matrix6d information() const {
+    Eigen::Matrix3d cross;
+    cross << 0, -first_.z(), first_.y(), first_.z(), 0, -first_.x(), -first_.y(), first_.x(), 0;
+    Matrix6d sum;
+    sum << weight_ * Eigen::Matrix3d::Identity(), -cross, cross,
+        second_.trace() * Eigen::Matrix3d::Identity() - second_;
+    return kAlignment.normal_variance * sum;
+  }
+
+ private:
+  double weight_ = 0;
+  Vector3d first_ = Vector3d::Zero();
+  Eigen::Matrix3d second_ = Eigen::Matrix3d::Zero();
+};
+
+/// What one pass over the model points gives.
+struct Pass {
+  NormalEquations equations;
+  NormalNoise noise;
+  size_t compared = 0, inliers = 0, intensities = 0;
+  double squares = 0, intensity_sum = 0, intensity_absolute = 0;
+};
+
+/// The frame at one level, with cameras as floats.
+struct Target {
+  Target(const FrameImages& frame, size_t number)
+      : level(frame.levels[number]),
+        number_of_level(number),
+        fx(static_cast<float>(level.depth_camera.fx)),
+        fy(static_cast<float>(level.depth_camera.fy)),
+        cx(static_cast<float>(level.depth_camera.cx)),
+        cy(static_cast<float>(level.depth_camera.cy)),
+        color_from_depth(frame.depth_from_color.inverse()),
+        color_fx(static_cast<float>(level.color_camera.fx)),
+        color_fy(static_cast<float>(level.color_camera.fy)),
+        color_cx(static_cast<float>(level.color_camera.cx)),
+        color_cy(static_cast<float>(level.color_camera.cy)) {}
+
+  const ImageLevel& level;
+  size_t number_of_level;
+  float fx, fy, cx, cy;
+  FloatMotion color_from_depth;
+  float color_fx, color_fy, color_cx, color_cy;
+};
+
+float squared(float x) {
+  return x * x;
+}
+
+/// Tukey's weight: nothing beyond the gate.
+float tukey(float residual, float gate) {
+  const float share = 1 - squared(residual / gate);
+  return share > 0 ? share * share : 0;
+}
+
+enum class Match { outside, unmeasured, hidden, different, same };
+
+/// Compares the depth at a model point: `point` and `normal` in the camera frame of the frame.
+Match add_depth(const Target& target, const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
+                Pass& pass) {
+  const ImageLevel& level = target.level;
+  const float u = target.fx * point.x() / point.z() + target.cx,
+              v = target.fy * point.y() / point.z() + target.cy;
+  if (!(u >= 0 && v >= 0 && u < static_cast<float>(level.inverse_depth.cols - 1) &&
+        v < static_cast<float>(level.inverse_depth.rows - 1)))
+    return Match::outside;
+  const int x = static_cast<int>(u + 0.5F), y = static_cast<int>(v + 0.5F);
+  const float inverse = level.inverse_depth.at<float>(y, x);
+  if (inverse <= 0) return Match::unmeasured;
+  const float z = 1 / inverse;
+  const float gate = kAlignment.gate_m[target.number_of_level] + kAlignment.gate_per_z2 * z * z;
+  if (point.z() > z + 2 * gate) return Match::hidden;
+  const cv::Vec3f& other = level.normals.at<cv::Vec3f>(y, x);
+  if (other[2] == 0) return Match::unmeasured;
+  ++pass.compared;
+  const Eigen::Vector3f measured((static_cast<float>(x) - target.cx) / target.fx * z,
+                                 (static_cast<float>(y) - target.cy) / target.fy * z, z);
+  const float residual = normal.dot(measured - point);
+  if (std::abs(residual) > gate ||
+      normal.x() * other[0] + normal.y() * other[1] + normal.z() * other[2] < kAlignment.same_side_cosine)
+    return Match::different;
+  ++pass.inliers;
+  pass.squares += static_cast<double>(residual * residual);
+  const float slant = std::max(0.2F, -normal.dot(measured) / measured.norm());
+  const float sigma2 = squared(static_cast<float>(kAlignment.disparity_sigma) * z * z * slant) +
+                       squared(static_cast<float>(kAlignment.floor_sigma));
+  const float weight = tukey(residual, gate) / sigma2;
+  pass.equations.add(row_of(normal, measured.cross(normal), residual), weight);
+  pass.noise.add(measured, weight);
+  return Match::same;
+}
+
+/// Compares the intensity at a model point, in the colour image, wherever that camera is.
+void add_intensity(const Target& target, const Eigen::Vector3f& point, float expected, float bias,
+                   Pass& pass) {
+  const Eigen::Vector3f seen = target.color_from_depth * point;
+  if (seen.z() < 0.1F) return;
+  const float inverse = 1 / seen.z();
+  const Eigen::Vector2f pixel(target.color_fx * seen.x() * inverse + target.color_cx,
+                              target.color_fy * seen.y() * inverse + target.color_cy);
+  cv::Vec3f sample;
+  if (!interpolated(target.level.intensity, pixel, sample)) return;
+  const float difference = sample[0] - expected;
+  const float residual = difference - bias;
+  if (std::abs(residual) > 2 * kAlignment.intensity_gate) return;
+  ++pass.intensities;
+  pass.intensity_sum += static_cast<double>(difference);
+  pass.intensity_absolute += static_cast<double>(std::abs(residual));
+  // Noise has slopes too, which would hold the pose where it is.
+  if (squared(sample[1]) + squared(sample[2]) < squared(kAlignment.min_intensity_slope)) return;
+  const float gx = sample[1] * target.color_fx * inverse, gy = sample[2] * target.color_fy * inverse;
+  const Eigen::Vector3f slope = target.color_from_depth.rotation.transpose() *
+                                Eigen::Vector3f(gx, gy, -(gx * seen.x() + gy * seen.y()) * inverse);
+  pass.equations.add(row_of(-slope, slope.cross(point), residual),
+                     tukey(residual, kAlignment.intensity_gate) / squared(kAlignment.intensity_sigma));
+}
+
+Pass pass_over(const Target& target, std::span<const Reference> references, const Isometry3d& map_from_camera,
+               float bias) {
+  Pass pass;
+  const bool colored = !target.level.intensity.empty();
+  for (const Reference& reference : references) {
+    const FloatMotion transform(map_from_camera.inverse() * reference.map_from_keyframe);
+    const size_t level = std::min(target.number_of_level, reference.keyframe->levels() - 1);
+    for (const ModelPoint& model : reference.keyframe->points(level)) {
+      const Eigen::Vector3f point = transform * model.position;
+      if (point.z() < 0.1F) continue;
+      const Match match = add_depth(target, point, transform.rotation * model.normal, pass);
+      if (colored && (match == Match::same || match == Match::unmeasured) && !std::isnan(model.intensity))
+        add_intensity(target, point, model.intensity, bias, pass);
+    }
+  }
+  pass.equations.close_block();
+  return pass;
+}
+
+float bias_of(const Pass& pass, float fallback) {
+  return pass.intensities > 50
+             ? static_cast<float>(pass.intensity_sum / static_cast<double>(pass.intensities))
+             : fallback;
+}
+
+Alignment result_of(const Pass& pass, const Isometry3d& pose) {
+  Alignment result;
+  result.map_from_camera = pose;
+  result.information = (pass.equations.hessian() - pass.noise.information()) / kAlignment.correlation;
+  result.compared = pass.compared;
+  result.inliers = pass.inliers;
+  if (pass.inliers > 0) result.rms = std::sqrt(pass.squares / static_cast<double>(pass.inliers));
+  if (pass.intensities > 0)
+    result.intensity_error = pass.intensity_absolute / static_cast<double>(pass.intensities);
+  return result;
+}
+
+}  // namespace
+
+Isometry3d small_motion(const Vector6d& v) {
+  Isometry3d motion = Isometry3d::Identity();
+  const Vector3d turn = v.tail<3>();
+  const double angle = turn.norm();
+  if (angle > 1e-12) motion.linear() = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+  motion.translation() = v.head<3>();
+  return motion;
+}
+
+std::optional<Matrix6d> Alignment::covariance() const {
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information);
+  if (!(solver.eigenvalues()[0] > 1e-6 * solver.eigenvalues()[5])) return std::nullopt;
+  return solver.eigenvectors() * solver.eigenvalues().cwiseInverse().asDiagonal() *
+         solver.eigenvectors().transpose();
+}
+
+Alignment align(const FrameImages& frame, std::span<const Reference> references, const Isometry3d& guess,
+                const LevelRange& levels) {
+  Isometry3d pose = guess;
+  float bias = 0;
+  Pass pass;
+  for (size_t level = std::min(levels.coarsest, frame.levels.size() - 1) + 1; level-- > levels.finest;) {
+    const Target target(frame, level);
+    for (int step = 0; step < kAlignment.max_steps[level]; ++step) {
+      pass = pass_over(target, references, pose, bias);
+      bias = bias_of(pass, bias);
+      Matrix6d hessian = pass.equations.hessian();
+      hessian.diagonal() *= 1 + 1e-6;
+      hessian.diagonal().array() += 1e-3;  // Where nothing determines the pose it stays.
+      const Vector6d motion = -hessian.ldlt().solve(pass.equations.gradient());
+      pose = pose * small_motion(motion);
+      if (motion.head<3>().norm() < kAlignment.stop_translation &&
+          motion.tail<3>().norm() < kAlignment.stop_rotation)
+        break;
+    }
+  }
+  pose.linear() = Eigen::Quaterniond(pose.linear()).normalized().toRotationMatrix();
+  return result_of(pass, pose);
+}
+
+Alignment compare(const FrameImages& frame, std::span<const Reference> references, const Isometry3d& pose,
+                  size_t level) {
+  return result_of(pass_over(Target(frame, std::min(level, frame.levels.size() - 1)), references, pose, 0),
+                   pose);
+}
+
+double overlap(const FrameImages& frame, const Reference& reference, const Isometry3d& map_from_camera) {
+  const ImageLevel& level = frame.levels.front();
+  const Isometry3d transform = map_from_camera.inverse() * reference.map_from_keyframe;
+  const std::vector<ModelPoint>& points = reference.keyframe->points(reference.keyframe->levels() - 1);
+  size_t seen = 0;
+  for (const ModelPoint& model : points) {
+    const Vector3d point = transform * model.position.cast<double>();
+    if (point.z() < 0.1 || (transform.linear() * model.normal.cast<double>()).dot(point) >= 0) continue;
+    const Vector2d pixel = level.depth_camera.project(point);
+    if (!level.depth_camera.contains(pixel)) continue;
+    const float inverse = level.inverse_depth.at<float>(static_cast<int>(std::lround(pixel.y())),
+                                                        static_cast<int>(std::lround(pixel.x())));
+    if (inverse > 0 &&
+        std::abs(point.z() - 1 / static_cast<double>(inverse)) < 0.1 + 0.02 * point.z() * point.z())
+      ++seen;
+  }
+  return points.empty() ? 0 : static_cast<double>(seen) / static_cast<double>(points.size());
+}
+
+std::string objection_to(const Alignment& alignment, double min_inliers) {
+  if (alignment.compared < kVerdict.min_compared) return "too little of the model is in view";
+  if (alignment.inlier_share() < min_inliers) return "the depth does not fit the model";
+  if (alignment.intensity_error > kVerdict.max_intensity_error) return "the colours do not fit the model";
+  const std::optional<Matrix6d> covariance = alignment.covariance();
+  if (!covariance) return "the surfaces in view do not determine the pose";
+  const auto largest = [&](Eigen::Index at) {
+    return std::sqrt(
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance->block<3, 3>(at, at)).eigenvalues()[2]);
+  };
+  if (largest(0) > kVerdict.max_position_sigma || largest(3) > kVerdict.max_rotation_sigma)
+    return "the surfaces in view do not determine the pose";
+  return {};
+}
+
+}  // namespace loci::mapping::tracking

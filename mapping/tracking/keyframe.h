@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "mapping/tracking/features.h"
+#include "mapping/tracking/frame_images.h"
+#include "mapping/tracking/parameters.h"
+
+namespace loci::mapping::tracking {
+
+/// A point of the model with what a frame is compared with, in the camera frame of its keyframe.
+struct ModelPoint {
+  Eigen::Vector3f position;
+  Eigen::Vector3f normal;
+  float intensity = 0;  ///< NaN = unknown
+};
+
+/// A frame whose depth is refined by those that are tracked against it: a piece of the model.
+class Keyframe {
+ public:
+  Keyframe(size_t number, FrameImages images, Features features);
+
+  size_t frame() const { return number_; }
+  const Features& features() const { return features_; }
+  /// Model points for a level of the pyramid.
+  const std::vector<ModelPoint>& points(size_t level) const { return points_[level]; }
+  size_t levels() const { return points_.size(); }
+
+  /// Averages in the depth of a frame that sees the same surfaces.
+  void fuse(const FrameImages& frame, const Isometry3d& frame_from_keyframe);
+
+ private:
+  void rebuild_points();
+
+  size_t number_;
+  FrameImages images_;  ///< the finest inverse depth is fused
+  cv::Mat weights_;     ///< CV_32F, in frames
+  Features features_;
+  std::vector<std::vector<ModelPoint>> points_;
+  int fused_ = 0;
+};
+
+}  // namespace loci::mapping::tracking

@@ -1,0 +1,189 @@
+#include "mapping/tracking/tracking.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "mapping/base/json.h"
+#include "mapping/base/parallel.h"
+#include "mapping/base/stopwatch.h"
+#include "mapping/tracking/tracker.h"
+
+namespace loci::mapping {
+namespace {
+
+using namespace tracking;
+
+PreparedFrame prepared(const Recording& recording, size_t number, bool refine) {
+  const RgbdFrame frame = recording.frame(number);
+  PreparedFrame result{number, frame.time_ns, frame_images(frame), {}, {}};
+  result.features = features_of(result.images);
+  if (refine) result.given = frame.map_from_camera;
+  return result;
+}
+
+/// Frames are prepared ahead on the other threads while one tracks those before.
+std::vector<FrameResult> follow(const Recording& recording, const std::vector<size_t>& numbers,
+                                const TrackingOptions& options, Tracker& tracker, Progress& progress) {
+  const auto batch = static_cast<size_t>(2 * thread_count(options.threads));
+  std::vector<FrameResult> results(numbers.size());
+  std::vector<PreparedFrame> ready;
+  for (size_t begin = 0; begin < numbers.size() + batch; begin += batch) {
+    std::vector<PreparedFrame> next(begin < numbers.size() ? std::min(batch, numbers.size() - begin) : 0);
+    progress.check(static_cast<double>(std::min(begin, numbers.size())) / static_cast<double>(numbers.size()),
+                   fmt::format("tracking frame {} of {}", std::min(begin, numbers.size()), numbers.size()));
+    parallel_each(next.size() + 1, options.threads, [&](size_t task) {
+      if (task > 0) {
+        next[task - 1] = prepared(recording, numbers[begin + task - 1], options.refine);
+        return;
+      }
+      for (size_t i = 0; i < ready.size(); ++i) results[begin - batch + i] = tracker.add(std::move(ready[i]));
+    });
+    ready = std::move(next);
+  }
+  return results;
+}
+
+bool stands_still(const std::vector<TrackedFrame>& frames) {
+  const auto first =
+      std::find_if(frames.begin(), frames.end(), [](const TrackedFrame& f) { return f.map_from_camera; });
+  return std::all_of(first, frames.end(), [&](const TrackedFrame& frame) {
+    if (!frame.map_from_camera) return true;
+    const Isometry3d motion = first->map_from_camera->inverse() * *frame.map_from_camera;
+    return motion.translation().norm() < kStill.max_shift &&
+           Eigen::AngleAxisd(motion.linear()).angle() < kStill.max_turn;
+  });
+}
+
+/// A recording whose poses come from elsewhere.
+class PosedRecording : public Recording {
+ public:
+  PosedRecording(std::shared_ptr<const Recording> recording, std::map<size_t, Isometry3d> poses,
+                 const std::string& map_frame)
+      : recording_(std::move(recording)), poses_(std::move(poses)), info_(recording_->info()) {
+    info_.map_frame = map_frame;
+    info_.frames_with_pose = poses_.size();
+    info_.levelled = info_.levelled && map_frame == recording_->info().map_frame;
+  }
+  const RecordingInfo& info() const override { return info_; }
+  size_t size() const override { return recording_->size(); }
+  RgbdFrame frame(size_t i) const override {
+    RgbdFrame frame = recording_->frame(i);
+    const auto pose = poses_.find(i);
+    frame.map_from_camera = pose == poses_.end() ? std::nullopt : std::optional(pose->second);
+    return frame;
+  }
+  TimeNs time_of(size_t i) const override { return recording_->time_of(i); }
+  int64_t index_of(size_t i) const override { return recording_->index_of(i); }
+  std::string name_of(size_t i) const override { return recording_->name_of(i); }
+
+ private:
+  std::shared_ptr<const Recording> recording_;
+  std::map<size_t, Isometry3d> poses_;
+  RecordingInfo info_;
+};
+
+}  // namespace
+
+void TrackingOptions::declare(OptionTable& table) {
+  table.integer("every", every, "frames", "Tracks every n-th frame.", 1, 100000);
+  table.flag("refine", refine, "Starts from the poses that the recording has, and stays in their frame.");
+}
+
+TrackingResult track(const Recording& recording, const TrackingOptions& options, Progress& progress) {
+  const Stopwatch watch;
+  TrackingOptions checked = options;
+  table_of(checked).validate({"", 0, "track"});
+  const RecordingInfo& info = recording.info();
+  if (recording.size() == 0) throw Error("the recording has no frames", {info.path, 0, ""});
+  if (options.refine && info.frames_with_pose == 0)
+    throw Error("the recording has no poses to refine", {info.path, 0, ""}, "track it without --refine");
+  std::vector<size_t> numbers;
+  for (size_t i = 0; i < recording.size(); i += static_cast<size_t>(options.every)) numbers.push_back(i);
+  Tracker tracker;
+  const std::vector<FrameResult> followed = follow(recording, numbers, options, tracker, progress);
+  if (tracker.map_from_keyframes().empty())
+    throw Error("no frame has enough depth to be tracked", {info.path, 0, ""},
+                "check depth_scale and the range");
+
+  TrackingResult result;
+  for (size_t i = 0; i < numbers.size(); ++i) {
+    TrackedFrame frame{numbers[i], recording.index_of(numbers[i]), recording.time_of(numbers[i]), {}, {}, {}};
+    frame.covariance = followed[i].covariance;
+    frame.objection = followed[i].objection;
+    if (followed[i].keyframe)
+      frame.map_from_camera =
+          tracker.map_from_keyframes()[*followed[i].keyframe] * followed[i].keyframe_from_camera;
+    result.frames.push_back(std::move(frame));
+  }
+  result.map_frame = options.refine ? info.map_frame : "first_camera";
+  result.keyframes = tracker.map_from_keyframes().size();
+  result.loops = tracker.loops();
+  result.still = stands_still(result.frames);
+  if (result.still)
+    for (TrackedFrame& frame : result.frames)
+      if (frame.map_from_camera) frame.map_from_camera = tracker.map_from_keyframes().front();
+  result.seconds = watch.seconds();
+  result.cpu_seconds = watch.cpu_seconds();
+  return result;
+}
+
+std::unique_ptr<Recording> with_poses(std::shared_ptr<const Recording> recording,
+                                      const TrackingResult& result, const std::string& map_frame,
+                                      const Isometry3d& map_from_result) {
+  std::map<size_t, Isometry3d> poses;
+  for (const TrackedFrame& frame : result.frames)
+    if (frame.map_from_camera) poses[frame.number] = map_from_result * *frame.map_from_camera;
+  return std::make_unique<PosedRecording>(std::move(recording), std::move(poses), map_frame);
+}
+
+void require_usable(const TrackingResult& result, const std::string& path) {
+  if (10 * result.good() >= result.frames.size()) return;
+  throw Error("the camera cannot be tracked: " + result.summary(), {path, 0, ""},
+              "move more slowly, keep 0.5 to 4 m from surfaces with corners or texture, or give poses");
+}
+
+bool is_untracked_video(const Recording& recording) {
+  const RecordingInfo& info = recording.info();
+  if (info.frames_with_pose > 0 || recording.size() < 2 || info.format == "pcd") return false;
+  size_t close = 0;
+  for (size_t i = 1; i < recording.size(); ++i)
+    if (recording.time_of(i) - recording.time_of(i - 1) <= kSecond / 2) ++close;
+  return 2 * close >= recording.size() - 1;
+}
+
+size_t TrackingResult::good() const {
+  return static_cast<size_t>(std::count_if(
+      frames.begin(), frames.end(), [](const TrackedFrame& f) { return f.map_from_camera.has_value(); }));
+}
+
+std::string TrackingResult::summary() const {
+  std::string text = fmt::format("{} of {} frames tracked", good(), frames.size());
+  text += still ? "; the camera stands still"
+                : fmt::format(", {} keyframes, {} loop{}", keyframes, loops, loops == 1 ? "" : "s");
+  std::map<std::string, size_t> objections;
+  for (const TrackedFrame& frame : frames)
+    if (!frame.map_from_camera) ++objections[frame.objection];
+  for (const auto& [objection, count] : objections) text += fmt::format("; {} lost: {}", count, objection);
+  return text;
+}
+
+Json TrackingResult::report() const {
+  Json list = Json::array();
+  for (const TrackedFrame& frame : frames) {
+    Json entry = {{"frame", frame.index}, {"verdict", frame.map_from_camera ? "good" : "lost"}};
+    if (frame.map_from_camera) {
+      entry["position_sigma_m"] = std::sqrt(frame.covariance.topLeftCorner<3, 3>().trace());
+      entry["rotation_sigma_deg"] = std::sqrt(frame.covariance.bottomRightCorner<3, 3>().trace()) / kDegree;
+    } else {
+      entry["reason"] = frame.objection;
+    }
+    list.push_back(std::move(entry));
+  }
+  return {{"frames", frames.size()}, {"good", good()},     {"keyframes", keyframes}, {"loops", loops},
+          {"still", still},          {"seconds", seconds}, {"tracked", list}};
+}
+
+}  // namespace loci::mapping

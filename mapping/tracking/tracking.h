@@ -1,0 +1,68 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mapping/base/json_fwd.h"
+#include "mapping/base/options.h"
+#include "mapping/base/progress.h"
+#include "mapping/recording/recording.h"
+
+namespace loci::mapping {
+
+struct TrackingOptions {
+  int every = 1;
+  bool refine = false;
+  int threads = 0;  ///< 0 = all cores; the result is the same on any number
+
+  void declare(OptionTable& table);
+};
+
+/// What is known of the camera's pose at one frame.
+struct TrackedFrame {
+  size_t number = 0;  ///< in the recording
+  int64_t index = 0;
+  TimeNs time_ns = 0;
+  std::optional<Isometry3d> map_from_camera;  ///< unset = lost
+  Eigen::Matrix<double, 6, 6> covariance =
+      Eigen::Matrix<double, 6, 6>::Zero();  ///< of a small motion
+                                            ///< (translation in m, rotation in rad) in the camera frame
+  std::string objection;                    ///< why the frame is lost
+};
+
+struct TrackingResult {
+  std::vector<TrackedFrame> frames;  ///< every n-th of the recording
+  std::string map_frame;             ///< of the poses: "map" only when given poses were refined there
+  size_t keyframes = 0;
+  size_t loops = 0;    ///< places recognised by their appearance
+  bool still = false;  ///< the camera stands still: all good frames have the same pose
+  double seconds = 0;
+  double cpu_seconds = 0;
+
+  size_t good() const;
+  std::string summary() const;
+  Json report() const;
+};
+
+/// Poses of the camera from the images alone: dense alignment with keyframes, loop closure and a pose graph.
+/// The map frame is the camera at the first frame. With `refine`, given poses are the start, and the map
+/// frame is theirs. What is lost is said and has no pose. Same result on any number of threads. Error when
+/// the recording has no frames, when no frame has depth, or with `refine` when no frame has a pose.
+TrackingResult track(const Recording& recording, const TrackingOptions& options, Progress& progress);
+
+/// Error when fewer than a tenth of the frames are good, with the reasons.
+void require_usable(const TrackingResult& result, const std::string& path);
+
+/// Whether a recording without poses is a video that tracking is for: at least two frames, and half of them
+/// within half a second of the one before, with stamps of their own or in a layout of videos.
+bool is_untracked_video(const Recording& recording);
+
+/// The recording with the poses of a result, in `map_frame`; frames that were lost or not tracked have none.
+/// `map_from_result` is put before each pose.
+std::unique_ptr<Recording> with_poses(std::shared_ptr<const Recording> recording,
+                                      const TrackingResult& result, const std::string& map_frame,
+                                      const Isometry3d& map_from_result = Isometry3d::Identity());
+
+}  // namespace loci::mapping

@@ -1,0 +1,305 @@
+#include "mapping/tracking/tracking.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "mapping/base/json.h"
+#include "mapping/base/math.h"
+#include "mapping/base/random.h"
+#include "mapping/tracking/pose_graph.h"
+
+namespace loci::mapping {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kFar = std::numeric_limits<double>::infinity();
+
+struct Box {
+  Vector3d low, high;
+};
+
+/// Smooth pattern of patches, different everywhere.
+double texture(const Vector3d& p) {
+  double value = 0;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3i cell = (p / 0.07 + Vector3d::Constant(1000 + 31 * i)).array().floor().cast<int>();
+    Random random(static_cast<uint64_t>(cell.x() * 73856093 ^ cell.y() * 19349663 ^ cell.z() * 83492791 ^ i));
+    value += random.uniform() / 3;
+  }
+  return 60 + 180 * value;
+}
+
+/// A room with boxes in it, seen by a small depth camera with noise that walks through it.
+class Room : public Recording {
+ public:
+  explicit Room(std::vector<Isometry3d> poses) : poses_(std::move(poses)) {
+    info_.path = "room";
+    info_.frames = poses_.size();
+    info_.camera.depth = {160, 120, 140, 140, 79.5, 59.5};
+    info_.camera.color = info_.camera.depth;
+    info_.camera.depth_from_color.translation().x() = 0.02;
+  }
+
+  const RecordingInfo& info() const override { return info_; }
+  size_t size() const override { return poses_.size(); }
+  TimeNs time_of(size_t i) const override { return static_cast<TimeNs>(i) * kSecond / 30; }
+  int64_t index_of(size_t i) const override { return static_cast<int64_t>(i); }
+
+  RgbdFrame frame(size_t i) const override {
+    RgbdFrame frame;
+    frame.index = index_of(i);
+    frame.time_ns = time_of(i);
+    frame.camera = info_.camera;
+    const PinholeCamera& camera = info_.camera.depth;
+    frame.depth =
+        cv::Mat(camera.height, camera.width, CV_32F, cv::Scalar(std::numeric_limits<float>::quiet_NaN()));
+    frame.color = cv::Mat(camera.height, camera.width, CV_8UC3, cv::Scalar::all(128));
+    if (given_) frame.map_from_camera = given_(poses_[i], i);
+    if (blind_.contains(i)) return frame;
+    Random random = Random(5).fork(i);
+    for (int v = 0; v < camera.height; ++v)
+      for (int u = 0; u < camera.width; ++u) {
+        const double z = depth_along(poses_[i], camera.unproject(u, v, 1));
+        if (z < 5) frame.depth.at<float>(v, u) = static_cast<float>(z + random.normal(0.001 * z * z));
+        if (!textured_) continue;
+        const Isometry3d eye = poses_[i] * info_.camera.depth_from_color;
+        const Vector3d ray = camera.unproject(u, v, 1);
+        const double value = texture(eye * Vector3d(ray * depth_along(eye, ray))) + random.normal(2);
+        frame.color.at<cv::Vec3b>(v, u) = cv::Vec3b::all(static_cast<uint8_t>(value));
+      }
+    return frame;
+  }
+
+  const std::vector<Isometry3d>& poses() const { return poses_; }
+
+  std::vector<Box> boxes_ = {{{0.5, -0.4, -1}, {0.9, 0.2, -0.2}},
+                             {{1.0, 0.5, -1}, {1.5, 1.0, 0.3}},
+                             {{1.2, -1.2, -1}, {1.6, -0.7, 0.1}},
+                             {{1.7, -0.4, 0.2}, {2.0, 0.4, 0.7}}};
+  bool textured_ = true;
+  bool only_wall_ = false;
+  std::set<size_t> blind_;
+  std::function<std::optional<Isometry3d>(const Isometry3d&, size_t)> given_;
+
+ private:
+  double depth_along(const Isometry3d& pose, const Vector3d& ray) const {
+    const Vector3d origin = pose.translation(), direction = pose.linear() * ray;
+    if (only_wall_) return (2 - origin.x()) / direction.x();
+    const Vector3d low(-1.5, -1.8, -1), high(2, 1.8, 1.4);
+    double nearest = kFar;
+    for (int k = 0; k < 3; ++k)
+      if (std::abs(direction[k]) > 1e-9)
+        nearest = std::min(nearest, ((direction[k] > 0 ? high[k] : low[k]) - origin[k]) / direction[k]);
+    for (const Box& box : boxes_) {
+      const Vector3d a = (box.low - origin).cwiseQuotient(direction),
+                     b = (box.high - origin).cwiseQuotient(direction);
+      const double enter = a.cwiseMin(b).maxCoeff(), leave = a.cwiseMax(b).minCoeff();
+      if (enter < leave && enter > 0) nearest = std::min(nearest, enter);
+    }
+    return nearest;
+  }
+
+  std::vector<Isometry3d> poses_;
+  RecordingInfo info_;
+};
+
+/// A camera at (x, y) that looks along x, turned by `yaw`.
+Isometry3d camera_at(double x, double y, double yaw, double pitch = 0) {
+  Isometry3d pose = Isometry3d::Identity();
+  Eigen::Matrix3d optical;
+  optical << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  pose.linear() =
+      Eigen::AngleAxisd(yaw, Vector3d::UnitZ()) * Eigen::AngleAxisd(pitch, Vector3d::UnitY()) * optical;
+  pose.translation() = Vector3d(x, y, 0.2 + 0.1 * pitch);
+  return pose;
+}
+
+std::vector<Isometry3d> walk(size_t frames) {
+  std::vector<Isometry3d> poses;
+  for (size_t i = 0; i < frames; ++i) {
+    const double t = static_cast<double>(i) / 30;
+    poses.push_back(
+        camera_at(-1.2 + 0.1 * t, 0.3 * std::sin(1.5 * t), 0.4 * std::sin(1.1 * t), 0.15 * std::sin(2 * t)));
+  }
+  return poses;
+}
+
+TrackingResult tracked(const Room& room, TrackingOptions options = {}) {
+  NoProgress progress;
+  return track(room, options, progress);
+}
+
+/// The largest error of a good frame, after the first frames are brought together.
+double max_error(const Room& room, const TrackingResult& result) {
+  double error = 0;
+  const TrackedFrame* first = nullptr;
+  for (const TrackedFrame& frame : result.frames) {
+    if (!frame.map_from_camera) continue;
+    if (first == nullptr) first = &frame;
+    const Isometry3d measured = first->map_from_camera->inverse() * *frame.map_from_camera;
+    const Isometry3d truth = room.poses()[first->number].inverse() * room.poses()[frame.number];
+    error = std::max(error, (measured.translation() - truth.translation()).norm());
+  }
+  return error;
+}
+
+TEST(Tracking, FollowsAWalkThroughARoom) {
+  const Room room(walk(60));
+  const TrackingResult result = tracked(room);
+  EXPECT_EQ(result.good(), 60U);
+  EXPECT_LT(max_error(room, result), 0.01);
+  EXPECT_GT(result.keyframes, 1U);
+  EXPECT_FALSE(result.still);
+  EXPECT_THAT(result.summary(), HasSubstr("60 of 60 frames tracked"));
+}
+
+TEST(Tracking, FastMotionStartsFromFeatures) {
+  const Room room(walk(120));
+  TrackingOptions options;
+  options.every = 8;
+  const TrackingResult result = tracked(room, options);
+  EXPECT_EQ(result.good(), result.frames.size());
+  EXPECT_LT(max_error(room, result), 0.015);
+}
+
+TEST(Tracking, ACameraThatStandsStillIsRecognised) {
+  const Room room(std::vector<Isometry3d>(12, camera_at(-1.2, 0, 0)));
+  const TrackingResult result = tracked(room);
+  EXPECT_TRUE(result.still);
+  EXPECT_EQ(result.good(), 12U);
+  EXPECT_EQ(max_error(room, result), 0);
+  EXPECT_THAT(result.summary(), HasSubstr("stands still"));
+}
+
+TEST(Tracking, AWallWithoutTextureIsLostNotGuessed) {
+  Room room(walk(10));
+  room.only_wall_ = true;
+  room.textured_ = false;
+  const TrackingResult result = tracked(room);
+  EXPECT_EQ(result.good(), 1U);  // The first, which defines the map frame.
+  EXPECT_THAT(result.frames[5].objection, HasSubstr("do not determine the pose"));
+  EXPECT_THAT(result.summary(), HasSubstr("9 lost"));
+}
+
+TEST(Tracking, TheColoursOfAFlatWallDetermineThePose) {
+  Room room(walk(20));
+  room.only_wall_ = true;
+  const TrackingResult result = tracked(room);
+  EXPECT_EQ(result.good(), 20U);
+  EXPECT_LT(max_error(room, result), 0.02);
+}
+
+TEST(Tracking, FindsBackAfterFramesWithoutDepth) {
+  Room room(walk(60));
+  for (size_t i = 25; i < 35; ++i) room.blind_.insert(i);
+  const TrackingResult result = tracked(room);
+  EXPECT_EQ(result.good(), 50U);
+  EXPECT_THAT(result.frames[30].objection, HasSubstr("hardly any depth"));
+  EXPECT_FALSE(result.frames[30].map_from_camera);
+  EXPECT_LT(max_error(room, result), 0.015);
+}
+
+TEST(Tracking, AnotherPlaceIsLostAndTheKnownOneFoundAgain) {
+  std::vector<Isometry3d> poses = walk(30);
+  for (int i = 0; i < 10; ++i) poses.push_back(camera_at(0, 0, kPi, 0.02 * i));
+  for (int i = 0; i < 10; ++i) poses.push_back(camera_at(-1.1, 0.05, 0.01 * i));
+  const Room room(poses);
+  const TrackingResult result = tracked(room);
+  for (size_t i = 30; i < 40; ++i) EXPECT_FALSE(result.frames[i].map_from_camera) << i;
+  for (size_t i = 41; i < 50; ++i)
+    EXPECT_TRUE(result.frames[i].map_from_camera) << i << result.frames[i].objection;
+  EXPECT_LT(max_error(room, result), 0.05);
+}
+
+TEST(Tracking, SameResultOnAnyNumberOfThreads) {
+  const Room room(walk(20));
+  TrackingOptions one, three;
+  one.threads = 1;
+  three.threads = 3;
+  const TrackingResult a = tracked(room, one), b = tracked(room, three);
+  ASSERT_EQ(a.frames.size(), b.frames.size());
+  for (size_t i = 0; i < a.frames.size(); ++i) {
+    ASSERT_EQ(a.frames[i].map_from_camera.has_value(), b.frames[i].map_from_camera.has_value());
+    EXPECT_EQ(a.frames[i].map_from_camera->matrix(), b.frames[i].map_from_camera->matrix());
+    EXPECT_EQ(a.frames[i].covariance, b.frames[i].covariance);
+  }
+}
+
+TEST(Tracking, GivenPosesAreRefinedInTheirFrame) {
+  Room room(walk(30));
+  room.given_ = [](const Isometry3d& pose, size_t i) {
+    Random random = Random(3).fork(i);
+    Isometry3d noisy = pose;
+    noisy.translation() += Vector3d(random.normal(0.02), random.normal(0.02), random.normal(0.02));
+    return std::optional(noisy);
+  };
+  TrackingOptions options;
+  options.refine = true;
+  EXPECT_THROW(tracked(room, options), Error);  // Its info says that there are none.
+  class Posed : public Room {
+   public:
+    explicit Posed(const Room& room) : Room(room), posed_(room.info()) {
+      posed_.frames_with_pose = posed_.frames;
+      posed_.map_frame = "map";
+    }
+    const RecordingInfo& info() const override { return posed_; }
+
+   private:
+    RecordingInfo posed_;
+  };
+  const TrackingResult result = tracked(Posed(room), options);
+  EXPECT_EQ(result.map_frame, "map");
+  EXPECT_EQ(result.good(), 30U);
+  EXPECT_LT(max_error(room, result), 0.01);  // Between frames; the given ones are off by 3 cm.
+  EXPECT_LT((result.frames[10].map_from_camera->translation() - room.poses()[10].translation()).norm(), 0.06);
+}
+
+TEST(Tracking, PosesComeWithTheRecording) {
+  auto room = std::make_shared<Room>(walk(12));
+  const TrackingResult result = tracked(*room);
+  const auto posed = with_poses(room, result, "map", camera_at(0, 0, 0));
+  EXPECT_EQ(posed->info().frames_with_pose, 12U);
+  EXPECT_EQ(posed->info().map_frame, "map");
+  EXPECT_TRUE(posed->frame(0).map_from_camera->isApprox(camera_at(0, 0, 0)));
+}
+
+TEST(Tracking, NothingToTrackIsAnError) {
+  Room room(walk(3));
+  room.blind_ = {0, 1, 2};
+  EXPECT_THROW(tracked(room), Error);
+  EXPECT_THROW(tracked(Room({})), Error);
+}
+
+TEST(PoseGraph, AWrongLoopHasLittleWeight) {
+  std::vector<Isometry3d> truth, poses;
+  std::vector<tracking::PoseConstraint> constraints;
+  const auto information = tracking::Matrix6d(tracking::Matrix6d::Identity() * 1e6);  // 1 mm, 1 mrad
+  for (size_t i = 0; i < 8; ++i) {
+    truth.push_back(camera_at(0.2 * static_cast<double>(i), 0, 0.1 * static_cast<double>(i)));
+    poses.push_back(truth.back());
+    if (i > 0) poses.back().translation() += Vector3d(0.02, 0.03, -0.01) * static_cast<double>(i);
+    if (i > 0) constraints.push_back({i - 1, i, truth[i - 1].inverse() * truth[i], information});
+    if (i > 1) constraints.push_back({i - 2, i, truth[i - 2].inverse() * truth[i], information});
+  }
+  constraints.push_back({0, 7, Isometry3d::Identity(), information});
+  tracking::optimise(poses, constraints);
+  for (size_t i = 0; i < poses.size(); ++i)
+    EXPECT_LT((poses[i].translation() - truth[i].translation()).norm(), 0.01) << i;
+}
+
+TEST(PoseGraph, GravityLevelsTheMap) {
+  std::vector<Isometry3d> poses = {Isometry3d::Identity(),
+                                   Isometry3d(Eigen::AngleAxisd(0.3, Vector3d::UnitY()))};
+  const Vector3d up(0.1, -0.9, 0.2);
+  tracking::optimise(poses, {{0, 1, poses[0].inverse() * poses[1], tracking::Matrix6d::Identity() * 1e4}},
+                     {{0, up.normalized(), 0.01}});
+  EXPECT_NEAR((poses[0].linear() * up.normalized()).z(), 1, 1e-6);
+}
+
+}  // namespace
+}  // namespace loci::mapping
