@@ -21,7 +21,7 @@ struct ReasonText {
 
 /// In the order of Reason.
 constexpr std::array<ReasonText, static_cast<size_t>(Reason::count)> kReasons = {{
-    {"no_pose", "no pose of the camera", "give the recording poses (frames.csv)"},
+    {"no_pose", "no pose of the camera", "give it poses: loci-map track, or --poses FILE"},
     {"no_matching_frame", "no such frame in the recording",
      "check the times or names of the images, and that it is the recording that was detected in"},
     {"no_depth", "an empty depth image", "check the depth images and invalid_depth"},
@@ -32,14 +32,14 @@ constexpr std::array<ReasonText, static_cast<size_t>(Reason::count)> kReasons = 
     {"no_plane", "no supporting plane",
      "show a table or counter from above, or lower min_area_m2 of PlaneClusterExtractor"},
     {"camera_rolled", "a plane only if the camera was on its side or upside down",
-     "give the recording poses (frames.csv), or turn its images"},
+     "give the recording poses (loci-map track), or turn its images"},
     {"map_not_level", "a plane that is not level in the frame of the poses",
-     "the poses need a frame with z up: give world_to_map.txt"},
+     "the poses need a frame with z up: give --up or world_to_map.txt"},
     {"outside_map", "nothing of the map in view", "check that the poses are in the frame of the map"},
     {"no_support_in_view", "no support of the map in view",
      "show a counter or a table of the map, or check the sidecar of the map for supports"},
     {"unconfirmed", "objects that no other frame shows in the same place",
-     "if the camera moved, the recording needs poses"},
+     "if the camera moved, the recording needs poses: loci-map track"},
     {"annotator_failed", "an annotator that failed", "the warnings say which (--verbose)"},
     {"outside_image", "a region outside the image", "check the size of the images that were detected in"},
     {"no_depth_inside", "no depth inside the region",

@@ -93,7 +93,7 @@ TEST(Fusion, RefusesARecordingWithoutAnyPoseWithTheReason) {
     fused(recording);
     FAIL() << "fused";
   } catch (const Error& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("no pose of the camera in 3; give the recording poses"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("no pose of the camera in 3; give it poses"));
   }
 }
 
